@@ -1,0 +1,97 @@
+//! The pre-defined error field 1003h: the last errors, the newest at sub-index 1.
+
+use core::mem::swap;
+
+use crate::cia301::sdo::AbortCode;
+use crate::od::{self, Dictionary, Entry, Location};
+
+/// Index of the pre-defined error field.
+pub(super) const INDEX: u16 = 0x1003;
+
+/// Bytes of one error.
+const WORD: usize = 4;
+
+/// Where 1003h lies in the RAM of one dictionary. The errors lie one behind the other there, so that moving them down is
+/// one walk over memory.
+#[derive(Debug)]
+pub(super) struct History {
+    /// Of sub-index 0, the number of errors.
+    count: usize,
+    /// Of sub-index 1.
+    first: usize,
+    /// How many errors there is room for; 0 without 1003h.
+    capacity: usize,
+}
+
+impl History {
+    pub(super) const fn new() -> Self {
+        Self {
+            count: 0,
+            first: 0,
+            capacity: 0,
+        }
+    }
+
+    /// Looks it up. A sub-index that does not lie behind the one before it ends the field.
+    pub(super) fn configure<D: Dictionary>(&mut self) {
+        *self = Self::new();
+        let mut places =
+            D::TABLE
+                .range(INDEX..=INDEX)
+                .iter()
+                .map_while(|entry| match entry.location() {
+                    Location::Ram(offset) => Some((usize::from(offset), usize::from(entry.size))),
+                    Location::Rom(_) => None,
+                });
+        if let (Some((count, 1)), Some((first, WORD))) = (places.next(), places.next()) {
+            let mut next = first;
+            self.count = count;
+            self.first = first;
+            self.capacity = 1 + places
+                .take_while(|place| {
+                    next = next.saturating_add(WORD);
+                    *place == (next, WORD)
+                })
+                .count();
+        }
+    }
+
+    /// Puts an error at sub-index 1 and moves the others down; the oldest falls out of a full field.
+    pub(super) fn insert<D: Dictionary>(&self, dictionary: &mut D, word: u32) {
+        let ram = dictionary.ram_mut();
+        let present = ram.get(self.count).copied().unwrap_or(0);
+        let places = self.places(ram);
+        let is_full = usize::from(present) >= places.len();
+        let mut carried = word.to_le_bytes();
+        // One more than are present, as far as there is room.
+        for place in places.iter_mut().take(usize::from(present) + 1) {
+            swap(place, &mut carried);
+        }
+        if !is_full && let Some(count) = ram.get_mut(self.count) {
+            *count = present.saturating_add(1);
+        }
+    }
+
+    /// Writing 0 to sub-index 0 empties the field: the errors become 0 as well, so that none returns.
+    pub(super) fn clear<D: Dictionary>(&self, dictionary: &mut D) {
+        self.places(dictionary.ram_mut()).fill([0; WORD]);
+    }
+
+    /// The bytes of the errors, the newest first.
+    fn places<'a>(&self, ram: &'a mut [u8]) -> &'a mut [[u8; WORD]] {
+        let (places, _) = ram.get_mut(self.first..).unwrap_or(&mut []).as_chunks_mut();
+        places.get_mut(..self.capacity).unwrap_or(&mut [])
+    }
+}
+
+/// Whether a sub-index of 1003h has a value now.
+///
+/// # Errors
+/// [`AbortCode::NoData`] above the number of errors (CiA 301, 7.5.2.6).
+pub(crate) fn is_present<D: Dictionary>(dictionary: &D, entry: &Entry) -> Result<(), AbortCode> {
+    if entry.sub == 0 || entry.sub <= od::read_u8(dictionary, INDEX, 0).unwrap_or(0) {
+        Ok(())
+    } else {
+        Err(AbortCode::NoData)
+    }
+}

@@ -1,0 +1,62 @@
+//! Emergency (CiA 301, 7.2.7): one message when an error appears, one when it is gone.
+//!
+//! A message has the emergency error code, the error register (object 1001h) and five bytes of the manufacturer. Its
+//! COB-ID is object 1014h, the time that must lie between two messages object 1015h. Object 1003h keeps the last errors,
+//! the newest first: the code in the low word, the first two manufacturer bytes in the high word.
+//!
+//! The contract of the producer:
+//! - An error is told once, however often it is reported, until it is cleared. What tells two errors apart is what the
+//!   history would show: the code and the first two manufacturer bytes.
+//! - The error register holds the bits of every error that stands, and the generic bit as long as there is one.
+//! - "No error" (code 0000h) carries what is left in the error register.
+//! - Without a valid COB-ID, and in a state without emergency messages (Stopped), register and history go on.
+//! - The inhibit time delays messages and drops none; a new one counts at once. The queue holds sixteen. In a full one
+//!   the oldest message makes room for the newest, and is counted: the last word of the device agrees with the register.
+//! - An error of one source, such as the length error of one PDO, is cleared by itself; others of the same code stand.
+
+mod active;
+mod history;
+mod parameters;
+mod producer;
+mod queue;
+
+pub(crate) use history::is_present;
+pub use producer::Producer;
+
+/// An error as CiA 301 reports it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Emergency {
+    /// Emergency error code (CiA 301 table 26 and the device profile).
+    pub code: u16,
+    /// Bits of the error register 1001h that stand while the error stands; the generic bit 0 is always added.
+    pub register: u8,
+    /// Manufacturer-specific bytes of the frame.
+    pub info: [u8; 5],
+}
+
+impl Emergency {
+    /// The word of this error in the history 1003h. It also is what tells two errors apart.
+    pub const fn history_word(&self) -> u32 {
+        let [low, high, ..] = self.info;
+        let [code_low, code_high] = self.code.to_le_bytes();
+        u32::from_le_bytes([code_low, code_high, low, high])
+    }
+}
+
+/// Bits of the error register 1001h.
+#[derive(Debug)]
+pub struct ErrorRegister;
+
+#[allow(missing_docs, reason = "the names are the standard's own")]
+impl ErrorRegister {
+    pub const GENERIC: u8 = 1 << 0;
+    pub const CURRENT: u8 = 1 << 1;
+    pub const VOLTAGE: u8 = 1 << 2;
+    pub const TEMPERATURE: u8 = 1 << 3;
+    pub const COMMUNICATION: u8 = 1 << 4;
+    pub const DEVICE_PROFILE: u8 = 1 << 5;
+    pub const MANUFACTURER: u8 = 1 << 7;
+}
+
+#[cfg(test)]
+mod tests;

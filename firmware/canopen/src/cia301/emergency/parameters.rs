@@ -1,0 +1,86 @@
+//! What a master may write to the objects of the emergency producer: 1003h, 1014h, 1015h.
+
+use super::Producer;
+use super::history;
+use crate::cia301::sdo::AbortCode;
+use crate::od::{self, Dictionary, Entry};
+use crate::time::Duration;
+use crate::wire::cob_id::{CobId, is_restricted};
+
+/// COB-ID EMCY.
+const COB_ID: u16 = 0x1014;
+/// Inhibit time EMCY, in 100 µs.
+const INHIBIT_TIME: u16 = 0x1015;
+
+/// One unit of an inhibit time, in µs.
+const INHIBIT_UNIT: u64 = 100;
+
+impl Producer {
+    /// Takes its parameters from the dictionary, after power-on values have been loaded.
+    pub fn configure<D: Dictionary>(&mut self, dictionary: &D) {
+        self.history.configure::<D>();
+        self.register = od::find::<D>(0x1001, 0).ok();
+        let cob_id = od::read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::INVALID);
+        self.queue.set_cob_id(CobId(cob_id));
+        self.configure_inhibit_time(dictionary);
+    }
+
+    /// Whether 1003h, 1014h or 1015h may get this value; called after the dictionary's own checks.
+    ///
+    /// # Errors
+    /// [`AbortCode::InvalidValue`]: 1003h:0 is not 0 (CiA 301, 7.5.2.6); 1014h is an extended, restricted or other
+    /// identifier while the present one is valid (7.5.2.17).
+    pub fn validate<D: Dictionary>(
+        &self,
+        dictionary: &D,
+        entry: &Entry,
+        value: &[u8],
+    ) -> Result<(), AbortCode> {
+        let is_allowed = match entry.index {
+            history::INDEX => value == [0],
+            COB_ID => {
+                let present = CobId(od::read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::INVALID));
+                let wanted = CobId(value.try_into().map_or(CobId::INVALID, u32::from_le_bytes));
+                may_become(present, wanted)
+            }
+            _ => true,
+        };
+        if is_allowed {
+            Ok(())
+        } else {
+            Err(AbortCode::InvalidValue)
+        }
+    }
+
+    /// 1003h, 1014h or 1015h was written.
+    pub fn written<D: Dictionary>(&mut self, dictionary: &mut D, entry: &Entry) {
+        match entry.index {
+            history::INDEX => self.history.clear(dictionary),
+            COB_ID => {
+                let cob_id = od::read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::INVALID);
+                self.queue.set_cob_id(CobId(cob_id));
+            }
+            _ => self.configure_inhibit_time(dictionary),
+        }
+    }
+
+    fn configure_inhibit_time<D: Dictionary>(&mut self, dictionary: &D) {
+        let units = od::read_u16(dictionary, INHIBIT_TIME, 0).unwrap_or(0);
+        self.queue
+            .set_inhibit_time(Duration::from_ticks(u64::from(units) * INHIBIT_UNIT));
+    }
+}
+
+/// The rules of 1014h: it must be switched off (bit 31) before its identifier changes; bit 30 is reserved, and there are no
+/// 29-bit identifiers.
+fn may_become(present: CobId, wanted: CobId) -> bool {
+    const RESERVED: u32 = 1 << 30;
+    if !wanted.is_base_frame() || wanted.0 & RESERVED != 0 {
+        return false;
+    }
+    if !wanted.is_valid() {
+        return true;
+    }
+    let is_same = wanted.identifier() == present.identifier();
+    !is_restricted(wanted.identifier()) && (is_same || !present.is_valid())
+}

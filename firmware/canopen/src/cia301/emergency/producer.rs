@@ -1,0 +1,150 @@
+//! The emergency producer: from errors that come and go to the error register, the history and the messages.
+
+use super::Emergency;
+use super::active::ActiveErrors;
+use super::history::History;
+use super::queue::EmergencyQueue;
+use crate::od::{self, Dictionary, Entry};
+use crate::time::Instant;
+use crate::wire::Frame;
+
+/// The emergency producer of a device.
+#[derive(Debug)]
+pub struct Producer {
+    active: ActiveErrors,
+    pub(super) history: History,
+    pub(super) queue: EmergencyQueue,
+    /// Object 1001h.
+    pub(super) register: Option<&'static Entry>,
+}
+
+impl Producer {
+    /// A producer without errors, silent until [`Producer::configure`].
+    pub const fn new() -> Self {
+        Self {
+            active: ActiveErrors::new(),
+            history: History::new(),
+            queue: EmergencyQueue::new(),
+            register: None,
+        }
+    }
+
+    /// Forgets every error: NMT reset node. Whoever still sees its error reports it again.
+    pub fn reset(&mut self) {
+        self.active.reset();
+        self.queue.clear();
+    }
+
+    /// Drops the messages that wait: Stopped is entered, or communication starts anew.
+    pub fn drop_messages(&mut self) {
+        self.queue.clear();
+    }
+
+    /// An error appeared. Nothing happens if it stands already. `may_send`: the NMT state has emergency messages.
+    pub fn report<D: Dictionary>(
+        &mut self,
+        dictionary: &mut D,
+        emergency: &Emergency,
+        may_send: bool,
+        now: Instant,
+    ) {
+        if !self.active.add(emergency) {
+            return;
+        }
+        let register = self.show_register(dictionary);
+        self.history.insert(dictionary, emergency.history_word());
+        if may_send {
+            self.queue
+                .push(message(emergency.code, register, emergency.info), now);
+        }
+    }
+
+    /// This error is gone, others with the same code stand. Nothing happens if it did not stand. `may_send` as in
+    /// [`Producer::report`].
+    pub fn clear_one<D: Dictionary>(
+        &mut self,
+        dictionary: &mut D,
+        emergency: &Emergency,
+        may_send: bool,
+        now: Instant,
+    ) {
+        if self.active.remove(emergency) {
+            self.tell_gone(dictionary, may_send, now);
+        }
+    }
+
+    /// Every error with this code is gone. Nothing happens if none stood. `may_send` as in [`Producer::report`].
+    pub fn clear<D: Dictionary>(
+        &mut self,
+        dictionary: &mut D,
+        code: u16,
+        may_send: bool,
+        now: Instant,
+    ) {
+        if self.active.remove_all(code) {
+            self.tell_gone(dictionary, may_send, now);
+        }
+    }
+
+    fn tell_gone<D: Dictionary>(&mut self, dictionary: &mut D, may_send: bool, now: Instant) {
+        let register = self.show_register(dictionary);
+        if may_send {
+            self.queue.push(message(NO_ERROR, register, [0; 5]), now);
+        }
+    }
+
+    /// Writes the error register to 1001h: after an error came or went, and after power-on values were loaded.
+    pub fn show_register<D: Dictionary>(&self, dictionary: &mut D) -> u8 {
+        let register = self.active.register();
+        if let Some(entry) = self.register {
+            od::put(dictionary, entry, &[register]);
+        }
+        register
+    }
+
+    /// Whether [`Producer::poll`] has something to do: a message is held back, or one that the inhibit time follows has
+    /// not left yet.
+    pub fn needs_time(&self) -> bool {
+        self.queue.needs_time()
+    }
+
+    /// Whether a message may be sent now.
+    pub const fn is_pending(&self) -> bool {
+        self.queue.is_pending()
+    }
+
+    /// Lets the inhibit time pass; returns when it wants to be called again.
+    pub fn poll(&mut self, now: Instant) -> Instant {
+        self.queue.release(now)
+    }
+
+    /// The identifier of the message that may be sent now.
+    pub fn pending(&self) -> Option<u16> {
+        self.queue.pending()
+    }
+
+    /// The message that may be sent now, removed.
+    pub fn take(&mut self) -> Option<Frame> {
+        self.queue.take()
+    }
+
+    /// Messages that lost their room since power-on.
+    pub fn overflows(&self) -> u32 {
+        self.queue.overflows()
+    }
+}
+
+impl Default for Producer {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Emergency error code "error reset or no error".
+const NO_ERROR: u16 = 0x0000;
+
+fn message(code: u16, register: u8, info: [u8; 5]) -> [u8; 8] {
+    let [low, high] = code.to_le_bytes();
+    let [a, b, c, d, e] = info;
+    [low, high, register, a, b, c, d, e]
+}

@@ -1,0 +1,129 @@
+//! Emergency messages that wait: for the inhibit time first, then for the bus.
+//!
+//! ```text
+//!   report ──► [ held back | released ] ──► transmit
+//!                  ▲             │
+//!                  └ inhibit ────┘   starts when the last released message has left
+//! ```
+
+use heapless::Deque;
+
+use crate::time::{Duration, Instant, NEVER, with_length};
+use crate::wire::Frame;
+use crate::wire::cob_id::CobId;
+
+/// Most messages that wait.
+const MOST_MESSAGES: usize = 16;
+
+/// The queue of one emergency producer.
+#[derive(Debug)]
+pub(super) struct EmergencyQueue {
+    messages: Deque<[u8; 8], MOST_MESSAGES>,
+    /// This many messages at the front may be sent.
+    released: usize,
+    /// `None`: switched off.
+    cob_id: Option<u16>,
+    inhibit_time: Duration,
+    /// Before this moment no message is released.
+    inhibited_until: Instant,
+    /// Messages that lost their room to newer ones.
+    overflows: u32,
+}
+
+impl EmergencyQueue {
+    pub(super) const fn new() -> Self {
+        Self {
+            messages: Deque::new(),
+            released: 0,
+            cob_id: None,
+            inhibit_time: Duration::from_ticks(0),
+            inhibited_until: Instant::from_ticks(0),
+            overflows: 0,
+        }
+    }
+
+    /// From 1014h. Messages that wait go out with the new identifier, or are dropped with an invalid one.
+    pub(super) fn set_cob_id(&mut self, cob_id: CobId) {
+        self.cob_id = cob_id.is_valid().then_some(cob_id.identifier());
+        if self.cob_id.is_none() {
+            self.clear();
+        }
+    }
+
+    /// From 1015h; 0 for none. The new time counts from when the last message has left.
+    pub(super) fn set_inhibit_time(&mut self, inhibit_time: Duration) {
+        self.inhibited_until = with_length(self.inhibited_until, self.inhibit_time, inhibit_time);
+        self.inhibit_time = inhibit_time;
+    }
+
+    /// Drops what waits.
+    pub(super) fn clear(&mut self) {
+        self.messages.clear();
+        self.released = 0;
+    }
+
+    /// Adds a message, unless the producer is switched off. The oldest one makes room for it in a full queue: the last
+    /// message that the master gets always has the present error register.
+    pub(super) fn push(&mut self, message: [u8; 8], now: Instant) {
+        if self.cob_id.is_none() {
+            return;
+        }
+        if self.messages.is_full() {
+            self.messages.pop_front();
+            self.overflows = self.overflows.saturating_add(1);
+        }
+        // There is room.
+        let _ = self.messages.push_back(message);
+        self.release(now);
+    }
+
+    /// Releases what the inhibit time allows; returns when there will be more to release.
+    pub(super) fn release(&mut self, now: Instant) -> Instant {
+        if self.inhibit_time.ticks() == 0 {
+            self.released = self.messages.len();
+            return NEVER;
+        }
+        if self.released > 0 {
+            // It still waits for the bus: the inhibit time has not begun.
+            self.inhibited_until = now + self.inhibit_time;
+        } else if now >= self.inhibited_until && !self.messages.is_empty() {
+            self.released = 1;
+            self.inhibited_until = now + self.inhibit_time;
+        }
+        if self.messages.len() > self.released {
+            self.inhibited_until
+        } else {
+            NEVER
+        }
+    }
+
+    /// Whether a message waits for time to pass, or the inhibit time for a message to leave: only then
+    /// [`EmergencyQueue::release`] has something to do.
+    pub(super) fn needs_time(&self) -> bool {
+        let is_held_back = self.messages.len() > self.released;
+        is_held_back || self.released > 0 && self.inhibit_time.ticks() != 0
+    }
+
+    /// Whether a message may be sent now. None waits while the producer is switched off.
+    pub(super) const fn is_pending(&self) -> bool {
+        self.released > 0
+    }
+
+    /// The identifier of the message that may be sent now.
+    pub(super) fn pending(&self) -> Option<u16> {
+        if self.released > 0 { self.cob_id } else { None }
+    }
+
+    /// The message that may be sent now, removed.
+    pub(super) fn take(&mut self) -> Option<Frame> {
+        let cob_id = self.pending()?;
+        self.released = self.released.saturating_sub(1);
+        let message = self.messages.pop_front()?;
+        Some(Frame::full(cob_id, message))
+    }
+
+    /// Messages that lost their room since power-on.
+    pub(super) fn overflows(&self) -> u32 {
+        self.overflows
+    }
+}

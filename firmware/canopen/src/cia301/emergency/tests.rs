@@ -1,0 +1,78 @@
+//! The queue and its inhibit time on a bus that is not always free.
+
+use super::queue::EmergencyQueue;
+use crate::time::{Duration, Instant, NEVER};
+use crate::wire::cob_id::CobId;
+
+const INHIBIT: Duration = Duration::from_ticks(100_000);
+
+fn at(milliseconds: u64) -> Instant {
+    Instant::from_ticks(milliseconds * 1000)
+}
+
+fn queue() -> EmergencyQueue {
+    let mut queue = EmergencyQueue::new();
+    queue.set_cob_id(CobId(0x84));
+    queue.set_inhibit_time(INHIBIT);
+    queue
+}
+
+#[test]
+fn e07_the_inhibit_time_starts_when_a_message_has_left() {
+    let mut queue = queue();
+    queue.push([1; 8], at(0));
+    queue.push([2; 8], at(0));
+    // The bus is busy until 250 ms.
+    for time in 0..=250 {
+        queue.release(at(time));
+    }
+    assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([1; 8]));
+    assert_eq!(queue.take(), None);
+    assert_eq!(queue.release(at(251)), at(350));
+    assert_eq!(queue.pending(), None);
+    assert_eq!(queue.release(at(350)), NEVER);
+    assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([2; 8]));
+}
+
+#[test]
+fn without_an_inhibit_time_all_may_leave_at_once() {
+    let mut queue = queue();
+    queue.set_inhibit_time(Duration::from_ticks(0));
+    for number in 0..8 {
+        queue.push([number; 8], at(0));
+    }
+    for number in 0..8 {
+        assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([number; 8]));
+    }
+    assert_eq!(queue.pending(), None);
+    assert_eq!(queue.overflows(), 0);
+}
+
+#[test]
+fn e01_switching_off_drops_what_waits() {
+    let mut queue = queue();
+    queue.push([1; 8], at(0));
+    queue.set_cob_id(CobId(0x8000_0084));
+    assert_eq!(queue.take(), None);
+    queue.push([2; 8], at(0));
+    queue.set_cob_id(CobId(0x84));
+    assert_eq!(queue.take(), None);
+}
+
+#[test]
+fn time_is_needed_only_for_the_inhibit_time() {
+    let mut queue = queue();
+    assert!(!queue.needs_time());
+    queue.push([1; 8], at(0));
+    assert!(queue.needs_time(), "its inhibit time begins when it leaves");
+    queue.push([2; 8], at(0));
+    queue.take();
+    assert!(queue.needs_time(), "the second is held back");
+    queue.set_inhibit_time(Duration::from_ticks(0));
+    assert!(queue.needs_time(), "it may leave now, and must be told so");
+    queue.release(at(1));
+    assert!(!queue.needs_time());
+    assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([2; 8]));
+    queue.push([3; 8], at(2));
+    assert!(!queue.needs_time(), "it may leave at once");
+}

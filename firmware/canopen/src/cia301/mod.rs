@@ -1,0 +1,28 @@
+//! CiA 301: the communication profile, one file or folder for each of its services.
+//!
+//! Everything about a device is an object, and services reach it: a master reads and writes single objects by service data
+//! ([`sdo`]), process data carry mapped objects without a question ([`pdo`]), all devices at the same moment if a [`sync`]
+//! object says so. Network management ([`nmt`]) decides which services there are; a [`heartbeat`] shows that the device
+//! is alive, an [`emergency`] message that it has an error.
+//!
+//! ```text
+//!                    NMT  heartbeat  SDO  EMCY  SYNC  PDO
+//!  Pre-operational    x       x       x     x     x
+//!  Operational        x       x       x     x     x    x
+//!  Stopped            x       x
+//! ```
+//!
+//! The contract every service keeps:
+//! - It holds what it needs of its parameter objects. A write is asked for first (`validate`: the standard's abort code, and
+//!   nothing changes), then told (`written`), and counts from there on.
+//! - Time comes in as an argument; a service that waits says when it wants to be called again.
+//! - A frame that is malformed, too short, remote or not for this device is ignored or answered as the standard says; it
+//!   changes nothing else.
+
+pub mod emergency;
+pub mod heartbeat;
+pub mod length_error;
+pub mod nmt;
+pub mod pdo;
+pub mod sdo;
+pub mod sync;

@@ -1,0 +1,8 @@
+//! The cases of process data, each under its number.
+
+mod configuration;
+mod device;
+pub(crate) mod objects;
+mod properties;
+mod receiving;
+mod transmitting;

@@ -1,0 +1,189 @@
+//! A small dictionary with four PDOs each way, written by hand.
+
+use crate::od::{Attributes, DataType, Dictionary, Entry, Limits, Table};
+
+const RW: u16 = Attributes::READ | Attributes::WRITE;
+const BOTH: u16 = RW | Attributes::RPDO | Attributes::TPDO;
+const RO: u16 = Attributes::READ | Attributes::TPDO;
+
+/// A table in the making: entries in ascending order, each behind the one before in RAM.
+struct Entries {
+    entries: [Entry; 256],
+    count: usize,
+    ram: u16,
+}
+
+impl Entries {
+    const fn entry(
+        mut self,
+        index: u16,
+        sub: u8,
+        data_type: DataType,
+        size: u16,
+        attributes: u16,
+    ) -> Self {
+        let is_rom = attributes & Attributes::ROM != 0;
+        self.entries[self.count] = Entry {
+            index,
+            sub,
+            data_type,
+            offset: if is_rom {
+                (sub as u16 - 1) * 4
+            } else {
+                self.ram
+            },
+            size,
+            attributes: Attributes(attributes),
+            limits: if index == 0x2007 { 0 } else { Entry::NO_LIMITS },
+        };
+        self.count += 1;
+        if !is_rom {
+            self.ram += if data_type.is_variable() {
+                size + 2
+            } else {
+                size
+            };
+        }
+        self
+    }
+
+    /// Four communication records with these sub-indices.
+    const fn communication(mut self, index: u16, last_sub: u8) -> Self {
+        let mut number = 0;
+        while number < 4 {
+            let index = index + number;
+            self = self
+                .entry(index, 0, DataType::Unsigned8, 1, Attributes::READ)
+                .entry(index, 1, DataType::Unsigned32, 4, RW)
+                .entry(index, 2, DataType::Unsigned8, 1, RW)
+                .entry(index, 3, DataType::Unsigned16, 2, RW)
+                .entry(index, 5, DataType::Unsigned16, 2, RW);
+            if last_sub == 6 {
+                self = self.entry(index, 6, DataType::Unsigned8, 1, RW);
+            }
+            number += 1;
+        }
+        self
+    }
+
+    /// Four mapping records.
+    const fn mapping(mut self, index: u16) -> Self {
+        let mut number = 0;
+        while number < 4 {
+            self = self.entry(index + number, 0, DataType::Unsigned8, 1, RW);
+            let mut sub = 1;
+            while sub <= 8 {
+                self = self.entry(index + number, sub, DataType::Unsigned32, 4, RW);
+                sub += 1;
+            }
+            number += 1;
+        }
+        self
+    }
+}
+
+const fn entries() -> Entries {
+    let unused = Entry {
+        index: 0xFFFF,
+        sub: 0xFF,
+        data_type: DataType::Unsigned8,
+        offset: 0,
+        size: 0,
+        attributes: Attributes(0),
+        limits: 0,
+    };
+    let mut table = Entries {
+        entries: [unused; 256],
+        count: 0,
+        ram: 0,
+    };
+    table = table
+        .entry(0x1001, 0, DataType::Unsigned8, 1, RO)
+        .entry(0x1005, 0, DataType::Unsigned32, 4, BOTH)
+        .entry(
+            0x1018,
+            1,
+            DataType::Unsigned32,
+            4,
+            RO | Attributes::ROM | Attributes::CONSTANT,
+        )
+        .entry(
+            0x1018,
+            2,
+            DataType::Unsigned32,
+            4,
+            RO | Attributes::ROM | Attributes::CONSTANT,
+        )
+        .communication(0x1400, 5)
+        .mapping(0x1600)
+        .communication(0x1800, 6)
+        .mapping(0x1A00)
+        .entry(0x2000, 0, DataType::Unsigned8, 1, BOTH)
+        .entry(0x2001, 0, DataType::Unsigned16, 2, BOTH)
+        .entry(0x2002, 0, DataType::Unsigned32, 4, BOTH)
+        .entry(0x2003, 0, DataType::Unsigned64, 8, BOTH)
+        .entry(0x2004, 0, DataType::Unsigned8, 1, RW)
+        .entry(0x2005, 0, DataType::Unsigned8, 1, RO)
+        .entry(
+            0x2006,
+            0,
+            DataType::Unsigned8,
+            1,
+            Attributes::WRITE | Attributes::RPDO,
+        )
+        .entry(0x2007, 0, DataType::Integer8, 1, BOTH)
+        .entry(0x2008, 0, DataType::VisibleString, 8, BOTH)
+        .entry(0x2009, 0, DataType::Boolean, 1, BOTH)
+        .entry(0x200A, 0, DataType::Integer16, 2, BOTH)
+        .entry(0x200B, 0, DataType::Integer32, 4, BOTH);
+    let mut sub = 1;
+    while sub <= 8 {
+        table = table.entry(0x200C, sub, DataType::Unsigned8, 1, BOTH);
+        sub += 1;
+    }
+    table
+}
+
+const ALL: Entries = entries();
+
+const ENTRIES: [Entry; ALL.count] = {
+    let mut entries = [ALL.entries[0]; ALL.count];
+    let mut position = 0;
+    while position < ALL.count {
+        entries[position] = ALL.entries[position];
+        position += 1;
+    }
+    entries
+};
+
+const RAM: usize = ALL.ram as usize;
+
+/// The dictionary.
+#[derive(Clone, Debug)]
+pub(crate) struct Objects {
+    ram: [u8; RAM],
+}
+
+impl Dictionary for Objects {
+    const TABLE: &'static Table = &Table {
+        entries: &ENTRIES,
+        rom: &[0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88],
+        defaults: &[0; RAM],
+        limits: &[Limits { low: -10, high: 10 }],
+    };
+
+    fn ram(&self) -> &[u8] {
+        &self.ram
+    }
+
+    fn ram_mut(&mut self) -> &mut [u8] {
+        &mut self.ram
+    }
+}
+
+impl Objects {
+    /// All values 0.
+    pub(crate) fn new() -> Self {
+        Self { ram: [0; RAM] }
+    }
+}

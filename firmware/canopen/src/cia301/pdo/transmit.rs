@@ -1,0 +1,197 @@
+//! Transmit PDOs (objects 1800h to 1BFFh): from the dictionary to the bus.
+//!
+//! | transmission type | sent |
+//! |---|---|
+//! | 0 | at the next SYNC after a mapped value has changed |
+//! | 1 to 240 | at every n-th SYNC, counted from when Operational is entered or the PDO is changed |
+//! | 254, 255 | when Operational is entered, when a mapped value has changed, and when the event timer runs out |
+//!
+//! Change is found by comparing: an application only has to put its values into the dictionary. The inhibit time
+//! (multiples of 100 µs) spaces the transmissions of types 254 and 255, and wins over the event timer (milliseconds), which
+//! starts anew with each transmission.
+//!
+//! The contract:
+//! - Each PDO has one place for what is to be sent. Newer data replaces older data that has not been taken yet, so a slow
+//!   bus gets fewer PDOs, never old ones. Lower identifiers are taken first.
+//! - Writing the parameter that is there changes nothing: no PDO is sent for it, no time starts anew, no event is lost.
+//! - With another parameter a PDO starts anew. An inhibit time that runs goes on, as the bus load it limits does not begin
+//!   anew; a new one counts from the last transmission on.
+
+use super::NOT_IN_USE;
+use super::mapping::Direction;
+use super::parameters::{Parameters, Record};
+use super::transmit_pdo::TransmitPdo;
+use crate::cia301::sdo::AbortCode;
+use crate::od::{Dictionary, Entry};
+use crate::time::{Instant, NEVER, earlier};
+use crate::wire::Frame;
+
+/// The transmit PDOs of a device; `N` of them, the objects 1800h to 1800h + `N` - 1 and their mappings.
+#[derive(Debug)]
+pub struct Transmit<const N: usize> {
+    pdos: [TransmitPdo; N],
+    is_operational: bool,
+    /// The lowest identifier that waits to be taken; [`NOT_IN_USE`] when none does.
+    lowest: u16,
+    /// The PDO that it belongs to.
+    lowest_slot: usize,
+}
+
+impl<const N: usize> Transmit<N> {
+    /// No PDO is in use until [`Transmit::configure_all`].
+    pub const fn new() -> Self {
+        Self {
+            pdos: [const { TransmitPdo::new() }; N],
+            is_operational: false,
+            lowest: NOT_IN_USE,
+            lowest_slot: 0,
+        }
+    }
+
+    /// Takes all parameters from the dictionary, after power-on values were loaded. Operational is left.
+    pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D) {
+        *self = Self::new();
+        for (number, pdo) in (0..).zip(&mut self.pdos) {
+            pdo.configure(dictionary, Parameters::new(Direction::Transmit, number));
+        }
+    }
+
+    /// Operational is entered: counters and timers start, and each PDO of type 254 or 255 is sent once. Nothing happens when
+    /// it is Operational already.
+    pub fn enter_operational<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
+        if self.is_operational {
+            return;
+        }
+        self.is_operational = true;
+        for pdo in &mut self.pdos {
+            pdo.start(dictionary.ram(), D::TABLE.rom, now);
+        }
+        self.find_lowest();
+    }
+
+    /// Operational is left. What waits to be sent is dropped.
+    pub fn leave_operational(&mut self) {
+        self.is_operational = false;
+        for pdo in &mut self.pdos {
+            pdo.stop();
+        }
+        self.find_lowest();
+    }
+
+    /// Whether an entry of 1800h to 1BFFh may get this value. Called when the value has passed the dictionary's own checks
+    /// (access, length, limits); nothing changes.
+    ///
+    /// # Errors
+    /// CiA 301's rules for PDO parameters: 06090030h for a COB-ID, transmission type or time, 06010000h for a mapping
+    /// that is in use, 06020000h, 06090011h, 06040041h, 06040042h for what cannot be mapped.
+    pub fn validate<D: Dictionary>(
+        &self,
+        dictionary: &D,
+        entry: &Entry,
+        value: &[u8],
+    ) -> Result<(), AbortCode> {
+        match Parameters::of(Direction::Transmit, entry.index) {
+            Some((parameters, record)) if parameters.number() < N => {
+                parameters.validate(dictionary, record, entry, value)
+            }
+            _ => Err(AbortCode::NoObject),
+        }
+    }
+
+    /// An entry of 1800h to 1BFFh was written. A new event timer starts now; with another change the PDO starts anew, as if
+    /// Operational was entered (if it is). The value that was there already changes nothing.
+    pub fn written<D: Dictionary>(&mut self, dictionary: &D, entry: &Entry, now: Instant) {
+        let Some((parameters, record)) = Parameters::of(Direction::Transmit, entry.index) else {
+            return;
+        };
+        let Some(pdo) = self.pdos.get_mut(parameters.number()) else {
+            return;
+        };
+        if record == Record::Communication && entry.sub == 5 {
+            pdo.set_event_timer(parameters.event_timer(dictionary), now);
+            return;
+        }
+        if !pdo.configure(dictionary, parameters) {
+            return;
+        }
+        if self.is_operational {
+            pdo.start(dictionary.ram(), D::TABLE.rom, now);
+        }
+        self.find_lowest();
+    }
+
+    /// A SYNC arrived: the synchronous PDOs that are due take the present values. Called before
+    /// [`super::Receive::on_sync`].
+    pub fn on_sync<D: Dictionary>(&mut self, dictionary: &D) {
+        if !self.is_operational {
+            return;
+        }
+        let mut is_pending = false;
+        for pdo in &mut self.pdos {
+            if pdo.is_synchronous() {
+                is_pending |= pdo.on_sync(dictionary.ram(), D::TABLE.rom);
+            }
+        }
+        if is_pending {
+            self.find_lowest();
+        }
+    }
+
+    /// Looks for changes and timers that have run out. Called whenever values may have changed; returns when it wants to be
+    /// called again at the latest.
+    pub fn poll<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> Instant {
+        let mut deadline = NEVER;
+        if !self.is_operational {
+            return deadline;
+        }
+        for (slot, pdo) in self.pdos.iter_mut().enumerate() {
+            if pdo.is_in_use() {
+                deadline = earlier(deadline, pdo.poll(dictionary.ram(), D::TABLE.rom, now));
+                // One that waited before has been counted.
+                if pdo.is_waiting() && pdo.cob_id() < self.lowest {
+                    self.lowest = pdo.cob_id();
+                    self.lowest_slot = slot;
+                }
+            }
+        }
+        deadline
+    }
+
+    /// Whether a PDO waits to be taken.
+    pub const fn is_pending(&self) -> bool {
+        self.lowest != NOT_IN_USE
+    }
+
+    /// The identifier of the PDO to send first.
+    pub fn pending(&self) -> Option<u16> {
+        self.is_pending().then_some(self.lowest)
+    }
+
+    /// The PDO to send first, for the bus; its place is empty afterwards.
+    pub fn take(&mut self) -> Option<Frame> {
+        if !self.is_pending() {
+            return None;
+        }
+        let frame = self.pdos.get_mut(self.lowest_slot)?.take();
+        self.find_lowest();
+        frame
+    }
+
+    /// Finds the PDO to send first: the lowest identifier, of equals the lower number. To be called when a PDO has begun or
+    /// ceased to wait.
+    fn find_lowest(&mut self) {
+        self.lowest = NOT_IN_USE;
+        for (slot, pdo) in self.pdos.iter().enumerate() {
+            if pdo.is_waiting() && pdo.cob_id() < self.lowest {
+                self.lowest = pdo.cob_id();
+                self.lowest_slot = slot;
+            }
+        }
+    }
+}
+
+impl<const N: usize> Default for Transmit<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

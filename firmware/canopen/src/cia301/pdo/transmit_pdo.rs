@@ -1,0 +1,238 @@
+//! One transmit PDO: when it is sent, and with what.
+
+use super::NOT_IN_USE;
+use super::copy_plan::CopyPlan;
+use super::parameters::{Parameters, TransmissionType};
+use crate::od::Dictionary;
+use crate::time::{Duration, Instant, NEVER, has_come, with_length};
+use crate::wire::Frame;
+
+/// One transmit PDO.
+#[derive(Debug)]
+pub(super) struct TransmitPdo {
+    /// Its identifier, or [`NOT_IN_USE`].
+    cob_id: u16,
+    transmission_type: TransmissionType,
+    plan: CopyPlan,
+    length: u8,
+    /// SYNCs since the last transmission (types 1 to 240).
+    sync_count: u8,
+    /// What was last given out to be sent; a change is a difference from it.
+    content: [u8; 8],
+    /// Whether `content` still waits to be taken.
+    is_waiting: bool,
+    /// Whether an event has happened that `content` does not show yet.
+    is_due: bool,
+    inhibit_time: Duration,
+    /// The end of the inhibit time.
+    free_at: Instant,
+    /// Zero for none.
+    event_timer: Duration,
+    event_at: Instant,
+}
+
+impl TransmitPdo {
+    pub(super) const fn new() -> Self {
+        Self {
+            cob_id: NOT_IN_USE,
+            transmission_type: TransmissionType::Event,
+            plan: CopyPlan::new(),
+            length: 0,
+            sync_count: 0,
+            content: [0; 8],
+            is_waiting: false,
+            is_due: false,
+            inhibit_time: Duration::from_ticks(0),
+            free_at: Instant::from_ticks(0),
+            event_timer: Duration::from_ticks(0),
+            event_at: NEVER,
+        }
+    }
+
+    /// Takes the parameters from the dictionary. Returns whether they are others than before; then nothing is sent before
+    /// [`TransmitPdo::start`], and the inhibit time of the last transmission goes on.
+    pub(super) fn configure<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        parameters: Parameters,
+    ) -> bool {
+        let mut next = Self::new();
+        next.take_parameters(dictionary, parameters);
+        if next.has_parameters_of(self) {
+            return false;
+        }
+        if next.is_in_use() {
+            next.free_at = with_length(self.free_at, self.inhibit_time, next.inhibit_time);
+        } else {
+            next.free_at = self.free_at;
+            next.inhibit_time = self.inhibit_time;
+        }
+        *self = next;
+        true
+    }
+
+    /// For a PDO that has just been made.
+    fn take_parameters<D: Dictionary>(&mut self, dictionary: &D, parameters: Parameters) {
+        let (Some(cob_id), Some(transmission_type), Ok(mapping)) = (
+            parameters.identifier(dictionary),
+            parameters.transmission_type(dictionary),
+            parameters.resolve(dictionary),
+        ) else {
+            return;
+        };
+        if mapping.length > 0 {
+            self.cob_id = cob_id;
+            self.transmission_type = transmission_type;
+            self.plan = CopyPlan::of(&mapping);
+            self.length = mapping.length;
+            self.inhibit_time =
+                Duration::from_ticks(u64::from(parameters.inhibit_time(dictionary)) * 100);
+            self.event_timer = milliseconds(parameters.event_timer(dictionary));
+        }
+    }
+
+    fn has_parameters_of(&self, other: &Self) -> bool {
+        self.cob_id == other.cob_id
+            && self.transmission_type == other.transmission_type
+            && self.plan == other.plan
+            && self.length == other.length
+            && self.inhibit_time == other.inhibit_time
+            && self.event_timer == other.event_timer
+    }
+
+    /// Operational begins for this PDO.
+    pub(super) fn start(&mut self, ram: &[u8], rom: &[u8], now: Instant) {
+        self.sync_count = 0;
+        self.content = self.plan.pack(ram, rom);
+        if self.is_event_driven() {
+            // The inhibit time holds across a short visit to another state.
+            self.is_due = true;
+            self.event_at = NEVER;
+            self.poll(ram, rom, now);
+        }
+    }
+
+    /// Operational is over.
+    pub(super) fn stop(&mut self) {
+        self.is_waiting = false;
+        self.is_due = false;
+    }
+
+    /// A new event timer in milliseconds, counted from now; 0 for none. The one that it has already goes on.
+    pub(super) fn set_event_timer(&mut self, time: u32, now: Instant) {
+        let event_timer = milliseconds(time);
+        if event_timer != self.event_timer {
+            self.event_timer = event_timer;
+            self.restart_event_timer(now);
+        }
+    }
+
+    /// A SYNC, for a synchronous PDO: returns whether there is something to send.
+    pub(super) fn on_sync(&mut self, ram: &[u8], rom: &[u8]) -> bool {
+        match self.transmission_type {
+            TransmissionType::Event => false,
+            TransmissionType::Acyclic => {
+                let present = self.plan.pack(ram, rom);
+                self.is_due |= present != self.content;
+                self.is_due && self.give_out(present)
+            }
+            TransmissionType::Cyclic(every) => {
+                self.sync_count = self.sync_count.saturating_add(1);
+                self.sync_count >= every && self.give_out(self.plan.pack(ram, rom))
+            }
+        }
+    }
+
+    /// Looks for a change and at the timers, for a PDO in use; returns the next deadline.
+    pub(super) fn poll(&mut self, ram: &[u8], rom: &[u8], now: Instant) -> Instant {
+        match self.transmission_type {
+            TransmissionType::Cyclic(_) => NEVER,
+            TransmissionType::Acyclic => {
+                self.is_due |= self.plan.pack(ram, rom) != self.content;
+                NEVER
+            }
+            TransmissionType::Event => {
+                let present = self.plan.pack(ram, rom);
+                if self.is_waiting {
+                    // Not on the bus yet: the newest values take its place, and cost no transmission of their own.
+                    self.content = present;
+                } else {
+                    self.is_due |= present != self.content;
+                }
+                self.is_due |= has_come(self.event_at, now);
+                if self.is_due && has_come(self.free_at, now) {
+                    self.give_out(present);
+                    self.free_at = after(now, self.inhibit_time);
+                    self.restart_event_timer(now);
+                }
+                if self.is_due {
+                    self.free_at
+                } else {
+                    self.event_at
+                }
+            }
+        }
+    }
+
+    /// Whether it moves at all.
+    pub(super) const fn is_in_use(&self) -> bool {
+        self.cob_id != NOT_IN_USE
+    }
+
+    /// Whether it waits for SYNC.
+    pub(super) const fn is_synchronous(&self) -> bool {
+        self.is_in_use() && !matches!(self.transmission_type, TransmissionType::Event)
+    }
+
+    pub(super) const fn is_waiting(&self) -> bool {
+        self.is_waiting
+    }
+
+    pub(super) const fn cob_id(&self) -> u16 {
+        self.cob_id
+    }
+
+    /// The frame that waits.
+    pub(super) fn take(&mut self) -> Option<Frame> {
+        if !self.is_waiting {
+            return None;
+        }
+        self.is_waiting = false;
+        if self.length == 8 {
+            return Some(Frame::full(self.cob_id, self.content));
+        }
+        let bytes = self.content.get(..usize::from(self.length))?;
+        Some(Frame::data_frame(self.cob_id, bytes))
+    }
+
+    fn is_event_driven(&self) -> bool {
+        self.cob_id != NOT_IN_USE && self.transmission_type == TransmissionType::Event
+    }
+
+    /// These values are to be sent; true, as something waits now.
+    fn give_out(&mut self, present: [u8; 8]) -> bool {
+        self.content = present;
+        self.is_waiting = true;
+        self.is_due = false;
+        self.sync_count = 0;
+        self.is_waiting
+    }
+
+    fn restart_event_timer(&mut self, now: Instant) {
+        let is_off = self.event_timer.ticks() == 0 || !self.is_event_driven();
+        self.event_at = if is_off {
+            NEVER
+        } else {
+            after(now, self.event_timer)
+        };
+    }
+}
+
+fn milliseconds(time: u32) -> Duration {
+    Duration::from_ticks(u64::from(time) * 1000)
+}
+
+/// The end of a span that begins now. PDO times are a few seconds at most, so it is never near the end of time.
+fn after(now: Instant, span: Duration) -> Instant {
+    Instant::from_ticks(now.ticks().saturating_add(span.ticks()))
+}

@@ -1,0 +1,113 @@
+use std::vec::Vec;
+
+use super::Sync;
+use crate::cia301::length_error::LengthReport;
+use crate::cia301::pdo::tests::objects::Objects;
+use crate::cia301::sdo::AbortCode;
+use crate::od::write_u32;
+
+fn consumer(cob_id: u32) -> Sync {
+    let mut objects = Objects::new();
+    assert!(write_u32(&mut objects, super::INDEX, 0, cob_id));
+    let mut sync = Sync::new();
+    sync.configure(&objects);
+    sync
+}
+
+/// The emergency error codes that appeared (true) and went.
+fn reports(sync: &mut Sync) -> Vec<(u16, bool)> {
+    core::iter::from_fn(|| sync.length_report())
+        .map(|report| match report {
+            LengthReport::Appeared(emergency) => {
+                assert_eq!(emergency.register, 0x10);
+                (emergency.code, true)
+            }
+            LengthReport::Gone(emergency) => (emergency.code, false),
+        })
+        .collect()
+}
+
+#[test]
+fn the_identifier_follows_1005h() {
+    assert_eq!(Sync::new().cob_id(), u16::MAX);
+    assert_eq!(consumer(0x80).cob_id(), 0x80);
+    assert_eq!(
+        consumer(0x8000_0080).cob_id(),
+        0x80,
+        "bit 31 does not matter"
+    );
+    let mut sync = consumer(0x80);
+    let mut objects = Objects::new();
+    write_u32(&mut objects, super::INDEX, 0, 0x90);
+    sync.written(&objects);
+    assert_eq!(sync.cob_id(), 0x90);
+}
+
+#[test]
+fn a_power_on_value_that_is_not_supported_hears_nothing() {
+    assert_eq!(consumer(0x4000_0080).cob_id(), u16::MAX);
+    assert_eq!(consumer(0x2000_0080).cob_id(), u16::MAX);
+}
+
+#[test]
+fn y06_a_sync_with_data_is_ignored_and_reported_once() {
+    let mut sync = consumer(0x80);
+    assert!(sync.receive(0));
+    assert_eq!(reports(&mut sync), []);
+    assert!(!sync.receive(1));
+    assert_eq!(reports(&mut sync), [(0x8240, true)]);
+    assert!(!sync.receive(8));
+    assert_eq!(reports(&mut sync), []);
+    assert!(sync.receive(0));
+    assert_eq!(reports(&mut sync), [(0x8240, false)]);
+    assert!(sync.receive(0));
+    assert_eq!(reports(&mut sync), []);
+}
+
+#[test]
+fn y06_a_reset_ends_the_error() {
+    let mut sync = consumer(0x80);
+    sync.receive(1);
+    assert_eq!(reports(&mut sync), [(0x8240, true)]);
+    sync.configure(&Objects::new());
+    assert_eq!(reports(&mut sync), [(0x8240, false)]);
+}
+
+#[test]
+fn s41_a_restricted_identifier_is_refused() {
+    let sync = consumer(0x80);
+    for cob_id in [
+        0x000_u32,
+        0x07F,
+        0x101,
+        0x180,
+        0x581,
+        0x601,
+        0x6E0,
+        0x701,
+        0x7FF,
+        0x8000_0000,
+    ] {
+        assert_eq!(
+            sync.validate(&cob_id.to_le_bytes()),
+            Err(AbortCode::InvalidValue),
+            "{cob_id:X}h"
+        );
+    }
+    for cob_id in [0x80_u32, 0x8000_0080, 0x100, 0x181] {
+        assert_eq!(sync.validate(&cob_id.to_le_bytes()), Ok(()), "{cob_id:X}h");
+    }
+}
+
+#[test]
+fn producing_and_29_bit_identifiers_are_refused() {
+    let sync = consumer(0x80);
+    for cob_id in [0x4000_0080_u32, 0x2000_0080, 0x0001_0080, 0x0000_0880] {
+        assert_eq!(
+            sync.validate(&cob_id.to_le_bytes()),
+            Err(AbortCode::InvalidValue),
+            "{cob_id:X}h"
+        );
+    }
+    assert_eq!(sync.validate(&[0x80, 0]), Err(AbortCode::LengthMismatch));
+}

@@ -1,0 +1,39 @@
+//! The LSS address of a device.
+
+use crate::od::{Dictionary, read_u32};
+
+/// The four words of the identity object 1018h, by which LSS tells devices apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Identity {
+    /// 1018h:1, given to the maker by CiA.
+    pub vendor_id: u32,
+    /// 1018h:2.
+    pub product_code: u32,
+    /// 1018h:3.
+    pub revision_number: u32,
+    /// 1018h:4.
+    pub serial_number: u32,
+}
+
+impl Identity {
+    /// The identity that a dictionary holds; a word it does not have is 0.
+    pub fn of<D: Dictionary>(dictionary: &D) -> Self {
+        let word = |sub| read_u32(dictionary, 0x1018, sub).unwrap_or(0);
+        Self {
+            vendor_id: word(1),
+            product_code: word(2),
+            revision_number: word(3),
+            serial_number: word(4),
+        }
+    }
+
+    /// The words in the order of the object.
+    pub(super) const fn words(&self) -> [u32; 4] {
+        [
+            self.vendor_id,
+            self.product_code,
+            self.revision_number,
+            self.serial_number,
+        ]
+    }
+}

@@ -1,0 +1,321 @@
+//! The LSS slave: its two states, and what it answers in each.
+
+use super::fastscan::{Outcome, Scan};
+use super::identity::Identity;
+use super::request::{Request, answer};
+use super::sequence::Sequence;
+use crate::node::StoreError;
+use crate::settings::{BitRate, NodeId, Settings};
+use crate::time::{Duration, Instant, NEVER};
+
+/// What the node has to do after a request. Taken with [`Slave::event`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LssEvent {
+    /// A device without a node-ID got one and left the configuration state: boot with [`Slave::reset`].
+    Boot,
+    /// Store these settings, then call [`Slave::settings_stored`].
+    Store(Settings),
+    /// Switch the bit rate at `at`. Nothing is sent meanwhile and as long again ([`Slave::is_silent`]).
+    SwitchBitRate {
+        /// The new bit rate.
+        bit_rate: BitRate,
+        /// When to switch.
+        at: Instant,
+    },
+}
+
+/// The two states of CiA 305.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// Only switching and identifying.
+    Waiting,
+    /// This slave is being configured.
+    Configuration,
+}
+
+/// A change of the bit rate that is going on.
+#[derive(Clone, Copy, Debug)]
+struct Switch {
+    bit_rate: BitRate,
+    at: Instant,
+    end: Instant,
+}
+
+/// Storing takes a while; each service 17h is owed the truth about the settings that it has seen.
+#[derive(Clone, Copy, Debug)]
+enum Storing {
+    /// Nothing is stored, no answer is owed.
+    Idle,
+    /// The result is to come, then the answer.
+    Running,
+    /// Service 17h came again meanwhile: these are stored next, and the answer tells of them.
+    Again(Settings),
+}
+
+/// The LSS slave of a device.
+#[derive(Debug)]
+pub struct Slave {
+    state: State,
+    /// In force.
+    active: Settings,
+    /// Configured, to come into force later.
+    pending: Settings,
+    supported: u16,
+    sequence: Sequence,
+    scan: Scan,
+    switch: Option<Switch>,
+    storing: Storing,
+    event: Option<LssEvent>,
+}
+
+impl Slave {
+    /// A slave in the waiting state with these settings in force. It supports all bit rates of [`BitRate::ALL`].
+    pub const fn new(settings: Settings) -> Self {
+        Self {
+            state: State::Waiting,
+            active: settings,
+            pending: settings,
+            supported: u16::MAX,
+            sequence: Sequence::None,
+            scan: Scan::IDLE,
+            switch: None,
+            storing: Storing::Idle,
+            event: None,
+        }
+    }
+
+    /// The same, but it refuses bit rates that are not in this list.
+    pub fn supporting(self, bit_rates: &[BitRate]) -> Self {
+        Self {
+            supported: bit_rates
+                .iter()
+                .fold(0, |mask, bit_rate| mask | bit(*bit_rate)),
+            ..self
+        }
+    }
+
+    /// A request of eight bytes arrived on [`super::REQUEST_COB_ID`]. Returns the answer for
+    /// [`super::RESPONSE_COB_ID`], if there is one; then ask [`Slave::event`]. While the bit rate is being switched
+    /// nothing is heard.
+    pub fn receive(
+        &mut self,
+        request: &[u8; 8],
+        identity: &Identity,
+        now: Instant,
+    ) -> Option<[u8; 8]> {
+        if self.is_silent(now) {
+            return None;
+        }
+        let request = Request::parse(request);
+        self.sequence.hear(request.as_ref());
+        match (request?, self.state) {
+            (Request::SwitchGlobal(mode), _) => self.switch_global(mode),
+            (Request::Identify { step, word }, _) => self
+                .sequence
+                .identify(step, word, identity)
+                .then(|| message(answer::IDENTIFIED, &[])),
+            (Request::IdentifyNonConfigured, _) => self
+                .is_non_configured()
+                .then(|| message(answer::NON_CONFIGURED_IDENTIFIED, &[])),
+            (Request::SwitchSelective { step, word }, State::Waiting) => {
+                self.sequence.select(step, word, identity).then(|| {
+                    self.enter(State::Configuration);
+                    message(answer::SWITCHED_SELECTIVE, &[])
+                })
+            }
+            (Request::Fastscan(request), State::Waiting) if self.is_non_configured() => {
+                match self.scan.receive(request, identity) {
+                    Outcome::Silent => return None,
+                    Outcome::Answer => {}
+                    Outcome::Found => self.enter(State::Configuration),
+                }
+                Some(message(answer::IDENTIFIED, &[]))
+            }
+            (request, State::Configuration) => self.configure(request, identity, now),
+            (_, State::Waiting) => None,
+        }
+    }
+
+    /// Lets time pass: a new bit rate comes into force. Returns the next deadline.
+    pub fn poll(&mut self, now: Instant) -> Instant {
+        let Some(switch) = self.switch else {
+            return NEVER;
+        };
+        if now >= switch.at {
+            self.active.bit_rate = switch.bit_rate;
+        }
+        if now >= switch.end {
+            self.switch = None;
+            return NEVER;
+        }
+        if now >= switch.at {
+            switch.end
+        } else {
+            switch.at
+        }
+    }
+
+    /// What the node has to do, once.
+    pub fn event(&mut self) -> Option<LssEvent> {
+        self.event.take()
+    }
+
+    /// The settings in force.
+    pub const fn settings(&self) -> Settings {
+        self.active
+    }
+
+    /// The node-ID that comes into force with the next reset communication.
+    pub const fn pending_node_id(&self) -> NodeId {
+        self.pending.node_id
+    }
+
+    /// Communication starts anew, at NMT reset node and reset communication and for [`LssEvent::Boot`]: the pending node-ID
+    /// comes into force, and the slave is in the waiting state. A switch of the bit rate and a store go on.
+    pub fn reset(&mut self) -> NodeId {
+        self.enter(State::Waiting);
+        self.sequence = Sequence::None;
+        self.active.node_id = self.pending.node_id;
+        self.active.node_id
+    }
+
+    /// The result of [`LssEvent::Store`]. Returns the answer for [`super::RESPONSE_COB_ID`]; `None` when none is owed, or
+    /// not yet: then [`Slave::event`] has newer settings to store.
+    pub fn settings_stored(&mut self, result: Result<(), StoreError>) -> Option<[u8; 8]> {
+        match self.storing {
+            Storing::Idle => return None,
+            Storing::Again(settings) => {
+                self.storing = Storing::Running;
+                self.event = Some(LssEvent::Store(settings));
+                return None;
+            }
+            Storing::Running => self.storing = Storing::Idle,
+        }
+        let error = match result {
+            Ok(()) => 0x00,
+            Err(StoreError::NotSupported) => 0x01,
+            Err(StoreError::Medium) => 0x02,
+        };
+        Some(message(answer::STORED, &[error]))
+    }
+
+    /// Whether nothing may be sent because the bit rate is being switched.
+    pub fn is_silent(&self, now: Instant) -> bool {
+        self.switch.is_some_and(|switch| now < switch.end)
+    }
+
+    /// Neither has a node-ID nor will get one: the only slaves that fastscan is for.
+    fn is_non_configured(&self) -> bool {
+        !self.active.node_id.is_configured() && !self.pending.node_id.is_configured()
+    }
+
+    /// Services of the configuration state.
+    fn configure(
+        &mut self,
+        request: Request,
+        identity: &Identity,
+        now: Instant,
+    ) -> Option<[u8; 8]> {
+        match request {
+            Request::ConfigureNodeId(number) => {
+                let node_id = NodeId::new(number);
+                if let Some(node_id) = node_id {
+                    self.pending.node_id = node_id;
+                }
+                Some(message(
+                    answer::NODE_ID_CONFIGURED,
+                    &[u8::from(node_id.is_none())],
+                ))
+            }
+            Request::ConfigureBitTiming { table, index } => {
+                // Tables above 0 belong to makers; this device has none.
+                let in_table = (table == 0)
+                    .then(|| BitRate::from_table_index(index))
+                    .flatten();
+                let bit_rate = in_table.filter(|bit_rate| self.supported & bit(*bit_rate) != 0);
+                if let Some(bit_rate) = bit_rate {
+                    self.pending.bit_rate = bit_rate;
+                }
+                Some(message(
+                    answer::BIT_TIMING_CONFIGURED,
+                    &[u8::from(bit_rate.is_none())],
+                ))
+            }
+            Request::ActivateBitTiming(delay) => {
+                let delay = Duration::from_ticks(u64::from(delay) * 1000);
+                let (bit_rate, at) = (self.pending.bit_rate, after(now, delay));
+                self.switch = Some(Switch {
+                    bit_rate,
+                    at,
+                    end: after(at, delay),
+                });
+                self.event = Some(LssEvent::SwitchBitRate { bit_rate, at });
+                None
+            }
+            Request::Store => {
+                if let Storing::Idle = self.storing {
+                    self.storing = Storing::Running;
+                    self.event = Some(LssEvent::Store(self.pending));
+                } else {
+                    self.storing = Storing::Again(self.pending);
+                }
+                None
+            }
+            Request::InquireIdentity { step } => {
+                let word = identity.words().get(usize::from(step)).copied()?;
+                Some(message(
+                    answer::IDENTITY.wrapping_add(step),
+                    &word.to_le_bytes(),
+                ))
+            }
+            Request::InquireNodeId => Some(message(answer::NODE_ID, &[self.active.node_id.get()])),
+            _ => None,
+        }
+    }
+
+    /// Switch state global: both ways without an answer; a mode that does not exist changes nothing.
+    fn switch_global(&mut self, mode: u8) -> Option<[u8; 8]> {
+        match mode {
+            0 => {
+                let boots = self.state == State::Configuration
+                    && !self.active.node_id.is_configured()
+                    && self.pending.node_id.is_configured();
+                if boots {
+                    self.event = Some(LssEvent::Boot);
+                }
+                self.enter(State::Waiting);
+            }
+            1 => self.enter(State::Configuration),
+            _ => {}
+        }
+        None
+    }
+
+    /// A scan ends with the state it was made in.
+    fn enter(&mut self, state: State) {
+        self.state = state;
+        self.scan = Scan::IDLE;
+    }
+}
+
+/// The bit of a bit rate in a mask, by its table index.
+fn bit(bit_rate: BitRate) -> u16 {
+    1_u16.wrapping_shl(u32::from(bit_rate.table_index()))
+}
+
+/// An answer: command specifier, data, zeros.
+fn message(specifier: u8, data: &[u8]) -> [u8; 8] {
+    let mut bytes = [0; 8];
+    for (to, from) in bytes
+        .iter_mut()
+        .zip(core::iter::once(&specifier).chain(data))
+    {
+        *to = *from;
+    }
+    bytes
+}
+
+/// The end of a span that begins now; a switch delay is about a minute at most.
+fn after(now: Instant, span: Duration) -> Instant {
+    Instant::from_ticks(now.ticks().saturating_add(span.ticks()))
+}

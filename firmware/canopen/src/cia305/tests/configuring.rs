@@ -1,0 +1,311 @@
+//! Switching, configuring, storing, inquiring.
+
+use std::vec;
+use std::vec::Vec;
+
+use super::{IDENTITY, START, fastscan, message, slave, word};
+use crate::cia305::{LssEvent, Slave};
+use crate::node::StoreError;
+use crate::settings::{BitRate, NodeId, Settings};
+use crate::time::{Instant, NEVER};
+
+/// A slave on node-ID 4 in the configuration state.
+fn in_configuration() -> Slave {
+    let mut slave = slave(4);
+    assert_eq!(slave.ask(&[0x04, 0x01]), None);
+    slave
+}
+
+fn at(milliseconds: u64) -> Instant {
+    Instant::from_ticks(START.ticks() + milliseconds * 1000)
+}
+
+#[test]
+fn l01_nothing_is_told_in_the_waiting_state() {
+    let mut slave = slave(4);
+    for specifier in [0x5A, 0x5B, 0x5C, 0x5D, 0x5E, 0x11, 0x13, 0x15, 0x17] {
+        assert_eq!(slave.ask(&[specifier, 0x0B]), None, "{specifier:02X}");
+        assert_eq!(slave.event(), None);
+    }
+    assert_eq!(slave.pending_node_id().get(), 4);
+}
+
+#[test]
+fn l02_the_node_id_is_told_in_the_configuration_state() {
+    let mut slave = in_configuration();
+    assert_eq!(slave.ask(&[0x5E]), Some(message(&[0x5E, 0x04])));
+    slave.ask(&[0x04, 0x00]);
+    assert_eq!(slave.ask(&[0x5E]), None);
+}
+
+#[test]
+fn l02_a_mode_that_does_not_exist_changes_nothing() {
+    let mut slave = in_configuration();
+    assert_eq!(slave.ask(&[0x04, 0x02]), None);
+    assert!(slave.is_in_configuration());
+}
+
+#[test]
+fn l03_the_identity_is_told_word_by_word() {
+    let mut slave = in_configuration();
+    let words = [0x1122_3344, 0x5566_7788, 0x99AA_BBCC, 0xDDEE_FF01];
+    for (specifier, expected) in (0x5A..).zip(words) {
+        assert_eq!(slave.ask(&[specifier]), Some(word(specifier, expected)));
+    }
+}
+
+#[test]
+fn l04_a_node_id_is_1_to_127_or_255() {
+    let mut slave = in_configuration();
+    for number in 0..=255 {
+        let before = slave.pending_node_id();
+        let is_good = matches!(number, 1..=127 | 255);
+        assert_eq!(
+            slave.ask(&[0x11, number]),
+            Some(message(&[0x11, u8::from(!is_good)]))
+        );
+        let expected = if is_good {
+            NodeId::new(number).unwrap()
+        } else {
+            before
+        };
+        assert_eq!(slave.pending_node_id(), expected);
+    }
+    assert_eq!(slave.settings().node_id.get(), 4, "not in force yet");
+}
+
+#[test]
+fn l05_a_bit_rate_that_is_not_there_is_refused() {
+    let mut slave = in_configuration();
+    for (table, index) in [(0, 5), (0, 9), (0, 0x63), (1, 0), (0x80, 0)] {
+        assert_eq!(
+            slave.ask(&[0x13, table, index]),
+            Some(message(&[0x13, 0x01])),
+            "{table} {index}"
+        );
+    }
+    for bit_rate in BitRate::ALL {
+        assert_eq!(
+            slave.ask(&[0x13, 0, bit_rate.table_index()]),
+            Some(message(&[0x13, 0x00]))
+        );
+    }
+}
+
+#[test]
+fn l05_a_device_may_support_some_bit_rates_only() {
+    let mut slave = slave(4).supporting(&[BitRate::Kbit500, BitRate::Kbit20]);
+    slave.ask(&[0x04, 0x01]);
+    for bit_rate in BitRate::ALL {
+        let is_supported = matches!(bit_rate, BitRate::Kbit500 | BitRate::Kbit20);
+        let answer = slave.ask(&[0x13, 0, bit_rate.table_index()]);
+        assert_eq!(answer, Some(message(&[0x13, u8::from(!is_supported)])));
+    }
+}
+
+#[test]
+fn l06_the_bit_rate_is_switched_between_two_silences() {
+    let mut slave = in_configuration();
+    assert_eq!(slave.ask(&[0x13, 0x00, 0x02]), Some(message(&[0x13, 0x00])));
+    assert!(!slave.is_silent(START));
+    assert_eq!(slave.ask(&[0x15, 0xE8, 0x03]), None);
+    let switch = LssEvent::SwitchBitRate {
+        bit_rate: BitRate::Kbit500,
+        at: at(1000),
+    };
+    assert_eq!(slave.event(), Some(switch));
+    assert_eq!(slave.event(), None);
+    assert_eq!(slave.poll(START), at(1000));
+    assert_eq!(slave.settings().bit_rate, BitRate::Kbit1000);
+    assert!(slave.is_silent(START) && slave.is_silent(at(999)) && slave.is_silent(at(1000)));
+    assert_eq!(
+        slave.receive(&message(&[0x5E]), &IDENTITY, at(500)),
+        None,
+        "silent"
+    );
+    assert_eq!(slave.poll(at(1000)), at(2000));
+    assert_eq!(slave.settings().bit_rate, BitRate::Kbit500);
+    assert!(slave.is_silent(at(1999)) && !slave.is_silent(at(2000)));
+    assert_eq!(slave.poll(at(2000)), NEVER);
+    assert_eq!(
+        slave.receive(&message(&[0x5E]), &IDENTITY, at(2000)),
+        Some(message(&[0x5E, 0x04]))
+    );
+}
+
+#[test]
+fn l06_a_late_poll_misses_nothing() {
+    let mut slave = in_configuration();
+    slave.ask(&[0x13, 0x00, 0x04]);
+    slave.ask(&[0x15, 0x0A, 0x00]);
+    assert_eq!(slave.poll(at(5000)), NEVER);
+    assert_eq!(slave.settings().bit_rate, BitRate::Kbit125);
+}
+
+#[test]
+fn l06_no_delay_is_no_silence() {
+    let mut slave = in_configuration();
+    slave.ask(&[0x13, 0x00, 0x03]);
+    slave.ask(&[0x15, 0x00, 0x00]);
+    assert!(!slave.is_silent(START));
+    assert_eq!(slave.poll(START), NEVER);
+    assert_eq!(slave.settings().bit_rate, BitRate::Kbit250);
+}
+
+#[test]
+fn l07_the_answer_to_store_is_its_result() {
+    for (result, error) in [
+        (Ok(()), 0),
+        (Err(StoreError::NotSupported), 1),
+        (Err(StoreError::Medium), 2),
+    ] {
+        let mut slave = in_configuration();
+        slave.ask(&[0x11, 0x0B]);
+        slave.ask(&[0x13, 0x00, 0x02]);
+        assert_eq!(slave.ask(&[0x17]), None, "not before it is safe");
+        let settings = Settings {
+            node_id: NodeId::new(11).unwrap(),
+            bit_rate: BitRate::Kbit500,
+        };
+        assert_eq!(slave.event(), Some(LssEvent::Store(settings)));
+        assert_eq!(slave.settings_stored(result), Some(message(&[0x17, error])));
+        assert_eq!(slave.settings_stored(result), None, "one answer");
+    }
+}
+
+#[test]
+fn l07_a_second_store_waits_for_the_first() {
+    let mut slave = in_configuration();
+    slave.ask(&[0x17]);
+    assert!(slave.event().is_some());
+    slave.ask(&[0x17]);
+    assert_eq!(slave.event(), None);
+    assert_eq!(slave.settings_stored(Err(StoreError::Medium)), None);
+    assert!(slave.event().is_some());
+    assert_eq!(slave.settings_stored(Ok(())), Some(message(&[0x17, 0])));
+    assert_eq!(slave.event(), None);
+    slave.ask(&[0x17]);
+    assert!(slave.event().is_some());
+}
+
+/// The four words of switch state selective.
+const ADDRESS: [(u8, u32); 4] = [
+    (0x40, 0x1122_3344),
+    (0x41, 0x5566_7788),
+    (0x42, 0x99AA_BBCC),
+    (0x43, 0xDDEE_FF01),
+];
+
+fn select(slave: &mut Slave, words: &[(u8, u32)]) -> Vec<Option<[u8; 8]>> {
+    words
+        .iter()
+        .map(|(specifier, number)| slave.receive(&word(*specifier, *number), &IDENTITY, START))
+        .collect()
+}
+
+#[test]
+fn l08_all_four_words_in_order_select_a_slave() {
+    let mut slave = slave(4);
+    assert_eq!(
+        select(&mut slave, &ADDRESS),
+        [None, None, None, Some(message(&[0x44]))]
+    );
+    assert!(slave.is_in_configuration());
+}
+
+#[test]
+fn l08_a_new_first_word_begins_anew() {
+    let mut slave = slave(4);
+    select(&mut slave, &ADDRESS[..2]);
+    assert_eq!(select(&mut slave, &ADDRESS)[3], Some(message(&[0x44])));
+}
+
+#[test]
+fn l09_one_wrong_word_selects_nobody() {
+    for wrong in 0..4 {
+        let mut slave = slave(4);
+        let mut address = ADDRESS;
+        address[wrong].1 ^= 1;
+        assert_eq!(select(&mut slave, &address), [None; 4]);
+        assert!(!slave.is_in_configuration());
+    }
+}
+
+#[test]
+fn l09_another_order_selects_nobody() {
+    for (first, second) in [(0, 1), (1, 2), (2, 3), (0, 3)] {
+        let mut slave = slave(4);
+        let mut address = ADDRESS;
+        address.swap(first, second);
+        assert_eq!(select(&mut slave, &address), [None; 4]);
+        assert_eq!(select(&mut slave, &ADDRESS[3..]), [None]);
+    }
+}
+
+#[test]
+fn l09_another_service_between_the_words_selects_nobody() {
+    let others = [
+        message(&[0x04, 0x00]),
+        message(&[0x4C]),
+        message(&[0x5E]),
+        message(&[0xEE]),
+        word(0x46, 0x1122_3344),
+    ];
+    for other in others {
+        for place in 1..4 {
+            let mut slave = slave(4);
+            assert_eq!(select(&mut slave, &ADDRESS[..place]), vec![None; place]);
+            slave.receive(&other, &IDENTITY, START);
+            assert_eq!(
+                select(&mut slave, &ADDRESS[place..]),
+                vec![None; 4 - place],
+                "{other:02X?} at {place}"
+            );
+        }
+    }
+}
+
+#[test]
+fn l16_a_first_node_id_boots_the_device_when_it_is_let_go() {
+    let mut slave = slave(255);
+    slave.ask(&[0x04, 0x01]);
+    slave.ask(&[0x11, 0x0B]);
+    assert_eq!(slave.event(), None);
+    assert_eq!(slave.ask(&[0x04, 0x00]), None);
+    assert_eq!(slave.event(), Some(LssEvent::Boot));
+    assert_eq!(slave.reset().get(), 11);
+    assert_eq!(slave.settings().node_id.get(), 11);
+    assert!(!slave.is_in_configuration());
+    slave.ask(&[0x04, 0x00]);
+    assert_eq!(slave.event(), None, "once");
+}
+
+#[test]
+fn l16_without_a_node_id_nothing_boots() {
+    let mut slave = slave(255);
+    slave.ask(&[0x04, 0x01]);
+    slave.ask(&[0x11, 0xFF]);
+    slave.ask(&[0x04, 0x00]);
+    assert_eq!(slave.event(), None);
+}
+
+#[test]
+fn l18_a_device_with_a_node_id_changes_it_at_reset_communication() {
+    let mut slave = in_configuration();
+    slave.ask(&[0x11, 0x0B]);
+    slave.ask(&[0x04, 0x00]);
+    assert_eq!(slave.event(), None);
+    assert_eq!(slave.settings().node_id.get(), 4);
+    assert_eq!(slave.pending_node_id().get(), 11);
+    assert_eq!(slave.reset().get(), 11);
+}
+
+#[test]
+fn l12_fastscan_is_not_for_the_configuration_state() {
+    let mut slave = slave(255);
+    slave.ask(&[0x04, 0x01]);
+    assert_eq!(
+        slave.receive(&fastscan(0, 128, 0, 0), &IDENTITY, START),
+        None
+    );
+}

@@ -1,0 +1,39 @@
+//! A CANopen device: CiA 301 (communication profile), CiA 303-3 (indicators) and CiA 305 (layer setting services).
+//!
+//! The device is a value. Frames and time go in, frames and the next deadline come out ([`Node::receive`],
+//! [`Node::poll`], [`Node::transmit`]); it never waits, allocates or reads a clock. The same code runs in the
+//! firmware, in the emulator and on a PC.
+//!
+//! Folders carry the numbers of the standards; [`od`] is the object dictionary, [`wire`] the frames.
+#![no_std]
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing,
+        clippy::unreachable
+    )
+)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod application;
+pub mod cia301;
+pub mod cia303;
+pub mod cia305;
+mod copy;
+pub mod node;
+pub mod od;
+pub mod settings;
+pub mod time;
+pub mod wire;
+
+pub use application::Application;
+pub use node::{Event, Node};
+pub use settings::{BitRate, NodeId, Settings};
+pub use time::{Duration, Instant};
+pub use wire::Frame;

@@ -1,0 +1,340 @@
+//! The device: every service behind one value.
+//!
+//! A received frame is handed to its service by identifier; services change the object dictionary, and the dictionary
+//! changes the services. Time passes in [`Node::poll`]; frames to be sent are fetched with [`Node::transmit`].
+//!
+//! The contract:
+//! - The device sends nothing and hears nothing before [`Node::boot`], and again from a commanded reset until the next
+//!   [`Node::boot`]. The firmware learns of the reset by [`Event::ResetRequested`] and may stop a motor first.
+//! - A reset leads through [`NmtState::Initialisation`], and [`Event::StateChanged`] tells of it. LSS answers that wait for
+//!   the bus outlive it; everything else that waits is dropped.
+//! - The first frame after a boot is the boot-up message, once.
+//! - Without a node-ID the device stays in [`NmtState::Initialisation`] and serves LSS only.
+//! - A command is executed before [`Node::receive`] returns, so that none is lost between two calls of [`Node::poll`].
+//! - While the bit rate is switched nothing is sent, and SDO requests are not executed: no answer could tell of them.
+//! - Settings to store, a switch of the bit rate and a reset are told whatever else waits to be told.
+//! - Time is the stamp of a frame and the moment given to [`Node::poll`]. Give every frame that has arrived before calling
+//!   it: what is silent at that moment has timed out.
+//! - Nothing here waits, allocates or panics, whatever the bus brings.
+
+mod events;
+mod objects;
+mod receive;
+mod services;
+mod transmit;
+
+use events::Events;
+use services::Services;
+use transmit::TransmitQueue;
+
+use crate::application::Application;
+use crate::cia301::emergency::Emergency;
+use crate::cia301::nmt::{NmtState, Reset};
+use crate::cia301::sdo;
+use crate::cia305::{self, LssEvent};
+use crate::od::{self, Dictionary};
+use crate::settings::{BitRate, NodeId, Settings};
+use crate::time::{Instant, NEVER, earlier, has_come};
+use crate::wire::cob_id;
+
+/// What the firmware around the device has to know or to do. Taken with [`Node::event`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The NMT state changed.
+    StateChanged(NmtState),
+    /// A reset was commanded, or LSS has given a first node-ID. The device is silent until [`Node::boot`] is called with
+    /// this reset, so that the motor can be stopped first.
+    ResetRequested(Reset),
+    /// LSS asks to store these settings; answer with [`Node::settings_stored`].
+    StoreSettings(Settings),
+    /// LSS asks to change the bit rate: nothing is sent for a delay, then the rate changes, then nothing is sent
+    /// for the same delay again. The device keeps the silence itself; the firmware switches its controller at `at`.
+    SwitchBitRate {
+        /// The new bit rate.
+        bit_rate: BitRate,
+        /// When to switch.
+        at: Instant,
+    },
+}
+
+/// Why settings could not be stored (CiA 305, answer to 17h).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StoreError {
+    /// This device cannot store (01h).
+    NotSupported,
+    /// The storage medium failed (02h).
+    Medium,
+}
+
+/// Stands for "no identifier": no 11-bit identifier is equal to it.
+const NO_COB_ID: u16 = u16::MAX;
+
+/// A CANopen device with `RPDOS` receive and `TPDOS` transmit PDOs over the dictionary `D`.
+#[derive(Debug)]
+pub struct Node<D, const RPDOS: usize, const TPDOS: usize> {
+    dictionary: D,
+    services: Services<RPDOS, TPDOS>,
+    sdo: sdo::Server,
+    lss: cia305::Slave,
+    queue: TransmitQueue,
+    events: Events,
+    state: NmtState,
+    /// The node-ID in force.
+    node_id: NodeId,
+    /// The identifier of SDO requests; [`NO_COB_ID`] in states without SDO.
+    sdo_request: u16,
+    /// No timer ends before this moment, unless the services say that one has changed.
+    next_timer: Instant,
+    /// No transmit PDO is due before this moment, unless the services say that a value has changed.
+    next_pdo: Instant,
+    /// The earlier of the two.
+    next_call: Instant,
+    /// Silent and deaf until the next boot.
+    is_resetting: bool,
+    /// Nothing may be sent: a reset, or the silence around a change of the bit rate.
+    is_mute: bool,
+}
+
+impl<D: Dictionary, const RPDOS: usize, const TPDOS: usize> Node<D, RPDOS, TPDOS> {
+    /// A device that has just been powered, still silent: call [`Node::boot`] with [`Reset::Node`].
+    pub fn new(dictionary: D, settings: Settings) -> Self {
+        Self {
+            dictionary,
+            services: Services::new(),
+            sdo: sdo::Server::new(),
+            lss: cia305::Slave::new(settings),
+            queue: TransmitQueue::new(),
+            events: Events::new(),
+            state: NmtState::Initialisation,
+            node_id: settings.node_id,
+            sdo_request: NO_COB_ID,
+            next_timer: NEVER,
+            next_pdo: NEVER,
+            next_call: NEVER,
+            is_resetting: true,
+            is_mute: true,
+        }
+    }
+
+    /// The same device on a controller that reaches these bit rates only; LSS refuses the others (CiA 305, service 13h).
+    pub fn supporting(mut self, bit_rates: &[BitRate]) -> Self {
+        self.lss = self.lss.supporting(bit_rates);
+        self
+    }
+
+    /// Loads power-on values, applies a pending node-ID and sends the boot-up message; then Pre-operational. An
+    /// unconfigured device ([`NodeId::UNCONFIGURED`]) stays silent but for LSS.
+    ///
+    /// [`Reset::Node`] loads every object and forgets the errors that stand (who still sees one reports it again).
+    /// [`Reset::Communication`] loads 1000h to 1FFFh, except the identity object 1018h, which the firmware fills in.
+    pub fn boot<A: Application<D>>(&mut self, reset: Reset, now: Instant, application: &mut A) {
+        self.silence();
+        self.events.forget_reset();
+        self.node_id = self.lss.reset();
+        match reset {
+            Reset::Node => {
+                od::load_defaults(&mut self.dictionary, self.node_id.get(), 0..=u16::MAX);
+                self.services.emergency.reset();
+                application.power_on(&mut self.dictionary);
+            }
+            Reset::Communication => {
+                od::load_defaults(&mut self.dictionary, self.node_id.get(), 0x1000..=0x1017);
+                od::load_defaults(&mut self.dictionary, self.node_id.get(), 0x1019..=0x1FFF);
+            }
+        }
+        self.services.configure(&mut self.dictionary, now);
+        self.is_resetting = false;
+        self.is_mute = self.lss.is_silent(now);
+        if self.node_id.is_configured() {
+            self.queue.push_boot_up();
+            self.enter(NmtState::PreOperational, now);
+        }
+    }
+
+    /// Lets time pass: timers, change-of-state PDOs. Returns when it wants to be called again at the latest
+    /// ([`NEVER`]: not before the next frame).
+    #[inline]
+    pub fn poll<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
+        let _ = application;
+        if has_come(self.next_call, now)
+            || self.services.timers_changed
+            || self.services.values_changed
+        {
+            self.serve(now);
+        }
+        self.next_call
+    }
+
+    /// Something is due, or may be.
+    #[inline(never)]
+    fn serve(&mut self, now: Instant) {
+        if self.services.timers_changed || has_come(self.next_timer, now) {
+            self.next_timer = self.serve_timers(now);
+        }
+        if self.services.values_changed || has_come(self.next_pdo, now) {
+            self.services.values_changed = false;
+            self.next_pdo = self.services.tpdos.poll(&self.dictionary, now);
+        }
+        self.next_call = earlier(self.next_timer, self.next_pdo);
+    }
+
+    /// The next event for the firmware: changes of state in their order, then what LSS asks for, then a reset.
+    pub fn event(&mut self) -> Option<Event> {
+        self.events.pop()
+    }
+
+    /// The reset of [`Event::ResetRequested`], ahead of the events that wait before it.
+    pub fn take_reset(&mut self) -> Option<Reset> {
+        self.events.take_reset()
+    }
+
+    /// The result of storing the settings of [`Event::StoreSettings`]; sends the answer to the LSS master, or asks to
+    /// store the newer settings that the master has ordered meanwhile.
+    pub fn settings_stored(&mut self, result: Result<(), StoreError>) {
+        if let Some(answer) = self.lss.settings_stored(result) {
+            self.queue.push_lss(answer);
+        }
+        self.serve_lss_events();
+    }
+
+    /// An error appeared: error register, history, emergency message. Reported once until [`Node::clear`].
+    pub fn report(&mut self, emergency: Emergency, now: Instant) {
+        self.services.report(&mut self.dictionary, &emergency, now);
+    }
+
+    /// An error is gone: its register bits fall and "error reset" is sent.
+    pub fn clear(&mut self, code: u16, now: Instant) {
+        self.services.clear(&mut self.dictionary, code, now);
+    }
+
+    /// The NMT state.
+    pub fn state(&self) -> NmtState {
+        self.state
+    }
+
+    /// The settings in force (not those LSS has configured for the next reset).
+    pub fn settings(&self) -> Settings {
+        self.lss.settings()
+    }
+
+    /// The object dictionary.
+    pub fn dictionary(&self) -> &D {
+        &self.dictionary
+    }
+
+    /// The object dictionary, for the firmware to put in actual values. A communication object (1000h to 1FFFh) that is
+    /// written here takes effect at the next boot. The next [`Node::poll`] looks for transmit PDOs that have changed.
+    pub fn dictionary_mut(&mut self) -> &mut D {
+        self.services.values_changed = true;
+        &mut self.dictionary
+    }
+
+    /// Whether nothing may be sent now: before [`Node::boot`], after a commanded reset, and while the bit rate is switched.
+    /// A frame that has been fetched and has not reached the bus must wait; in [`NmtState::Initialisation`] it is void.
+    pub fn is_mute(&self) -> bool {
+        self.is_mute
+    }
+
+    /// What was lost since power-on because a queue was full: emergency messages, SDO requests, LSS answers, changes of
+    /// state.
+    pub fn overflows(&self) -> u32 {
+        self.services
+            .emergency
+            .overflows()
+            .saturating_add(self.queue.overflows())
+            .saturating_add(self.events.overflows())
+    }
+
+    /// Changes the NMT state; nothing happens if it is the present one.
+    fn enter(&mut self, state: NmtState, now: Instant) {
+        if state == self.state {
+            return;
+        }
+        self.leave_operational();
+        self.state = state;
+        // Transmit PDOs start, and with them their timers.
+        self.services.values_changed = true;
+        self.services.may_send_emergency = state.has_sdo_and_emergency();
+        if state.has_sdo_and_emergency() {
+            self.sdo_request = cob_id::sdo_request(self.node_id);
+        } else {
+            self.end_sdo_and_emergency();
+        }
+        if state == NmtState::Operational {
+            self.services.rpdos.enter_operational();
+            self.services.tpdos.enter_operational(&self.dictionary, now);
+        }
+        self.events.state_changed(state);
+    }
+
+    fn leave_operational(&mut self) {
+        if self.state == NmtState::Operational {
+            self.services.rpdos.leave_operational();
+            self.services.tpdos.leave_operational();
+        }
+    }
+
+    /// Drops what belongs to services that the new state does not have.
+    fn end_sdo_and_emergency(&mut self) {
+        self.sdo_request = NO_COB_ID;
+        self.sdo.reset();
+        self.queue.clear_answers();
+        self.services.emergency.drop_messages();
+        self.services.may_send_emergency = false;
+    }
+
+    /// Nothing is sent or heard from now on.
+    fn silence(&mut self) {
+        self.leave_operational();
+        self.end_sdo_and_emergency();
+        self.queue.clear();
+        if self.state != NmtState::Initialisation {
+            self.state = NmtState::Initialisation;
+            self.events.state_changed(self.state);
+        }
+        self.is_resetting = true;
+        self.is_mute = true;
+    }
+
+    fn request_reset(&mut self, reset: Reset) {
+        self.silence();
+        self.events.request_reset(reset);
+    }
+
+    /// Everything that waits for a time, beside transmit PDOs; returns the next of these times.
+    #[inline(never)]
+    fn serve_timers(&mut self, now: Instant) -> Instant {
+        // The inhibit time of an emergency message that waits begins when it has left: it is looked at every time.
+        self.services.timers_changed = self.services.emergency.needs_time();
+        if self.is_resetting {
+            return NEVER;
+        }
+        let deadline = self.lss.poll(now);
+        self.is_mute = self.lss.is_silent(now);
+        if !self.node_id.is_configured() {
+            return deadline;
+        }
+        if let Some(answer) = self.sdo.poll(now) {
+            self.queue.push_answer(answer);
+        }
+        if self.services.heartbeat.poll(now) {
+            self.queue.push_heartbeat();
+        }
+        let deadline = earlier(deadline, self.sdo.deadline());
+        let deadline = earlier(deadline, self.services.heartbeat.deadline());
+        earlier(deadline, self.services.emergency.poll(now))
+    }
+
+    /// Passes on what the LSS slave wants done.
+    fn serve_lss_events(&mut self) {
+        while let Some(event) = self.lss.event() {
+            match event {
+                LssEvent::Boot => self.request_reset(Reset::Communication),
+                LssEvent::Store(settings) => self.events.request_store(settings),
+                LssEvent::SwitchBitRate { bit_rate, at } => {
+                    self.events.request_switch(bit_rate, at);
+                }
+            }
+        }
+    }
+}

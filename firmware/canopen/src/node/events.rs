@@ -1,0 +1,116 @@
+//! What waits for the firmware around the device.
+
+use heapless::Deque;
+
+use super::Event;
+use crate::cia301::nmt::{NmtState, Reset};
+use crate::settings::{BitRate, Settings};
+use crate::time::Instant;
+
+/// Most changes of state that wait.
+const MOST_STATES: usize = 8;
+
+/// The events. What must be done has a place of its own and is never lost: the newest request of a kind replaces an older
+/// one. A reset comes last, as the device stands still until it is served. Only changes of state may be left out.
+#[derive(Debug)]
+pub(super) struct Events {
+    states: Deque<NmtState, MOST_STATES>,
+    store: Option<Settings>,
+    switch: Option<(BitRate, Instant)>,
+    reset: Option<Reset>,
+    overflows: u32,
+}
+
+impl Events {
+    pub(super) const fn new() -> Self {
+        Self {
+            states: Deque::new(),
+            store: None,
+            switch: None,
+            reset: None,
+            overflows: 0,
+        }
+    }
+
+    /// The NMT state changed. Of the changes that find no room only the last one is kept.
+    pub(super) fn state_changed(&mut self, state: NmtState) {
+        if self.states.push_back(state).is_ok() {
+            return;
+        }
+        self.overflows = self.overflows.saturating_add(1);
+        if let Some(newest) = self.states.back_mut() {
+            *newest = state;
+        }
+    }
+
+    /// Asks for settings to be stored.
+    pub(super) fn request_store(&mut self, settings: Settings) {
+        self.store = Some(settings);
+    }
+
+    /// Asks for a switch of the bit rate.
+    pub(super) fn request_switch(&mut self, bit_rate: BitRate, at: Instant) {
+        self.switch = Some((bit_rate, at));
+    }
+
+    /// Asks for a reset; a reset that has not been served yet becomes the wider one of the two.
+    pub(super) fn request_reset(&mut self, reset: Reset) {
+        if self.reset != Some(Reset::Node) {
+            self.reset = Some(reset);
+        }
+    }
+
+    /// The device boots: a request for it is served.
+    pub(super) fn forget_reset(&mut self) {
+        self.reset = None;
+    }
+
+    /// The reset that is asked for, removed.
+    pub(super) fn take_reset(&mut self) -> Option<Reset> {
+        self.reset.take()
+    }
+
+    /// The next event, removed: changes of state in their order, what LSS asks for, a reset.
+    pub(super) fn pop(&mut self) -> Option<Event> {
+        if let Some(state) = self.states.pop_front() {
+            return Some(Event::StateChanged(state));
+        }
+        if let Some(settings) = self.store.take() {
+            return Some(Event::StoreSettings(settings));
+        }
+        if let Some((bit_rate, at)) = self.switch.take() {
+            return Some(Event::SwitchBitRate { bit_rate, at });
+        }
+        self.take_reset().map(Event::ResetRequested)
+    }
+
+    /// Changes of state that found no room.
+    pub(super) fn overflows(&self) -> u32 {
+        self.overflows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reset_comes_last_and_is_never_lost() {
+        let mut events = Events::new();
+        for _ in 0..20 {
+            events.state_changed(NmtState::Operational);
+        }
+        events.state_changed(NmtState::Stopped);
+        events.request_reset(Reset::Node);
+        events.request_reset(Reset::Communication);
+        let mut last = None;
+        let mut before = None;
+        while let Some(event) = events.pop() {
+            before = last;
+            last = Some(event);
+        }
+        assert_eq!(last, Some(Event::ResetRequested(Reset::Node)));
+        assert_eq!(before, Some(Event::StateChanged(NmtState::Stopped)));
+        assert_eq!(events.overflows(), 13);
+    }
+}

@@ -1,0 +1,71 @@
+//! The object dictionary as the SDO server sees it: with access rights, and with the rules of the objects' owners.
+
+use super::services::Services;
+use crate::application::Application;
+use crate::cia301::emergency;
+use crate::cia301::sdo::{self, AbortCode};
+use crate::od::{self, Attributes, Dictionary, Entry};
+use crate::time::Instant;
+use crate::wire::sdo::Multiplexer;
+
+/// What an SDO request can reach.
+pub(super) struct Objects<'a, D, A, const RPDOS: usize, const TPDOS: usize> {
+    pub(super) dictionary: &'a mut D,
+    pub(super) application: &'a mut A,
+    pub(super) services: &'a mut Services<RPDOS, TPDOS>,
+    pub(super) now: Instant,
+}
+
+/// Whether an object belongs to the communication profile, whose objects this crate owns (CiA 301, table 39).
+const fn is_communication_object(entry: &Entry) -> bool {
+    entry.index >> 12 == 1
+}
+
+impl<D: Dictionary, A: Application<D>, const RPDOS: usize, const TPDOS: usize> sdo::Objects
+    for Objects<'_, D, A, RPDOS, TPDOS>
+{
+    fn read(&mut self, object: Multiplexer) -> Result<&[u8], AbortCode> {
+        let entry = od::find::<D>(object.index, object.sub)?;
+        if !entry.attributes.has(Attributes::READ) {
+            return Err(AbortCode::WriteOnly);
+        }
+        if entry.index == 0x1003 {
+            emergency::is_present(self.dictionary, entry)?;
+        }
+        Ok(od::value(self.dictionary, entry))
+    }
+
+    fn writable(&mut self, object: Multiplexer) -> Result<&'static Entry, AbortCode> {
+        let entry = od::find::<D>(object.index, object.sub)?;
+        if entry.attributes.has(Attributes::WRITE) {
+            Ok(entry)
+        } else {
+            Err(AbortCode::ReadOnly)
+        }
+    }
+
+    fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<(), AbortCode> {
+        let checked = od::check(D::TABLE, entry, value);
+        if is_communication_object(entry) {
+            // To a value out of range the owner's answer is the more exact one: nine entries of a mapping are "too long
+            // for a PDO", not "too high".
+            if !matches!(
+                checked,
+                Err(AbortCode::ValueTooHigh | AbortCode::ValueTooLow)
+            ) {
+                checked?;
+            }
+            self.services.validate(self.dictionary, entry, value)?;
+            checked?;
+            od::put(self.dictionary, entry, value);
+            self.services.written(self.dictionary, entry, self.now);
+        } else {
+            checked?;
+            self.application.validate(self.dictionary, entry, value)?;
+            od::put(self.dictionary, entry, value);
+            self.application.written(self.dictionary, entry);
+        }
+        self.services.values_changed = true;
+        Ok(())
+    }
+}

@@ -1,0 +1,142 @@
+//! Who gets a received frame: dispatch by identifier.
+//!
+//! Most frames on a bus are for others. They cost a comparison with each of the few identifiers in use,
+//! and no call: what is for this device is served out of line.
+
+use super::Node;
+use super::objects::Objects;
+use crate::application::Application;
+use crate::cia301::nmt::{Command, NmtState};
+use crate::cia305::{self, Identity};
+use crate::od::Dictionary;
+use crate::time::{Instant, earlier};
+use crate::wire::{Frame, cob_id};
+
+impl<D: Dictionary, const RPDOS: usize, const TPDOS: usize> Node<D, RPDOS, TPDOS> {
+    /// Takes a frame from the bus; `stamp` is when it arrived. Frames that are for others, extended frames and remote
+    /// frames do nothing.
+    #[inline]
+    pub fn receive<A: Application<D>>(
+        &mut self,
+        frame: &Frame,
+        stamp: Instant,
+        application: &mut A,
+    ) {
+        let Some(cob_id) = frame.data_cob_id() else {
+            return;
+        };
+        if self.is_resetting {
+            return;
+        }
+        if cob_id == self.sdo_request {
+            if let Some(request) = frame.full_payload() {
+                self.receive_sdo(request, stamp, application);
+            }
+        } else if cob_id == cia305::REQUEST_COB_ID {
+            if let Some(request) = frame.full_payload() {
+                self.receive_lss(request, stamp);
+            }
+        } else if !self.node_id.is_configured() {
+            // Nothing else exists without a node-ID.
+        } else if cob_id == cob_id::NMT {
+            self.receive_nmt(frame.payload(), stamp);
+        } else if cob_id == self.services.sync.cob_id() {
+            self.receive_sync(frame.length(), stamp, application);
+        } else if self.services.rpdos.is_in_use(cob_id) && self.state == NmtState::Operational {
+            self.receive_pdo(cob_id, frame, stamp, application);
+        }
+    }
+
+    #[inline(never)]
+    fn receive_sdo<A: Application<D>>(
+        &mut self,
+        request: &[u8; 8],
+        now: Instant,
+        application: &mut A,
+    ) {
+        let may_lack_answer = self.is_mute || !self.queue.has_room_for_answer();
+        if may_lack_answer && !self.can_answer_sdo(request, now) {
+            return;
+        }
+        let mut objects = Objects {
+            dictionary: &mut self.dictionary,
+            application,
+            services: &mut self.services,
+            now,
+        };
+        if let Some(answer) = self.sdo.receive(request, now, &mut objects) {
+            self.queue.push_answer(answer);
+        }
+        let deadline = self.sdo.deadline();
+        self.next_timer = earlier(self.next_timer, deadline);
+        self.next_call = earlier(self.next_call, deadline);
+    }
+
+    /// Whether a request can be executed: not in the silence of a bit rate switch, nor when its answer has no room. An abort
+    /// needs none.
+    #[cold]
+    #[inline(never)]
+    fn can_answer_sdo(&mut self, request: &[u8; 8], now: Instant) -> bool {
+        if self.lss.is_silent(now) {
+            return false;
+        }
+        if self.queue.has_room_for_answer() {
+            return true;
+        }
+        if !self.sdo.receive_abort(request) {
+            self.queue.count_lost_request();
+        }
+        false
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn receive_lss(&mut self, request: &[u8; 8], now: Instant) {
+        let identity = Identity::of(&self.dictionary);
+        if let Some(answer) = self.lss.receive(request, &identity, now) {
+            self.queue.push_lss(answer);
+        }
+        self.serve_lss_events();
+        self.services.timers_changed = true;
+        self.is_mute = self.is_resetting || self.lss.is_silent(now);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn receive_nmt(&mut self, payload: &[u8], now: Instant) {
+        match Command::parse(payload, self.node_id) {
+            Some(Command::Enter(state)) => self.enter(state, now),
+            Some(Command::Reset(reset)) => self.request_reset(reset),
+            None => {}
+        }
+    }
+
+    #[inline(never)]
+    fn receive_sync<A: Application<D>>(&mut self, length: u8, now: Instant, application: &mut A) {
+        if self.state == NmtState::Stopped {
+            return;
+        }
+        if self.services.sync.receive(length) && self.state == NmtState::Operational {
+            self.services.synchronise(&mut self.dictionary, application);
+        }
+        self.services.report_lengths(&mut self.dictionary, now);
+    }
+
+    #[inline(never)]
+    fn receive_pdo<A: Application<D>>(
+        &mut self,
+        cob_id: u16,
+        frame: &Frame,
+        now: Instant,
+        application: &mut A,
+    ) {
+        if self
+            .services
+            .rpdos
+            .receive(cob_id, frame, &mut self.dictionary, application)
+        {
+            self.services.values_changed = true;
+            self.services.report_lengths(&mut self.dictionary, now);
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! The transmit queue: what waits for the bus, lowest identifier first.
+//!
+//! Each communication object has its own place. Process data is replaced by newer data (in the transmit PDOs); emergency
+//! messages, SDO answers and LSS answers keep their order; of heartbeats there is one. The boot-up message goes
+//! before everything, because it must be the first frame of all.
+
+use heapless::Deque;
+
+use super::{NO_COB_ID, Node};
+use crate::cia301::nmt::NmtState;
+use crate::cia305;
+use crate::od::Dictionary;
+use crate::settings::NodeId;
+use crate::wire::{Frame, cob_id};
+
+/// Most SDO answers that wait. A client has one request in flight; more is already a repetition.
+const MOST_ANSWERS: usize = 4;
+
+/// Most LSS answers that wait. A master has one request in flight.
+const MOST_LSS_ANSWERS: usize = 4;
+
+/// What waits, beside emergency messages and PDOs, which wait with their producers.
+#[derive(Debug)]
+pub(super) struct TransmitQueue {
+    /// The bits of [`waiting`].
+    waiting: u8,
+    answers: Deque<[u8; 8], MOST_ANSWERS>,
+    lss: Deque<[u8; 8], MOST_LSS_ANSWERS>,
+    overflows: u32,
+}
+
+/// What may wait, the lowest identifier in the lowest bit.
+mod waiting {
+    pub const BOOT_UP: u8 = 1 << 0;
+    pub const ANSWER: u8 = 1 << 1;
+    pub const HEARTBEAT: u8 = 1 << 2;
+    pub const LSS: u8 = 1 << 3;
+}
+
+impl TransmitQueue {
+    pub(super) const fn new() -> Self {
+        Self {
+            waiting: 0,
+            answers: Deque::new(),
+            lss: Deque::new(),
+            overflows: 0,
+        }
+    }
+
+    /// Drops all but LSS answers, which belong to no NMT state.
+    pub(super) fn clear(&mut self) {
+        self.clear_answers();
+        self.waiting &= waiting::LSS;
+    }
+
+    /// Drops the SDO answers: the state without SDO is entered.
+    pub(super) fn clear_answers(&mut self) {
+        self.answers.clear();
+        self.waiting &= !waiting::ANSWER;
+    }
+
+    pub(super) fn push_boot_up(&mut self) {
+        self.waiting |= waiting::BOOT_UP;
+    }
+
+    pub(super) fn push_heartbeat(&mut self) {
+        self.waiting |= waiting::HEARTBEAT;
+    }
+
+    /// Whether one more SDO answer has room. If not, a request must not be executed.
+    pub(super) fn has_room_for_answer(&self) -> bool {
+        !self.answers.is_full()
+    }
+
+    /// An SDO request is lost, as its answer has no room.
+    pub(super) fn count_lost_request(&mut self) {
+        self.overflows = self.overflows.saturating_add(1);
+    }
+
+    pub(super) fn push_answer(&mut self, answer: [u8; 8]) {
+        self.waiting |= waiting::ANSWER;
+        if self.answers.push_back(answer).is_err() {
+            self.overflows = self.overflows.saturating_add(1);
+        }
+    }
+
+    /// Adds an LSS answer; one that finds no room is lost, and counts.
+    pub(super) fn push_lss(&mut self, answer: [u8; 8]) {
+        self.waiting |= waiting::LSS;
+        if self.lss.push_back(answer).is_err() {
+            self.overflows = self.overflows.saturating_add(1);
+        }
+    }
+
+    /// SDO requests and LSS answers that were lost because too many answers waited.
+    pub(super) fn overflows(&self) -> u32 {
+        self.overflows
+    }
+
+    fn has(&self, what: u8) -> bool {
+        self.waiting & what != 0
+    }
+
+    /// The lowest identifier that waits, the boot-up message left out.
+    fn pending(&self, node_id: NodeId) -> Option<u16> {
+        if self.has(waiting::ANSWER) {
+            Some(cob_id::sdo_response(node_id))
+        } else if self.has(waiting::HEARTBEAT) {
+            Some(cob_id::error_control(node_id))
+        } else if self.has(waiting::LSS) {
+            Some(cia305::RESPONSE_COB_ID)
+        } else {
+            None
+        }
+    }
+
+    /// The oldest SDO answer, removed.
+    fn take_answer(&mut self) -> Option<[u8; 8]> {
+        let answer = self.answers.pop_front();
+        if self.answers.is_empty() {
+            self.waiting &= !waiting::ANSWER;
+        }
+        answer
+    }
+
+    /// The oldest LSS answer, removed. Out of the way of what is sent often.
+    #[cold]
+    #[inline(never)]
+    fn take_lss(&mut self) -> Option<Frame> {
+        let answer = self.lss.pop_front();
+        if self.lss.is_empty() {
+            self.waiting &= !waiting::LSS;
+        }
+        answer.map(|answer| Frame::full(cia305::RESPONSE_COB_ID, answer))
+    }
+}
+
+impl<D: Dictionary, const RPDOS: usize, const TPDOS: usize> Node<D, RPDOS, TPDOS> {
+    /// The next frame to send, lowest identifier first; `None` when there is nothing.
+    ///
+    /// Call it when the CAN controller can take a frame. A frame that the controller gives back (it was not sent, and
+    /// one of higher priority shall go first) cannot be put back here.
+    #[inline]
+    pub fn transmit(&mut self) -> Option<Frame> {
+        let may_wait = self.queue.waiting != 0
+            || self.services.tpdos.is_pending()
+            || self.services.emergency.is_pending();
+        if may_wait && !self.is_mute {
+            self.transmit_next()
+        } else {
+            None
+        }
+    }
+
+    #[inline(never)]
+    fn transmit_next(&mut self) -> Option<Frame> {
+        if self.queue.has(waiting::BOOT_UP) {
+            self.queue.waiting &= !waiting::BOOT_UP;
+            return Some(self.error_control(NmtState::Initialisation));
+        }
+        let is_pdo = self.services.tpdos.is_pending();
+        let is_emergency = self.services.emergency.is_pending();
+        // Mostly one thing waits.
+        match (is_emergency, is_pdo, self.queue.waiting != 0) {
+            (false, true, false) => self.services.tpdos.take(),
+            (false, false, true) => self.take_fixed(),
+            (true, false, false) => self.services.emergency.take(),
+            _ => self.take_lowest(),
+        }
+    }
+
+    /// The frame with the lowest identifier, whatever it is. Of equals an emergency message goes first, then a PDO.
+    #[inline(never)]
+    fn take_lowest(&mut self) -> Option<Frame> {
+        let or_none = |cob_id: Option<u16>| cob_id.unwrap_or(NO_COB_ID);
+        let emergency = or_none(self.services.emergency.pending());
+        let pdo = or_none(self.services.tpdos.pending());
+        let fixed = or_none(self.queue.pending(self.node_id));
+        if emergency <= pdo && emergency <= fixed {
+            self.services.emergency.take()
+        } else if pdo <= fixed {
+            self.services.tpdos.take()
+        } else {
+            self.take_fixed()
+        }
+    }
+
+    /// SDO answers, heartbeats and LSS answers have fixed identifiers, in that order.
+    fn take_fixed(&mut self) -> Option<Frame> {
+        if self.queue.has(waiting::ANSWER) {
+            let answer = self.queue.take_answer()?;
+            Some(Frame::full(cob_id::sdo_response(self.node_id), answer))
+        } else if self.queue.has(waiting::HEARTBEAT) {
+            self.queue.waiting &= !waiting::HEARTBEAT;
+            Some(self.error_control(self.state))
+        } else {
+            self.queue.take_lss()
+        }
+    }
+
+    /// Boot-up message or heartbeat.
+    fn error_control(&self, state: NmtState) -> Frame {
+        Frame::data_frame(cob_id::error_control(self.node_id), &[state as u8])
+    }
+}

@@ -1,0 +1,342 @@
+//! Finding entries, reading and writing values.
+//!
+//! Everything here works on the bytes as they travel on the bus. Nothing here looks at access rights
+//! ([`super::Access`]): the services do, because each has its own answer. No function can panic: an entry of another
+//! dictionary, or bytes of a wrong length, give an error or nothing.
+
+use core::ops::RangeInclusive;
+
+use super::{Attributes, DataType, Dictionary, Entry, Location, Table, key};
+use crate::cia301::sdo::AbortCode;
+use crate::copy::copy;
+
+/// Why an entry cannot be had.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AccessError {
+    /// No object at this index.
+    NoObject,
+    /// The object has no such sub-index.
+    NoSubIndex,
+}
+
+impl From<AccessError> for AbortCode {
+    fn from(error: AccessError) -> Self {
+        match error {
+            AccessError::NoObject => Self::NoObject,
+            AccessError::NoSubIndex => Self::NoSubIndex,
+        }
+    }
+}
+
+impl Table {
+    /// The position of an entry in [`Table::entries`], by binary search.
+    ///
+    /// # Errors
+    /// The object, or only the sub-index, does not exist.
+    pub fn position(&self, index: u16, sub: u8) -> Result<usize, AccessError> {
+        let wanted = key(index, sub);
+        self.entries
+            .binary_search_by_key(&wanted, Entry::key)
+            .map_err(|gap| {
+                // A missing sub-index has a brother on one side of the gap.
+                let is_brother = |position: usize| {
+                    self.entries
+                        .get(position)
+                        .is_some_and(|entry| entry.index == index)
+                };
+                if is_brother(gap) || is_brother(gap.wrapping_sub(1)) {
+                    AccessError::NoSubIndex
+                } else {
+                    AccessError::NoObject
+                }
+            })
+    }
+
+    /// The entry at `index`, `sub`.
+    ///
+    /// # Errors
+    /// The object, or only the sub-index, does not exist.
+    pub fn find(&self, index: u16, sub: u8) -> Result<&'static Entry, AccessError> {
+        let position = self.position(index, sub)?;
+        self.entries.get(position).ok_or(AccessError::NoObject)
+    }
+
+    /// The entries of the objects in a range of indices, in ascending order.
+    pub fn range(&self, indices: RangeInclusive<u16>) -> &'static [Entry] {
+        let start = self
+            .entries
+            .partition_point(|entry| entry.index < *indices.start());
+        let end = self
+            .entries
+            .partition_point(|entry| entry.index <= *indices.end());
+        self.entries.get(start..end).unwrap_or(&[])
+    }
+}
+
+/// The entry of a dictionary at `index`, `sub`.
+///
+/// # Errors
+/// The object, or only the sub-index, does not exist.
+pub fn find<D: Dictionary + ?Sized>(index: u16, sub: u8) -> Result<&'static Entry, AccessError> {
+    D::TABLE.find(index, sub)
+}
+
+/// The present value: the bytes of a number, the present length of a string that can be written, all of a constant string.
+pub fn value<'a, D: Dictionary + ?Sized>(dictionary: &'a D, entry: &Entry) -> &'a [u8] {
+    match entry.location() {
+        Location::Ram(_) => present(dictionary.ram(), entry),
+        Location::Rom(_) => slot(D::TABLE.rom, entry.offset, entry.size),
+    }
+}
+
+/// Checks a new value: its length and its limits. Nothing changes.
+///
+/// # Errors
+/// - [`AbortCode::LengthTooHigh`], [`AbortCode::LengthTooLow`]: not the length of the type, or more than a string holds.
+/// - [`AbortCode::ValueTooHigh`], [`AbortCode::ValueTooLow`]: outside LowLimit and HighLimit, or a BOOLEAN above 1.
+#[inline(never)]
+pub fn check(table: &Table, entry: &Entry, bytes: &[u8]) -> Result<(), AbortCode> {
+    let size = usize::from(entry.size);
+    if bytes.len() > size {
+        return Err(AbortCode::LengthTooHigh);
+    }
+    if entry.data_type.is_variable() {
+        return Ok(());
+    }
+    if bytes.len() < size {
+        return Err(AbortCode::LengthTooLow);
+    }
+    if entry.data_type == DataType::Boolean && bytes.first().is_some_and(|byte| *byte > 1) {
+        return Err(AbortCode::ValueTooHigh);
+    }
+    if entry.limits == Entry::NO_LIMITS {
+        return Ok(());
+    }
+    let Some(limits) = table.limits.get(usize::from(entry.limits)) else {
+        return Ok(());
+    };
+    let Some(number) = number(entry, bytes) else {
+        // An UNSIGNED64 above `i64::MAX`: only a dictionary without a HighLimit has room for it.
+        let unlimited = limits.high == i64::MAX;
+        return if unlimited {
+            Ok(())
+        } else {
+            Err(AbortCode::ValueTooHigh)
+        };
+    };
+    if number > limits.high {
+        Err(AbortCode::ValueTooHigh)
+    } else if number < limits.low {
+        Err(AbortCode::ValueTooLow)
+    } else {
+        Ok(())
+    }
+}
+
+/// Checks a new value as [`check`] does, then writes it.
+///
+/// # Errors
+/// Those of [`check`], and [`AbortCode::ReadOnly`] for an entry in flash. On an error nothing has changed.
+pub fn set<D: Dictionary + ?Sized>(
+    dictionary: &mut D,
+    entry: &Entry,
+    bytes: &[u8],
+) -> Result<(), AbortCode> {
+    if matches!(entry.location(), Location::Rom(_)) {
+        return Err(AbortCode::ReadOnly);
+    }
+    check(D::TABLE, entry, bytes)?;
+    put(dictionary, entry, bytes);
+    Ok(())
+}
+
+/// Writes a value that has passed [`check`], without checking it again. An entry in flash does not change, and no byte
+/// outside of the entry's own place is ever written.
+pub fn put<D: Dictionary + ?Sized>(dictionary: &mut D, entry: &Entry, bytes: &[u8]) {
+    if let Location::Ram(offset) = entry.location() {
+        put_at(dictionary.ram_mut(), offset, entry, bytes);
+    }
+}
+
+/// A value as a number, sign-extended. `None` for a string, a REAL, a wrong length, and an UNSIGNED64 above `i64::MAX`
+/// (limits cannot be written for those).
+pub fn number(entry: &Entry, bytes: &[u8]) -> Option<i64> {
+    let data_type = entry.data_type;
+    let is_integer =
+        !data_type.is_variable() && !matches!(data_type, DataType::Real32 | DataType::Real64);
+    if !is_integer || bytes.len() != usize::from(entry.size) {
+        return None;
+    }
+    let raw = little_endian(bytes);
+    if data_type.is_signed() {
+        // Up to the top and back down: the shift right of a signed number copies its sign.
+        let unused = 64u32.saturating_sub(u32::from(entry.size).saturating_mul(8));
+        Some(raw.wrapping_shl(unused).cast_signed().wrapping_shr(unused))
+    } else {
+        i64::try_from(raw).ok()
+    }
+}
+
+/// Sets the objects of a range of indices to their power-on values, the node-ID added where the data sheet says $NODEID. All
+/// objects for NMT reset node, 1000h to 1FFFh for reset communication (CiA 301, 7.3.2.2.1).
+pub fn load_defaults<D: Dictionary + ?Sized>(
+    dictionary: &mut D,
+    node_id: u8,
+    indices: RangeInclusive<u16>,
+) {
+    for entry in D::TABLE.range(indices) {
+        let Location::Ram(offset) = entry.location() else {
+            continue;
+        };
+        let length = room(entry);
+        let from = slot(D::TABLE.defaults, offset, length);
+        let to = slot_mut(dictionary.ram_mut(), offset, length);
+        copy(to, from);
+        if entry.attributes.has(Attributes::NODE_ID) {
+            let sum = little_endian(to).wrapping_add(u64::from(node_id));
+            copy(to, &sum.to_le_bytes());
+        }
+    }
+}
+
+/// The value of an UNSIGNED8 (or any other 1-byte object); `None` when there is no such object.
+pub fn read_u8<D: Dictionary + ?Sized>(dictionary: &D, index: u16, sub: u8) -> Option<u8> {
+    read(dictionary, index, sub).map(u8::from_le_bytes)
+}
+
+/// The value of an UNSIGNED16 (or any other 2-byte object); `None` when there is no such object.
+pub fn read_u16<D: Dictionary + ?Sized>(dictionary: &D, index: u16, sub: u8) -> Option<u16> {
+    read(dictionary, index, sub).map(u16::from_le_bytes)
+}
+
+/// The value of an UNSIGNED32 (or any other 4-byte object); `None` when there is no such object.
+pub fn read_u32<D: Dictionary + ?Sized>(dictionary: &D, index: u16, sub: u8) -> Option<u32> {
+    read(dictionary, index, sub).map(u32::from_le_bytes)
+}
+
+/// Writes a 1-byte object in RAM, with no regard to access and limits: for the objects' own code. Returns whether there
+/// is one.
+pub fn write_u8<D: Dictionary + ?Sized>(
+    dictionary: &mut D,
+    index: u16,
+    sub: u8,
+    value: u8,
+) -> bool {
+    write(dictionary, index, sub, &value.to_le_bytes())
+}
+
+/// Writes a 2-byte object in RAM, with no regard to access and limits: for the objects' own code. Returns whether there
+/// is one.
+pub fn write_u16<D: Dictionary + ?Sized>(
+    dictionary: &mut D,
+    index: u16,
+    sub: u8,
+    value: u16,
+) -> bool {
+    write(dictionary, index, sub, &value.to_le_bytes())
+}
+
+/// Writes a 4-byte object in RAM, with no regard to access and limits: for the objects' own code. Returns whether there
+/// is one.
+pub fn write_u32<D: Dictionary + ?Sized>(
+    dictionary: &mut D,
+    index: u16,
+    sub: u8,
+    value: u32,
+) -> bool {
+    write(dictionary, index, sub, &value.to_le_bytes())
+}
+
+/// The bytes of a number of `N` bytes.
+fn read<D: Dictionary + ?Sized, const N: usize>(
+    dictionary: &D,
+    index: u16,
+    sub: u8,
+) -> Option<[u8; N]> {
+    let entry = find::<D>(index, sub).ok()?;
+    if entry.data_type.is_variable() {
+        return None;
+    }
+    value(dictionary, entry).try_into().ok()
+}
+
+/// Writes a number of exactly these bytes.
+fn write<D: Dictionary + ?Sized>(dictionary: &mut D, index: u16, sub: u8, bytes: &[u8]) -> bool {
+    let Ok(entry) = find::<D>(index, sub) else {
+        return false;
+    };
+    let fits = !entry.data_type.is_variable() && usize::from(entry.size) == bytes.len();
+    let in_ram = matches!(entry.location(), Location::Ram(_));
+    if fits && in_ram {
+        put(dictionary, entry, bytes);
+    }
+    fits && in_ram
+}
+
+/// Bytes of RAM before the characters of a string that can be written: its present length.
+const LENGTH_PREFIX: u16 = 2;
+
+/// Bytes that an entry takes in RAM.
+fn room(entry: &Entry) -> u16 {
+    if entry.data_type.is_variable() {
+        entry.size.saturating_add(LENGTH_PREFIX)
+    } else {
+        entry.size
+    }
+}
+
+/// The present bytes of an entry in RAM.
+fn present<'a>(ram: &'a [u8], entry: &Entry) -> &'a [u8] {
+    if !entry.data_type.is_variable() {
+        return slot(ram, entry.offset, entry.size);
+    }
+    match *slot(ram, entry.offset, LENGTH_PREFIX) {
+        [low, high] => {
+            let length = u16::from_le_bytes([low, high]).min(entry.size);
+            slot(ram, entry.offset.saturating_add(LENGTH_PREFIX), length)
+        }
+        _ => &[],
+    }
+}
+
+/// Writes the bytes of an entry in RAM, never more than its own.
+fn put_at(ram: &mut [u8], offset: u16, entry: &Entry, bytes: &[u8]) {
+    if entry.data_type.is_variable() {
+        let length = u16::try_from(bytes.len())
+            .unwrap_or(u16::MAX)
+            .min(entry.size);
+        copy(slot_mut(ram, offset, LENGTH_PREFIX), &length.to_le_bytes());
+        copy(
+            slot_mut(ram, offset.saturating_add(LENGTH_PREFIX), length),
+            bytes,
+        );
+    } else {
+        copy(slot_mut(ram, offset, entry.size), bytes);
+    }
+}
+
+/// `length` bytes at `offset`; none when they are not all there.
+fn slot(block: &[u8], offset: u16, length: u16) -> &[u8] {
+    let (start, length) = (usize::from(offset), usize::from(length));
+    block
+        .get(start..start.saturating_add(length))
+        .unwrap_or(&[])
+}
+
+/// `length` bytes at `offset`, to be written; none when they are not all there.
+fn slot_mut(block: &mut [u8], offset: u16, length: u16) -> &mut [u8] {
+    let (start, length) = (usize::from(offset), usize::from(length));
+    block
+        .get_mut(start..start.saturating_add(length))
+        .unwrap_or(&mut [])
+}
+
+/// Up to eight bytes, lowest first, as a number.
+fn little_endian(bytes: &[u8]) -> u64 {
+    let mut raw = [0; 8];
+    copy(&mut raw, bytes);
+    u64::from_le_bytes(raw)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,154 @@
+//! One line of the descriptor table.
+
+/// A data type by its code in CiA 301 (object 0001h to 001Bh).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+#[allow(missing_docs, reason = "the names are the standard's own")]
+pub enum DataType {
+    Boolean = 0x01,
+    Integer8 = 0x02,
+    Integer16 = 0x03,
+    Integer32 = 0x04,
+    Unsigned8 = 0x05,
+    Unsigned16 = 0x06,
+    Unsigned32 = 0x07,
+    Real32 = 0x08,
+    VisibleString = 0x09,
+    OctetString = 0x0A,
+    Domain = 0x0F,
+    Real64 = 0x11,
+    Integer64 = 0x15,
+    Unsigned64 = 0x1B,
+}
+
+impl DataType {
+    /// Whether values differ in length (strings and domains).
+    pub const fn is_variable(self) -> bool {
+        matches!(self, Self::VisibleString | Self::OctetString | Self::Domain)
+    }
+
+    /// Whether the number is signed.
+    pub const fn is_signed(self) -> bool {
+        matches!(
+            self,
+            Self::Integer8 | Self::Integer16 | Self::Integer32 | Self::Integer64
+        )
+    }
+}
+
+/// Who may do what with an object over the bus (CiA 306: ro, wo, rw, rwr, rww, const).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// Read only; the device changes it.
+    ReadOnly,
+    /// Write only.
+    WriteOnly,
+    /// Read and write.
+    ReadWrite,
+    /// Never changes.
+    Constant,
+}
+
+/// Where the bytes of a value lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Location {
+    /// At this offset of [`super::Dictionary::ram`].
+    Ram(u16),
+    /// At this offset of [`super::Table::rom`].
+    Rom(u16),
+}
+
+/// The attributes of an entry, as bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Attributes(pub u16);
+
+impl Attributes {
+    /// Can be read over the bus.
+    pub const READ: u16 = 1 << 0;
+    /// Can be written over the bus.
+    pub const WRITE: u16 = 1 << 1;
+    /// May be mapped into a transmit PDO.
+    pub const TPDO: u16 = 1 << 2;
+    /// May be mapped into a receive PDO.
+    pub const RPDO: u16 = 1 << 3;
+    /// The node-ID is added to the default.
+    pub const NODE_ID: u16 = 1 << 4;
+    /// The value lies in flash.
+    pub const ROM: u16 = 1 << 5;
+    /// Const in the data sheet.
+    pub const CONSTANT: u16 = 1 << 6;
+
+    /// Whether all of these bits are set.
+    pub const fn has(self, bits: u16) -> bool {
+        self.0 & bits == bits
+    }
+}
+
+/// Inclusive limits of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// LowLimit of the data sheet, or the type's own.
+    pub low: i64,
+    /// HighLimit of the data sheet, or the type's own. `i64::MAX` is no limit: an UNSIGNED64 may be above it.
+    pub high: i64,
+}
+
+/// One sub-index of one object: 12 bytes of flash.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct Entry {
+    /// Index, 0001h to FFFFh.
+    pub index: u16,
+    /// Sub-index, 0 for an object without any.
+    pub sub: u8,
+    /// Data type.
+    pub data_type: DataType,
+    /// Offset in RAM, or in flash with [`Attributes::ROM`].
+    pub offset: u16,
+    /// Length in bytes; for a string that can be written, its capacity.
+    pub size: u16,
+    /// Access, mapping and default rules.
+    pub attributes: Attributes,
+    /// Number of its limits in [`super::Table::limits`]; [`Entry::NO_LIMITS`] for none.
+    pub limits: u16,
+}
+
+const _: () = assert!(size_of::<Entry>() == 12);
+
+impl Entry {
+    /// No limits beside those of the type.
+    pub const NO_LIMITS: u16 = u16::MAX;
+
+    /// Index and sub-index as one number; the table is sorted by it.
+    pub const fn key(&self) -> u32 {
+        key(self.index, self.sub)
+    }
+
+    /// Where the value lies.
+    pub const fn location(&self) -> Location {
+        if self.attributes.has(Attributes::ROM) {
+            Location::Rom(self.offset)
+        } else {
+            Location::Ram(self.offset)
+        }
+    }
+
+    /// The access of the data sheet.
+    pub const fn access(&self) -> Access {
+        let a = self.attributes;
+        if a.has(Attributes::CONSTANT) {
+            Access::Constant
+        } else if a.has(Attributes::READ | Attributes::WRITE) {
+            Access::ReadWrite
+        } else if a.has(Attributes::WRITE) {
+            Access::WriteOnly
+        } else {
+            Access::ReadOnly
+        }
+    }
+}
+
+/// Index and sub-index as one sortable number.
+pub const fn key(index: u16, sub: u8) -> u32 {
+    (index as u32) << 8 | sub as u32
+}

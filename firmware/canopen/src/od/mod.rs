@@ -1,0 +1,43 @@
+//! The object dictionary: a table of descriptors in flash over one block of bytes in RAM.
+//!
+//! `od-gen` writes a type that implements [`Dictionary`] from an electronic data sheet. Every value is kept as it
+//! travels on the bus, little-endian, at a fixed offset: an SDO answer and a PDO are copies of bytes, and saving
+//! parameters is a walk over ranges. What cannot change lies in flash ([`Table::rom`]); RAM holds the rest. The
+//! generated type adds a typed getter and setter for each object, so code never meets an offset.
+//!
+//! Layout of a value: numbers take the bytes of their type. A string that can be written takes a `u16` with its present
+//! length and then [`Entry::size`] bytes; a string that cannot be written lies in flash, `size` bytes, no prefix.
+
+mod access;
+mod entry;
+
+pub use access::{
+    AccessError, check, find, load_defaults, number, put, read_u8, read_u16, read_u32, set, value,
+    write_u8, write_u16, write_u32,
+};
+pub use entry::{Access, Attributes, DataType, Entry, Limits, Location, key};
+
+/// What `od-gen` puts in flash for one dictionary.
+#[derive(Debug)]
+pub struct Table {
+    /// One descriptor for each sub-index, in ascending order of [`Entry::key`].
+    pub entries: &'static [Entry],
+    /// Values that never change (const and ro objects nobody updates).
+    pub rom: &'static [u8],
+    /// The power-on image of the RAM block, node-ID not yet added to entries with [`Attributes::NODE_ID`].
+    pub defaults: &'static [u8],
+    /// Limits that entries refer to by number.
+    pub limits: &'static [Limits],
+}
+
+/// An object dictionary: the generated table, and the block of RAM that belongs to it.
+pub trait Dictionary {
+    /// Descriptors, constants, defaults and limits, in flash.
+    const TABLE: &'static Table;
+
+    /// The values that can change.
+    fn ram(&self) -> &[u8];
+
+    /// The values that can change, writable.
+    fn ram_mut(&mut self) -> &mut [u8];
+}

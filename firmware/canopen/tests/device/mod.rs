@@ -1,0 +1,217 @@
+//! The device under test: a node with a small dictionary, on virtual time, and frames in candump notation (`604#4000...`).
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+mod objects;
+
+pub use objects::Objects;
+
+use canopen::cia301::nmt::Reset;
+use canopen::cia301::sdo::AbortCode;
+use canopen::od::{self, Dictionary, Entry};
+use canopen::{Application, Duration, Event, Frame, Instant, Node, NodeId, Settings};
+
+/// The firmware around the device: object 2013h cannot be written while a motor runs; the serial number is 12345678h.
+#[derive(Debug, Default)]
+pub struct Firmware {
+    pub is_running: bool,
+    pub written: Vec<(u16, u8)>,
+    pub power_ons: usize,
+}
+
+impl Application<Objects> for Firmware {
+    fn validate(&mut self, _: &Objects, entry: &Entry, _: &[u8]) -> Result<(), AbortCode> {
+        if entry.index == 0x2013 && self.is_running {
+            return Err(AbortCode::DeviceState);
+        }
+        Ok(())
+    }
+
+    fn written(&mut self, _: &mut Objects, entry: &Entry) {
+        self.written.push((entry.index, entry.sub));
+    }
+
+    fn power_on(&mut self, dictionary: &mut Objects) {
+        self.power_ons += 1;
+        assert!(od::write_u32(dictionary, 0x1018, 4, 0x1234_5678));
+    }
+}
+
+/// A frame that was sent, with the moment in milliseconds.
+pub type Sent = (u64, String);
+
+/// A device with two receive and two transmit PDOs.
+#[derive(Debug)]
+pub struct Device {
+    pub node: Node<Objects, 2, 2>,
+    pub firmware: Firmware,
+    pub now: Instant,
+}
+
+impl Device {
+    /// Node 4, not booted.
+    pub fn off() -> Self {
+        Self::off_with(4)
+    }
+
+    /// Not booted; 255 for a device without a node-ID.
+    pub fn off_with(node_id: u8) -> Self {
+        let settings = Settings {
+            node_id: NodeId::new(node_id).unwrap(),
+            ..Settings::default()
+        };
+        Self {
+            node: Node::new(Objects::new(), settings),
+            firmware: Firmware::default(),
+            now: Instant::from_ticks(5_000_000),
+        }
+    }
+
+    /// Node 4 in Pre-operational; its boot-up message and its events are gone.
+    pub fn new() -> Self {
+        let mut device = Self::off();
+        device.boot(Reset::Node);
+        assert_eq!(device.sent(), ["704#00"]);
+        device.events();
+        device
+    }
+
+    /// Node 4 in Operational; the first TPDO is gone.
+    pub fn operational() -> Self {
+        let mut device = Self::new();
+        device.send("000#0104");
+        assert_eq!(device.sent(), ["184#0000000000000000"]);
+        device.events();
+        device
+    }
+
+    pub fn boot(&mut self, reset: Reset) {
+        self.node.boot(reset, self.now, &mut self.firmware);
+    }
+
+    /// Serves a commanded reset as a firmware does.
+    pub fn serve_reset(&mut self) -> Reset {
+        let reset = self.events().into_iter().find_map(|event| match event {
+            Event::ResetRequested(reset) => Some(reset),
+            _ => None,
+        });
+        let reset = reset.expect("a reset was requested");
+        self.boot(reset);
+        reset
+    }
+
+    /// Puts a frame on the bus; the device is not polled.
+    pub fn put(&mut self, text: &str) {
+        self.node
+            .receive(&frame(text), self.now, &mut self.firmware);
+    }
+
+    /// Puts a frame on the bus, then polls.
+    pub fn send(&mut self, text: &str) {
+        self.put(text);
+        self.poll();
+    }
+
+    pub fn poll(&mut self) -> Instant {
+        let deadline = self.node.poll(self.now, &mut self.firmware);
+        assert!(
+            deadline > self.now,
+            "a deadline that is over would never let the firmware sleep"
+        );
+        deadline
+    }
+
+    /// Everything that waits for the bus.
+    pub fn sent(&mut self) -> Vec<String> {
+        std::iter::from_fn(|| self.node.transmit())
+            .map(|frame| text(&frame))
+            .collect()
+    }
+
+    /// Sends an SDO request and returns everything that is sent.
+    pub fn ask(&mut self, text: &str) -> Vec<String> {
+        self.send(text);
+        self.sent()
+    }
+
+    /// Lets milliseconds pass on a free bus; returns what was sent meanwhile, with its moment since the start of this call.
+    pub fn pass(&mut self, milliseconds: u64) -> Vec<Sent> {
+        let start = self.now;
+        let end = start + Duration::from_ticks(milliseconds * 1000);
+        let mut log = Vec::new();
+        loop {
+            let deadline = self.poll();
+            let moment = (self.now - start).ticks() / 1000;
+            log.extend(self.sent().into_iter().map(|frame| (moment, frame)));
+            // What has left may start an inhibit time.
+            let deadline = deadline.min(self.poll());
+            if deadline > end {
+                self.now = end;
+                return log;
+            }
+            self.now = deadline;
+        }
+    }
+
+    pub fn events(&mut self) -> Vec<Event> {
+        std::iter::from_fn(|| self.node.event()).collect()
+    }
+
+    /// The present bytes of an object, past all access rights.
+    pub fn value(&self, index: u16, sub: u8) -> Vec<u8> {
+        od::value(
+            self.node.dictionary(),
+            od::find::<Objects>(index, sub).unwrap(),
+        )
+        .to_vec()
+    }
+
+    /// Changes an object as the firmware does.
+    pub fn set_value(&mut self, index: u16, sub: u8, bytes: &[u8]) {
+        od::set(
+            self.node.dictionary_mut(),
+            od::find::<Objects>(index, sub).unwrap(),
+            bytes,
+        )
+        .unwrap();
+    }
+}
+
+/// All descriptors of the dictionary.
+pub fn entries() -> &'static [Entry] {
+    Objects::TABLE.entries
+}
+
+/// A frame from `604#4000100000000000`; `R` instead of the bytes for a remote frame.
+pub fn frame(text: &str) -> Frame {
+    let (id, data) = text.split_once('#').unwrap();
+    let id = u16::from_str_radix(id, 16).unwrap();
+    if data == "R" {
+        return Frame::remote_frame(id, 8);
+    }
+    let bytes: Vec<u8> = (0..data.len())
+        .step_by(2)
+        .map(|i| u8::from_str_radix(&data[i..i + 2], 16).unwrap())
+        .collect();
+    Frame::data_frame(id, &bytes)
+}
+
+/// A frame as `584#4300100092010200`.
+pub fn text(frame: &Frame) -> String {
+    let bytes: String = frame
+        .payload()
+        .iter()
+        .map(|byte| format!("{byte:02X}"))
+        .collect();
+    format!("{:03X}#{bytes}", frame.standard_id().unwrap())
+}
+
+/// The abort frame of node 4 for an object.
+pub fn abort(index: u16, sub: u8, code: u32) -> String {
+    let [low, high] = index.to_le_bytes();
+    let [a, b, c, d] = code.to_le_bytes();
+    text(&Frame::data_frame(
+        0x584,
+        &[0x80, low, high, sub, a, b, c, d],
+    ))
+}

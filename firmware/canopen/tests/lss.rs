@@ -1,0 +1,293 @@
+//! Layer setting services on the bus: L01 to L19 of the listed cases, frame by frame.
+
+mod device;
+
+use canopen::cia301::nmt::Reset;
+use canopen::node::StoreError;
+use canopen::{BitRate, Event, Frame, NodeId, Settings};
+use device::{Device, frame};
+use embedded_can::{ExtendedId, Frame as _};
+
+/// A request with its bytes filled up to eight; what is sent then.
+fn ask(device: &mut Device, bytes: &str) -> Vec<String> {
+    device.ask(&format!("7E5#{bytes:0<16}"))
+}
+
+/// The answer with its bytes filled up to eight.
+fn answer(bytes: &str) -> [String; 1] {
+    [format!("7E4#{bytes:0<16}")]
+}
+
+/// Node 4 in the configuration state.
+fn in_configuration() -> Device {
+    let mut device = Device::new();
+    assert!(ask(&mut device, "0401").is_empty());
+    device
+}
+
+/// Without a node-ID, in the waiting state.
+fn unconfigured() -> Device {
+    let mut device = Device::off_with(255);
+    device.boot(Reset::Node);
+    device
+}
+
+#[test]
+fn l01_the_waiting_state_tells_nothing() {
+    let mut device = Device::new();
+    for request in ["5E", "5A", "110B", "130002", "17"] {
+        assert!(ask(&mut device, request).is_empty());
+    }
+    assert!(device.events().is_empty());
+}
+
+#[test]
+fn l02_l03_the_configuration_state_tells_node_id_and_identity() {
+    let mut device = in_configuration();
+    assert_eq!(ask(&mut device, "5E"), answer("5E04"));
+    assert_eq!(ask(&mut device, "5A"), answer("5A44332211"));
+    assert_eq!(ask(&mut device, "5B"), answer("5B88776655"));
+    assert_eq!(ask(&mut device, "5C"), answer("5CCCBBAA99"));
+    assert_eq!(ask(&mut device, "5D"), answer("5D78563412"));
+}
+
+#[test]
+fn l04_configure_node_id() {
+    let mut device = in_configuration();
+    assert_eq!(ask(&mut device, "1100"), answer("1101"));
+    assert_eq!(ask(&mut device, "1180"), answer("1101"));
+    assert_eq!(ask(&mut device, "110B"), answer("1100"));
+    assert_eq!(ask(&mut device, "11FF"), answer("1100"));
+}
+
+#[test]
+fn l05_a_bit_rate_that_is_not_there_is_answered() {
+    let mut device = in_configuration();
+    for request in ["130005", "130063", "130100"] {
+        assert_eq!(ask(&mut device, request), answer("1301"));
+    }
+}
+
+#[test]
+fn l06_the_bit_rate_is_switched_in_silence() {
+    let mut device = in_configuration();
+    assert_eq!(
+        device.ask("604#2B1710002C010000"),
+        ["584#6017100000000000", "704#7F"]
+    );
+    assert_eq!(ask(&mut device, "130002"), answer("1300"));
+    let start = device.now.ticks();
+    assert!(ask(&mut device, "15E803").is_empty());
+    let events = device.events();
+    let [
+        Event::SwitchBitRate {
+            bit_rate: BitRate::Kbit500,
+            at,
+        },
+    ] = events[..]
+    else {
+        panic!("{events:?}");
+    };
+    assert_eq!(at.ticks(), start + 1_000_000);
+    let log = device.pass(2500);
+    assert!(log.iter().all(|(moment, _)| *moment >= 2000), "{log:?}");
+    assert!(!log.is_empty(), "the heartbeat is back");
+    assert_eq!(device.node.settings().bit_rate, BitRate::Kbit500);
+}
+
+#[test]
+fn l07_the_answer_to_store_comes_when_it_is_done() {
+    for (result, expected) in [
+        (Ok(()), "1700"),
+        (Err(StoreError::NotSupported), "1701"),
+        (Err(StoreError::Medium), "1702"),
+    ] {
+        let mut device = in_configuration();
+        assert_eq!(ask(&mut device, "110B"), answer("1100"));
+        assert!(ask(&mut device, "17").is_empty());
+        let settings = Settings {
+            node_id: NodeId::new(11).unwrap(),
+            ..Settings::default()
+        };
+        assert_eq!(device.events(), [Event::StoreSettings(settings)]);
+        device.node.settings_stored(result);
+        assert_eq!(device.sent(), answer(expected));
+    }
+}
+
+#[test]
+fn l08_l09_switch_state_selective() {
+    let right = ["4044332211", "4188776655", "42CCBBAA99", "4378563412"];
+    let mut device = Device::new();
+    for request in &right[..3] {
+        assert!(ask(&mut device, request).is_empty());
+    }
+    assert_eq!(ask(&mut device, right[3]), answer("44"));
+    assert_eq!(ask(&mut device, "5E"), answer("5E04"));
+
+    let wrong_word = ["4044332211", "4188776655", "42CCBBAA98", "4378563412"];
+    let wrong_order = ["4188776655", "4044332211", "42CCBBAA99", "4378563412"];
+    let interrupted = ["4044332211", "4188776655", "4C", "42CCBBAA99", "4378563412"];
+    for requests in [&wrong_word[..], &wrong_order, &interrupted] {
+        let mut device = Device::new();
+        for request in requests {
+            assert!(ask(&mut device, request).is_empty());
+        }
+        assert!(ask(&mut device, "5E").is_empty());
+    }
+}
+
+#[test]
+fn l10_identify_remote_slave() {
+    let hit = [
+        "4644332211",
+        "4788776655",
+        "4800000000",
+        "49FFFFFFFF",
+        "4A78563412",
+        "4B78563412",
+    ];
+    let miss = [
+        "4644332211",
+        "4788776655",
+        "4800000000",
+        "49FFFFFFFF",
+        "4A79563412",
+        "4BFFFFFFFF",
+    ];
+    for state in ["0400", "0401"] {
+        let mut device = Device::new();
+        ask(&mut device, state);
+        for request in &hit[..5] {
+            assert!(ask(&mut device, request).is_empty());
+        }
+        assert_eq!(ask(&mut device, hit[5]), answer("4F"));
+        for request in miss {
+            assert!(ask(&mut device, request).is_empty());
+        }
+    }
+}
+
+#[test]
+fn l11_identify_non_configured_remote_slave() {
+    for state in ["0400", "0401"] {
+        let mut without = unconfigured();
+        ask(&mut without, state);
+        assert_eq!(ask(&mut without, "4C"), answer("50"));
+        let mut with = Device::new();
+        ask(&mut with, state);
+        assert!(ask(&mut with, "4C").is_empty());
+    }
+}
+
+#[test]
+fn l12_l14_fastscan_begins_with_an_unconfigured_device() {
+    let mut device = unconfigured();
+    assert_eq!(ask(&mut device, "5100000000800000"), answer("4F"));
+    for request in ["5100000000200000", "5100000000000100", "5100000000000400"] {
+        assert!(ask(&mut device, request).is_empty());
+    }
+    assert!(ask(&mut Device::new(), "5100000000800000").is_empty());
+}
+
+/// Scans the bus of all these devices; the four words of the one that was found.
+fn scan(devices: &mut [Device]) -> Option<[u32; 4]> {
+    let mut is_answered = |word: u32, bit_check: u8, sub: u8, next: u8| {
+        let [a, b, c, d] = word.to_le_bytes();
+        let request = Frame::data_frame(0x7E5, &[0x51, a, b, c, d, bit_check, sub, next]);
+        let answers = devices.iter_mut().map(|device| {
+            device
+                .node
+                .receive(&request, device.now, &mut device.firmware);
+            device.sent()
+        });
+        let answers: Vec<_> = answers.flatten().collect();
+        assert!(
+            answers.iter().all(|sent| *sent == answer("4F")[0]),
+            "{answers:?}"
+        );
+        !answers.is_empty()
+    };
+    if !is_answered(0, 128, 0, 0) {
+        return None;
+    }
+    let mut words = [0; 4];
+    for (sub, word) in (0..).zip(&mut words) {
+        for bit in (0..32).rev() {
+            if !is_answered(*word, bit, sub, sub) {
+                *word |= 1 << bit;
+            }
+        }
+        if !is_answered(*word, 0, sub, (sub + 1) % 4) {
+            return None;
+        }
+    }
+    Some(words)
+}
+
+#[test]
+fn l13_a_full_fastscan_ends_in_the_configuration_state() {
+    let mut devices = [unconfigured()];
+    assert_eq!(
+        scan(&mut devices),
+        Some([0x1122_3344, 0x5566_7788, 0x99AA_BBCC, 0x1234_5678])
+    );
+    assert_eq!(ask(&mut devices[0], "5E"), answer("5EFF"));
+}
+
+#[test]
+fn l15_l16_two_devices_are_found_in_turn_and_boot() {
+    let mut devices = [unconfigured(), unconfigured()];
+    devices[1].set_value(0x1018, 4, &[0x78, 0x56, 0x34, 0x32]);
+    for (node_id, expected) in [("0B", 0x1234_5678), ("0C", 0x3234_5678)] {
+        assert_eq!(scan(&mut devices).map(|words| words[3]), Some(expected));
+        let configured = devices.iter_mut().filter_map(|device| {
+            let answers = ask(device, &format!("11{node_id}"));
+            (!answers.is_empty()).then_some((device, answers))
+        });
+        let mut configured: Vec<_> = configured.collect();
+        assert_eq!(
+            configured.len(),
+            1,
+            "one device is in the configuration state"
+        );
+        let (device, answers) = &mut configured[0];
+        assert_eq!(*answers, answer("1100"));
+        assert!(ask(device, "0400").is_empty());
+        assert_eq!(device.serve_reset(), Reset::Communication);
+        assert_eq!(device.sent(), [format!("7{node_id}#00")]);
+    }
+    assert_eq!(scan(&mut devices), None);
+}
+
+#[test]
+fn l17_only_data_frames_of_eight_bytes_are_requests() {
+    let mut device = Device::new();
+    for request in ["7E5#0401", "7E5#04010000000000", "7E5#R"] {
+        device.send(request);
+    }
+    let id = ExtendedId::new(0x7E5).unwrap();
+    let extended = Frame::new(id, frame("7E5#0401000000000000").payload()).unwrap();
+    device
+        .node
+        .receive(&extended, device.now, &mut device.firmware);
+    assert!(ask(&mut device, "5E").is_empty());
+    device.send("7E5#0401000000000000");
+    assert_eq!(ask(&mut device, "5E"), answer("5E04"));
+}
+
+#[test]
+fn l18_lss_works_in_operational_and_stopped() {
+    for state in ["000#0104", "000#0204"] {
+        let mut device = Device::new();
+        device.send(state);
+        device.sent();
+        ask(&mut device, "0401");
+        assert_eq!(ask(&mut device, "110B"), answer("1100"));
+        assert_eq!(
+            ask(&mut device, "5E"),
+            answer("5E04"),
+            "the node-ID in force"
+        );
+    }
+}

@@ -1,0 +1,164 @@
+//! C06, in small: whatever frames come at whatever times, the device neither panics nor breaks its contract.
+
+mod device;
+
+use canopen::cia301::emergency::Emergency;
+use canopen::cia301::nmt::NmtState;
+use canopen::{Duration, Event, Frame};
+use device::Device;
+use proptest::prelude::*;
+
+/// What may happen to a device.
+#[derive(Clone, Debug)]
+enum Step {
+    Frame(u16, Vec<u8>),
+    Remote(u16),
+    /// An SDO request that is nearly right: command, place in the dictionary, data.
+    Request(u8, usize, [u8; 4]),
+    Pass(u64),
+    Report(u8),
+    Clear(u8),
+    /// The bus takes this many frames.
+    Transmit(usize),
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    let own = prop::sample::select(vec![
+        0x000, 0x080, 0x084, 0x184, 0x204, 0x304, 0x604, 0x604, 0x604, 0x704, 0x7E5,
+    ]);
+    let identifier = prop_oneof![8 => own, 2 => 0..0x800_u16];
+    let nmt = (
+        prop::sample::select(vec![0x01, 0x02, 0x80, 0x81, 0x82, 0x77]),
+        0..6_u8,
+    );
+    let command = prop::sample::select(vec![
+        0x40, 0x60, 0x70, 0x20, 0x21, 0x22, 0x23, 0x2B, 0x2F, 0x00, 0x10, 0x01, 0x11, 0x0F, 0x80,
+        0xA0, 0xC2, 0xE0,
+    ]);
+    prop_oneof![
+        4 => (identifier.clone(), prop::collection::vec(any::<u8>(), 0..=8)).prop_map(|(id, data)| Step::Frame(id, data)),
+        2 => nmt.prop_map(|(command, node)| Step::Frame(0, vec![command, node])),
+        1 => identifier.prop_map(Step::Remote),
+        8 => (command, 0..200_usize, any::<[u8; 4]>()).prop_map(|(c, place, data)| Step::Request(c, place, data)),
+        4 => (0..2_000_000_u64).prop_map(Step::Pass),
+        1 => (0..30_u8).prop_map(Step::Report),
+        1 => (0..30_u8).prop_map(Step::Clear),
+        4 => (0..10_usize).prop_map(Step::Transmit),
+    ]
+}
+
+/// What is owed to the master, kept beside the device.
+#[derive(Default)]
+struct Ledger {
+    /// SDO requests in the present boot; a time-out may add one answer to each.
+    requests: usize,
+    answers: usize,
+    boots: usize,
+    boot_ups: usize,
+}
+
+fn check(device: &mut Device, ledger: &mut Ledger, frame: &Frame) -> Result<(), TestCaseError> {
+    let id = frame.standard_id().unwrap();
+    let state = device.node.state();
+    prop_assert!(!frame.is_remote());
+    match id {
+        0x584 => {
+            ledger.answers += 1;
+            prop_assert_eq!(frame.length(), 8);
+            prop_assert!(state.has_sdo_and_emergency());
+        }
+        0x704 if frame.payload() == [0] => ledger.boot_ups += 1,
+        0x704 => prop_assert_eq!(frame.payload(), &[state as u8][..]),
+        0x7E4 => prop_assert_eq!(frame.length(), 8),
+        // Emergency messages and PDOs: the master may give them any identifier that is not restricted.
+        _ => {
+            prop_assert!(!canopen::wire::cob_id::is_restricted(id));
+            prop_assert!(state.has_sdo_and_emergency());
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn c06_random_frames_at_random_times(steps in prop::collection::vec(step(), 1..300)) {
+        let mut device = Device::off();
+        let mut ledger = Ledger::default();
+        device.boot(canopen::cia301::nmt::Reset::Node);
+        ledger.boots += 1;
+        for step in steps {
+            match step {
+                Step::Frame(id, data) => {
+                    ledger.requests += usize::from(id == 0x604);
+                    device.node.receive(&Frame::data_frame(id, &data), device.now, &mut device.firmware);
+                }
+                Step::Remote(id) => {
+                    device.node.receive(&Frame::remote_frame(id, 8), device.now, &mut device.firmware);
+                }
+                Step::Request(command, place, [a, b, c, d]) => {
+                    ledger.requests += 1;
+                    let entries = device::entries();
+                    let entry = &entries[place % entries.len()];
+                    let [low, high] = entry.index.to_le_bytes();
+                    let frame = Frame::data_frame(0x604, &[command, low, high, entry.sub, a, b, c, d]);
+                    device.node.receive(&frame, device.now, &mut device.firmware);
+                }
+                Step::Pass(ticks) => device.now += Duration::from_ticks(ticks),
+                Step::Report(number) => {
+                    let emergency = Emergency { code: 0xFF00 + u16::from(number), register: number, info: [number; 5] };
+                    device.node.report(emergency, device.now);
+                }
+                Step::Clear(number) => device.node.clear(0xFF00 + u16::from(number), device.now),
+                Step::Transmit(frames) => {
+                    for _ in 0..frames {
+                        let Some(frame) = device.node.transmit() else { break };
+                        check(&mut device, &mut ledger, &frame)?;
+                    }
+                }
+            }
+            device.poll();
+            for event in device.events() {
+                match event {
+                    Event::ResetRequested(reset) => {
+                        prop_assert_eq!(device.node.state(), NmtState::Initialisation);
+                        prop_assert!(device.node.transmit().is_none());
+                        device.boot(reset);
+                        ledger.boots += 1;
+                    }
+                    Event::StoreSettings(_) => device.node.settings_stored(Ok(())),
+                    Event::StateChanged(_) | Event::SwitchBitRate { .. } => {}
+                }
+            }
+            // LSS may have taken the node-ID away or changed it: the rest of this test speaks to node 4.
+            if device.node.settings().node_id.get() != 4 {
+                return Ok(());
+            }
+            prop_assert!(ledger.answers <= 2 * ledger.requests);
+            prop_assert!(ledger.boot_ups <= ledger.boots);
+            // The error register and its generic bit.
+            let [register] = device.value(0x1001, 0)[..] else { panic!() };
+            prop_assert!(register == 0 || register & 1 == 1);
+        }
+    }
+
+    #[test]
+    fn c06_one_answer_to_each_request_on_a_free_bus(
+        requests in prop::collection::vec((any::<u8>(), 0..200_usize, any::<[u8; 4]>()), 1..100),
+    ) {
+        let mut device = Device::new();
+        for (command, place, [a, b, c, d]) in requests {
+            let entries = device::entries();
+            let entry = &entries[place % entries.len()];
+            let [low, high] = entry.index.to_le_bytes();
+            device.node.receive(
+                &Frame::data_frame(0x604, &[command, low, high, entry.sub, a, b, c, d]),
+                device.now,
+                &mut device.firmware,
+            );
+            let answers = device.sent().iter().filter(|frame| frame.starts_with("584")).count();
+            prop_assert_eq!(answers, usize::from(command >> 5 != 4));
+        }
+    }
+}
