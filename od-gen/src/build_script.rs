@@ -1,0 +1,32 @@
+//! Generating a dictionary while a crate is built.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::{env, fs, process};
+
+use crate::generate::{Options, generate};
+use crate::read::read;
+
+/// For a build script: reads the data sheet `eds` (a path from the package's folder), writes the dictionary to `output` in
+/// `OUT_DIR`, and has cargo run the script again when the data sheet changes. The crate takes it in with
+/// `include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));` inside of a module of its own.
+///
+/// What is wrong with the data sheet is printed as a compiler would, then the build ends with exit code 1.
+pub fn build(eds: impl AsRef<Path>, output: &str, options: Options) {
+    let eds = eds.as_ref();
+    println!("cargo::rerun-if-changed={}", eds.display());
+    let model = read(eds).unwrap_or_else(|error| fail(&error.to_string()));
+    let Some(folder) = env::var_os("OUT_DIR") else {
+        fail("error: od_gen::build is for build scripts: OUT_DIR is not set");
+    };
+    let path = Path::new(&folder).join(output);
+    if let Err(error) = fs::write(&path, generate(&model, options)) {
+        fail(&format!("{}: error: {error}", path.display()));
+    }
+}
+
+fn fail(message: &str) -> ! {
+    // Whoever does not read it still has the exit code.
+    let _ = writeln!(io::stderr(), "{message}");
+    process::exit(1);
+}

@@ -1,0 +1,114 @@
+//! The descriptor table and the blocks of bytes.
+
+use super::layout::{Layout, Place, Row};
+use crate::data_type::DataType;
+use crate::model::DefaultValue;
+
+pub(super) fn write(layout: &Layout<'_>) -> String {
+    let ram_size = layout.defaults.len();
+    let entries: String = layout.rows.iter().map(entry).collect();
+    let count = layout.rows.len();
+    let limits: String = layout
+        .limits
+        .iter()
+        .map(|(low, high)| format!("        Limits {{ low: {low}, high: {high} }},\n"))
+        .collect();
+    let limit_count = layout.limits.len();
+    let (rom, rom_size) = (bytes(&layout.rom), layout.rom.len());
+    let defaults = bytes(&layout.defaults);
+    format!(
+        "\
+mod table {{
+    use ::canopen::od::{{Attributes, DataType, Entry, Limits, Table}};
+
+    pub(super) const RAM_SIZE: usize = {ram_size};
+
+    pub(super) static TABLE: Table = Table {{ entries: &ENTRIES, rom: &ROM, defaults: &DEFAULTS, limits: &LIMITS }};
+
+    pub(super) static ENTRIES: [Entry; {count}] = [
+{entries}    ];
+
+    static LIMITS: [Limits; {limit_count}] = [
+{limits}    ];
+
+    static ROM: [u8; {rom_size}] = [
+{rom}    ];
+
+    pub(super) const DEFAULTS: [u8; RAM_SIZE] = [
+{defaults}    ];
+
+    const NONE: u16 = Entry::NO_LIMITS;
+
+    const fn entry(
+        (index, sub): (u16, u8),
+        data_type: DataType,
+        offset: u16,
+        size: u16,
+        attributes: u16,
+        limits: u16,
+    ) -> Entry {{
+        Entry {{ index, sub, data_type, offset, size, attributes: Attributes(attributes), limits }}
+    }}
+}}
+"
+    )
+}
+
+/// One line of the table; its comment is the name of its getter.
+fn entry(row: &Row<'_>) -> String {
+    let (index, sub, size) = (row.object.index, row.entry.sub, row.entry.size);
+    let data_type = variant(row.entry.data_type);
+    let (Place::Ram(offset) | Place::Rom(offset)) = row.place;
+    let attributes = attributes(row);
+    let limits = row
+        .limits
+        .map_or_else(|| "NONE".into(), |number| number.to_string());
+    let name = &row.name;
+    format!(
+        "        // {name}\n        entry((0x{index:04X}, {sub}), DataType::{data_type}, {offset}, {size}, {attributes}, {limits}),\n"
+    )
+}
+
+fn attributes(row: &Row<'_>) -> String {
+    let entry = row.entry;
+    let adds_node_id = matches!(
+        entry.default,
+        DefaultValue::Number {
+            adds_node_id: true,
+            ..
+        }
+    );
+    let attributes = [
+        ("READ", entry.access.is_readable()),
+        ("WRITE", entry.access.is_writable()),
+        ("TPDO", entry.is_tpdo_mappable()),
+        ("RPDO", entry.is_rpdo_mappable()),
+        ("NODE_ID", adds_node_id),
+        ("ROM", matches!(row.place, Place::Rom(_))),
+        ("CONSTANT", entry.access == crate::model::Access::Constant),
+    ];
+    let set = attributes.iter().filter(|(_, is_set)| *is_set);
+    set.map(|(name, _)| format!("Attributes::{name}"))
+        .collect::<Vec<_>>()
+        .join(" | ")
+}
+
+/// The type's name in `canopen::od::DataType`.
+fn variant(data_type: DataType) -> String {
+    format!("{data_type:?}")
+}
+
+/// Bytes, sixteen to a line.
+fn bytes(bytes: &[u8]) -> String {
+    let line = |bytes: &[u8]| {
+        bytes
+            .iter()
+            .map(|byte| format!("0x{byte:02X},"))
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    bytes
+        .chunks(16)
+        .map(|bytes| format!("        {}\n", line(bytes)))
+        .collect()
+}

@@ -1,0 +1,31 @@
+//! Electronic data sheets (CiA 306) in, typed static object dictionaries in Rust out.
+//!
+//! A data sheet is the only source of an object dictionary: names, types, access, defaults, limits and PDO mapping flags come
+//! from it, and wrong use is a compile error. [`parse()`] reads and checks, [`generate()`] writes Rust, and [`build`] does both for a
+//! build script. Everything that is wrong with a data sheet is reported in one run, with file and line; what this reader does
+//! not know is an error too, never dropped in silence.
+//!
+//! ```
+//! let text = "[FileInfo]\nFileName=empty.eds\n[DeviceInfo]\n[MandatoryObjects]\nSupportedObjects=0\n";
+//! let findings = od_gen::parse("empty.eds", text).unwrap_err();
+//! assert_eq!(findings[0].to_string(), "empty.eds:1: error: the mandatory object 1000h is missing");
+//! ```
+#![forbid(unsafe_code)]
+
+mod build_script;
+mod data_type;
+mod diagnostic;
+mod generate;
+mod ini;
+pub mod model;
+mod number;
+mod parse;
+mod read;
+
+pub use build_script::build;
+pub use data_type::DataType;
+pub use diagnostic::Diagnostic;
+pub use generate::{Options, generate};
+pub use model::Model;
+pub use parse::{LARGEST_VALUE, parse};
+pub use read::{ReadError, read};

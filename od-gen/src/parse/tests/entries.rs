@@ -1,0 +1,296 @@
+//! Mistakes in one value.
+
+use super::finds;
+
+#[test]
+fn keys_that_must_be_there_are_missed() {
+    finds(
+        "ParameterName=Pattern\n",
+        "",
+        "[2003]",
+        "`ParameterName` is missing in [2003]",
+    );
+    finds(
+        "ParameterName=Table\n",
+        "",
+        "[200A]",
+        "`ParameterName` is missing in [200A]",
+    );
+    let (old, at) = ("ParameterName=Flag\nDataType=0x0001\n", "[200B]");
+    finds(
+        old,
+        "ParameterName=Flag\n",
+        at,
+        "`DataType` is missing in [200B]",
+    );
+    finds(
+        "Flag\nDataType=0x0001\nAccessType=const",
+        "Flag\nDataType=0x0001\nAccessType=",
+        at,
+        "`AccessType` is missing in [200B]",
+    );
+}
+
+#[test]
+fn types_and_accesses_are_known_ones() {
+    let at = "DataType=0x0015";
+    let supported = "(supported: BOOLEAN, INTEGER8, INTEGER16, INTEGER32, INTEGER64, UNSIGNED8, UNSIGNED16, UNSIGNED32, \
+                     UNSIGNED64, VISIBLE_STRING, OCTET_STRING)";
+    finds(
+        at,
+        "DataType=0x0008",
+        at,
+        &format!("DataType 0x0008 is not supported {supported}"),
+    );
+    finds(
+        at,
+        "DataType=long",
+        at,
+        "`long` is not a number (decimal, 0x hexadecimal or leading-zero octal)",
+    );
+    finds(
+        "AccessType=wo",
+        "AccessType=w",
+        "AccessType=wo",
+        "AccessType `w` is not ro, wo, rw, rwr, rww or const",
+    );
+    let old = "PDOMapping=1\nLowLimit=-5";
+    finds(
+        old,
+        "PDOMapping=2\nLowLimit=-5",
+        old,
+        "2 is not between 0 and 1",
+    );
+    let old = "AccessType=rw\nDefaultValue=hello";
+    finds(
+        old,
+        &format!("PDOMapping=1\n{old}"),
+        old,
+        "PDOMapping of a string is not supported",
+    );
+    finds(
+        old,
+        &format!("ObjFlags=x\n{old}"),
+        old,
+        "`x` is not a number (decimal, 0x hexadecimal or leading-zero octal)",
+    );
+}
+
+#[test]
+fn s30_a_default_fits_its_type_and_its_limits() {
+    let old = "DefaultValue=-1";
+    finds(
+        old,
+        "DefaultValue=-129",
+        old,
+        "DefaultValue -129 does not fit INTEGER8 (-128 to 127)",
+    );
+    finds(
+        old,
+        "DefaultValue=0x100",
+        old,
+        "DefaultValue 0x100 does not fit INTEGER8 (-128 to 127)",
+    );
+    finds(
+        old,
+        "DefaultValue=128",
+        old,
+        "DefaultValue 128 does not fit INTEGER8 (-128 to 127)",
+    );
+    finds(
+        old,
+        "DefaultValue=-6",
+        old,
+        "DefaultValue -6 is below LowLimit -5",
+    );
+    finds(
+        old,
+        "DefaultValue=0xFA",
+        old,
+        "DefaultValue 0xFA is below LowLimit -5",
+    );
+    finds(
+        "HighLimit=200\nPDOMapping=1",
+        "HighLimit=200\nDefaultValue=201",
+        "PDOMapping=1\n\n[2003]",
+        "DefaultValue 201 is above HighLimit 200",
+    );
+    let old = "DefaultValue=18446744073709551615";
+    finds(
+        old,
+        "",
+        "[2005]",
+        "DefaultValue 0 (there is none) is below LowLimit 1",
+    );
+    finds(
+        old,
+        "DefaultValue=18446744073709551616",
+        old,
+        "`18446744073709551616` is beyond 64 bits",
+    );
+}
+
+#[test]
+fn s30_limits_fit_their_type_and_leave_room() {
+    finds(
+        "LowLimit=0x8000",
+        "LowLimit=-32769",
+        "LowLimit=0x8000",
+        "LowLimit -32769 does not fit INTEGER16 (-32768 to 32767)",
+    );
+    finds(
+        "HighLimit=200\nPDO",
+        "HighLimit=256\nPDO",
+        "HighLimit=200\nPDO",
+        "HighLimit 256 does not fit UNSIGNED8 (0 to 255)",
+    );
+    finds(
+        "HighLimit=200\n\n",
+        "HighLimit=-6\n\n",
+        "[200asub1]",
+        "LowLimit -5 is above HighLimit -6",
+    );
+    let old = "HighLimit=0xFFFFFFFFFFFFFFFF";
+    let message = "HighLimit 0x7FFFFFFFFFFFFFFF is not supported: limits stay below 2^63-1";
+    finds(old, "HighLimit=0x7FFFFFFFFFFFFFFF", old, message);
+    finds(
+        "DefaultValue=hello",
+        "LowLimit=1\nDefaultValue=hello",
+        "DefaultValue=hello",
+        "LowLimit does not go with VISIBLE_STRING",
+    );
+}
+
+#[test]
+fn the_node_id_goes_where_it_fits() {
+    let old = "DefaultValue=-1";
+    finds(
+        old,
+        "DefaultValue=$NODEID+1",
+        old,
+        "$NODEID does not go with INTEGER8",
+    );
+    let old = "DefaultValue=$NODEID\n";
+    finds(
+        old,
+        "DefaultValue=$NODEID+0xFF81\n",
+        old,
+        "DefaultValue $NODEID+0xFF81 leaves no room for the node-ID",
+    );
+    finds(
+        old,
+        "DefaultValue=$NODEID-1\n",
+        old,
+        "`$NODEID-1` is not a number (decimal, 0x hexadecimal or leading-zero octal)",
+    );
+    finds(
+        old,
+        "DefaultValue=1+2\n",
+        old,
+        "`1+2` is not a number, $NODEID, $NODEID+number or number+$NODEID",
+    );
+    let limited = "LowLimit=2\nDefaultValue=$NODEID\n";
+    finds(
+        old,
+        limited,
+        "\n[200A]",
+        "DefaultValue $NODEID is below LowLimit 2",
+    );
+    let limited = "HighLimit=126\nDefaultValue=$NODEID\n";
+    finds(
+        old,
+        limited,
+        "\n[200A]",
+        "DefaultValue $NODEID is above HighLimit 126",
+    );
+}
+
+#[test]
+fn strings_are_spelled_and_fit_an_sdo_transfer() {
+    let old = "DefaultValue=hello";
+    finds(
+        old,
+        "DefaultValue=hellö",
+        old,
+        "a VISIBLE_STRING holds the characters 20h to 7Eh",
+    );
+    finds(
+        old,
+        "DefaultValue=hello!",
+        ";Capacity=5",
+        "Capacity 5 is less than the 6 bytes of the default",
+    );
+    finds(
+        ";Capacity=5",
+        ";Capacity=129",
+        ";Capacity=5",
+        "Capacity: 129 is not between 1 and 128",
+    );
+    finds(
+        ";Capacity=5",
+        "; capacity = ?",
+        ";Capacity=5",
+        "Capacity: `?` is not a number (decimal, 0x hexadecimal or leading-zero octal)",
+    );
+    finds(
+        "[2004]",
+        "[2004]\n;Capacity=5",
+        "ParameterName=Wide\n",
+        "Capacity does not go with INTEGER64",
+    );
+    finds(
+        "[2008]",
+        "[2008]\n;Capacity=5",
+        "ParameterName=Fixed",
+        "Capacity of a string that cannot be written",
+    );
+    let old = "DefaultValue=01 aB ff";
+    finds(
+        old,
+        "DefaultValue=01 a",
+        old,
+        "`01 a` is not an OCTET_STRING: two hexadecimal digits a byte",
+    );
+    finds(
+        old,
+        "DefaultValue=0x01",
+        old,
+        "`0x01` is not an OCTET_STRING: two hexadecimal digits a byte",
+    );
+    let long = format!("DefaultValue={}", "00".repeat(129));
+    finds(
+        old,
+        &long,
+        "[2008]",
+        "[2008] takes 129 bytes, an SDO transfer carries 128",
+    );
+}
+
+#[test]
+fn a_constant_has_a_value() {
+    finds(
+        "DefaultValue=$NODEID\n",
+        "",
+        "[2009]",
+        "[2009] is const: it needs a DefaultValue",
+    );
+}
+
+#[test]
+fn a_name_has_something_to_make_a_name_of() {
+    // Of a variable, of a record, of a sub-index.
+    for old in [
+        "ParameterName=Flag",
+        "ParameterName=RPDO communication parameter",
+        "ParameterName=Inhibit time",
+    ] {
+        for name in ["***", "-", "_", "\u{4F4D}"] {
+            let message =
+                format!("ParameterName `{name}` has none of the letters A to Z and no digit");
+            finds(old, &format!("ParameterName={name}"), old, &message);
+        }
+        for name in ["7", "*x*"] {
+            assert_eq!(super::findings(old, &format!("ParameterName={name}")), "");
+        }
+    }
+}
