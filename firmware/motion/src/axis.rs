@@ -1,0 +1,336 @@
+//! An axis: one plan at a time, and the pulses that follow it.
+//!
+//! The axis keeps a time of its own, in ticks of the step timer, which runs while it moves. Up to the *commit horizon* the
+//! plan has become records; these are sent and stay. A new command plans from the state at the horizon, which is at most some three
+//! segments ahead of the motor, so it takes effect there, whatever the axis was doing.
+//!
+//! Every pulse is accounted for: [`Axis::committed_position`] is always the sum of the pulses handed to the sink.
+
+use heapless::Deque;
+
+use crate::clock::{Clock, Ticks};
+use crate::fixed::{Position, State, Velocity};
+use crate::plan::{Limits, Plan, PlanError};
+use crate::record::{DriverTiming, PulseSink};
+use crate::train::{Chord, Train};
+
+/// What an axis is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AxisConfig {
+    /// The step timer's clock.
+    pub clock: Clock,
+    /// Ticks per segment, for example a quarter of a millisecond; two of them must outlast a control tick. Short segments are
+    /// brought up to what `timing` needs, long ones cut to 2²⁸.
+    pub segment: u32,
+    /// What the stepper driver needs.
+    pub timing: DriverTiming,
+}
+
+/// Where the plan wants the motor to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Demand {
+    /// Position demand value (6062h) in whole steps, −2³¹ ..= 2³¹−1.
+    pub position: i64,
+    /// Velocity demand value (606Bh) in steps/s.
+    pub velocity: i32,
+}
+
+/// Why [`Axis::advance`] has something to report. Nothing is lost either way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AdvanceError {
+    /// The sink took no more before two segments were committed. The rest is offered at the next call.
+    SinkFull,
+    /// The sink had nothing left to play while the axis was moving: the pulses went on late, with a pause.
+    Underrun,
+}
+
+impl core::fmt::Display for AdvanceError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::SinkFull => "pulse sink is full",
+            Self::Underrun => "pulse sink ran empty in motion",
+        })
+    }
+}
+
+impl core::error::Error for AdvanceError {}
+
+/// Points of the recent past that are kept to tell what is being played.
+const TRACE: usize = 16;
+
+/// Chords per segment at most, however hard the acceleration: it bounds the work of a control tick.
+const CHORDS_PER_SEGMENT: u64 = 32;
+
+/// A stepper axis.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    clock: Clock,
+    plan: Plan,
+    train: Train,
+    /// The commit horizon: up to here the plan has become records, but for one open period.
+    horizon: Ticks,
+    /// Up to here records have been handed out.
+    handed: Ticks,
+    /// The sum of the pulses handed out, modulo 2³².
+    committed: i32,
+    /// Whether records of the present motion have been handed out.
+    moving: bool,
+    trace: Deque<(Ticks, State), TRACE>,
+}
+
+impl Axis {
+    /// An axis that stands at 0.
+    pub fn new(config: AxisConfig) -> Self {
+        let mut axis = Self {
+            clock: config.clock,
+            plan: Plan::at_rest(0, 0),
+            train: Train::new(config.timing, config.segment, 0, 0),
+            horizon: 0,
+            handed: 0,
+            committed: 0,
+            moving: false,
+            trace: Deque::new(),
+        };
+        axis.stand_at(0);
+        axis
+    }
+
+    /// Moves to the absolute position `target`, in whole steps, −2³¹ ..= 2³¹−1. At any moment and from any velocity.
+    ///
+    /// # Errors
+    /// [`PlanError`]; the motion goes on as it was.
+    pub fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), PlanError> {
+        let limits = self.within_timing(limits);
+        self.plan = self
+            .plan
+            .then_move_to(self.clock, self.horizon, target, limits)?;
+        Ok(())
+    }
+
+    /// Ramps to `velocity` in steps/s and keeps it.
+    ///
+    /// # Errors
+    /// [`PlanError`]; the motion goes on as it was.
+    pub fn ramp_to(&mut self, velocity: i32, limits: Limits) -> Result<(), PlanError> {
+        let limits = self.within_timing(limits);
+        self.plan = self
+            .plan
+            .then_velocity(self.clock, self.horizon, velocity, limits)?;
+        Ok(())
+    }
+
+    /// Ramps to rest at `deceleration` steps/s²: halt and quick stop. The axis comes to rest on a whole step.
+    ///
+    /// # Errors
+    /// [`PlanError::ZeroDeceleration`]; the motion goes on as it was.
+    pub fn stop(&mut self, deceleration: u32) -> Result<(), PlanError> {
+        self.ramp_to(
+            0,
+            Limits {
+                velocity: 0,
+                acceleration: 0,
+                deceleration,
+            },
+        )
+    }
+
+    /// The power is off: forgets the motion and stands, with no ramp, at [`Axis::committed_position`], which is returned.
+    ///
+    /// The caller clears the sink. If that held records not yet played, the motor is not there: the caller says where it is with
+    /// [`Axis::set_position`].
+    pub fn abort(&mut self) -> i64 {
+        self.stand_at(self.committed);
+        self.committed_position()
+    }
+
+    /// Says where the axis is, in whole steps (modulo 2³²). A motion is forgotten as by [`Axis::abort`].
+    pub fn set_position(&mut self, steps: i64) {
+        self.stand_at(steps as i32);
+    }
+
+    /// Hands out records until the sink has two segments to play, or the motion ends. To be called in every control tick.
+    ///
+    /// # Errors
+    /// [`AdvanceError`]: the sink is full, or ran empty.
+    pub fn advance<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
+        let pending = sink.pending();
+        let starved = self.moving && pending == 0;
+        let enough = self
+            .handed
+            .saturating_add(self.train.segment().saturating_mul(2))
+            .saturating_sub(pending);
+        loop {
+            self.hand_out(sink)?;
+            if self.handed >= enough || self.is_at_rest() {
+                break;
+            }
+            if self.train.can_flush(self.horizon, enough) {
+                self.train.flush(self.horizon);
+            } else {
+                self.compose();
+            }
+        }
+        if self.moving && self.is_at_rest() {
+            self.settle();
+        }
+        if starved {
+            Err(AdvanceError::Underrun)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// What is being played now, if the sink still has `pending` ticks to play.
+    pub fn demand(&self, pending: Ticks) -> Demand {
+        let played = self.handed.saturating_sub(pending);
+        let mut before: Option<&(Ticks, State)> = None;
+        for point in &self.trace {
+            if point.0 > played {
+                let state = before.map_or(point.1, |before| between(before, point, played));
+                return self.demand_of(state);
+            }
+            before = Some(point);
+        }
+        before.map_or_else(Demand::default, |point| self.demand_of(point.1))
+    }
+
+    /// Whole steps handed to the sink so far: the sum of its pulses, −2³¹ ..= 2³¹−1.
+    pub fn committed_position(&self) -> i64 {
+        self.committed.into()
+    }
+
+    /// Whether the motion has ended and all its records have been handed out. The sink may still be playing them.
+    pub fn is_at_rest(&self) -> bool {
+        self.plan.end().is_some_and(|end| end <= self.horizon)
+            && self.train.next().is_none()
+            && self.train.is_closed(self.horizon)
+            && self.train.due(self.plan.state_at(self.horizon).position) == 0
+    }
+
+    /// Where the motion ends, in whole steps: the target, or where a stop comes to rest. For a velocity that is kept, the position
+    /// at the commit horizon.
+    pub fn target(&self) -> i64 {
+        self.plan
+            .state_at(self.plan.end().unwrap_or(self.horizon))
+            .position
+            .whole_steps()
+    }
+
+    /// The highest velocity in steps/s that driver and clock allow. Limits above it are cut to it.
+    pub fn max_velocity(&self) -> u32 {
+        self.clock
+            .hz()
+            .checked_div(self.train.timing().shortest_period())
+            .unwrap_or(0)
+    }
+
+    /// Hands out the records made.
+    fn hand_out<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
+        while let Some(record) = self.train.next() {
+            sink.push(record).map_err(|_| AdvanceError::SinkFull)?;
+            self.train.handed_out();
+            self.handed = self.handed.saturating_add(record.ticks());
+            self.committed = self.committed.wrapping_add(record.steps());
+            self.moving = true;
+        }
+        Ok(())
+    }
+
+    /// Makes the records of the next chord.
+    fn compose(&mut self) {
+        let begin = self.horizon;
+        let from = self.plan.state_at(begin);
+        let segment = self.train.segment();
+        if self.plan.end().is_some_and(|end| end <= begin) && self.train.due(from.position) == 0 {
+            self.train.close(begin);
+            self.horizon = begin.max(self.train.pen());
+            self.mark(self.plan.state_at(self.horizon));
+            return;
+        }
+        let corner = self
+            .plan
+            .next_corner(begin)
+            .map_or(Ticks::MAX, |corner| corner.saturating_sub(begin));
+        let length = self
+            .plan
+            .longest_chord(begin)
+            .min(self.train.longest_chord(from.velocity))
+            .max(segment / CHORDS_PER_SEGMENT)
+            .min(corner);
+        let end = begin.saturating_add(length);
+        let to = self.plan.state_at(end);
+        self.train.draw(&Chord {
+            from: (begin, from.position),
+            to: (end, to.position),
+            speeding_up: to.velocity.bits().unsigned_abs() >= from.velocity.bits().unsigned_abs(),
+        });
+        self.horizon = end;
+        self.mark(to);
+    }
+
+    /// Remembers the state at the horizon. Points that lie close together are thinned out.
+    fn mark(&mut self, state: State) {
+        let least = self.train.segment() / 4;
+        let mut newest = self.trace.iter().rev();
+        if let (Some(last), Some(previous)) = (newest.next(), newest.next())
+            && last.0.saturating_sub(previous.0) < least
+        {
+            self.trace.pop_back();
+        }
+        if self.trace.is_full() {
+            self.trace.pop_front();
+        }
+        // There is room now.
+        let _ = self.trace.push_back((self.horizon, state));
+    }
+
+    /// The motion has ended: from now on the axis stands on the whole step that the pulses have reached.
+    fn settle(&mut self) {
+        self.plan = Plan::at_rest(self.committed.into(), self.horizon);
+        self.moving = false;
+    }
+
+    /// Stands at `steps`, with nothing more to hand out.
+    fn stand_at(&mut self, steps: i32) {
+        self.horizon = self.handed;
+        self.committed = steps;
+        self.train.reset(steps, self.handed);
+        self.settle();
+        self.trace.clear();
+        self.mark(self.plan.state_at(self.horizon));
+    }
+
+    fn within_timing(&self, limits: Limits) -> Limits {
+        Limits {
+            velocity: limits.velocity.min(self.max_velocity()),
+            ..limits
+        }
+    }
+
+    fn demand_of(&self, state: State) -> Demand {
+        Demand {
+            position: state.position.whole_steps(),
+            velocity: state.velocity.steps_per_second(self.clock),
+        }
+    }
+}
+
+/// The state at tick `t` between two points of the trace.
+fn between(before: &(Ticks, State), after: &(Ticks, State), t: Ticks) -> State {
+    let length = after.0.saturating_sub(before.0);
+    // Q16 of the way; points lie less than 2²⁹ ticks apart.
+    let part = (t.saturating_sub(before.0) << 16)
+        .checked_div(length)
+        .unwrap_or(0);
+    let blend = |from: i64, to: i64| {
+        let change = i128::from(to.wrapping_sub(from)).wrapping_mul(part.into()) >> 16;
+        from.wrapping_add(change as i64)
+    };
+    State {
+        position: Position::from_bits(blend(before.1.position.bits(), after.1.position.bits())),
+        velocity: Velocity::from_bits(blend(before.1.velocity.bits(), after.1.velocity.bits())),
+    }
+}
+
+#[cfg(test)]
+mod tests;

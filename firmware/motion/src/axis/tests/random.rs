@@ -1,0 +1,131 @@
+//! Any sequence of commands, at any moments: every pulse is accounted for.
+
+use super::{FAST, Replay, SLOW, axis};
+use crate::axis::{AdvanceError, Axis};
+use crate::{Limits, PulseSink};
+use proptest::prelude::*;
+
+#[derive(Debug, Clone)]
+enum Command {
+    MoveTo(i32, Limits),
+    RampTo(i32, Limits),
+    Stop(u32),
+    Abort,
+    /// Control ticks of a quarter segment each.
+    Advance(u16),
+    /// The sink plays all it has before the axis is asked again.
+    Starve,
+}
+
+fn limits() -> impl Strategy<Value = Limits> {
+    (1u32..1_000_000, 14u32..27, 14u32..27, any::<u16>()).prop_map(|(velocity, a, d, noise)| {
+        Limits {
+            velocity: if noise % 7 == 0 {
+                u32::from(noise) % 50
+            } else {
+                velocity
+            },
+            acceleration: (1 << a) + u32::from(noise),
+            deceleration: (1 << d) + u32::from(noise),
+        }
+    })
+}
+
+fn command() -> impl Strategy<Value = Command> {
+    prop_oneof![
+        4 => (-100_000i32..100_000, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
+        2 => (-50i32..50, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
+        2 => (-400_000i32..400_000, limits()).prop_map(|(velocity, limits)| Command::RampTo(velocity, limits)),
+        2 => (0u32..50_000_000).prop_map(Command::Stop),
+        1 => Just(Command::Abort),
+        8 => (1u16..300).prop_map(Command::Advance),
+        1 => Just(Command::Starve),
+    ]
+}
+
+/// One control tick. What cannot be taken now is taken later.
+fn advance(axis: &mut Axis, sink: &mut Replay, starved: bool) {
+    let result = axis.advance(sink);
+    let full = sink.free() == 0;
+    match result {
+        Ok(()) => {}
+        Err(AdvanceError::SinkFull) => assert!(full),
+        Err(AdvanceError::Underrun) => assert!(starved),
+    }
+    sink.account(axis);
+}
+
+fn play(commands: &[Command], timing: crate::DriverTiming, capacity: usize) {
+    let (mut axis, mut sink) = axis(timing);
+    sink.capacity = capacity;
+    // A small sink delays commands, never pulses of the stream, so the plan is followed all the same.
+    sink.tolerance = 1.0;
+    let quarter = axis.train.segment() / 4;
+    let mut starved = false;
+    for command in commands {
+        let moved = match *command {
+            Command::MoveTo(target, limits) => axis.move_to(target.into(), limits),
+            Command::RampTo(velocity, limits) => axis.ramp_to(velocity, limits),
+            Command::Stop(deceleration) => axis.stop(deceleration),
+            Command::Abort => {
+                assert_eq!(axis.abort(), axis.committed_position());
+                assert!(axis.is_at_rest());
+                sink.clear();
+                Ok(())
+            }
+            Command::Advance(ticks) => {
+                for _ in 0..ticks {
+                    advance(&mut axis, &mut sink, starved);
+                    starved = false;
+                    sink.play(quarter);
+                    starved |= sink.pending() == 0;
+                }
+                Ok(())
+            }
+            Command::Starve => {
+                sink.play_out();
+                starved = true;
+                Ok(())
+            }
+        };
+        if moved.is_ok() {
+            sink.follow(&axis);
+        }
+    }
+    axis.stop(400_000_000).unwrap();
+    sink.follow(&axis);
+    while !axis.is_at_rest() {
+        advance(&mut axis, &mut sink, true);
+        sink.play(quarter);
+    }
+    assert_eq!(axis.target(), sink.position);
+    axis.move_to(
+        777,
+        Limits {
+            velocity: 1_000_000,
+            acceleration: 100_000_000,
+            deceleration: 100_000_000,
+        },
+    )
+    .unwrap();
+    sink.follow(&axis);
+    while !axis.is_at_rest() {
+        advance(&mut axis, &mut sink, true);
+        sink.play(quarter);
+    }
+    assert_eq!(sink.position, 777);
+    assert_eq!(axis.committed_position(), 777);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_pulse_is_accounted_for(
+        commands in proptest::collection::vec(command(), 1..40),
+        fast: bool,
+        capacity in prop_oneof![Just(256usize), 2usize..16],
+    ) {
+        play(&commands, if fast { FAST } else { SLOW }, capacity);
+    }
+}

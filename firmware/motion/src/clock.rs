@@ -1,0 +1,72 @@
+//! The step timer's clock: the unit of time of this crate.
+//!
+//! All times are counts of one hardware timer. A 64-bit count at 168 MHz wraps after 3480 years, so nothing here reasons
+//! about wrap-around.
+
+/// Ticks of the step timer, counted from when the axis was made.
+pub type Ticks = u64;
+
+/// A velocity or acceleration with 96 bits behind the point, in steps per tick or steps per tick².
+pub(crate) type Fine = u128;
+
+/// Half a step per tick: a pulse takes at least one tick high and one tick low.
+pub(crate) const TOP_SPEED: Fine = 1 << 95;
+
+/// The rate of the step timer, with the reciprocals that turn limits per second into limits per tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Clock {
+    hz: u32,
+    /// ⌊2⁹⁶ / hz⌋
+    second: u128,
+    /// ⌊2¹²⁴ / hz²⌋: 28 bits more, so that even the slowest ramp keeps its precision
+    second_squared: u128,
+}
+
+impl Clock {
+    /// The slowest timer, in Hz.
+    pub const SLOWEST: u32 = 1_000_000;
+    /// The fastest timer, in Hz.
+    pub const FASTEST: u32 = 1_000_000_000;
+
+    /// A timer of `hz` ticks per second; `None` outside [`Clock::SLOWEST`] to [`Clock::FASTEST`].
+    pub const fn new(hz: u32) -> Option<Self> {
+        if hz < Self::SLOWEST || hz > Self::FASTEST {
+            return None;
+        }
+        let rate = hz as u128;
+        // Neither divisor is zero here; `checked_div` says so without a panic path.
+        match (
+            (1u128 << 96).checked_div(rate),
+            (1u128 << 124).checked_div(rate * rate),
+        ) {
+            (Some(second), Some(second_squared)) => Some(Self {
+                hz,
+                second,
+                second_squared,
+            }),
+            _ => None,
+        }
+    }
+
+    /// Ticks per second.
+    pub const fn hz(self) -> u32 {
+        self.hz
+    }
+
+    /// A limit in steps/s as Q96 steps/tick. Rounded down, so that the limit holds, and cut to half a step per tick.
+    pub(crate) fn speed(self, steps_per_second: u32) -> Fine {
+        self.second
+            .wrapping_mul(u128::from(steps_per_second))
+            .min(TOP_SPEED)
+    }
+
+    /// Half of a limit in steps/s², as Q96 steps/tick². Rounded down, so that the limit holds.
+    ///
+    /// Half, because that is the coefficient of a parabola: x = x₀ + v·n + ½a·n².
+    #[inline(never)]
+    pub(crate) fn half_acceleration(self, steps_per_second_squared: u32) -> Fine {
+        self.second_squared
+            .wrapping_mul(u128::from(steps_per_second_squared))
+            >> 29
+    }
+}

@@ -1,0 +1,143 @@
+//! Fixed-point position and velocity: integers only, so that nothing drifts.
+
+use crate::clock::{Clock, TOP_SPEED};
+
+/// A position in steps, Q32 (32 bits behind the point).
+///
+/// Whole steps span −2³¹ ..= 2³¹−1, as the position objects of CiA 402 do, and wrap there as those do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Position(i64);
+
+impl Position {
+    /// A whole number of steps, taken modulo 2³².
+    pub const fn from_steps(steps: i64) -> Self {
+        Self(steps.wrapping_mul(1 << 32))
+    }
+
+    /// A position from its bits: steps × 2³².
+    pub const fn from_bits(bits: i64) -> Self {
+        Self(bits)
+    }
+
+    /// Steps × 2³².
+    pub const fn bits(self) -> i64 {
+        self.0
+    }
+
+    /// The nearest whole step; half a step counts upwards.
+    pub const fn whole_steps(self) -> i64 {
+        self.0.wrapping_add(1 << 31) >> 32
+    }
+
+    /// Rounds Q96 steps towards zero, which treats both directions alike.
+    pub(crate) const fn from_exact(exact: i128) -> Self {
+        let magnitude = (exact.unsigned_abs() >> 64) as i64;
+        Self(if exact < 0 {
+            magnitude.wrapping_neg()
+        } else {
+            magnitude
+        })
+    }
+}
+
+/// A velocity in steps per tick, Q56.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Velocity(i64);
+
+impl Velocity {
+    /// Standing still.
+    pub const ZERO: Self = Self(0);
+
+    /// The velocity nearest to `steps_per_second`, cut to half a step per tick.
+    pub fn from_steps_per_second(clock: Clock, steps_per_second: i32) -> Self {
+        let exact = clock.speed(steps_per_second.unsigned_abs());
+        let magnitude = (exact.saturating_add(1 << 39) >> 40) as i64;
+        Self(if steps_per_second < 0 {
+            magnitude.wrapping_neg()
+        } else {
+            magnitude
+        })
+    }
+
+    /// A velocity from its bits: steps/tick × 2⁵⁶.
+    pub const fn from_bits(bits: i64) -> Self {
+        Self(bits)
+    }
+
+    /// Steps/tick × 2⁵⁶.
+    pub const fn bits(self) -> i64 {
+        self.0
+    }
+
+    /// The nearest whole number of steps/s, saturating.
+    pub fn steps_per_second(self, clock: Clock) -> i32 {
+        let product = u128::from(self.0.unsigned_abs()).wrapping_mul(u128::from(clock.hz()));
+        let magnitude = i32::try_from(product.wrapping_add(1 << 55) >> 56).unwrap_or(i32::MAX);
+        if self.0 < 0 {
+            magnitude.wrapping_neg()
+        } else {
+            magnitude
+        }
+    }
+
+    /// Rounds Q96 steps/tick towards zero.
+    pub(crate) const fn from_exact(exact: i128) -> Self {
+        let magnitude = (exact.unsigned_abs() >> 40) as i64;
+        Self(if exact < 0 {
+            magnitude.wrapping_neg()
+        } else {
+            magnitude
+        })
+    }
+}
+
+/// Where an axis is and how fast it moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct State {
+    /// Position in steps.
+    pub position: Position,
+    /// Velocity in steps per tick.
+    pub velocity: Velocity,
+}
+
+/// A [`State`] as plans keep it among themselves: both in Q96. Planning again from it loses nothing, so an
+/// axis may be planned again in every control tick and still arrive when it would have arrived.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Exact {
+    /// Steps × 2⁹⁶, modulo 2³² steps.
+    pub(crate) position: i128,
+    /// Steps/tick × 2⁹⁶, at most half a step per tick either way.
+    pub(crate) velocity: i128,
+}
+
+impl Exact {
+    /// Standing at a whole step.
+    pub(crate) const fn at_rest(steps: i64) -> Self {
+        Self {
+            position: (steps as i128).wrapping_shl(96),
+            velocity: 0,
+        }
+    }
+
+    /// The same in the public resolution.
+    pub(crate) const fn rounded(self) -> State {
+        State {
+            position: Position::from_exact(self.position),
+            velocity: Velocity::from_exact(self.velocity),
+        }
+    }
+}
+
+impl From<State> for Exact {
+    fn from(state: State) -> Self {
+        let speed = (u128::from(state.velocity.0.unsigned_abs()) << 40).min(TOP_SPEED) as i128;
+        Self {
+            position: i128::from(state.position.0) << 64,
+            velocity: if state.velocity.0 < 0 {
+                speed.wrapping_neg()
+            } else {
+                speed
+            },
+        }
+    }
+}

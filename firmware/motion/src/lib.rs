@@ -1,0 +1,45 @@
+//! Exact integer motion: where a stepper axis is to be at every tick of its timer, and the pulses that take it there.
+//!
+//! A command becomes a [`Plan`], a closed form of at most four phases that ends on the target by construction. An [`Axis`] walks
+//! along its plan in chords and turns them into [`Record`]s, which a [`PulseSink`] plays: a DMA ring, an interrupt, a simulated
+//! motor. The pulses that were sent always add up to the distance that was commanded, whatever happened on the way.
+//!
+//! The contract:
+//! - Integers only. Positions are Q32 steps, velocities Q56 steps per tick, times ticks; plans keep all of them in Q96.
+//! - Limits are never exceeded; zero limits are refused with a [`PlanError`].
+//! - No input makes it panic, block or loop without bound.
+//! - It knows no bus, no register and no clock but the count of ticks it is given.
+#![no_std]
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing,
+        clippy::unreachable
+    )
+)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod axis;
+pub mod clock;
+mod divide;
+pub mod fixed;
+pub mod plan;
+pub mod record;
+pub mod step_interrupt;
+mod train;
+#[cfg(test)]
+mod vectors;
+mod wide;
+
+pub use axis::{AdvanceError, Axis, AxisConfig, Demand};
+pub use clock::{Clock, Ticks};
+pub use fixed::{Position, State, Velocity};
+pub use plan::phase::Phase;
+pub use plan::{Limits, Plan, PlanError};
+pub use record::{Direction, DriverTiming, PulseSink, Record};

@@ -1,0 +1,154 @@
+//! Profile position: the trapezoid to a target, from any velocity.
+
+use super::phase::{Offset, ramp_time, ramp_way};
+use super::{Course, Limits, Plan, PlanError};
+use crate::clock::{Clock, Fine, Ticks};
+use crate::divide::quotient;
+use crate::fixed::Exact;
+use crate::wide::Wide;
+
+/// Plans the move in a frame in which the way still to go is positive.
+pub(super) fn plan(
+    clock: Clock,
+    start: Ticks,
+    from: Exact,
+    target_steps: i64,
+    limits: Limits,
+) -> Result<Plan, PlanError> {
+    if limits.velocity == 0 {
+        return Err(PlanError::ZeroVelocity);
+    }
+    if limits.acceleration == 0 {
+        return Err(PlanError::ZeroAcceleration);
+    }
+    if limits.deceleration == 0 {
+        return Err(PlanError::ZeroDeceleration);
+    }
+    if i32::try_from(target_steps).is_err() {
+        return Err(PlanError::OutOfRange);
+    }
+
+    let target = Exact::at_rest(target_steps).position;
+    let gap = target.abs_diff(from.position);
+    let speed = from.velocity.unsigned_abs();
+    // On the target but still moving, the target counts as ahead: it will be overshot.
+    let target_behind = if gap == 0 {
+        from.velocity < 0
+    } else {
+        target < from.position
+    };
+    let approaching = speed != 0 && (from.velocity < 0) == target_behind;
+
+    let half_deceleration = clock.half_acceleration(limits.deceleration);
+    let stop_time = ramp_time(speed, half_deceleration);
+    // Half of speed · time, which bounds the stopping distance well enough to refuse what would leave the span.
+    if speed != 0 {
+        Wide::product(speed, stop_time)
+            .shifted(33)
+            .ok_or(PlanError::OutOfRange)?;
+    }
+    let stop_way = ramp_way(speed, half_deceleration, stop_time, true);
+
+    if approaching && gap.abs_diff(stop_way) <= indistinct(stop_time) {
+        // The target is exactly at the stopping distance: brake, and nothing else.
+        let course = Course::new(start, from, target_behind);
+        return Ok(course.land(gap.cast_signed(), half_deceleration, stop_time));
+    }
+    let route = Route {
+        clock,
+        limits,
+        half_deceleration,
+    };
+    if approaching && gap < stop_way {
+        // Too fast to stop in time: brake, turn round, come back.
+        let mut course = Course::new(start, from, !target_behind);
+        course.turn_back(speed, half_deceleration, stop_time);
+        let way = stop_way.wrapping_sub(gap);
+        return Ok(route.follow(course, 0, way, gap.cast_signed().wrapping_neg()));
+    }
+    let mut course = Course::new(start, from, target_behind);
+    if approaching || speed == 0 {
+        return Ok(route.follow(course, speed, gap, gap.cast_signed()));
+    }
+    course.turn_back(speed, half_deceleration, stop_time);
+    let way = gap.checked_add(stop_way).ok_or(PlanError::OutOfRange)?;
+    Ok(route.follow(course, 0, way, gap.cast_signed()))
+}
+
+/// How far a gap and a stopping distance may lie apart and still mean the same.
+///
+/// A state has been rounded to 2⁻³² steps and 2⁻⁵⁶ steps per tick, and the latter adds up over the time of braking. Taking such a
+/// difference for an overshoot would make the axis turn round for nothing.
+fn indistinct(stop_time: Offset) -> u128 {
+    ((stop_time >> 32) << 40).saturating_add(1 << 64)
+}
+
+/// The last part of every move: towards the target, at a speed from which it can stop there.
+struct Route {
+    clock: Clock,
+    limits: Limits,
+    half_deceleration: Fine,
+}
+
+impl Route {
+    /// Goes `way` at first `speed`, to `target` in the course's frame.
+    fn follow(&self, mut course: Course, mut speed: Fine, mut way: u128, target: i128) -> Plan {
+        if way == 0 {
+            return course.rest_at(target);
+        }
+        let top = self.clock.speed(self.limits.velocity);
+        let half_acceleration = self.clock.half_acceleration(self.limits.acceleration);
+        if speed > top {
+            let time = ramp_time(speed.wrapping_sub(top), self.half_deceleration);
+            way = way.saturating_sub(course.brake(speed, self.half_deceleration, time));
+            speed = top;
+        }
+        let peak = self.peak(half_acceleration, speed, way).min(top).max(speed);
+        if peak > speed {
+            let time = ramp_time(peak.wrapping_sub(speed), half_acceleration);
+            way = way.saturating_sub(course.accelerate(speed, half_acceleration, time));
+        }
+        let stop_time = ramp_time(peak, self.half_deceleration);
+        way = way.saturating_sub(ramp_way(peak, self.half_deceleration, stop_time, true));
+        course.cruise(peak, cruise_time(way, peak), way);
+        course.land(target, self.half_deceleration, stop_time)
+    }
+
+    /// The speed at which acceleration from `speed` must turn into braking if there is no limit to it:
+    /// v² = (2·a·way + speed²)·d/(a + d), rounded down.
+    ///
+    /// 32 significant bits are plenty. The duration is at its minimum at the exact peak, so what is lost there enters it squared; and
+    /// because the peak is rounded down, there is always some cruise left to take up the difference.
+    fn peak(&self, half_acceleration: Fine, speed: Fine, way: u128) -> Fine {
+        let mut square = Wide::product(half_acceleration << 2, way);
+        if speed != 0 {
+            square = square.plus(Wide::product(speed, speed));
+        }
+        let (mantissa, exponent) = square.leading();
+        let acceleration = u128::from(self.limits.acceleration);
+        let deceleration = u128::from(self.limits.deceleration);
+        // 64 + 32 + 31 bits: no overflow.
+        let share = quotient(
+            u128::from(mantissa).wrapping_mul(deceleration) << 31,
+            0,
+            acceleration.wrapping_add(deceleration),
+        );
+        // share · 2^(exponent − 31), brought to 64 bits and an even exponent, so that its root is a shift.
+        let mut shift = 64u32.saturating_sub(share.leading_zeros());
+        if (shift ^ exponent) & 1 == 0 {
+            shift = shift.wrapping_add(1);
+        }
+        let root = Fine::from(((share >> (shift & 127)) as u64).isqrt());
+        let half_exponent = exponent.wrapping_add(shift).cast_signed().wrapping_sub(31) / 2;
+        if half_exponent < 0 {
+            root >> (half_exponent.unsigned_abs() & 127)
+        } else {
+            root << (half_exponent.unsigned_abs() & 127)
+        }
+    }
+}
+
+/// How long `way` takes at `speed`. The fraction of a tick survives however long it is.
+fn cruise_time(way: u128, speed: Fine) -> Offset {
+    quotient(way, 1, speed)
+}

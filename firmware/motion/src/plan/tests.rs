@@ -1,0 +1,41 @@
+//! Plans against the reference vectors, and against the rules that hold for all plans.
+
+mod properties;
+mod vectors;
+
+use super::{Limits, Plan};
+use crate::{Clock, State, Ticks};
+
+/// The clocks for which all vectors must pass: two STM32 timers and the fastest one supported.
+const CLOCKS: [u32; 3] = [84_000_000, 168_000_000, 1_000_000_000];
+
+fn clock(hz: u32) -> Clock {
+    Clock::new(hz).unwrap()
+}
+
+fn state(clock: Clock, steps: i64, velocity: i32) -> State {
+    State {
+        position: crate::Position::from_steps(steps),
+        velocity: crate::Velocity::from_steps_per_second(clock, velocity),
+    }
+}
+
+/// Position in steps.
+fn steps(state: State) -> f64 {
+    state.position.bits() as f64 / 2f64.powi(32)
+}
+
+/// Velocity in steps/s.
+fn per_second(clock: Clock, state: State) -> f64 {
+    state.velocity.bits() as f64 / 2f64.powi(56) * f64::from(clock.hz())
+}
+
+/// The corners of a plan, its start and end among them, and the tick before each.
+fn corners(plan: &Plan) -> impl Iterator<Item = Ticks> {
+    let ends = [plan.start()].into_iter().chain(plan.end());
+    ends.chain(plan.phases().iter().map(|phase| phase.start()))
+        .flat_map(|corner| [corner.saturating_sub(1), corner])
+        .filter(|t| *t >= plan.start())
+        .collect::<std::vec::Vec<_>>()
+        .into_iter()
+}

@@ -1,0 +1,64 @@
+//! Profile velocity: a ramp to another velocity, and the stop.
+
+use super::phase::ramp_time;
+use super::{Course, Limits, Plan, PlanError};
+use crate::clock::{Clock, Ticks};
+use crate::fixed::Exact;
+
+/// Plans the ramp in a frame in which the velocity to reach is positive; for a stop, the one to leave.
+pub(super) fn plan(
+    clock: Clock,
+    start: Ticks,
+    from: Exact,
+    steps_per_second: i32,
+    limits: Limits,
+) -> Result<Plan, PlanError> {
+    if limits.deceleration == 0 {
+        return Err(PlanError::ZeroDeceleration);
+    }
+    let half_deceleration = clock.half_acceleration(limits.deceleration);
+    let speed = from.velocity.unsigned_abs();
+
+    if steps_per_second == 0 {
+        let mut course = Course::new(start, from, from.velocity < 0);
+        if speed != 0 {
+            course.brake(
+                speed,
+                half_deceleration,
+                ramp_time(speed, half_deceleration),
+            );
+        }
+        let stop = course.travelled;
+        return Ok(course.rest_at(stop));
+    }
+    if limits.velocity == 0 {
+        return Err(PlanError::ZeroVelocity);
+    }
+    if limits.acceleration == 0 {
+        return Err(PlanError::ZeroAcceleration);
+    }
+    let goal = clock.speed(steps_per_second.unsigned_abs().min(limits.velocity));
+    let half_acceleration = clock.half_acceleration(limits.acceleration);
+
+    let mut course = Course::new(start, from, steps_per_second < 0);
+    let mut speed = speed;
+    if speed != 0 && (from.velocity < 0) != (steps_per_second < 0) {
+        course.turn_back(
+            speed,
+            half_deceleration,
+            ramp_time(speed, half_deceleration),
+        );
+        speed = 0;
+    }
+    if speed > goal {
+        course.brake(
+            speed,
+            half_deceleration,
+            ramp_time(speed.wrapping_sub(goal), half_deceleration),
+        );
+    } else if speed < goal {
+        let time = ramp_time(goal.wrapping_sub(speed), half_acceleration);
+        course.accelerate(speed, half_acceleration, time);
+    }
+    Ok(course.never_end(goal))
+}

@@ -1,0 +1,380 @@
+//! From positions to pulses: chords of a plan become pulse-train records.
+//!
+//! A step belongs where the position crosses the middle between two whole steps. Over a chord the crossings are evenly spaced, so
+//! a whole chord is two runs of periods, `base + 1` and `base` ticks long. The period after the last pulse stays open until
+//! the next chord tells where it ends. Ticks and pulses therefore add up by construction: nothing is rounded twice.
+//!
+//! How many steps are due is always the difference between the position and the steps made. A pulse that the driver's timing
+//! delays is made later, and never lost.
+
+use heapless::Deque;
+
+use crate::clock::Ticks;
+use crate::fixed::{Position, Velocity};
+use crate::record::{Direction, DriverTiming, Record};
+
+/// Records that one chord can make at most: three for the open period, one more at a change of direction, two runs in each
+/// part, and one for a long silence.
+const MOST_RECORDS: usize = 5 + 2 * PARTS as usize;
+
+/// Parts of a chord in which the two kinds of period take turns, once it has many pulses. At each turn the pulses are ahead or behind by
+/// at most pulses² / (4 · parts · ticks) steps.
+const PARTS: u32 = 4;
+
+/// The pulses of a run are counted in 16 bits.
+const LONGEST_RUN: u64 = u16::MAX as u64;
+
+/// A stretch of the plan, taken as a straight line.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Chord {
+    /// Where it begins.
+    pub(crate) from: (Ticks, Position),
+    /// Where it ends; later than it begins.
+    pub(crate) to: (Ticks, Position),
+    /// Whether the speed grows: the longer periods come first then, and otherwise last.
+    pub(crate) speeding_up: bool,
+}
+
+/// Makes records from chords, and keeps the account of steps and ticks.
+#[derive(Debug, Clone)]
+pub(crate) struct Train {
+    timing: DriverTiming,
+    segment: u64,
+    /// Steps made, modulo 2³².
+    steps: i32,
+    /// The level of the direction signal; `None` until a record has set it.
+    direction: Option<Direction>,
+    /// Up to here there are records. What follows is the open period.
+    pen: Ticks,
+    /// Whether the open period begins with a pulse.
+    pulse: bool,
+    /// Records made but not handed out.
+    made: Deque<Record, MOST_RECORDS>,
+}
+
+impl Train {
+    /// A train that stands at `steps` at tick `pen`. `segment` is brought into a range that `timing` allows.
+    pub(crate) fn new(timing: DriverTiming, segment: u32, steps: i32, pen: Ticks) -> Self {
+        let timing = timing.checked();
+        let mut train = Self {
+            timing,
+            segment: 0,
+            steps,
+            direction: None,
+            pen,
+            pulse: false,
+            made: Deque::new(),
+        };
+        // Long enough that a record of one segment keeps every time of the driver.
+        let shortest = train
+            .turn_hold()
+            .saturating_add(train.turn_setup())
+            .saturating_mul(2);
+        train.segment = u64::from(segment.min(1 << 28)).max(shortest);
+        train
+    }
+
+    /// Starts anew at `steps` and `pen`: what was open or not handed out is dropped, and the direction is unknown.
+    pub(crate) fn reset(&mut self, steps: i32, pen: Ticks) {
+        self.steps = steps;
+        self.pen = pen;
+        self.pulse = false;
+        self.direction = None;
+        self.made.clear();
+    }
+
+    /// What the driver needs, brought into range.
+    pub(crate) const fn timing(&self) -> &DriverTiming {
+        &self.timing
+    }
+
+    /// The length of a segment in ticks: no record is longer.
+    pub(crate) const fn segment(&self) -> u64 {
+        self.segment
+    }
+
+    /// The longest chord at `velocity`, in ticks: so that no run has more pulses than a record can count, and that evenly
+    /// spaced pulses stay within an eighth of a step of the chord.
+    pub(crate) fn longest_chord(&self, velocity: Velocity) -> u64 {
+        // v² · length / (4 · parts) ≤ ⅛, with v in Q24.
+        let speed = velocity.bits().unsigned_abs() >> 32;
+        let square = speed.wrapping_mul(speed);
+        let longest = self
+            .segment
+            .min(self.shortest_period().saturating_mul(LONGEST_RUN));
+        // Divisions are dear, and this one seldom limits.
+        if longest.saturating_mul(square) <= u64::from(PARTS) << 47 {
+            return longest;
+        }
+        (u64::from(PARTS) << 47)
+            .checked_div(square)
+            .unwrap_or(longest)
+    }
+
+    /// The tick up to which there are records.
+    pub(crate) const fn pen(&self) -> Ticks {
+        self.pen
+    }
+
+    /// Whether nothing is open at tick `now`.
+    pub(crate) fn is_closed(&self, now: Ticks) -> bool {
+        !self.pulse && self.pen >= now
+    }
+
+    /// The next record to hand out.
+    pub(crate) fn next(&self) -> Option<Record> {
+        self.made.front().copied()
+    }
+
+    /// The record from [`Train::next`] has been handed out.
+    pub(crate) fn handed_out(&mut self) {
+        self.made.pop_front();
+    }
+
+    /// Steps due when the axis is at `position`, with their sign.
+    pub(crate) fn due(&self, position: Position) -> i32 {
+        // Positions wrap at 2³² steps, and so does the difference.
+        (position.whole_steps() as i32).wrapping_sub(self.steps)
+    }
+
+    /// Makes the records of a chord. Those before must have been handed out.
+    pub(crate) fn draw(&mut self, chord: &Chord) {
+        let (begin, origin) = chord.from;
+        let (end, goal) = chord.to;
+        let way = goal.bits().wrapping_sub(origin.bits());
+        let due = self.due(goal);
+        // The plan knows the way it goes. Steps due the other way are rounding at a turning point, unless the plan stands.
+        let direction = match way {
+            0 if due < 0 => Direction::Reverse,
+            0.. => Direction::Forward,
+            _ => Direction::Reverse,
+        };
+        let due = due.wrapping_mul(direction.sign());
+        if due > 0 {
+            let crossings = Crossings::new(chord, way.unsigned_abs());
+            let lead = i64::from(self.steps)
+                .wrapping_shl(32)
+                .wrapping_sub(origin.bits());
+            let first = lead
+                .wrapping_mul(direction.sign().into())
+                .wrapping_add(1 << 31);
+            let last = first.saturating_add(i64::from(due).wrapping_sub(1) << 32);
+            let first = begin.saturating_add(crossings.after(first));
+            let last = begin.saturating_add(crossings.after(last));
+            self.run(
+                direction,
+                due.unsigned_abs(),
+                (first, last),
+                end,
+                chord.speeding_up,
+            );
+        }
+        self.keep_short(direction, end);
+    }
+
+    /// Closes the open period at `now`, or as soon after it as the driver allows. The axis stands.
+    pub(crate) fn close(&mut self, now: Ticks) {
+        let least = if self.pulse {
+            self.turn_hold()
+        } else {
+            self.shortest_period()
+        };
+        let open = now.saturating_sub(self.pen);
+        if self.pulse || open > 0 {
+            let direction = self.direction.unwrap_or(Direction::Forward);
+            self.silence(open.max(least), direction);
+        }
+    }
+
+    /// `pulses` evenly spaced pulses, from tick `first` to tick `last`; as many of them as fit before `end`.
+    fn run(
+        &mut self,
+        direction: Direction,
+        pulses: u32,
+        (first, last): (Ticks, Ticks),
+        end: Ticks,
+        speeding_up: bool,
+    ) {
+        let shortest = self.shortest_period();
+        let first = first.max(self.earliest(direction));
+        if first > end {
+            return;
+        }
+        let mut gaps = u64::from(pulses.wrapping_sub(1));
+        let mut span = last.saturating_sub(first);
+        if span < gaps.saturating_mul(shortest) {
+            // Too dense for the driver: at its highest rate, and what does not fit is due in the next chord.
+            let room = (end.wrapping_sub(first) as u32)
+                .checked_div(shortest as u32)
+                .unwrap_or(0);
+            gaps = gaps.min(room.into());
+            span = gaps.saturating_mul(shortest);
+        }
+        // A chord is no longer than a segment, so that 32 bits hold its ticks.
+        let gaps = gaps.min(LONGEST_RUN) as u32;
+        let span = span as u32;
+
+        self.open_pulse(first, direction);
+        if let (Some(base), Some(longer)) = (span.checked_div(gaps), span.checked_rem(gaps)) {
+            let crowded = gaps.saturating_mul(gaps).saturating_mul(2) > span;
+            let parts = if crowded { PARTS } else { 1 };
+            for part in 0..parts {
+                let share = |of: u32| of * (part + 1) / parts - of * part / parts;
+                let long = (base.wrapping_add(1), share(longer));
+                let short = (base, share(gaps).saturating_sub(share(longer)));
+                for (period, repeat) in if speeding_up {
+                    [long, short]
+                } else {
+                    [short, long]
+                } {
+                    self.make(period.into(), repeat.into(), true, direction);
+                }
+            }
+        }
+        let made = gaps
+            .cast_signed()
+            .wrapping_add(1)
+            .wrapping_mul(direction.sign());
+        self.steps = self.steps.wrapping_add(made);
+    }
+
+    /// The earliest tick for a pulse in `direction`.
+    fn earliest(&self, direction: Direction) -> Ticks {
+        let turning = self.direction != Some(direction);
+        let wait = match (turning, self.pulse) {
+            (false, _) => self.shortest_period(),
+            (true, false) => self.turn_setup(),
+            (true, true) => self.turn_hold().saturating_add(self.turn_setup()),
+        };
+        self.pen.saturating_add(wait)
+    }
+
+    /// Whether [`Train::flush`] brings the records up to `enough` if there are chords up to `now`.
+    pub(crate) fn can_flush(&self, now: Ticks, enough: Ticks) -> bool {
+        let least = self.turn_hold().saturating_add(self.shortest_period());
+        self.pen < enough && now >= enough.saturating_add(least)
+    }
+
+    /// Makes a record of the open period without waiting for its end, up to just before `now`.
+    pub(crate) fn flush(&mut self, now: Ticks) {
+        let open = now
+            .saturating_sub(self.pen)
+            .saturating_sub(self.shortest_period());
+        self.silence(open, self.direction.unwrap_or(Direction::Forward));
+    }
+
+    /// Ends the open period where a pulse begins, at or after [`Train::earliest`]; the period after the pulse is open then.
+    fn open_pulse(&mut self, at: Ticks, direction: Direction) {
+        if self.direction != Some(direction) && self.pulse {
+            let before = self.direction.unwrap_or(direction);
+            self.silence(self.turn_hold(), before);
+        }
+        self.silence(at.saturating_sub(self.pen), direction);
+        self.direction = Some(direction);
+        self.pulse = true;
+    }
+
+    /// Keeps the open period at `end` from growing beyond a segment: the pulse and silence so far become a record.
+    fn keep_short(&mut self, direction: Direction, end: Ticks) {
+        let open = end.saturating_sub(self.pen);
+        // What stays open is long enough for a record of its own, so the next pulse need not wait for it.
+        if open >= self.segment.saturating_add(self.shortest_period()) {
+            let level = if self.pulse {
+                self.direction.unwrap_or(direction)
+            } else {
+                direction
+            };
+            self.direction = Some(level);
+            self.silence(self.segment, level);
+        }
+    }
+
+    /// Records for `ticks` of the open period: its pulse if it has one, then silence. None is longer than a segment or shorter than
+    /// the driver's shortest period.
+    fn silence(&mut self, mut ticks: u64, direction: Direction) {
+        while ticks > self.segment {
+            let part = self
+                .segment
+                .min(ticks.saturating_sub(self.shortest_period()));
+            self.make(part, 1, self.pulse, direction);
+            self.pulse = false;
+            ticks = ticks.saturating_sub(part);
+        }
+        self.make(ticks, 1, self.pulse, direction);
+        self.pulse = false;
+    }
+
+    fn make(&mut self, period: u64, repeat: u64, pulse: bool, direction: Direction) {
+        let (Ok(period), Ok(repeat)) = (u32::try_from(period), u16::try_from(repeat)) else {
+            return;
+        };
+        if period == 0 || repeat == 0 {
+            return;
+        }
+        let width = if pulse {
+            self.timing.pulse_high as u16
+        } else {
+            0
+        };
+        let record = Record {
+            period,
+            repeat,
+            width,
+            direction,
+        };
+        let room = self.made.push_back(record);
+        debug_assert!(room.is_ok(), "a chord makes at most {MOST_RECORDS} records");
+        self.pen = self.pen.saturating_add(record.ticks());
+    }
+
+    fn shortest_period(&self) -> u64 {
+        self.timing.shortest_period().into()
+    }
+
+    /// From the beginning of the last pulse to a change of direction.
+    fn turn_hold(&self) -> u64 {
+        let hold = self
+            .timing
+            .pulse_high
+            .saturating_add(self.timing.direction_hold);
+        self.shortest_period().max(hold.into())
+    }
+
+    /// From a change of direction to the next pulse.
+    fn turn_setup(&self) -> u64 {
+        self.shortest_period()
+            .max(self.timing.direction_setup.into())
+    }
+}
+
+/// When a chord passes a distance from its beginning. One 64-bit division for all its crossings.
+struct Crossings {
+    /// The chord's length in ticks.
+    length: u64,
+    /// The chord's way, Q32 steps.
+    way: u64,
+    /// Ticks per 2⁻³² steps, shifted up by `shift`.
+    pace: u64,
+    shift: u32,
+}
+
+impl Crossings {
+    fn new(chord: &Chord, way: u64) -> Self {
+        let length = chord.to.0.saturating_sub(chord.from.0);
+        let shift = length.leading_zeros() & 63;
+        let pace = (length << shift).checked_div(way).unwrap_or(0);
+        Self {
+            length,
+            way,
+            pace,
+            shift,
+        }
+    }
+
+    /// Ticks from the chord's beginning until it has gone `distance`, Q32 steps; 0 for what lies behind it.
+    fn after(&self, distance: i64) -> u64 {
+        let distance = distance.max(0).unsigned_abs().min(self.way);
+        // pace · way is at most length · 2^shift, which fits.
+        (self.pace.wrapping_mul(distance) >> self.shift).min(self.length)
+    }
+}

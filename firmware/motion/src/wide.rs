@@ -1,0 +1,123 @@
+//! 256-bit products: two Q96 numbers multiply to Q192, and no bit may fall off before it is known to be small.
+
+/// An unsigned 256-bit number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Wide {
+    high: u128,
+    low: u128,
+}
+
+impl Wide {
+    /// a · b, exactly.
+    #[inline(never)]
+    pub(crate) fn product(a: u128, b: u128) -> Self {
+        let mask = u128::from(u64::MAX);
+        let (a1, a0) = (a >> 64, a & mask);
+        let (b1, b0) = (b >> 64, b & mask);
+        let bottom = a0.wrapping_mul(b0);
+        let cross = a1.wrapping_mul(b0).wrapping_add(bottom >> 64);
+        let (middle, carry) = a0.wrapping_mul(b1).overflowing_add(cross);
+        Self {
+            high: a1
+                .wrapping_mul(b1)
+                .wrapping_add(middle >> 64)
+                .wrapping_add(u128::from(carry) << 64),
+            low: (middle << 64) | (bottom & mask),
+        }
+    }
+
+    /// The sum, modulo 2²⁵⁶.
+    pub(crate) fn plus(self, other: Self) -> Self {
+        let (low, carry) = self.low.overflowing_add(other.low);
+        Self {
+            high: self
+                .high
+                .wrapping_add(other.high)
+                .wrapping_add(u128::from(carry)),
+            low,
+        }
+    }
+
+    /// ⌊self / 2ⁿ⌋ for n of 1 to 127, if it fits.
+    pub(crate) fn shifted(self, n: u32) -> Option<u128> {
+        (self.high >> (n & 127) == 0).then(|| self.shifted_wrapping(n))
+    }
+
+    /// ⌊self / 2ⁿ⌋ modulo 2¹²⁸ for n of 1 to 127.
+    pub(crate) fn shifted_wrapping(self, n: u32) -> u128 {
+        self.high.wrapping_shl(128u32.wrapping_sub(n)) | (self.low >> (n & 127))
+    }
+
+    /// The leading 64 bits and how far they were shifted down: self = mantissa · 2^exponent, rounded down.
+    pub(crate) fn leading(self) -> (u64, u32) {
+        let (word, base) = if self.high == 0 {
+            (self.low, 0)
+        } else {
+            (self.high, 128)
+        };
+        let above = word.leading_zeros();
+        if base == 0 {
+            let shift = 64u32.saturating_sub(above);
+            ((word >> (shift & 127)) as u64, shift)
+        } else if above > 64 {
+            // Fewer than 64 bits in the upper half: fill up from the lower one.
+            let shift = 192u32.wrapping_sub(above);
+            (self.shifted_wrapping(shift) as u64, shift)
+        } else {
+            let shift = 64u32.wrapping_sub(above);
+            ((word >> (shift & 127)) as u64, shift.wrapping_add(base))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Wide;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_largest_product_is_exact() {
+        let square = Wide::product(u128::MAX, u128::MAX);
+        assert_eq!(
+            square,
+            Wide {
+                high: u128::MAX - 1,
+                low: 1
+            }
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn product_of_halves_agrees(a: u64, b: u64, s in 1u32..127) {
+            let exact = u128::from(a) * u128::from(b);
+            prop_assert_eq!(Wide::product(a.into(), b.into()), Wide { high: 0, low: exact });
+            prop_assert_eq!(Wide::product(a.into(), b.into()).shifted(s), Some(exact >> s));
+            // (a·2⁶⁴)·(b·2⁶³) = exact·2¹²⁷
+            let far = Wide::product(u128::from(a) << 64, u128::from(b) << 63);
+            prop_assert_eq!(far, Wide { high: exact >> 1, low: exact << 127 });
+        }
+
+        #[test]
+        fn product_distributes_over_the_sum(a: u128, b in 0..u128::MAX / 2, c in 0..u128::MAX / 2) {
+            let sum = Wide::product(a, b).plus(Wide::product(a, c));
+            prop_assert_eq!(Wide::product(a, b + c), sum);
+        }
+
+        #[test]
+        fn leading_bits_are_the_leading_bits(a: u128, b: u128, s in 0u32..128, u in 0u32..128) {
+            let wide = Wide::product(a >> s, b >> u);
+            let (mantissa, exponent) = wide.leading();
+            // Full 64 bits, or nothing lost.
+            prop_assert!(mantissa >> 63 == 1 || exponent == 0);
+            let back = Wide::product(u128::from(mantissa) << 63, 1u128 << 64); // mantissa · 2¹²⁷
+            if exponent <= 127 && exponent > 0 {
+                prop_assert_eq!(back.shifted(127), Some(u128::from(mantissa)));
+                prop_assert_eq!(wide.shifted_wrapping(exponent) , u128::from(mantissa));
+            }
+            if exponent > 128 {
+                prop_assert_eq!(wide.high >> (exponent - 128), u128::from(mantissa));
+            }
+        }
+    }
+}
