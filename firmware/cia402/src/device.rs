@@ -1,0 +1,181 @@
+//! The communication half: a CANopen node whose dictionary belongs to a drive.
+//!
+//! The network may command the drive in NMT states Pre-operational (by SDO) and Operational. In Stopped, and while the
+//! device starts anew, it may not: statusword bit 9 is 0, and the motor comes to rest on the quick stop ramp, without
+//! power in the end (6007h is fixed to 3). It stays so when the network comes back; there is no motion without new
+//! commands.
+//!
+//! A reset (NMT reset node, reset communication) is carried out when the motor stands without power, however long 6085h
+//! makes that; the device is silent meanwhile. Reset node also resets a fault; reset communication leaves it, and 1001h
+//! shows it.
+
+use canopen::cia301::nmt::{NmtState, Reset};
+use canopen::node::StoreError;
+use canopen::od::Dictionary;
+use canopen::{Duration, Event, Frame, Instant, Node, Settings};
+
+use crate::exchange::{Actuals, Share};
+use crate::faults::{FaultNotice, emergency};
+use crate::hooks::Hooks;
+use crate::objects::Objects;
+
+/// How often a device that waits for its drive wants to be called.
+const WAIT: Duration = Duration::from_ticks(1_000);
+
+/// What the device is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// Not powered on yet.
+    Off,
+    /// Serving the network.
+    Running,
+    /// A reset is due as soon as the drive is safe.
+    Stopping(Reset),
+}
+
+/// A CANopen node with the hooks of the drive objects.
+#[derive(Debug)]
+pub struct Device<D, const RPDOS: usize, const TPDOS: usize> {
+    node: Node<D, RPDOS, TPDOS>,
+    hooks: Hooks,
+    phase: Phase,
+    /// The last value posted of `Commands::remote`.
+    remote: bool,
+}
+
+impl<D: Dictionary + Objects, const RPDOS: usize, const TPDOS: usize> Device<D, RPDOS, TPDOS> {
+    /// A device that has just been powered; call [`Device::power_on`] next. `serial_number` becomes 1018h:4.
+    pub fn new(dictionary: D, settings: Settings, serial_number: u32) -> Self {
+        Self {
+            node: Node::new(dictionary, settings),
+            hooks: Hooks::new(serial_number),
+            phase: Phase::Off,
+            remote: false,
+        }
+    }
+
+    /// The same device on a controller that reaches these bit rates only; LSS refuses the others.
+    pub fn supporting(mut self, bit_rates: &[canopen::BitRate]) -> Self {
+        self.node = self.node.supporting(bit_rates);
+        self
+    }
+
+    /// Boots the node.
+    pub fn power_on<X: Share>(&mut self, now: Instant, exchange: &mut X) {
+        self.boot(Reset::Node, now, exchange);
+    }
+
+    /// Takes a frame; `stamp` is when it arrived. The dictionary shows the drive as it was at that moment.
+    pub fn receive<X: Share>(&mut self, frame: &Frame, stamp: Instant, exchange: &mut X) {
+        if self.phase != Phase::Running {
+            return;
+        }
+        self.refresh(stamp, exchange);
+        self.node.receive(frame, stamp, &mut self.hooks);
+        self.take_reset();
+        self.post(exchange);
+    }
+
+    /// Lets time pass; call it after each control tick and at the returned deadline.
+    pub fn poll<X: Share>(&mut self, now: Instant, exchange: &mut X) -> Instant {
+        match self.phase {
+            Phase::Off => return canopen::time::NEVER,
+            Phase::Running => {}
+            Phase::Stopping(reset) => {
+                if !exchange.lock(|exchange| exchange.is_safe()) {
+                    return now.checked_add_duration(WAIT).unwrap_or(now);
+                }
+                self.boot(reset, now, exchange);
+            }
+        }
+        self.refresh(now, exchange);
+        self.report_faults(now, exchange);
+        let deadline = self.node.poll(now, &mut self.hooks);
+        self.take_reset();
+        self.post(exchange);
+        deadline
+    }
+
+    /// The next frame to send.
+    pub fn transmit(&mut self) -> Option<Frame> {
+        self.node.transmit()
+    }
+
+    /// The next event for the firmware. Resets do not show here: the device stops the drive, then boots by itself. Of
+    /// changes of the NMT state that the firmware does not fetch some may be left out, never the last one; what it has to do
+    /// is not ([`Node::event`]).
+    pub fn event(&mut self) -> Option<Event> {
+        self.take_reset();
+        self.node.event()
+    }
+
+    /// The result of [`Event::StoreSettings`].
+    pub fn settings_stored(&mut self, result: Result<(), StoreError>) {
+        self.node.settings_stored(result);
+    }
+
+    /// The node, for its dictionary and state.
+    pub fn node(&self) -> &Node<D, RPDOS, TPDOS> {
+        &self.node
+    }
+
+    fn boot<X: Share>(&mut self, reset: Reset, now: Instant, exchange: &mut X) {
+        self.phase = Phase::Running;
+        self.node.boot(reset, now, &mut self.hooks);
+        self.take_reset();
+        self.refresh(now, exchange);
+        self.hooks.touch();
+        self.post(exchange);
+    }
+
+    /// Puts the actual values of a moment in the dictionary.
+    fn refresh<X: Share>(&mut self, stamp: Instant, exchange: &mut X) {
+        let actuals = exchange.lock(|exchange| exchange.actuals_at(stamp));
+        show(self.node.dictionary_mut(), &actuals);
+    }
+
+    fn report_faults<X: Share>(&mut self, now: Instant, exchange: &mut X) {
+        while let Some(notice) = exchange.lock(|exchange| exchange.take_notice()) {
+            match notice {
+                FaultNotice::Raised(code) => self.node.report(emergency(code), now),
+                FaultNotice::Cleared(code) => self.node.clear(code, now),
+            }
+        }
+    }
+
+    /// Resets are for the device, the other events of the node for the firmware.
+    fn take_reset(&mut self) {
+        if let Some(reset) = self.node.take_reset() {
+            self.phase = Phase::Stopping(reset);
+            self.hooks.touch();
+        }
+    }
+
+    /// Posts commands if something has changed.
+    fn post<X: Share>(&mut self, exchange: &mut X) {
+        let remote = self.phase == Phase::Running
+            && matches!(
+                self.node.state(),
+                NmtState::PreOperational | NmtState::Operational
+            );
+        if self.hooks.take_written() || remote != self.remote {
+            self.remote = remote;
+            let restart = self.phase == Phase::Stopping(Reset::Node);
+            let commands = self.hooks.commands(self.node.dictionary(), remote, restart);
+            exchange.lock(|exchange| exchange.post(commands));
+        }
+    }
+}
+
+/// Writes the actual values to the objects that show them.
+fn show<D: Objects>(dictionary: &mut D, actuals: &Actuals) {
+    dictionary.set_error_code(actuals.error_code);
+    dictionary.set_statusword(actuals.statusword);
+    dictionary.set_modes_of_operation_display(actuals.mode_display);
+    dictionary.set_position_demand_value(actuals.position_demand);
+    dictionary.set_position_actual_internal_value(actuals.position_actual_internal);
+    dictionary.set_position_actual_value(actuals.position_actual);
+}
+
+#[cfg(test)]
+mod tests;

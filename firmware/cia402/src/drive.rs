@@ -1,0 +1,318 @@
+//! The control half: state machine, mode of operation, planner; once per control tick.
+//!
+//! A tick looks at the world once (commands, inputs, what has become of the pulses), decides, hands out the pulses of
+//! the next segments, and publishes statusword, mode display and actual values together. The motor has power in
+//! operation enabled, quick stop active and fault reaction active, and nowhere else.
+
+use canopen::{Duration, Instant};
+use motion::{AxisConfig, PulseSink};
+
+use crate::controlword::{Command, FAULT_RESET};
+use crate::exchange::{Actuals, Commands, Share};
+use crate::faults::{Faults, Reaction};
+use crate::modes::{Context, Modes};
+use crate::motor::Motor;
+use crate::quick_stop::{QuickStopOption, StopRamp};
+use crate::state_machine::{Conditions, State, StateMachine, Transition};
+use crate::statusword;
+
+/// What a drive is built from.
+#[derive(Clone, Copy, Debug)]
+pub struct DriveConfig {
+    /// The step generator: clock, segment length, timing of the motor driver.
+    pub axis: AxisConfig,
+    /// The period of the control tick, the nominal time between two calls of [`Drive::tick`]. Two segments are handed out
+    /// ahead; a segment shorter than a tick is stretched to it, so that a tick may come a whole tick late.
+    pub tick: Duration,
+}
+
+/// What the board measures, read once at the start of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Inputs {
+    /// The power stage has its supply (statusword bit 4).
+    pub supply: bool,
+    /// Position in increments: pulses that really left, or the encoder. When the motor has power and stands, it has to be
+    /// exactly where the pulses lead; anything else is the fault 8611h.
+    pub position: i64,
+    /// A fault the board has found, as a CiA 402 error code; it stands as long as it is reported.
+    pub fault: Option<u16>,
+}
+
+/// What the board must do, set at the end of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Outputs {
+    /// Current in the motor.
+    pub power_stage: bool,
+    /// Pulses not yet sent must be dropped: the power is off, or there is no ramp to stop on.
+    pub drop_pulses: bool,
+}
+
+/// The drive.
+#[derive(Debug)]
+pub struct Drive {
+    machine: StateMachine,
+    modes: Modes,
+    faults: Faults,
+    motor: Motor,
+    power: bool,
+    /// The motor stood at the end of the last tick: its position must now be the one its pulses lead to.
+    settled: bool,
+    /// The restart that is asked for has been done.
+    restarted: bool,
+    /// "Shutdown" was written before the command that stands, and has not been carried out yet.
+    shutdown_first: bool,
+}
+
+impl Drive {
+    /// A drive that is not ready to switch on. It becomes switch on disabled by itself with the first tick.
+    pub fn new(config: DriveConfig) -> Self {
+        Self {
+            machine: StateMachine::new(),
+            modes: Modes::new(),
+            faults: Faults::default(),
+            motor: Motor::new(outlast_tick(config)),
+            power: false,
+            settled: false,
+            restarted: false,
+            shutdown_first: false,
+        }
+    }
+
+    /// The state, as published by the last tick.
+    pub const fn state(&self) -> State {
+        self.machine.state()
+    }
+
+    /// One control tick. `now` is its time, on the clock that stamps received frames; `inputs` were read just before.
+    pub fn tick<S: PulseSink, X: Share>(
+        &mut self,
+        now: Instant,
+        inputs: &Inputs,
+        pulses: &mut S,
+        exchange: &mut X,
+    ) -> Outputs {
+        let commands = exchange.lock(|exchange| exchange.take_commands());
+        let command = self.given_command(&commands);
+        let displaced = self.power
+            && self.settled
+            && !self.motor.is_cut()
+            && self.motor.is_displaced(inputs.position);
+        self.motor.observe(inputs.position, self.power, pulses);
+
+        let restarts = commands.restart && !self.restarted && self.is_idle();
+        self.restarted = commands.restart && (self.restarted || restarts);
+        let mode_bits = if restarts {
+            self.restart();
+            0
+        } else {
+            self.change_state(inputs, &commands, command, displaced);
+            self.operate(now, inputs, &commands, command)
+        };
+
+        let in_time = self.motor.advance(pulses);
+        self.settled = self.motor.is_settled(pulses);
+        if !in_time {
+            self.faults.pulses_late(true);
+        } else if self.settled {
+            self.faults.pulses_late(false);
+        }
+
+        let actuals = self.actuals(now, inputs, &commands, mode_bits, pulses);
+        exchange.lock(|exchange| {
+            exchange.publish(actuals);
+            if restarts {
+                exchange.forget_notices();
+            }
+            while let Some(notice) = self.faults.take_notice() {
+                exchange.notify(notice);
+            }
+        });
+        Outputs {
+            power_stage: self.power,
+            drop_pulses: !self.power || self.motor.is_cut(),
+        }
+    }
+
+    /// The command of this tick: one to stop that was overwritten since the last tick, else "shutdown" if a master in a
+    /// hurry has gone past it already, else the one that stands in the controlword.
+    fn given_command(&mut self, commands: &Commands) -> Option<Command> {
+        let standing = Command::decode(commands.controlword);
+        let leads_up = matches!(standing, Some(Command::SwitchOn | Command::EnableOperation));
+        let hurried =
+            commands.remote && leads_up && (self.shutdown_first || commands.shutdown_first);
+        // It waits one tick at most: for the stop or the fault reset that came before it.
+        let resets = self.machine.state() == State::Fault && commands.rising & FAULT_RESET != 0;
+        self.shutdown_first = hurried && (commands.stop.is_some() || resets);
+        if commands.stop.is_some() {
+            commands.stop
+        } else if hurried && self.machine.state() == State::SwitchOnDisabled {
+            Some(Command::Shutdown)
+        } else {
+            standing
+        }
+    }
+
+    /// Whether there is no power and nothing that still has to be done: the device may start anew.
+    fn is_idle(&self) -> bool {
+        !self.power && self.motor.standstill() && self.machine.state() != State::FaultReactionActive
+    }
+
+    /// NMT reset node: as after power-on.
+    fn restart(&mut self) {
+        self.machine = StateMachine::new();
+        self.faults = Faults::default();
+    }
+
+    /// Faults, then the state machine, then what a transition does to the motor.
+    fn change_state(
+        &mut self,
+        inputs: &Inputs,
+        commands: &Commands,
+        command: Option<Command>,
+        displaced: bool,
+    ) {
+        let reaction = self.faults.detect(inputs, self.power, displaced);
+        let reset = commands.remote && commands.rising & FAULT_RESET != 0;
+        let conditions = Conditions {
+            command,
+            remote: commands.remote,
+            quick_stop: QuickStopOption::from_code(commands.quick_stop_option)
+                .unwrap_or(QuickStopOption::QuickStopRamp),
+            standstill: self.motor.standstill(),
+            fault: reaction.is_some(),
+            fault_reset: reset && !self.faults.cause_stands(),
+        };
+        if reset && self.machine.state() == State::Fault && self.faults.cause_stands() {
+            self.faults.renew();
+        }
+        if let Some(transition) = self.machine.step(&conditions) {
+            self.carry_out(transition, reaction, commands);
+        } else if reaction == Some(Reaction::PowerOff) {
+            self.power_off();
+        }
+    }
+
+    /// The action of a transition (CiA 402-2, "transition events and actions").
+    fn carry_out(
+        &mut self,
+        transition: Transition,
+        reaction: Option<Reaction>,
+        commands: &Commands,
+    ) {
+        match transition.to {
+            State::OperationEnabled => {
+                self.power = true;
+                self.modes.enter(&self.motor);
+            }
+            State::QuickStopActive => match self.machine.quick_stop().ramp() {
+                Some(StopRamp::SlowDown) => self.stop(commands.profile_deceleration),
+                Some(StopRamp::QuickStop) => self.stop(commands.quick_stop_deceleration),
+                None => self.power_off(),
+            },
+            State::FaultReactionActive => match reaction {
+                Some(Reaction::QuickStopRamp) if self.power => {
+                    self.stop(commands.quick_stop_deceleration);
+                }
+                _ => self.power_off(),
+            },
+            State::SwitchOnDisabled if transition.from == State::Fault => self.faults.reset(),
+            _ => self.power_off(),
+        }
+    }
+
+    fn stop(&mut self, deceleration: u32) {
+        if !self.motor.standstill() {
+            self.motor.stop(deceleration);
+        }
+    }
+
+    fn power_off(&mut self) {
+        if self.power {
+            self.power = false;
+            self.motor.cut_off();
+        }
+    }
+
+    /// The mode of operation. Returns its bits of the statusword.
+    fn operate(
+        &mut self,
+        now: Instant,
+        inputs: &Inputs,
+        commands: &Commands,
+        command: Option<Command>,
+    ) -> u16 {
+        let state = self.machine.state();
+        if state != State::OperationEnabled && self.motor.standstill() {
+            self.modes.select(commands.mode);
+        }
+        match state {
+            State::OperationEnabled if command == Some(Command::SwitchOn) => {
+                // Disable operation: transition 5 waits until the motor stands.
+                self.modes
+                    .interrupt(&mut self.motor, commands.profile_deceleration);
+                0
+            }
+            State::OperationEnabled => self.modes.tick(&mut Context {
+                now,
+                commands,
+                position: inputs.position,
+                motor: &mut self.motor,
+            }),
+            State::QuickStopActive
+                if self.machine.quick_stop().stays() && self.motor.standstill() =>
+            {
+                statusword::TARGET_REACHED
+            }
+            _ => 0,
+        }
+    }
+
+    fn actuals<S: PulseSink>(
+        &self,
+        now: Instant,
+        inputs: &Inputs,
+        commands: &Commands,
+        mode_bits: u16,
+        pulses: &S,
+    ) -> Actuals {
+        let state = self.machine.state();
+        let bit = |condition, bit| if condition { bit } else { 0 };
+        let position = wrap(inputs.position);
+        Actuals {
+            at: now,
+            statusword: state.statusword()
+                | bit(inputs.supply, statusword::VOLTAGE_ENABLED)
+                | bit(self.faults.warning(), statusword::WARNING)
+                | bit(commands.remote, statusword::REMOTE)
+                | mode_bits,
+            mode_display: self.modes.active().code(),
+            error_code: self.faults.error_code(),
+            position_demand: wrap(self.motor.demand_position(pulses)),
+            position_actual_internal: position,
+            position_actual: position,
+            safe: !self.power
+                && self.settled
+                && matches!(state, State::SwitchOnDisabled | State::Fault)
+                && commands.restart == self.restarted,
+        }
+    }
+}
+
+/// A position as 32 bits show it: beyond their end it goes on at the other, in 6062h, 6063h and 6064h alike, as pulses and
+/// encoders are counted.
+fn wrap(position: i64) -> i32 {
+    position as i32
+}
+
+/// The axis with segments at least as long as a tick, so that with two of them a tick may come a whole tick late.
+fn outlast_tick(config: DriveConfig) -> AxisConfig {
+    let tick = u64::from(config.axis.clock.hz()).saturating_mul(config.tick.ticks()) / 1_000_000;
+    let least = u32::try_from(tick).unwrap_or(u32::MAX);
+    AxisConfig {
+        segment: config.axis.segment.max(least),
+        ..config.axis
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,218 @@
+use crate::faults::FaultNotice::{Cleared, Raised};
+use crate::faults::{POSITION_MISMATCH, UNDER_VOLTAGE};
+use crate::state_machine::State;
+use crate::testing::Rig;
+
+const OVER_TEMPERATURE: u16 = 0x4210;
+const OVER_CURRENT: u16 = 0x2310;
+
+fn cruising() -> Rig {
+    let mut rig = Rig::enabled();
+    rig.set_point(100_000, 0);
+    rig.ticks(200);
+    rig
+}
+
+#[test]
+fn d09_a_fault_on_the_way_stops_on_the_quick_stop_ramp() {
+    let mut rig = cruising();
+    let begin = rig.motor.position;
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.tick();
+    assert_eq!(rig.state(), State::FaultReactionActive);
+    assert!(rig.outputs.power_stage);
+    rig.until("fault", |rig| rig.state() == State::Fault);
+    let stopped = rig.motor.position - begin;
+    assert!((50..90).contains(&stopped), "{stopped} steps");
+    assert!(!rig.outputs.power_stage);
+}
+
+#[test]
+fn m10_the_code_shows_and_is_sent_once() {
+    let mut rig = cruising();
+    assert_eq!(rig.actuals().error_code, 0);
+    rig.fault = Some(OVER_TEMPERATURE);
+    assert_eq!(rig.tick().error_code, OVER_TEMPERATURE);
+    rig.ticks(100);
+    rig.fault = None;
+    rig.ticks(10);
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.ticks(10);
+    assert_eq!(rig.notices(), [Raised(OVER_TEMPERATURE)]);
+}
+
+#[test]
+fn a_fault_at_standstill_still_shows_the_reaction() {
+    let mut rig = Rig::enabled();
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.tick();
+    assert_eq!(rig.state(), State::FaultReactionActive);
+    rig.tick();
+    assert_eq!(rig.state(), State::Fault);
+}
+
+#[test]
+fn a_fault_before_operation_never_switches_the_power_on() {
+    let mut rig = Rig::new();
+    rig.ticks(2);
+    rig.fault = Some(OVER_TEMPERATURE);
+    for state in [State::FaultReactionActive, State::Fault, State::Fault] {
+        rig.tick();
+        assert_eq!(rig.state(), state);
+        assert!(!rig.outputs.power_stage);
+    }
+}
+
+#[test]
+fn a_fault_of_the_current_cuts_the_power_at_once() {
+    let mut rig = cruising();
+    rig.fault = Some(OVER_CURRENT);
+    rig.tick();
+    assert_eq!(rig.state(), State::FaultReactionActive);
+    assert!(!rig.outputs.power_stage && rig.outputs.drop_pulses);
+    rig.tick();
+    assert_eq!(rig.state(), State::Fault);
+}
+
+#[test]
+fn a_worse_fault_during_the_reaction_cuts_the_power() {
+    let mut rig = cruising();
+    rig.commands.quick_stop_deceleration = 10_000;
+    rig.post();
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.ticks(3);
+    assert!(rig.outputs.power_stage);
+    rig.fault = Some(OVER_CURRENT);
+    rig.tick();
+    assert!(!rig.outputs.power_stage && rig.outputs.drop_pulses);
+    assert_eq!(
+        rig.notices(),
+        [Raised(OVER_TEMPERATURE), Raised(OVER_CURRENT)]
+    );
+}
+
+#[test]
+fn d10_only_the_rising_edge_of_bit_7_resets() {
+    let mut rig = Rig::enabled();
+    rig.write(0x8F);
+    rig.tick();
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.ticks(3);
+    rig.fault = None;
+    rig.ticks(3);
+    assert_eq!(rig.state(), State::Fault, "bit 7 is held");
+    rig.write(0x8F);
+    rig.ticks(3);
+    assert_eq!(rig.state(), State::Fault, "written again");
+    rig.write(0x0F);
+    rig.ticks(3);
+    assert_eq!(rig.state(), State::Fault);
+    rig.write(0x8F);
+    rig.tick();
+    assert_eq!(rig.state(), State::SwitchOnDisabled);
+    assert_eq!(
+        rig.notices(),
+        [Raised(OVER_TEMPERATURE), Cleared(OVER_TEMPERATURE)]
+    );
+}
+
+#[test]
+fn m11_a_reset_does_not_enable() {
+    let mut rig = Rig::enabled();
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.ticks(3);
+    rig.fault = None;
+    rig.write(0x00);
+    rig.tick();
+    rig.write(0x8F);
+    rig.ticks(5);
+    assert_eq!(rig.state(), State::SwitchOnDisabled);
+    rig.write(0x06);
+    rig.tick();
+    assert_eq!(rig.state(), State::ReadyToSwitchOn);
+}
+
+#[test]
+fn d11_a_short_edge_between_two_ticks_resets() {
+    let mut rig = Rig::enabled();
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.ticks(3);
+    rig.fault = None;
+    rig.write(0x00);
+    rig.tick();
+    rig.write(0x80);
+    rig.write(0x00);
+    rig.tick();
+    assert_eq!(rig.state(), State::SwitchOnDisabled);
+}
+
+#[test]
+fn d12_a_reset_with_the_cause_present_stays_in_fault_and_tells_again() {
+    let mut rig = Rig::enabled();
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.ticks(3);
+    assert_eq!(rig.notices(), [Raised(OVER_TEMPERATURE)]);
+    rig.write(0x80);
+    for _ in 0..10 {
+        rig.tick();
+        assert_eq!(rig.state(), State::Fault);
+    }
+    assert_eq!(
+        rig.notices(),
+        [Cleared(OVER_TEMPERATURE), Raised(OVER_TEMPERATURE)]
+    );
+    assert_eq!(rig.actuals().error_code, OVER_TEMPERATURE);
+}
+
+#[test]
+fn m12_a_fault_reset_in_another_state_does_nothing() {
+    let mut rig = Rig::enabled();
+    rig.write(0x8F);
+    rig.ticks(3);
+    assert_eq!(rig.state(), State::OperationEnabled);
+    assert!(rig.notices().is_empty());
+}
+
+#[test]
+fn m13_the_supply_lost_in_operation_is_a_fault() {
+    let mut rig = cruising();
+    rig.supply = false;
+    rig.tick();
+    assert!(!rig.outputs.power_stage && rig.outputs.drop_pulses);
+    rig.ticks(3);
+    assert_eq!(rig.actuals().error_code, UNDER_VOLTAGE);
+    assert_eq!(rig.state(), State::Fault);
+    rig.write(0x80);
+    rig.ticks(3);
+    assert_eq!(rig.state(), State::Fault, "still no supply");
+    rig.supply = true;
+    rig.write(0x00);
+    rig.tick();
+    rig.write(0x80);
+    rig.tick();
+    assert_eq!(rig.state(), State::SwitchOnDisabled);
+}
+
+#[test]
+fn pulses_that_went_astray_are_found_at_rest() {
+    let mut rig = Rig::enabled();
+    rig.set_point(1_000, 0);
+    assert_eq!(rig.rest(), 1_000);
+    rig.motor.position -= 1;
+    rig.ticks(3);
+    assert_eq!(rig.state(), State::Fault);
+    assert_eq!(rig.actuals().error_code, POSITION_MISMATCH);
+    rig.write(0x00);
+    rig.tick();
+    rig.write(0x80);
+    rig.tick();
+    assert_eq!(
+        rig.state(),
+        State::SwitchOnDisabled,
+        "without power the axis has taken over the position"
+    );
+    assert_eq!(
+        rig.notices(),
+        [Raised(POSITION_MISMATCH), Cleared(POSITION_MISMATCH)]
+    );
+}

@@ -1,0 +1,6 @@
+//! The drive as a whole, on virtual time.
+
+mod faults;
+mod network;
+mod states;
+mod stops;

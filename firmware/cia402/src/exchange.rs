@@ -1,0 +1,247 @@
+//! What passes between the communication task and the control tick.
+//!
+//! Commands go one way, actual values the other, each copied whole, so neither side ever sees half of a change. The exchange
+//! keeps the last two sets of actual values: the answer to a SYNC shows the drive as it was when the SYNC arrived, even if
+//! a control tick ran in between.
+
+use canopen::Instant;
+use heapless::Deque;
+
+use crate::controlword::{Command, NEW_SET_POINT};
+use crate::faults::FaultNotice;
+
+/// Everything the control tick needs from the bus: one consistent copy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Commands {
+    /// 6040h as last written.
+    pub controlword: u16,
+    /// Bits of 6040h that rose since the last tick took its copy, so that an edge between two ticks is not missed.
+    pub rising: u16,
+    /// The strongest command to stop (disable voltage, then quick stop) that was written since the last tick took its copy,
+    /// so that it is obeyed even if another command followed at once.
+    pub stop: Option<Command>,
+    /// "Shutdown" was written since the last tick took its copy, and no command to stop after it: whoever writes faster than
+    /// the control tick still gets from switch on disabled to ready to switch on.
+    pub shutdown_first: bool,
+    /// The network lets the drive move: the node is neither stopped nor being reset.
+    pub remote: bool,
+    /// The device starts anew (NMT reset node): once the motor stands without power, the drive forgets its faults and its
+    /// state machine begins again. One restart is done, until this has been false.
+    pub restart: bool,
+    /// 6060h.
+    pub mode: i8,
+    /// 605Ah.
+    pub quick_stop_option: i16,
+    /// 607Ah in user units (steps).
+    pub target_position: i32,
+    /// 607Dh:1 and :2 in user units (steps).
+    pub position_limits: (i32, i32),
+    /// 6067h in user units (steps).
+    pub position_window: u32,
+    /// 6068h in milliseconds.
+    pub position_window_time: u16,
+    /// 6081h in steps/s.
+    pub profile_velocity: u32,
+    /// 6083h in steps/s².
+    pub profile_acceleration: u32,
+    /// 6084h in steps/s².
+    pub profile_deceleration: u32,
+    /// 6085h in steps/s².
+    pub quick_stop_deceleration: u32,
+}
+
+impl Commands {
+    /// What holds before the first command: nothing is asked for.
+    pub const NONE: Self = Self {
+        controlword: 0,
+        rising: 0,
+        stop: None,
+        shutdown_first: false,
+        remote: false,
+        restart: false,
+        mode: 0,
+        quick_stop_option: 2,
+        target_position: 0,
+        position_limits: (i32::MIN, i32::MAX),
+        position_window: u32::MAX,
+        position_window_time: 0,
+        profile_velocity: 0,
+        profile_acceleration: 0,
+        profile_deceleration: 0,
+        quick_stop_deceleration: 0,
+    };
+
+    /// Puts what is only posted once on top of `earlier` commands that no tick has taken yet.
+    fn after(mut self, earlier: &Self) -> Self {
+        if earlier.rising & !self.rising & NEW_SET_POINT != 0 {
+            self.keep_set_point(earlier);
+        }
+        self.rising |= earlier.rising;
+        self.shutdown_first |= earlier.shutdown_first && self.stop.is_none();
+        if self.stop != Some(Command::DisableVoltage) {
+            self.stop = earlier.stop.or(self.stop);
+        }
+        self
+    }
+
+    /// A set-point is what the objects held at the edge of bit 4, even if a master went on writing before the next tick.
+    fn keep_set_point(&mut self, earlier: &Self) {
+        use crate::controlword::{CHANGE_IMMEDIATELY, RELATIVE};
+        let bits = CHANGE_IMMEDIATELY | RELATIVE;
+        self.controlword = (self.controlword & !bits) | (earlier.controlword & bits);
+        self.target_position = earlier.target_position;
+        self.profile_velocity = earlier.profile_velocity;
+        self.profile_acceleration = earlier.profile_acceleration;
+        self.profile_deceleration = earlier.profile_deceleration;
+    }
+}
+
+/// Everything the bus may know of the drive: made together in one control tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Actuals {
+    /// When the tick ran.
+    pub at: Instant,
+    /// 6041h.
+    pub statusword: u16,
+    /// 6061h.
+    pub mode_display: i8,
+    /// 603Fh.
+    pub error_code: u16,
+    /// 6062h in user units (steps).
+    pub position_demand: i32,
+    /// 6063h in increments (steps).
+    pub position_actual_internal: i32,
+    /// 6064h in user units (steps).
+    pub position_actual: i32,
+    /// Power is off, the motor stands, and a restart that was asked for is done: a reset may go on.
+    pub safe: bool,
+}
+
+impl Actuals {
+    /// What is known before the first tick: a drive that is not ready to switch on.
+    pub const NONE: Self = Self {
+        at: Instant::from_ticks(0),
+        statusword: 0,
+        mode_display: 0,
+        error_code: 0,
+        position_demand: 0,
+        position_actual_internal: 0,
+        position_actual: 0,
+        safe: false,
+    };
+}
+
+/// News of faults that wait for the device; more than one tick can bring.
+const NOTICES: usize = 16;
+
+/// The shared resource. The communication task posts commands and reads actual values as of a moment; the control tick takes
+/// commands and publishes. No call is longer than copying one of them.
+#[derive(Debug)]
+pub struct Exchange {
+    commands: Commands,
+    /// Counts calls of `post`.
+    posted: u32,
+    /// The count that the commands of the running tick carry.
+    taken: u32,
+    /// The count that the newest actual values answer.
+    answered: u32,
+    newest: Actuals,
+    before: Actuals,
+    notices: Deque<FaultNotice, NOTICES>,
+    lost_notices: u32,
+}
+
+impl Exchange {
+    /// Nothing commanded, nothing published yet.
+    pub const fn new() -> Self {
+        Self {
+            commands: Commands::NONE,
+            posted: 0,
+            taken: 0,
+            answered: 0,
+            newest: Actuals::NONE,
+            before: Actuals::NONE,
+            notices: Deque::new(),
+            lost_notices: 0,
+        }
+    }
+
+    /// Posts commands. They replace those that no tick has taken yet, but for edges and commands to stop, which add up, and
+    /// for a set-point whose edge has not been seen yet.
+    pub fn post(&mut self, commands: Commands) {
+        self.commands = commands.after(&self.commands);
+        self.posted = self.posted.wrapping_add(1);
+    }
+
+    /// The commands in force, for one control tick. Edges and commands to stop are given once.
+    pub fn take_commands(&mut self) -> Commands {
+        let commands = self.commands;
+        self.commands.rising = 0;
+        self.commands.stop = None;
+        self.commands.shutdown_first = false;
+        self.taken = self.posted;
+        commands
+    }
+
+    /// Publishes what a control tick has made.
+    pub fn publish(&mut self, actuals: Actuals) {
+        self.before = self.newest;
+        self.newest = actuals;
+        self.answered = self.taken;
+    }
+
+    /// The newest actual values that were there at `stamp`. A stamp older than the last two ticks gets the older of them.
+    pub fn actuals_at(&self, stamp: Instant) -> Actuals {
+        if self.newest.at <= stamp {
+            self.newest
+        } else {
+            self.before
+        }
+    }
+
+    /// Whether a tick that has seen the latest commands found power off and the motor at rest.
+    pub fn is_safe(&self) -> bool {
+        self.newest.safe && self.answered == self.posted
+    }
+
+    /// Hands news of a fault to the device. When the device has not come for a long time, the news is counted as lost
+    /// (603Fh and 6041h still tell).
+    pub fn notify(&mut self, notice: FaultNotice) {
+        if self.notices.push_back(notice).is_err() {
+            self.lost_notices = self.lost_notices.saturating_add(1);
+        }
+    }
+
+    /// The next news of a fault, oldest first.
+    pub fn take_notice(&mut self) -> Option<FaultNotice> {
+        self.notices.pop_front()
+    }
+
+    /// The drive has started anew: what it had told of its faults is void.
+    pub fn forget_notices(&mut self) {
+        self.notices.clear();
+    }
+
+    /// How much news of faults was lost since power-on.
+    pub const fn lost_notices(&self) -> u32 {
+        self.lost_notices
+    }
+}
+
+impl Default for Exchange {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Access to the exchange: directly where one thread owns it, through a lock where two tasks share it.
+pub trait Share {
+    /// Runs `f` on the exchange, alone.
+    fn lock<R>(&mut self, f: impl FnOnce(&mut Exchange) -> R) -> R;
+}
+
+impl Share for Exchange {
+    fn lock<R>(&mut self, f: impl FnOnce(&mut Exchange) -> R) -> R {
+        f(self)
+    }
+}

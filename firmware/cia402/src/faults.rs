@@ -1,0 +1,305 @@
+//! Faults: what each error code means for the motor and for the error register, and which faults stand.
+//!
+//! A fault is raised when its cause appears, and stands until a fault reset finds the cause gone; it is sent once (one
+//! emergency message) however often the cause comes and goes in between. A fault reset while the cause is still there is
+//! answered by sending it again.
+
+use canopen::cia301::emergency::{Emergency, ErrorRegister};
+use heapless::{Deque, Vec};
+
+use crate::drive::Inputs;
+
+/// 3220h, DC link under-voltage: the supply is gone while there should be current in the motor.
+pub const UNDER_VOLTAGE: u16 = 0x3220;
+/// 6100h, internal software: pulses were handed out too late. A warning: it changes no state.
+pub const PULSES_LATE: u16 = 0x6100;
+/// 8611h, following error: the motor stands, but not where its pulses should have taken it.
+pub const POSITION_MISMATCH: u16 = 0x8611;
+
+/// How a fault stops the motor (605Eh is fixed to 2, quick stop ramp).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reaction {
+    /// Slow down with the quick stop deceleration 6085h, then power off.
+    QuickStopRamp,
+    /// Power off at once: no more current may flow, or none can.
+    PowerOff,
+}
+
+/// A class of error codes (CiA 301, "error code classes").
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FaultClass {
+    /// The high byte of the first and the last code.
+    pub codes: (u8, u8),
+    /// Its bits in the error register 1001h.
+    pub register: u8,
+    /// What is done with the motor.
+    pub reaction: Reaction,
+}
+
+/// Every class of error codes that a drive reports, in ascending order. A code outside of them counts as manufacturer
+/// specific and is stopped like the hardware faults: what is not understood gets no current.
+pub const CLASSES: [FaultClass; 9] = [
+    class(
+        (0x10, 0x1F),
+        ErrorRegister::GENERIC,
+        Reaction::QuickStopRamp,
+    ),
+    class((0x20, 0x2F), ErrorRegister::CURRENT, Reaction::PowerOff),
+    class((0x30, 0x3F), ErrorRegister::VOLTAGE, Reaction::PowerOff),
+    class(
+        (0x40, 0x4F),
+        ErrorRegister::TEMPERATURE,
+        Reaction::QuickStopRamp,
+    ),
+    class((0x50, 0x5F), ErrorRegister::GENERIC, Reaction::PowerOff),
+    class(
+        (0x60, 0x7F),
+        ErrorRegister::GENERIC,
+        Reaction::QuickStopRamp,
+    ),
+    class(
+        (0x80, 0x82),
+        ErrorRegister::COMMUNICATION,
+        Reaction::QuickStopRamp,
+    ),
+    class(
+        (0x83, 0x8F),
+        ErrorRegister::DEVICE_PROFILE,
+        Reaction::QuickStopRamp,
+    ),
+    class(
+        (0x90, 0x9F),
+        ErrorRegister::GENERIC,
+        Reaction::QuickStopRamp,
+    ),
+];
+
+const OTHER: FaultClass = class(
+    (0x00, 0xFF),
+    ErrorRegister::MANUFACTURER,
+    Reaction::PowerOff,
+);
+
+const fn class(codes: (u8, u8), register: u8, reaction: Reaction) -> FaultClass {
+    FaultClass {
+        codes,
+        register,
+        reaction,
+    }
+}
+
+impl FaultClass {
+    /// The class of an error code.
+    pub fn of(code: u16) -> Self {
+        let [high, _] = code.to_be_bytes();
+        *CLASSES
+            .iter()
+            .find(|class| class.codes.0 <= high && high <= class.codes.1)
+            .unwrap_or(&OTHER)
+    }
+}
+
+/// The emergency message of an error code.
+pub fn emergency(code: u16) -> Emergency {
+    Emergency {
+        code,
+        register: FaultClass::of(code).register,
+        info: [0; 5],
+    }
+}
+
+/// News of a fault, from the drive to the device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultNotice {
+    /// It appeared.
+    Raised(u16),
+    /// It is gone.
+    Cleared(u16),
+}
+
+/// The most faults that are told apart at one time; a further one changes 603Fh alone.
+const STANDING: usize = 4;
+
+/// The faults that stand.
+#[derive(Debug, Default)]
+pub(crate) struct Faults {
+    error_code: u16,
+    board: Option<u16>,
+    no_supply: bool,
+    late: bool,
+    standing: Vec<u16, STANDING>,
+    notices: Deque<FaultNotice, { 2 * STANDING + 2 }>,
+}
+
+impl Faults {
+    /// Looks for faults at the start of a tick; `displaced` says that the motor stands at a wrong position. Returns the
+    /// strongest reaction to those that have just appeared.
+    pub(crate) fn detect(
+        &mut self,
+        inputs: &Inputs,
+        power: bool,
+        displaced: bool,
+    ) -> Option<Reaction> {
+        let mut reaction = None;
+        if inputs.fault != self.board {
+            self.board = inputs.fault;
+            if let Some(code) = inputs.fault {
+                self.raise(code, &mut reaction);
+            }
+        }
+        if power && !inputs.supply {
+            self.no_supply = true;
+            self.raise(UNDER_VOLTAGE, &mut reaction);
+        } else if inputs.supply {
+            self.no_supply = false;
+        }
+        if displaced {
+            self.raise(POSITION_MISMATCH, &mut reaction);
+        }
+        reaction
+    }
+
+    fn raise(&mut self, code: u16, reaction: &mut Option<Reaction>) {
+        if *reaction != Some(Reaction::PowerOff) {
+            *reaction = Some(FaultClass::of(code).reaction);
+        }
+        self.error_code = code;
+        if !self.standing.contains(&code) && self.standing.push(code).is_ok() {
+            self.notify(FaultNotice::Raised(code));
+        }
+    }
+
+    /// Whether the cause of a fault is there now.
+    pub(crate) const fn cause_stands(&self) -> bool {
+        self.board.is_some() || self.no_supply
+    }
+
+    /// Transition 15: the master has reset the fault. 603Fh keeps the code of the last one.
+    pub(crate) fn reset(&mut self) {
+        while let Some(code) = self.standing.pop() {
+            self.notify(FaultNotice::Cleared(code));
+        }
+    }
+
+    /// A fault reset that found the cause still there: the fault is cleared and raised anew.
+    pub(crate) fn renew(&mut self) {
+        self.reset();
+        let mut reaction = None;
+        if let Some(code) = self.board {
+            self.raise(code, &mut reaction);
+        }
+        if self.no_supply {
+            self.raise(UNDER_VOLTAGE, &mut reaction);
+        }
+    }
+
+    /// Pulses came too late (a warning), or the motor stands again and nothing is late any more.
+    pub(crate) fn pulses_late(&mut self, late: bool) {
+        if late != self.late {
+            self.late = late;
+            self.notify(match late {
+                true => FaultNotice::Raised(PULSES_LATE),
+                false => FaultNotice::Cleared(PULSES_LATE),
+            });
+        }
+    }
+
+    /// Statusword bit 7.
+    pub(crate) const fn warning(&self) -> bool {
+        self.late
+    }
+
+    /// 603Fh: the code of the last fault since power-on; 0 before the first.
+    pub(crate) const fn error_code(&self) -> u16 {
+        self.error_code
+    }
+
+    /// The next piece of news, oldest first.
+    pub(crate) fn take_notice(&mut self) -> Option<FaultNotice> {
+        self.notices.pop_front()
+    }
+
+    /// One tick adds at most as many notices as the queue holds, and every tick empties it.
+    fn notify(&mut self, notice: FaultNotice) {
+        let _ = self.notices.push_back(notice);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CALM: Inputs = Inputs {
+        supply: true,
+        position: 0,
+        fault: None,
+    };
+
+    #[test]
+    fn the_classes_are_in_order_and_do_not_overlap() {
+        let mut next = 0;
+        for class in CLASSES {
+            assert!(
+                class.codes.0 >= next && class.codes.0 <= class.codes.1,
+                "{class:?}"
+            );
+            next = class.codes.1 + 1;
+        }
+    }
+
+    #[test]
+    fn every_code_has_its_class() {
+        for (code, register, reaction) in [
+            (0x2310, 0x02, Reaction::PowerOff),
+            (0x3220, 0x04, Reaction::PowerOff),
+            (0x4210, 0x08, Reaction::QuickStopRamp),
+            (0x6100, 0x01, Reaction::QuickStopRamp),
+            (0x8130, 0x10, Reaction::QuickStopRamp),
+            (0x8611, 0x20, Reaction::QuickStopRamp),
+            (0xFF00, 0x80, Reaction::PowerOff),
+            (0x0001, 0x80, Reaction::PowerOff),
+        ] {
+            let class = FaultClass::of(code);
+            assert_eq!(
+                (class.register, class.reaction),
+                (register, reaction),
+                "{code:04X}h"
+            );
+        }
+    }
+
+    #[test]
+    fn of_several_faults_in_one_tick_the_strongest_reaction_counts() {
+        let over_current = Inputs {
+            fault: Some(0x2310),
+            ..CALM
+        };
+        assert_eq!(
+            Faults::default().detect(&over_current, true, true),
+            Some(Reaction::PowerOff)
+        );
+        assert_eq!(
+            Faults::default().detect(&CALM, true, true),
+            Some(Reaction::QuickStopRamp)
+        );
+        assert_eq!(Faults::default().detect(&CALM, true, false), None);
+    }
+
+    #[test]
+    fn more_faults_than_can_be_told_apart_still_change_the_code() {
+        let mut faults = Faults::default();
+        for code in 0x7301..=0x7306 {
+            let inputs = Inputs {
+                fault: Some(code),
+                ..CALM
+            };
+            assert!(faults.detect(&inputs, true, false).is_some());
+            assert_eq!(faults.error_code(), code);
+        }
+        let told = core::iter::from_fn(|| faults.take_notice()).count();
+        assert_eq!(told, STANDING);
+        faults.reset();
+        let cleared = core::iter::from_fn(|| faults.take_notice()).count();
+        assert_eq!(cleared, STANDING, "each is cleared that was told");
+    }
+}

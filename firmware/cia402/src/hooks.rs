@@ -1,0 +1,139 @@
+//! The rules of the drive objects: what may be written to them, and what a write sets off.
+//!
+//! Objects 6000h to 67FFh are written by SDO or by receive PDOs. The dictionary checks access, length and limits; the values
+//! that CiA 402-2 leaves out are refused here: a mode that 6502h does not have, a quick stop option code of a reaction this
+//! drive has not, an acceleration of 0.
+//!
+//! The contract:
+//! - A refused write changes nothing; by SDO it is answered with an abort code.
+//! - Every write of a drive object makes the next [`Commands`]. They carry all values at once, so a tick never sees
+//!   half of a receive PDO.
+//! - The controlword is followed write by write: bits that rose and commands to stop between two sets of commands are in the
+//!   later one, even if the last write took them back. They are given once.
+//! - The serial number 1018h:4 is filled in at every start, before a master can read it.
+
+use canopen::Application;
+use canopen::cia301::sdo::AbortCode;
+use canopen::od::{Dictionary, Entry, write_u32};
+
+use crate::controlword::ControlwordHistory;
+use crate::exchange::Commands;
+use crate::modes::Mode;
+use crate::objects::Objects;
+use crate::quick_stop::QuickStopOption;
+
+const CONTROLWORD: u16 = 0x6040;
+const QUICK_STOP_OPTION_CODE: u16 = 0x605A;
+const MODES_OF_OPERATION: u16 = 0x6060;
+const PROFILE_ACCELERATION: u16 = 0x6083;
+const PROFILE_DECELERATION: u16 = 0x6084;
+const QUICK_STOP_DECELERATION: u16 = 0x6085;
+const IDENTITY: u16 = 0x1018;
+const SERIAL_NUMBER: u8 = 4;
+
+/// The application of the node: it watches the drive objects.
+#[derive(Debug)]
+pub(crate) struct Hooks {
+    serial_number: u32,
+    history: ControlwordHistory,
+    written: bool,
+}
+
+impl Hooks {
+    pub(crate) const fn new(serial_number: u32) -> Self {
+        Self {
+            serial_number,
+            history: ControlwordHistory::new(0),
+            written: true,
+        }
+    }
+
+    /// The commands are to be posted even if no drive object was written.
+    pub(crate) const fn touch(&mut self) {
+        self.written = true;
+    }
+
+    /// Whether a drive object was written since the last call.
+    pub(crate) const fn take_written(&mut self) -> bool {
+        let written = self.written;
+        self.written = false;
+        written
+    }
+
+    /// What the drive objects ask of the drive. What has passed in the controlword is given once.
+    pub(crate) fn commands<D: Objects>(
+        &mut self,
+        dictionary: &D,
+        remote: bool,
+        restart: bool,
+    ) -> Commands {
+        let passed = self.history.take();
+        Commands {
+            controlword: dictionary.controlword(),
+            rising: passed.rising,
+            stop: passed.stop,
+            shutdown_first: passed.shutdown_first,
+            remote,
+            restart,
+            mode: dictionary.modes_of_operation(),
+            quick_stop_option: dictionary.quick_stop_option_code(),
+            target_position: dictionary.target_position(),
+            position_limits: (
+                dictionary.min_position_limit(),
+                dictionary.max_position_limit(),
+            ),
+            position_window: dictionary.position_window(),
+            position_window_time: dictionary.position_window_time(),
+            profile_velocity: dictionary.profile_velocity(),
+            profile_acceleration: dictionary.profile_acceleration(),
+            profile_deceleration: dictionary.profile_deceleration(),
+            quick_stop_deceleration: dictionary.quick_stop_deceleration(),
+        }
+    }
+}
+
+impl<D: Dictionary + Objects> Application<D> for Hooks {
+    fn validate(&mut self, dictionary: &D, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
+        match (entry.index, value) {
+            (MODES_OF_OPERATION, &[code]) => {
+                let code = i8::from_le_bytes([code]);
+                if is_supported(code, dictionary.supported_drive_modes()) {
+                    Ok(())
+                } else {
+                    Err(AbortCode::InvalidValue)
+                }
+            }
+            (QUICK_STOP_OPTION_CODE, &[low, high]) => {
+                match QuickStopOption::from_code(i16::from_le_bytes([low, high])) {
+                    Some(_) => Ok(()),
+                    None => Err(AbortCode::InvalidValue),
+                }
+            }
+            (
+                PROFILE_ACCELERATION | PROFILE_DECELERATION | QUICK_STOP_DECELERATION,
+                &[0, 0, 0, 0],
+            ) => Err(AbortCode::ValueTooLow),
+            _ => Ok(()),
+        }
+    }
+
+    fn written(&mut self, dictionary: &mut D, entry: &Entry) {
+        if entry.index == CONTROLWORD {
+            self.history.write(dictionary.controlword());
+        }
+        self.written |= matches!(entry.index, 0x6000..=0x67FF);
+    }
+
+    fn power_on(&mut self, dictionary: &mut D) {
+        // Power-on values hold the serial number 0 of the data sheet. A dictionary without 1018h:4 has no place for it.
+        let _ = write_u32(dictionary, IDENTITY, SERIAL_NUMBER, self.serial_number);
+        self.history = ControlwordHistory::new(dictionary.controlword());
+        self.written = true;
+    }
+}
+
+/// Whether 6060h accepts a value: the mode is in this firmware, and 6502h has its bit. No mode (0) is always there.
+pub(crate) fn is_supported(code: i8, supported_drive_modes: u32) -> bool {
+    Mode::from_code(code)
+        .is_some_and(|mode| supported_drive_modes & mode.supported_bit() == mode.supported_bit())
+}

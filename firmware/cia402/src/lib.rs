@@ -1,0 +1,44 @@
+//! The CiA 402 drive: state machine, modes of operation and statusword, bound to an object dictionary and to motion.
+//!
+//! It comes in two halves that run at different priorities. [`Device`] lives in the communication task: CANopen node,
+//! dictionary, hooks of the drive objects. [`Drive`] lives in the control tick: state machine, mode, planner. All they
+//! share is an [`Exchange`]: commands one way, actual values the other, each copied whole.
+#![no_std]
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing,
+        clippy::unreachable
+    )
+)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod controlword;
+pub mod device;
+pub mod drive;
+pub mod exchange;
+pub mod faults;
+mod hooks;
+pub mod modes;
+mod motor;
+pub mod objects;
+pub mod quick_stop;
+pub mod state_machine;
+pub mod statusword;
+#[cfg(test)]
+mod testing;
+
+pub use controlword::Command;
+pub use device::Device;
+pub use drive::{Drive, DriveConfig, Inputs, Outputs};
+pub use exchange::{Actuals, Commands, Exchange, Share};
+pub use modes::Mode;
+pub use objects::Objects;
+pub use quick_stop::QuickStopOption;
+pub use state_machine::{State, StateMachine};

@@ -1,0 +1,181 @@
+//! Controlword bit 4 and statusword bit 12: which set-points are taken, and when they begin.
+
+use super::{IMMEDIATELY, RELATIVE};
+use crate::state_machine::State;
+use crate::testing::Rig;
+
+#[test]
+fn d16_enabling_with_an_old_target_moves_nothing() {
+    let mut rig = Rig::new();
+    rig.commands.target_position = 5_000;
+    rig.ticks(2);
+    for controlword in [0x06, 0x07, 0x0F] {
+        rig.write(controlword);
+        rig.tick();
+    }
+    rig.ticks(100);
+    assert_eq!(rig.motor.position, 0);
+    assert!(!rig.acknowledged());
+    assert!(rig.reached(), "the motor stands where it is told to stand");
+}
+
+#[test]
+fn d17_the_handshake() {
+    let mut rig = Rig::enabled();
+    rig.ticks(20);
+    assert!(rig.reached() && !rig.acknowledged());
+    rig.set_point(3_000, 0);
+    rig.tick();
+    assert!(
+        rig.acknowledged() && !rig.reached(),
+        "in the same statusword"
+    );
+    rig.tick();
+    assert!(rig.acknowledged());
+    rig.write(0x0F);
+    rig.tick();
+    assert!(!rig.acknowledged());
+    assert_eq!(rig.rest(), 3_000);
+    rig.ticks(20);
+    assert!(rig.reached() && !rig.acknowledged());
+}
+
+#[test]
+fn m24_the_acknowledge_shows_for_an_edge_between_two_ticks() {
+    let mut rig = Rig::enabled();
+    rig.set_point(1_000, 0);
+    rig.write(0x0F);
+    rig.tick();
+    assert!(rig.acknowledged());
+    rig.tick();
+    assert!(!rig.acknowledged());
+    assert_eq!(rig.rest(), 1_000);
+}
+
+#[test]
+fn m25_bit_4_held_takes_one_set_point() {
+    let mut rig = Rig::enabled();
+    rig.set_point(1_000, RELATIVE);
+    assert_eq!(rig.rest(), 1_000);
+    rig.post();
+    rig.ticks(100);
+    assert_eq!(rig.motor.position, 1_000);
+    assert!(rig.acknowledged(), "until bit 4 falls");
+}
+
+#[test]
+fn m26_bit_4_in_the_enabling_controlword_is_no_set_point() {
+    let mut rig = Rig::new();
+    rig.commands.target_position = 5_000;
+    rig.ticks(2);
+    for controlword in [0x06, 0x07, 0x1F] {
+        rig.write(controlword);
+        rig.tick();
+    }
+    rig.ticks(50);
+    assert_eq!(rig.state(), State::OperationEnabled);
+    assert_eq!(rig.motor.position, 0);
+    assert!(!rig.acknowledged());
+    rig.set_point(70, 0);
+    assert_eq!(rig.rest(), 70);
+}
+
+#[test]
+fn d18_a_set_point_waits_and_a_third_is_not_taken() {
+    let mut rig = Rig::enabled();
+    rig.set_point(2_000, 0);
+    rig.tick();
+    rig.write(0x0F);
+    rig.tick();
+    assert!(!rig.acknowledged());
+    rig.set_point(500, 0);
+    rig.tick();
+    assert!(rig.acknowledged());
+    rig.write(0x0F);
+    rig.tick();
+    assert!(rig.acknowledged(), "there is no room");
+    rig.set_point(9_000, 0);
+    rig.tick();
+    rig.write(0x0F);
+    rig.until("second set-point under way", |rig| !rig.acknowledged());
+    assert!(
+        (1_990..=2_000).contains(&rig.motor.position),
+        "the first one is done: {}",
+        rig.motor.position
+    );
+    assert_eq!(rig.rest(), 500);
+}
+
+#[test]
+fn m28_a_refused_set_point_changes_neither_of_the_others() {
+    let mut rig = Rig::enabled();
+    for target in [2_000, 3_000, 9_000] {
+        rig.set_point(target, 0);
+        rig.tick();
+    }
+    rig.commands.profile_velocity = 1;
+    rig.post();
+    let mut highest = 0;
+    rig.until("second set-point done", |rig| {
+        rig.reached() && rig.motor.position == 3_000
+    });
+    for _ in 0..100 {
+        rig.tick();
+        highest = highest.max(rig.motor.position);
+    }
+    assert_eq!(highest, 3_000);
+}
+
+#[test]
+fn d19_change_immediately_turns_to_the_new_target_smoothly() {
+    let mut rig = Rig::enabled();
+    rig.set_point(100_000, IMMEDIATELY);
+    rig.ticks(200);
+    let mut speed = rig.speed();
+    rig.set_point(0, IMMEDIATELY);
+    for _ in 0..210 {
+        let next = rig.speed();
+        assert!(
+            (next - speed).abs() <= 1,
+            "from {speed} to {next} steps a tick"
+        );
+        speed = next;
+    }
+    assert_eq!(speed, -10);
+    assert_eq!(rig.rest(), 0);
+}
+
+#[test]
+fn change_immediately_drops_the_set_point_that_waits() {
+    let mut rig = Rig::enabled();
+    rig.set_point(2_000, 0);
+    rig.tick();
+    rig.set_point(5_000, 0);
+    rig.tick();
+    rig.set_point(1_500, IMMEDIATELY);
+    rig.tick();
+    rig.write(0x0F);
+    rig.tick();
+    assert!(!rig.acknowledged());
+    assert_eq!(rig.rest(), 1_500);
+}
+
+#[test]
+fn m29_of_two_immediate_set_points_in_one_tick_the_last_wins() {
+    let mut rig = Rig::enabled();
+    rig.set_point(2_000, IMMEDIATELY);
+    rig.set_point(-300, IMMEDIATELY);
+    rig.tick();
+    assert!(rig.acknowledged());
+    assert_eq!(rig.rest(), -300);
+}
+
+#[test]
+fn m27_what_is_written_after_the_edge_is_for_the_next_set_point() {
+    let mut rig = Rig::enabled();
+    rig.set_point(400, 0);
+    rig.commands.target_position = 900;
+    rig.commands.profile_velocity = 0;
+    rig.write(0x0F | RELATIVE);
+    assert_eq!(rig.rest(), 400);
+}

@@ -1,0 +1,100 @@
+//! The axis as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
+
+use motion::{AdvanceError, Axis, AxisConfig, Limits, PlanError, PulseSink};
+
+/// An axis, and what has become of its pulses.
+#[derive(Debug)]
+pub(crate) struct Motor {
+    axis: Axis,
+    /// Nothing is planned, and every pulse has been handed out.
+    at_rest: bool,
+    /// At rest, and every pulse had left at the start of this tick.
+    standstill: bool,
+    /// Pulses have been cut off: the axis does not know where the motor is until it is told.
+    cut: bool,
+}
+
+impl Motor {
+    /// A motor that stands at position 0.
+    pub(crate) fn new(config: AxisConfig) -> Self {
+        Self {
+            axis: Axis::new(config),
+            at_rest: true,
+            standstill: true,
+            cut: false,
+        }
+    }
+
+    /// Looks at the motor at the start of a tick. `position` is where it really is; the axis takes it over while the motor
+    /// has no power, and after its pulses have been cut off.
+    pub(crate) fn observe<S: PulseSink>(&mut self, position: i64, power: bool, pulses: &S) {
+        if self.cut || !power && self.is_displaced(position) {
+            self.axis.set_position(position);
+            self.cut = false;
+        }
+        self.standstill = self.at_rest && pulses.pending() == 0;
+    }
+
+    /// Whether the pulses handed out so far lead to another position than this one (in steps, modulo 2³²).
+    pub(crate) fn is_displaced(&self, position: i64) -> bool {
+        self.axis.committed_position() != i64::from(position as i32)
+    }
+
+    /// Whether the motor stood still at the start of this tick: nothing planned, and every pulse has left.
+    pub(crate) const fn standstill(&self) -> bool {
+        self.standstill
+    }
+
+    /// Whether the motor has nothing left to do at the end of this tick.
+    pub(crate) fn is_settled<S: PulseSink>(&self, pulses: &S) -> bool {
+        self.at_rest && pulses.pending() == 0
+    }
+
+    /// The position that is being played, in steps.
+    pub(crate) fn demand_position<S: PulseSink>(&self, pulses: &S) -> i64 {
+        self.axis.demand(pulses.pending()).position
+    }
+
+    /// Where the present motion ends, in steps; at rest, where the motor stands.
+    pub(crate) fn destination(&self) -> i64 {
+        self.axis.target()
+    }
+
+    /// The fastest the pulses can be sent, in steps/s.
+    pub(crate) fn max_velocity(&self) -> u32 {
+        self.axis.max_velocity()
+    }
+
+    /// Moves to a position, from whatever the motor does now. On an error nothing changes.
+    pub(crate) fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), PlanError> {
+        self.axis.move_to(target, limits)
+    }
+
+    /// Slows down to a standstill. A deceleration that gives no ramp, such as 0, stops the pulses at once: a drive that is
+    /// told to stop never goes on.
+    pub(crate) fn stop(&mut self, deceleration: u32) {
+        if self.axis.stop(deceleration).is_err() {
+            self.cut_off();
+        }
+    }
+
+    /// Drops every pulse that has not left yet. The board does so at the end of the tick.
+    pub(crate) fn cut_off(&mut self) {
+        self.axis.abort();
+        self.at_rest = true;
+        self.cut = true;
+    }
+
+    /// Whether pulses were cut off in this tick.
+    pub(crate) const fn is_cut(&self) -> bool {
+        self.cut
+    }
+
+    /// Hands out the pulses of the next segments. False when they came too late and the motor had none for a moment; no
+    /// pulse is lost by that.
+    pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) -> bool {
+        let result = self.axis.advance(pulses);
+        self.at_rest = self.axis.is_at_rest();
+        result != Err(AdvanceError::Underrun)
+    }
+}

@@ -1,0 +1,84 @@
+//! The drive objects as the firmware sees them. `od-gen` implements this trait for a dictionary from its data sheet: a type
+//! that differs from the one here is a compile error, and an object the data sheet leaves out takes the value here.
+
+/// Typed access to the CiA 402 objects of a dictionary. Getters read what a master wrote; setters publish what the
+/// drive does. Units are the user units of CiA 402-2; with no factor group they are increments (steps), steps/s and
+/// steps/s².
+pub trait Objects {
+    /// 603Fh: code of the last fault.
+    fn set_error_code(&mut self, value: u16) {
+        let _ = value;
+    }
+    /// 6040h.
+    fn controlword(&self) -> u16 {
+        0
+    }
+    /// 6041h.
+    fn set_statusword(&mut self, value: u16) {
+        let _ = value;
+    }
+    /// 605Ah: 2, slow down on the quick stop ramp and stay in switch on disabled.
+    fn quick_stop_option_code(&self) -> i16 {
+        2
+    }
+    /// 6060h.
+    fn modes_of_operation(&self) -> i8 {
+        0
+    }
+    /// 6061h.
+    fn set_modes_of_operation_display(&mut self, value: i8) {
+        let _ = value;
+    }
+    /// 6062h.
+    fn set_position_demand_value(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 6063h, in increments.
+    fn set_position_actual_internal_value(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 6064h.
+    fn set_position_actual_value(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 6067h; FFFFFFFFh switches the window off.
+    fn position_window(&self) -> u32 {
+        u32::MAX
+    }
+    /// 6068h in milliseconds.
+    fn position_window_time(&self) -> u16 {
+        0
+    }
+    /// 607Ah.
+    fn target_position(&self) -> i32 {
+        0
+    }
+    /// 607Dh:1. The limits are off while minimum is not below maximum.
+    fn min_position_limit(&self) -> i32 {
+        i32::MIN
+    }
+    /// 607Dh:2.
+    fn max_position_limit(&self) -> i32 {
+        i32::MAX
+    }
+    /// 6081h.
+    fn profile_velocity(&self) -> u32 {
+        0
+    }
+    /// 6083h.
+    fn profile_acceleration(&self) -> u32 {
+        0
+    }
+    /// 6084h.
+    fn profile_deceleration(&self) -> u32 {
+        0
+    }
+    /// 6085h.
+    fn quick_stop_deceleration(&self) -> u32 {
+        self.profile_deceleration()
+    }
+    /// 6502h.
+    fn supported_drive_modes(&self) -> u32 {
+        0
+    }
+}

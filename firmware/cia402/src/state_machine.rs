@@ -1,0 +1,308 @@
+//! The state machine of CiA 402-2: eight states, sixteen transitions, one table.
+//!
+//! It takes at most one transition in a control tick, so every state it passes is published at least once: quick stop
+//! active and fault reaction active show even when the motor stands already. "Enable operation" in ready to switch on
+//! is transition 3 in one tick and transition 4 in the next.
+//!
+//! Transition 0 (start to not ready to switch on) is [`StateMachine::new`].
+//!
+//! What the option codes leave open, with the objects that are not there fixed to these values:
+//! - disable operation (605Ch = 1): transition 5 follows once the motor stands; until then it slows down with 6084h.
+//! - shutdown (605Bh = 0): transition 8 at once, the power goes off.
+//! - fault reaction (605Eh = 2): quick stop ramp 6085h, or power off at once where current must not flow any more.
+//! - transition 16 needs an option code that stays, and the motor at rest: a quick stop is never cut short.
+//! - loss of remote control (6007h = 3): as the command "quick stop" with option code 2, for as long as it lasts.
+
+use crate::controlword::Command;
+use crate::quick_stop::QuickStopOption;
+
+/// A state of the drive (CiA 402-2, "power drive system state machine").
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "the names are the standard's own")]
+pub enum State {
+    NotReadyToSwitchOn,
+    SwitchOnDisabled,
+    ReadyToSwitchOn,
+    SwitchedOn,
+    OperationEnabled,
+    QuickStopActive,
+    FaultReactionActive,
+    Fault,
+}
+
+impl State {
+    /// All states.
+    pub const ALL: [Self; 8] = [
+        Self::NotReadyToSwitchOn,
+        Self::SwitchOnDisabled,
+        Self::ReadyToSwitchOn,
+        Self::SwitchedOn,
+        Self::OperationEnabled,
+        Self::QuickStopActive,
+        Self::FaultReactionActive,
+        Self::Fault,
+    ];
+
+    /// Its coding in bits 0 to 3, 5 and 6 of the statusword.
+    pub const fn statusword(self) -> u16 {
+        match self {
+            Self::NotReadyToSwitchOn => 0x00,
+            Self::SwitchOnDisabled => 0x40,
+            Self::ReadyToSwitchOn => 0x21,
+            Self::SwitchedOn => 0x23,
+            Self::OperationEnabled => 0x27,
+            Self::QuickStopActive => 0x07,
+            Self::FaultReactionActive => 0x0F,
+            Self::Fault => 0x08,
+        }
+    }
+
+    /// The state a statusword codes, under the masks of the standard.
+    pub const fn from_statusword(statusword: u16) -> Option<Self> {
+        match (statusword & 0x4F, statusword & 0x6F) {
+            (0x00, _) => Some(Self::NotReadyToSwitchOn),
+            (0x40, _) => Some(Self::SwitchOnDisabled),
+            (0x0F, _) => Some(Self::FaultReactionActive),
+            (0x08, _) => Some(Self::Fault),
+            (_, 0x21) => Some(Self::ReadyToSwitchOn),
+            (_, 0x23) => Some(Self::SwitchedOn),
+            (_, 0x27) => Some(Self::OperationEnabled),
+            (_, 0x07) => Some(Self::QuickStopActive),
+            _ => None,
+        }
+    }
+
+    /// Whether there may be current in the motor.
+    pub const fn may_have_power(self) -> bool {
+        matches!(
+            self,
+            Self::OperationEnabled | Self::QuickStopActive | Self::FaultReactionActive
+        )
+    }
+}
+
+/// What makes a transition happen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trigger {
+    /// The next control tick.
+    Automatic,
+    /// This command.
+    Command(Command),
+    /// This command, once the motor stands.
+    AtStandstill(Command),
+    /// Quick stop completed: the motor stands, and the option code does not stay.
+    QuickStopCompleted,
+    /// Enable operation, once the motor stands, with an option code that stays.
+    Resume,
+    /// A fault appeared.
+    Fault,
+    /// Fault reaction completed: the motor stands.
+    ReactionCompleted,
+    /// The rising edge of bit 7, with no cause of a fault left.
+    FaultReset,
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Transition {
+    /// Its number in the standard, 1 to 16.
+    pub number: u8,
+    /// The state it leaves.
+    pub from: State,
+    /// The state it enters.
+    pub to: State,
+    /// What makes it happen.
+    pub trigger: Trigger,
+}
+
+const fn row(number: u8, from: State, to: State, trigger: Trigger) -> Transition {
+    Transition {
+        number,
+        from,
+        to,
+        trigger,
+    }
+}
+
+/// Every transition, the more urgent first. A number stands in several rows where it has several states or triggers.
+pub const TRANSITIONS: [Transition; 25] = {
+    use Command::{DisableVoltage, EnableOperation, QuickStop, Shutdown, SwitchOn};
+    use State::{
+        Fault, FaultReactionActive, NotReadyToSwitchOn, OperationEnabled, QuickStopActive,
+        ReadyToSwitchOn, SwitchOnDisabled, SwitchedOn,
+    };
+    use Trigger::{
+        AtStandstill, Automatic, FaultReset, QuickStopCompleted, ReactionCompleted, Resume,
+    };
+    [
+        row(13, NotReadyToSwitchOn, FaultReactionActive, Trigger::Fault),
+        row(13, SwitchOnDisabled, FaultReactionActive, Trigger::Fault),
+        row(13, ReadyToSwitchOn, FaultReactionActive, Trigger::Fault),
+        row(13, SwitchedOn, FaultReactionActive, Trigger::Fault),
+        row(13, OperationEnabled, FaultReactionActive, Trigger::Fault),
+        row(13, QuickStopActive, FaultReactionActive, Trigger::Fault),
+        row(14, FaultReactionActive, Fault, ReactionCompleted),
+        row(15, Fault, SwitchOnDisabled, FaultReset),
+        row(1, NotReadyToSwitchOn, SwitchOnDisabled, Automatic),
+        row(
+            2,
+            SwitchOnDisabled,
+            ReadyToSwitchOn,
+            Trigger::Command(Shutdown),
+        ),
+        row(3, ReadyToSwitchOn, SwitchedOn, Trigger::Command(SwitchOn)),
+        row(
+            3,
+            ReadyToSwitchOn,
+            SwitchedOn,
+            Trigger::Command(EnableOperation),
+        ),
+        row(
+            4,
+            SwitchedOn,
+            OperationEnabled,
+            Trigger::Command(EnableOperation),
+        ),
+        row(5, OperationEnabled, SwitchedOn, AtStandstill(SwitchOn)),
+        row(6, SwitchedOn, ReadyToSwitchOn, Trigger::Command(Shutdown)),
+        row(
+            7,
+            ReadyToSwitchOn,
+            SwitchOnDisabled,
+            Trigger::Command(QuickStop),
+        ),
+        row(
+            7,
+            ReadyToSwitchOn,
+            SwitchOnDisabled,
+            Trigger::Command(DisableVoltage),
+        ),
+        row(
+            8,
+            OperationEnabled,
+            ReadyToSwitchOn,
+            Trigger::Command(Shutdown),
+        ),
+        row(
+            9,
+            OperationEnabled,
+            SwitchOnDisabled,
+            Trigger::Command(DisableVoltage),
+        ),
+        row(
+            10,
+            SwitchedOn,
+            SwitchOnDisabled,
+            Trigger::Command(QuickStop),
+        ),
+        row(
+            10,
+            SwitchedOn,
+            SwitchOnDisabled,
+            Trigger::Command(DisableVoltage),
+        ),
+        row(
+            11,
+            OperationEnabled,
+            QuickStopActive,
+            Trigger::Command(QuickStop),
+        ),
+        row(
+            12,
+            QuickStopActive,
+            SwitchOnDisabled,
+            Trigger::Command(DisableVoltage),
+        ),
+        row(12, QuickStopActive, SwitchOnDisabled, QuickStopCompleted),
+        row(16, QuickStopActive, OperationEnabled, Resume),
+    ]
+};
+
+/// What the state machine looks at in one control tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Conditions {
+    /// The state command that is given; see [`Command::decode`].
+    pub command: Option<Command>,
+    /// The network may command the drive (statusword bit 9). While it may not, `command` is not looked at.
+    pub remote: bool,
+    /// 605Ah; it counts at transition 11.
+    pub quick_stop: QuickStopOption,
+    /// The motor stands and no pulse is on its way.
+    pub standstill: bool,
+    /// A fault appeared since the last tick.
+    pub fault: bool,
+    /// Bit 7 rose since the last tick, and no cause of a fault is left.
+    pub fault_reset: bool,
+}
+
+/// The state, and the quick stop option that is being carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StateMachine {
+    state: State,
+    quick_stop: QuickStopOption,
+}
+
+impl StateMachine {
+    /// Transition 0: not ready to switch on.
+    pub const fn new() -> Self {
+        Self {
+            state: State::NotReadyToSwitchOn,
+            quick_stop: QuickStopOption::QuickStopRamp,
+        }
+    }
+
+    /// The state.
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// The option code of the quick stop that is under way; outside quick stop active, of the last one.
+    pub const fn quick_stop(&self) -> QuickStopOption {
+        self.quick_stop
+    }
+
+    /// One control tick: takes the first row of [`TRANSITIONS`] that applies, and returns it.
+    pub fn step(&mut self, conditions: &Conditions) -> Option<Transition> {
+        let mut seen = *conditions;
+        if !seen.remote {
+            seen.command = Some(Command::QuickStop);
+            seen.quick_stop = QuickStopOption::QuickStopRamp;
+            self.quick_stop = QuickStopOption::QuickStopRamp;
+        }
+        let stays = self.quick_stop.stays();
+        let transition = TRANSITIONS
+            .iter()
+            .find(|row| row.from == self.state && row.trigger.applies(&seen, stays))?;
+        if transition.to == State::QuickStopActive {
+            self.quick_stop = seen.quick_stop;
+        }
+        self.state = transition.to;
+        Some(*transition)
+    }
+}
+
+impl Default for StateMachine {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Trigger {
+    fn applies(self, seen: &Conditions, stays: bool) -> bool {
+        match self {
+            Self::Automatic => true,
+            Self::Command(command) => seen.command == Some(command),
+            Self::AtStandstill(command) => seen.standstill && seen.command == Some(command),
+            Self::QuickStopCompleted => seen.standstill && !stays,
+            Self::Resume => {
+                seen.standstill && stays && seen.command == Some(Command::EnableOperation)
+            }
+            Self::Fault => seen.fault,
+            Self::ReactionCompleted => seen.standstill,
+            Self::FaultReset => seen.fault_reset,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,243 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::controlword::Command;
+
+/// The machine in a state, reached by its own transitions.
+fn machine_in(state: State, quick_stop: QuickStopOption) -> StateMachine {
+    StateMachine { state, quick_stop }
+}
+
+const CALM: Conditions = Conditions {
+    command: None,
+    remote: true,
+    quick_stop: QuickStopOption::QuickStopRamp,
+    standstill: true,
+    fault: false,
+    fault_reset: false,
+};
+
+fn command(command: Command) -> Conditions {
+    Conditions {
+        command: Some(command),
+        ..CALM
+    }
+}
+
+#[test]
+fn d01_a_drive_becomes_switch_on_disabled_without_a_command() {
+    let mut machine = StateMachine::new();
+    assert_eq!(machine.state(), State::NotReadyToSwitchOn);
+    assert_eq!(machine.step(&CALM).map(|t| t.number), Some(1));
+    assert_eq!(machine.state(), State::SwitchOnDisabled);
+    assert_eq!(machine.step(&CALM), None);
+}
+
+#[test]
+fn every_number_of_the_standard_is_in_the_table() {
+    for number in 1..=16 {
+        assert!(
+            TRANSITIONS.iter().any(|row| row.number == number),
+            "transition {number}"
+        );
+    }
+}
+
+#[test]
+fn every_state_has_a_statusword_of_its_own() {
+    for state in State::ALL {
+        for others in [0, 0xFF90] {
+            assert_eq!(
+                State::from_statusword(state.statusword() | others),
+                Some(state)
+            );
+        }
+    }
+    // Bit 5 is free in some states.
+    assert_eq!(State::from_statusword(0x60), Some(State::SwitchOnDisabled));
+    assert_eq!(State::from_statusword(0x28), Some(State::Fault));
+}
+
+#[test]
+fn d06_stopping_commands_before_operation_lead_to_switch_on_disabled() {
+    for from in [State::ReadyToSwitchOn, State::SwitchedOn] {
+        for stop in [Command::QuickStop, Command::DisableVoltage] {
+            let mut machine = machine_in(from, QuickStopOption::QuickStopRamp);
+            let number = machine.step(&command(stop)).map(|t| t.number);
+            assert_eq!(
+                number,
+                Some(if from == State::ReadyToSwitchOn {
+                    7
+                } else {
+                    10
+                })
+            );
+            assert_eq!(machine.state(), State::SwitchOnDisabled);
+        }
+    }
+}
+
+#[test]
+fn d08_resume_needs_an_option_that_stays_and_a_motor_at_rest() {
+    for option in [
+        QuickStopOption::DisableDrive,
+        QuickStopOption::SlowDownRamp,
+        QuickStopOption::QuickStopRamp,
+        QuickStopOption::SlowDownRampAndStay,
+        QuickStopOption::QuickStopRampAndStay,
+    ] {
+        let mut machine = machine_in(State::QuickStopActive, option);
+        let enable = command(Command::EnableOperation);
+        let moving = Conditions {
+            standstill: false,
+            ..enable
+        };
+        assert_eq!(machine.step(&moving), None, "{option:?}");
+        let end = machine.step(&enable).map(|t| t.number);
+        assert_eq!(
+            end,
+            Some(if option.stays() { 16 } else { 12 }),
+            "{option:?}"
+        );
+    }
+}
+
+#[test]
+fn the_option_counts_when_the_quick_stop_begins() {
+    let mut machine = machine_in(State::OperationEnabled, QuickStopOption::QuickStopRamp);
+    let begin = Conditions {
+        quick_stop: QuickStopOption::QuickStopRampAndStay,
+        ..command(Command::QuickStop)
+    };
+    assert_eq!(machine.step(&begin).map(|t| t.number), Some(11));
+    assert_eq!(machine.step(&command(Command::QuickStop)), None);
+}
+
+#[test]
+fn m15_without_remote_every_state_leads_to_switch_on_disabled() {
+    for option in [
+        QuickStopOption::QuickStopRamp,
+        QuickStopOption::QuickStopRampAndStay,
+    ] {
+        for from in State::ALL {
+            let mut machine = machine_in(from, option);
+            let alone = Conditions {
+                remote: false,
+                quick_stop: option,
+                ..command(Command::EnableOperation)
+            };
+            for _ in 0..3 {
+                machine.step(&alone);
+            }
+            let end = match from {
+                State::Fault | State::FaultReactionActive => State::Fault,
+                _ => State::SwitchOnDisabled,
+            };
+            assert_eq!(machine.state(), end, "{from:?} {option:?}");
+        }
+    }
+}
+
+/// A second statement of the standard, by state instead of by row: what a state does under given conditions.
+fn model(state: State, stays: bool, seen: &Conditions) -> State {
+    use Command as C;
+    use State as S;
+    if seen.fault && !matches!(state, S::Fault | S::FaultReactionActive) {
+        return S::FaultReactionActive;
+    }
+    let command = if seen.remote {
+        seen.command
+    } else {
+        Some(C::QuickStop)
+    };
+    match state {
+        S::NotReadyToSwitchOn => S::SwitchOnDisabled,
+        S::SwitchOnDisabled if command == Some(C::Shutdown) => S::ReadyToSwitchOn,
+        S::ReadyToSwitchOn => match command {
+            Some(C::SwitchOn | C::EnableOperation) => S::SwitchedOn,
+            Some(C::QuickStop | C::DisableVoltage) => S::SwitchOnDisabled,
+            Some(C::Shutdown) | None => state,
+        },
+        S::SwitchedOn => match command {
+            Some(C::EnableOperation) => S::OperationEnabled,
+            Some(C::Shutdown) => S::ReadyToSwitchOn,
+            Some(C::QuickStop | C::DisableVoltage) => S::SwitchOnDisabled,
+            Some(C::SwitchOn) | None => state,
+        },
+        S::OperationEnabled => match command {
+            Some(C::SwitchOn) if seen.standstill => S::SwitchedOn,
+            Some(C::Shutdown) => S::ReadyToSwitchOn,
+            Some(C::DisableVoltage) => S::SwitchOnDisabled,
+            Some(C::QuickStop) => S::QuickStopActive,
+            _ => state,
+        },
+        S::QuickStopActive => match command {
+            Some(C::DisableVoltage) => S::SwitchOnDisabled,
+            _ if seen.standstill && !(stays && seen.remote) => S::SwitchOnDisabled,
+            Some(C::EnableOperation) if seen.standstill => S::OperationEnabled,
+            _ => state,
+        },
+        S::FaultReactionActive if seen.standstill => S::Fault,
+        S::Fault if seen.fault_reset => S::SwitchOnDisabled,
+        _ => state,
+    }
+}
+
+fn any_conditions() -> impl Strategy<Value = Conditions> {
+    (
+        prop::sample::select(std::vec![
+            Some(Command::Shutdown),
+            Some(Command::SwitchOn),
+            Some(Command::EnableOperation),
+            Some(Command::EnableOperation),
+            Some(Command::QuickStop),
+            Some(Command::DisableVoltage),
+            None,
+        ]),
+        prop::bool::weighted(0.9),
+        prop::sample::select(std::vec![
+            QuickStopOption::DisableDrive,
+            QuickStopOption::SlowDownRamp,
+            QuickStopOption::QuickStopRamp,
+            QuickStopOption::SlowDownRampAndStay,
+            QuickStopOption::QuickStopRampAndStay,
+        ]),
+        any::<bool>(),
+        prop::bool::weighted(0.05),
+        any::<bool>(),
+    )
+        .prop_map(
+            |(command, remote, quick_stop, standstill, fault, fault_reset)| Conditions {
+                command,
+                remote,
+                quick_stop,
+                standstill,
+                fault,
+                fault_reset,
+            },
+        )
+}
+
+proptest! {
+    #[test]
+    fn d33_the_machine_and_the_model_agree(sequence in prop::collection::vec(any_conditions(), 1..200)) {
+        let mut machine = StateMachine::new();
+        let mut stays = false;
+        for seen in sequence {
+            let before = machine.state();
+            let expected = model(before, stays, &seen);
+            let transition = machine.step(&seen);
+            prop_assert_eq!(machine.state(), expected);
+            prop_assert_eq!(transition.is_some(), before != expected);
+            if let Some(t) = transition {
+                prop_assert_eq!((t.from, t.to), (before, expected));
+            }
+            if before != expected && expected == State::QuickStopActive {
+                stays = seen.remote && seen.quick_stop.stays();
+            }
+            if !seen.remote {
+                stays = false;
+            }
+        }
+    }
+}
