@@ -1,0 +1,194 @@
+//! The parameter store: what a drive keeps while it has no power, on two or more sectors of NOR flash.
+//!
+//! The store is a log. A new value is appended behind the old ones and the last complete one counts; when a sector is
+//! full, what still counts moves to the next sector and the full one is erased, all sectors in turn. Each record carries
+//! a checksum over its length and one over its bytes, and names its layout. So a power cut at any byte leaves the old
+//! value or the new one, never a mixture, and the next start repairs what the cut left behind.
+//!
+//! Values are kept in groups, one record each: now the settings of the layer setting services ([`Store::load`],
+//! [`Store::save`]), later the groups of objects 1010h and 1011h (CiA 301). The log itself is the crate
+//! `sequential-storage`; this crate adds the records and waits for the flash where that crate would return a future.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::unreachable
+)]
+
+#[cfg(test)]
+extern crate std;
+
+mod blocking;
+mod record;
+#[cfg(test)]
+mod tests;
+
+use core::fmt;
+use core::ops::Range;
+
+use blocking::Blocking;
+use canopen::Settings;
+use embassy_futures::block_on;
+use embedded_storage::nor_flash::NorFlash;
+use record::{Group, RECORD, Record};
+use sequential_storage::cache::{Cache, Uncached};
+use sequential_storage::map::{MapConfig, MapStorage};
+
+/// The largest unit in which the flash may be read or written, in bytes. Larger units do not fit [`Store::new`].
+pub const MAX_WRITE_SIZE: usize = 32;
+
+/// Bytes of a group's key.
+const KEY: usize = 1;
+
+/// Bytes of the buffer through which records pass: a group's key and its record, in whole words of the flash.
+const BUFFER: usize = 2 * MAX_WRITE_SIZE;
+
+const _: () = assert!(
+    KEY + RECORD <= BUFFER,
+    "a record and its key fit the buffer"
+);
+
+/// Why a value cannot be loaded or stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Error<E> {
+    /// The range is not made of two or more whole sectors of the flash, or the flash reads or writes in units of more
+    /// than [`MAX_WRITE_SIZE`] bytes.
+    Range,
+    /// The flash driver failed.
+    Flash(E),
+    /// The log is damaged beyond repair. The next [`Store::save`] erases it and begins anew.
+    Damaged,
+    /// The sectors are too small for what is kept in them.
+    Full,
+    /// The record is whole, but of another layout (its first byte): it was written by a firmware this one does not know.
+    Layout(u8),
+    /// The record is whole and of a known layout, but its bytes mean nothing, such as node-ID 200.
+    Content,
+    /// What was read back is not what was written: the flash is worn out or write-protected.
+    Verify,
+}
+
+impl<E: fmt::Debug> fmt::Display for Error<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Range => {
+                f.write_str("the parameter range is not two or more whole sectors of this flash")
+            }
+            Self::Flash(error) => write!(f, "the flash failed: {error:?}"),
+            Self::Damaged => f.write_str("the parameter store is damaged"),
+            Self::Full => f.write_str("the parameter store is full"),
+            Self::Layout(layout) => write!(f, "the parameters have the unknown layout {layout}"),
+            Self::Content => f.write_str("the parameters make no sense"),
+            Self::Verify => f.write_str("the flash did not keep what was written"),
+        }
+    }
+}
+
+impl<E: fmt::Debug> core::error::Error for Error<E> {}
+
+type NoCache = Cache<Uncached, Uncached, Uncached, u8>;
+
+/// The parameter store over a flash driver.
+///
+/// It caches nothing: every call reads the flash, so a call never depends on what an interrupted one left in RAM.
+pub struct Store<F: NorFlash> {
+    log: MapStorage<u8, Blocking<F>, NoCache>,
+}
+
+impl<F: NorFlash> fmt::Debug for Store<F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Store")
+            .field("range", &self.log.flash_range())
+            .finish_non_exhaustive()
+    }
+}
+
+impl<F: NorFlash> Store<F> {
+    /// A store on the sectors of `range` (byte addresses of `flash`). Nothing outside the range is read, written or erased.
+    /// An erased range is an empty store.
+    ///
+    /// # Errors
+    /// [`Error::Range`] unless the range is two or more whole sectors of a flash that this store can drive.
+    pub fn new(flash: F, range: Range<u32>) -> Result<Self, Error<F::Error>> {
+        let units_fit = F::READ_SIZE.max(F::WRITE_SIZE) <= MAX_WRITE_SIZE;
+        let inside = range.start < range.end
+            && usize::try_from(range.end).is_ok_and(|end| end <= flash.capacity());
+        if !units_fit || !inside {
+            return Err(Error::Range);
+        }
+        let config = MapConfig::try_new(range).map_err(|_| Error::Range)?;
+        Ok(Self {
+            log: MapStorage::new(Blocking(flash), config, Cache::new_uncached()),
+        })
+    }
+
+    /// The settings that were stored last; `None` if there never were any. Repairs what a power cut has left behind, so it
+    /// may write and erase: call it where the time of a sector erase does no harm.
+    ///
+    /// # Errors
+    /// Any but [`Error::Range`] and [`Error::Verify`]. A device then starts with the settings of the factory.
+    pub fn load(&mut self) -> Result<Option<Settings>, Error<F::Error>> {
+        match self.record(Group::LayerSettings)? {
+            Some(record) => record.settings().map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// Stores the settings and reads them back. Settings that are there already are not written again, to spare the flash.
+    /// Erases a sector now and then.
+    ///
+    /// A log that takes no record is damaged beyond repair, for its sectors hold all groups many times over. It is erased and
+    /// begun anew.
+    ///
+    /// # Errors
+    /// [`Error::Flash`], [`Error::Verify`], or [`Error::Full`] if even erased sectors are too small. The old settings then still
+    /// stand, or the new ones do.
+    pub fn save(&mut self, settings: &Settings) -> Result<(), Error<F::Error>> {
+        let record = Record::of_settings(settings);
+        if matches!(self.record(Group::LayerSettings), Ok(Some(stored)) if stored == record) {
+            return Ok(());
+        }
+        match self.append(Group::LayerSettings, record) {
+            Err(Error::Damaged | Error::Full | Error::Content) => {
+                block_on(self.log.erase_all()).map_err(error)?;
+                self.append(Group::LayerSettings, record)?;
+            }
+            other => other?,
+        }
+        if self.record(Group::LayerSettings)? == Some(record) {
+            Ok(())
+        } else {
+            Err(Error::Verify)
+        }
+    }
+
+    /// Gives the flash driver back.
+    pub fn release(self) -> F {
+        self.log.destroy().0.0
+    }
+
+    fn record(&mut self, group: Group) -> Result<Option<Record>, Error<F::Error>> {
+        let mut buffer = [0; BUFFER];
+        block_on(self.log.fetch_item(&mut buffer, &(group as u8))).map_err(error)
+    }
+
+    fn append(&mut self, group: Group, record: Record) -> Result<(), Error<F::Error>> {
+        let mut buffer = [0; BUFFER];
+        block_on(self.log.store_item(&mut buffer, &(group as u8), &record)).map_err(error)
+    }
+}
+
+/// The log's errors in this crate's words.
+fn error<E>(error: sequential_storage::Error<E>) -> Error<E> {
+    use sequential_storage::Error as Log;
+    match error {
+        Log::Storage { value, .. } => Error::Flash(value),
+        Log::FullStorage | Log::ItemTooBig => Error::Full,
+        // A whole record that is too short or too long for any this firmware knows.
+        Log::SerializationError(_) | Log::BufferTooSmall(_) | Log::BufferTooBig => Error::Content,
+        _ => Error::Damaged,
+    }
+}

@@ -1,0 +1,65 @@
+//! The records of the log: which groups there are, and what their bytes mean.
+
+use canopen::{BitRate, NodeId, Settings};
+use sequential_storage::map::{SerializationError, Value};
+
+use crate::Error;
+
+/// What is kept, one record each. The number is the record's key in the log: a number that was ever used keeps its meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Group {
+    /// Node-ID and bit rate, as the layer setting services store them (CiA 305, service 17h).
+    LayerSettings = 0,
+}
+
+/// Bytes of a record.
+pub const RECORD: usize = 3;
+
+/// Layout 1 of [`Group::LayerSettings`]: layout, node-ID, index in the bit timing table 0 of CiA 305.
+const LAYOUT: u8 = 1;
+
+/// The bytes of a record; the first names the layout of the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Record([u8; RECORD]);
+
+impl Record {
+    /// The record of these settings.
+    pub fn of_settings(settings: &Settings) -> Self {
+        Self([
+            LAYOUT,
+            settings.node_id.get(),
+            settings.bit_rate.table_index(),
+        ])
+    }
+
+    /// The settings in this record.
+    pub fn settings<E>(self) -> Result<Settings, Error<E>> {
+        let [layout, node_id, bit_rate] = self.0;
+        if layout != LAYOUT {
+            return Err(Error::Layout(layout));
+        }
+        match (NodeId::new(node_id), BitRate::from_table_index(bit_rate)) {
+            (Some(node_id), Some(bit_rate)) => Ok(Settings { node_id, bit_rate }),
+            _ => Err(Error::Content),
+        }
+    }
+}
+
+impl Value<'_> for Record {
+    fn serialize_into(&self, buffer: &mut [u8]) -> Result<usize, SerializationError> {
+        let bytes = buffer
+            .first_chunk_mut()
+            .ok_or(SerializationError::BufferTooSmall)?;
+        *bytes = self.0;
+        Ok(RECORD)
+    }
+
+    fn deserialize_from(buffer: &[u8]) -> Result<(Self, usize), SerializationError> {
+        // A later layout may be longer: its first bytes are enough to say that it is unknown. A shorter one is no record.
+        let bytes = buffer
+            .first_chunk()
+            .ok_or(SerializationError::InvalidFormat)?;
+        Ok((Self(*bytes), RECORD))
+    }
+}

@@ -1,0 +1,362 @@
+//! The store on a flash whose power can be cut at any byte.
+
+use std::vec;
+use std::vec::Vec;
+
+use canopen::{BitRate, NodeId, Settings};
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
+    check_write,
+};
+use proptest::prelude::*;
+
+use crate::{Error, Store};
+
+/// What the mock flash says when it cannot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Refusal {
+    /// There is no power any more.
+    PowerCut,
+    /// The driver was called against its contract.
+    Misuse(NorFlashErrorKind),
+}
+
+impl NorFlashError for Refusal {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::PowerCut => NorFlashErrorKind::Other,
+            Self::Misuse(kind) => *kind,
+        }
+    }
+}
+
+/// NOR flash in RAM: programming clears bits, erasing a sector sets them, and each byte programmed or erased takes one from the
+/// budget. At the byte that finds the budget spent the power goes: that byte is left half done.
+#[derive(Clone, Debug)]
+struct Flash<const SECTOR: usize, const WORD: usize> {
+    bytes: Vec<u8>,
+    budget: usize,
+    erases: usize,
+    /// Programming does nothing, as on a worn-out or write-protected device.
+    deaf: bool,
+}
+
+impl<const SECTOR: usize, const WORD: usize> Flash<SECTOR, WORD> {
+    fn new(sectors: usize) -> Self {
+        Self::filled(sectors, 0xFF)
+    }
+
+    fn filled(sectors: usize, byte: u8) -> Self {
+        Self {
+            bytes: vec![byte; sectors * SECTOR],
+            budget: usize::MAX,
+            erases: 0,
+            deaf: false,
+        }
+    }
+
+    fn range(&self) -> core::ops::Range<u32> {
+        0..u32::try_from(self.bytes.len()).unwrap()
+    }
+
+    fn store(self) -> Store<Self> {
+        let range = self.range();
+        Store::new(self, range).unwrap()
+    }
+
+    fn powered(mut self, budget: usize) -> Self {
+        self.budget = budget;
+        self
+    }
+
+    /// Changes one byte, or half of its bits if the power goes now.
+    fn change(&mut self, at: usize, to: u8) -> Result<(), Refusal> {
+        let from = self.bytes[at];
+        if self.budget == 0 {
+            return Err(Refusal::PowerCut);
+        }
+        self.budget -= 1;
+        if self.budget == 0 {
+            self.bytes[at] = (from & 0xAA) | (to & 0x55);
+            return Err(Refusal::PowerCut);
+        }
+        self.bytes[at] = to;
+        Ok(())
+    }
+}
+
+impl<const SECTOR: usize, const WORD: usize> ErrorType for Flash<SECTOR, WORD> {
+    type Error = Refusal;
+}
+
+impl<const SECTOR: usize, const WORD: usize> ReadNorFlash for Flash<SECTOR, WORD> {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Refusal> {
+        check_read(self, offset, bytes.len()).map_err(Refusal::Misuse)?;
+        if self.budget == 0 {
+            return Err(Refusal::PowerCut);
+        }
+        bytes.copy_from_slice(&self.bytes[offset as usize..][..bytes.len()]);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+impl<const SECTOR: usize, const WORD: usize> NorFlash for Flash<SECTOR, WORD> {
+    const WRITE_SIZE: usize = WORD;
+    const ERASE_SIZE: usize = SECTOR;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Refusal> {
+        check_erase(self, from, to).map_err(Refusal::Misuse)?;
+        self.erases += 1;
+        (from..to).try_for_each(|at| self.change(at as usize, 0xFF))
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Refusal> {
+        check_write(self, offset, bytes.len()).map_err(Refusal::Misuse)?;
+        if self.deaf {
+            return Ok(());
+        }
+        bytes.iter().enumerate().try_for_each(|(i, byte)| {
+            let at = offset as usize + i;
+            self.change(at, self.bytes[at] & byte)
+        })
+    }
+}
+
+fn settings(node_id: u8, bit_rate: BitRate) -> Settings {
+    Settings {
+        node_id: NodeId::new(node_id).unwrap(),
+        bit_rate,
+    }
+}
+
+fn any_settings() -> impl Strategy<Value = Settings> {
+    let node_id = prop_oneof![1..=127u8, Just(255)];
+    (node_id, prop::sample::select(&BitRate::ALL[..]))
+        .prop_map(|(node_id, bit_rate)| settings(node_id, bit_rate))
+}
+
+#[test]
+fn an_erased_flash_is_an_empty_store() {
+    let mut store = Flash::<256, 4>::new(2).store();
+    assert_eq!(store.load(), Ok(None));
+}
+
+#[test]
+fn what_was_stored_last_is_loaded_after_a_restart() {
+    let first = settings(5, BitRate::Kbit250);
+    let last = settings(127, BitRate::Kbit10);
+    let mut store = Flash::<256, 4>::new(2).store();
+    store.save(&first).unwrap();
+    store.save(&last).unwrap();
+    assert_eq!(store.release().store().load(), Ok(Some(last)));
+}
+
+#[test]
+fn an_unconfigured_node_id_is_kept_like_any_other() {
+    let factory = Settings::default();
+    let mut store = Flash::<256, 4>::new(2).store();
+    store.save(&settings(9, BitRate::Kbit125)).unwrap();
+    store.save(&factory).unwrap();
+    assert_eq!(store.load(), Ok(Some(factory)));
+}
+
+#[test]
+fn the_same_settings_again_cost_no_flash() {
+    let mut store = Flash::<256, 4>::new(2).store();
+    store.save(&settings(9, BitRate::Kbit125)).unwrap();
+    let before = store.release();
+    let mut store = before.clone().store();
+    store.save(&settings(9, BitRate::Kbit125)).unwrap();
+    assert_eq!(store.release().bytes, before.bytes);
+}
+
+/// Cuts the power at every byte of one save and, for each state this leaves, at every byte of the next.
+fn cut_everywhere<const SECTOR: usize, const WORD: usize>(
+    mut flash: Flash<SECTOR, WORD>,
+    old: Settings,
+) {
+    let new = settings(42, BitRate::Kbit500);
+    let newest = settings(43, BitRate::Kbit20);
+    let mut store = flash.store();
+    store.save(&old).unwrap();
+    flash = store.release();
+
+    let mut seen = [0usize; 2];
+    for cut in 1.. {
+        let mut store = flash.clone().powered(cut).store();
+        let finished = store.save(&new).is_ok();
+        let left = store.release();
+
+        let mut store = left.clone().powered(usize::MAX).store();
+        let found = store.load().unwrap().unwrap();
+        assert!(found == old || found == new, "cut at byte {cut}: {found:?}");
+        assert!(!finished || found == new);
+        seen[usize::from(found == new)] += 1;
+
+        for cut_again in 1.. {
+            let mut store = left.clone().powered(cut_again).store();
+            let finished_again = store.save(&newest).is_ok();
+            let mut store = store.release().powered(usize::MAX).store();
+            let then = store.load().unwrap().unwrap();
+            assert!(
+                then == found || then == newest,
+                "cut at byte {cut}, then at {cut_again}: {then:?} where {found:?} was"
+            );
+            assert!(!finished_again || then == newest);
+            if finished_again {
+                break;
+            }
+        }
+        if finished {
+            break;
+        }
+    }
+    assert!(seen.iter().all(|&count| count > 0), "old and new: {seen:?}");
+}
+
+#[test]
+fn a_power_cut_at_any_byte_leaves_the_old_settings_or_the_new_ones() {
+    cut_everywhere(Flash::<128, 4>::new(2), settings(7, BitRate::Kbit1000));
+    cut_everywhere(Flash::<128, 1>::new(3), settings(7, BitRate::Kbit1000));
+}
+
+#[test]
+fn a_power_cut_is_survived_at_every_fill_of_the_sectors_including_those_that_erase() {
+    // Ten records and more fit a sector of 128 bytes with byte words: every phase of the log, twice round the sectors.
+    let mut erases = 0;
+    for records in 0..24 {
+        let mut store = Flash::<128, 4>::new(2).store();
+        for i in 0..records {
+            store.save(&settings(100 + i, BitRate::Kbit50)).unwrap();
+        }
+        let flash = store.release();
+        erases = flash.erases;
+        cut_everywhere(flash, settings(7, BitRate::Kbit1000));
+    }
+    assert!(
+        erases > 1,
+        "the log went round its sectors: {erases} erases"
+    );
+}
+
+#[test]
+fn sectors_are_used_in_turn_for_as_long_as_one_likes() {
+    let mut store = Flash::<128, 4>::new(2).store();
+    for i in 0..10_000u32 {
+        let now = settings((i % 127 + 1) as u8, BitRate::ALL[(i % 8) as usize]);
+        store.save(&now).unwrap();
+        assert_eq!(store.load(), Ok(Some(now)));
+    }
+    let flash = store.release();
+    assert!(flash.erases < 2_000, "{} erases", flash.erases);
+}
+
+#[test]
+fn flash_full_of_anything_never_stops_the_next_save() {
+    for byte in [0x00, 0x01, 0x55, 0xA5, 0xFE] {
+        let mut store = Flash::<256, 4>::filled(2, byte).store();
+        // What it says of garbage may differ; it must say something and never make settings up.
+        assert!(!matches!(store.load(), Ok(Some(_))), "bytes {byte:02X}");
+        let now = settings(3, BitRate::Kbit800);
+        store.save(&now).unwrap();
+        assert_eq!(store.load(), Ok(Some(now)));
+    }
+}
+
+#[test]
+fn a_later_layout_is_told_from_none() {
+    let mut store = Flash::<256, 4>::new(2).store();
+    let mut flash = {
+        store.save(&settings(3, BitRate::Kbit800)).unwrap();
+        store.release()
+    };
+    // Append what a later firmware may have written: same group, another layout, one byte more.
+    let range = flash.range();
+    let mut log = sequential_storage::map::MapStorage::<u8, _, _>::new(
+        crate::blocking::Blocking(&mut flash),
+        sequential_storage::map::MapConfig::try_new(range).unwrap(),
+        sequential_storage::cache::Cache::new_uncached(),
+    );
+    let later: &[u8] = &[2, 3, 1, 77];
+    embassy_futures::block_on(log.store_item(&mut [0; 64], &0, &later)).unwrap();
+    let mut store = flash.store();
+    assert_eq!(store.load(), Err(Error::Layout(2)));
+    store.save(&settings(4, BitRate::Kbit800)).unwrap();
+    assert_eq!(store.load(), Ok(Some(settings(4, BitRate::Kbit800))));
+}
+
+#[test]
+fn a_node_id_that_does_not_exist_is_not_believed() {
+    let mut flash = Flash::<256, 4>::new(2);
+    let range = flash.range();
+    let mut log = sequential_storage::map::MapStorage::<u8, _, _>::new(
+        crate::blocking::Blocking(&mut flash),
+        sequential_storage::map::MapConfig::try_new(range).unwrap(),
+        sequential_storage::cache::Cache::new_uncached(),
+    );
+    let nonsense: &[u8] = &[1, 200, 0];
+    embassy_futures::block_on(log.store_item(&mut [0; 64], &0, &nonsense)).unwrap();
+    assert_eq!(flash.store().load(), Err(Error::Content));
+}
+
+#[test]
+fn flash_that_does_not_keep_a_byte_is_reported() {
+    let mut flash = Flash::<256, 4>::new(2);
+    flash.deaf = true;
+    let mut store = flash.store();
+    assert!(store.save(&settings(3, BitRate::Kbit800)).is_err());
+    assert_eq!(store.load(), Ok(None));
+}
+
+#[test]
+#[allow(
+    clippy::reversed_empty_ranges,
+    reason = "that such a range is refused is tested"
+)]
+fn a_range_that_is_not_whole_sectors_is_refused() {
+    for range in [0..256, 0..300, 4..516, 256..256, 512..0, 256..1024] {
+        let refused = Store::new(Flash::<256, 4>::new(3), range.clone()).unwrap_err();
+        assert_eq!(refused, Error::Range, "{range:?}");
+    }
+    assert!(
+        Store::new(Flash::<256, 64>::new(3), 0..768).is_err(),
+        "words of 64 bytes"
+    );
+}
+
+proptest! {
+    #[test]
+    fn the_last_completed_save_wins_whatever_was_cut(
+        steps in prop::collection::vec((any_settings(), prop::option::weighted(0.5, 1..200usize)), 1..40)
+    ) {
+        let mut flash = Flash::<128, 4>::new(2);
+        let mut expected = None;
+        for (wanted, budget) in steps {
+            let mut store = flash.powered(budget.unwrap_or(usize::MAX)).store();
+            let finished = store.save(&wanted).is_ok();
+            flash = store.release().powered(usize::MAX);
+            let mut store = flash.store();
+            let found = store.load().unwrap();
+            prop_assert!(found == Some(wanted) || (!finished && found == expected));
+            expected = found;
+            flash = store.release();
+        }
+    }
+
+    #[test]
+    fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 512)) {
+        let mut flash = Flash::<256, 4>::new(2);
+        flash.bytes = bytes;
+        let mut store = flash.store();
+        let _ = store.load();
+        let now = settings(3, BitRate::Kbit800);
+        prop_assert_eq!(store.save(&now), Ok(()));
+        prop_assert_eq!(store.load(), Ok(Some(now)));
+    }
+}

@@ -1,0 +1,147 @@
+//! The bus of a running server: whatever transports there are, on one bus with the drive.
+//!
+//! One thread owns the drive and puts every frame on all transports in the order in which it saw them, so all of them see the
+//! same bus. Transports have threads of their own and hand over what they receive as [`Incoming`].
+
+use std::fmt;
+use std::io;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::{Duration, Instant};
+
+use canopen::Frame;
+
+use super::slcan_tcp::SlcanServer;
+#[cfg(target_os = "linux")]
+use super::socketcan::Interface;
+
+/// Frames that may wait for the drive; a transport that brings more has to wait.
+const QUEUE: usize = 1024;
+
+/// Where a frame came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The drive.
+    Drive,
+    /// An SLCAN client, by its number.
+    Slcan(u64),
+    /// The SocketCAN interface.
+    SocketCan,
+}
+
+/// What transports hand over.
+#[derive(Debug)]
+pub enum Incoming {
+    /// A frame.
+    Frame {
+        /// Who sent it.
+        source: Source,
+        /// The frame.
+        frame: Frame,
+        /// Its bit rate in kbit/s, if the transport knows one.
+        bit_rate: Option<u32>,
+    },
+    /// An SLCAN client closed its connection.
+    ClientLeft(u64),
+    /// A transport cannot go on.
+    Failed(String),
+    /// The server shall end.
+    Stop,
+}
+
+/// All transports of a server.
+pub struct LiveBus {
+    incoming: Receiver<Incoming>,
+    sender: SyncSender<Incoming>,
+    slcan: Option<SlcanServer>,
+    #[cfg(target_os = "linux")]
+    interface: Option<Interface>,
+}
+
+impl LiveBus {
+    /// A bus without any transport.
+    pub fn new() -> Self {
+        let (sender, incoming) = sync_channel(QUEUE);
+        Self {
+            incoming,
+            sender,
+            slcan: None,
+            #[cfg(target_os = "linux")]
+            interface: None,
+        }
+    }
+
+    /// Serves SLCAN on a TCP address.
+    ///
+    /// # Errors
+    /// As [`SlcanServer::listen`].
+    pub fn serve_slcan(&mut self, address: &str) -> io::Result<&SlcanServer> {
+        let server = SlcanServer::listen(address, self.sender.clone())?;
+        Ok(self.slcan.insert(server))
+    }
+
+    /// Joins a SocketCAN interface.
+    ///
+    /// # Errors
+    /// If there is no such interface, or no SocketCAN at all.
+    pub fn join_socketcan(&mut self, name: &str) -> io::Result<()> {
+        #[cfg(target_os = "linux")]
+        {
+            self.interface = Some(Interface::open(name, self.sender.clone())?);
+            Ok(())
+        }
+        #[cfg(not(target_os = "linux"))]
+        {
+            let _ = name;
+            Err(io::Error::new(
+                io::ErrorKind::Unsupported,
+                "SocketCAN is a part of Linux",
+            ))
+        }
+    }
+
+    /// A sender for [`Incoming::Stop`].
+    pub fn stopper(&self) -> SyncSender<Incoming> {
+        self.sender.clone()
+    }
+
+    /// Waits for the next message until `deadline`; `None` if none came.
+    pub fn receive(&self, deadline: Instant) -> Option<Incoming> {
+        let wait = deadline.saturating_duration_since(Instant::now());
+        // This end holds a sender too, so the only error is that nothing came in time.
+        self.incoming.recv_timeout(wait).ok()
+    }
+
+    /// Puts a frame on every transport but the one it came from. Returns the SLCAN clients that were disconnected because
+    /// they do not read.
+    pub fn send(&mut self, frame: &Frame, source: Source, bit_rate: Option<u32>) -> Vec<u64> {
+        #[cfg(target_os = "linux")]
+        if let Some(interface) = self
+            .interface
+            .as_mut()
+            .filter(|_| source != Source::SocketCan)
+        {
+            interface.send(frame);
+        }
+        match &self.slcan {
+            Some(server) => server.send(frame, source, bit_rate),
+            None => Vec::new(),
+        }
+    }
+}
+
+impl Default for LiveBus {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl fmt::Debug for LiveBus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("LiveBus")
+            .field("slcan", &self.slcan)
+            .finish_non_exhaustive()
+    }
+}
+
+/// How long nothing may wait: the longest sleep of a server.
+pub const LONGEST_SLEEP: Duration = Duration::from_millis(100);

@@ -1,0 +1,43 @@
+//! Buses: where frames travel between stations.
+//!
+//! A [`Station`] is anything sans-I/O that speaks CAN: the virtual drive, a scripted master, a plain CANopen node in a
+//! test. The [`simulated`] bus carries real frames between stations of one process on virtual time. The [`live`] bus
+//! joins a drive in real time with other programs: [`slcan_tcp`] and, on Linux, SocketCAN.
+
+pub mod live;
+pub mod simulated;
+pub mod slcan_tcp;
+#[cfg(target_os = "linux")]
+pub mod socketcan;
+pub mod timing;
+
+use std::any::Any;
+use std::fmt::Debug;
+
+use canopen::{BitRate, Frame, Instant};
+
+/// A participant of a CAN bus. Frames and time go in, frames and the next deadline come out; it never waits.
+///
+/// Time never runs backwards: each `now` is at least the one before.
+pub trait Station: Any + Debug {
+    /// A frame of another station has arrived completely at `now`.
+    fn receive(&mut self, frame: &Frame, now: Instant);
+
+    /// Lets time pass until `now`. Returns when it wants to be called again at the latest
+    /// ([`canopen::time::NEVER`] if only a frame can wake it).
+    fn poll(&mut self, now: Instant) -> Instant;
+
+    /// The next frame to send, if there is one. A frame that was handed out is sent for sure, unless the station is
+    /// detached or [`Station::was_reset`] says so.
+    fn transmit(&mut self) -> Option<Frame>;
+
+    /// The bit rate its controller is set to; `None` if it follows any (a station that no test is about).
+    fn bit_rate(&self) -> Option<BitRate> {
+        None
+    }
+
+    /// Whether the controller was reset since the last call (a power cycle): frames it had taken are lost.
+    fn was_reset(&mut self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,199 @@
+//! The command line. Every mistake in it is one line on standard error and exit code 2.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use canopen::{BitRate, NodeId, Settings};
+use clap::error::ErrorKind;
+use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
+
+use crate::demo::{self, Demo};
+use crate::drive::Setup;
+use crate::flash::Flash;
+use crate::serve::{Service, serve};
+use crate::system_error::plain;
+
+/// Exit code for a bad command line, a busy port, a missing interface.
+const USAGE: u8 = 2;
+
+/// The virtual CANopen drive Axis402.
+#[derive(Debug, Parser)]
+#[command(name = "sim", version, about)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Watch a master commission an unconfigured drive and move it (the default)
+    Demo(DemoArguments),
+    /// Run a drive for masters of other programs until stopped
+    Serve(ServeArguments),
+}
+
+#[derive(Debug, Default, Args)]
+struct DemoArguments {
+    /// Write the picture of the move as SVG
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    /// The node-ID that the master gives to the drive
+    #[arg(long, value_name = "N", default_value_t = demo::NODE_ID, value_parser = clap::value_parser!(u8).range(1..=127))]
+    node_id: u8,
+}
+
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("bus").required(true).multiple(true)))]
+struct ServeArguments {
+    /// Serve SLCAN on this TCP address, for several clients at once
+    #[arg(long, value_name = "ADDRESS:PORT", group = "bus")]
+    slcan: Option<String>,
+    /// Join this CAN interface (Linux)
+    #[arg(long, value_name = "INTERFACE", group = "bus")]
+    socketcan: Option<String>,
+    /// Start with this node-ID, whatever is stored
+    #[arg(long, value_name = "N", conflicts_with = "unconfigured", value_parser = clap::value_parser!(u8).range(1..=127))]
+    node_id: Option<u8>,
+    /// Start without a node-ID, whatever is stored
+    #[arg(long)]
+    unconfigured: bool,
+    /// Start with this bit rate in kbit/s, whatever is stored (1000, 800, 500, 250, 125, 50, 20 or 10)
+    #[arg(long, value_name = "KBIT", value_parser = bit_rate)]
+    bitrate: Option<BitRate>,
+    /// Keep what LSS stores in this file
+    #[arg(long, value_name = "FILE")]
+    store: Option<PathBuf>,
+    /// Serial number (1018h:4), decimal or 0x and hexadecimal
+    #[arg(long, value_name = "N", default_value = "1", value_parser = serial_number)]
+    serial: u32,
+    /// Tell on standard error what the node does
+    #[arg(long, short)]
+    verbose: bool,
+}
+
+/// Runs the command line; returns the exit code.
+pub fn run(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
+    let command_line = match CommandLine::try_parse_from(arguments) {
+        Ok(command_line) => command_line,
+        Err(error) => return refused(&error),
+    };
+    match command_line.command {
+        Some(Command::Serve(arguments)) => match service(arguments).and_then(serve) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(problem) => fail(&problem),
+        },
+        Some(Command::Demo(arguments)) => run_demo(arguments),
+        None => run_demo(DemoArguments {
+            node_id: demo::NODE_ID,
+            ..DemoArguments::default()
+        }),
+    }
+}
+
+fn run_demo(arguments: DemoArguments) -> ExitCode {
+    let demo = Demo {
+        node_id: arguments.node_id,
+        plot: arguments.plot,
+    };
+    conclude(demo::show(&demo, &mut io::stdout().lock()))
+}
+
+/// The exit code of a demonstration; a failure is told in one line.
+pub(crate) fn conclude(result: Result<(), demo::Problem>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        // Whoever read the output has seen enough.
+        Err(demo::Problem::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(problem @ demo::Problem::Picture(..)) => fail(&problem.to_string()),
+        Err(problem) => {
+            fail(&problem.to_string());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What `serve` is to run.
+fn service(arguments: ServeArguments) -> Result<Service, String> {
+    let flash = match &arguments.store {
+        Some(path) => Flash::in_file(path).map_err(|error| {
+            format!("cannot use the store {}: {}", path.display(), plain(error))
+        })?,
+        None => Flash::in_memory(),
+    };
+    let mut store = flash.into_store();
+    let stored = store
+        .load()
+        .map_err(|error| format!("cannot read the store: {error}"))?
+        .unwrap_or_default();
+    let node_id = match arguments.node_id {
+        Some(number) => NodeId::new(number).unwrap_or(stored.node_id),
+        None if arguments.unconfigured => NodeId::UNCONFIGURED,
+        None => stored.node_id,
+    };
+    Ok(Service {
+        slcan: arguments.slcan,
+        socketcan: arguments.socketcan,
+        setup: Setup {
+            serial_number: arguments.serial,
+            settings: Some(Settings {
+                node_id,
+                bit_rate: arguments.bitrate.unwrap_or(stored.bit_rate),
+            }),
+            store,
+        },
+        verbose: arguments.verbose,
+    })
+}
+
+fn bit_rate(text: &str) -> Result<BitRate, String> {
+    let known = || {
+        BitRate::ALL
+            .map(|rate| rate.kbit_per_second().to_string())
+            .join(", ")
+    };
+    let number = text.parse::<u32>().ok();
+    (BitRate::ALL
+        .into_iter()
+        .find(|rate| Some(rate.kbit_per_second()) == number))
+    .ok_or_else(|| format!("not one of {}", known()))
+}
+
+fn serial_number(text: &str) -> Result<u32, String> {
+    let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
+        Some(digits) => u32::from_str_radix(digits, 16),
+        None => text.parse(),
+    };
+    number.map_err(|error| error.to_string())
+}
+
+/// Help and version go out as they are; a mistake as one line.
+fn refused(error: &clap::Error) -> ExitCode {
+    if matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion
+    ) {
+        // Nobody may be reading.
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return fail(&CommandLine::command().render_usage().to_string());
+    }
+    if error.kind() == ErrorKind::MissingRequiredArgument {
+        // Nothing else is required.
+        return fail("a bus is missing: --slcan ADDRESS:PORT or --socketcan INTERFACE");
+    }
+    let text = error.to_string();
+    let first = text.split("\n\n").next().unwrap_or_default();
+    let words: Vec<&str> = first.split_whitespace().collect();
+    let line = words.join(" ");
+    fail(line.strip_prefix("error: ").unwrap_or(&line))
+}
+
+fn fail(problem: &str) -> ExitCode {
+    let _ = writeln!(io::stderr(), "sim: {problem}");
+    ExitCode::from(USAGE)
+}

@@ -1,0 +1,281 @@
+//! The virtual drive: both halves of the firmware's drive and a simulated motor, on virtual time.
+//!
+//! It does what the tasks of the firmware do around the core: a control tick each millisecond, frames in and out, the
+//! parameter store, the switch of the bit rate. It is a [`Station`], so any bus can carry it.
+
+use std::collections::VecDeque;
+
+use canopen::node::StoreError;
+use canopen::od::Dictionary;
+use canopen::time::NEVER;
+use canopen::{BitRate, Duration, Event, Frame, Instant, NodeId, Settings};
+use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects};
+use motion::{AxisConfig, Clock, DriverTiming};
+
+use crate::bus::Station;
+use crate::flash::{Flash, ParameterStore};
+use crate::plant::{Plant, STEP_CLOCK_HZ};
+
+/// The period of the control tick.
+pub const CONTROL_TICK: Duration = Duration::from_ticks(1_000);
+
+/// Events that are kept until somebody takes them; older ones are forgotten.
+const EVENTS: usize = 64;
+
+/// What a drive is made of.
+#[derive(Debug)]
+pub struct Setup {
+    /// 1018h:4.
+    pub serial_number: u32,
+    /// Settings for the first power-on, in place of what is stored, and for later ones as long as nothing is. `None` takes
+    /// what is stored; if nothing is, the drive is unconfigured at 1 Mbit/s.
+    pub settings: Option<Settings>,
+    /// Where LSS stores settings.
+    pub store: ParameterStore,
+}
+
+impl Setup {
+    /// A drive fresh from the factory: no node-ID, 1 Mbit/s, an empty store that lasts as long as the drive.
+    pub fn unconfigured(serial_number: u32) -> Self {
+        Self {
+            serial_number,
+            settings: None,
+            store: Flash::in_memory().into_store(),
+        }
+    }
+
+    /// A drive with a node-ID (1 to 127, or 255 for none) at 1 Mbit/s and an empty store.
+    ///
+    /// # Panics
+    /// If there is no such node-ID.
+    pub fn with_node_id(serial_number: u32, node_id: u8) -> Self {
+        let settings = Settings {
+            node_id: NodeId::new(node_id).expect("a node-ID is 1 to 127, or 255"),
+            bit_rate: BitRate::Kbit1000,
+        };
+        Self {
+            settings: Some(settings),
+            ..Self::unconfigured(serial_number)
+        }
+    }
+
+    /// The settings to start with once the first power-on is over. A store that cannot be read counts as empty.
+    fn stored(&mut self) -> Settings {
+        let stored = self.store.load().ok().flatten();
+        stored.or(self.settings).unwrap_or_default()
+    }
+}
+
+/// A sample of the motor, for plots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MotionSample {
+    /// When.
+    pub at: Instant,
+    /// Where the motor was, in steps.
+    pub position: i64,
+}
+
+/// A drive with the dictionary `D`; on power it boots, then it lives on frames and time.
+#[derive(Debug)]
+pub struct VirtualDrive<D, const RPDOS: usize, const TPDOS: usize> {
+    setup: Setup,
+    powered: bool,
+    was_reset: bool,
+    device: Device<D, RPDOS, TPDOS>,
+    drive: Drive,
+    exchange: Exchange,
+    plant: Plant,
+    next_tick: Instant,
+    bit_rate: BitRate,
+    switch_bit_rate: Option<(Instant, BitRate)>,
+    events: VecDeque<Event>,
+    samples: Option<Vec<MotionSample>>,
+}
+
+impl<D: Dictionary + Objects + Default, const RPDOS: usize, const TPDOS: usize>
+    VirtualDrive<D, RPDOS, TPDOS>
+{
+    /// A drive without power; it gets it when it is polled for the first time.
+    pub fn new(mut setup: Setup) -> Self {
+        let settings = setup.settings.unwrap_or_else(|| setup.stored());
+        Self {
+            powered: false,
+            was_reset: false,
+            device: Device::new(D::default(), settings, setup.serial_number),
+            drive: Drive::new(drive_config()),
+            exchange: Exchange::new(),
+            plant: Plant::new(Instant::from_ticks(0)),
+            next_tick: Instant::from_ticks(0),
+            bit_rate: settings.bit_rate,
+            switch_bit_rate: None,
+            events: VecDeque::new(),
+            samples: None,
+            setup,
+        }
+    }
+
+    /// Takes the power away and gives it back at once: everything that is not stored is lost, frames under way too. The
+    /// motor stays where it is mounted but counts from 0 again, as a drive without an encoder does.
+    pub fn power_cycle(&mut self) {
+        let settings = self.setup.stored();
+        self.device = Device::new(D::default(), settings, self.setup.serial_number);
+        self.drive = Drive::new(drive_config());
+        self.exchange = Exchange::new();
+        self.bit_rate = settings.bit_rate;
+        self.switch_bit_rate = None;
+        self.events.clear();
+        self.powered = false;
+        self.was_reset = true;
+    }
+
+    /// The CANopen half, for its dictionary and state.
+    pub fn device(&self) -> &Device<D, RPDOS, TPDOS> {
+        &self.device
+    }
+
+    /// The motor.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// The motor, to take its supply, to raise a fault, to mount switches.
+    pub fn plant_mut(&mut self) -> &mut Plant {
+        &mut self.plant
+    }
+
+    /// What the drive published last.
+    pub fn actuals(&self) -> Actuals {
+        self.exchange.actuals_at(NEVER)
+    }
+
+    /// The oldest event of the node that nobody has taken yet. The drive has done its part already.
+    pub fn take_event(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    /// Keeps a sample of the motor from each control tick on from now.
+    pub fn record_motion(&mut self) {
+        self.samples.get_or_insert_default();
+    }
+
+    /// The samples kept so far.
+    pub fn motion_samples(&self) -> &[MotionSample] {
+        self.samples.as_deref().unwrap_or_default()
+    }
+
+    /// Gives power to a drive that has none.
+    fn power_on(&mut self, now: Instant) {
+        self.plant.power_on(now);
+        self.powered = true;
+        self.next_tick = now;
+        self.device.power_on(now, &mut self.exchange);
+    }
+
+    /// Runs every control tick up to and including `now`.
+    fn run_until(&mut self, now: Instant) {
+        if !self.powered {
+            self.power_on(now);
+        }
+        while self.next_tick <= now {
+            self.control_tick(self.next_tick);
+            self.next_tick += CONTROL_TICK;
+        }
+        self.plant.advance(now);
+        if let Some((_, bit_rate)) = self.switch_bit_rate.take_if(|(at, _)| *at <= now) {
+            self.bit_rate = bit_rate;
+        }
+    }
+
+    fn control_tick(&mut self, now: Instant) {
+        self.plant.advance(now);
+        let inputs = Inputs {
+            supply: self.plant.supply,
+            position: self.plant.position(),
+            fault: self.plant.fault,
+        };
+        let outputs = self
+            .drive
+            .tick(now, &inputs, self.plant.pulses_mut(), &mut self.exchange);
+        if outputs.drop_pulses {
+            self.plant.pulses_mut().drop_all();
+        }
+        self.plant.energise(outputs.power_stage);
+        if let Some(samples) = &mut self.samples {
+            samples.push(MotionSample {
+                at: now,
+                position: self.plant.position(),
+            });
+        }
+        self.device.poll(now, &mut self.exchange);
+        self.handle_events();
+    }
+
+    fn handle_events(&mut self) {
+        while let Some(event) = self.device.event() {
+            match event {
+                Event::StoreSettings(settings) => {
+                    let result = self.setup.store.save(&settings);
+                    self.device
+                        .settings_stored(result.map_err(|_| StoreError::Medium));
+                }
+                Event::SwitchBitRate { bit_rate, at } => {
+                    self.switch_bit_rate = Some((at, bit_rate));
+                }
+                _ => {}
+            }
+            if self.events.len() == EVENTS {
+                self.events.pop_front();
+            }
+            self.events.push_back(event);
+        }
+    }
+}
+
+impl<D, const RPDOS: usize, const TPDOS: usize> Station for VirtualDrive<D, RPDOS, TPDOS>
+where
+    D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+{
+    fn receive(&mut self, frame: &Frame, now: Instant) {
+        self.run_until(now);
+        self.device.receive(frame, now, &mut self.exchange);
+        self.handle_events();
+    }
+
+    fn poll(&mut self, now: Instant) -> Instant {
+        self.run_until(now);
+        let deadline = self.device.poll(now, &mut self.exchange);
+        self.handle_events();
+        let switch = self.switch_bit_rate.map_or(deadline, |(at, _)| at);
+        deadline.min(switch).min(self.next_tick)
+    }
+
+    fn transmit(&mut self) -> Option<Frame> {
+        self.device.transmit()
+    }
+
+    fn bit_rate(&self) -> Option<BitRate> {
+        Some(self.bit_rate)
+    }
+
+    fn was_reset(&mut self) -> bool {
+        std::mem::take(&mut self.was_reset)
+    }
+}
+
+/// A stepper driver of the usual kind: pulses of at least 1 µs with 1 µs between, direction 5 µs before and after.
+fn drive_config() -> DriveConfig {
+    const MICROSECOND: u32 = STEP_CLOCK_HZ / 1_000_000;
+    DriveConfig {
+        axis: AxisConfig {
+            clock: Clock::new(STEP_CLOCK_HZ).expect("84 MHz is a step clock"),
+            segment: 1_000 * MICROSECOND,
+            timing: DriverTiming {
+                pulse_high: MICROSECOND,
+                pulse_low: MICROSECOND,
+                direction_setup: 5 * MICROSECOND,
+                direction_hold: 5 * MICROSECOND,
+            },
+        },
+        tick: CONTROL_TICK,
+    }
+}

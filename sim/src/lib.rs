@@ -1,0 +1,31 @@
+//! The virtual drive: the firmware's own core on a PC, with a simulated motor and real CAN frames.
+//!
+//! - [`drive`]: the virtual drive; [`plant`]: its motor; [`flash`]: where it keeps its settings.
+//! - [`bus`]: where frames travel. An in-process bus on virtual time, SLCAN over TCP, SocketCAN.
+//! - [`master`]: a scripted CANopen master on the in-process bus.
+//! - [`trace`]: frames in candump notation, with their meaning.
+//! - [`demo`] and [`serve`]: what the command line does.
+#![forbid(unsafe_code)]
+
+pub mod bus;
+pub mod cli;
+pub mod demo;
+pub mod drive;
+pub mod flash;
+pub mod master;
+pub mod plant;
+pub mod serve;
+mod system_error;
+pub mod trace;
+
+/// The object dictionary of the generic drive, made from `eds/axis402.eds`.
+pub mod dictionary {
+    include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));
+}
+
+/// The generic drive on a PC.
+pub type Axis402 = drive::VirtualDrive<
+    dictionary::Dictionary,
+    { dictionary::RPDO_COUNT },
+    { dictionary::TPDO_COUNT },
+>;

@@ -1,0 +1,197 @@
+//! The LSS master (CiA 305): requests on 7E5h, answers on 7E4h.
+
+use canopen::{BitRate, Duration, Frame, NodeId};
+
+use super::{ANSWER_TIME, Failure, Master};
+
+const REQUEST: u16 = 0x7E5;
+const ANSWER: u16 = 0x7E4;
+
+/// How long a fastscan waits for slaves to say that they match.
+const SCAN_TIME: Duration = Duration::from_ticks(10_000);
+
+/// The LSS address of a device: its identity object 1018h.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Identity {
+    /// 1018h:1.
+    pub vendor_id: u32,
+    /// 1018h:2.
+    pub product_code: u32,
+    /// 1018h:3.
+    pub revision_number: u32,
+    /// 1018h:4.
+    pub serial_number: u32,
+}
+
+impl Identity {
+    /// The four numbers in the order in which LSS asks for them.
+    pub fn words(self) -> [u32; 4] {
+        [
+            self.vendor_id,
+            self.product_code,
+            self.revision_number,
+            self.serial_number,
+        ]
+    }
+}
+
+impl From<[u32; 4]> for Identity {
+    fn from([vendor_id, product_code, revision_number, serial_number]: [u32; 4]) -> Self {
+        Self {
+            vendor_id,
+            product_code,
+            revision_number,
+            serial_number,
+        }
+    }
+}
+
+impl Master {
+    /// Switches all slaves to the waiting state.
+    pub fn lss_switch_to_waiting(&mut self) {
+        self.send_data(REQUEST, &[0x04, 0, 0, 0, 0, 0, 0, 0]);
+    }
+
+    /// Switches all slaves to the configuration state.
+    pub fn lss_switch_to_configuration(&mut self) {
+        self.send_data(REQUEST, &[0x04, 1, 0, 0, 0, 0, 0, 0]);
+    }
+
+    /// Switches the slave with this identity to the configuration state.
+    ///
+    /// # Errors
+    /// [`Failure::Timeout`] if no slave has it.
+    pub fn lss_select(&mut self, identity: Identity) -> Result<(), Failure> {
+        for (command, word) in (0x40..).zip(identity.words()) {
+            self.send_data(REQUEST, &request(command, word));
+        }
+        self.lss_answer(0x44, ANSWER_TIME).map(|_| ())
+    }
+
+    /// Gives the slave in configuration state a node-ID, in force after switching to waiting (if it had none) or at its
+    /// next reset.
+    ///
+    /// # Errors
+    /// [`Failure::LssRefused`] or [`Failure::Timeout`].
+    pub fn lss_configure_node_id(&mut self, node_id: NodeId) -> Result<(), Failure> {
+        self.lss_configure([0x11, node_id.get(), 0, 0, 0, 0, 0, 0])
+    }
+
+    /// Gives the slave in configuration state a bit rate, in force after [`Master::lss_activate_bit_timing`].
+    ///
+    /// # Errors
+    /// [`Failure::LssRefused`] or [`Failure::Timeout`].
+    pub fn lss_configure_bit_timing(&mut self, bit_rate: BitRate) -> Result<(), Failure> {
+        self.lss_configure([0x13, 0, bit_rate.table_index(), 0, 0, 0, 0, 0])
+    }
+
+    /// Lets slaves in configuration state be silent for `delay` (whole milliseconds), switch their bit rate, and be silent
+    /// for `delay` again. The master's own rate is the script's to change.
+    pub fn lss_activate_bit_timing(&mut self, delay: Duration) {
+        let [low, high] = (delay.to_millis() as u16).to_le_bytes();
+        self.send_data(REQUEST, &[0x15, low, high, 0, 0, 0, 0, 0]);
+    }
+
+    /// Lets the slave in configuration state store node-ID and bit rate.
+    ///
+    /// # Errors
+    /// [`Failure::LssRefused`] or [`Failure::Timeout`].
+    pub fn lss_store(&mut self) -> Result<(), Failure> {
+        self.lss_configure([0x17, 0, 0, 0, 0, 0, 0, 0])
+    }
+
+    /// Asks the slave in configuration state for its identity.
+    ///
+    /// # Errors
+    /// [`Failure::Timeout`].
+    pub fn lss_inquire_identity(&mut self) -> Result<Identity, Failure> {
+        let mut words = [0; 4];
+        for (command, word) in (0x5A..).zip(&mut words) {
+            let [_, a, b, c, d, ..] = self.lss_ask(request(command, 0), ANSWER_TIME)?;
+            *word = u32::from_le_bytes([a, b, c, d]);
+        }
+        Ok(words.into())
+    }
+
+    /// Asks the slave in configuration state for its node-ID; `None` in the answer's place if it is no valid one.
+    ///
+    /// # Errors
+    /// [`Failure::Timeout`].
+    pub fn lss_inquire_node_id(&mut self) -> Result<Option<NodeId>, Failure> {
+        let [_, number, ..] = self.lss_ask(request(0x5E, 0), ANSWER_TIME)?;
+        Ok(NodeId::new(number))
+    }
+
+    /// Finds one slave without a node-ID by fastscan and leaves it in configuration state. `None` if there is no such slave.
+    ///
+    /// # Errors
+    /// [`Failure::WrongValue`] if a slave stopped answering in the middle.
+    pub fn lss_fastscan(&mut self) -> Result<Option<Identity>, Failure> {
+        if !self.scan_step(0, 0x80, 0, 0) {
+            return Ok(None);
+        }
+        let mut words = [0; 4];
+        for (sub, word) in (0..4u8).zip(&mut words) {
+            for bit in (0..32u8).rev() {
+                // A slave answers if its bit is 0 like the scan's; silence means 1.
+                if !self.scan_step(*word, bit, sub, sub) {
+                    *word |= 1 << bit;
+                }
+            }
+            let next = if sub == 3 { 0 } else { sub + 1 };
+            if !self.scan_step(*word, 0, sub, next) {
+                return Err(Failure::WrongValue {
+                    expected: format!("a slave with {word:08X}h in 1018h:{}", sub + 1),
+                    got: "none".to_owned(),
+                });
+            }
+        }
+        Ok(Some(words.into()))
+    }
+
+    /// Sends any LSS request and waits for the answer with the same command specifier.
+    ///
+    /// # Errors
+    /// [`Failure::Timeout`] if none came `within` the time.
+    pub fn lss_ask(&mut self, request: [u8; 8], within: Duration) -> Result<[u8; 8], Failure> {
+        self.send_data(REQUEST, &request);
+        self.lss_answer(request[0], within)
+    }
+
+    fn lss_configure(&mut self, request: [u8; 8]) -> Result<(), Failure> {
+        let [service, error, ..] = self.lss_ask(request, ANSWER_TIME)?;
+        if error == 0 {
+            Ok(())
+        } else {
+            Err(Failure::LssRefused { service, error })
+        }
+    }
+
+    fn scan_step(&mut self, number: u32, bit: u8, sub: u8, next: u8) -> bool {
+        let [a, b, c, d] = number.to_le_bytes();
+        self.send_data(REQUEST, &[0x51, a, b, c, d, bit, sub, next]);
+        let found = self.lss_answer(0x4F, SCAN_TIME).is_ok();
+        // Slaves whose answers did not merge into one frame must not answer for the next step.
+        while self
+            .port_mut()
+            .take_from(0, |frame| answer(frame, 0x4F))
+            .is_some()
+        {}
+        found
+    }
+
+    fn lss_answer(&mut self, command: u8, within: Duration) -> Result<[u8; 8], Failure> {
+        let expected = format!("LSS answer {command:02X}");
+        self.wait_for(&expected, within, |frame| answer(frame, command))
+    }
+}
+
+fn request(command: u8, word: u32) -> [u8; 8] {
+    let [a, b, c, d] = word.to_le_bytes();
+    [command, a, b, c, d, 0, 0, 0]
+}
+
+fn answer(frame: &Frame, command: u8) -> Option<[u8; 8]> {
+    let payload = frame.full_payload()?;
+    (frame.standard_id() == Some(ANSWER) && payload[0] == command).then_some(*payload)
+}

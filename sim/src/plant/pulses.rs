@@ -1,0 +1,98 @@
+//! Plays pulse records in ticks of the step clock.
+
+use std::collections::VecDeque;
+
+use motion::step_interrupt::CAPACITY;
+use motion::{Direction, PulseSink, Record, Ticks};
+
+/// A queue of pulse records, with as much room as a board's ([`CAPACITY`]), and the counter of the pulses that left.
+#[derive(Clone, Debug, Default)]
+pub struct PulsePlayer {
+    queue: VecDeque<Record>,
+    /// Periods of the first record that are over.
+    periods: u16,
+    /// Ticks of its present period that are over.
+    ticks: u64,
+    pending: Ticks,
+    position: i64,
+}
+
+impl PulsePlayer {
+    /// Plays for so many ticks; time in which there is nothing to play passes too.
+    pub fn play(&mut self, mut ticks: Ticks) {
+        self.pending = self.pending.saturating_sub(ticks);
+        while let Some(record) = self.queue.front().copied() {
+            let period = u64::from(record.period.max(1));
+            // The rest of a period whose pulse has been counted.
+            if self.ticks > 0 {
+                let rest = period - self.ticks;
+                if ticks < rest {
+                    self.ticks += ticks;
+                    return;
+                }
+                ticks -= rest;
+                self.ticks = 0;
+                self.periods += 1;
+            }
+            let whole = (ticks / period).min(u64::from(record.repeat - self.periods)) as u16;
+            self.count(record, whole.into());
+            self.periods += whole;
+            ticks -= u64::from(whole) * period;
+            if self.periods < record.repeat {
+                if ticks > 0 {
+                    self.count(record, 1);
+                    self.ticks = ticks;
+                }
+                return;
+            }
+            self.queue.pop_front();
+            self.periods = 0;
+        }
+    }
+
+    /// Drops every record that has not been played to its end.
+    pub fn drop_all(&mut self) {
+        self.queue.clear();
+        self.periods = 0;
+        self.ticks = 0;
+        self.pending = 0;
+    }
+
+    /// Pulses that left, forward minus reverse.
+    pub fn position(&self) -> i64 {
+        self.position
+    }
+
+    /// Adds steps that no pulse made.
+    pub fn displace(&mut self, steps: i64) {
+        self.position += steps;
+    }
+
+    fn count(&mut self, record: Record, pulses: i64) {
+        if record.width > 0 {
+            match record.direction {
+                Direction::Forward => self.position += pulses,
+                Direction::Reverse => self.position -= pulses,
+            }
+        }
+    }
+}
+
+impl PulseSink for PulsePlayer {
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        if self.queue.len() >= CAPACITY {
+            return Err(record);
+        }
+        self.pending += u64::from(record.period.max(1)) * u64::from(record.repeat);
+        self.queue.push_back(record);
+        Ok(())
+    }
+
+    fn pending(&self) -> Ticks {
+        self.pending
+    }
+
+    fn free(&self) -> usize {
+        CAPACITY - self.queue.len()
+    }
+}

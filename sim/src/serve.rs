@@ -1,0 +1,215 @@
+//! The virtual drive in real time, for masters of other programs.
+//!
+//! Virtual time follows the computer's clock: the drive is polled when it asked for it or when a frame has come, and runs
+//! every control tick that is due. After a stall of the machine it catches up tick by tick, so motion loses nothing.
+
+use std::io::{self, Write};
+use std::time::Instant as WallClock;
+
+use canopen::cia301::nmt::NmtState;
+use canopen::{Event, Frame, Instant};
+
+use crate::Axis402;
+use crate::bus::Station;
+use crate::bus::live::{Incoming, LONGEST_SLEEP, LiveBus, Source};
+use crate::drive::Setup;
+use crate::system_error::plain;
+
+/// What a server is to be.
+#[derive(Debug)]
+pub struct Service {
+    /// Where to serve SLCAN, `host:port`.
+    pub slcan: Option<String>,
+    /// Which SocketCAN interface to join.
+    pub socketcan: Option<String>,
+    /// The drive.
+    pub setup: Setup,
+    /// Tell on standard error what the node does.
+    pub verbose: bool,
+}
+
+/// Runs a drive until it is stopped by a signal. Prints `ready` on a line of its own once it can be reached.
+///
+/// # Errors
+/// One line for people: a busy port, a missing interface, an interface that went away.
+pub fn serve(service: Service) -> Result<(), String> {
+    let mut bus = LiveBus::new();
+    let mut greeting = String::new();
+    if let Some(address) = &service.slcan {
+        let server = bus
+            .serve_slcan(address)
+            .map_err(|error| format!("cannot serve SLCAN on {address}: {}", plain(error)))?;
+        greeting += &format!("SLCAN on {}\n", server.address());
+    }
+    if let Some(interface) = &service.socketcan {
+        bus.join_socketcan(interface).map_err(|error| {
+            format!(
+                "cannot open the CAN interface {interface}: {}",
+                plain(error)
+            )
+        })?;
+        greeting += &format!("SocketCAN on {interface}\n");
+    }
+    let stopper = bus.stopper();
+    ctrlc::set_handler(move || {
+        // An error means that the server has ended already.
+        let _ = stopper.send(Incoming::Stop);
+    })
+    .map_err(|error| format!("cannot catch signals: {}", plain(error)))?;
+
+    let mut server = Server::new(bus, service.setup, service.verbose);
+    server.turn();
+    // Nobody may be reading; the drive runs all the same.
+    let mut output = io::stdout().lock();
+    let _ = writeln!(output, "{greeting}ready").and_then(|()| output.flush());
+    drop(output);
+    server.run()
+}
+
+/// Messages between two turns of the drive, so that a flood of them does not stop it.
+const BATCH: usize = 64;
+
+/// The drive, the bus it is on, and the clock.
+#[derive(Debug)]
+pub struct Server {
+    bus: LiveBus,
+    drive: Axis402,
+    start: WallClock,
+    verbose: bool,
+    warned: bool,
+}
+
+impl Server {
+    /// A drive on a bus, powered when it has its first turn.
+    pub fn new(bus: LiveBus, setup: Setup, verbose: bool) -> Self {
+        Self {
+            bus,
+            drive: Axis402::new(setup),
+            start: WallClock::now(),
+            verbose,
+            warned: false,
+        }
+    }
+
+    /// Runs until it is told to stop, or a transport fails.
+    ///
+    /// # Errors
+    /// What failed, in one line.
+    pub fn run(&mut self) -> Result<(), String> {
+        loop {
+            let mut deadline = self.turn();
+            for _ in 0..BATCH {
+                match self.bus.receive(deadline) {
+                    Some(Incoming::Frame {
+                        source,
+                        frame,
+                        bit_rate,
+                    }) => self.forward(&frame, source, bit_rate),
+                    Some(Incoming::ClientLeft(number)) => {
+                        self.tell(&format!("client {number} left"));
+                    }
+                    Some(Incoming::Failed(what)) => return Err(what),
+                    Some(Incoming::Stop) => return Ok(()),
+                    None => break,
+                }
+                // What else is there is taken, but not waited for.
+                deadline = self.start;
+            }
+        }
+    }
+
+    /// Lets the drive do what is due now, and sends its frames. Returns when it wants its next turn.
+    pub fn turn(&mut self) -> WallClock {
+        let now = self.now();
+        let wake = self.drive.poll(now);
+        self.send_frames();
+        self.tell_events();
+        let sleep = wake
+            .checked_duration_since(now)
+            .map_or(0, |span| span.ticks());
+        self.start
+            + std::time::Duration::from_micros(
+                now.ticks() + sleep.min(LONGEST_SLEEP.as_micros() as u64),
+            )
+    }
+
+    fn now(&self) -> Instant {
+        Instant::from_ticks(self.start.elapsed().as_micros() as u64)
+    }
+
+    fn forward(&mut self, frame: &Frame, source: Source, bit_rate: Option<u32>) {
+        self.send(frame, source, bit_rate);
+        let own = self.bit_rate();
+        if bit_rate.is_none() || bit_rate == own {
+            let now = self.now();
+            self.drive.receive(frame, now);
+            self.send_frames();
+        } else if !self.warned {
+            self.warned = true;
+            warn(&format!(
+                "a client sends at {} kbit/s, the drive is set to {} kbit/s: they do not hear each other",
+                bit_rate.unwrap_or_default(),
+                own.unwrap_or_default(),
+            ));
+        }
+    }
+
+    fn send_frames(&mut self) {
+        while let Some(frame) = self.drive.transmit() {
+            let bit_rate = self.bit_rate();
+            self.send(&frame, Source::Drive, bit_rate);
+        }
+    }
+
+    fn send(&mut self, frame: &Frame, source: Source, bit_rate: Option<u32>) {
+        for client in self.bus.send(frame, source, bit_rate) {
+            warn(&format!("client {client} does not read, disconnected"));
+        }
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        self.drive.bit_rate().map(|rate| rate.kbit_per_second())
+    }
+
+    fn tell_events(&mut self) {
+        while let Some(event) = self.drive.take_event() {
+            let text = match event {
+                Event::StateChanged(state) => {
+                    let node = self.drive.device().node().settings().node_id.get();
+                    format!("node {node}: {}", state_name(state))
+                }
+                Event::StoreSettings(settings) => format!(
+                    "LSS stores node-ID {} and {} kbit/s",
+                    settings.node_id.get(),
+                    settings.bit_rate.kbit_per_second()
+                ),
+                Event::SwitchBitRate { bit_rate, .. } => {
+                    format!("LSS switches to {} kbit/s", bit_rate.kbit_per_second())
+                }
+                Event::ResetRequested(_) => "reset".to_owned(),
+            };
+            self.tell(&text);
+        }
+    }
+
+    fn tell(&self, text: &str) {
+        if self.verbose {
+            warn(text);
+        }
+    }
+}
+
+/// The name of an NMT state.
+fn state_name(state: NmtState) -> &'static str {
+    match state {
+        NmtState::Initialisation => "initialisation",
+        NmtState::Stopped => "stopped",
+        NmtState::Operational => "operational",
+        NmtState::PreOperational => "pre-operational",
+    }
+}
+
+/// A line on standard error, if anybody has it open.
+fn warn(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
+}

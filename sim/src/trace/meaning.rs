@@ -1,0 +1,216 @@
+//! What a frame means, by its identifier in the predefined connection set (CiA 301) and what was seen before.
+
+use std::collections::HashMap;
+
+use canopen::Frame;
+
+use super::lss;
+use super::objects;
+use super::sdo::SdoWatcher;
+use super::words;
+use crate::master::MappedObject;
+
+/// Follows a bus and puts its frames into words.
+#[derive(Clone, Debug, Default)]
+pub struct Interpreter {
+    sdo: HashMap<u8, SdoWatcher>,
+    pdos: HashMap<u16, (String, Vec<MappedObject>)>,
+}
+
+impl Interpreter {
+    /// Knows the predefined connection set, and of PDOs that the first carries controlword or statusword.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Tells what the PDO with this identifier carries, and what to call it.
+    pub fn learn_pdo(&mut self, cob_id: u16, label: &str, objects: &[MappedObject]) {
+        self.pdos
+            .insert(cob_id, (label.to_owned(), objects.to_vec()));
+    }
+
+    /// What a frame means, in one line; empty for a frame that means nothing in CANopen.
+    pub fn meaning(&mut self, frame: &Frame) -> String {
+        let Some(cob_id) = frame.standard_id() else {
+            return String::new();
+        };
+        let node = (cob_id & 0x7F) as u8;
+        let payload = frame.payload();
+        if let Some((label, objects)) = self.pdos.get(&cob_id) {
+            return format!("{label}: {}", contents(objects, payload));
+        }
+        match (cob_id & 0x780, payload, frame.full_payload()) {
+            (0x000, [command, node], _) if cob_id == 0 => nmt(*command, *node),
+            (0x080, _, _) if node == 0 => "SYNC".to_owned(),
+            (0x080, [low, high, register, ..], _) => {
+                let code = u16::from_le_bytes([*low, *high]);
+                match code {
+                    0 => format!("EMCY of node {node}: no error, register {register:02X}h"),
+                    _ => {
+                        format!("EMCY of node {node}: error {code:04X}h, register {register:02X}h")
+                    }
+                }
+            }
+            (0x180, [low, high, ..], _) => {
+                format!(
+                    "TPDO 1: {}",
+                    words::statusword(u16::from_le_bytes([*low, *high]))
+                )
+            }
+            (0x200, [low, high, ..], _) => {
+                format!(
+                    "RPDO 1: {}",
+                    words::controlword(u16::from_le_bytes([*low, *high]))
+                )
+            }
+            (group @ 0x180..=0x500, _, _) => {
+                let number = (group - 0x180) / 0x100 + 1;
+                let kind = if group & 0x80 != 0 { "TPDO" } else { "RPDO" };
+                format!("{kind} {number} of node {node}")
+            }
+            (0x600, _, Some(bytes)) => self.sdo.entry(node).or_default().request(bytes),
+            (0x580, _, Some(bytes)) => self.sdo.entry(node).or_default().answer(bytes),
+            (0x700, [0], _) => format!("boot-up of node {node}"),
+            (0x700, [state], _) => format!("heartbeat of node {node}: {}", state_name(*state)),
+            (_, _, Some(bytes)) if cob_id == 0x7E5 => lss::request(bytes),
+            (_, _, Some(bytes)) if cob_id == 0x7E4 => lss::answer(bytes),
+            _ => String::new(),
+        }
+    }
+}
+
+/// The mapped objects in the order in which they lie in the PDO.
+fn contents(objects: &[MappedObject], mut payload: &[u8]) -> String {
+    let mut parts = Vec::new();
+    for object in objects {
+        let Some((bytes, rest)) = payload.split_at_checked(usize::from(object.bits / 8)) else {
+            break;
+        };
+        parts.push(objects::short(object.index, object.sub, bytes));
+        payload = rest;
+    }
+    parts.join("; ")
+}
+
+fn nmt(command: u8, node: u8) -> String {
+    let command = match command {
+        0x01 => "start",
+        0x02 => "stop",
+        0x80 => "enter pre-operational,",
+        0x81 => "reset",
+        0x82 => "reset communication of",
+        _ => "unknown command to",
+    };
+    match node {
+        0 => format!("NMT: {command} all nodes"),
+        _ => format!("NMT: {command} node {node}"),
+    }
+}
+
+fn state_name(state: u8) -> &'static str {
+    match state & 0x7F {
+        0x04 => "stopped",
+        0x05 => "operational",
+        0x7F => "pre-operational",
+        _ => "unknown state",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn meanings(frames: &[(u16, &[u8])]) -> Vec<String> {
+        let mut interpreter = Interpreter::new();
+        interpreter.learn_pdo(
+            0x384,
+            "TPDO 3",
+            &[MappedObject::new(0x6041, 16), MappedObject::new(0x6064, 32)],
+        );
+        frames
+            .iter()
+            .map(|(cob_id, data)| interpreter.meaning(&Frame::data_frame(*cob_id, data)))
+            .collect()
+    }
+
+    #[test]
+    fn the_predefined_connection_set_is_known() {
+        let frames: [(u16, &[u8]); 11] = [
+            (0x704, &[0]),
+            (0x704, &[0x7F]),
+            (0x000, &[1, 4]),
+            (0x000, &[0x81, 0]),
+            (0x080, &[]),
+            (0x084, &[0x20, 0x32, 0x05, 0, 0, 0, 0, 0]),
+            (0x204, &[0x0F, 0]),
+            (0x184, &[0x37, 0x06]),
+            (0x384, &[0x37, 0x02, 0xFB, 0xFF, 0xFF, 0xFF]),
+            (0x484, &[1]),
+            (0x123, &[]),
+        ];
+        assert_eq!(
+            meanings(&frames),
+            [
+                "boot-up of node 4",
+                "heartbeat of node 4: pre-operational",
+                "NMT: start node 4",
+                "NMT: reset all nodes",
+                "SYNC",
+                "EMCY of node 4: error 3220h, register 05h",
+                "RPDO 1: enable operation",
+                "TPDO 1: operation enabled, target reached",
+                "TPDO 3: operation enabled; position actual value -5",
+                "TPDO 4 of node 4",
+                "",
+            ]
+        );
+    }
+
+    #[test]
+    fn sdo_transfers_are_followed() {
+        let frames: [(u16, &[u8]); 9] = [
+            (0x604, &[0x23, 0x83, 0x60, 0, 0x50, 0xC3, 0, 0]),
+            (0x584, &[0x60, 0x83, 0x60, 0, 0, 0, 0, 0]),
+            (0x604, &[0x40, 0x08, 0x10, 0, 0, 0, 0, 0]),
+            (0x584, &[0x41, 0x08, 0x10, 0, 9, 0, 0, 0]),
+            (0x604, &[0x60, 0, 0, 0, 0, 0, 0, 0]),
+            (0x584, &[0x00, b'A', b'x', b'i', b's', b'4', b'0', b'2']),
+            (0x584, &[0x1B, b'!', b'!', 0, 0, 0, 0, 0]),
+            (0x604, &[0x40, 0x00, 0x99, 0, 0, 0, 0, 0]),
+            (0x584, &[0x80, 0x00, 0x99, 0, 0, 0, 0x02, 0x06]),
+        ];
+        assert_eq!(
+            meanings(&frames),
+            [
+                "SDO write 6083h profile acceleration := 50000",
+                "SDO written",
+                "SDO read 1008h manufacturer device name",
+                "SDO answer, 9 bytes follow",
+                "SDO next segment, please",
+                "SDO segment, 7 bytes so far",
+                "SDO last segment: \"Axis402!!\"",
+                "SDO read 9900h",
+                "SDO abort 06020000h",
+            ]
+        );
+    }
+
+    #[test]
+    fn lss_services_are_known() {
+        let frames: [(u16, &[u8]); 4] = [
+            (0x7E5, &[0x51, 0, 0, 0, 0, 0x80, 0, 0]),
+            (0x7E4, &[0x4F, 0, 0, 0, 0, 0, 0, 0]),
+            (0x7E5, &[0x11, 4, 0, 0, 0, 0, 0, 0]),
+            (0x7E4, &[0x17, 2, 0, 0, 0, 0, 0, 0]),
+        ];
+        assert_eq!(
+            meanings(&frames),
+            [
+                "LSS fastscan: is anybody there without a node-ID?",
+                "LSS: yes",
+                "LSS: take node-ID 4",
+                "LSS: refused, error 2",
+            ]
+        );
+    }
+}

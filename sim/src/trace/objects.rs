@@ -1,0 +1,80 @@
+//! Names and values of objects, from the data sheet.
+
+use crate::trace::words;
+
+/// Name and sign of a number, as the build script found them in the data sheet: index, sub-index, name, signed.
+type Known = (u16, u8, &'static str, bool);
+
+static KNOWN: &[Known] = include!(concat!(env!("OUT_DIR"), "/names.rs"));
+
+/// `6083h profile acceleration`, with `:01` behind the index if the object has sub-indexes.
+pub fn name(index: u16, sub: u8) -> String {
+    let name = find(index, sub).map_or("", |known| known.2);
+    let has_subs = KNOWN.iter().any(|known| known.0 == index && known.1 > 0);
+    let number = if has_subs || sub > 0 {
+        format!("{index:04X}h:{sub:02X}")
+    } else {
+        format!("{index:04X}h")
+    };
+    format!("{number} {name}").trim_end().to_owned()
+}
+
+/// A value as people like to read it: words for controlword and statusword, text for strings, hexadecimal for
+/// communication objects, decimal for the rest.
+pub fn value(index: u16, sub: u8, bytes: &[u8]) -> String {
+    let number = bytes
+        .iter()
+        .rev()
+        .fold(0u64, |number, byte| number << 8 | u64::from(*byte));
+    match index {
+        0x6040 => words::controlword(number as u16),
+        0x6041 => words::statusword(number as u16),
+        _ if bytes.len() > 8 => format!("\"{}\"", String::from_utf8_lossy(bytes)),
+        0x1000..=0x1FFF if bytes.len() > 1 => {
+            format!("{number:0width$X}h", width = 2 * bytes.len())
+        }
+        _ if find(index, sub).is_some_and(|known| known.3) && !bytes.is_empty() => {
+            let unused = 64 - 8 * bytes.len() as u32;
+            (((number << unused) as i64) >> unused).to_string()
+        }
+        _ => number.to_string(),
+    }
+}
+
+/// The name in a few words for a PDO: `position actual value -5`, or only the words of controlword and statusword.
+pub fn short(index: u16, sub: u8, bytes: &[u8]) -> String {
+    let value = value(index, sub, bytes);
+    match (index, find(index, sub)) {
+        (0x6040 | 0x6041, _) | (_, None) => value,
+        (_, Some(known)) => format!("{} {value}", known.2),
+    }
+}
+
+fn find(index: u16, sub: u8) -> Option<&'static Known> {
+    KNOWN
+        .iter()
+        .find(|known| known.0 == index && known.1 == sub)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_come_from_the_data_sheet() {
+        assert_eq!(name(0x6083, 0), "6083h profile acceleration");
+        assert!(name(0x1018, 4).starts_with("1018h:04 "));
+        assert_eq!(name(0x5FFF, 0), "5FFFh");
+        assert_eq!(name(0x5FFF, 7), "5FFFh:07");
+    }
+
+    #[test]
+    fn values_are_shown_by_their_type() {
+        assert_eq!(value(0x6064, 0, &(-5i32).to_le_bytes()), "-5");
+        assert_eq!(value(0x6083, 0, &50_000u32.to_le_bytes()), "50000");
+        assert_eq!(value(0x1000, 0, &0x0004_0192u32.to_le_bytes()), "00040192h");
+        assert_eq!(value(0x6040, 0, &[0x06, 0x00]), "shutdown");
+        assert_eq!(value(0x1008, 0, b"Axis402 drive"), "\"Axis402 drive\"");
+        assert_eq!(value(0x6060, 0, &[0xFF]), "-1");
+    }
+}

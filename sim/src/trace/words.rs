@@ -1,0 +1,97 @@
+//! Controlword and statusword in words (CiA 402-2).
+
+/// What a statusword says: the state, then the bits that are set.
+pub fn statusword(word: u16) -> String {
+    let state = match word & 0x6F {
+        0x21 => "ready to switch on",
+        0x23 => "switched on",
+        0x27 => "operation enabled",
+        0x07 => "quick stop active",
+        _ => match word & 0x4F {
+            0x00 => "not ready to switch on",
+            0x40 => "switch on disabled",
+            0x0F => "fault reaction active",
+            0x08 => "fault",
+            _ => "no state of CiA 402",
+        },
+    };
+    let bits = [
+        (7, "warning"),
+        (10, "target reached"),
+        (11, "internal limit active"),
+        (12, "set-point acknowledged"),
+        (13, "following error"),
+    ];
+    named(state, word, &bits)
+}
+
+/// What a controlword commands, in profile position mode.
+pub fn controlword(word: u16) -> String {
+    let command = match word {
+        _ if word & 0x80 != 0 => "fault reset",
+        _ if word & 0x02 == 0 => "disable voltage",
+        _ if word & 0x04 == 0 => "quick stop",
+        _ if word & 0x01 == 0 => "shutdown",
+        _ if word & 0x08 == 0 => "switch on",
+        _ => "enable operation",
+    };
+    let bits = [
+        (4, "new set-point"),
+        (5, "change immediately"),
+        (6, "relative"),
+        (8, "halt"),
+    ];
+    named(command, word, &bits)
+}
+
+fn named(first: &str, word: u16, bits: &[(u32, &str)]) -> String {
+    let set = bits
+        .iter()
+        .filter(|(bit, _)| word >> bit & 1 == 1)
+        .map(|(_, name)| *name);
+    let parts: Vec<&str> = std::iter::once(first).chain(set).collect();
+    parts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_state_has_its_name() {
+        let names = [
+            (0x0000, "not ready to switch on"),
+            (0x0250, "switch on disabled"),
+            (0x0231, "ready to switch on"),
+            (0x0233, "switched on"),
+            (0x0237, "operation enabled"),
+            (0x0217, "quick stop active"),
+            (0x021F, "fault reaction active"),
+            (0x0218, "fault"),
+        ];
+        for (word, name) in names {
+            assert_eq!(statusword(word), name, "{word:04X}");
+        }
+        assert_eq!(
+            statusword(0x1637),
+            "operation enabled, target reached, set-point acknowledged"
+        );
+    }
+
+    #[test]
+    fn every_command_has_its_name() {
+        let names = [
+            (0x00, "disable voltage"),
+            (0x02, "quick stop"),
+            (0x06, "shutdown"),
+            (0x07, "switch on"),
+            (0x0F, "enable operation"),
+            (0x1F, "enable operation, new set-point"),
+            (0x10F, "enable operation, halt"),
+            (0x80, "fault reset"),
+        ];
+        for (word, name) in names {
+            assert_eq!(controlword(word), name, "{word:04X}");
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The command line as a person or a script meets it: output, one-line errors, exit codes.
+
+use std::io::{BufRead, BufReader, Read};
+use std::net::TcpListener;
+use std::process::{Child, Command, Output, Stdio};
+
+fn sim() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_sim"))
+}
+
+fn run(arguments: &[&str]) -> Output {
+    sim().args(arguments).output().unwrap()
+}
+
+/// One line on standard error that holds `part`, nothing else, and exit code 2.
+fn assert_refused(arguments: &[&str], part: &str) {
+    let output = run(arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    assert_eq!(error.lines().count(), 1, "{arguments:?}: {error}");
+    assert!(error.contains(part), "{arguments:?}: {error}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+}
+
+#[test]
+fn mistakes_are_one_line_and_exit_code_2() {
+    let serve = |rest: &[&'static str]| [&["serve", "--slcan", "127.0.0.1:0"], rest].concat();
+    let no_bus = "a bus is missing: --slcan ADDRESS:PORT or --socketcan INTERFACE";
+    assert_refused(&["serve"], no_bus);
+    assert_refused(&["serve", "--node-id", "4"], no_bus);
+    assert_refused(&["dance"], "dance");
+    assert_refused(&["demo", "--node-id", "128"], "128");
+    assert_refused(&["serve", "--slcan", "127.0.0.1:99999"], "127.0.0.1:99999");
+    assert_refused(&["serve", "--slcan", "nonsense"], "nonsense");
+    assert_refused(&["serve", "--slcan", "127.0.0.1"], "127.0.0.1");
+    assert_refused(&serve(&["--node-id", "0"]), "--node-id");
+    assert_refused(&serve(&["--node-id", "four"]), "four");
+    assert_refused(
+        &serve(&["--node-id", "4", "--unconfigured"]),
+        "--unconfigured",
+    );
+    assert_refused(&serve(&["--bitrate", "100"]), "1000, 800");
+    assert_refused(&serve(&["--serial", "0xGG"]), "0xGG");
+    assert_refused(
+        &serve(&["--store", "/no/such/folder/drive.bin"]),
+        "cannot use the store /no/such/folder/drive.bin: no such file or directory\n",
+    );
+}
+
+#[test]
+fn a_busy_port_is_one_line_and_exit_code_2() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    assert_refused(&["serve", "--slcan", &address], &address);
+}
+
+#[test]
+fn a_missing_interface_is_one_line_and_exit_code_2() {
+    assert_refused(&["serve", "--socketcan", "no-such-can0"], "no-such-can0");
+}
+
+#[test]
+fn a_file_that_is_no_store_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("notes.txt");
+    std::fs::write(&path, "important").unwrap();
+    let file = path.to_str().unwrap();
+    assert_refused(
+        &["serve", "--slcan", "127.0.0.1:0", "--store", file],
+        "not a parameter store",
+    );
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "important");
+}
+
+#[test]
+fn without_a_command_it_is_the_demonstration() {
+    let (bare, named) = (run(&[]), run(&["demo"]));
+    assert_eq!(bare.status.code(), Some(0));
+    assert_eq!(bare.stdout, named.stdout);
+    let text = String::from_utf8(bare.stdout).unwrap();
+    assert!(text.contains("boot-up of node 4"), "{text}");
+    assert!(text.contains("What to try next"), "{text}");
+}
+
+#[test]
+fn the_demonstration_writes_its_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("move.svg");
+    let output = run(&["demo", "--plot", path.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(std::fs::read_to_string(&path).unwrap().contains("Velocity"));
+}
+
+#[test]
+fn a_picture_that_cannot_be_written_is_an_error() {
+    let output = run(&["demo", "--plot", "/no/such/folder/move.svg"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        String::from_utf8(output.stderr).unwrap(),
+        "sim: cannot write the picture /no/such/folder/move.svg: no such file or directory\n"
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_cannot_be_written_is_an_error() {
+    let full = std::fs::File::options()
+        .write(true)
+        .open("/dev/full")
+        .unwrap();
+    let output = sim().stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(
+        String::from_utf8(output.stderr).unwrap(),
+        "sim: cannot write the output: no space left on device\n"
+    );
+}
+
+#[test]
+fn help_is_no_mistake() {
+    for arguments in [&["--help"][..], &["serve", "--help"], &["--version"]] {
+        assert_eq!(run(arguments).status.code(), Some(0));
+    }
+}
+
+/// A server that is killed at the end, whatever happens.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+impl Running {
+    /// Starts a server and waits until it is ready; returns it with the lines before `ready`.
+    fn start(arguments: &[&str]) -> (Self, Vec<String>) {
+        let child = sim()
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut running = Self(child);
+        let output = BufReader::new(running.0.stdout.take().unwrap());
+        let mut before = Vec::new();
+        for line in output.lines() {
+            let line = line.unwrap();
+            if line == "ready" {
+                return (running, before);
+            }
+            before.push(line);
+        }
+        let mut error = String::new();
+        running
+            .0
+            .stderr
+            .take()
+            .unwrap()
+            .read_to_string(&mut error)
+            .unwrap();
+        panic!("the server ended: {error}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_server_runs_until_it_is_stopped() {
+    for signal in ["-INT", "-TERM"] {
+        let (mut running, before) =
+            Running::start(&["serve", "--slcan", "127.0.0.1:0", "--node-id", "4"]);
+        assert!(before[0].starts_with("SLCAN on 127.0.0.1:"), "{before:?}");
+        let kill = Command::new("kill")
+            .args([signal, &running.0.id().to_string()])
+            .status()
+            .unwrap();
+        assert!(kill.success());
+        assert_eq!(running.0.wait().unwrap().code(), Some(0));
+    }
+}
+
+#[test]
+fn a_store_serves_one_drive_at_a_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.bin");
+    let arguments = [
+        "serve",
+        "--slcan",
+        "127.0.0.1:0",
+        "--store",
+        path.to_str().unwrap(),
+    ];
+    let (_running, _) = Running::start(&arguments);
+    assert_refused(&arguments, "another drive uses it");
+}
