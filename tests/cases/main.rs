@@ -1,0 +1,15 @@
+//! The cases: what goes in on the bus, what comes out, at which time.
+//!
+//! One module per service; the name of a listed case begins with its id.
+
+mod can_layer;
+mod data_sheet;
+mod golden;
+mod lss;
+mod model;
+mod nmt;
+mod pdo;
+mod profile_position;
+mod sdo;
+mod state_machine;
+mod sync_emergency;

@@ -1,0 +1,26 @@
+//! What the tests share: the notation of the cases, a scripted station on the simulated bus, and the devices under test.
+//!
+//! A case says which frames go in and which come out, in virtual time:
+//!
+//! ```
+//! let mut bench = tests::Bench::node(4);
+//! bench.send("604: 40 00 10 00");
+//! bench.expect("584: 43 00 10 00 ..");
+//! bench.refused("604: 40 04 10 00", 0x0602_0000);
+//! bench.silence(1_000);
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod drive;
+pub mod line;
+pub mod notation;
+pub mod plain_node;
+mod service_data;
+
+pub use drive::DriveBench;
+pub use plain_node::Bench;
+
+/// The dictionary of `eds/test-device.eds`.
+pub mod test_device {
+    include!(concat!(env!("OUT_DIR"), "/test_device.rs"));
+}
