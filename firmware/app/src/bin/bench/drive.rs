@@ -1,0 +1,149 @@
+//! The drive: a control tick at rest and one in motion.
+
+use canopen::{BitRate, Duration, Frame, Instant, NodeId, Settings};
+use cia402::{Device, Drive, DriveConfig, Exchange, Inputs};
+use motion::{AxisConfig, Clock, DriverTiming, PulseSink, Record, Ticks};
+
+use crate::{count, row};
+
+mod dictionary {
+    include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));
+}
+
+use dictionary::{Dictionary, RPDO_COUNT, TPDO_COUNT};
+
+const HZ: u32 = 84_000_000;
+const TICK: Duration = Duration::millis(1);
+
+/// A motor that follows at once.
+#[derive(Default)]
+struct Motor {
+    pending: Ticks,
+    position: i64,
+}
+
+impl PulseSink for Motor {
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        self.pending += record.ticks();
+        self.position += i64::from(record.steps());
+        Ok(())
+    }
+
+    fn pending(&self) -> Ticks {
+        self.pending
+    }
+
+    fn free(&self) -> usize {
+        64
+    }
+}
+
+struct Bench {
+    device: Device<Dictionary, RPDO_COUNT, TPDO_COUNT>,
+    drive: Drive,
+    exchange: Exchange,
+    motor: Motor,
+    now: Instant,
+}
+
+#[inline(never)]
+fn tick(drive: &mut Drive, now: Instant, motor: &mut Motor, exchange: &mut Exchange) {
+    let inputs = Inputs {
+        supply: true,
+        position: motor.position,
+        fault: None,
+    };
+    drive.tick(now, &inputs, motor, exchange);
+}
+
+impl Bench {
+    /// A millisecond: the node task, then a control tick, whose instructions it gives.
+    fn millisecond(&mut self) -> u32 {
+        self.now += TICK;
+        self.motor.pending = self.motor.pending.saturating_sub((HZ / 1_000).into());
+        let (count, ()) = count(|| {
+            tick(
+                &mut self.drive,
+                self.now,
+                &mut self.motor,
+                &mut self.exchange,
+            );
+        });
+        self.device.poll(self.now, &mut self.exchange);
+        while self.device.transmit().is_some() {}
+        count
+    }
+
+    fn download(&mut self, index: u16, size: u8, value: i32) {
+        let [low, high] = index.to_le_bytes();
+        let [a, b, c, d] = value.to_le_bytes();
+        let request = [0x23 | (4 - size) << 2, low, high, 0, a, b, c, d];
+        self.device.receive(
+            &Frame::data_frame(0x60A, &request),
+            self.now,
+            &mut self.exchange,
+        );
+        let answer = self.device.transmit().unwrap();
+        assert_eq!(answer.payload()[0], 0x60);
+        self.millisecond();
+        self.millisecond();
+    }
+
+    fn statusword(&self) -> u16 {
+        self.device.node().dictionary().statusword()
+    }
+}
+
+/// All workloads of the drive.
+pub fn run() {
+    let settings = Settings {
+        node_id: NodeId::new(10).unwrap(),
+        bit_rate: BitRate::Kbit1000,
+    };
+    let config = DriveConfig {
+        axis: AxisConfig {
+            clock: Clock::new(HZ).unwrap(),
+            segment: HZ / 1_000,
+            timing: DriverTiming {
+                pulse_high: 210,
+                pulse_low: 210,
+                direction_setup: 420,
+                direction_hold: 420,
+            },
+        },
+        tick: TICK,
+    };
+    let mut bench = Bench {
+        device: Device::new(Dictionary::new(), settings, 1),
+        drive: Drive::new(config),
+        exchange: Exchange::new(),
+        motor: Motor::default(),
+        now: Instant::from_ticks(0),
+    };
+    bench.device.power_on(bench.now, &mut bench.exchange);
+    bench.millisecond();
+    bench.download(0x6060, 1, 1);
+    for controlword in [0x06, 0x07, 0x0F] {
+        bench.download(0x6040, 2, controlword);
+    }
+    assert_eq!(bench.statusword() & 0x6F, 0x27, "operation enabled");
+    for _ in 0..100 {
+        bench.millisecond();
+    }
+    row("drive: control tick, enabled, at rest", bench.millisecond());
+
+    bench.download(0x607A, 4, 20_000);
+    bench.download(0x6081, 4, 20_000);
+    bench.download(0x6040, 2, 0x1F);
+    for _ in 0..500 {
+        bench.millisecond();
+    }
+    row(
+        "drive: control tick, cruising at 20 kHz",
+        bench.millisecond(),
+    );
+    while bench.motor.pending > 0 {
+        bench.millisecond();
+    }
+    assert_eq!(bench.motor.position, 20_000);
+}

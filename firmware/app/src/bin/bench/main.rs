@@ -1,0 +1,76 @@
+//! What the core costs, in executed instructions.
+//!
+//! The image runs in QEMU with `-icount shift=0`: one nanosecond of virtual time is one instruction, and TIM5, which nobody
+//! ever writes, counts them. Each workload is one line on the standard output, name, tab, count. The answer of each is
+//! checked for its content; a wrong one ends the run with an error.
+//!
+//! A region begins when a received frame is handed to the device and ends when every frame of the answer is in a transmit
+//! mailbox that always has room. It is one pass of the node task: receive, let time pass, transmit.
+#![no_std]
+#![no_main]
+#![allow(
+    missing_debug_implementations,
+    reason = "nothing here is ever printed but counts"
+)]
+
+mod device;
+mod drive;
+mod steps;
+
+use cortex_m_rt::{entry, exception, ExceptionFrame};
+use cortex_m_semihosting::{debug, heprintln, hprintln};
+// Only for the linker script of the firmware, which expects its symbols.
+use defmt as _;
+use stm32f4xx_hal::pac;
+
+/// Instructions executed since the start; wraps.
+#[inline(always)]
+fn instructions() -> u32 {
+    // SAFETY: reading the counter of TIM5 has no effect, and nobody writes the timer.
+    unsafe { (*pac::TIM5::ptr()).cnt().read().bits() }
+}
+
+/// Counts the instructions of `region`, without those of counting.
+fn count<R>(region: impl FnOnce() -> R) -> (u32, R) {
+    let empty = {
+        let start = instructions();
+        instructions().wrapping_sub(start)
+    };
+    let start = instructions();
+    let result = region();
+    let end = instructions();
+    (end.wrapping_sub(start).wrapping_sub(empty), result)
+}
+
+/// One row of the table.
+fn row(name: &str, count: u32) {
+    hprintln!("{}\t{}", name, count);
+}
+
+#[entry]
+fn main() -> ! {
+    device::run();
+    steps::run();
+    drive::run();
+    loop {
+        debug::exit(debug::EXIT_SUCCESS);
+    }
+}
+
+/// A wrong answer ends the run.
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo) -> ! {
+    heprintln!("{}", info);
+    loop {
+        debug::exit(debug::EXIT_FAILURE);
+    }
+}
+
+/// A fault ends the run.
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    heprintln!("hard fault at {:#010x}", frame.pc());
+    loop {
+        debug::exit(debug::EXIT_FAILURE);
+    }
+}

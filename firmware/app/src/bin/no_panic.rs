@@ -1,0 +1,352 @@
+//! Proof that `canopen`, `motion` and `cia402` cannot panic.
+//!
+//! This image drives everything they offer with inputs the compiler cannot know. Its panic handler calls a function
+//! that does not exist: if one path to a panic is left after optimisation, the handler stays in the image and linking
+//! fails with `undefined symbol: a_panic_path_is_linked`. It is built, never run.
+#![no_std]
+#![no_main]
+
+use canopen::cia301::emergency::Emergency;
+use canopen::cia301::nmt::Reset;
+use canopen::cia303::{Indicators, Signal};
+use canopen::node::StoreError;
+use canopen::{Application, BitRate, Frame, Instant, Node, NodeId, Settings};
+use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
+use cortex_m_rt::entry;
+// Only for the linker script of the firmware, which expects its symbols.
+use defmt as _;
+use embedded_can::{ExtendedId, Frame as _, StandardId};
+use motion::step_interrupt::{self, Edge, Player, RecordQueue, StepTimer};
+use motion::{
+    Axis, AxisConfig, Clock, Direction, DriverTiming, Limits, Plan, Position, PulseSink, Record,
+    State, Velocity,
+};
+use stm32f4xx_hal as _;
+
+/// The object dictionary of the drive.
+mod dictionary {
+    include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));
+}
+
+use dictionary::{Dictionary, RPDO_COUNT, TPDO_COUNT};
+
+unsafe extern "C" {
+    fn a_panic_path_is_linked() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    // SAFETY: there is no such function, so an image with this call in it never links.
+    unsafe { a_panic_path_is_linked() }
+}
+
+/// Inputs and results go through these cells; the compiler must take every value for possible.
+static mut CELL: [u32; 2] = [0; 2];
+
+/// Any number.
+#[inline(never)]
+fn any() -> u32 {
+    // SAFETY: one thread, no interrupts, and the cell lives for ever.
+    unsafe { (&raw const CELL[0]).read_volatile() }
+}
+
+/// Looks at a result, so that the work for it is not left out.
+#[inline(never)]
+fn look(result: u32) {
+    // SAFETY: as in `any`.
+    unsafe { (&raw mut CELL[1]).write_volatile(result) }
+}
+
+fn any_u64() -> u64 {
+    u64::from(any()) << 32 | u64::from(any())
+}
+
+fn any_bytes() -> [u8; 8] {
+    any_u64().to_le_bytes()
+}
+
+fn any_frame() -> Frame {
+    let bytes = any_bytes();
+    let data = bytes.get(..any() as usize).unwrap_or(&bytes);
+    match any() {
+        0 => Frame::remote_frame(any() as u16, any() as u8),
+        1 => ExtendedId::new(any())
+            .and_then(|id| Frame::new(id, data))
+            .unwrap_or(Frame::data_frame(0, data)),
+        2 => StandardId::new(any() as u16)
+            .and_then(|id| Frame::new_remote(id, any() as usize))
+            .unwrap_or(Frame::data_frame(0, data)),
+        _ => Frame::data_frame(any() as u16, data),
+    }
+}
+
+fn any_settings() -> Settings {
+    Settings {
+        node_id: NodeId::new(any() as u8).unwrap_or(NodeId::UNCONFIGURED),
+        bit_rate: BitRate::from_table_index(any() as u8).unwrap_or(BitRate::Kbit1000),
+    }
+}
+
+fn any_time() -> Instant {
+    Instant::from_ticks(any_u64())
+}
+
+fn any_result() -> Result<(), StoreError> {
+    match any() {
+        0 => Ok(()),
+        1 => Err(StoreError::Medium),
+        _ => Err(StoreError::NotSupported),
+    }
+}
+
+fn any_limits() -> Limits {
+    Limits {
+        velocity: any(),
+        acceleration: any(),
+        deceleration: any(),
+    }
+}
+
+fn any_config() -> Option<AxisConfig> {
+    Some(AxisConfig {
+        clock: Clock::new(any())?,
+        segment: any(),
+        timing: any_timing(),
+    })
+}
+
+fn any_timing() -> DriverTiming {
+    DriverTiming {
+        pulse_high: any(),
+        pulse_low: any(),
+        direction_setup: any(),
+        direction_hold: any(),
+    }
+}
+
+/// A sink that may say anything.
+struct Sink;
+
+impl PulseSink for Sink {
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        look(record.period ^ u32::from(record.repeat) ^ u32::from(record.width));
+        look((record.direction == Direction::Forward).into());
+        if any() == 0 {
+            Ok(())
+        } else {
+            Err(record)
+        }
+    }
+
+    fn pending(&self) -> u64 {
+        any_u64()
+    }
+
+    fn free(&self) -> usize {
+        any() as usize
+    }
+}
+
+/// An application that accepts and refuses at will.
+struct Objects;
+
+impl<D: canopen::od::Dictionary> Application<D> for Objects {
+    fn validate(
+        &mut self,
+        _: &D,
+        entry: &canopen::od::Entry,
+        value: &[u8],
+    ) -> Result<(), canopen::cia301::sdo::AbortCode> {
+        look(entry.key() + value.len() as u32);
+        if any() == 0 {
+            Ok(())
+        } else {
+            Err(canopen::cia301::sdo::AbortCode::General)
+        }
+    }
+}
+
+#[inline(never)]
+fn node(node: &mut Node<Dictionary, RPDO_COUNT, TPDO_COUNT>) {
+    match any() {
+        0 => node.boot(
+            if any() == 0 {
+                Reset::Node
+            } else {
+                Reset::Communication
+            },
+            any_time(),
+            &mut Objects,
+        ),
+        1 => node.report(
+            Emergency {
+                code: any() as u16,
+                register: any() as u8,
+                info: any_bytes().first_chunk().copied().unwrap_or_default(),
+            },
+            any_time(),
+        ),
+        2 => node.clear(any() as u16, any_time()),
+        3 => node.settings_stored(any_result()),
+        4 => look(node.poll(any_time(), &mut Objects).ticks() as u32),
+        5 => {
+            if let Some(frame) = node.transmit() {
+                look(u32::from(frame.length()) + u32::from(frame.standard_id().unwrap_or(0)));
+            }
+        }
+        6 => look(node.event().is_some().into()),
+        7 => {
+            look(node.overflows() + u32::from(node.settings().node_id.get()) + node.state() as u32);
+        }
+        _ => node.receive(&any_frame(), any_time(), &mut Objects),
+    }
+}
+
+#[inline(never)]
+fn drive(
+    device: &mut Device<Dictionary, RPDO_COUNT, TPDO_COUNT>,
+    drive: &mut Drive,
+    exchange: &mut impl Share,
+) {
+    match any() {
+        0 => device.power_on(any_time(), exchange),
+        1 => look(device.poll(any_time(), exchange).ticks() as u32),
+        2 => device.settings_stored(any_result()),
+        3 => look(device.event().is_some().into()),
+        4 => {
+            if let Some(frame) = device.transmit() {
+                look(u32::from(frame.length()) + u32::from(frame.standard_id().unwrap_or(0)));
+            }
+        }
+        5 => {
+            let inputs = Inputs {
+                supply: any() == 0,
+                position: any_u64() as i64,
+                fault: (any() == 0).then_some(any() as u16),
+            };
+            let outputs = drive.tick(any_time(), &inputs, &mut Sink, exchange);
+            look(u32::from(outputs.power_stage) + u32::from(outputs.drop_pulses));
+        }
+        6 => look(exchange.lock(|exchange| exchange.is_safe()).into()),
+        _ => device.receive(&any_frame(), any_time(), exchange),
+    }
+}
+
+#[inline(never)]
+fn axis(axis: &mut Axis) {
+    match any() {
+        0 => look(axis.move_to(any_u64() as i64, any_limits()).is_ok().into()),
+        1 => look(axis.ramp_to(any() as i32, any_limits()).is_ok().into()),
+        2 => look(axis.stop(any()).is_ok().into()),
+        3 => look(axis.abort() as u32),
+        4 => axis.set_position(any_u64() as i64),
+        5 => look(axis.demand(any_u64()).position as u32),
+        6 => look(
+            axis.committed_position() as u32 + axis.target() as u32 + u32::from(axis.is_at_rest()),
+        ),
+        _ => look(axis.advance(&mut Sink).is_ok().into()),
+    }
+}
+
+/// A timer that may say anything.
+struct Timer;
+
+impl StepTimer for Timer {
+    const FALLING_EDGES: bool = true;
+
+    fn now() -> u32 {
+        any()
+    }
+
+    fn schedule(&mut self, time: u32, edge: Edge) -> u32 {
+        look(time + u32::from(edge == Edge::Rise));
+        any()
+    }
+
+    fn stop(&mut self) -> bool {
+        any() == 0
+    }
+
+    fn set_direction(&mut self, direction: Direction) {
+        look((direction == Direction::Forward).into());
+    }
+
+    fn interrupt() {}
+}
+
+#[inline(never)]
+fn pulses(queue: &mut RecordQueue<'_, Timer>, player: &mut Player<'_, Timer>) {
+    let record = Record {
+        period: any(),
+        repeat: any() as u16,
+        width: any() as u16,
+        direction: if any() == 0 {
+            Direction::Forward
+        } else {
+            Direction::Reverse
+        },
+    };
+    match any() {
+        0 => look(queue.push(record).is_ok().into()),
+        1 => look(queue.position() as u32 + queue.pending() as u32 + queue.free() as u32),
+        2 => queue.drop_all(),
+        _ => player.on_interrupt(),
+    }
+}
+
+#[inline(never)]
+fn plan(clock: Clock) {
+    let from = State {
+        position: Position::from_steps(any_u64() as i64),
+        velocity: Velocity::from_steps_per_second(clock, any() as i32),
+    };
+    let plan = match any() {
+        0 => Plan::move_to(clock, any_u64(), from, any_u64() as i64, any_limits()),
+        1 => Plan::velocity(clock, any_u64(), from, any() as i32, any_limits()),
+        _ => Ok(Plan::at_rest(any_u64() as i64, any_u64())),
+    };
+    if let Ok(plan) = plan {
+        let state = plan.state_at(any_u64());
+        look(state.position.whole_steps() as u32 ^ state.velocity.steps_per_second(clock) as u32);
+        look(
+            plan.next_corner(any_u64())
+                .map_or(0, |corner| corner as u32),
+        );
+        look(plan.end().unwrap_or(plan.start()) as u32);
+    }
+}
+
+#[inline(never)]
+fn indicators(indicators: &mut Indicators, node: &Node<Dictionary, RPDO_COUNT, TPDO_COUNT>) {
+    let lit = indicators.advance(Signal {
+        state: node.state(),
+        fault: any() == 0,
+    });
+    look(u32::from(lit.run) + u32::from(lit.error));
+}
+
+#[entry]
+fn main() -> ! {
+    let mut exchange = Exchange::new();
+    let mut device = Device::new(Dictionary::new(), any_settings(), any());
+    let mut plain = Node::new(Dictionary::new(), any_settings());
+    let mut lights = Indicators::new();
+    let mut shared = step_interrupt::Shared::new();
+    let (mut queue, mut player) = step_interrupt::split(&mut shared, Timer, any_timing());
+    loop {
+        let Some(config) = any_config() else { continue };
+        let mut stepper = Axis::new(config);
+        let mut driver = Drive::new(DriveConfig {
+            axis: config,
+            tick: canopen::Duration::from_ticks(any_u64()),
+        });
+        while any() != 0 {
+            node(&mut plain);
+            indicators(&mut lights, &plain);
+            drive(&mut device, &mut driver, &mut exchange);
+            axis(&mut stepper);
+            plan(config.clock);
+            pulses(&mut queue, &mut player);
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The boards the firmware runs on.
+//!
+//! A board is a type that implements [`Board`]; the feature of the same name makes it [`Selected`]. The tasks in
+//! `main.rs` are the same on all of them: every interrupt is bound on every board, and a board without the peripheral
+//! never raises it.
+//!
+//! Of the firmware this folder is the only place with `unsafe` code and the only one that touches peripherals (RTIC's
+//! own code, which its macro writes into `main.rs`, aside). The two other images have some of their own: `bin/bench`
+//! reads the timer that counts and handles the hard fault, `bin/no_panic.rs` has cells the compiler cannot see through
+//! and the function that does not exist.
+
+use canopen::{BitRate, Frame};
+use cortex_m::peripheral::SYST;
+use embedded_storage::nor_flash::NorFlash;
+use stm32f4xx_hal::pac;
+
+use crate::inbox::Inbox;
+use motion::step_interrupt::StepTimer;
+
+#[cfg(feature = "qemu")]
+mod qemu;
+#[cfg(feature = "stm32f405")]
+mod stm32f405;
+
+#[cfg(feature = "qemu")]
+pub use qemu::Qemu as Selected;
+#[cfg(feature = "stm32f405")]
+pub use stm32f405::Stm32f405 as Selected;
+
+#[cfg(any(
+    all(feature = "stm32f405", feature = "qemu"),
+    not(any(feature = "stm32f405", feature = "qemu"))
+))]
+compile_error!("exactly one of the features `stm32f405` and `qemu` chooses the board");
+
+/// What the firmware needs of a board.
+pub trait Board: Sized {
+    /// Counts of [`Board::ticks`] in a microsecond.
+    const TICKS_PER_MICROSECOND: u32;
+    /// Counts of [`StepTimer::now`] in a second.
+    const STEP_CLOCK_HZ: u32;
+    /// Counts of the system timer in a second.
+    const SYSTEM_TIMER_HZ: u32;
+
+    /// The timer that makes step pulses.
+    type Steps: StepTimer + Send;
+    /// The receiving half of the CAN controller.
+    type Receiver: Receive<Self::Bus> + Send;
+    /// The sending half of the CAN controller.
+    type Bus: Bus + Send;
+    /// The power stage and what watches it.
+    type Stage: Stage + Send;
+    /// The two lights.
+    type Lights: Lights + Send;
+    /// The flash sectors of the parameter store, all of them and nothing else, from address 0.
+    type Parameters: NorFlash + Send;
+
+    /// Sets up clocks and peripherals. Called once, with interrupts off. The power stage is off, the CAN controller silent
+    /// until [`Bus::start`].
+    fn start(device: pac::Peripherals) -> Parts<Self>;
+
+    /// A free-running counter of 32 bits, [`Board::TICKS_PER_MICROSECOND`] a microsecond. Any task may read it.
+    fn ticks() -> u32;
+
+    /// What the processor does when there is nothing to do; returns at the latest with the next interrupt.
+    fn idle();
+}
+
+/// What [`Board::start`] hands out.
+pub struct Parts<B: Board> {
+    pub steps: B::Steps,
+    pub receiver: B::Receiver,
+    pub bus: B::Bus,
+    pub stage: B::Stage,
+    pub lights: B::Lights,
+    pub parameters: B::Parameters,
+    /// Object 1018h:4, the same at every start and different on every board.
+    pub serial_number: u32,
+}
+
+/// The receiving half of a CAN controller.
+pub trait Receive<B> {
+    /// Puts every frame that has arrived into the inbox. Called from the receive interrupt.
+    fn receive(&mut self, bus: &mut B, inbox: &mut Inbox);
+
+    /// The inbox has room again. Called each time it was emptied.
+    fn resume(bus: &mut B);
+}
+
+/// The sending half of a CAN controller, and the state of the whole.
+pub trait Bus {
+    /// The bit rates that can be made from the controller's clock.
+    const BIT_RATES: &'static [BitRate];
+
+    /// Asks the controller to leave the bus, which it does after the frame that is on it. Does not wait: true once it has
+    /// left, so that [`Bus::start`] takes no time; false to ask again later.
+    fn leave(&mut self) -> bool;
+
+    /// Goes on the bus at this rate, or leaves what it is doing and comes back at this rate. On a bus it waits for the end
+    /// of the frame there, unless [`Bus::leave`] has.
+    ///
+    /// # Errors
+    /// [`Unreachable`]: the rate is none of [`Bus::BIT_RATES`]; nothing has changed.
+    fn start(&mut self, bit_rate: BitRate) -> Result<(), Unreachable>;
+
+    /// Takes the frame, or gives back one to offer again after the next transmit interrupt: this one if there is no room, or
+    /// one of lower priority that had to make way for it.
+    fn send(&mut self, frame: &Frame) -> Option<Frame>;
+
+    /// The transmit interrupt.
+    fn on_sent(&mut self);
+
+    /// The error interrupt.
+    fn on_error(&mut self);
+
+    /// Whether the controller has left the bus after too many errors; it returns by itself.
+    fn is_off(&self) -> bool;
+}
+
+/// The bit rate cannot be made from the clock of the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unreachable;
+
+/// The power stage of the motor, its monitors, and the watchdog over the tasks.
+pub trait Stage {
+    /// Whether the stage has its supply.
+    fn supply(&self) -> bool;
+
+    /// A fault of the stage as a CiA 402 error code.
+    fn fault(&self) -> Option<u16>;
+
+    /// Current in the motor, or none.
+    fn set_power(&mut self, on: bool);
+
+    /// Every task is alive.
+    fn feed_watchdog(&mut self);
+}
+
+/// The two lights of CiA 303-3.
+pub trait Lights {
+    /// The green light.
+    fn set_run(&mut self, on: bool);
+
+    /// The red light.
+    fn set_error(&mut self, on: bool);
+}
+
+/// Starts the system timer, which makes the control tick.
+pub fn start_control_tick<B: Board>(mut timer: SYST, rate_hz: u32) {
+    timer.set_clock_source(cortex_m::peripheral::syst::SystClkSource::Core);
+    timer.set_reload(B::SYSTEM_TIMER_HZ / rate_hz - 1);
+    timer.clear_current();
+    timer.enable_interrupt();
+    timer.enable_counter();
+}

@@ -1,0 +1,123 @@
+//! The emulator: QEMU's machine `netduinoplus2`, which has an STM32F405 without CAN, pins, flash programming and PLL.
+//!
+//! CAN frames travel as lines of SLCAN over USART2, which the emulator serves on a TCP port. Parameters lie in a file of the
+//! host. Step pulses go nowhere, but they are timed and counted as on a board. All times are the emulator's virtual time.
+//!
+//! What the machine does not have must not be touched: reading the chip's unique number is a fault, and waiting for the PLL
+//! never ends.
+
+mod parameter_file;
+mod semihosting;
+mod serial;
+mod step_timer;
+
+use cortex_m_rt::{exception, ExceptionFrame};
+use cortex_m_semihosting::{debug, heprintln};
+use stm32f4xx_hal::pac;
+
+use super::{Board, Lights, Parts, Stage};
+
+/// The emulated board.
+pub struct Qemu;
+
+impl Board for Qemu {
+    const TICKS_PER_MICROSECOND: u32 = 1_000;
+    const STEP_CLOCK_HZ: u32 = 1_000_000_000;
+    const SYSTEM_TIMER_HZ: u32 = 168_000_000;
+
+    type Steps = step_timer::AlarmTimer;
+    type Receiver = serial::Receiver;
+    type Bus = serial::SerialBus;
+    type Stage = IdealStage;
+    type Lights = NoLights;
+    type Parameters = parameter_file::ParameterFile;
+
+    fn start(device: pac::Peripherals) -> Parts<Self> {
+        Parts {
+            steps: step_timer::AlarmTimer::new(device.TIM2),
+            receiver: serial::Receiver::new(),
+            bus: serial::SerialBus::new(device.USART2),
+            stage: IdealStage,
+            lights: NoLights,
+            parameters: parameter_file::ParameterFile::open(),
+            serial_number: 1,
+        }
+    }
+
+    fn ticks() -> u32 {
+        virtual_nanoseconds()
+    }
+
+    fn idle() {
+        // Not `wfi`: the emulator's clock keeps up with the host's only while instructions are executed.
+        cortex_m::asm::nop();
+    }
+}
+
+/// The emulator's time: a TIM5 that nobody ever wrote counts nanoseconds, also while it is not enabled.
+fn virtual_nanoseconds() -> u32 {
+    // SAFETY: reading the counter of TIM5 has no effect, and nobody writes the timer.
+    unsafe { (*pac::TIM5::ptr()).cnt().read().bits() }
+}
+
+/// A power stage that always has its supply and never a fault; the watchdog is not emulated.
+pub struct IdealStage;
+
+impl Stage for IdealStage {
+    fn supply(&self) -> bool {
+        true
+    }
+
+    fn fault(&self) -> Option<u16> {
+        None
+    }
+
+    fn set_power(&mut self, _on: bool) {}
+
+    fn feed_watchdog(&mut self) {}
+}
+
+/// Nobody sees the lights.
+pub struct NoLights;
+
+impl Lights for NoLights {
+    fn set_run(&mut self, _on: bool) {}
+
+    fn set_error(&mut self, _on: bool) {}
+}
+
+/// A bug was found: the emulator ends with an error.
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo) -> ! {
+    cortex_m::interrupt::disable();
+    heprintln!("{}", info);
+    end()
+}
+
+/// A fault of the processor ends the emulator like a panic.
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    heprintln!("hard fault at {:#010x}", frame.pc());
+    end()
+}
+
+fn end() -> ! {
+    loop {
+        debug::exit(debug::EXIT_FAILURE);
+    }
+}
+
+/// Logs go nowhere: the emulator's standard output belongs to its own messages, which would corrupt the stream.
+#[defmt::global_logger]
+struct NoLogger;
+
+// SAFETY: nothing is acquired and nothing written, so there is nothing to protect.
+unsafe impl defmt::Logger for NoLogger {
+    fn acquire() {}
+
+    unsafe fn flush() {}
+
+    unsafe fn release() {}
+
+    unsafe fn write(_bytes: &[u8]) {}
+}

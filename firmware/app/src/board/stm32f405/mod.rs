@@ -1,0 +1,149 @@
+//! The board: STM32F405 with an 8 MHz crystal, a CAN transceiver and a step/direction power stage.
+//!
+//! | pin | what | |
+//! |---|---|---|
+//! | PA0 | step | TIM2 channel 1, a pulse is high |
+//! | PA1 | direction | high is forward |
+//! | PA2 | enable | low is on, as most drivers have it; pull it up outside, for the time before the firmware runs |
+//! | PA3 | fault | input with pull-up, low is a fault of the stage |
+//! | PC0 | supply | input with pull-up, low is no supply of the stage |
+//! | PB8, PB9 | CAN receive, transmit | CAN1 |
+//! | PC6, PC7 | green light, red light | high is on |
+//!
+//! Core 168 MHz, APB1 42 MHz (CAN), its timers 84 MHz (TIM2 step pulses, TIM5 time).
+
+mod bit_timing;
+mod can;
+mod flash;
+mod stage;
+mod step_timer;
+
+use cortex_m_rt::{exception, ExceptionFrame};
+use defmt_rtt as _;
+use stm32f4xx_hal::gpio::{Output, PC6, PC7};
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::{Config, Enable};
+use stm32f4xx_hal::signature::Uid;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+use super::{Board, Parts};
+
+/// The board.
+pub struct Stm32f405;
+
+/// Time without a sign of life after which the board starts anew. Erasing a flash sector stops the core for 0.8 s at
+/// most, and two may be erased in a row; the watchdog's oscillator may be half as fast again as its nominal 32 kHz.
+const WATCHDOG_MS: u32 = 3_000;
+
+impl Board for Stm32f405 {
+    const TICKS_PER_MICROSECOND: u32 = 84;
+    const STEP_CLOCK_HZ: u32 = 84_000_000;
+    const SYSTEM_TIMER_HZ: u32 = 168_000_000;
+
+    type Steps = step_timer::CompareTimer;
+    type Receiver = can::Receiver;
+    type Bus = can::Controller;
+    type Stage = stage::StepStage;
+    type Lights = stage::PinLights<PC6<Output>, PC7<Output>>;
+    type Parameters = flash::ParameterSectors;
+
+    fn start(device: pac::Peripherals) -> Parts<Self> {
+        // First of all: a crystal that does not start then means another try, not silence for ever.
+        let mut watchdog = IndependentWatchdog::new(device.IWDG);
+        watchdog.stop_on_debug(&device.DBGMCU, true);
+        watchdog.start(WATCHDOG_MS.millis());
+
+        let clocks = Config::hse(8.MHz())
+            .sysclk(168.MHz())
+            .pclk1(42.MHz())
+            .pclk2(84.MHz());
+        let mut rcc = device.RCC.freeze(clocks);
+
+        let a = device.GPIOA.split(&mut rcc);
+        let b = device.GPIOB.split(&mut rcc);
+        let c = device.GPIOC.split(&mut rcc);
+
+        // The output register is set before the pin becomes an output: the stage never sees a pulse of "on".
+        let enable = a
+            .pa2
+            .into_push_pull_output_in_state(stm32f4xx_hal::gpio::PinState::High);
+        let stage = stage::StepStage::new(
+            enable,
+            a.pa3.into_pull_up_input(),
+            c.pc0.into_pull_up_input(),
+            watchdog,
+        );
+        let lights =
+            stage::PinLights::new(c.pc6.into_push_pull_output(), c.pc7.into_push_pull_output());
+
+        pac::TIM5::enable(&mut rcc);
+        device.TIM5.cr1().write(|w| w.cen().set_bit());
+
+        pac::TIM2::enable(&mut rcc);
+        let steps = step_timer::CompareTimer::new(
+            device.TIM2,
+            a.pa0.into_alternate(),
+            a.pa1.into_push_pull_output(),
+        );
+
+        let controller = device.CAN1.can((b.pb9, b.pb8), &mut rcc);
+        Parts {
+            steps,
+            receiver: can::Receiver,
+            bus: can::Controller::new(controller),
+            stage,
+            lights,
+            parameters: flash::ParameterSectors::new(device.FLASH),
+            serial_number: serial_number(),
+        }
+    }
+
+    fn ticks() -> u32 {
+        // SAFETY: reading the counter of TIM5 has no effect, and nobody writes the timer once it runs.
+        unsafe { (*pac::TIM5::ptr()).cnt().read().bits() }
+    }
+
+    fn idle() {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// The 96 bits that ST gives each chip, folded to 32 by FNV-1a: different chips of one batch differ in few bits, and all
+/// bits of the fold depend on each of them.
+fn serial_number() -> u32 {
+    let uid = Uid::get();
+    let [x, y] = [uid.x().to_le_bytes(), uid.y().to_le_bytes()];
+    let wafer = [uid.waf_num()];
+    let bytes = x
+        .into_iter()
+        .chain(y)
+        .chain(wafer)
+        .chain(uid.lot_num().bytes());
+    bytes.fold(0x811C_9DC5, |hash, byte| {
+        (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
+    })
+}
+
+/// A bug was found. The motor loses its current at once; the watchdog starts the board anew.
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo) -> ! {
+    cortex_m::interrupt::disable();
+    stage::cut_power();
+    defmt::error!("panic: {}", defmt::Display2Format(info));
+    stop()
+}
+
+/// A fault of the processor ends like a panic.
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    stage::cut_power();
+    defmt::error!("hard fault at {=u32:#010x}", frame.pc());
+    stop()
+}
+
+fn stop() -> ! {
+    loop {
+        cortex_m::asm::nop();
+    }
+}

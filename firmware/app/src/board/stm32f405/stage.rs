@@ -1,0 +1,96 @@
+//! The power stage's pins, the lights and the watchdog.
+
+use embedded_hal::digital::OutputPin;
+use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PC0};
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+use crate::board::{Lights, Stage};
+
+/// Error code 5400h of CiA 402: the hardware of the power section.
+const POWER_SECTION: u16 = 0x5400;
+
+/// A step/direction driver.
+pub struct StepStage {
+    enable: PA2<Output>,
+    fault: PA3<Input>,
+    supply: PC0<Input>,
+    watchdog: IndependentWatchdog,
+}
+
+impl StepStage {
+    /// The stage, off.
+    pub fn new(
+        enable: PA2<Output>,
+        fault: PA3<Input>,
+        supply: PC0<Input>,
+        watchdog: IndependentWatchdog,
+    ) -> Self {
+        Self {
+            enable,
+            fault,
+            supply,
+            watchdog,
+        }
+    }
+}
+
+impl Stage for StepStage {
+    fn supply(&self) -> bool {
+        self.supply.is_high()
+    }
+
+    fn fault(&self) -> Option<u16> {
+        // Without its supply a driver reports a fault that is none of its own.
+        (self.supply() && self.fault.is_low()).then_some(POWER_SECTION)
+    }
+
+    fn set_power(&mut self, on: bool) {
+        if on {
+            self.enable.set_low();
+        } else {
+            self.enable.set_high();
+        }
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.watchdog.feed();
+    }
+}
+
+/// Takes the current from the motor, whoever owns the pin. Only for the end: interrupts are off and nothing runs after it.
+pub fn cut_power() {
+    // SAFETY: one write to the set half of GPIOA's set/reset register, which touches no other pin. The owner of the pin
+    // never runs again.
+    unsafe { (*pac::GPIOA::ptr()).bsrr().write(|w| w.bs2().set_bit()) };
+}
+
+/// Whether the enable pin lets current into the motor.
+pub fn has_power() -> bool {
+    // SAFETY: reading the output register of GPIOA has no effect.
+    unsafe { (*pac::GPIOA::ptr()).odr().read().odr2().is_low() }
+}
+
+/// The green and the red light, each on a pin of its own.
+pub struct PinLights<Run, Error> {
+    run: Run,
+    error: Error,
+}
+
+impl<Run: OutputPin, Error: OutputPin> PinLights<Run, Error> {
+    /// As the pins are: both dark.
+    pub fn new(run: Run, error: Error) -> Self {
+        Self { run, error }
+    }
+}
+
+impl<Run: OutputPin, Error: OutputPin> Lights for PinLights<Run, Error> {
+    fn set_run(&mut self, on: bool) {
+        // A pin of the chip cannot fail, and a light that does is no reason to stop.
+        let _ = self.run.set_state(on.into());
+    }
+
+    fn set_error(&mut self, on: bool) {
+        let _ = self.error.set_state(on.into());
+    }
+}

@@ -1,0 +1,135 @@
+//! What the control tick does: measure, let the drive decide, act.
+//!
+//! Every millisecond the drive gets what the board sees (supply, the steps that have left, the fault of the stage, the
+//! state of the bus), and answers with pulses for the step interrupt and with whether the motor may have current. Which
+//! fault stops the motor how is for [`Drive`] to say; this file only names the faults.
+//!
+//! The contract:
+//! - One tick is one call of [`Drive::tick`], whatever the bus does. The exchange is locked for the copies only.
+//! - A fault of the stage goes before bus-off, bus-off before lost frames: a drive has one cause at a time.
+//! - Lost frames are a fault only while the motor has current. Storing settings stops the processor, so on a busy bus
+//!   frames are lost then; a master gets a message, and no fault it would have to reset.
+//! - Pulses the drive gives up are dropped in the same tick.
+//! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
+//!   starts anew.
+
+use canopen::Duration;
+use cia402::faults::FaultNotice;
+use cia402::{Drive, DriveConfig, Exchange, Inputs, State};
+use motion::step_interrupt::RecordQueue;
+use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
+use rtic::Mutex;
+
+use crate::board::{Board, Selected, Stage};
+use crate::clock;
+use crate::inbox::Lost;
+use crate::share::Locked;
+
+/// Control ticks in a second.
+pub const RATE_HZ: u32 = 1_000;
+
+/// Error code 8110h of CiA 301: frames were lost, a command may have been among them. A fault while the drive is enabled;
+/// with no current in the motor there is nothing to stop, and it is a message alone.
+const CAN_OVERRUN: u16 = 0x8110;
+
+/// Error code 8140h of CiA 301, "recovered from bus-off": it can only be sent once the bus is back.
+const BUS_OFF: u16 = 0x8140;
+
+/// What a driver may ask for: pulses of 2.5 µs with as much between them, and 5 µs around a change of direction. Most
+/// step/direction drivers are faster.
+pub const TIMING: DriverTiming = DriverTiming {
+    pulse_high: ticks(2_500),
+    pulse_low: ticks(2_500),
+    direction_setup: ticks(5_000),
+    direction_hold: ticks(5_000),
+};
+
+/// Pulses on their way to the step interrupt.
+type Pulses = RecordQueue<'static, <Selected as Board>::Steps>;
+
+/// The drive and what it works on.
+pub struct Control {
+    drive: Drive,
+    pulses: Pulses,
+    stage: <Selected as Board>::Stage,
+    lost: &'static Lost,
+    lost_before: u32,
+    /// The motor had current after the last tick.
+    powered: bool,
+}
+
+impl Control {
+    /// A drive that stands, without power.
+    pub fn new(pulses: Pulses, stage: <Selected as Board>::Stage, lost: &'static Lost) -> Self {
+        Self {
+            drive: Drive::new(config()),
+            pulses,
+            stage,
+            lost,
+            lost_before: 0,
+            powered: false,
+        }
+    }
+
+    /// One tick. `bus_off` is whether the CAN controller has left the bus; `alive` whether the node task ran since the last
+    /// tick.
+    pub fn tick(&mut self, mut exchange: impl Mutex<T = Exchange>, bus_off: bool, alive: bool) {
+        let lost = self.lost.count();
+        let overrun = lost != self.lost_before;
+        self.lost_before = lost;
+        let harmless = !self.powered
+            && !matches!(
+                self.drive.state(),
+                State::Fault | State::FaultReactionActive
+            );
+        if overrun && harmless {
+            exchange.lock(|exchange| {
+                exchange.notify(FaultNotice::Raised(CAN_OVERRUN));
+                exchange.notify(FaultNotice::Cleared(CAN_OVERRUN));
+            });
+        }
+
+        let inputs = Inputs {
+            supply: self.stage.supply(),
+            position: self.pulses.position(),
+            fault: self
+                .stage
+                .fault()
+                .or(bus_off.then_some(BUS_OFF))
+                .or((overrun && !harmless).then_some(CAN_OVERRUN)),
+        };
+        let outputs = self.drive.tick(
+            clock::now(),
+            &inputs,
+            &mut self.pulses,
+            &mut Locked(&mut exchange),
+        );
+        self.stage.set_power(outputs.power_stage);
+        self.powered = outputs.power_stage;
+        if outputs.drop_pulses && self.pulses.pending() > 0 {
+            self.pulses.drop_all();
+        }
+        if alive {
+            self.stage.feed_watchdog();
+        }
+    }
+}
+
+const fn config() -> DriveConfig {
+    let Some(clock) = Clock::new(Selected::STEP_CLOCK_HZ) else {
+        panic!("a step clock that motion can use")
+    };
+    DriveConfig {
+        axis: AxisConfig {
+            clock,
+            segment: Selected::STEP_CLOCK_HZ / RATE_HZ,
+            timing: TIMING,
+        },
+        tick: Duration::micros(1_000_000 / RATE_HZ as u64),
+    }
+}
+
+/// Nanoseconds in ticks of the step clock, rounded up.
+const fn ticks(nanoseconds: u32) -> u32 {
+    (nanoseconds as u64 * Selected::STEP_CLOCK_HZ as u64).div_ceil(1_000_000_000) as u32
+}

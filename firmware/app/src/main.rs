@@ -1,0 +1,192 @@
+//! The firmware of the drive: its tasks, and nothing else.
+//!
+//! | task | priority | raised by | does |
+//! |---|---|---|---|
+//! | `step` | 5 | step timer | step pulses, counted |
+//! | `can_received`, `serial` | 4 | CAN controller | stamps frames and queues them |
+//! | `can_sent`, `can_error` | 4 | CAN controller | room for the next frame; bus-off |
+//! | `control` | 3 | system timer, 1 kHz | state machine, mode, planner |
+//! | `node` | 2 | a frame, room to send, every control tick | CANopen |
+//! | `stored` | 2 | `storage` | the answer to who wanted to store |
+//! | `storage` | 1 | `node` | writes the parameter sectors |
+//! | `lights` | 1 | `node`, every 50 ms | green and red light |
+//!
+//! A task may only be interrupted by those above it. What two of them share is locked while a snapshot is copied or a
+//! frame handed over, no longer.
+#![no_std]
+#![no_main]
+#![allow(
+    missing_debug_implementations,
+    reason = "nobody prints what a task owns, and the text would cost flash"
+)]
+
+mod board;
+#[forbid(unsafe_code)]
+mod clock;
+#[forbid(unsafe_code)]
+mod control;
+#[forbid(unsafe_code)]
+mod dictionary;
+#[forbid(unsafe_code)]
+mod inbox;
+#[forbid(unsafe_code)]
+mod lights;
+#[forbid(unsafe_code)]
+mod node;
+#[forbid(unsafe_code)]
+mod outbox;
+#[forbid(unsafe_code)]
+mod settings;
+#[forbid(unsafe_code)]
+mod share;
+
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI1, SPI2])]
+mod app {
+    use canopen::cia303::Signal;
+    use canopen::node::StoreError;
+    use canopen::Settings;
+    use cia402::Exchange;
+    use motion::step_interrupt::{self, Player};
+
+    use crate::board::{self, Board, Bus, Parts, Receive, Selected};
+    use crate::control::{Control, RATE_HZ, TIMING};
+    use crate::inbox::{self, Inbox, Lost};
+    use crate::lights::Panel;
+    use crate::node::Node;
+    use crate::settings::{self, Parameters};
+
+    #[shared]
+    struct Shared {
+        exchange: Exchange,
+        bus: <Selected as Board>::Bus,
+        alive: bool,
+        #[lock_free]
+        reception: (<Selected as Board>::Receiver, Inbox),
+        #[lock_free]
+        node: Node,
+    }
+
+    #[local]
+    struct Local {
+        player: Player<'static, <Selected as Board>::Steps>,
+        control: Control,
+        store: Parameters<<Selected as Board>::Parameters>,
+        panel: Panel<<Selected as Board>::Lights>,
+    }
+
+    #[init(local = [
+        steps: step_interrupt::Shared = step_interrupt::Shared::new(),
+        frames: inbox::Memory = inbox::Memory::new(),
+        lost: Lost = Lost::new(),
+    ])]
+    fn init(cx: init::Context) -> (Shared, Local, init::Monotonics) {
+        let Parts {
+            steps,
+            receiver,
+            mut bus,
+            stage,
+            lights,
+            parameters,
+            serial_number,
+        } = Selected::start(cx.device);
+
+        let (store, settings) = settings::load(parameters);
+        if bus.start(settings.bit_rate).is_err() {
+            defmt::error!("no such bit rate on this board: it stays off the bus");
+        }
+
+        let (pulses, player) = step_interrupt::split(cx.local.steps, steps, TIMING);
+        let (inbox, received) = Inbox::new(cx.local.frames, cx.local.lost);
+        let mut exchange = Exchange::new();
+        let mut node = Node::new(settings, serial_number, received);
+        node.power_on(&mut exchange);
+        board::start_control_tick::<Selected>(cx.core.SYST, RATE_HZ);
+
+        let shared = Shared {
+            exchange,
+            bus,
+            alive: true,
+            reception: (receiver, inbox),
+            node,
+        };
+        let local = Local {
+            player,
+            control: Control::new(pulses, stage, cx.local.lost),
+            store,
+            panel: Panel::new(lights),
+        };
+        (shared, local, init::Monotonics())
+    }
+
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            Selected::idle();
+        }
+    }
+
+    #[task(binds = TIM2, priority = 5, local = [player])]
+    fn step(cx: step::Context) {
+        cx.local.player.on_interrupt();
+    }
+
+    #[task(binds = CAN1_RX0, priority = 4, shared = [bus, reception])]
+    fn can_received(mut cx: can_received::Context) {
+        let (receiver, inbox) = cx.shared.reception;
+        cx.shared.bus.lock(|bus| receiver.receive(bus, inbox));
+        // An error says that the task is on its way already.
+        node::spawn().ok();
+    }
+
+    #[task(binds = USART2, priority = 4, shared = [bus, reception])]
+    fn serial(mut cx: serial::Context) {
+        let (receiver, inbox) = cx.shared.reception;
+        cx.shared.bus.lock(|bus| receiver.receive(bus, inbox));
+        node::spawn().ok();
+    }
+
+    #[task(binds = CAN1_TX, priority = 4, shared = [bus])]
+    fn can_sent(mut cx: can_sent::Context) {
+        cx.shared.bus.lock(|bus| bus.on_sent());
+        node::spawn().ok();
+    }
+
+    #[task(binds = CAN1_SCE, priority = 4, shared = [bus])]
+    fn can_error(mut cx: can_error::Context) {
+        cx.shared.bus.lock(|bus| bus.on_error());
+    }
+
+    #[task(binds = SysTick, priority = 3, shared = [exchange, bus, alive], local = [control])]
+    fn control(mut cx: control::Context) {
+        let bus_off = cx.shared.bus.lock(|bus| bus.is_off());
+        let alive = cx.shared.alive.lock(core::mem::take);
+        cx.local.control.tick(cx.shared.exchange, bus_off, alive);
+        node::spawn().ok();
+    }
+
+    #[task(priority = 2, shared = [exchange, bus, alive, node])]
+    fn node(mut cx: node::Context) {
+        cx.shared.alive.lock(|alive| *alive = true);
+        let store = |settings| storage::spawn(settings).is_ok();
+        cx.shared.node.run(cx.shared.exchange, cx.shared.bus, store);
+        if let Some(signal) = cx.shared.node.signal() {
+            lights::spawn(signal).ok();
+        }
+    }
+
+    #[task(priority = 2, shared = [node])]
+    fn stored(cx: stored::Context, result: Result<(), StoreError>) {
+        cx.shared.node.settings_stored(result);
+        node::spawn().ok();
+    }
+
+    #[task(priority = 1, local = [store])]
+    fn storage(cx: storage::Context, settings: Settings) {
+        stored::spawn(settings::save(cx.local.store, &settings)).ok();
+    }
+
+    #[task(priority = 1, local = [panel])]
+    fn lights(cx: lights::Context, signal: Signal) {
+        cx.local.panel.advance(signal);
+    }
+}

@@ -1,0 +1,163 @@
+//! What the node task does: frames in, time on, frames and events out.
+//!
+//! It runs after a frame, after room to send, and after every control tick; CANopen itself is [`Device`]'s. Frames are
+//! handed over with the time they arrived, and what the device answers goes to the controller between them. What the
+//! device asks of the firmware (store settings, switch the bit rate) is started here and answered when it is done.
+//!
+//! The contract:
+//! - One run takes no more frames than can wait, so timers and the watchdog are served under any load of the bus.
+//! - A frame the controller has no room for is kept and offered again, the most urgent first; none is dropped here,
+//!   unless the device is reset: then the boot-up message is the first.
+//! - Settings are stored only while the drive is safe, as writing to flash stops the processor. A master that does not
+//!   switch the drive off gets an error, in time.
+//! - The bit rate changes at the moment the device said, not earlier, and after the frame that is on the bus then; one this board cannot make was refused before.
+
+use canopen::cia301::nmt::NmtState;
+use canopen::cia303::{Pattern, Signal};
+use canopen::node::StoreError;
+use canopen::{BitRate, Duration, Event, Instant, Settings};
+use cia402::{Device, Exchange};
+use rtic::Mutex;
+
+use crate::board::{Board, Bus, Receive, Selected};
+use crate::clock;
+use crate::dictionary::{Dictionary, RPDO_COUNT, TPDO_COUNT};
+use crate::inbox::{Received, Stamped};
+use crate::outbox::Outbox;
+use crate::share::Locked;
+
+/// Writing to flash may stop the processor for a while, so it waits until the motor has no current; a master that asks
+/// for it while the drive is enabled is answered with an error after this time.
+const STORE_PATIENCE: Duration = Duration::millis(50);
+
+/// Bit 3 of the statusword 6041h.
+const FAULT: u16 = 1 << 3;
+
+type CanBus = <Selected as Board>::Bus;
+type Receiver = <Selected as Board>::Receiver;
+
+/// The CANopen device and what belongs to its task.
+pub struct Node {
+    device: Device<Dictionary, RPDO_COUNT, TPDO_COUNT>,
+    received: Received,
+    /// Frames the controller had no room for.
+    outbox: Outbox,
+    /// Settings that wait to be stored, and until when they may.
+    to_store: Option<(Settings, Instant)>,
+    /// A bit rate that the layer setting services have ordered, and when to change to it.
+    switch: Option<(BitRate, Instant)>,
+    state: NmtState,
+    /// When the lights want the next signal.
+    next_signal: Instant,
+}
+
+impl Node {
+    /// A node that starts as the settings say. `serial_number` becomes object 1018h:4.
+    pub fn new(settings: Settings, serial_number: u32, received: Received) -> Self {
+        Self {
+            device: Device::new(Dictionary::new(), settings, serial_number)
+                .supporting(CanBus::BIT_RATES),
+            received,
+            outbox: Outbox::new(),
+            to_store: None,
+            switch: None,
+            state: NmtState::Initialisation,
+            next_signal: Instant::from_ticks(0),
+        }
+    }
+
+    /// Boots the node.
+    pub fn power_on(&mut self, exchange: &mut Exchange) {
+        self.device.power_on(clock::now(), exchange);
+    }
+
+    /// Everything there is to do. `store` hands settings to the storage task; it gives `false` if that is still busy.
+    pub fn run(
+        &mut self,
+        mut exchange: impl Mutex<T = Exchange>,
+        mut bus: impl Mutex<T = CanBus>,
+        mut store: impl FnMut(Settings) -> bool,
+    ) {
+        // No more frames than can wait, so that time passes under any load; answers go out between the requests.
+        for _ in 0..crate::inbox::DEPTH {
+            let Some(Stamped { frame, at }) = self.received.dequeue() else {
+                break;
+            };
+            self.device.receive(&frame, at, &mut Locked(&mut exchange));
+            self.send(&mut bus);
+        }
+        bus.lock(Receiver::resume);
+
+        let now = clock::now();
+        // The deadline it gives is never sooner than the next control tick, after which this runs anyway.
+        self.device.poll(now, &mut Locked(&mut exchange));
+        while let Some(event) = self.device.event() {
+            match event {
+                Event::StateChanged(state) => self.state = state,
+                Event::StoreSettings(settings) => {
+                    self.to_store = Some((settings, now + STORE_PATIENCE));
+                }
+                Event::SwitchBitRate { bit_rate, at } => self.switch = Some((bit_rate, at)),
+                // The device stops the drive and boots by itself.
+                Event::ResetRequested(_) => {}
+            }
+        }
+        if let Some((settings, until)) = self.to_store {
+            let safe = exchange.lock(|exchange| exchange.is_safe());
+            if safe || now >= until {
+                self.to_store = None;
+                if !safe || !store(settings) {
+                    self.settings_stored(Err(StoreError::Medium));
+                }
+            }
+        }
+        self.switch_bit_rate(now, &mut bus);
+        self.send(&mut bus);
+    }
+
+    /// The storage task has answered.
+    pub fn settings_stored(&mut self, result: Result<(), StoreError>) {
+        self.device.settings_stored(result);
+    }
+
+    /// What the lights are to say, once for each step of their patterns.
+    pub fn signal(&mut self) -> Option<Signal> {
+        let now = clock::now();
+        (now >= self.next_signal).then(|| {
+            self.next_signal = now + Pattern::STEP;
+            Signal {
+                state: self.state,
+                fault: self.device.node().dictionary().statusword() & FAULT != 0,
+            }
+        })
+    }
+
+    fn switch_bit_rate(&mut self, now: Instant, bus: &mut impl Mutex<T = CanBus>) {
+        if let Some((bit_rate, _)) = self.switch.filter(|(_, at)| now >= *at) {
+            // A frame on the bus may take a while; meanwhile the control tick goes on, and so do the pulses.
+            if !bus.lock(|bus| bus.leave()) {
+                return;
+            }
+            self.switch = None;
+            if bus.lock(|bus| bus.start(bit_rate)).is_err() {
+                defmt::error!("no {=u32} kbit/s on this board", bit_rate.kbit_per_second());
+            }
+        }
+    }
+
+    /// Hands frames to the controller until it has no more room. While the node is mute, a frame that has no room yet waits
+    /// as well; after a reset it is void: the first frame is the boot-up message.
+    fn send(&mut self, bus: &mut impl Mutex<T = CanBus>) {
+        let node = self.device.node();
+        if node.is_mute() {
+            if node.state() == NmtState::Initialisation {
+                self.outbox.clear();
+            }
+            return;
+        }
+        self.outbox.send(
+            || self.device.transmit(),
+            |frame| bus.lock(|bus| bus.send(frame)),
+        );
+    }
+}
