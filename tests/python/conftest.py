@@ -1,0 +1,146 @@
+"""What the tests share: the programs, a fresh device for every test, and a master connected to it.
+
+`--target virtual` is a virtual drive that serves SLCAN, `--target firmware` the firmware image in QEMU, and
+`--target socketcan` a virtual drive on `vcan0`. Without it the virtual drive is tested.
+"""
+
+import pathlib
+import tempfile
+
+import canopen
+import pytest
+from canopen.profiles.p402 import BaseNode402
+
+from frames import Frames
+from server import Programs
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+EDS = ROOT / "eds" / "axis402.eds"
+
+#: The node-ID that the tests give to the device.
+NODE_ID = 10
+
+
+def pytest_addoption(parser):
+    parser.addoption("--target", action="append", choices=["virtual", "firmware", "socketcan"])
+    parser.addoption("--sim", default=ROOT / "target" / "debug" / "sim", help="the virtual drive's program")
+    parser.addoption("--xtask", default=ROOT / "target" / "debug" / "xtask", help="the program that runs the emulator")
+    parser.addoption("--image", help="the firmware's ELF file; without it, it is built")
+
+
+def kinds(config):
+    return config.getoption("--target") or ["virtual"]
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "only(kind, ...): the test is about these targets alone")
+
+
+def pytest_generate_tests(metafunc):
+    if "kind" in metafunc.fixturenames:
+        metafunc.parametrize("kind", kinds(metafunc.config))
+
+
+def pytest_collection_modifyitems(config, items):
+    """Leaves out the tests that are not about the chosen targets."""
+
+    def wanted(item):
+        only = item.get_closest_marker("only")
+        here = [item.callspec.params["kind"]] if "kind" in item.fixturenames else kinds(config)
+        return only is None or any(kind in only.args for kind in here)
+
+    config.hook.pytest_deselected(items=[item for item in items if not wanted(item)])
+    items[:] = [item for item in items if wanted(item)]
+
+
+def pytest_make_parametrize_id(val):
+    """Numbers in the names of tests are hexadecimal, as in the standards."""
+    return f"{val:X}h" if isinstance(val, int) and val > 9 else None
+
+
+@pytest.fixture(scope="session", autouse=True)
+def patience():
+    """python-canopen's patience is for a PC that does nothing else; what it waits for must come, but may come late."""
+    for name in vars(BaseNode402):
+        if name.startswith("TIMEOUT_SWITCH"):
+            setattr(BaseNode402, name, 10)
+    canopen.sdo.SdoClient.RESPONSE_TIMEOUT = 3
+    canopen.lss.LssMaster.RESPONSE_TIMEOUT = 3
+    # How often its thread looks whether it is to end.
+    canopen.Network.NOTIFIER_CYCLE = 0.02
+
+
+@pytest.fixture(scope="session")
+def programs(pytestconfig):
+    return Programs(pytestconfig.getoption("--sim"), pytestconfig.getoption("--xtask"), pytestconfig.getoption("--image"))
+
+
+@pytest.fixture
+def tmp_path():
+    """A folder of the test's own. Nothing is left of it, while pytest would keep those of the last runs."""
+    with tempfile.TemporaryDirectory(prefix="axis402-") as folder:
+        yield pathlib.Path(folder)
+
+
+@pytest.fixture
+def start(programs, kind, tmp_path):
+    """Starts devices, each with its store and its other arguments. All of them are stopped at the end of the test, before
+    the test's folder is removed."""
+    started = []
+
+    def start(store=None, arguments=()):
+        started.append(programs.start(kind, store, arguments))
+        return started[-1]
+
+    yield start
+    codes = [bus.server.stop() for bus in started]
+    assert codes == [0] * len(codes), [bus.server.words() for bus in started]
+
+
+@pytest.fixture
+def connect():
+    """Connects masters. All of them are disconnected at the end of the test, before the devices are stopped."""
+    networks = []
+
+    def connect(bus):
+        networks.append(bus.connect())
+        return networks[-1]
+
+    yield connect
+    for network in networks:
+        if network.bus is not None:
+            network.disconnect()
+
+
+@pytest.fixture
+def network(start, connect):
+    """A master, and an unconfigured device on its bus."""
+    return connect(start())
+
+
+def give_node_id(network, node_id=NODE_ID):
+    """LSS gives a node-ID to the only device on the bus, which then boots."""
+    boot_up = Frames(network, 0x700 + node_id)
+    network.lss.send_switch_state_global(network.lss.CONFIGURATION_STATE)
+    network.lss.configure_node_id(node_id)
+    network.lss.send_switch_state_global(network.lss.WAITING_STATE)
+    assert boot_up.next() == b"\x00"
+
+
+def add(network, node):
+    """Gives the device a node-ID; python-canopen learns its state from the boot-up."""
+    network.add_node(node)
+    give_node_id(network, node.id)
+    return node
+
+
+@pytest.fixture
+def node(network):
+    """The device with a node-ID, Pre-operational."""
+    return add(network, canopen.RemoteNode(NODE_ID, str(EDS)))
+
+
+@pytest.fixture
+def drive(network):
+    """The device with a node-ID, Pre-operational, as python-canopen's CiA 402 drive."""
+    return add(network, BaseNode402(NODE_ID, str(EDS)))

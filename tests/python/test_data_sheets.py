@@ -1,0 +1,38 @@
+"""The electronic data sheets, read by other programs than our own."""
+
+import logging
+import pathlib
+import subprocess
+import sys
+import warnings
+
+import canopen
+import pytest
+
+from conftest import NODE_ID, ROOT
+
+DATA_SHEETS = sorted((ROOT / "eds").glob("*.eds")) + sorted((ROOT / "tests" / "eds").glob("*.eds"))
+
+
+# They are the same for every target.
+pytestmark = pytest.mark.only("virtual")
+
+
+@pytest.fixture(params=DATA_SHEETS, ids=lambda path: path.name)
+def data_sheet(request):
+    return request.param
+
+
+def test_python_canopen_imports_it_without_a_warning(data_sheet, caplog):
+    with warnings.catch_warnings(), caplog.at_level(logging.WARNING):
+        warnings.simplefilter("error")
+        dictionary = canopen.import_od(str(data_sheet), NODE_ID)
+    assert caplog.records == []
+    assert dictionary[0x1018][2].default is not None
+    assert dictionary[0x1400][1].default & 0x7FF == 0x200 + NODE_ID
+
+
+def test_dcfchk_has_no_complaint(data_sheet):
+    checker = pathlib.Path(sys.executable).parent / "dcfchk"
+    check = subprocess.run([checker, "-n", str(NODE_ID), data_sheet], capture_output=True, text=True)
+    assert (check.returncode, check.stdout, check.stderr) == (0, "", "")

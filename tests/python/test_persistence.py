@@ -1,0 +1,48 @@
+"""What the drive remembers when its power was off."""
+
+from conftest import EDS, NODE_ID, give_node_id
+
+
+def node_id_after_restart(start, connect, tmp_path):
+    """Restarts the drive with the same parameter store and asks it by LSS."""
+    network = connect(start(tmp_path))
+    network.lss.send_switch_state_global(network.lss.CONFIGURATION_STATE)
+    node_id = network.lss.inquire_node_id()
+    network.lss.send_switch_state_global(network.lss.WAITING_STATE)
+    return network, node_id
+
+
+def test_a_stored_node_id_survives(start, connect, tmp_path):
+    bus = start(tmp_path)
+    network = connect(bus)
+    lss = network.lss
+    lss.send_switch_state_global(lss.CONFIGURATION_STATE)
+    lss.configure_node_id(NODE_ID)
+    lss.store_configuration()
+    network.disconnect()
+    assert bus.server.stop() == 0
+
+    network, node_id = node_id_after_restart(start, connect, tmp_path)
+    assert node_id == NODE_ID
+    assert network.add_node(NODE_ID, str(EDS)).sdo[0x1000].raw == 0x40192
+
+
+def test_the_last_of_many_stored_node_ids_survives(start, connect, tmp_path):
+    for node_id in (1, 127, 42):
+        bus = start(tmp_path)
+        network = connect(bus)
+        network.lss.send_switch_state_global(network.lss.CONFIGURATION_STATE)
+        network.lss.configure_node_id(node_id)
+        network.lss.store_configuration()
+        network.disconnect()
+        assert bus.server.stop() == 0
+    assert node_id_after_restart(start, connect, tmp_path)[1] == 42
+
+
+def test_a_node_id_that_was_not_stored_is_forgotten(start, connect, tmp_path):
+    bus = start(tmp_path)
+    network = connect(bus)
+    give_node_id(network)
+    network.disconnect()
+    assert bus.server.stop() == 0
+    assert node_id_after_restart(start, connect, tmp_path)[1] == 255

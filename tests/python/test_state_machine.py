@@ -1,0 +1,81 @@
+"""The CiA 402 state machine, driven by python-canopen's `BaseNode402`."""
+
+import pytest
+from canopen.profiles.p402 import State402
+
+from frames import wait_until
+
+#: Every state that can be commanded, up and down again.
+THERE_AND_BACK = [
+    "READY TO SWITCH ON",
+    "SWITCHED ON",
+    "OPERATION ENABLED",
+    "SWITCHED ON",
+    "READY TO SWITCH ON",
+    "SWITCH ON DISABLED",
+]
+
+#: Quick stop option code: slow down on the quick stop ramp and stay in Quick stop active.
+STAY = 6
+
+
+@pytest.fixture
+def ready(drive):
+    """The drive in Operational with its statusword coming by TPDO."""
+    drive.setup_402_state_machine()
+    drive.nmt.state = "OPERATIONAL"
+    drive.state = "SWITCH ON DISABLED"
+    return drive
+
+
+def state_by_sdo(drive):
+    """The states that the statusword stands for. It should be one."""
+    statusword = drive.sdo[0x6041].raw
+    return [state for state, (mask, bits) in State402.SW_MASK.items() if statusword & mask == bits]
+
+
+def test_the_drive_starts_in_switch_on_disabled(drive):
+    assert state_by_sdo(drive) == ["SWITCH ON DISABLED"]
+
+
+def test_there_and_back(ready):
+    for state in THERE_AND_BACK:
+        ready.state = state
+        assert state_by_sdo(ready) == [state]
+
+
+def test_straight_up_from_switch_on_disabled(ready):
+    ready.state = "OPERATION ENABLED"
+    assert state_by_sdo(ready) == ["OPERATION ENABLED"]
+
+
+@pytest.mark.parametrize("state", ["READY TO SWITCH ON", "SWITCHED ON", "OPERATION ENABLED"])
+def test_disable_voltage_from_every_state(ready, state):
+    ready.state = state
+    ready.state = "SWITCH ON DISABLED"
+    assert state_by_sdo(ready) == ["SWITCH ON DISABLED"]
+
+
+def test_shutdown_from_operation_enabled(ready):
+    ready.state = "OPERATION ENABLED"
+    ready.state = "READY TO SWITCH ON"
+    assert state_by_sdo(ready) == ["READY TO SWITCH ON"]
+
+
+@pytest.mark.parametrize("after", ["SWITCH ON DISABLED", "OPERATION ENABLED"])
+def test_quick_stop_and_on(ready, after):
+    ready.sdo[0x605A].raw = STAY
+    ready.state = "OPERATION ENABLED"
+    ready.state = "QUICK STOP ACTIVE"
+    assert state_by_sdo(ready) == ["QUICK STOP ACTIVE"]
+    ready.state = after
+    assert state_by_sdo(ready) == [after]
+
+
+def test_modes_that_are_there(ready):
+    assert ready.sdo[0x6502].raw == 1
+    assert ready.is_op_mode_supported("PROFILED POSITION")
+    assert not ready.is_op_mode_supported("HOMING")
+    for code, mode in [(0, "NO MODE"), (1, "PROFILED POSITION")]:
+        ready.sdo[0x6060].raw = code
+        wait_until(lambda: ready.op_mode == mode, mode)

@@ -1,0 +1,129 @@
+//! `cargo xtask`: what a person would otherwise type by hand.
+//!
+//! | command | what it does |
+//! |---|---|
+//! | `test`  | installs what is missing and runs every test, the firmware in the emulator included |
+//! | `qemu`  | builds the firmware and runs it in QEMU, its CAN bus served as SLCAN on TCP |
+//! | `size`  | flash and RAM of the firmware by crate |
+//! | `bench` | instruction counts in the emulator, compared with the committed table |
+//!
+//! Exit codes: 0 all is well; 1 something was tried and failed (a test, a build, a changed benchmark); 2 it could not
+//! be tried (a bad argument, a busy port, a tool that may not be installed), with one line that says why.
+#![forbid(unsafe_code)]
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
+mod bench;
+mod emulator;
+mod firmware;
+mod place;
+mod process;
+mod qemu;
+mod refusal;
+mod setup;
+mod size;
+mod socketcan;
+mod suite;
+mod words;
+
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, Subcommand};
+
+use words::tell;
+
+/// Set-up, tests, emulator, sizes and benchmarks of Axis402.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Install what is missing and run every test
+    Test(suite::Arguments),
+    /// Build the firmware and run it in QEMU until stopped; `ready` is printed once it can be reached
+    Qemu(qemu::Arguments),
+    /// Print flash and RAM of the firmware by crate
+    Size,
+    /// Count instructions in the emulator and compare them with docs/benchmarks.md
+    Bench(bench::Arguments),
+    /// The first process inside user-mode Linux: bring up vcan0 and run a command
+    #[command(hide = true)]
+    SocketcanInit,
+}
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(answer) if !answer.use_stderr() => {
+            // Nobody may be reading.
+            let _ = answer.print();
+            return ExitCode::SUCCESS;
+        }
+        Err(mistake) => {
+            tell!("xtask: {}", one_line(&mistake));
+            return ExitCode::from(2);
+        }
+    };
+    let result = match arguments.task {
+        Task::Test(arguments) => suite::run(&arguments),
+        Task::Qemu(arguments) => qemu::run(&arguments),
+        Task::Size => size::run(),
+        Task::Bench(arguments) => bench::run(&arguments),
+        Task::SocketcanInit => socketcan::init(),
+    };
+    match result {
+        Ok(code) => code,
+        Err(error) => {
+            tell!("xtask: {}", words::one_line(&error));
+            if error.is::<refusal::Refusal>() {
+                ExitCode::from(2)
+            } else {
+                ExitCode::FAILURE
+            }
+        }
+    }
+}
+
+/// What is wrong with the arguments: the first paragraph of the message, without the usage and the advice after it.
+fn one_line(error: &clap::Error) -> String {
+    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return Arguments::command().render_usage().to_string();
+    }
+    let message = error.to_string();
+    let words: Vec<_> = message
+        .split("\n\n")
+        .take(1)
+        .flat_map(str::split_whitespace)
+        .collect();
+    let line = words.join(" ");
+    line.strip_prefix("error: ").unwrap_or(&line).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_bad_argument_is_one_clear_line() {
+        let line = |words: &[&str]| one_line(&Arguments::try_parse_from(words).unwrap_err());
+        assert_eq!(
+            line(&["xtask", "qemu", "--slcan", "localhost:4000", "--fast"]),
+            "unexpected argument '--fast' found"
+        );
+        assert_eq!(
+            line(&["xtask", "qemu"]),
+            "the following required arguments were not provided: --slcan <ADDRESS:PORT>"
+        );
+        assert_eq!(line(&["xtask", "sail"]), "unrecognized subcommand 'sail'");
+        assert_eq!(line(&["xtask"]), "Usage: cargo xtask <COMMAND>");
+    }
+}

@@ -1,0 +1,25 @@
+//! What the commands need beside Rust, installed where that is allowed. Where it is not, the refusal says exactly what
+//! to type.
+
+mod debian;
+mod python;
+mod rust;
+
+pub use python::environment as python_environment;
+pub use rust::add_target as rust_target;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+/// QEMU's emulator of ARM machines.
+pub fn emulator() -> Result<PathBuf> {
+    debian::program("qemu-system-arm", &["qemu-system-arm"])
+}
+
+/// User-mode Linux, with `ip` to set up the virtual CAN interface in it. The reason why it cannot be had is an answer
+/// as well: the tests over SocketCAN are then skipped.
+pub fn user_mode_linux() -> Result<PathBuf> {
+    debian::program("ip", &["iproute2"])?;
+    debian::program("linux.uml", &["user-mode-linux"])
+}

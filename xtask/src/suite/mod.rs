@@ -1,0 +1,150 @@
+//! `cargo xtask test`: everything that can be tested without a board, one step after the other.
+//!
+//! What is missing is installed first, so that nothing is refused after minutes of work. Every step shows its output as
+//! it comes. The end is a summary by step, and `N passed, N failed` alone on the last line.
+
+mod count;
+mod steps;
+
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+
+use count::Count;
+use steps::{Ready, Step};
+
+use crate::words::say;
+
+/// Which steps to run.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Run only these steps
+    #[arg(long, value_delimiter = ',', value_name = "STEP")]
+    only: Vec<Step>,
+
+    /// Leave these steps out
+    #[arg(long, value_delimiter = ',', value_name = "STEP")]
+    skip: Vec<Step>,
+
+    /// Check formatting, lints and documentation as well, as .ci/run does
+    #[arg(long)]
+    with_lints: bool,
+}
+
+impl Arguments {
+    fn selected(&self) -> impl Iterator<Item = Step> + '_ {
+        let wanted = |step: &Step| match self.only.as_slice() {
+            [] => self.with_lints || !step.is_lint(),
+            only => only.contains(step) || (self.with_lints && step.is_lint()),
+        };
+        Step::ALL
+            .into_iter()
+            .filter(wanted)
+            .filter(|step| !self.skip.contains(step))
+    }
+}
+
+/// What became of a step.
+struct Outcome {
+    step: Step,
+    count: Count,
+    /// Why the step did not run.
+    skipped: Option<String>,
+    time: Duration,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let steps: Vec<_> = arguments.selected().collect();
+    let ready = Ready::install(&steps)?;
+
+    let mut outcomes = Vec::new();
+    for step in steps {
+        say!("\n=== {step}: {} ===", step.subject())?;
+        let started = Instant::now();
+        let (count, skipped) = match steps::run(step, &ready)? {
+            steps::Run::Done(count) => (count, None),
+            steps::Run::Skipped(why) => {
+                say!("skipped: {why}")?;
+                (Count::default(), Some(why))
+            }
+        };
+        outcomes.push(Outcome {
+            step,
+            count,
+            skipped,
+            time: started.elapsed(),
+        });
+    }
+    conclude(&outcomes)
+}
+
+/// Prints the summary and the closing line.
+fn conclude(outcomes: &[Outcome]) -> Result<ExitCode> {
+    say!("\n=== summary ===")?;
+    let mut sum = Count::default();
+    for Outcome {
+        step,
+        count,
+        skipped,
+        time,
+    } in outcomes
+    {
+        sum += *count;
+        let name = step.to_string();
+        match skipped {
+            Some(why) => say!("{name:<10} skipped: {why}")?,
+            None => say!("{name:<10} {count}, {:.0} s", time.as_secs_f32())?,
+        }
+    }
+    say!("\n{} passed, {} failed", sum.passed, sum.failed)?;
+    Ok(if sum.failed == 0 && sum.passed > 0 {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    fn selected(line: &[&str]) -> Vec<Step> {
+        Line::try_parse_from([&["test"], line].concat())
+            .unwrap()
+            .arguments
+            .selected()
+            .collect()
+    }
+
+    #[test]
+    fn without_arguments_everything_but_the_lints_runs() {
+        use Step::*;
+        assert_eq!(selected(&[]), [Host, Firmware, Python, Qemu, Socketcan]);
+        assert_eq!(selected(&["--with-lints"]), Step::ALL);
+    }
+
+    #[test]
+    fn steps_are_chosen_and_left_out() {
+        use Step::*;
+        assert_eq!(selected(&["--only", "qemu,host"]), [Host, Qemu]);
+        assert_eq!(
+            selected(&["--skip", "qemu", "--skip", "socketcan"]),
+            [Host, Firmware, Python]
+        );
+        assert_eq!(selected(&["--only", "lint"]), [Lint]);
+    }
+
+    #[test]
+    fn an_unknown_step_is_refused() {
+        assert!(Line::try_parse_from(["test", "--only", "hardware"]).is_err());
+    }
+}

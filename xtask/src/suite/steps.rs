@@ -1,0 +1,270 @@
+//! The steps of the test run, and what each of them needs.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::Result;
+use clap::ValueEnum;
+
+use super::count::Count;
+use crate::firmware::{Image, TARGET};
+use crate::socketcan::{self, Socketcan};
+use crate::words::{one_line, say};
+use crate::{place, process, setup};
+
+/// A part of the test run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Step {
+    /// Formatting
+    Format,
+    /// Clippy, on the PC and on the target
+    Lint,
+    /// Documentation without a warning
+    Docs,
+    /// Rust tests on the PC
+    Host,
+    /// The images for the target, and the proof that they contain no panic path
+    Firmware,
+    /// Python-canopen against the virtual drive, and the data sheets
+    Python,
+    /// Python-canopen against the firmware in QEMU
+    Qemu,
+    /// Python-canopen against the virtual drive on a real SocketCAN
+    Socketcan,
+}
+
+impl Step {
+    /// In the order in which they run: what is quick and fails often first.
+    pub const ALL: [Self; 8] = [
+        Self::Format,
+        Self::Lint,
+        Self::Docs,
+        Self::Host,
+        Self::Firmware,
+        Self::Python,
+        Self::Qemu,
+        Self::Socketcan,
+    ];
+
+    /// Does it look at the text only?
+    pub fn is_lint(self) -> bool {
+        matches!(self, Self::Format | Self::Lint | Self::Docs)
+    }
+
+    /// What the step is about, in a few words.
+    pub fn subject(self) -> &'static str {
+        match self {
+            Self::Format => "is everything formatted",
+            Self::Lint => "clippy on the PC and on the target",
+            Self::Docs => "documentation without a warning",
+            Self::Host => "Rust tests on the PC",
+            Self::Firmware => "images for the target, no panic path",
+            Self::Python => "python-canopen against the virtual drive, data sheets",
+            Self::Qemu => "python-canopen against the firmware in QEMU",
+            Self::Socketcan => "python-canopen against the virtual drive on SocketCAN",
+        }
+    }
+
+    fn needs_target(self) -> bool {
+        matches!(self, Self::Lint | Self::Firmware | Self::Qemu)
+    }
+
+    fn needs_python(self) -> bool {
+        matches!(self, Self::Python | Self::Qemu | Self::Socketcan)
+    }
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            self.to_possible_value()
+                .as_ref()
+                .map_or("", |value| value.get_name()),
+        )
+    }
+}
+
+/// What was found or installed for the steps.
+#[derive(Debug)]
+pub struct Ready {
+    /// The Python with everything that the tests need.
+    python: PathBuf,
+    /// Where a real SocketCAN is, or why there is none.
+    socketcan: Result<Socketcan, String>,
+}
+
+impl Ready {
+    /// Installs what the steps need.
+    ///
+    /// # Errors
+    /// When something is missing and may not be installed. A missing SocketCAN is no error.
+    pub fn install(steps: &[Step]) -> Result<Self> {
+        if steps.iter().any(|step| step.needs_target()) {
+            setup::rust_target()?;
+        }
+        if steps.contains(&Step::Qemu) {
+            setup::emulator()?;
+        }
+        let python = if steps.iter().any(|step| step.needs_python()) {
+            setup::python_environment()?
+        } else {
+            PathBuf::new()
+        };
+        let socketcan = if steps.contains(&Step::Socketcan) {
+            Socketcan::find().map_err(|error| one_line(&error))
+        } else {
+            Err("not asked for".to_owned())
+        };
+        Ok(Self { python, socketcan })
+    }
+}
+
+/// How a step ended.
+#[derive(Debug)]
+pub enum Run {
+    /// It ran.
+    Done(Count),
+    /// It could not run here, and why.
+    Skipped(String),
+}
+
+/// Runs one step.
+///
+/// # Errors
+/// When a program cannot be started.
+pub fn run(step: Step, ready: &Ready) -> Result<Run> {
+    let count = match step {
+        Step::Format => checks([cargo(&["fmt", "--all", "--check"])])?,
+        Step::Lint => checks(lints())?,
+        Step::Docs => checks(documentation())?,
+        Step::Host => tests(&mut cargo(&[
+            "test",
+            "--workspace",
+            "--exclude",
+            "app",
+            "--no-fail-fast",
+        ]))?,
+        Step::Firmware => images()?,
+        Step::Python => {
+            let built = checks([cargo(&["build", "--package", "sim"])])?;
+            if built.failed > 0 {
+                built
+            } else {
+                tests(&mut pytest(&ready.python, "virtual"))?
+            }
+        }
+        Step::Qemu => {
+            let built = checks([Image::Qemu.build_command()?])?;
+            if built.failed > 0 {
+                built
+            } else {
+                let image = Image::Qemu.keep()?;
+                tests(pytest(&ready.python, "firmware").arg("--image").arg(image))?
+            }
+        }
+        Step::Socketcan => match &ready.socketcan {
+            Err(why) => return Ok(Run::Skipped(why.clone())),
+            Ok(socketcan) => {
+                let built = checks([cargo(&["build", "--package", "sim"])])?;
+                if built.failed > 0 {
+                    built
+                } else {
+                    over_socketcan(socketcan, &ready.python)?
+                }
+            }
+        },
+    };
+    Ok(Run::Done(count))
+}
+
+fn cargo(arguments: &[&str]) -> Command {
+    let mut command = place::cargo();
+    command.args(arguments);
+    command
+}
+
+fn lints() -> [Command; 3] {
+    let strict = |mut command: Command| {
+        command.args(["--", "-D", "warnings"]);
+        command
+    };
+    // In the profile in which the images are built: the generator and the macros are then built once for both.
+    let app = || {
+        let mut command = cargo(&["clippy", "--release", "--package", "app", "--bins"]);
+        command.args(["--target", TARGET]);
+        command
+    };
+    let mut emulator = app();
+    emulator.args(["--no-default-features", "--features", "qemu"]);
+    let host = cargo(&["clippy", "--workspace", "--exclude", "app", "--all-targets"]);
+    [strict(host), strict(app()), strict(emulator)]
+}
+
+fn documentation() -> [Command; 1] {
+    let mut host = cargo(&["doc", "--workspace", "--exclude", "app", "--no-deps"]);
+    host.env("RUSTDOCFLAGS", "-D warnings");
+    [host]
+}
+
+/// Builds every image of the drive; each is one check. The last one links only if no panic path is left in the core.
+fn images() -> Result<Count> {
+    let mut sum = Count::default();
+    for image in [Image::NoPanic, Image::Board, Image::Qemu] {
+        let count = checks([image.build_command()?])?;
+        if count.failed == 0 {
+            image.keep()?;
+        }
+        sum += count;
+    }
+    Ok(sum)
+}
+
+/// Runs commands that are one check each.
+fn checks(commands: impl IntoIterator<Item = Command>) -> Result<Count> {
+    let mut sum = Count::default();
+    for mut command in commands {
+        say!("$ {}", process::line(&command))?;
+        sum += Count::check(process::run(&mut command)?);
+    }
+    Ok(sum)
+}
+
+/// Runs a test runner and counts what it says.
+fn tests(command: &mut Command) -> Result<Count> {
+    say!("$ {}", process::line(command))?;
+    let mut count = Count::default();
+    let status = process::stream(command, |line| count.watch(line))?;
+    Ok(count.close(status.success()))
+}
+
+/// The Python tests against one target.
+fn pytest(python: &Path, target: &str) -> Command {
+    let mut command = Command::new(python);
+    // Python's own cache files stay out of the source tree.
+    command
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .current_dir(place::root());
+    command.args([
+        "-m",
+        "pytest",
+        "--color=no",
+        "tests/python",
+        "--target",
+        target,
+    ]);
+    command
+        .arg("--sim")
+        .arg(place::built("sim"))
+        .arg("--xtask")
+        .arg(place::built("xtask"));
+    command
+}
+
+fn over_socketcan(socketcan: &Socketcan, python: &Path) -> Result<Count> {
+    let mut command = pytest(python, "socketcan");
+    say!("$ {}", process::line(&command))?;
+    let mut count = Count::default();
+    let succeeded = socketcan::run(socketcan, &mut command, |line| count.watch(line))?;
+    Ok(count.close(succeeded))
+}
