@@ -372,3 +372,13 @@ fn p40_a_new_mapping_holds_from_the_next_frame() {
     bench.change(|dictionary| dictionary.set_sent_number_2(0x3333_3333));
     bench.drain_until("184 [4] 33 33 33 33", 50);
 }
+
+#[test]
+fn p22_a_short_pdo_shows_in_the_error_register_of_the_emergency() {
+    let mut bench = Bench::node(4);
+    bench.start();
+    bench.send("204 [2] 01 02");
+    let emergency = bench.expect("084: 10 82 ..");
+    assert_eq!(emergency.payload()[2], 0x11, "communication and generic");
+    assert_eq!(bench.read_u8(0x1001, 0), 0x11);
+}

@@ -246,3 +246,14 @@ fn m07_quick_stop_stops_on_its_own_ramp_and_switches_off() {
     // 10,000 steps/s on 20,000 steps/s²: 2,500 steps, and what is on its way for two milliseconds.
     assert!((2_500..=2_560).contains(&distance), "{distance}");
 }
+
+#[test]
+fn positions_beyond_32_bits_wrap_alike_in_all_three_objects() {
+    let mut drive = DriveBench::started(4);
+    // Turned by hand, five steps beyond the end.
+    drive.axis().plant_mut().displace(i64::from(i32::MAX) + 5);
+    drive.run_millis(5);
+    for index in [0x6062, 0x6063, 0x6064] {
+        assert_eq!(drive.read_i32(index, 0), i32::MIN + 4, "{index:04X}h");
+    }
+}
