@@ -72,7 +72,7 @@ impl Station for PlainNode {
     }
 
     fn transmit(&mut self) -> Option<Frame> {
-        self.node.transmit()
+        self.node.transmit(&mut ())
     }
 }
 

@@ -113,7 +113,7 @@ proptest! {
                 Step::Clear(number) => device.node.clear(0xFF00 + u16::from(number), device.now),
                 Step::Transmit(frames) => {
                     for _ in 0..frames {
-                        let Some(frame) = device.node.transmit() else { break };
+                        let Some(frame) = device.node.transmit(&mut device.firmware) else { break };
                         check(&mut device, &mut ledger, &frame)?;
                     }
                 }
@@ -123,7 +123,7 @@ proptest! {
                 match event {
                     Event::ResetRequested(reset) => {
                         prop_assert_eq!(device.node.state(), NmtState::Initialisation);
-                        prop_assert!(device.node.transmit().is_none());
+                        prop_assert!(device.node.transmit(&mut device.firmware).is_none());
                         device.boot(reset);
                         ledger.boots += 1;
                     }

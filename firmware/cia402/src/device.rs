@@ -98,7 +98,7 @@ impl<D: Dictionary + Objects, const RPDOS: usize, const TPDOS: usize> Device<D, 
 
     /// The next frame to send.
     pub fn transmit(&mut self) -> Option<Frame> {
-        self.node.transmit()
+        self.node.transmit(&mut self.hooks)
     }
 
     /// The next event for the firmware. Resets do not show here: the device stops the drive, then boots by itself. Of

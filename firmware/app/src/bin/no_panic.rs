@@ -190,7 +190,7 @@ fn node(node: &mut Node<Dictionary, RPDO_COUNT, TPDO_COUNT>) {
         3 => node.settings_stored(any_result()),
         4 => look(node.poll(any_time(), &mut Objects).ticks() as u32),
         5 => {
-            if let Some(frame) = node.transmit() {
+            if let Some(frame) = node.transmit(&mut Objects) {
                 look(u32::from(frame.length()) + u32::from(frame.standard_id().unwrap_or(0)));
             }
         }

@@ -7,6 +7,7 @@
 use heapless::Deque;
 
 use super::{NO_COB_ID, Node};
+use crate::application::Application;
 use crate::cia301::nmt::NmtState;
 use crate::cia305;
 use crate::od::Dictionary;
@@ -138,10 +139,12 @@ impl TransmitQueue {
 impl<D: Dictionary, const RPDOS: usize, const TPDOS: usize> Node<D, RPDOS, TPDOS> {
     /// The next frame to send, lowest identifier first; `None` when there is nothing.
     ///
-    /// Call it when the CAN controller can take a frame. A frame that the controller gives back (it was not sent, and
+    /// The segments of a block upload come from here one by one, so the application is asked for the next piece of an object
+    /// that it streams. Call it when the CAN controller can take a frame. A frame that the controller gives back (it was not sent, and
     /// one of higher priority shall go first) cannot be put back here.
     #[inline]
-    pub fn transmit(&mut self) -> Option<Frame> {
+    pub fn transmit<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
+        let _ = application;
         let may_wait = self.queue.waiting != 0
             || self.services.tpdos.is_pending()
             || self.services.emergency.is_pending();

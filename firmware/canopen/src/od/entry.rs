@@ -15,23 +15,44 @@ pub enum DataType {
     Real32 = 0x08,
     VisibleString = 0x09,
     OctetString = 0x0A,
+    UnicodeString = 0x0B,
+    TimeOfDay = 0x0C,
+    TimeDifference = 0x0D,
     Domain = 0x0F,
+    Integer24 = 0x10,
     Real64 = 0x11,
+    Integer40 = 0x12,
+    Integer48 = 0x13,
+    Integer56 = 0x14,
     Integer64 = 0x15,
+    Unsigned24 = 0x16,
+    Unsigned40 = 0x18,
+    Unsigned48 = 0x19,
+    Unsigned56 = 0x1A,
     Unsigned64 = 0x1B,
 }
 
 impl DataType {
     /// Whether values differ in length (strings and domains).
     pub const fn is_variable(self) -> bool {
-        matches!(self, Self::VisibleString | Self::OctetString | Self::Domain)
+        matches!(
+            self,
+            Self::VisibleString | Self::OctetString | Self::UnicodeString | Self::Domain
+        )
     }
 
     /// Whether the number is signed.
     pub const fn is_signed(self) -> bool {
         matches!(
             self,
-            Self::Integer8 | Self::Integer16 | Self::Integer32 | Self::Integer64
+            Self::Integer8
+                | Self::Integer16
+                | Self::Integer24
+                | Self::Integer32
+                | Self::Integer40
+                | Self::Integer48
+                | Self::Integer56
+                | Self::Integer64
         )
     }
 }
@@ -77,11 +98,30 @@ impl Attributes {
     pub const ROM: u16 = 1 << 5;
     /// Const in the data sheet.
     pub const CONSTANT: u16 = 1 << 6;
+    /// The application serves the value piece by piece (DOMAIN, large arrays): it lies neither in RAM nor in flash, and
+    /// [`Entry::size`] is the most bytes it may have, 0 for no bound.
+    pub const STREAMED: u16 = 1 << 7;
+    /// The bits of the storage group, [`StorageGroup`] as a number; 0 for what is not stored.
+    pub const STORAGE: u16 = 3 << Self::STORAGE_SHIFT;
+    /// Where the bits of the storage group begin.
+    pub const STORAGE_SHIFT: u32 = 8;
 
     /// Whether all of these bits are set.
     pub const fn has(self, bits: u16) -> bool {
         self.0 & bits == bits
     }
+}
+
+/// Which sub-index of 1010h and 1011h stores and restores an object (CiA 301, 7.5.2.13 and 7.5.2.14).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum StorageGroup {
+    /// Communication parameters, sub-index 2.
+    Communication = 1,
+    /// Application parameters of the device profile, sub-index 3.
+    Application = 2,
+    /// Parameters of the manufacturer, sub-index 4.
+    Manufacturer = 3,
 }
 
 /// Inclusive limits of a number.
@@ -130,6 +170,16 @@ impl Entry {
             Location::Rom(self.offset)
         } else {
             Location::Ram(self.offset)
+        }
+    }
+
+    /// The group that stores it; `None` for what is lost at power-off.
+    pub const fn storage_group(&self) -> Option<StorageGroup> {
+        match (self.attributes.0 & Attributes::STORAGE) >> Attributes::STORAGE_SHIFT {
+            1 => Some(StorageGroup::Communication),
+            2 => Some(StorageGroup::Application),
+            3 => Some(StorageGroup::Manufacturer),
+            _ => None,
         }
     }
 

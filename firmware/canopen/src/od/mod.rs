@@ -15,7 +15,7 @@ pub use access::{
     AccessError, check, find, load_defaults, number, put, read_u8, read_u16, read_u32, set, value,
     write_u8, write_u16, write_u32,
 };
-pub use entry::{Access, Attributes, DataType, Entry, Limits, Location, key};
+pub use entry::{Access, Attributes, DataType, Entry, Limits, Location, StorageGroup, key};
 
 /// What `od-gen` puts in flash for one dictionary.
 #[derive(Debug)]

@@ -123,7 +123,7 @@ impl Device {
 
     /// Everything that waits for the bus.
     pub fn sent(&mut self) -> Vec<String> {
-        std::iter::from_fn(|| self.node.transmit())
+        std::iter::from_fn(|| self.node.transmit(&mut self.firmware))
             .map(|frame| text(&frame))
             .collect()
     }

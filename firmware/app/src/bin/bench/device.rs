@@ -44,7 +44,7 @@ fn serve(
 #[inline(never)]
 fn pass(node: &mut Node<Dictionary, RPDO_COUNT, TPDO_COUNT>, now: Instant, sent: &mut Mailbox) {
     node.poll(now, &mut ());
-    while let Some(frame) = node.transmit() {
+    while let Some(frame) = node.transmit(&mut ()) {
         let _ = sent.push(frame);
     }
 }
