@@ -37,6 +37,18 @@ impl Model {
         self.count(0x1800..=0x19FF)
     }
 
+    /// SDO servers: the records at 1200h to 127Fh, and the default server of a device that does not list it.
+    pub fn sdo_server_count(&self) -> usize {
+        self.count(0x1200..=0x127F).max(1)
+    }
+
+    /// Heartbeat consumers: the elements of 1016h.
+    pub fn heartbeat_consumer_count(&self) -> usize {
+        self.object(0x1016).map_or(0, |object| {
+            object.entries.iter().filter(|entry| entry.sub != 0).count()
+        })
+    }
+
     fn count(&self, indices: std::ops::RangeInclusive<u16>) -> usize {
         self.objects
             .iter()

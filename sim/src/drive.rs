@@ -77,11 +77,11 @@ pub struct MotionSample {
 
 /// A drive with the dictionary `D`; on power it boots, then it lives on frames and time.
 #[derive(Debug)]
-pub struct VirtualDrive<D, const RPDOS: usize, const TPDOS: usize> {
+pub struct VirtualDrive<D: Dictionary> {
     setup: Setup,
     powered: bool,
     was_reset: bool,
-    device: Device<D, RPDOS, TPDOS>,
+    device: Device<D>,
     drive: Drive,
     exchange: Exchange,
     plant: Plant,
@@ -92,9 +92,7 @@ pub struct VirtualDrive<D, const RPDOS: usize, const TPDOS: usize> {
     samples: Option<Vec<MotionSample>>,
 }
 
-impl<D: Dictionary + Objects + Default, const RPDOS: usize, const TPDOS: usize>
-    VirtualDrive<D, RPDOS, TPDOS>
-{
+impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
     /// A drive without power; it gets it when it is polled for the first time.
     pub fn new(mut setup: Setup) -> Self {
         let settings = setup.settings.unwrap_or_else(|| setup.stored());
@@ -129,7 +127,7 @@ impl<D: Dictionary + Objects + Default, const RPDOS: usize, const TPDOS: usize>
     }
 
     /// The CANopen half, for its dictionary and state.
-    pub fn device(&self) -> &Device<D, RPDOS, TPDOS> {
+    pub fn device(&self) -> &Device<D> {
         &self.device
     }
 
@@ -231,7 +229,7 @@ impl<D: Dictionary + Objects + Default, const RPDOS: usize, const TPDOS: usize>
     }
 }
 
-impl<D, const RPDOS: usize, const TPDOS: usize> Station for VirtualDrive<D, RPDOS, TPDOS>
+impl<D> Station for VirtualDrive<D>
 where
     D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
 {

@@ -24,8 +24,4 @@ pub mod dictionary {
 }
 
 /// The generic drive on a PC.
-pub type Axis402 = drive::VirtualDrive<
-    dictionary::Dictionary,
-    { dictionary::RPDO_COUNT },
-    { dictionary::TPDO_COUNT },
->;
+pub type Axis402 = drive::VirtualDrive<dictionary::Dictionary>;

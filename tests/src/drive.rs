@@ -6,11 +6,7 @@ use sim::drive::{Setup, VirtualDrive};
 use crate::line::Line;
 
 /// The virtual drive with the dictionary of `eds/axis402.eds`.
-pub type AxisDrive = VirtualDrive<
-    sim::dictionary::Dictionary,
-    { sim::dictionary::RPDO_COUNT },
-    { sim::dictionary::TPDO_COUNT },
->;
+pub type AxisDrive = VirtualDrive<sim::dictionary::Dictionary>;
 
 /// A virtual drive and a script on one bus.
 pub type DriveBench = Line<AxisDrive>;

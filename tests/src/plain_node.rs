@@ -7,12 +7,12 @@ use canopen::{BitRate, Event, Frame, Instant, Node, NodeId, Settings};
 use sim::bus::Station;
 
 use crate::line::Line;
-use crate::test_device::{Dictionary, RPDO_COUNT, TPDO_COUNT};
+use crate::test_device::Dictionary;
 
 /// The device, and what its firmware would do: boot after a reset, store settings.
 #[derive(Debug)]
 pub struct PlainNode {
-    node: Node<Dictionary, RPDO_COUNT, TPDO_COUNT>,
+    node: Node<Dictionary>,
     powered: bool,
     /// What storing settings will end with.
     pub store_result: Result<(), StoreError>,

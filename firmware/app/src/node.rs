@@ -21,7 +21,7 @@ use rtic::Mutex;
 
 use crate::board::{Board, Bus, Receive, Selected};
 use crate::clock;
-use crate::dictionary::{Dictionary, RPDO_COUNT, TPDO_COUNT};
+use crate::dictionary::Dictionary;
 use crate::inbox::{Received, Stamped};
 use crate::outbox::Outbox;
 use crate::share::Locked;
@@ -38,7 +38,7 @@ type Receiver = <Selected as Board>::Receiver;
 
 /// The CANopen device and what belongs to its task.
 pub struct Node {
-    device: Device<Dictionary, RPDO_COUNT, TPDO_COUNT>,
+    device: Device<Dictionary>,
     received: Received,
     /// Frames the controller had no room for.
     outbox: Outbox,

@@ -69,11 +69,11 @@ pub enum StoreError {
 /// Stands for "no identifier": no 11-bit identifier is equal to it.
 const NO_COB_ID: u16 = u16::MAX;
 
-/// A CANopen device with `RPDOS` receive and `TPDOS` transmit PDOs over the dictionary `D`.
+/// A CANopen device over the dictionary `D`, with as many PDOs as its data sheet has.
 #[derive(Debug)]
-pub struct Node<D, const RPDOS: usize, const TPDOS: usize> {
+pub struct Node<D: Dictionary> {
     dictionary: D,
-    services: Services<RPDOS, TPDOS>,
+    services: Services<D::Counts>,
     sdo: sdo::Server,
     lss: cia305::Slave,
     queue: TransmitQueue,
@@ -95,7 +95,7 @@ pub struct Node<D, const RPDOS: usize, const TPDOS: usize> {
     is_mute: bool,
 }
 
-impl<D: Dictionary, const RPDOS: usize, const TPDOS: usize> Node<D, RPDOS, TPDOS> {
+impl<D: Dictionary> Node<D> {
     /// A device that has just been powered, still silent: call [`Node::boot`] with [`Reset::Node`].
     pub fn new(dictionary: D, settings: Settings) -> Self {
         Self {

@@ -35,15 +35,15 @@ enum Phase {
 
 /// A CANopen node with the hooks of the drive objects.
 #[derive(Debug)]
-pub struct Device<D, const RPDOS: usize, const TPDOS: usize> {
-    node: Node<D, RPDOS, TPDOS>,
+pub struct Device<D: Dictionary> {
+    node: Node<D>,
     hooks: Hooks,
     phase: Phase,
     /// The last value posted of `Commands::remote`.
     remote: bool,
 }
 
-impl<D: Dictionary + Objects, const RPDOS: usize, const TPDOS: usize> Device<D, RPDOS, TPDOS> {
+impl<D: Dictionary + Objects> Device<D> {
     /// A device that has just been powered; call [`Device::power_on`] next. `serial_number` becomes 1018h:4.
     pub fn new(dictionary: D, settings: Settings, serial_number: u32) -> Self {
         Self {
@@ -115,7 +115,7 @@ impl<D: Dictionary + Objects, const RPDOS: usize, const TPDOS: usize> Device<D, 
     }
 
     /// The node, for its dictionary and state.
-    pub fn node(&self) -> &Node<D, RPDOS, TPDOS> {
+    pub fn node(&self) -> &Node<D> {
         &self.node
     }
 

@@ -1,18 +1,11 @@
-//! Indices by name, and how many PDOs there are.
+//! Indices by name, and how many of each service there are.
 
 use super::{ALLOW_UNUSED, names};
 use crate::model::Model;
 
 pub(super) fn write(model: &Model) -> String {
     let mut out = String::new();
-    for (name, what, count) in [
-        ("RPDO_COUNT", "receive PDOs", model.rpdo_count()),
-        ("TPDO_COUNT", "transmit PDOs", model.tpdo_count()),
-    ] {
-        out += &format!(
-            "/// How many {what} there are.\n{ALLOW_UNUSED}pub const {name}: usize = {count};\n\n"
-        );
-    }
+    out += &counts(model);
     out += "/// The index of each object.\n";
     out += ALLOW_UNUSED;
     out += "pub mod index {\n";
@@ -25,4 +18,14 @@ pub(super) fn write(model: &Model) -> String {
     }
     out += "}\n\n";
     out
+}
+
+/// The places that the services of the device need.
+fn counts(model: &Model) -> String {
+    let (rpdos, tpdos) = (model.rpdo_count(), model.tpdo_count());
+    let (servers, consumers) = (model.sdo_server_count(), model.heartbeat_consumer_count());
+    format!(
+        "/// Receive PDOs, transmit PDOs, SDO servers, heartbeat consumers.\n\
+         pub type Counts = ::canopen::od::Count<{rpdos}, {tpdos}, {servers}, {consumers}>;\n\n"
+    )
 }

@@ -82,6 +82,8 @@ impl Default for Dictionary {{
 impl ::canopen::od::Dictionary for Dictionary {{
     const TABLE: &'static ::canopen::od::Table = &table::TABLE;
 
+    type Counts = Counts;
+
     fn ram(&self) -> &[u8] {{
         &self.ram
     }}

@@ -28,7 +28,7 @@ mod dictionary {
     include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));
 }
 
-use dictionary::{Dictionary, RPDO_COUNT, TPDO_COUNT};
+use dictionary::Dictionary;
 
 unsafe extern "C" {
     fn a_panic_path_is_linked() -> !;
@@ -167,7 +167,7 @@ impl<D: canopen::od::Dictionary> Application<D> for Objects {
 }
 
 #[inline(never)]
-fn node(node: &mut Node<Dictionary, RPDO_COUNT, TPDO_COUNT>) {
+fn node(node: &mut Node<Dictionary>) {
     match any() {
         0 => node.boot(
             if any() == 0 {
@@ -203,11 +203,7 @@ fn node(node: &mut Node<Dictionary, RPDO_COUNT, TPDO_COUNT>) {
 }
 
 #[inline(never)]
-fn drive(
-    device: &mut Device<Dictionary, RPDO_COUNT, TPDO_COUNT>,
-    drive: &mut Drive,
-    exchange: &mut impl Share,
-) {
+fn drive(device: &mut Device<Dictionary>, drive: &mut Drive, exchange: &mut impl Share) {
     match any() {
         0 => device.power_on(any_time(), exchange),
         1 => look(device.poll(any_time(), exchange).ticks() as u32),
@@ -317,7 +313,7 @@ fn plan(clock: Clock) {
 }
 
 #[inline(never)]
-fn indicators(indicators: &mut Indicators, node: &Node<Dictionary, RPDO_COUNT, TPDO_COUNT>) {
+fn indicators(indicators: &mut Indicators, node: &Node<Dictionary>) {
     let lit = indicators.advance(Signal {
         state: node.state(),
         fault: any() == 0,

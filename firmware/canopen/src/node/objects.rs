@@ -9,10 +9,10 @@ use crate::time::Instant;
 use crate::wire::sdo::Multiplexer;
 
 /// What an SDO request can reach.
-pub(super) struct Objects<'a, D, A, const RPDOS: usize, const TPDOS: usize> {
+pub(super) struct Objects<'a, D: Dictionary, A> {
     pub(super) dictionary: &'a mut D,
     pub(super) application: &'a mut A,
-    pub(super) services: &'a mut Services<RPDOS, TPDOS>,
+    pub(super) services: &'a mut Services<D::Counts>,
     pub(super) now: Instant,
 }
 
@@ -21,9 +21,7 @@ const fn is_communication_object(entry: &Entry) -> bool {
     entry.index >> 12 == 1
 }
 
-impl<D: Dictionary, A: Application<D>, const RPDOS: usize, const TPDOS: usize> sdo::Objects
-    for Objects<'_, D, A, RPDOS, TPDOS>
-{
+impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
     fn read(&mut self, object: Multiplexer) -> Result<&[u8], AbortCode> {
         let entry = od::find::<D>(object.index, object.sub)?;
         if !entry.attributes.has(Attributes::READ) {

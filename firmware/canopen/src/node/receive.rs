@@ -12,7 +12,7 @@ use crate::od::Dictionary;
 use crate::time::{Instant, earlier};
 use crate::wire::{Frame, cob_id};
 
-impl<D: Dictionary, const RPDOS: usize, const TPDOS: usize> Node<D, RPDOS, TPDOS> {
+impl<D: Dictionary> Node<D> {
     /// Takes a frame from the bus; `stamp` is when it arrived. Frames that are for others, extended frames and remote
     /// frames do nothing.
     #[inline]

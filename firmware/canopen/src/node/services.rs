@@ -8,17 +8,17 @@ use crate::cia301::length_error::LengthReport;
 use crate::cia301::pdo;
 use crate::cia301::sdo::AbortCode;
 use crate::cia301::sync::Sync;
-use crate::od::{Dictionary, Entry};
+use crate::od::{Counts, Dictionary, Entry};
 use crate::time::Instant;
 
 /// The services whose behaviour is set by communication objects.
 #[derive(Debug)]
-pub(super) struct Services<const RPDOS: usize, const TPDOS: usize> {
+pub(super) struct Services<C: Counts> {
     pub(super) heartbeat: heartbeat::Producer,
     pub(super) emergency: emergency::Producer,
     pub(super) sync: Sync,
-    pub(super) rpdos: pdo::Receive<RPDOS>,
-    pub(super) tpdos: pdo::Transmit<TPDOS>,
+    pub(super) rpdos: pdo::Receive<C::Rpdos>,
+    pub(super) tpdos: pdo::Transmit<C::Tpdos>,
     /// Whether the NMT state has emergency messages.
     pub(super) may_send_emergency: bool,
     /// Whether a timer may end earlier than the node knows.
@@ -27,8 +27,8 @@ pub(super) struct Services<const RPDOS: usize, const TPDOS: usize> {
     pub(super) values_changed: bool,
 }
 
-impl<const RPDOS: usize, const TPDOS: usize> Services<RPDOS, TPDOS> {
-    pub(super) const fn new() -> Self {
+impl<C: Counts> Services<C> {
+    pub(super) fn new() -> Self {
         Self {
             heartbeat: heartbeat::Producer::new(),
             emergency: emergency::Producer::new(),

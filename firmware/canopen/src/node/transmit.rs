@@ -136,7 +136,7 @@ impl TransmitQueue {
     }
 }
 
-impl<D: Dictionary, const RPDOS: usize, const TPDOS: usize> Node<D, RPDOS, TPDOS> {
+impl<D: Dictionary> Node<D> {
     /// The next frame to send, lowest identifier first; `None` when there is nothing.
     ///
     /// The segments of a block upload come from here one by one, so the application is asked for the next piece of an object

@@ -9,12 +9,14 @@
 //! length and then [`Entry::size`] bytes; a string that cannot be written lies in flash, `size` bytes, no prefix.
 
 mod access;
+mod counts;
 mod entry;
 
 pub use access::{
     AccessError, check, find, load_defaults, number, put, read_u8, read_u16, read_u32, set, value,
     write_u8, write_u16, write_u32,
 };
+pub use counts::{Count, Counts, Slots, Unused};
 pub use entry::{Access, Attributes, DataType, Entry, Limits, Location, StorageGroup, key};
 
 /// What `od-gen` puts in flash for one dictionary.
@@ -34,6 +36,9 @@ pub struct Table {
 pub trait Dictionary {
     /// Descriptors, constants, defaults and limits, in flash.
     const TABLE: &'static Table;
+
+    /// How many of each service the device has: [`Count`].
+    type Counts: Counts;
 
     /// The values that can change.
     fn ram(&self) -> &[u8];

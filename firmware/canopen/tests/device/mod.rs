@@ -43,7 +43,7 @@ pub type Sent = (u64, String);
 /// A device with two receive and two transmit PDOs.
 #[derive(Debug)]
 pub struct Device {
-    pub node: Node<Objects, 2, 2>,
+    pub node: Node<Objects>,
     pub firmware: Firmware,
     pub now: Instant,
 }

@@ -1,6 +1,6 @@
 //! A small object dictionary, written as a list; offsets are computed when this is compiled.
 
-use canopen::od::{Attributes, DataType, Dictionary, Entry, Limits, Table};
+use canopen::od::{Attributes, Count, DataType, Dictionary, Entry, Limits, Table};
 
 /// One line of the list.
 struct Line {
@@ -276,6 +276,7 @@ impl Objects {
 }
 
 impl Dictionary for Objects {
+    type Counts = Count<2, 2, 1, 0>;
     const TABLE: &'static Table = &TABLE;
 
     fn ram(&self) -> &[u8] {

@@ -11,7 +11,7 @@ mod test_device {
     include!(concat!(env!("OUT_DIR"), "/test_device.rs"));
 }
 
-use test_device::{Dictionary, RPDO_COUNT, TPDO_COUNT};
+use test_device::Dictionary;
 
 const NODE_ID: u16 = 10;
 const REQUEST: u16 = 0x600 + NODE_ID;
@@ -21,7 +21,7 @@ const ANSWER: u16 = 0x580 + NODE_ID;
 type Mailbox = Vec<Frame, 16>;
 
 struct Device {
-    node: Node<Dictionary, RPDO_COUNT, TPDO_COUNT>,
+    node: Node<Dictionary>,
     now: Instant,
     sent: Mailbox,
     /// Instructions in all regions since the last row.
@@ -30,19 +30,14 @@ struct Device {
 
 /// One pass of the node task with a frame.
 #[inline(never)]
-fn serve(
-    node: &mut Node<Dictionary, RPDO_COUNT, TPDO_COUNT>,
-    frame: &Frame,
-    now: Instant,
-    sent: &mut Mailbox,
-) {
+fn serve(node: &mut Node<Dictionary>, frame: &Frame, now: Instant, sent: &mut Mailbox) {
     node.receive(frame, now, &mut ());
     pass(node, now, sent);
 }
 
 /// One pass of the node task without.
 #[inline(never)]
-fn pass(node: &mut Node<Dictionary, RPDO_COUNT, TPDO_COUNT>, now: Instant, sent: &mut Mailbox) {
+fn pass(node: &mut Node<Dictionary>, now: Instant, sent: &mut Mailbox) {
     node.poll(now, &mut ());
     while let Some(frame) = node.transmit(&mut ()) {
         let _ = sent.push(frame);

@@ -10,7 +10,7 @@ mod dictionary {
     include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));
 }
 
-use dictionary::{Dictionary, RPDO_COUNT, TPDO_COUNT};
+use dictionary::Dictionary;
 
 const HZ: u32 = 84_000_000;
 const TICK: Duration = Duration::millis(1);
@@ -39,7 +39,7 @@ impl PulseSink for Motor {
 }
 
 struct Bench {
-    device: Device<Dictionary, RPDO_COUNT, TPDO_COUNT>,
+    device: Device<Dictionary>,
     drive: Drive,
     exchange: Exchange,
     motor: Motor,

@@ -26,8 +26,9 @@ mod transmit_pdo;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use receive::Receive;
+pub use receive::{Receive, ReceivePdo};
 pub use transmit::Transmit;
+pub use transmit_pdo::TransmitPdo;
 
 /// The COB-ID of a PDO that is not in use: no 11-bit identifier is equal to it.
 const NOT_IN_USE: u16 = u16::MAX;

@@ -19,23 +19,24 @@ use crate::application::Application;
 use crate::cia301::emergency::{Emergency, ErrorRegister};
 use crate::cia301::length_error::LengthReport;
 use crate::cia301::sdo::AbortCode;
-use crate::od::{Dictionary, Entry, check, put};
+use crate::od::{Dictionary, Entry, Slots, Unused, check, put};
 use crate::wire::Frame;
 
-/// The receive PDOs of a device; `N` of them, the objects 1400h to 1400h + `N` - 1 and their mappings.
+/// The receive PDOs of a device; as many as there are places in `S`, the objects 1400h and up and their
+/// mappings.
 #[derive(Debug)]
-pub struct Receive<const N: usize> {
-    pdos: [ReceivePdo; N],
+pub struct Receive<S> {
+    pdos: S,
     is_operational: bool,
     /// Whether a length error is not as the emergency producer knows it.
     lengths_changed: bool,
 }
 
-impl<const N: usize> Receive<N> {
+impl<S: Slots<ReceivePdo>> Receive<S> {
     /// No PDO is in use until [`Receive::configure_all`].
-    pub const fn new() -> Self {
+    pub fn new() -> Self {
         Self {
-            pdos: [const { ReceivePdo::new() }; N],
+            pdos: S::unused(),
             is_operational: false,
             lengths_changed: false,
         }
@@ -46,7 +47,7 @@ impl<const N: usize> Receive<N> {
     pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D) {
         self.is_operational = false;
         self.lengths_changed = true;
-        for (number, pdo) in (0..).zip(&mut self.pdos) {
+        for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
             pdo.configure(dictionary, Parameters::new(Direction::Receive, number));
         }
     }
@@ -59,7 +60,7 @@ impl<const N: usize> Receive<N> {
     /// Operational is left. Frames that wait for a SYNC are dropped.
     pub fn leave_operational(&mut self) {
         self.is_operational = false;
-        for pdo in &mut self.pdos {
+        for pdo in self.pdos.as_mut() {
             pdo.waiting = None;
         }
     }
@@ -77,7 +78,7 @@ impl<const N: usize> Receive<N> {
         value: &[u8],
     ) -> Result<(), AbortCode> {
         match Parameters::of(Direction::Receive, entry.index) {
-            Some((parameters, record)) if parameters.number() < N => {
+            Some((parameters, record)) if parameters.number() < self.pdos.as_ref().len() => {
                 parameters.validate(dictionary, record, entry, value)
             }
             _ => Err(AbortCode::NoObject),
@@ -90,7 +91,7 @@ impl<const N: usize> Receive<N> {
         let Some((parameters, _)) = Parameters::of(Direction::Receive, entry.index) else {
             return;
         };
-        if let Some(pdo) = self.pdos.get_mut(parameters.number()) {
+        if let Some(pdo) = self.pdos.as_mut().get_mut(parameters.number()) {
             self.lengths_changed |= pdo.length_error.is_some();
             pdo.configure(dictionary, parameters);
         }
@@ -99,7 +100,7 @@ impl<const N: usize> Receive<N> {
     /// Whether a PDO has this COB-ID.
     #[inline]
     pub fn is_in_use(&self, cob_id: u16) -> bool {
-        self.pdos.iter().any(|pdo| pdo.cob_id == cob_id)
+        self.pdos.as_ref().iter().any(|pdo| pdo.cob_id == cob_id)
     }
 
     /// A frame with an 11-bit identifier arrived. Returns whether it was for a PDO: values of the dictionary may have
@@ -115,7 +116,7 @@ impl<const N: usize> Receive<N> {
     ) -> bool {
         let mut is_taken = false;
         if self.is_operational && !frame.is_remote() {
-            for pdo in &mut self.pdos {
+            for pdo in self.pdos.as_mut() {
                 if pdo.cob_id == cob_id {
                     self.lengths_changed |= pdo.receive(frame, dictionary, application);
                     is_taken = true;
@@ -134,7 +135,7 @@ impl<const N: usize> Receive<N> {
     ) -> bool {
         let mut is_applied = false;
         if self.is_operational {
-            for pdo in &mut self.pdos {
+            for pdo in self.pdos.as_mut() {
                 if let Some(bytes) = pdo.waiting.take() {
                     pdo.apply(&bytes, dictionary, application);
                     is_applied = true;
@@ -155,7 +156,7 @@ impl<const N: usize> Receive<N> {
         if !self.lengths_changed {
             return None;
         }
-        for (number, pdo) in (1..).zip(&mut self.pdos) {
+        for (number, pdo) in (1..).zip(self.pdos.as_mut()) {
             if pdo.length_error == pdo.reported_error {
                 continue;
             }
@@ -172,7 +173,7 @@ impl<const N: usize> Receive<N> {
     }
 }
 
-impl<const N: usize> Default for Receive<N> {
+impl<S: Slots<ReceivePdo>> Default for Receive<S> {
     fn default() -> Self {
         Self::new()
     }
@@ -208,7 +209,7 @@ impl LengthError {
 
 /// One receive PDO.
 #[derive(Debug)]
-struct ReceivePdo {
+pub struct ReceivePdo {
     /// Its identifier, or [`NOT_IN_USE`].
     cob_id: u16,
     is_synchronous: bool,
@@ -219,6 +220,10 @@ struct ReceivePdo {
     length_error: Option<LengthError>,
     /// As the emergency producer knows it.
     reported_error: Option<LengthError>,
+}
+
+impl Unused for ReceivePdo {
+    const UNUSED: Self = Self::new();
 }
 
 impl ReceivePdo {

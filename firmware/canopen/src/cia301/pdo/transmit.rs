@@ -22,14 +22,15 @@ use super::mapping::Direction;
 use super::parameters::{Parameters, Record};
 use super::transmit_pdo::TransmitPdo;
 use crate::cia301::sdo::AbortCode;
-use crate::od::{Dictionary, Entry};
+use crate::od::{Dictionary, Entry, Slots};
 use crate::time::{Instant, NEVER, earlier};
 use crate::wire::Frame;
 
-/// The transmit PDOs of a device; `N` of them, the objects 1800h to 1800h + `N` - 1 and their mappings.
+/// The transmit PDOs of a device; as many as there are places in `S`, the objects 1800h and up and their
+/// mappings.
 #[derive(Debug)]
-pub struct Transmit<const N: usize> {
-    pdos: [TransmitPdo; N],
+pub struct Transmit<S> {
+    pdos: S,
     is_operational: bool,
     /// The lowest identifier that waits to be taken; [`NOT_IN_USE`] when none does.
     lowest: u16,
@@ -37,11 +38,11 @@ pub struct Transmit<const N: usize> {
     lowest_slot: usize,
 }
 
-impl<const N: usize> Transmit<N> {
+impl<S: Slots<TransmitPdo>> Transmit<S> {
     /// No PDO is in use until [`Transmit::configure_all`].
-    pub const fn new() -> Self {
+    pub fn new() -> Self {
         Self {
-            pdos: [const { TransmitPdo::new() }; N],
+            pdos: S::unused(),
             is_operational: false,
             lowest: NOT_IN_USE,
             lowest_slot: 0,
@@ -51,7 +52,7 @@ impl<const N: usize> Transmit<N> {
     /// Takes all parameters from the dictionary, after power-on values were loaded. Operational is left.
     pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D) {
         *self = Self::new();
-        for (number, pdo) in (0..).zip(&mut self.pdos) {
+        for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
             pdo.configure(dictionary, Parameters::new(Direction::Transmit, number));
         }
     }
@@ -63,7 +64,7 @@ impl<const N: usize> Transmit<N> {
             return;
         }
         self.is_operational = true;
-        for pdo in &mut self.pdos {
+        for pdo in self.pdos.as_mut() {
             pdo.start(dictionary.ram(), D::TABLE.rom, now);
         }
         self.find_lowest();
@@ -72,7 +73,7 @@ impl<const N: usize> Transmit<N> {
     /// Operational is left. What waits to be sent is dropped.
     pub fn leave_operational(&mut self) {
         self.is_operational = false;
-        for pdo in &mut self.pdos {
+        for pdo in self.pdos.as_mut() {
             pdo.stop();
         }
         self.find_lowest();
@@ -91,7 +92,7 @@ impl<const N: usize> Transmit<N> {
         value: &[u8],
     ) -> Result<(), AbortCode> {
         match Parameters::of(Direction::Transmit, entry.index) {
-            Some((parameters, record)) if parameters.number() < N => {
+            Some((parameters, record)) if parameters.number() < self.pdos.as_ref().len() => {
                 parameters.validate(dictionary, record, entry, value)
             }
             _ => Err(AbortCode::NoObject),
@@ -104,7 +105,7 @@ impl<const N: usize> Transmit<N> {
         let Some((parameters, record)) = Parameters::of(Direction::Transmit, entry.index) else {
             return;
         };
-        let Some(pdo) = self.pdos.get_mut(parameters.number()) else {
+        let Some(pdo) = self.pdos.as_mut().get_mut(parameters.number()) else {
             return;
         };
         if record == Record::Communication && entry.sub == 5 {
@@ -127,7 +128,7 @@ impl<const N: usize> Transmit<N> {
             return;
         }
         let mut is_pending = false;
-        for pdo in &mut self.pdos {
+        for pdo in self.pdos.as_mut() {
             if pdo.is_synchronous() {
                 is_pending |= pdo.on_sync(dictionary.ram(), D::TABLE.rom);
             }
@@ -144,7 +145,7 @@ impl<const N: usize> Transmit<N> {
         if !self.is_operational {
             return deadline;
         }
-        for (slot, pdo) in self.pdos.iter_mut().enumerate() {
+        for (slot, pdo) in self.pdos.as_mut().iter_mut().enumerate() {
             if pdo.is_in_use() {
                 deadline = earlier(deadline, pdo.poll(dictionary.ram(), D::TABLE.rom, now));
                 // One that waited before has been counted.
@@ -172,7 +173,7 @@ impl<const N: usize> Transmit<N> {
         if !self.is_pending() {
             return None;
         }
-        let frame = self.pdos.get_mut(self.lowest_slot)?.take();
+        let frame = self.pdos.as_mut().get_mut(self.lowest_slot)?.take();
         self.find_lowest();
         frame
     }
@@ -181,7 +182,7 @@ impl<const N: usize> Transmit<N> {
     /// ceased to wait.
     fn find_lowest(&mut self) {
         self.lowest = NOT_IN_USE;
-        for (slot, pdo) in self.pdos.iter().enumerate() {
+        for (slot, pdo) in self.pdos.as_ref().iter().enumerate() {
             if pdo.is_waiting() && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
                 self.lowest_slot = slot;
@@ -190,7 +191,7 @@ impl<const N: usize> Transmit<N> {
     }
 }
 
-impl<const N: usize> Default for Transmit<N> {
+impl<S: Slots<TransmitPdo>> Default for Transmit<S> {
     fn default() -> Self {
         Self::new()
     }

@@ -3,13 +3,13 @@
 use super::NOT_IN_USE;
 use super::copy_plan::CopyPlan;
 use super::parameters::{Parameters, TransmissionType};
-use crate::od::Dictionary;
+use crate::od::{Dictionary, Unused};
 use crate::time::{Duration, Instant, NEVER, has_come, with_length};
 use crate::wire::Frame;
 
 /// One transmit PDO.
 #[derive(Debug)]
-pub(super) struct TransmitPdo {
+pub struct TransmitPdo {
     /// Its identifier, or [`NOT_IN_USE`].
     cob_id: u16,
     transmission_type: TransmissionType,
@@ -29,6 +29,10 @@ pub(super) struct TransmitPdo {
     /// Zero for none.
     event_timer: Duration,
     event_at: Instant,
+}
+
+impl Unused for TransmitPdo {
+    const UNUSED: Self = Self::new();
 }
 
 impl TransmitPdo {

@@ -1,7 +1,7 @@
 //! The SDO server: which transfer is open, and what the next request means to it.
 
 use super::{AbortCode, SDO_BUFFER, TIME_OUT};
-use crate::od::Entry;
+use crate::od::{Entry, Unused};
 use crate::time::{Instant, NEVER, has_come};
 use crate::wire::sdo::{Multiplexer, Request, Response};
 
@@ -153,6 +153,10 @@ impl Server {
         };
         self.abort(object, AbortCode::InvalidCommand)
     }
+}
+
+impl Unused for Server {
+    const UNUSED: Self = Self::new();
 }
 
 impl Default for Server {

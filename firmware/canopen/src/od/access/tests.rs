@@ -5,7 +5,7 @@ use std::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::od::Limits;
+use crate::od::{Count, Limits};
 
 const RW: u16 = Attributes::READ | Attributes::WRITE;
 const CONST: u16 = Attributes::READ | Attributes::ROM | Attributes::CONSTANT;
@@ -82,6 +82,7 @@ static TABLE: Table = Table {
 struct Small([u8; 30]);
 
 impl Dictionary for Small {
+    type Counts = Count<2, 2, 1, 0>;
     const TABLE: &'static Table = &TABLE;
     fn ram(&self) -> &[u8] {
         &self.0

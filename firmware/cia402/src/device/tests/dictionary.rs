@@ -1,6 +1,6 @@
 //! A small dictionary written by hand: the communication objects and the drive objects of this crate.
 
-use canopen::od::{Attributes, DataType, Dictionary, Entry, Table};
+use canopen::od::{Attributes, Count, DataType, Dictionary, Entry, Table};
 use canopen::od::{read_u8, read_u16, read_u32, write_u8, write_u16, write_u32};
 
 use crate::objects::Objects;
@@ -179,6 +179,7 @@ impl DriveDictionary {
 }
 
 impl Dictionary for DriveDictionary {
+    type Counts = Count<2, 2, 1, 0>;
     const TABLE: &'static Table = &TABLE;
 
     fn ram(&self) -> &[u8] {

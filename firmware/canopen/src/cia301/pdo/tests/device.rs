@@ -5,7 +5,7 @@ use std::vec::Vec;
 use super::objects::Objects;
 use crate::application::Application;
 use crate::cia301::length_error::LengthReport;
-use crate::cia301::pdo::{Receive, Transmit};
+use crate::cia301::pdo::{Receive, ReceivePdo, Transmit, TransmitPdo};
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, check, find, put, read_u8, set, value, write_u8, write_u32};
 use crate::time::Instant;
@@ -34,8 +34,8 @@ impl Application<Objects> for Recorder {
 #[derive(Debug)]
 pub(super) struct Device {
     pub(super) objects: Objects,
-    pub(super) receive: Receive<4>,
-    pub(super) transmit: Transmit<4>,
+    pub(super) receive: Receive<[ReceivePdo; 4]>,
+    pub(super) transmit: Transmit<[TransmitPdo; 4]>,
     pub(super) recorder: Recorder,
     pub(super) now: Instant,
 }

@@ -1,6 +1,6 @@
 //! A small dictionary with four PDOs each way, written by hand.
 
-use crate::od::{Attributes, DataType, Dictionary, Entry, Limits, Table};
+use crate::od::{Attributes, Count, DataType, Dictionary, Entry, Limits, Table};
 
 const RW: u16 = Attributes::READ | Attributes::WRITE;
 const BOTH: u16 = RW | Attributes::RPDO | Attributes::TPDO;
@@ -165,6 +165,7 @@ pub(crate) struct Objects {
 }
 
 impl Dictionary for Objects {
+    type Counts = Count<2, 2, 1, 0>;
     const TABLE: &'static Table = &Table {
         entries: &ENTRIES,
         rom: &[0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88],
