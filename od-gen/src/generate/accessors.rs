@@ -1,4 +1,4 @@
-//! A getter for each value, a setter for each number in RAM.
+//! A getter for each value in memory, a setter for each number in RAM.
 
 use super::layout::{Layout, Place, Row};
 use super::{ALLOW_UNUSED, names};
@@ -9,8 +9,10 @@ pub(super) fn write(layout: &Layout<'_>) -> String {
     let mut out = String::from("/// Typed access to each value.\n");
     out += ALLOW_UNUSED;
     out += "impl Dictionary {\n";
-    for (position, row) in layout.rows.iter().enumerate() {
-        if position > 0 {
+    let in_memory = |row: &Row<'_>| row.place != Place::Application;
+    let rows = layout.rows.iter().enumerate();
+    for (number, (position, row)) in rows.filter(|(_, row)| in_memory(row)).enumerate() {
+        if number > 0 {
             out += "\n";
         }
         out += &getter(position, row);

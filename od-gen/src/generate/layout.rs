@@ -1,7 +1,16 @@
 //! Where each value lies.
+//!
+//! In RAM the values of each storage group lie side by side, then those that are not stored; within a group they are in the order
+//! of their indices. What the application serves piece by piece takes no room at all.
+
+use std::collections::HashMap;
+use std::ops::Range;
 
 use super::names;
+use super::storage::StorageGroup;
+use crate::data_type::DataType;
 use crate::model::{Access, DefaultValue, Entry, Model, Object, ObjectType};
+use crate::parse::LARGEST_VALUE;
 
 /// Every value with its place, and the blocks of bytes they lie in.
 #[derive(Debug)]
@@ -14,6 +23,12 @@ pub(super) struct Layout<'a> {
     pub(super) defaults: Vec<u8>,
     /// Limits, each pair once.
     pub(super) limits: Vec<(i64, i64)>,
+    /// Where each storage group lies in RAM.
+    pub(super) storage: [Range<usize>; 3],
+    /// Where byte sequences stand in the block in flash, so that none need be there twice.
+    known: HashMap<Vec<u8>, usize>,
+    /// The number of each pair of limits.
+    numbers: HashMap<(i64, i64), usize>,
 }
 
 /// One value.
@@ -26,6 +41,8 @@ pub(super) struct Row<'a> {
     pub(super) place: Place,
     /// Which of the limits.
     pub(super) limits: Option<usize>,
+    /// The group that stores it.
+    pub(super) storage: Option<StorageGroup>,
 }
 
 /// A place in one of the blocks.
@@ -33,6 +50,8 @@ pub(super) struct Row<'a> {
 pub(super) enum Place {
     Ram(usize),
     Rom(usize),
+    /// With the application.
+    Application,
 }
 
 impl<'a> Layout<'a> {
@@ -42,6 +61,9 @@ impl<'a> Layout<'a> {
             rom: Vec::new(),
             defaults: Vec::new(),
             limits: Vec::new(),
+            storage: [0..0, 0..0, 0..0],
+            known: HashMap::new(),
+            numbers: HashMap::new(),
         };
         let names = names::getters(model);
         let entries = model
@@ -49,10 +71,13 @@ impl<'a> Layout<'a> {
             .iter()
             .flat_map(|object| object.entries.iter().map(move |entry| (object, entry)));
         for ((object, entry), name) in entries.zip(names) {
-            let place = if is_constant(object, entry) {
-                layout.place_in_rom(entry)
+            let (place, storage) = if is_constant(object, entry) {
+                (layout.place_in_rom(entry), None)
+            } else if is_streamed(entry) {
+                (Place::Application, None)
             } else {
-                layout.place_in_ram(entry)
+                // The offset is given below, when the groups are known.
+                (Place::Ram(0), StorageGroup::of(object, entry))
             };
             let limits = layout.limits_of(entry);
             layout.rows.push(Row {
@@ -61,30 +86,55 @@ impl<'a> Layout<'a> {
                 name,
                 place,
                 limits,
+                storage,
             });
         }
+        layout.fill_ram();
         layout
+    }
+
+    /// Gives every value in RAM its place: the storage groups, then the rest.
+    fn fill_ram(&mut self) {
+        let mut rows = std::mem::take(&mut self.rows);
+        for (range, group) in (0..).zip(StorageGroup::ALL.map(Some).into_iter().chain([None])) {
+            let start = self.defaults.len();
+            for row in &mut rows {
+                if matches!(row.place, Place::Ram(_)) && row.storage == group {
+                    row.place = self.place_in_ram(row.entry);
+                }
+            }
+            if let Some(storage) = self.storage.get_mut(range) {
+                *storage = start..self.defaults.len();
+            }
+        }
+        self.rows = rows;
     }
 
     /// The row of an entry.
     pub(super) fn row(&self, index: u16, sub: u8) -> Option<&Row<'a>> {
-        self.rows
-            .iter()
-            .find(|row| row.object.index == index && row.entry.sub == sub)
+        let key = |row: &Row<'_>| (row.object.index, row.entry.sub);
+        let position = self.rows.binary_search_by_key(&(index, sub), key).ok()?;
+        self.rows.get(position)
     }
 
     fn place_in_rom(&mut self, entry: &Entry) -> Place {
         let bytes = default_bytes(entry);
         // Equal bytes need to be there only once: most sub-indices 0 are small numbers.
-        let known = self
-            .rom
-            .windows(bytes.len().max(1))
-            .position(|window| window == bytes);
-        Place::Rom(known.unwrap_or_else(|| {
-            let offset = self.rom.len();
-            self.rom.extend(&bytes);
-            offset
-        }))
+        if let Some(offset) = self.known.get(&bytes) {
+            return Place::Rom(*offset);
+        }
+        let offset = self.rom.len();
+        self.rom.extend(&bytes);
+        // Numbers are looked for everywhere, also within others and across them; strings as a whole.
+        for length in [1, 2, 4, 8] {
+            let start = (offset + 1).saturating_sub(length);
+            let tail = self.rom.get(start..).unwrap_or_default();
+            for (at, window) in (start..).zip(tail.windows(length)) {
+                self.known.entry(window.to_vec()).or_insert(at);
+            }
+        }
+        self.known.entry(bytes).or_insert(offset);
+        Place::Rom(offset)
     }
 
     fn place_in_ram(&mut self, entry: &Entry) -> Place {
@@ -112,10 +162,10 @@ impl<'a> Layout<'a> {
             entry.low_limit.unwrap_or(own(low)),
             entry.high_limit.unwrap_or(own(high)),
         );
-        let known = self.limits.iter().position(|other| *other == limits);
-        Some(known.unwrap_or_else(|| {
-            self.limits.push(limits);
-            self.limits.len() - 1
+        let list = &mut self.limits;
+        Some(*self.numbers.entry(limits).or_insert_with(|| {
+            list.push(limits);
+            list.len() - 1
         }))
     }
 }
@@ -140,6 +190,16 @@ fn is_constant(object: &Object, entry: &Entry) -> bool {
         Access::ReadOnly => is_text || counts_entries,
         _ => false,
     }
+}
+
+/// Whether the application serves a value piece by piece: one that can be written and is longer than what the firmware takes in
+/// before it checks.
+fn is_streamed(entry: &Entry) -> bool {
+    let is_text = matches!(
+        entry.data_type,
+        DataType::VisibleString | DataType::OctetString
+    );
+    is_text && entry.size > LARGEST_VALUE
 }
 
 /// The default as it travels on the bus.

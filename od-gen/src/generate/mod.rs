@@ -8,6 +8,7 @@ mod constants;
 mod drive;
 mod layout;
 mod names;
+mod storage;
 mod table;
 
 use std::path::Path;

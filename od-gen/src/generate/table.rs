@@ -1,6 +1,7 @@
 //! The descriptor table and the blocks of bytes.
 
 use super::layout::{Layout, Place, Row};
+use super::storage::StorageGroup;
 use crate::data_type::DataType;
 use crate::model::DefaultValue;
 
@@ -16,6 +17,13 @@ pub(super) fn write(layout: &Layout<'_>) -> String {
     let limit_count = layout.limits.len();
     let (rom, rom_size) = (bytes(&layout.rom), layout.rom.len());
     let defaults = bytes(&layout.defaults);
+    let range = |range: &std::ops::Range<usize>| format!("{}..{}", range.start, range.end);
+    let storage = layout
+        .storage
+        .iter()
+        .map(range)
+        .collect::<Vec<_>>()
+        .join(", ");
     format!(
         "\
 mod table {{
@@ -23,7 +31,13 @@ mod table {{
 
     pub(super) const RAM_SIZE: usize = {ram_size};
 
-    pub(super) static TABLE: Table = Table {{ entries: &ENTRIES, rom: &ROM, defaults: &DEFAULTS, limits: &LIMITS }};
+    pub(super) static TABLE: Table = Table {{
+        entries: &ENTRIES,
+        rom: &ROM,
+        defaults: &DEFAULTS,
+        limits: &LIMITS,
+        storage: [{storage}],
+    }};
 
     pub(super) static ENTRIES: [Entry; {count}] = [
 {entries}    ];
@@ -58,7 +72,10 @@ mod table {{
 fn entry(row: &Row<'_>) -> String {
     let (index, sub, size) = (row.object.index, row.entry.sub, row.entry.size);
     let data_type = variant(row.entry.data_type);
-    let (Place::Ram(offset) | Place::Rom(offset)) = row.place;
+    let offset = match row.place {
+        Place::Ram(offset) | Place::Rom(offset) => offset,
+        Place::Application => 0,
+    };
     let attributes = attributes(row);
     let limits = row
         .limits
@@ -85,12 +102,17 @@ fn attributes(row: &Row<'_>) -> String {
         ("RPDO", entry.is_rpdo_mappable()),
         ("NODE_ID", adds_node_id),
         ("ROM", matches!(row.place, Place::Rom(_))),
+        ("STREAMED", row.place == Place::Application),
         ("CONSTANT", entry.access == crate::model::Access::Constant),
     ];
     let set = attributes.iter().filter(|(_, is_set)| *is_set);
-    set.map(|(name, _)| format!("Attributes::{name}"))
-        .collect::<Vec<_>>()
-        .join(" | ")
+    let names = set.map(|(name, _)| format!("Attributes::{name}"));
+    let storage = row.storage.map(|group| match group {
+        StorageGroup::Communication => "Attributes::COMMUNICATION".into(),
+        StorageGroup::Application => "Attributes::APPLICATION".into(),
+        StorageGroup::Manufacturer => "Attributes::MANUFACTURER".into(),
+    });
+    names.chain(storage).collect::<Vec<_>>().join(" | ")
 }
 
 /// The type's name in `canopen::od::DataType`.

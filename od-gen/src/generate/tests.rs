@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::parse::parse;
-use layout::Place;
+use layout::{Place, Row};
+use std::collections::BTreeMap;
+use storage::StorageGroup;
 
 fn small() -> Model {
     parse("small.eds", include_str!("../../tests/data/small.eds")).unwrap()
@@ -16,19 +18,80 @@ fn place(model: &Model, index: u16, sub: u8) -> Place {
 fn values_in_ram_follow_each_other_without_gaps() {
     let model = small();
     let layout = Layout::new(&model);
+    let in_ram = layout.rows.iter().filter_map(|row| match row.place {
+        Place::Ram(offset) => Some((offset, row)),
+        _ => None,
+    });
+    let by_offset: BTreeMap<usize, &Row<'_>> = in_ram.collect();
     let mut next = 0;
-    for row in &layout.rows {
-        if let Place::Ram(offset) = row.place {
-            assert_eq!(offset, next);
-            let prefix = if row.entry.data_type.size().is_none() {
-                2
-            } else {
-                0
-            };
-            next += usize::from(row.entry.size) + prefix;
-        }
+    for (offset, row) in by_offset {
+        assert_eq!(offset, next);
+        let is_text = row.entry.data_type.size().is_none();
+        next += usize::from(row.entry.size) + if is_text { 2 } else { 0 };
     }
     assert_eq!(layout.defaults.len(), next);
+}
+
+#[test]
+fn the_values_of_a_storage_group_lie_side_by_side() {
+    let model = small();
+    let layout = Layout::new(&model);
+    let [communication, application, manufacturer] = layout.storage.clone();
+    assert_eq!(communication.start, 0);
+    assert_eq!(
+        (communication.end, application.end),
+        (application.start, manufacturer.start)
+    );
+    assert!(application.is_empty(), "no object of a profile");
+    for row in &layout.rows {
+        let Place::Ram(offset) = row.place else {
+            assert_eq!(row.storage, None);
+            continue;
+        };
+        let groups = [
+            (StorageGroup::Communication, &communication),
+            (StorageGroup::Application, &application),
+            (StorageGroup::Manufacturer, &manufacturer),
+        ];
+        for (group, range) in groups {
+            assert_eq!(
+                row.storage == Some(group),
+                range.contains(&offset),
+                "{}",
+                row.name
+            );
+        }
+    }
+}
+
+#[test]
+fn only_parameters_are_stored() {
+    let model = small();
+    let layout = Layout::new(&model);
+    let group = |index, sub| layout.row(index, sub).unwrap().storage;
+    assert_eq!(group(0x1005, 0), Some(StorageGroup::Communication));
+    assert_eq!(group(0x2000, 0), Some(StorageGroup::Manufacturer));
+    assert_eq!(group(0x2001, 0), None, "rww");
+    assert_eq!(group(0x2002, 0), None, "rwr");
+    assert_eq!(group(0x2003, 0), None, "wo");
+    assert_eq!(group(0x1001, 0), None, "ro");
+    assert_eq!(group(0x1000, 0), None, "const");
+}
+
+#[test]
+fn a_long_string_that_can_be_written_is_with_the_application() {
+    let mut model = small();
+    for object in &mut model.objects {
+        for entry in &mut object.entries {
+            if matches!(object.index, 0x2006 | 0x2008) {
+                entry.size = 129;
+            }
+        }
+    }
+    let layout = Layout::new(&model);
+    assert_eq!(layout.row(0x2006, 0).unwrap().place, Place::Application);
+    let constant = layout.row(0x2008, 0).unwrap().place;
+    assert!(matches!(constant, Place::Rom(_)), "read where it lies");
 }
 
 #[test]

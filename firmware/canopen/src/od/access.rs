@@ -81,11 +81,13 @@ pub fn find<D: Dictionary + ?Sized>(index: u16, sub: u8) -> Result<&'static Entr
     D::TABLE.find(index, sub)
 }
 
-/// The present value: the bytes of a number, the present length of a string that can be written, all of a constant string.
+/// The present value: the bytes of a number, the present length of a string that can be written, all of a constant string;
+/// nothing of a value that the application serves.
 pub fn value<'a, D: Dictionary + ?Sized>(dictionary: &'a D, entry: &Entry) -> &'a [u8] {
     match entry.location() {
         Location::Ram(_) => present(dictionary.ram(), entry),
         Location::Rom(_) => slot(D::TABLE.rom, entry.offset, entry.size),
+        Location::Application => &[],
     }
 }
 
@@ -136,13 +138,13 @@ pub fn check(table: &Table, entry: &Entry, bytes: &[u8]) -> Result<(), AbortCode
 /// Checks a new value as [`check`] does, then writes it.
 ///
 /// # Errors
-/// Those of [`check`], and [`AbortCode::ReadOnly`] for an entry in flash. On an error nothing has changed.
+/// Those of [`check`], and [`AbortCode::ReadOnly`] for an entry that is not in RAM. On an error nothing has changed.
 pub fn set<D: Dictionary + ?Sized>(
     dictionary: &mut D,
     entry: &Entry,
     bytes: &[u8],
 ) -> Result<(), AbortCode> {
-    if matches!(entry.location(), Location::Rom(_)) {
+    if !matches!(entry.location(), Location::Ram(_)) {
         return Err(AbortCode::ReadOnly);
     }
     check(D::TABLE, entry, bytes)?;
@@ -150,7 +152,7 @@ pub fn set<D: Dictionary + ?Sized>(
     Ok(())
 }
 
-/// Writes a value that has passed [`check`], without checking it again. An entry in flash does not change, and no byte
+/// Writes a value that has passed [`check`], without checking it again. An entry that is not in RAM does not change, and no byte
 /// outside of the entry's own place is ever written.
 pub fn put<D: Dictionary + ?Sized>(dictionary: &mut D, entry: &Entry, bytes: &[u8]) {
     if let Location::Ram(offset) = entry.location() {

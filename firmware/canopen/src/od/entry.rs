@@ -77,6 +77,8 @@ pub enum Location {
     Ram(u16),
     /// At this offset of [`super::Table::rom`].
     Rom(u16),
+    /// With the application, which serves it piece by piece ([`Attributes::STREAMED`]).
+    Application,
 }
 
 /// The attributes of an entry, as bits.
@@ -105,6 +107,12 @@ impl Attributes {
     pub const STORAGE: u16 = 3 << Self::STORAGE_SHIFT;
     /// Where the bits of the storage group begin.
     pub const STORAGE_SHIFT: u32 = 8;
+    /// Stored with [`StorageGroup::Communication`].
+    pub const COMMUNICATION: u16 = (StorageGroup::Communication as u16) << Self::STORAGE_SHIFT;
+    /// Stored with [`StorageGroup::Application`].
+    pub const APPLICATION: u16 = (StorageGroup::Application as u16) << Self::STORAGE_SHIFT;
+    /// Stored with [`StorageGroup::Manufacturer`].
+    pub const MANUFACTURER: u16 = (StorageGroup::Manufacturer as u16) << Self::STORAGE_SHIFT;
 
     /// Whether all of these bits are set.
     pub const fn has(self, bits: u16) -> bool {
@@ -166,7 +174,9 @@ impl Entry {
 
     /// Where the value lies.
     pub const fn location(&self) -> Location {
-        if self.attributes.has(Attributes::ROM) {
+        if self.attributes.has(Attributes::STREAMED) {
+            Location::Application
+        } else if self.attributes.has(Attributes::ROM) {
             Location::Rom(self.offset)
         } else {
             Location::Ram(self.offset)

@@ -6,11 +6,14 @@
 //! generated type adds a typed getter and setter for each object, so code never meets an offset.
 //!
 //! Layout of a value: numbers take the bytes of their type. A string that can be written takes a `u16` with its present
-//! length and then [`Entry::size`] bytes; a string that cannot be written lies in flash, `size` bytes, no prefix.
+//! length and then [`Entry::size`] bytes; a string that cannot be written lies in flash, `size` bytes, no prefix. The values
+//! of each storage group lie side by side. A DOMAIN, and what is too long for RAM, lies with the application.
 
 mod access;
 mod counts;
 mod entry;
+
+use core::ops::Range;
 
 pub use access::{
     AccessError, check, find, load_defaults, number, put, read_u8, read_u16, read_u32, set, value,
@@ -30,6 +33,30 @@ pub struct Table {
     pub defaults: &'static [u8],
     /// Limits that entries refer to by number.
     pub limits: &'static [Limits],
+    /// The part of the RAM block that holds each storage group, in the order of [`StorageGroup`]; [`Table::stored`] gives it.
+    pub storage: [Range<u16>; 3],
+}
+
+impl Table {
+    /// The storage groups of a dictionary that stores nothing.
+    pub const NO_STORAGE: [Range<u16>; 3] = [0..0, 0..0, 0..0];
+
+    /// The part of the RAM block that holds a storage group: its values lie side by side, and nothing else is among them.
+    /// Empty for a range outside of the block.
+    pub fn stored(&self, group: StorageGroup) -> Range<usize> {
+        let [communication, application, manufacturer] = &self.storage;
+        let range = match group {
+            StorageGroup::Communication => communication,
+            StorageGroup::Application => application,
+            StorageGroup::Manufacturer => manufacturer,
+        };
+        let range = usize::from(range.start)..usize::from(range.end);
+        if self.defaults.get(range.clone()).is_some() {
+            range
+        } else {
+            0..0
+        }
+    }
 }
 
 /// An object dictionary: the generated table, and the block of RAM that belongs to it.

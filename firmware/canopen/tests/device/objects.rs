@@ -262,6 +262,7 @@ static TABLE: Table = Table {
     rom: &LAYOUT.rom,
     defaults: &LAYOUT.defaults,
     limits: LIMITS,
+    storage: Table::NO_STORAGE,
 };
 
 /// The dictionary of the test device.

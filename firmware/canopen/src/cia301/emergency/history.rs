@@ -41,7 +41,7 @@ impl History {
                 .iter()
                 .map_while(|entry| match entry.location() {
                     Location::Ram(offset) => Some((usize::from(offset), usize::from(entry.size))),
-                    Location::Rom(_) => None,
+                    Location::Rom(_) | Location::Application => None,
                 });
         if let (Some((count, 1)), Some((first, WORD))) = (places.next(), places.next()) {
             let mut next = first;

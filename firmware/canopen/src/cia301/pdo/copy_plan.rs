@@ -82,6 +82,7 @@ impl CopyPlan {
             } => match *memory {
                 Location::Ram(offset) => ram.get(usize::from(offset)..),
                 Location::Rom(offset) => rom.get(usize::from(offset)..),
+                Location::Application => None,
             }?
             .first_chunk(),
             _ => None,
@@ -95,6 +96,7 @@ impl CopyPlan {
             let from = match step.memory {
                 Location::Ram(offset) => ram.get(usize::from(offset)..),
                 Location::Rom(offset) => rom.get(usize::from(offset)..),
+                Location::Application => None,
             };
             if let (Some(from), Some(to)) = (from, frame.get_mut(usize::from(step.position)..)) {
                 copy_few(to, from, usize::from(step.length));

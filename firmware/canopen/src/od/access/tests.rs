@@ -5,7 +5,7 @@ use std::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::od::{Count, Limits};
+use crate::od::{Count, Limits, StorageGroup};
 
 const RW: u16 = Attributes::READ | Attributes::WRITE;
 const CONST: u16 = Attributes::READ | Attributes::ROM | Attributes::CONSTANT;
@@ -76,6 +76,7 @@ static TABLE: Table = Table {
         },
         Limits { low: 0, high: 1000 },
     ],
+    storage: [0..4, 8..10, 18..31],
 };
 
 #[derive(Clone, Debug, PartialEq)]
@@ -123,6 +124,7 @@ fn an_empty_table_holds_nothing() {
         rom: &[],
         defaults: &[],
         limits: &[],
+        storage: Table::NO_STORAGE,
     };
     assert_eq!(empty.find(0x1000, 0), Err(AccessError::NoObject));
     assert!(empty.range(0..=u16::MAX).is_empty());
@@ -349,4 +351,26 @@ proptest! {
             prop_assert!(length <= 30 && length <= usize::from(size));
         }
     }
+}
+
+#[test]
+fn a_storage_group_is_a_range_of_the_ram_block() {
+    assert_eq!(TABLE.stored(StorageGroup::Communication), 0..4);
+    assert_eq!(TABLE.stored(StorageGroup::Application), 8..10);
+    // Beyond the block of 30 bytes: nothing, instead of a range that cannot be copied.
+    assert_eq!(TABLE.stored(StorageGroup::Manufacturer), 0..0);
+}
+
+#[test]
+fn a_value_with_the_application_is_not_in_memory() {
+    let streamed = entry(0x2000, 0, DataType::Domain, 0, 8, RW | Attributes::STREAMED);
+    let mut dictionary = small();
+    let before = dictionary.clone();
+    assert!(value(&dictionary, &streamed).is_empty());
+    assert_eq!(
+        set(&mut dictionary, &streamed, &[1; 4]),
+        Err(AbortCode::ReadOnly)
+    );
+    put(&mut dictionary, &streamed, &[1; 8]);
+    assert_eq!(dictionary, before);
 }

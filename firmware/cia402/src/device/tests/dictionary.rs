@@ -149,6 +149,7 @@ static TABLE: Table = Table {
     rom: &[],
     defaults: &layout().1,
     limits: &[],
+    storage: Table::NO_STORAGE,
 };
 
 #[derive(Debug)]

@@ -171,6 +171,7 @@ impl Dictionary for Objects {
         rom: &[0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88],
         defaults: &[0; RAM],
         limits: &[Limits { low: -10, high: 10 }],
+        storage: Table::NO_STORAGE,
     };
 
     fn ram(&self) -> &[u8] {
