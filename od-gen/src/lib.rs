@@ -15,6 +15,7 @@
 mod build_script;
 mod data_type;
 mod diagnostic;
+pub mod doc;
 mod generate;
 mod ini;
 pub mod model;

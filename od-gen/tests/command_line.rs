@@ -60,7 +60,7 @@ fn a_wrong_command_line_or_file_is_one_line_with_exit_code_2() {
         ),
         (
             &["rust", "no-such.eds"],
-            "no-such.eds: error: No such file or directory (os error 2)",
+            "no-such.eds: error: No such file or directory",
         ),
     ] {
         let output = od_gen(arguments);

@@ -1,0 +1,53 @@
+//! The command line. `od-gen --help` lists the commands; each is a file here.
+//!
+//! Exit codes: 0 for success; 1 when a data sheet is wrong (its findings are on standard error), and for `diff` when the files
+//! differ; 2 when the command line is wrong, or when a file cannot be read or written (one line).
+#![forbid(unsafe_code)]
+
+mod arguments;
+mod doc;
+mod input;
+mod output;
+mod rust;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+use output::{one_line, tell};
+
+/// Why a command ends early.
+enum Failure {
+    /// Everything has been said: exit code 1.
+    Findings,
+    /// One line about a file or the command line: exit code 2.
+    Refused(String),
+}
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) if error.use_stderr() => {
+            tell(&one_line(&error));
+            return ExitCode::from(2);
+        }
+        Err(help) => {
+            // Nobody left to tell when this fails.
+            let _ = help.print();
+            return ExitCode::SUCCESS;
+        }
+    };
+    let done = match arguments.command {
+        Command::Doc(arguments) => doc::run(&arguments),
+        Command::Rust(arguments) => rust::run(&arguments),
+    };
+    match done {
+        Ok(code) => code,
+        Err(Failure::Findings) => ExitCode::FAILURE,
+        Err(Failure::Refused(line)) => {
+            tell(&line);
+            ExitCode::from(2)
+        }
+    }
+}

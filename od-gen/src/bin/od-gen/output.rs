@@ -1,0 +1,58 @@
+//! Standard output, standard error and files, with readers that may go away.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use clap::error::ErrorKind;
+
+use crate::Failure;
+
+/// Writes to a file, or to standard output.
+pub(crate) fn write(text: &str, file: Option<&Path>) -> Result<(), Failure> {
+    let Some(file) = file else {
+        return print(text);
+    };
+    std::fs::write(file, text)
+        .map_err(|error| Failure::Refused(format!("{}: error: {}", file.display(), reason(&error))))
+}
+
+/// Writes to standard output.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut output = io::stdout().lock();
+    match output
+        .write_all(text.as_bytes())
+        .and_then(|()| output.flush())
+    {
+        Ok(()) => Ok(()),
+        // The reader went away, as `head` does.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        Err(error) => Err(Failure::Refused(format!("error: {}", reason(&error)))),
+    }
+}
+
+/// Standard error; its reader may have gone away, as `head` does, and the exit code says enough then.
+pub(crate) fn tell(message: &str) {
+    let _ = writeln!(io::stderr(), "{message}");
+}
+
+/// What the system says, without the number that it gives to it.
+pub(crate) fn reason(error: &io::Error) -> String {
+    let text = error.to_string();
+    match text.split_once(" (os error ") {
+        Some((reason, _)) => reason.into(),
+        None => text,
+    }
+}
+
+/// What is wrong, on one line; the rest of clap's message is advice.
+pub(crate) fn one_line(error: &clap::Error) -> String {
+    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return "error: a command is missing, see --help".into();
+    }
+    let message = error.to_string();
+    let lines = message
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.is_empty());
+    lines.collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,17 @@
+//! `od-gen rust`: the dictionary as code.
+
+use std::process::ExitCode;
+
+use od_gen::Options;
+
+use crate::Failure;
+use crate::arguments::Rust;
+use crate::{input, output};
+
+pub(crate) fn run(arguments: &Rust) -> Result<ExitCode, Failure> {
+    let model = input::model(&arguments.file)?;
+    let cia402 = arguments.cia402;
+    let text = od_gen::generate(&model, Options { cia402 });
+    output::write(&text, arguments.output.as_deref())?;
+    Ok(ExitCode::SUCCESS)
+}
