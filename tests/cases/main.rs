@@ -5,6 +5,7 @@
 mod can_layer;
 mod data_sheet;
 mod golden;
+mod heartbeat;
 mod lss;
 mod model;
 mod nmt;

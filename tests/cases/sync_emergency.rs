@@ -154,26 +154,3 @@ fn e08_the_generic_bit_stands_while_any_other_does() {
     bench.expect("084: 00 00 00 ..");
     assert_eq!(bench.read_u8(0x1001, 0), 0);
 }
-
-#[test]
-fn h01_the_first_heartbeat_comes_at_once() {
-    let mut bench = Bench::node(4);
-    bench.write_u16(0x1017, 0, 100);
-    bench.expect("704 [1] 7F");
-    let first = bench.now();
-    for beat in 1..=5 {
-        bench.expect("704 [1] 7F");
-        // The first one had to wait for the answer to the SDO.
-        let off = (bench.now() - first).to_micros().abs_diff(beat * 100_000);
-        assert!(off < 1_000, "beat {beat} is {off} µs off");
-    }
-}
-
-#[test]
-fn h02_a_new_state_shows_in_the_next_heartbeat() {
-    let mut bench = Bench::node(4);
-    bench.write_u16(0x1017, 0, 100);
-    bench.expect("704 [1] 7F");
-    bench.start();
-    bench.expect("704 [1] 05");
-}

@@ -11,12 +11,14 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod crc;
 pub mod drive;
 pub mod line;
 pub mod notation;
 pub mod plain_node;
 mod service_data;
 
+pub use crc::crc;
 pub use drive::DriveBench;
 pub use plain_node::Bench;
 

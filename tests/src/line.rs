@@ -118,8 +118,14 @@ impl<S: Station> Line<S> {
     /// The next frame of the device must be this one, within 250 ms.
     #[track_caller]
     pub fn expect(&mut self, text: &str) -> Frame {
+        self.expect_within(text, PATIENCE.to_millis())
+    }
+
+    /// As [`Line::expect`], with another patience in milliseconds.
+    #[track_caller]
+    pub fn expect_within(&mut self, text: &str, milliseconds: u64) -> Frame {
         let pattern = Pattern::new(text);
-        match self.next(PATIENCE) {
+        match self.next(Duration::millis(milliseconds)) {
             Some(frame) if pattern.matches(&frame) => frame,
             Some(frame) => panic!("expected {text}, got {}\n{}", show(&frame), self.recent()),
             None => panic!("expected {text}, got nothing\n{}", self.recent()),
