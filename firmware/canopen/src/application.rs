@@ -1,9 +1,13 @@
 //! What the device asks of the firmware around it when an object is written.
 
-use crate::cia301::sdo::AbortCode;
+use crate::cia301::sdo::{AbortCode, Completion};
 use crate::od::{Dictionary, Entry};
 
-/// The application's word on its own objects (everything outside 1000h to 1FFFh). Both calls are short and never wait.
+/// The application's word on its own objects (everything outside 1000h to 1FFFh). The calls are short and never wait.
+///
+/// An object with [`Attributes::STREAMED`](crate::od::Attributes::STREAMED) has no bytes in the dictionary: the application gives and takes its value piece by piece, at
+/// positions in bytes from 0. A transfer that has begun may end without a word to the reader of it; the writer learns by
+/// [`Application::end_write`] or [`Application::abandon_write`].
 pub trait Application<D: Dictionary> {
     /// The last check of a write that passed every rule of the dictionary (existence, access, length, limits). `value` is
     /// what was sent, little-endian. Nothing has changed yet. By SDO an error is sent as the abort code; of a receive
@@ -16,6 +20,81 @@ pub trait Application<D: Dictionary> {
     /// An object was written, by SDO or by a receive PDO; the dictionary holds the new value. For a PDO this is called
     /// for each mapped object after all of them have been copied.
     fn written(&mut self, dictionary: &mut D, entry: &Entry) {
+        let _ = (dictionary, entry);
+    }
+
+    /// A client begins to read a streamed object: its present size in bytes, or `None` if that is not known before its end.
+    ///
+    /// # Errors
+    /// The object cannot be read, or not now. By default 06010000h, unsupported access.
+    fn size(&mut self, dictionary: &D, entry: &Entry) -> Result<Option<u32>, AbortCode> {
+        let _ = (dictionary, entry);
+        Err(AbortCode::UnsupportedAccess)
+    }
+
+    /// Puts the bytes of a streamed object from `position` on into `into`, and returns how many those are: fewer than there is
+    /// room for only where the value ends. Lost segments are sent again, so a position may be asked for
+    /// more than once, and its bytes stay what they were until the next [`Application::size`].
+    ///
+    /// # Errors
+    /// The value cannot be read further; the transfer ends with this code.
+    fn read_at(
+        &mut self,
+        dictionary: &D,
+        entry: &Entry,
+        position: u32,
+        into: &mut [u8],
+    ) -> Result<usize, AbortCode> {
+        let _ = (dictionary, entry, position, into);
+        Err(AbortCode::UnsupportedAccess)
+    }
+
+    /// A client begins to write a streamed object, with so many bytes if it has told. One client at a time writes an object.
+    ///
+    /// # Errors
+    /// The object cannot be written, not now, or not with this size. By default 06010000h, unsupported access.
+    fn begin_write(
+        &mut self,
+        dictionary: &D,
+        entry: &Entry,
+        size: Option<u32>,
+    ) -> Result<(), AbortCode> {
+        let _ = (dictionary, entry, size);
+        Err(AbortCode::UnsupportedAccess)
+    }
+
+    /// The next bytes of a streamed object. Each position comes once, in order.
+    ///
+    /// # Errors
+    /// The transfer ends with this code; [`Application::abandon_write`] is not called.
+    fn write_at(
+        &mut self,
+        dictionary: &D,
+        entry: &Entry,
+        position: u32,
+        data: &[u8],
+    ) -> Result<(), AbortCode> {
+        let _ = (dictionary, entry, position, data);
+        Err(AbortCode::UnsupportedAccess)
+    }
+
+    /// All `length` bytes of a streamed object have been written, and what the protocol can check is right. With
+    /// [`Completion::Later`] the answer waits for [`Node::complete_write`](crate::Node::complete_write).
+    ///
+    /// # Errors
+    /// The value is refused.
+    fn end_write(
+        &mut self,
+        dictionary: &mut D,
+        entry: &Entry,
+        length: u32,
+    ) -> Result<Completion, AbortCode> {
+        let _ = (dictionary, entry, length);
+        Ok(Completion::Now)
+    }
+
+    /// The client has given up, or has fallen silent: what [`Application::begin_write`] has begun will not be ended.
+    fn abandon_write(&mut self, dictionary: &D, entry: &Entry) {
         let _ = (dictionary, entry);
     }
 

@@ -36,6 +36,7 @@ use crate::od::{self, Dictionary};
 use crate::settings::{BitRate, NodeId, Settings};
 use crate::time::{Instant, NEVER, earlier, has_come};
 use crate::wire::cob_id;
+use crate::wire::sdo::Multiplexer;
 
 /// What the firmware around the device has to know or to do. Taken with [`Node::event`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -195,6 +196,14 @@ impl<D: Dictionary> Node<D> {
             self.queue.push_lss(answer);
         }
         self.serve_lss_events();
+    }
+
+    /// The owner of an object has finished a write that was to be completed later ([`sdo::Completion::Later`]): the client gets
+    /// its answer, if it still waits for it.
+    pub fn complete_write(&mut self, index: u16, sub: u8, result: Result<(), sdo::AbortCode>) {
+        if let Some(answer) = self.sdo.complete(Multiplexer { index, sub }, result) {
+            self.queue.push_answer(answer);
+        }
     }
 
     /// An error appeared: error register, history, emergency message. Reported once until [`Node::clear`].

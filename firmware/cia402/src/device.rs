@@ -10,6 +10,7 @@
 //! shows it.
 
 use canopen::cia301::nmt::{NmtState, Reset};
+use canopen::cia301::sdo::AbortCode;
 use canopen::node::StoreError;
 use canopen::od::Dictionary;
 use canopen::{Duration, Event, Frame, Instant, Node, Settings};
@@ -112,6 +113,11 @@ impl<D: Dictionary + Objects> Device<D> {
     /// The result of [`Event::StoreSettings`].
     pub fn settings_stored(&mut self, result: Result<(), StoreError>) {
         self.node.settings_stored(result);
+    }
+
+    /// The owner of an object has finished a write that was to be completed later ([`Node::complete_write`]).
+    pub fn complete_write(&mut self, index: u16, sub: u8, result: Result<(), AbortCode>) {
+        self.node.complete_write(index, sub, result);
     }
 
     /// The node, for its dictionary and state.

@@ -3,7 +3,7 @@
 use super::services::Services;
 use crate::application::Application;
 use crate::cia301::emergency;
-use crate::cia301::sdo::{self, AbortCode};
+use crate::cia301::sdo::{self, AbortCode, Completion};
 use crate::od::{self, Attributes, Dictionary, Entry};
 use crate::time::Instant;
 use crate::wire::sdo::Multiplexer;
@@ -42,7 +42,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         }
     }
 
-    fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<(), AbortCode> {
+    fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<Completion, AbortCode> {
         let checked = od::check(D::TABLE, entry, value);
         if is_communication_object(entry) {
             // To a value out of range the owner's answer is the more exact one: nine entries of a mapping are "too long
@@ -64,6 +64,6 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
             self.application.written(self.dictionary, entry);
         }
         self.services.values_changed = true;
-        Ok(())
+        Ok(Completion::Now)
     }
 }

@@ -15,23 +15,31 @@ impl Server {
         payload: Payload<'_>,
         now: Instant,
         objects: &mut O,
-    ) -> [u8; 8] {
+    ) -> Option<[u8; 8]> {
         self.reset();
-        let result = objects.writable(object).and_then(|entry| match payload {
-            Payload::Expedited(value) => objects.write(entry, value),
-            Payload::ExpeditedUnsized(value) => objects.write(entry, of_length(value, entry)),
-            Payload::Segmented(size) => self.open_download(object, entry, size, now),
+        self.object = object;
+        let answer = Response::InitiateDownload(object).emit();
+        let result = objects.writable(object).and_then(|entry| {
+            match payload {
+                Payload::Expedited(value) => objects.write(entry, value),
+                Payload::ExpeditedUnsized(value) => objects.write(entry, of_length(value, entry)),
+                Payload::Segmented(size) => {
+                    self.open_download(entry, size, now)?;
+                    return Ok(None);
+                }
+            }
+            .map(Some)
         });
         match result {
-            Ok(()) => Response::InitiateDownload(object).emit(),
-            Err(code) => self.abort(object, code),
+            Ok(Some(completion)) => self.written(completion, answer),
+            Ok(None) => Some(answer),
+            Err(code) => Some(self.abort(object, code)),
         }
     }
 
     /// Refuses at once what can only fail at the end.
     fn open_download(
         &mut self,
-        object: Multiplexer,
         entry: &'static Entry,
         size: Option<u32>,
         now: Instant,
@@ -40,7 +48,6 @@ impl Server {
             Some(size) => Some(announced_size(size, entry, self.buffer.len())?),
             None => None,
         };
-        self.object = object;
         self.toggle = false;
         self.length = 0;
         self.transfer = Transfer::Download { entry, announced };
@@ -56,33 +63,33 @@ impl Server {
         last: bool,
         now: Instant,
         objects: &mut O,
-    ) -> [u8; 8] {
+    ) -> Option<[u8; 8]> {
         let Transfer::Download { entry, announced } = self.transfer else {
-            return self.abort_stray_segment();
+            return Some(self.abort_stray_segment());
         };
         if self.is_too_late(now) {
-            return self.abort(self.object, AbortCode::TimedOut);
+            return Some(self.abort(self.object, AbortCode::TimedOut));
         }
         if toggle != self.toggle {
-            return self.abort(self.object, AbortCode::ToggleNotAlternated);
+            return Some(self.abort(self.object, AbortCode::ToggleNotAlternated));
         }
         if let Err(code) = self.append(data, entry, announced) {
-            return self.abort(self.object, code);
+            return Some(self.abort(self.object, code));
         }
+        let answer = Response::DownloadSegment { toggle }.emit();
         if last {
             if announced.is_some_and(|announced| self.length < announced) {
-                return self.abort(self.object, AbortCode::LengthTooLow);
+                return Some(self.abort(self.object, AbortCode::LengthTooLow));
             }
             let value = self.buffer.get(..self.length).unwrap_or(&[]);
-            if let Err(code) = objects.write(entry, value) {
-                return self.abort(self.object, code);
-            }
-            self.reset();
-        } else {
-            self.toggle = !toggle;
-            self.wait(now);
+            return match objects.write(entry, value) {
+                Ok(completion) => self.written(completion, answer),
+                Err(code) => Some(self.abort(self.object, code)),
+            };
         }
-        Response::DownloadSegment { toggle }.emit()
+        self.toggle = !toggle;
+        self.wait(now);
+        Some(answer)
     }
 
     fn append(

@@ -6,7 +6,7 @@
 //! its code; abort messages are never answered.
 //!
 //! The contract of the server:
-//! - One answer to each request, never more. Requests that are no SDO (not eight bytes) and aborts get none.
+//! - One answer to each request, never more; that to a write whose owner is not done with it comes when it is. Requests that are no SDO (not eight bytes) and aborts get none.
 //! - Every refusal has its abort code ([`AbortCode`]), and leaves the object as it was.
 //! - A value is staged whole: a download changes the object after its last segment and in one step, an upload is a
 //!   snapshot of the moment it was initiated. Objects of eight bytes never tear.
@@ -22,7 +22,7 @@ mod server;
 mod upload;
 
 pub use abort::AbortCode;
-pub use server::{Objects, Server};
+pub use server::{Completion, Objects, Server};
 
 use crate::time::Duration;
 

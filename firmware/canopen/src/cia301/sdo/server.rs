@@ -23,7 +23,18 @@ pub trait Objects {
     ///
     /// # Errors
     /// It is refused; nothing has changed.
-    fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<(), AbortCode>;
+    fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<Completion, AbortCode>;
+}
+
+/// When a write that was not refused is complete, and the client gets its answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Completion {
+    /// At once.
+    Now,
+    /// When the owner of the object says so ([`crate::Node::complete_write`]): saving parameters takes a while. The server waits
+    /// without a time-out; an abort or a new request of the client drops the answer, not the work. An owner that is asked
+    /// for the same again before it is done refuses with [`AbortCode::DeviceState`].
+    Later,
 }
 
 /// The transfer that is open.
@@ -42,6 +53,11 @@ pub(super) enum Transfer {
         entry: &'static Entry,
         /// The size in bytes that the client has announced.
         announced: Option<usize>,
+    },
+    /// The value is handed over, and its owner has not finished with it.
+    Writing {
+        /// The answer that the client gets then.
+        answer: [u8; 8],
     },
 }
 
@@ -88,11 +104,11 @@ impl Server {
         let answer = match Request::parse(request) {
             Request::InitiateUpload(object) => self.initiate_upload(object, now, objects),
             Request::InitiateDownload { object, payload } => {
-                self.initiate_download(object, payload, now, objects)
+                return self.initiate_download(object, payload, now, objects);
             }
             Request::UploadSegment { toggle } => self.upload_segment(toggle, now),
             Request::DownloadSegment { toggle, data, last } => {
-                self.download_segment(toggle, data, last, now, objects)
+                return self.download_segment(toggle, data, last, now, objects);
             }
             Request::Unknown(object) => self.abort(object, AbortCode::InvalidCommand),
             Request::Abort { .. } => {
@@ -111,6 +127,40 @@ impl Server {
             self.reset();
         }
         is_abort
+    }
+
+    /// The owner of an object has finished a write that it has said [`Completion::Later`] to: the answer, if the client still
+    /// waits for it.
+    pub fn complete(
+        &mut self,
+        object: Multiplexer,
+        result: Result<(), AbortCode>,
+    ) -> Option<[u8; 8]> {
+        let Transfer::Writing { answer } = self.transfer else {
+            return None;
+        };
+        if object != self.object {
+            return None;
+        }
+        Some(match result {
+            Ok(()) => {
+                self.reset();
+                answer
+            }
+            Err(code) => self.abort(object, code),
+        })
+    }
+
+    /// The answer to a write that was handed over, now or later.
+    pub(super) fn written(&mut self, completion: Completion, answer: [u8; 8]) -> Option<[u8; 8]> {
+        self.reset();
+        match completion {
+            Completion::Now => Some(answer),
+            Completion::Later => {
+                self.transfer = Transfer::Writing { answer };
+                None
+            }
+        }
     }
 
     /// When [`Server::poll`] has something to do; [`NEVER`] while idle.

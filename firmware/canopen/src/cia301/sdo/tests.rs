@@ -35,9 +35,9 @@ impl Objects for OneString {
         Ok(&STRING)
     }
 
-    fn write(&mut self, _: &'static Entry, value: &[u8]) -> Result<(), AbortCode> {
+    fn write(&mut self, _: &'static Entry, value: &[u8]) -> Result<Completion, AbortCode> {
         self.0 = value.to_vec();
-        Ok(())
+        Ok(Completion::Now)
     }
 }
 
@@ -163,4 +163,62 @@ fn s26_the_time_out_aborts_once() {
     .emit();
     assert_eq!(server.poll(NOW + TIME_OUT), Some(abort));
     assert_eq!(server.poll(NOW + TIME_OUT), None);
+}
+
+/// An object whose owner takes its time.
+struct Slow;
+
+impl Objects for Slow {
+    fn read(&mut self, _: Multiplexer) -> Result<&[u8], AbortCode> {
+        Ok(&[1])
+    }
+
+    fn writable(&mut self, _: Multiplexer) -> Result<&'static Entry, AbortCode> {
+        Ok(&STRING)
+    }
+
+    fn write(&mut self, _: &'static Entry, _: &[u8]) -> Result<Completion, AbortCode> {
+        Ok(Completion::Later)
+    }
+}
+
+#[test]
+fn the_answer_to_a_write_may_come_later() {
+    let later = NOW + TIME_OUT * 100;
+    let mut server = Server::new();
+    let write = Request::InitiateDownload {
+        object: OBJECT,
+        payload: Payload::Expedited(&[1, 2, 3, 4]),
+    }
+    .emit();
+    let written = Response::InitiateDownload(OBJECT).emit();
+    let aborted = Response::Abort {
+        object: OBJECT,
+        code: AbortCode::HardwareError.get(),
+    }
+    .emit();
+    let other = Multiplexer {
+        index: 0x2000,
+        sub: 1,
+    };
+    for (result, answer) in [(Ok(()), written), (Err(AbortCode::HardwareError), aborted)] {
+        assert_eq!(server.receive(&write, NOW, &mut Slow), None);
+        assert_eq!(server.poll(later), None, "there is no time-out");
+        assert_eq!(server.complete(other, Ok(())), None);
+        assert_eq!(server.complete(OBJECT, result), Some(answer));
+        assert_eq!(server.complete(OBJECT, result), None, "once");
+    }
+    // A client that gives up, or asks for something else, gets no answer to what it asked before.
+    let abort = Request::Abort {
+        object: OBJECT,
+        code: 0,
+    }
+    .emit();
+    assert_eq!(server.receive(&write, NOW, &mut Slow), None);
+    assert_eq!(server.receive(&abort, NOW, &mut Slow), None);
+    assert_eq!(server.complete(OBJECT, Ok(())), None);
+    assert_eq!(server.receive(&write, NOW, &mut Slow), None);
+    let read = Request::InitiateUpload(OBJECT).emit();
+    assert!(server.receive(&read, NOW, &mut Slow).is_some());
+    assert_eq!(server.complete(OBJECT, Ok(())), None);
 }
