@@ -29,6 +29,15 @@ pub enum Image {
     NoPanic,
 }
 
+/// What the compiler optimises for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Optimised {
+    /// `opt-level = 3`, as the firmware is built.
+    ForSpeed,
+    /// `opt-level = "s"`.
+    ForSize,
+}
+
 impl Image {
     /// The name of the binary in `firmware/app`.
     fn binary(self) -> &'static str {
@@ -81,11 +90,14 @@ impl Image {
 
     /// Copies what cargo built to [`Image::path`], in one step, so that no emulator ever loads half a file.
     pub fn keep(self) -> Result<PathBuf> {
+        self.keep_at(self.path())
+    }
+
+    fn keep_at(self, kept: PathBuf) -> Result<PathBuf> {
         let built = place::target()
             .join(TARGET)
             .join("release")
             .join(self.binary());
-        let kept = self.path();
         replace(&built, &kept)
             .with_context(|| format!("copying {} to {}", built.display(), kept.display()))?;
         Ok(kept)
@@ -93,11 +105,22 @@ impl Image {
 
     /// Builds the image (cargo's words go to the standard error) and gives its ELF file.
     pub fn build(self) -> Result<PathBuf> {
+        self.build_as(Optimised::ForSpeed)
+    }
+
+    /// The same, optimised in this way.
+    pub fn build_as(self, optimised: Optimised) -> Result<PathBuf> {
         let mut command = self.build_command()?;
+        if optimised == Optimised::ForSize {
+            command.args(["--config", "profile.release.opt-level=\"s\""]);
+        }
         if !process::run(&mut command)?.success() {
             bail!("the firmware does not build: `{}`", process::line(&command));
         }
-        self.keep()
+        self.keep_at(match optimised {
+            Optimised::ForSpeed => self.path(),
+            Optimised::ForSize => self.path().with_extension("small.elf"),
+        })
     }
 }
 

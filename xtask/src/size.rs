@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, anyhow};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind, SymbolKind, elf};
 
-use crate::firmware::Image;
+use crate::firmware::{Image, Optimised};
 use crate::setup;
 use crate::words::say;
 
@@ -43,7 +43,7 @@ pub struct Sizes {
 
 /// Runs the command.
 pub fn run() -> Result<ExitCode> {
-    let sizes = board()?;
+    let sizes = board(Optimised::ForSpeed)?;
     say!("{:<36} {:>8} {:>8}", "crate", "flash", "RAM")?;
     for (name, size) in &sizes.crates {
         say!("{name:<36} {:>8} {:>8}", size.flash, size.ram)?;
@@ -53,13 +53,13 @@ pub fn run() -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Builds the board's image and measures it.
+/// Builds the board's image, optimised in this way, and measures it.
 ///
 /// # Errors
 /// When it does not build.
-pub fn board() -> Result<Sizes> {
+pub fn board(optimised: Optimised) -> Result<Sizes> {
     setup::rust_target()?;
-    measure(&Image::Board.build()?)
+    measure(&Image::Board.build_as(optimised)?)
 }
 
 /// Measures an ELF file.

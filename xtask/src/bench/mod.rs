@@ -1,27 +1,26 @@
 //! `cargo xtask bench`: what the core costs, counted in executed instructions.
 //!
 //! The benchmarks are a firmware image of their own. In the emulator one nanosecond of virtual time is one instruction,
-//! so a count is exact and the same on every PC. The image checks every answer for its content and prints one row per
-//! workload, `name<TAB>count`. The figures are compared with the committed ones of `docs/benchmarks.md`.
+//! so a count is exact and the same on every PC. The image checks every answer for its content and prints its tables:
+//! `# heading`, then one row per workload, `name<TAB>count`. It runs twice, built for speed and for size. The figures are
+//! compared with the committed ones of `docs/benchmarks.md`.
 
+mod image;
 mod table;
 
 use std::fs;
-use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result};
 
-use crate::firmware::Image;
-use crate::words::{say, tell};
-use crate::{emulator, place, process, setup, size};
-use table::Row;
+use crate::firmware::Optimised;
+use crate::place;
+use crate::size;
+use crate::words::say;
+use table::{Row, Table};
 
 /// The committed figures.
 const DOCUMENT: &str = "docs/benchmarks.md";
-const INSTRUCTIONS: &str = "## Instructions";
-const SIZES: &str = "## Flash and RAM";
 
 /// Crates that take less flash than this, in bytes, are one row: single functions of the core library come and go.
 const SMALL: u64 = 100;
@@ -31,9 +30,6 @@ const TOLERANCE: u64 = 2;
 
 /// A size that moved by no more than this is the same, in bytes: small crates come along with a function or without.
 const SLACK: u64 = 64;
-
-/// The emulator needs a second or two; what takes longer hangs.
-const PATIENCE: Duration = Duration::from_secs(300);
 
 /// What to do with the figures.
 #[derive(Debug, clap::Args)]
@@ -45,21 +41,21 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let instructions = count()?;
-    let sizes = sizes()?;
+    let mut tables = image::count()?;
+    tables.push(sizes()?);
 
     let file = place::root().join(DOCUMENT);
-    let document =
+    let mut document =
         fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?;
     let mut changed = 0;
-    for (unit, heading, now, slack) in [
-        ("instructions", INSTRUCTIONS, &instructions, 0),
-        ("bytes", SIZES, &sizes, SLACK),
-    ] {
-        let columns = now.first().map_or(0, |row| row.figures.len());
-        let committed = table::read(&document, heading, columns)?;
-        let (lines, count) = compare(now, &committed, slack);
-        say!("{unit:<44} {:>10} {:>10}", "now", "committed")?;
+    for now in &tables {
+        let columns = now.rows.first().map_or(0, |row| row.figures.len());
+        let committed = table::read(&document, &now.heading, columns)?;
+        if arguments.update {
+            document = table::write(&document, now)?;
+        }
+        let (lines, count) = compare(&now.rows, &committed, now.slack);
+        say!("{:<50} {:>16} {:>16}", now.heading, "now", "committed")?;
         for line in lines {
             say!("{line}")?;
         }
@@ -68,8 +64,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
 
     if arguments.update {
-        let document = table::write(&document, INSTRUCTIONS, &instructions)?;
-        let document = table::write(&document, SIZES, &sizes)?;
         fs::write(&file, document).with_context(|| format!("writing {}", file.display()))?;
         say!("{DOCUMENT} is up to date")?;
         return Ok(ExitCode::SUCCESS);
@@ -84,77 +78,41 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Builds the benchmarks and runs them in the emulator.
-fn count() -> Result<Vec<Row>> {
-    let qemu = setup::emulator()?;
-    setup::rust_target()?;
-    let image = Image::Bench.build()?;
-    let rows = run_image(&qemu, &image)?;
-    ensure!(!rows.is_empty(), "the benchmarks printed no row");
-    Ok(rows)
-}
-
-fn run_image(qemu: &Path, image: &Path) -> Result<Vec<Row>> {
-    let mut command = emulator::counting(qemu, image);
-    let mut child = command
-        .stdout(std::process::Stdio::piped())
-        .spawn()
-        .context("starting QEMU")?;
-    let output = child.stdout.take().context("QEMU has no output")?;
-    let reader = std::thread::spawn(move || {
-        let mut rows = Vec::new();
-        process::each_line(output, |line| match parse(line) {
-            Some(row) => rows.push(row),
-            None => tell!("{line}"),
-        });
-        rows
-    });
-    let deadline = std::time::Instant::now() + PATIENCE;
-    let status = loop {
-        if let Some(status) = child.try_wait().context("waiting for QEMU")? {
-            break status;
+/// The sizes of the board's image: the crates worth a row, the others in one, and the total. Flash and RAM built for speed,
+/// then flash built for size.
+fn sizes() -> Result<Table> {
+    let fast = size::board(Optimised::ForSpeed)?;
+    let small = size::board(Optimised::ForSize)?;
+    let mut rows: Vec<Row> = Vec::new();
+    let mut others = [0; 3];
+    let is_large = |size: &size::Size| size.flash + size.ram >= SMALL;
+    for (name, size) in &fast.crates {
+        let twin = small.crates.iter().find(|(twin, _)| twin == name);
+        let figures = [size.flash, size.ram, twin.map_or(0, |(_, twin)| twin.flash)];
+        if is_large(size) {
+            rows.push(Row::new(name, &figures));
+        } else {
+            for (sum, figure) in others.iter_mut().zip(figures) {
+                *sum += figure;
+            }
         }
-        if std::time::Instant::now() > deadline {
-            child.kill().context("stopping QEMU")?;
-            child.wait().context("waiting for QEMU")?;
-            bail!("the benchmarks have not ended for {} s", PATIENCE.as_secs());
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    };
-    let rows = reader.join().ok().context("reading the rows")?;
-    ensure!(status.success(), "the benchmarks failed: {status}");
-    Ok(rows)
-}
-
-fn parse(line: &str) -> Option<Row> {
-    let (name, count) = line.split_once('\t')?;
-    Some(Row {
-        name: name.trim().to_owned(),
-        figures: vec![count.trim().parse().ok()?],
-    })
-}
-
-/// The sizes of the board's image: the crates worth a row, the others in one, and the total.
-fn sizes() -> Result<Vec<Row>> {
-    let sizes = size::board()?;
-    let row = |name: &str, size: size::Size| Row {
-        name: name.to_owned(),
-        figures: vec![size.flash, size.ram],
-    };
-    let (large, small): (Vec<_>, Vec<_>) = sizes
+    }
+    // What is left of a crate only where it was built for size.
+    let listed = |name: &String| fast.crates.iter().any(|(listed, _)| listed == name);
+    others[2] += small
         .crates
         .iter()
-        .partition(|(_, size)| size.flash + size.ram >= SMALL);
-    let mut rows: Vec<_> = large.iter().map(|(name, size)| row(name, *size)).collect();
-    let others = small
-        .iter()
-        .fold(size::Size::default(), |sum, (_, size)| size::Size {
-            flash: sum.flash + size.flash,
-            ram: sum.ram + size.ram,
-        });
-    rows.push(row("others", others));
-    rows.push(row("total", sizes.total));
-    Ok(rows)
+        .filter(|(name, _)| !listed(name))
+        .map(|(_, size)| size.flash)
+        .sum::<u64>();
+    rows.push(Row::new("others", &others));
+    let total = [fast.total.flash, fast.total.ram, small.total.flash];
+    rows.push(Row::new("total", &total));
+    Ok(Table {
+        heading: "Flash and RAM".to_owned(),
+        rows,
+        slack: SLACK,
+    })
 }
 
 /// The figures beside the committed ones, line by line, and how many rows changed, came or went.
@@ -168,7 +126,7 @@ fn compare(now: &[Row], committed: &[Row], slack: u64) -> (Vec<String>, usize) {
         let before = before.map_or_else(|| "-".to_owned(), figures);
         let mark = if same { "" } else { "  changed" };
         lines.push(format!(
-            "{:<44} {:>10} {before:>10}{mark}",
+            "{:<50} {:>16} {before:>16}{mark}",
             row.name,
             figures(row)
         ));
@@ -179,7 +137,7 @@ fn compare(now: &[Row], committed: &[Row], slack: u64) -> (Vec<String>, usize) {
     {
         changed += 1;
         lines.push(format!(
-            "{:<44} {:>10} {:>10}  gone",
+            "{:<50} {:>16} {:>16}  gone",
             gone.name,
             "-",
             figures(gone)
@@ -205,23 +163,6 @@ fn alike(now: &[u64], before: &[u64], slack: u64) -> bool {
 mod tests {
     use super::*;
 
-    fn row(name: &str, figure: u64) -> Row {
-        Row {
-            name: name.to_owned(),
-            figures: vec![figure],
-        }
-    }
-
-    #[test]
-    fn a_row_is_a_name_a_tab_and_a_count() {
-        assert_eq!(
-            parse("SDO upload, expedited\t412"),
-            Some(row("SDO upload, expedited", 412))
-        );
-        assert_eq!(parse("a word from the firmware"), None);
-        assert_eq!(parse("name\tnumber"), None);
-    }
-
     #[test]
     fn two_percent_either_way_are_no_change() {
         assert!(alike(&[1020], &[1000], 0) && alike(&[980], &[1000], 0) && alike(&[0], &[0], 0));
@@ -236,8 +177,16 @@ mod tests {
 
     #[test]
     fn changed_new_and_missing_rows_are_counted() {
-        let committed = [row("same", 100), row("worse", 100), row("gone", 5)];
-        let now = [row("same", 101), row("worse", 110), row("new", 7)];
+        let committed = [
+            Row::new("same", &[100]),
+            Row::new("worse", &[100]),
+            Row::new("gone", &[5]),
+        ];
+        let now = [
+            Row::new("same", &[101]),
+            Row::new("worse", &[110]),
+            Row::new("new", &[7]),
+        ];
         let (lines, changed) = compare(&now, &committed, 0);
         assert_eq!(changed, 3);
         let ends: Vec<_> = lines

@@ -5,6 +5,17 @@
 
 use anyhow::{Context, Result};
 
+/// A table of the document.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Table {
+    /// Its heading, without the signs of Markdown.
+    pub heading: String,
+    /// What was measured.
+    pub rows: Vec<Row>,
+    /// By how much a figure may move and be the same.
+    pub slack: u64,
+}
+
 /// A name, and what was measured for it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Row {
@@ -14,7 +25,23 @@ pub struct Row {
     pub figures: Vec<u64>,
 }
 
-/// The rows of the first table after the line `heading`, with as many figures as `columns`.
+impl Row {
+    /// A row.
+    pub fn new(name: &str, figures: &[u64]) -> Self {
+        Self {
+            name: name.to_owned(),
+            figures: figures.to_vec(),
+        }
+    }
+}
+
+/// The column with the figure that we aim at. The first figure is held against it.
+const GOAL: &str = "goal";
+
+/// The column that tells how far the goal is.
+const MISSED: &str = "missed by";
+
+/// The rows of the table under this heading, with as many figures as `columns`.
 ///
 /// # Errors
 /// When there is no such heading, no table after it, or a figure that is no number.
@@ -27,27 +54,27 @@ pub fn read(document: &str, heading: &str, columns: usize) -> Result<Vec<Row>> {
         .collect()
 }
 
-/// The document with `rows` in that table.
+/// The document with these rows in their table, and how far each is from its goal.
 ///
 /// # Errors
 /// When there is no such heading, or no table after it.
-pub fn write(document: &str, heading: &str, rows: &[Row]) -> Result<String> {
+pub fn write(document: &str, table: &Table) -> Result<String> {
     let lines: Vec<_> = document.lines().collect();
-    let (header, start, end) = find(&lines, heading)?;
-    let width = cells(lines[header]).len();
+    let (header, start, end) = find(&lines, &table.heading)?;
+    let titles = cells(lines[header]);
     let old: Vec<_> = lines[start..end].iter().map(|line| cells(line)).collect();
 
     let mut text: Vec<String> = lines[..start]
         .iter()
         .map(|line| (*line).to_owned())
         .collect();
-    for row in rows {
+    for row in &table.rows {
         let mut new = vec![row.name.clone()];
         new.extend(row.figures.iter().map(u64::to_string));
         let kept = old
             .iter()
             .find(|cells| cells.first() == Some(&row.name.as_str()));
-        for column in new.len()..width {
+        for column in new.len()..titles.len() {
             new.push(
                 kept.and_then(|cells| cells.get(column))
                     .copied()
@@ -55,17 +82,36 @@ pub fn write(document: &str, heading: &str, rows: &[Row]) -> Result<String> {
                     .to_owned(),
             );
         }
+        tell_missed(&titles, &mut new);
         text.push(format!("| {} |", new.join(" | ")));
     }
     text.extend(lines[end..].iter().map(|line| (*line).to_owned()));
     Ok(text.join("\n") + "\n")
 }
 
+/// Fills the column that tells how far the goal is.
+fn tell_missed(titles: &[&str], cells: &mut [String]) {
+    let column = |title| titles.iter().position(|other| *other == title);
+    let (Some(goal), Some(missed)) = (column(GOAL), column(MISSED)) else {
+        return;
+    };
+    let figure = |column: usize| cells.get(column).and_then(|cell| cell.parse::<u64>().ok());
+    let text = match (figure(1), figure(goal)) {
+        (Some(now), Some(goal)) if now > goal && goal > 0 => {
+            format!("{} %", (now - goal) * 100 / goal)
+        }
+        _ => String::new(),
+    };
+    if let Some(cell) = cells.get_mut(missed) {
+        *cell = text;
+    }
+}
+
 /// The numbers of the lines of a table: its header, its first row, and the line after its last row.
 fn find(lines: &[&str], heading: &str) -> Result<(usize, usize, usize)> {
     let at = lines
         .iter()
-        .position(|line| line.trim() == heading)
+        .position(|line| line.starts_with('#') && line.trim_start_matches('#').trim() == heading)
         .with_context(|| format!("no heading `{heading}`"))?;
     let header = (at..lines.len())
         .find(|&line| lines[line].starts_with('|'))
@@ -89,12 +135,13 @@ fn cells(line: &str) -> Vec<&str> {
 fn row(line: &str, columns: usize) -> Result<Row> {
     let cells = cells(line);
     let figures = cells.iter().skip(1).take(columns).map(|cell| cell.parse());
-    Ok(Row {
-        name: cells.first().copied().unwrap_or_default().to_owned(),
-        figures: figures
-            .collect::<Result<_, _>>()
-            .with_context(|| format!("not a number in `{line}`"))?,
-    })
+    let figures = figures
+        .collect::<Result<Vec<_>, _>>()
+        .with_context(|| format!("not a number in `{line}`"))?;
+    Ok(Row::new(
+        cells.first().copied().unwrap_or_default(),
+        &figures,
+    ))
 }
 
 #[cfg(test)]
@@ -120,30 +167,30 @@ Some words.
 The end.
 ";
 
-    fn row(name: &str, figure: u64) -> Row {
-        Row {
-            name: name.to_owned(),
-            figures: vec![figure],
+    fn table(heading: &str, rows: &[Row]) -> Table {
+        Table {
+            heading: heading.to_owned(),
+            rows: rows.to_vec(),
+            slack: 0,
         }
     }
 
     #[test]
     fn the_table_after_the_heading_is_read() {
         assert_eq!(
-            read(DOCUMENT, "## Instructions", 1).unwrap(),
-            [row("heartbeat", 30), row("gone", 1)]
+            read(DOCUMENT, "Instructions", 1).unwrap(),
+            [Row::new("heartbeat", &[30]), Row::new("gone", &[1])]
         );
-        assert_eq!(read(DOCUMENT, "## Sizes", 1).unwrap(), [row("canopen", 5)]);
+        assert_eq!(
+            read(DOCUMENT, "Sizes", 1).unwrap(),
+            [Row::new("canopen", &[5])]
+        );
     }
 
     #[test]
     fn figures_are_replaced_and_everything_else_is_kept() {
-        let new = write(
-            DOCUMENT,
-            "## Instructions",
-            &[row("idle", 7), row("heartbeat", 29)],
-        )
-        .unwrap();
+        let rows = [Row::new("idle", &[7]), Row::new("heartbeat", &[29])];
+        let new = write(DOCUMENT, &table("Instructions", &rows)).unwrap();
         let expected = DOCUMENT.replace(
             "| heartbeat | 30 | 33 |\n| gone | 1 | 2 |",
             "| idle | 7 |  |\n| heartbeat | 29 | 33 |",
@@ -152,17 +199,38 @@ The end.
     }
 
     #[test]
-    fn a_missing_table_and_a_figure_that_is_none_are_errors() {
-        assert!(read(DOCUMENT, "## Nothing", 1).is_err());
-        assert!(read("## Empty\n", "## Empty", 1).is_err());
-        assert!(read(DOCUMENT, "## Sizes", 1).is_ok());
-        assert!(
-            read(
-                &DOCUMENT.replace("| 30 |", "| many |"),
-                "## Instructions",
-                1
-            )
-            .is_err()
+    fn how_far_a_goal_is_stands_beside_it() {
+        let document = "\
+## Goals
+| operation | here | goal | missed by |
+|---|---|---|---|
+| near | 1 | 100 | 7 % |
+| far | 1 | 100 |  |
+| free | 1 |  | 5 % |
+";
+        let rows = [
+            Row::new("near", &[100]),
+            Row::new("far", &[150]),
+            Row::new("free", &[9]),
+        ];
+        let new = write(document, &table("Goals", &rows)).unwrap();
+        let lines: Vec<_> = new.lines().skip(3).collect();
+        assert_eq!(
+            lines,
+            [
+                "| near | 100 | 100 |  |",
+                "| far | 150 | 100 | 50 % |",
+                "| free | 9 |  |  |"
+            ]
         );
+    }
+
+    #[test]
+    fn a_missing_table_and_a_figure_that_is_none_are_errors() {
+        assert!(read(DOCUMENT, "Nothing", 1).is_err());
+        assert!(read("## Empty\n", "Empty", 1).is_err());
+        assert!(read(DOCUMENT, "Sizes", 1).is_ok());
+        let wrong = DOCUMENT.replace("| 30 |", "| many |");
+        assert!(read(&wrong, "Instructions", 1).is_err());
     }
 }

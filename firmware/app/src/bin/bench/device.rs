@@ -3,6 +3,7 @@
 use canopen::cia301::emergency::{Emergency, ErrorRegister};
 use canopen::cia301::nmt::Reset;
 use canopen::{BitRate, Duration, Frame, Instant, Node, NodeId, Settings};
+use core::mem::size_of;
 use heapless::Vec;
 
 use crate::{count, row};
@@ -11,7 +12,7 @@ mod test_device {
     include!(concat!(env!("OUT_DIR"), "/test_device.rs"));
 }
 
-use test_device::Dictionary;
+pub use test_device::Dictionary;
 
 const NODE_ID: u16 = 10;
 const REQUEST: u16 = 0x600 + NODE_ID;
@@ -318,4 +319,45 @@ fn rest(device: &mut Device) {
     device.total = count;
     device.expect(0x080 + NODE_ID, &[0x10, 0x23, 0x03, 1, 2, 3, 4, 5]);
     device.row("EMCY, report and send");
+}
+
+/// Frames of eight bytes that 1 Mbit/s carries in a second, back to back and without a stuff bit: 111 bits each.
+const FULL_LOAD: u32 = 1_000_000 / 111;
+
+/// Instructions of the STM32F405 in a second: 168 MHz, and a cycle and a half for each.
+const INSTRUCTIONS_PER_SECOND: u32 = 168_000_000 * 2 / 3;
+
+/// What the CPU is busy with when the bus never rests, in thousandths.
+pub fn load() {
+    let mut device = Device::new();
+    device.operational();
+    device.idle();
+    device.ready();
+    let frames = [
+        ("every frame a receive PDO", 0x200 + NODE_ID),
+        ("every frame for other devices", 0x185),
+    ];
+    for (name, cob_id) in frames {
+        for number in 0..100 {
+            device.now += Duration::from_ticks(111);
+            device.sent.clear();
+            let frame = Frame::full(cob_id, [number; 8]);
+            let (count, ()) =
+                count(|| serve(&mut device.node, &frame, device.now, &mut device.sent));
+            device.total += count;
+        }
+        let each = device.total / 100;
+        let thousandths = u64::from(each * FULL_LOAD) * 1000 / u64::from(INSTRUCTIONS_PER_SECOND);
+        row(name, thousandths as u32);
+        device.ready();
+    }
+}
+
+/// The RAM of the device, in bytes.
+pub fn memory() {
+    let values = size_of::<Dictionary>();
+    let device = size_of::<Node<Dictionary>>();
+    row("the device, in all", device as u32);
+    row("of it, the values of the dictionary", values as u32);
+    row("beside the values", (device - values) as u32);
 }

@@ -2,7 +2,7 @@
 //!
 //! The image runs in QEMU with `-icount shift=0`: one nanosecond of virtual time is one instruction, and TIM5, which nobody
 //! ever writes, counts them. Each workload is one line on the standard output, name, tab, count. The answer of each is
-//! checked for its content; a wrong one ends the run with an error.
+//! checked for its content; a wrong one ends the run with an error. A line `# heading` begins a table.
 //!
 //! A region begins when a received frame is handed to the device and ends when every frame of the answer is in a transmit
 //! mailbox that always has room. It is one pass of the node task: receive, let time pass, transmit.
@@ -15,6 +15,7 @@
 
 mod device;
 mod drive;
+mod longest;
 mod steps;
 
 use cortex_m_rt::{entry, exception, ExceptionFrame};
@@ -42,6 +43,11 @@ fn count<R>(region: impl FnOnce() -> R) -> (u32, R) {
     (end.wrapping_sub(start).wrapping_sub(empty), result)
 }
 
+/// The rows that follow belong under this heading.
+fn heading(title: &str) {
+    hprintln!("# {}", title);
+}
+
 /// One row of the table.
 fn row(name: &str, count: u32) {
     hprintln!("{}\t{}", name, count);
@@ -49,9 +55,16 @@ fn row(name: &str, count: u32) {
 
 #[entry]
 fn main() -> ! {
+    heading("Instructions");
     device::run();
     steps::run();
     drive::run();
+    heading("Share of the CPU at full bus load");
+    device::load();
+    heading("Longest paths");
+    longest::run();
+    heading("Memory of the device");
+    device::memory();
     loop {
         debug::exit(debug::EXIT_SUCCESS);
     }
