@@ -1,8 +1,8 @@
 //! The rules of the drive objects: what may be written to them, and what a write sets off.
 //!
-//! Objects 6000h to 67FFh are written by SDO or by receive PDOs. The dictionary checks access, length and limits; the values
-//! that CiA 402-2 leaves out are refused here: a mode that 6502h does not have, a quick stop option code of a reaction this
-//! drive has not, an acceleration of 0.
+//! The drive's parameters are written by SDO or by receive PDOs, in objects 6000h to 67FFh or in others that are bound to
+//! them. The dictionary checks access, length and limits; the values that CiA 402-2 leaves out are refused here: a mode that
+//! 6502h does not have, a quick stop option code of a reaction this drive has not, an acceleration of 0.
 //!
 //! The contract:
 //! - A refused write changes nothing; by SDO it is answered with an abort code.
@@ -14,20 +14,15 @@
 
 use canopen::Application;
 use canopen::cia301::sdo::AbortCode;
-use canopen::od::{Dictionary, Entry, write_u32};
+use canopen::od::{self, Dictionary, Entry, write_u32};
 
 use crate::controlword::ControlwordHistory;
 use crate::exchange::Commands;
 use crate::modes::Mode;
 use crate::objects::Objects;
+use crate::parameters::Parameter;
 use crate::quick_stop::QuickStopOption;
 
-const CONTROLWORD: u16 = 0x6040;
-const QUICK_STOP_OPTION_CODE: u16 = 0x605A;
-const MODES_OF_OPERATION: u16 = 0x6060;
-const PROFILE_ACCELERATION: u16 = 0x6083;
-const PROFILE_DECELERATION: u16 = 0x6084;
-const QUICK_STOP_DECELERATION: u16 = 0x6085;
 const IDENTITY: u16 = 0x1018;
 const SERIAL_NUMBER: u8 = 4;
 
@@ -94,41 +89,57 @@ impl Hooks {
 
 impl<D: Dictionary + Objects> Application<D> for Hooks {
     fn validate(&mut self, dictionary: &D, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
-        match (entry.index, value) {
-            (MODES_OF_OPERATION, &[code]) => {
-                let code = i8::from_le_bytes([code]);
-                if is_supported(code, dictionary.supported_drive_modes()) {
-                    Ok(())
-                } else {
-                    Err(AbortCode::InvalidValue)
-                }
-            }
-            (QUICK_STOP_OPTION_CODE, &[low, high]) => {
-                match QuickStopOption::from_code(i16::from_le_bytes([low, high])) {
-                    Some(_) => Ok(()),
-                    None => Err(AbortCode::InvalidValue),
-                }
-            }
-            (
-                PROFILE_ACCELERATION | PROFILE_DECELERATION | QUICK_STOP_DECELERATION,
-                &[0, 0, 0, 0],
-            ) => Err(AbortCode::ValueTooLow),
-            _ => Ok(()),
-        }
+        let Some(parameter) = D::parameter(entry) else {
+            return Ok(());
+        };
+        let Some(number) = od::number(entry, value) else {
+            return Ok(());
+        };
+        check(parameter, D::converted(entry, number)?, dictionary)
     }
 
     fn written(&mut self, dictionary: &mut D, entry: &Entry) {
-        if entry.index == CONTROLWORD {
+        let parameter = D::parameter(entry);
+        if parameter.is_some() {
+            dictionary.carry_over(entry);
+        }
+        if parameter == Some(Parameter::Controlword) {
             self.history.write(dictionary.controlword());
         }
-        self.written |= matches!(entry.index, 0x6000..=0x67FF);
+        self.written |= parameter.is_some();
     }
 
     fn power_on(&mut self, dictionary: &mut D) {
         // Power-on values hold the serial number 0 of the data sheet. A dictionary without 1018h:4 has no place for it.
         let _ = write_u32(dictionary, IDENTITY, SERIAL_NUMBER, self.serial_number);
+        dictionary.agree();
         self.history = ControlwordHistory::new(dictionary.controlword());
         self.written = true;
+    }
+}
+
+/// What the drive says to a new value of a parameter, in its own unit.
+fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Result<(), AbortCode> {
+    match parameter {
+        Parameter::ModesOfOperation => {
+            let modes = dictionary.supported_drive_modes();
+            i8::try_from(number)
+                .ok()
+                .filter(|code| is_supported(*code, modes))
+                .map_or(Err(AbortCode::InvalidValue), |_| Ok(()))
+        }
+        Parameter::QuickStopOptionCode => i16::try_from(number)
+            .ok()
+            .and_then(QuickStopOption::from_code)
+            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
+        Parameter::ProfileAcceleration
+        | Parameter::ProfileDeceleration
+        | Parameter::QuickStopDeceleration
+            if number <= 0 =>
+        {
+            Err(AbortCode::ValueTooLow)
+        }
+        _ => Ok(()),
     }
 }
 

@@ -19,6 +19,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod binding;
 pub mod controlword;
 pub mod device;
 pub mod drive;
@@ -28,6 +29,7 @@ mod hooks;
 pub mod modes;
 mod motor;
 pub mod objects;
+pub mod parameters;
 pub mod quick_stop;
 pub mod state_machine;
 pub mod statusword;
@@ -40,5 +42,6 @@ pub use drive::{Drive, DriveConfig, Inputs, Outputs};
 pub use exchange::{Actuals, Commands, Exchange, Share};
 pub use modes::Mode;
 pub use objects::Objects;
+pub use parameters::Parameter;
 pub use quick_stop::QuickStopOption;
 pub use state_machine::{State, StateMachine};

@@ -1,5 +1,11 @@
 //! The drive objects as the firmware sees them. `od-gen` implements this trait for a dictionary from its data sheet: a type
-//! that differs from the one here is a compile error, and an object the data sheet leaves out takes the value here.
+//! that differs from the one here is a compile error, and an object the data sheet leaves out takes the value here. With a
+//! binding (`*.bind.toml`) the values come from other objects, in other units; the drive does not notice.
+
+use canopen::cia301::sdo::AbortCode;
+use canopen::od::Entry;
+
+use crate::parameters::Parameter;
 
 /// Typed access to the CiA 402 objects of a dictionary. Getters read what a master wrote; setters publish what the
 /// drive does. Units are the user units of CiA 402-2; with no factor group they are increments (steps), steps/s and
@@ -81,4 +87,26 @@ pub trait Objects {
     fn supported_drive_modes(&self) -> u32 {
         0
     }
+
+    /// The parameter that an object sets or shows.
+    fn parameter(entry: &Entry) -> Option<Parameter> {
+        Parameter::at(entry.index, entry.sub)
+    }
+
+    /// What `number`, written to an object of a parameter, means to the drive.
+    ///
+    /// # Errors
+    /// A number that means nothing to the drive, or too much or too little.
+    fn converted(entry: &Entry, number: i64) -> Result<i64, AbortCode> {
+        let _ = entry;
+        Ok(number)
+    }
+
+    /// An object was written. The others that stand for the same parameter follow.
+    fn carry_over(&mut self, entry: &Entry) {
+        let _ = entry;
+    }
+
+    /// Values were loaded: objects that stand for the same parameter follow the one the drive reads.
+    fn agree(&mut self) {}
 }
