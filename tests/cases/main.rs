@@ -11,6 +11,7 @@ mod model;
 mod nmt;
 mod pdo;
 mod profile_position;
+mod random_frames;
 mod sdo;
 mod state_machine;
 mod sync_emergency;

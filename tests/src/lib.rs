@@ -13,10 +13,12 @@
 
 mod crc;
 pub mod drive;
+pub mod firmware;
 pub mod line;
 pub mod notation;
 pub mod plain_node;
 mod service_data;
+pub mod watched;
 
 pub use crc::crc;
 pub use drive::DriveBench;
