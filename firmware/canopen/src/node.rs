@@ -19,6 +19,7 @@
 
 mod events;
 mod objects;
+mod parameters;
 mod receive;
 mod services;
 mod transmit;
@@ -124,7 +125,8 @@ impl<D: Dictionary> Node<D> {
     }
 
     /// Loads power-on values, applies a pending node-ID and sends the boot-up message; then Pre-operational. An
-    /// unconfigured device ([`NodeId::UNCONFIGURED`]) stays silent but for LSS.
+    /// unconfigured device ([`NodeId::UNCONFIGURED`]) stays silent but for LSS. With a parameter store the device stays
+    /// silent until [`Node::load_parameters`].
     ///
     /// [`Reset::Node`] loads every object and forgets the errors that stand (who still sees one reports it again).
     /// [`Reset::Communication`] loads 1000h to 1FFFh, except the identity object 1018h, which the firmware fills in.
@@ -144,6 +146,13 @@ impl<D: Dictionary> Node<D> {
             }
         }
         self.services.configure(&mut self.dictionary, now);
+        if !self.services.parameters.reset(reset) {
+            self.end_boot(now);
+        }
+    }
+
+    /// The parameters are those to start with.
+    fn end_boot(&mut self, now: Instant) {
         self.is_resetting = false;
         self.is_mute = self.lss.is_silent(now);
         if self.node_id.is_configured() {

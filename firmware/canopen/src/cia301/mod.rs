@@ -23,6 +23,7 @@ pub mod emergency;
 pub mod heartbeat;
 pub mod length_error;
 pub mod nmt;
+pub mod parameters;
 pub mod pdo;
 pub mod sdo;
 pub mod sync;

@@ -43,6 +43,8 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
     }
 
     fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<Completion, AbortCode> {
+        let is_changed =
+            self.services.parameters.is_dated(entry) && od::value(self.dictionary, entry) != value;
         let checked = od::check(D::TABLE, entry, value);
         if is_communication_object(entry) {
             // To a value out of range the owner's answer is the more exact one: nine entries of a mapping are "too long
@@ -55,6 +57,10 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
             }
             self.services.validate(self.dictionary, entry, value)?;
             checked?;
+            if self.services.parameters.is_order(entry) {
+                self.services.parameters.begin(entry);
+                return Ok(Completion::Later);
+            }
             od::put(self.dictionary, entry, value);
             self.services.written(self.dictionary, entry, self.now);
         } else {
@@ -64,6 +70,9 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
             self.application.written(self.dictionary, entry);
         }
         self.services.values_changed = true;
+        if is_changed {
+            self.services.parameters.forget_date(self.dictionary);
+        }
         Ok(Completion::Now)
     }
 }

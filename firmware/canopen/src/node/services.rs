@@ -5,6 +5,7 @@ use crate::application::Application;
 use crate::cia301::emergency::{self, Emergency};
 use crate::cia301::heartbeat;
 use crate::cia301::length_error::LengthReport;
+use crate::cia301::parameters::{self, Parameters};
 use crate::cia301::pdo;
 use crate::cia301::sdo::AbortCode;
 use crate::cia301::sync::Sync;
@@ -17,6 +18,7 @@ pub(super) struct Services<C: Counts> {
     pub(super) heartbeat: heartbeat::Producer,
     pub(super) emergency: emergency::Producer,
     pub(super) sync: Sync,
+    pub(super) parameters: Parameters,
     pub(super) rpdos: pdo::Receive<C::Rpdos>,
     pub(super) tpdos: pdo::Transmit<C::Tpdos>,
     /// Whether the NMT state has emergency messages.
@@ -33,6 +35,7 @@ impl<C: Counts> Services<C> {
             heartbeat: heartbeat::Producer::new(),
             emergency: emergency::Producer::new(),
             sync: Sync::new(),
+            parameters: Parameters::new(),
             rpdos: pdo::Receive::new(),
             tpdos: pdo::Transmit::new(),
             may_send_emergency: false,
@@ -48,6 +51,7 @@ impl<C: Counts> Services<C> {
         self.heartbeat.configure(dictionary, now);
         self.emergency.configure(dictionary);
         self.sync.configure(dictionary);
+        self.parameters.configure(dictionary);
         self.rpdos.configure_all(dictionary);
         self.tpdos.configure_all(dictionary);
         self.report_lengths(dictionary, now);
@@ -64,6 +68,7 @@ impl<C: Counts> Services<C> {
         match entry.index {
             0x1003 | 0x1014 | 0x1015 => self.emergency.validate(dictionary, entry, value),
             0x1005 => self.sync.validate(value),
+            parameters::STORE | parameters::RESTORE => self.parameters.validate(entry, value),
             0x1400..=0x17FF => self.rpdos.validate(dictionary, entry, value),
             0x1800..=0x1BFF => self.tpdos.validate(dictionary, entry, value),
             _ => Ok(()),
@@ -86,6 +91,7 @@ impl<C: Counts> Services<C> {
                 self.sync.written(dictionary);
                 self.report_lengths(dictionary, now);
             }
+            parameters::VERIFY_CONFIGURATION => self.parameters.read_date(dictionary),
             heartbeat::INDEX => {
                 self.heartbeat.written(dictionary, now);
                 self.timers_changed = true;

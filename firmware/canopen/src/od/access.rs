@@ -191,14 +191,31 @@ pub fn load_defaults<D: Dictionary + ?Sized>(
             continue;
         };
         let length = room(entry);
-        let from = slot(D::TABLE.defaults, offset, length);
         let to = slot_mut(dictionary.ram_mut(), offset, length);
-        copy(to, from);
         if entry.attributes.has(Attributes::NODE_ID) {
-            let sum = little_endian(to).wrapping_add(u64::from(node_id));
-            copy(to, &sum.to_le_bytes());
+            copy(to, &node_id_default::<D>(entry, node_id));
+        } else {
+            copy(to, slot(D::TABLE.defaults, offset, length));
         }
     }
+}
+
+/// The power-on value of a number in RAM, the node-ID added to it; its bytes and zeros behind them.
+pub fn node_id_default<D: Dictionary + ?Sized>(entry: &Entry, node_id: u8) -> [u8; 8] {
+    let default = slot(D::TABLE.defaults, entry.offset, entry.size.min(8));
+    let sum = little_endian(default).wrapping_add(u64::from(node_id));
+    sum.to_le_bytes()
+}
+
+/// Whether an entry has the power-on value that goes with this node-ID; never one without the node-ID in its default.
+pub fn is_node_id_default<D: Dictionary + ?Sized>(
+    dictionary: &D,
+    entry: &Entry,
+    node_id: u8,
+) -> bool {
+    let present = value(dictionary, entry);
+    let default = node_id_default::<D>(entry, node_id);
+    entry.attributes.has(Attributes::NODE_ID) && default.get(..present.len()) == Some(present)
 }
 
 /// The value of an UNSIGNED8 (or any other 1-byte object); `None` when there is no such object.

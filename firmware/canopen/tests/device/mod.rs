@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 mod objects;
+pub mod ram_store;
 
 pub use objects::Objects;
 

@@ -1,6 +1,6 @@
 //! A small object dictionary, written as a list; offsets are computed when this is compiled.
 
-use canopen::od::{Attributes, Count, DataType, Dictionary, Entry, Limits, Table};
+use canopen::od::{Attributes, Count, DataType, Dictionary, Entry, Limits, StorageGroup, Table};
 
 /// One line of the list.
 struct Line {
@@ -111,6 +111,16 @@ const LISTS: &[&[Line]] = &[
         u32_(0x1003, 8, RO, &[0; 4]),
         u32_(0x1005, 0, RW, &[0x80, 0, 0, 0]),
         text(0x1008, "Axis402 test 032"),
+        u8_(0x1010, 0, CONST, &[4]),
+        u32_(0x1010, 1, RW, &[0; 4]),
+        u32_(0x1010, 2, RW, &[0; 4]),
+        u32_(0x1010, 3, RW, &[0; 4]),
+        u32_(0x1010, 4, RW, &[0; 4]),
+        u8_(0x1011, 0, CONST, &[4]),
+        u32_(0x1011, 1, RW, &[0; 4]),
+        u32_(0x1011, 2, RW, &[0; 4]),
+        u32_(0x1011, 3, RW, &[0; 4]),
+        u32_(0x1011, 4, RW, &[0; 4]),
         u32_(0x1014, 0, RW | NODE_ID, &[0x80, 0, 0, 0]),
         u16_(0x1015, 0, RW, &[0, 0]),
         u16_(0x1017, 0, RW, &[0, 0]),
@@ -119,6 +129,9 @@ const LISTS: &[&[Line]] = &[
         u32_(0x1018, 2, RO, &[0x88, 0x77, 0x66, 0x55]),
         u32_(0x1018, 3, RO, &[0xCC, 0xBB, 0xAA, 0x99]),
         u32_(0x1018, 4, RO, &[0; 4]),
+        u8_(0x1020, 0, CONST, &[2]),
+        u32_(0x1020, 1, RW, &[0; 4]),
+        u32_(0x1020, 2, RW, &[0; 4]),
         u8_(0x1200, 0, CONST, &[2]),
         u32_(0x1200, 1, RO | NODE_ID, &[0x00, 0x06, 0, 0]),
         u32_(0x1200, 2, RO | NODE_ID, &[0x80, 0x05, 0, 0]),
@@ -157,8 +170,21 @@ const LISTS: &[&[Line]] = &[
         text(0x2011, "123456789012345"),
         text(0x2012, "abc"),
         u16_(0x2013, 0, RW, &[0, 0]),
+        u32_(0x6081, 0, MAPPABLE, &[10, 0, 0, 0]),
     ],
 ];
+
+/// The bits of the storage group: what can be read and written, by the range of its index.
+const fn storage(line: &Line) -> u16 {
+    let group = match line.index {
+        0x1003 | 0x1010 | 0x1011 => return 0,
+        _ if line.attributes & (RW | Attributes::ROM) != RW => return 0,
+        0x1000..=0x1FFF => StorageGroup::Communication,
+        0x2000..=0x5FFF => StorageGroup::Manufacturer,
+        _ => StorageGroup::Application,
+    };
+    (group as u16) << Attributes::STORAGE_SHIFT
+}
 
 const LIMITS: &[Limits] = &[Limits { low: 10, high: 20 }, Limits { low: -5, high: 5 }];
 
@@ -226,7 +252,7 @@ const fn layout() -> Layout {
                 data_type: line.data_type,
                 offset: if in_rom { rom as u16 } else { ram as u16 },
                 size: size as u16,
-                attributes: Attributes(line.attributes),
+                attributes: Attributes(line.attributes | storage(line)),
                 limits: line.limits,
             };
             if line.capacity > 0 {

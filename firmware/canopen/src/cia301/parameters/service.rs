@@ -1,0 +1,206 @@
+//! 1010h, 1011h and 1020h: what a master may write, and what is under way.
+
+use super::{ParameterSet, ParameterSets, RESTORE, Refused, STORE, VERIFY_CONFIGURATION, Walk};
+use crate::cia301::emergency::{Emergency, ErrorRegister};
+use crate::cia301::nmt::Reset;
+use crate::cia301::sdo::AbortCode;
+use crate::node::StoreError;
+use crate::od::{self, Dictionary, Entry};
+
+/// Emergency error code "loss of parameters" (CiA 402, 63xxh is "data set" of CiA 301): a stored set cannot be read. Its
+/// parameters have the values of the data sheet.
+pub const PARAMETERS_LOST: u16 = 0x6310;
+
+/// Emergency error code "parameter error": some of what is stored does not fit this device. Those parameters have the values
+/// of the data sheet. The manufacturer's bytes are index and sub-index of the first, and how many records there are.
+pub const PARAMETERS_REFUSED: u16 = 0x6320;
+
+/// "save" as it travels, lowest byte first.
+const SAVE: [u8; 4] = *b"save";
+/// "load" as it travels.
+const LOAD: [u8; 4] = *b"load";
+
+/// What is to be done with the store.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Job {
+    /// Load what is stored, at a reset.
+    Load(Reset),
+    /// Begin new sets.
+    BeginSave(ParameterSets),
+    /// Write the next chunk of the walk.
+    Save(ParameterSets, Walk),
+    /// Put what was written in force.
+    Commit(ParameterSets),
+    /// Forget these sets.
+    Forget(ParameterSets),
+}
+
+/// Store and restore parameters.
+#[derive(Debug)]
+pub(crate) struct Parameters {
+    /// The firmware has a store.
+    has_store: bool,
+    job: Option<Job>,
+    /// The sub-index of 1010h or 1011h that the job was ordered with.
+    order: (u16, u8),
+    /// 1020h is not 0.
+    is_dated: bool,
+}
+
+impl Parameters {
+    pub(crate) const fn new() -> Self {
+        Self {
+            has_store: false,
+            job: None,
+            order: (STORE, 0),
+            is_dated: false,
+        }
+    }
+
+    /// The firmware has a store.
+    pub(crate) const fn support(&mut self) {
+        self.has_store = true;
+    }
+
+    /// A reset: what was under way is void, and what is stored is to be loaded. Returns whether it is.
+    pub(crate) fn reset(&mut self, reset: Reset) -> bool {
+        self.is_dated = false;
+        self.job = self.has_store.then_some(Job::Load(reset));
+        self.has_store
+    }
+
+    /// Power-on values are in the dictionary, or what was stored.
+    pub(crate) fn configure<D: Dictionary>(&mut self, dictionary: &mut D) {
+        let capability = u32::from(self.has_store);
+        for index in [STORE, RESTORE] {
+            for entry in D::TABLE.range(index..=index) {
+                if entry.sub > 0 {
+                    let known = ParameterSets::of_sub_index(entry.sub).is_some();
+                    let value = if known { capability } else { 0 };
+                    od::write_u32(dictionary, index, entry.sub, value);
+                }
+            }
+        }
+        self.read_date(dictionary);
+    }
+
+    /// What is under way.
+    pub(crate) const fn job(&self) -> Option<Job> {
+        self.job
+    }
+
+    /// What is next.
+    pub(crate) const fn set_job(&mut self, job: Option<Job>) {
+        self.job = job;
+    }
+
+    /// Whether 1010h or 1011h may get this value.
+    ///
+    /// # Errors
+    /// - [`AbortCode::NotTransferable`]: a wrong signature (CiA 301, 7.5.2.13), a sub-index that stands for nothing, or the
+    ///   device has no store.
+    /// - [`AbortCode::DeviceState`]: the store is still busy with the last order.
+    pub(crate) fn validate(&self, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
+        let signature = if entry.index == STORE { SAVE } else { LOAD };
+        let is_known = ParameterSets::of_sub_index(entry.sub).is_some();
+        if !self.has_store || !is_known || value != signature {
+            Err(AbortCode::NotTransferable)
+        } else if self.job.is_some() {
+            Err(AbortCode::DeviceState)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Whether a write of this entry is an order that takes a while.
+    #[inline]
+    pub(crate) const fn is_order(&self, entry: &Entry) -> bool {
+        matches!(entry.index, STORE | RESTORE)
+    }
+
+    /// Index and sub-index of what was ordered last.
+    pub(crate) const fn order(&self) -> (u16, u8) {
+        self.order
+    }
+
+    /// An order that has passed [`Parameters::validate`] is taken.
+    pub(crate) fn begin(&mut self, entry: &Entry) {
+        self.order = (entry.index, entry.sub);
+        self.job = ParameterSets::of_sub_index(entry.sub).map(|sets| match entry.index {
+            STORE => Job::BeginSave(sets),
+            _ => Job::Forget(sets),
+        });
+    }
+
+    /// Whether a change of this entry is a change of the configuration that 1020h dates.
+    #[inline]
+    pub(crate) fn is_dated(&self, entry: &Entry) -> bool {
+        self.is_dated && entry.storage_group().is_some() && entry.index != VERIFY_CONFIGURATION
+    }
+
+    /// The configuration is no longer that of 1020h.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn forget_date<D: Dictionary>(&mut self, dictionary: &mut D) {
+        self.is_dated = false;
+        for sub in 1..=2 {
+            od::write_u32(dictionary, VERIFY_CONFIGURATION, sub, 0);
+        }
+    }
+
+    /// 1020h was written.
+    pub(crate) fn read_date<D: Dictionary>(&mut self, dictionary: &D) {
+        self.is_dated = (1..=2)
+            .any(|sub| od::read_u32(dictionary, VERIFY_CONFIGURATION, sub).unwrap_or(0) != 0);
+    }
+}
+
+impl Job {
+    /// The set that is written after `set`, or the commit.
+    pub(crate) fn after(sets: ParameterSets, set: Option<ParameterSet>) -> Self {
+        let all = ParameterSet::ALL.into_iter();
+        let mut later = all.skip_while(|other| set.is_some_and(|set| set != *other));
+        if set.is_some() {
+            later.next();
+        }
+        match later.find(|set| sets.has(*set)) {
+            Some(set) => Self::Save(sets, Walk::new(set)),
+            None => Self::Commit(sets),
+        }
+    }
+}
+
+impl From<StoreError> for AbortCode {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::NotSupported => Self::NotTransferable,
+            StoreError::Medium => Self::HardwareError,
+        }
+    }
+}
+
+/// The emergency of parameters that do not fit.
+pub(crate) fn refusal(refused: &Refused) -> Emergency {
+    let [index_low, index_high] = refused.index.to_le_bytes();
+    let [low, high] = refused.count.to_le_bytes();
+    Emergency {
+        code: PARAMETERS_REFUSED,
+        register: ErrorRegister::GENERIC,
+        info: [index_low, index_high, refused.sub, low, high],
+    }
+}
+
+/// The emergency of a set that cannot be read; the manufacturer's first byte is the sub-index of 1010h it belongs to.
+pub(crate) fn loss(set: ParameterSet) -> Emergency {
+    let sub = match set {
+        ParameterSet::ConfigurationDate => 1,
+        ParameterSet::Communication => 2,
+        ParameterSet::Application => 3,
+        ParameterSet::Manufacturer => 4,
+    };
+    Emergency {
+        code: PARAMETERS_LOST,
+        register: ErrorRegister::GENERIC,
+        info: [sub, 0, 0, 0, 0],
+    }
+}

@@ -1,0 +1,166 @@
+//! Loading parameters at a boot, and storing them in steps: where the device meets the [`ParameterStore`].
+
+use core::ops::RangeInclusive;
+
+use super::Node;
+use super::objects::Objects;
+use crate::application::Application;
+use crate::cia301::nmt::Reset;
+use crate::cia301::parameters::{
+    CHUNK, Job, PARAMETERS_LOST, PARAMETERS_REFUSED, ParameterSet, ParameterSets, ParameterStore,
+    Replay, Writer, loss, refusal,
+};
+use crate::cia301::sdo::{self, AbortCode};
+use crate::node::StoreError;
+use crate::od::{Dictionary, Entry};
+use crate::time::Instant;
+
+/// The objects that are loaded at a reset; the identity object has nothing that is stored.
+const fn loaded_at(reset: Reset) -> RangeInclusive<u16> {
+    match reset {
+        Reset::Node => 0..=u16::MAX,
+        Reset::Communication => 0x1000..=0x1FFF,
+    }
+}
+
+impl<D: Dictionary> Node<D> {
+    /// The same device on a board that stores parameters. From now on every [`Node::boot`] waits for
+    /// [`Node::load_parameters`], and 1010h and 1011h take their orders.
+    pub fn with_parameter_store(mut self) -> Self {
+        self.services.parameters.support();
+        self
+    }
+
+    /// Whether a boot waits for [`Node::load_parameters`].
+    pub fn is_loading(&self) -> bool {
+        matches!(self.services.parameters.job(), Some(Job::Load(_)))
+    }
+
+    /// Whether a master waits for [`Node::store_parameters`].
+    pub fn is_storing(&self) -> bool {
+        !self.is_loading() && self.services.parameters.job().is_some()
+    }
+
+    /// Ends a boot: what is stored takes the place of the power-on values, as far as it fits this device. What is damaged or
+    /// does not fit is reported (6310h, 6320h). Does nothing if no boot waits for it.
+    pub fn load_parameters<S: ParameterStore, A: Application<D>>(
+        &mut self,
+        store: &mut S,
+        now: Instant,
+        application: &mut A,
+    ) {
+        let Some(Job::Load(reset)) = self.services.parameters.job() else {
+            return;
+        };
+        self.services.parameters.set_job(None);
+        let mut replay = Replay::new(self.node_id.get(), loaded_at(reset));
+        let mut lost = None;
+        for set in ParameterSet::ALL {
+            let mut objects = Objects {
+                dictionary: &mut self.dictionary,
+                application,
+                services: &mut self.services,
+                now,
+            };
+            if load(store, set, &mut replay, &mut objects).is_err() {
+                lost = lost.or(Some(set));
+            }
+        }
+        let mut objects = Objects {
+            dictionary: &mut self.dictionary,
+            application,
+            services: &mut self.services,
+            now,
+        };
+        let refused = replay.end(&mut objects);
+        self.services.configure(&mut self.dictionary, now);
+        if refused.count > 0 || lost.is_some() {
+            // What the device has now is not what was dated.
+            self.services.parameters.forget_date(&mut self.dictionary);
+        }
+        self.end_boot(now);
+        if let Some(set) = lost {
+            self.report(loss(set), now);
+        }
+        if refused.count > 0 {
+            self.report(refusal(&refused), now);
+        }
+    }
+
+    /// Does the next step of what 1010h or 1011h have ordered: one call of the store, or a few bytes of it. Call it when the
+    /// flash may be written, until [`Node::is_storing`] is false; the master is answered then.
+    pub fn store_parameters<S: ParameterStore>(&mut self, store: &mut S, now: Instant) {
+        let next = match self.services.parameters.job() {
+            None | Some(Job::Load(_)) => return,
+            Some(Job::BeginSave(sets)) => store.begin(sets).map(|()| Some(Job::after(sets, None))),
+            Some(Job::Save(sets, mut walk)) => {
+                let mut chunk = [0; CHUNK];
+                let length = walk.fill(&self.dictionary, self.node_id.get(), &mut chunk);
+                match chunk.get(..length) {
+                    None | Some([]) => Ok(Some(Job::after(sets, Some(walk.set)))),
+                    Some(chunk) => store
+                        .append(walk.set, chunk)
+                        .map(|()| Some(Job::Save(sets, walk))),
+                }
+            }
+            Some(Job::Commit(sets)) => store.commit().map(|()| {
+                if sets == ParameterSets::ALL {
+                    self.clear(PARAMETERS_LOST, now);
+                    self.clear(PARAMETERS_REFUSED, now);
+                }
+                None
+            }),
+            Some(Job::Forget(sets)) => store.begin(sets).and_then(|()| store.commit()).map(|()| {
+                self.services.parameters.forget_date(&mut self.dictionary);
+                None
+            }),
+        };
+        match next {
+            Ok(Some(job)) => self.services.parameters.set_job(Some(job)),
+            Ok(None) => self.end_storing(Ok(())),
+            Err(error) => self.end_storing(Err(error.into())),
+        }
+    }
+
+    /// The order of 1010h or 1011h cannot be carried out: 08000022h says that the device is not in a state to store. What
+    /// was stored before stays. Does nothing if nothing was ordered.
+    pub fn refuse_storing(&mut self, code: AbortCode) {
+        if self.is_storing() {
+            self.end_storing(Err(code));
+        }
+    }
+
+    /// Answers the master, if it still waits.
+    fn end_storing(&mut self, result: Result<(), AbortCode>) {
+        self.services.parameters.set_job(None);
+        let (index, sub) = self.services.parameters.order();
+        self.complete_write(index, sub, result);
+    }
+}
+
+/// Loads one set.
+fn load<S: ParameterStore, W: Writer>(
+    store: &mut S,
+    set: ParameterSet,
+    replay: &mut Replay,
+    writer: &mut W,
+) -> Result<(), StoreError> {
+    for number in 0..store.open(set)? {
+        let mut chunk = [0; CHUNK];
+        let length = store.read(set, number, &mut chunk)?;
+        replay.chunk(chunk.get(..length).unwrap_or(&[]), writer);
+    }
+    Ok(())
+}
+
+impl<D: Dictionary, A: Application<D>> Writer for Objects<'_, D, A> {
+    type Dictionary = D;
+
+    fn dictionary(&mut self) -> &mut D {
+        self.dictionary
+    }
+
+    fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<(), AbortCode> {
+        sdo::Objects::write(self, entry, value).map(|_| ())
+    }
+}
