@@ -117,7 +117,7 @@ pub fn check(table: &Table, entry: &Entry, bytes: &[u8]) -> Result<(), AbortCode
     let Some(limits) = table.limits.get(usize::from(entry.limits)) else {
         return Ok(());
     };
-    let Some(number) = number(entry, bytes) else {
+    let Some(number) = comparable(entry, bytes) else {
         // An UNSIGNED64 above `i64::MAX`: only a dictionary without a HighLimit has room for it.
         let unlimited = limits.high == i64::MAX;
         return if unlimited {
@@ -177,6 +177,17 @@ pub fn number(entry: &Entry, bytes: &[u8]) -> Option<i64> {
     } else {
         i64::try_from(raw).ok()
     }
+}
+
+/// What is compared with limits: a number itself; of a REAL its bits, in the order of the numbers ([`Limits`]).
+fn comparable(entry: &Entry, bytes: &[u8]) -> Option<i64> {
+    if !matches!(entry.data_type, DataType::Real32 | DataType::Real64) {
+        return number(entry, bytes);
+    }
+    let unused = 64u32.saturating_sub(u32::from(entry.size).saturating_mul(8));
+    let bits = little_endian(bytes).wrapping_shl(unused).cast_signed();
+    // Sign and magnitude: the larger the magnitude of a negative number, the less it is.
+    Some(bits ^ (bits.wrapping_shr(63) & i64::MAX))
 }
 
 /// Sets the objects of a range of indices to their power-on values, the node-ID added where the data sheet says $NODEID. All

@@ -132,7 +132,8 @@ pub enum StorageGroup {
     Manufacturer = 3,
 }
 
-/// Inclusive limits of a number.
+/// Inclusive limits of a number. Those of a REAL are its bits at the top of 64, those below the sign inverted in a
+/// negative number: as integers these are in the order of the numbers, NaN beyond the ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// LowLimit of the data sheet, or the type's own.

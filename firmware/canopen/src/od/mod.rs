@@ -12,6 +12,7 @@
 mod access;
 mod counts;
 mod entry;
+mod typed;
 
 use core::ops::Range;
 
@@ -21,6 +22,9 @@ pub use access::{
 };
 pub use counts::{Count, Counts, Slots, Unused};
 pub use entry::{Access, Attributes, DataType, Entry, Limits, Location, StorageGroup, key};
+pub use typed::{
+    DayTime, OutOfRange, bytes_at, put_at, signed, signed_bytes, unsigned, unsigned_bytes,
+};
 
 /// What `od-gen` puts in flash for one dictionary.
 #[derive(Debug)]

@@ -374,3 +374,36 @@ fn a_value_with_the_application_is_not_in_memory() {
     put(&mut dictionary, &streamed, &[1; 8]);
     assert_eq!(dictionary, before);
 }
+
+#[test]
+fn limits_of_real_numbers_are_in_the_order_of_the_numbers() {
+    let key = |value: f32| {
+        let bits = i64::from(value.to_bits().cast_signed()) << 32;
+        bits ^ ((bits >> 63) & i64::MAX)
+    };
+    static LIMITED: std::sync::OnceLock<[Limits; 1]> = std::sync::OnceLock::new();
+    let limits = LIMITED.get_or_init(|| {
+        [Limits {
+            low: key(-1.5),
+            high: key(2.25),
+        }]
+    });
+    let table = Table {
+        entries: &[],
+        rom: &[],
+        defaults: &[],
+        limits,
+        storage: Table::NO_STORAGE,
+    };
+    let real = limited(entry(0x2000, 0, DataType::Real32, 0, 4, RW), 0);
+    let checked = |value: f32| check(&table, &real, &value.to_le_bytes());
+    for value in [-1.5, -1.0, -0.0, 0.0, 1.0, 2.25] {
+        assert_eq!(checked(value), Ok(()), "{value}");
+    }
+    for value in [2.5, f32::INFINITY, f32::NAN] {
+        assert_eq!(checked(value), Err(AbortCode::ValueTooHigh), "{value}");
+    }
+    for value in [-1.75, -1e30, f32::NEG_INFINITY, -f32::NAN] {
+        assert_eq!(checked(value), Err(AbortCode::ValueTooLow), "{value}");
+    }
+}
