@@ -6,6 +6,8 @@
 use std::io::{self, Write};
 use std::time::Instant as WallClock;
 
+use canopen::cia301::error_behaviour::CommunicationError;
+use canopen::cia301::heartbeat::HeartbeatError;
 use canopen::cia301::nmt::NmtState;
 use canopen::{Event, Frame, Instant};
 
@@ -186,6 +188,7 @@ impl Server {
                 Event::SwitchBitRate { bit_rate, .. } => {
                     format!("LSS switches to {} kbit/s", bit_rate.kbit_per_second())
                 }
+                Event::CommunicationError(error) => describe(error),
                 Event::ResetRequested(_) => "reset".to_owned(),
             };
             self.tell(&text);
@@ -212,4 +215,17 @@ fn state_name(state: NmtState) -> &'static str {
 /// A line on standard error, if anybody has it open.
 fn warn(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
+}
+
+fn describe(error: CommunicationError) -> String {
+    match error {
+        CommunicationError::Heartbeat(HeartbeatError::Lost(node_id)) => {
+            format!("node {} is silent", node_id.get())
+        }
+        CommunicationError::Heartbeat(HeartbeatError::Restarted(node_id)) => {
+            format!("node {} has started anew", node_id.get())
+        }
+        CommunicationError::LifeGuarding => "nobody guards the drive any more".to_owned(),
+        CommunicationError::BusOff => "the CAN controller is bus-off".to_owned(),
+    }
 }

@@ -49,7 +49,7 @@ impl PlainNode {
                     self.node.settings_stored(self.store_result);
                 }
                 Event::SwitchBitRate { bit_rate, at } => self.bit_rates.push((bit_rate, at)),
-                Event::StateChanged(_) => {}
+                _ => {}
             }
         }
     }

@@ -144,7 +144,7 @@ impl Watched {
                     self.boot(reset);
                 }
                 Event::StoreSettings(_) => self.node.settings_stored(Ok(())),
-                Event::StateChanged(_) | Event::SwitchBitRate { .. } => {}
+                _ => {}
             }
         }
         let register = self.read(0x1001, 0);

@@ -100,6 +100,8 @@ impl Node {
                 Event::SwitchBitRate { bit_rate, at } => self.switch = Some((bit_rate, at)),
                 // The device stops the drive and boots by itself.
                 Event::ResetRequested(_) => {}
+                // The device has stopped the drive already.
+                Event::CommunicationError(_) => {}
             }
         }
         if let Some((settings, until)) = self.to_store {

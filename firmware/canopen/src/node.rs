@@ -18,18 +18,22 @@
 //! - Nothing here waits, allocates or panics, whatever the bus brings.
 
 mod events;
+mod identifiers;
 mod objects;
 mod parameters;
 mod receive;
 mod services;
+mod supervision;
 mod transmit;
 
 use events::Events;
+use identifiers::Identifiers;
 use services::Services;
 use transmit::TransmitQueue;
 
 use crate::application::Application;
 use crate::cia301::emergency::Emergency;
+use crate::cia301::error_behaviour::CommunicationError;
 use crate::cia301::nmt::{NmtState, Reset};
 use crate::cia301::sdo;
 use crate::cia305::{self, LssEvent};
@@ -44,6 +48,9 @@ use crate::wire::sdo::Multiplexer;
 pub enum Event {
     /// The NMT state changed.
     StateChanged(NmtState),
+    /// The network is lost: a watched node is silent, nobody guards this device any more, or the controller is bus-off. The NMT
+    /// state has followed 1029h already.
+    CommunicationError(CommunicationError),
     /// A reset was commanded, or LSS has given a first node-ID. The device is silent until [`Node::boot`] is called with
     /// this reset, so that the motor can be stopped first.
     ResetRequested(Reset),
@@ -74,6 +81,8 @@ const NO_COB_ID: u16 = u16::MAX;
 /// A CANopen device over the dictionary `D`, with as many PDOs as its data sheet has.
 #[derive(Debug)]
 pub struct Node<D: Dictionary> {
+    /// Which identifiers concern this device. In front, where it is reached with a short offset.
+    identifiers: Identifiers,
     dictionary: D,
     services: Services<D::Counts>,
     sdo: sdo::Server,
@@ -101,6 +110,7 @@ impl<D: Dictionary> Node<D> {
     /// A device that has just been powered, still silent: call [`Node::boot`] with [`Reset::Node`].
     pub fn new(dictionary: D, settings: Settings) -> Self {
         Self {
+            identifiers: Identifiers::none(),
             dictionary,
             services: Services::new(),
             sdo: sdo::Server::new(),
@@ -155,6 +165,7 @@ impl<D: Dictionary> Node<D> {
     fn end_boot(&mut self, now: Instant) {
         self.is_resetting = false;
         self.is_mute = self.lss.is_silent(now);
+        self.listen();
         if self.node_id.is_configured() {
             self.queue.push_boot_up();
             self.enter(NmtState::PreOperational, now);
@@ -292,12 +303,12 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
-    /// Drops what belongs to services that the new state does not have.
+    /// Ends the services that the new state does not have. Emergency messages that wait are for the caller: they are dropped when a
+    /// master stops the device, and leave when it stops itself.
     fn end_sdo_and_emergency(&mut self) {
         self.sdo_request = NO_COB_ID;
         self.sdo.reset();
         self.queue.clear_answers();
-        self.services.emergency.drop_messages();
         self.services.may_send_emergency = false;
     }
 
@@ -306,12 +317,14 @@ impl<D: Dictionary> Node<D> {
         self.leave_operational();
         self.end_sdo_and_emergency();
         self.queue.clear();
+        self.services.emergency.drop_messages();
         if self.state != NmtState::Initialisation {
             self.state = NmtState::Initialisation;
             self.events.state_changed(self.state);
         }
         self.is_resetting = true;
         self.is_mute = true;
+        self.identifiers = Identifiers::none();
     }
 
     fn request_reset(&mut self, reset: Reset) {
@@ -338,6 +351,10 @@ impl<D: Dictionary> Node<D> {
         if self.services.heartbeat.poll(now) {
             self.queue.push_heartbeat();
         }
+        if has_come(self.services.supervision_deadline(), now) {
+            self.supervise(now);
+        }
+        let deadline = earlier(deadline, self.services.supervision_deadline());
         let deadline = earlier(deadline, self.sdo.deadline());
         let deadline = earlier(deadline, self.services.heartbeat.deadline());
         earlier(deadline, self.services.emergency.poll(now))

@@ -368,7 +368,7 @@ fn s28_a_request_has_eight_bytes() {
 fn s29_requests_for_others_extended_and_remote_frames() {
     let mut device = Device::new();
     assert!(device.ask("605#4000100000000000").is_empty());
-    assert!(device.ask("584#4000100000000000").is_empty());
+    assert!(device.ask("585#4000100000000000").is_empty());
     assert!(device.ask("604#R").is_empty());
     let extended = Frame::new(
         ExtendedId::new(0x604).unwrap(),

@@ -5,6 +5,9 @@
 //! power in the end (6007h is fixed to 3). It stays so when the network comes back; there is no motion without new
 //! commands.
 //!
+//! A communication error (a watched node silent, life guarding, bus-off) takes the right to command away as well, whatever NMT
+//! state 1029h leads to, until the motor stands without power: 6007h is fixed to 3.
+//!
 //! A reset (NMT reset node, reset communication) is carried out when the motor stands without power, however long 6085h
 //! makes that; the device is silent meanwhile. Reset node also resets a fault; reset communication leaves it, and 1001h
 //! shows it.
@@ -42,6 +45,8 @@ pub struct Device<D: Dictionary> {
     phase: Phase,
     /// The last value posted of `Commands::remote`.
     remote: bool,
+    /// The network was lost, and the motor is not safe yet.
+    is_abandoned: bool,
 }
 
 impl<D: Dictionary + Objects> Device<D> {
@@ -52,6 +57,7 @@ impl<D: Dictionary + Objects> Device<D> {
             hooks: Hooks::new(serial_number),
             phase: Phase::Off,
             remote: false,
+            is_abandoned: false,
         }
     }
 
@@ -149,6 +155,15 @@ impl<D: Dictionary + Objects> Device<D> {
         }
     }
 
+    /// A loss of the network begins when the node tells of it, and ends when the motor is safe.
+    fn follow_network<X: Share>(&mut self, exchange: &mut X) {
+        if self.node.take_network_loss() {
+            self.is_abandoned = true;
+        } else if self.is_abandoned && !self.remote {
+            self.is_abandoned = !exchange.lock(|exchange| exchange.is_safe());
+        }
+    }
+
     /// Resets are for the device, the other events of the node for the firmware.
     fn take_reset(&mut self) {
         if let Some(reset) = self.node.take_reset() {
@@ -159,7 +174,9 @@ impl<D: Dictionary + Objects> Device<D> {
 
     /// Posts commands if something has changed.
     fn post<X: Share>(&mut self, exchange: &mut X) {
+        self.follow_network(exchange);
         let remote = self.phase == Phase::Running
+            && !self.is_abandoned
             && matches!(
                 self.node.state(),
                 NmtState::PreOperational | NmtState::Operational

@@ -20,6 +20,8 @@
 //!   changes nothing else.
 
 pub mod emergency;
+pub mod error_behaviour;
+pub mod guarding;
 pub mod heartbeat;
 pub mod length_error;
 pub mod nmt;

@@ -28,6 +28,17 @@ pub enum NmtState {
 }
 
 impl NmtState {
+    /// The state with this number in heartbeats; `None` for a number that no state has.
+    pub const fn from_number(number: u8) -> Option<Self> {
+        match number {
+            0x00 => Some(Self::Initialisation),
+            0x04 => Some(Self::Stopped),
+            0x05 => Some(Self::Operational),
+            0x7F => Some(Self::PreOperational),
+            _ => None,
+        }
+    }
+
     /// Whether SDO and EMCY exist in this state (CiA 301, table 38).
     pub const fn has_sdo_and_emergency(self) -> bool {
         matches!(self, Self::PreOperational | Self::Operational)

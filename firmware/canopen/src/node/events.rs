@@ -3,6 +3,7 @@
 use heapless::Deque;
 
 use super::Event;
+use crate::cia301::error_behaviour::CommunicationError;
 use crate::cia301::nmt::{NmtState, Reset};
 use crate::settings::{BitRate, Settings};
 use crate::time::Instant;
@@ -15,6 +16,9 @@ const MOST_STATES: usize = 8;
 #[derive(Debug)]
 pub(super) struct Events {
     states: Deque<NmtState, MOST_STATES>,
+    communication_error: Option<CommunicationError>,
+    /// The same for who asks in between.
+    network_lost: bool,
     store: Option<Settings>,
     switch: Option<(BitRate, Instant)>,
     reset: Option<Reset>,
@@ -25,6 +29,8 @@ impl Events {
     pub(super) const fn new() -> Self {
         Self {
             states: Deque::new(),
+            communication_error: None,
+            network_lost: false,
             store: None,
             switch: None,
             reset: None,
@@ -41,6 +47,17 @@ impl Events {
         if let Some(newest) = self.states.back_mut() {
             *newest = state;
         }
+    }
+
+    /// The network was lost; a later loss takes the place of one that has not been told yet.
+    pub(super) fn communication_error(&mut self, error: CommunicationError) {
+        self.communication_error = Some(error);
+        self.network_lost = true;
+    }
+
+    /// Whether the network was lost since the last call. The event stays.
+    pub(super) fn take_network_loss(&mut self) -> bool {
+        core::mem::take(&mut self.network_lost)
     }
 
     /// Asks for settings to be stored.
@@ -70,10 +87,13 @@ impl Events {
         self.reset.take()
     }
 
-    /// The next event, removed: changes of state in their order, what LSS asks for, a reset.
+    /// The next event, removed: changes of state in their order, the loss of the network, what LSS asks for, a reset.
     pub(super) fn pop(&mut self) -> Option<Event> {
         if let Some(state) = self.states.pop_front() {
             return Some(Event::StateChanged(state));
+        }
+        if let Some(error) = self.communication_error.take() {
+            return Some(Event::CommunicationError(error));
         }
         if let Some(settings) = self.store.take() {
             return Some(Event::StoreSettings(settings));

@@ -1,7 +1,7 @@
 //! Who gets a received frame: dispatch by identifier.
 //!
-//! Most frames on a bus are for others. They cost a comparison with each of the few identifiers in use,
-//! and no call: what is for this device is served out of line.
+//! Most frames on a bus are for others: a bit for each identifier tells ([`super::identifiers`]). What is for this device is served out of
+//! line, the services that are used all the time first.
 
 use super::Node;
 use super::objects::Objects;
@@ -13,8 +13,8 @@ use crate::time::{Instant, earlier};
 use crate::wire::{Frame, cob_id};
 
 impl<D: Dictionary> Node<D> {
-    /// Takes a frame from the bus; `stamp` is when it arrived. Frames that are for others, extended frames and remote
-    /// frames do nothing.
+    /// Takes a frame from the bus; `stamp` is when it arrived. Frames that are for others, and extended frames, do
+    /// nothing.
     #[inline]
     pub fn receive<A: Application<D>>(
         &mut self,
@@ -22,13 +22,15 @@ impl<D: Dictionary> Node<D> {
         stamp: Instant,
         application: &mut A,
     ) {
-        let Some(cob_id) = frame.data_cob_id() else {
+        let Some(cob_id) = frame.standard_id() else {
             return;
         };
-        if self.is_resetting {
+        if !self.identifiers.has(cob_id) {
             return;
         }
-        if cob_id == self.sdo_request {
+        if frame.is_remote() {
+            self.receive_remote(cob_id, stamp);
+        } else if cob_id == self.sdo_request {
             if let Some(request) = frame.full_payload() {
                 self.receive_sdo(request, stamp, application);
             }
@@ -36,14 +38,12 @@ impl<D: Dictionary> Node<D> {
             if let Some(request) = frame.full_payload() {
                 self.receive_lss(request, stamp);
             }
-        } else if !self.node_id.is_configured() {
-            // Nothing else exists without a node-ID.
         } else if cob_id == cob_id::NMT {
             self.receive_nmt(frame.payload(), stamp);
         } else if cob_id == self.services.sync.cob_id() {
             self.receive_sync(frame.length(), stamp, application);
-        } else if self.services.rpdos.is_in_use(cob_id) && self.state == NmtState::Operational {
-            self.receive_pdo(cob_id, frame, stamp, application);
+        } else if !self.receive_pdo(cob_id, frame, stamp, application) {
+            self.receive_other(cob_id, frame, stamp);
         }
     }
 
@@ -66,6 +66,9 @@ impl<D: Dictionary> Node<D> {
         };
         if let Some(answer) = self.sdo.receive(request, now, &mut objects) {
             self.queue.push_answer(answer);
+        }
+        if self.services.identifiers_changed {
+            self.listen();
         }
         let deadline = self.sdo.deadline();
         self.next_timer = earlier(self.next_timer, deadline);
@@ -105,7 +108,12 @@ impl<D: Dictionary> Node<D> {
     #[inline(never)]
     fn receive_nmt(&mut self, payload: &[u8], now: Instant) {
         match Command::parse(payload, self.node_id) {
-            Some(Command::Enter(state)) => self.enter(state, now),
+            Some(Command::Enter(state)) => {
+                self.enter(state, now);
+                if state == NmtState::Stopped {
+                    self.services.emergency.drop_messages();
+                }
+            }
             Some(Command::Reset(reset)) => self.request_reset(reset),
             None => {}
         }
@@ -122,6 +130,7 @@ impl<D: Dictionary> Node<D> {
         self.services.report_lengths(&mut self.dictionary, now);
     }
 
+    /// Returns whether the frame was for a PDO.
     #[inline(never)]
     fn receive_pdo<A: Application<D>>(
         &mut self,
@@ -129,14 +138,15 @@ impl<D: Dictionary> Node<D> {
         frame: &Frame,
         now: Instant,
         application: &mut A,
-    ) {
-        if self
-            .services
-            .rpdos
-            .receive(cob_id, frame, &mut self.dictionary, application)
-        {
+    ) -> bool {
+        let is_taken =
+            self.services
+                .rpdos
+                .receive(cob_id, frame, &mut self.dictionary, application);
+        if is_taken {
             self.services.values_changed = true;
             self.services.report_lengths(&mut self.dictionary, now);
         }
+        is_taken
     }
 }

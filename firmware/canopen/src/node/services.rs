@@ -3,6 +3,8 @@
 
 use crate::application::Application;
 use crate::cia301::emergency::{self, Emergency};
+use crate::cia301::error_behaviour::{self, CommunicationError};
+use crate::cia301::guarding::{self, Guarding};
 use crate::cia301::heartbeat;
 use crate::cia301::length_error::LengthReport;
 use crate::cia301::parameters::{self, Parameters};
@@ -10,12 +12,15 @@ use crate::cia301::pdo;
 use crate::cia301::sdo::AbortCode;
 use crate::cia301::sync::Sync;
 use crate::od::{Counts, Dictionary, Entry};
-use crate::time::Instant;
+use crate::time::{Instant, earlier};
+use crate::wire::cob_id;
 
 /// The services whose behaviour is set by communication objects.
 #[derive(Debug)]
 pub(super) struct Services<C: Counts> {
     pub(super) heartbeat: heartbeat::Producer,
+    pub(super) consumers: heartbeat::Consumers<C::HeartbeatConsumers>,
+    pub(super) guarding: Guarding,
     pub(super) emergency: emergency::Producer,
     pub(super) sync: Sync,
     pub(super) parameters: Parameters,
@@ -27,12 +32,16 @@ pub(super) struct Services<C: Counts> {
     pub(super) timers_changed: bool,
     /// Whether a value of the dictionary may have changed since transmit PDOs were compared with it.
     pub(super) values_changed: bool,
+    /// Whether the set of identifiers that concern this device may have changed.
+    pub(super) identifiers_changed: bool,
 }
 
 impl<C: Counts> Services<C> {
     pub(super) fn new() -> Self {
         Self {
             heartbeat: heartbeat::Producer::new(),
+            consumers: heartbeat::Consumers::new(),
+            guarding: Guarding::new(),
             emergency: emergency::Producer::new(),
             sync: Sync::new(),
             parameters: Parameters::new(),
@@ -41,6 +50,7 @@ impl<C: Counts> Services<C> {
             may_send_emergency: false,
             timers_changed: true,
             values_changed: true,
+            identifiers_changed: true,
         }
     }
 
@@ -49,7 +59,10 @@ impl<C: Counts> Services<C> {
         self.timers_changed = true;
         self.values_changed = true;
         self.heartbeat.configure(dictionary, now);
+        self.consumers.configure(dictionary);
+        self.guarding.configure(dictionary);
         self.emergency.configure(dictionary);
+        self.clear_network_errors(dictionary, now);
         self.sync.configure(dictionary);
         self.parameters.configure(dictionary);
         self.rpdos.configure_all(dictionary);
@@ -69,6 +82,8 @@ impl<C: Counts> Services<C> {
             0x1003 | 0x1014 | 0x1015 => self.emergency.validate(dictionary, entry, value),
             0x1005 => self.sync.validate(value),
             parameters::STORE | parameters::RESTORE => self.parameters.validate(entry, value),
+            heartbeat::CONSUMER_INDEX => self.consumers.validate(entry, value),
+            error_behaviour::INDEX => error_behaviour::validate(entry.sub, value),
             0x1400..=0x17FF => self.rpdos.validate(dictionary, entry, value),
             0x1800..=0x1BFF => self.tpdos.validate(dictionary, entry, value),
             _ => Ok(()),
@@ -82,6 +97,7 @@ impl<C: Counts> Services<C> {
         entry: &Entry,
         now: Instant,
     ) {
+        self.identifiers_changed |= has_cob_id(entry.index);
         match entry.index {
             0x1003 | 0x1014 | 0x1015 => {
                 self.emergency.written(dictionary, entry);
@@ -92,8 +108,23 @@ impl<C: Counts> Services<C> {
                 self.report_lengths(dictionary, now);
             }
             parameters::VERIFY_CONFIGURATION => self.parameters.read_date(dictionary),
-            heartbeat::INDEX => {
+            guarding::GUARD_TIME | guarding::LIFE_TIME_FACTOR => {
+                if self.guarding.written(dictionary, now) {
+                    self.end_life_guarding_error(dictionary, now);
+                }
+                self.timers_changed = true;
+            }
+            heartbeat::CONSUMER_INDEX => {
+                if let Some(error) = self.consumers.written(dictionary, entry, now) {
+                    self.clear_one(dictionary, &error.emergency(), now);
+                }
+                self.timers_changed = true;
+            }
+            heartbeat::PRODUCER_INDEX => {
                 self.heartbeat.written(dictionary, now);
+                if self.heartbeat.is_on() && self.guarding.stop() {
+                    self.end_life_guarding_error(dictionary, now);
+                }
                 self.timers_changed = true;
             }
             0x1400..=0x17FF => {
@@ -134,6 +165,54 @@ impl<C: Counts> Services<C> {
         self.errors_changed();
     }
 
+    /// This error is gone; others with its code stand.
+    pub(super) fn clear_one<D: Dictionary>(
+        &mut self,
+        dictionary: &mut D,
+        emergency: &Emergency,
+        now: Instant,
+    ) {
+        self.emergency
+            .clear_one(dictionary, emergency, self.may_send_emergency, now);
+        self.errors_changed();
+    }
+
+    fn end_life_guarding_error<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
+        self.clear_one(
+            dictionary,
+            &CommunicationError::LifeGuarding.emergency(),
+            now,
+        );
+    }
+
+    /// Communication starts anew: what was known of other nodes is void, and so are the errors of it.
+    fn clear_network_errors<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
+        for code in [emergency::code::ERROR_CONTROL, emergency::code::COLLISION] {
+            self.clear(dictionary, code, now);
+        }
+    }
+
+    /// Nobody is lost before this moment.
+    #[inline]
+    pub(super) fn supervision_deadline(&self) -> Instant {
+        earlier(self.consumers.deadline(), self.guarding.deadline())
+    }
+
+    /// Calls `add` for each identifier that a parameter object gives to a service, to listen to or to send.
+    pub(super) fn identifiers<D: Dictionary>(&self, _: &D, mut add: impl FnMut(u16)) {
+        add(self.sync.cob_id());
+        self.emergency.cob_id().into_iter().for_each(&mut add);
+        self.rpdos.cob_ids().for_each(&mut add);
+        self.tpdos.cob_ids().for_each(&mut add);
+        let watched = self.consumers.watched();
+        watched.map(cob_id::error_control).for_each(&mut add);
+    }
+
+    /// Whether a service that its parameters switch on sends this identifier.
+    pub(super) fn is_sent(&self, cob_id: u16) -> bool {
+        self.emergency.cob_id() == Some(cob_id) || self.tpdos.cob_ids().any(|sent| sent == cob_id)
+    }
+
     /// A message may wait, and the error register may be mapped.
     fn errors_changed(&mut self) {
         self.timers_changed |= self.emergency.needs_time();
@@ -158,12 +237,16 @@ impl<C: Counts> Services<C> {
         {
             match report {
                 LengthReport::Appeared(emergency) => self.report(dictionary, &emergency, now),
-                LengthReport::Gone(emergency) => {
-                    self.emergency
-                        .clear_one(dictionary, &emergency, self.may_send_emergency, now);
-                    self.errors_changed();
-                }
+                LengthReport::Gone(emergency) => self.clear_one(dictionary, &emergency, now),
             }
         }
     }
+}
+
+/// Whether an object has a COB-ID, or a node-ID that stands for one (CiA 301, table 39).
+const fn has_cob_id(index: u16) -> bool {
+    matches!(
+        index,
+        0x1005 | 0x1012 | 0x1014 | 0x1016 | 0x1028 | 0x1200..=0x12FF | 0x1400..=0x1BFF
+    )
 }

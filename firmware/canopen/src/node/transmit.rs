@@ -35,7 +35,10 @@ mod waiting {
     pub const BOOT_UP: u8 = 1 << 0;
     pub const ANSWER: u8 = 1 << 1;
     pub const HEARTBEAT: u8 = 1 << 2;
-    pub const LSS: u8 = 1 << 3;
+    pub const GUARDING: u8 = 1 << 3;
+    pub const LSS: u8 = 1 << 4;
+    /// Both have the identifier of error control.
+    pub const ERROR_CONTROL: u8 = HEARTBEAT | GUARDING;
 }
 
 impl TransmitQueue {
@@ -66,6 +69,16 @@ impl TransmitQueue {
 
     pub(super) fn push_heartbeat(&mut self) {
         self.waiting |= waiting::HEARTBEAT;
+    }
+
+    /// An answer to the guarding master, one for all questions that wait.
+    pub(super) fn push_guarding(&mut self) {
+        self.waiting |= waiting::GUARDING;
+    }
+
+    /// Heartbeats have taken over.
+    pub(super) fn drop_guarding(&mut self) {
+        self.waiting &= !waiting::GUARDING;
     }
 
     /// Whether one more SDO answer has room. If not, a request must not be executed.
@@ -106,7 +119,7 @@ impl TransmitQueue {
     fn pending(&self, node_id: NodeId) -> Option<u16> {
         if self.has(waiting::ANSWER) {
             Some(cob_id::sdo_response(node_id))
-        } else if self.has(waiting::HEARTBEAT) {
+        } else if self.has(waiting::ERROR_CONTROL) {
             Some(cob_id::error_control(node_id))
         } else if self.has(waiting::LSS) {
             Some(cia305::RESPONSE_COB_ID)
@@ -196,6 +209,11 @@ impl<D: Dictionary> Node<D> {
         } else if self.queue.has(waiting::HEARTBEAT) {
             self.queue.waiting &= !waiting::HEARTBEAT;
             Some(self.error_control(self.state))
+        } else if self.queue.has(waiting::GUARDING) {
+            self.queue.drop_guarding();
+            let state = self.state as u8 | self.services.guarding.next_toggle();
+            let cob_id = cob_id::error_control(self.node_id);
+            Some(Frame::data_frame(cob_id, &[state]))
         } else {
             self.queue.take_lss()
         }

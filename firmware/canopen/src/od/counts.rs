@@ -5,6 +5,7 @@
 
 use core::fmt::Debug;
 
+use crate::cia301::heartbeat::Consumer;
 use crate::cia301::pdo::{ReceivePdo, TransmitPdo};
 use crate::cia301::sdo::Server;
 
@@ -34,6 +35,8 @@ pub trait Counts: Debug {
     type Tpdos: Slots<TransmitPdo>;
     /// SDO servers, 1200h and up; at least one.
     type SdoServers: Slots<Server>;
+    /// Heartbeat consumers, the entries of 1016h.
+    type HeartbeatConsumers: Slots<Consumer>;
 }
 
 /// A device with so many receive PDOs, transmit PDOs, SDO servers, and heartbeat consumers (entries of 1016h).
@@ -55,4 +58,5 @@ impl<
     type Rpdos = [ReceivePdo; RPDOS];
     type Tpdos = [TransmitPdo; TPDOS];
     type SdoServers = [Server; SDO_SERVERS];
+    type HeartbeatConsumers = [Consumer; HEARTBEAT_CONSUMERS];
 }

@@ -29,6 +29,14 @@ pub const fn error_control(node_id: NodeId) -> u16 {
     0x700 + node_id.get() as u16
 }
 
+/// The node whose error control messages have this identifier.
+pub const fn error_control_node(cob_id: u16) -> Option<NodeId> {
+    match cob_id {
+        0x701..=0x77F => NodeId::new(cob_id.to_le_bytes()[0]),
+        _ => None,
+    }
+}
+
 /// Whether no configurable service may use this 11-bit identifier (CiA 301, table 40): NMT and what is reserved, TIME's
 /// neighbours, the default SDO, and error control with the LSS above it.
 pub const fn is_restricted(cob_id: u16) -> bool {

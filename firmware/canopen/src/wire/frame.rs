@@ -54,18 +54,13 @@ impl Frame {
     }
 
     /// The 11-bit identifier; `None` for an extended frame.
+    #[inline]
     pub fn standard_id(&self) -> Option<u16> {
         if self.header & EXTENDED == 0 {
             Some(self.header as u16 & STANDARD_ID)
         } else {
             None
         }
-    }
-
-    /// The 11-bit identifier of a data frame; `None` for an extended or a remote frame.
-    #[inline]
-    pub(crate) fn data_cob_id(&self) -> Option<u16> {
-        (self.header <= u32::from(STANDARD_ID)).then_some(self.header as u16)
     }
 
     /// The bytes of a data frame; empty for a remote frame.
@@ -89,6 +84,7 @@ impl Frame {
     }
 
     /// Whether this is a remote frame.
+    #[inline]
     pub fn is_remote(&self) -> bool {
         self.header & REMOTE != 0
     }
@@ -165,21 +161,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_a_data_frame_with_11_bits_has_a_data_cob_id() {
+    fn only_a_frame_with_11_bits_has_a_standard_id() {
         let long = ExtendedId::new(0x604).unwrap();
         let longest = ExtendedId::MAX;
         let short = StandardId::new(0x604).unwrap();
         let cases = [
-            (Frame::new(short, &[1]), Some(0x604), Some(0x604)),
-            (Frame::new_remote(short, 1), Some(0x604), None),
-            (Frame::new(long, &[1]), None, None),
-            (Frame::new_remote(long, 1), None, None),
-            (Frame::new(longest, &[1]), None, None),
+            (Frame::new(short, &[1]), Some(0x604)),
+            (Frame::new_remote(short, 1), Some(0x604)),
+            (Frame::new(long, &[1]), None),
+            (Frame::new_remote(long, 1), None),
+            (Frame::new(longest, &[1]), None),
         ];
-        for (frame, standard_id, data_cob_id) in cases {
+        for (frame, standard_id) in cases {
             let frame = frame.unwrap();
             assert_eq!(frame.standard_id(), standard_id);
-            assert_eq!(frame.data_cob_id(), data_cob_id);
         }
     }
 

@@ -111,6 +111,8 @@ const LISTS: &[&[Line]] = &[
         u32_(0x1003, 8, RO, &[0; 4]),
         u32_(0x1005, 0, RW, &[0x80, 0, 0, 0]),
         text(0x1008, "Axis402 test 032"),
+        u16_(0x100C, 0, RW, &[0, 0]),
+        u8_(0x100D, 0, RW, &[0]),
         u8_(0x1010, 0, CONST, &[4]),
         u32_(0x1010, 1, RW, &[0; 4]),
         u32_(0x1010, 2, RW, &[0; 4]),
@@ -123,6 +125,10 @@ const LISTS: &[&[Line]] = &[
         u32_(0x1011, 4, RW, &[0; 4]),
         u32_(0x1014, 0, RW | NODE_ID, &[0x80, 0, 0, 0]),
         u16_(0x1015, 0, RW, &[0, 0]),
+        u8_(0x1016, 0, CONST, &[3]),
+        u32_(0x1016, 1, RW, &[0; 4]),
+        u32_(0x1016, 2, RW, &[0; 4]),
+        u32_(0x1016, 3, RW, &[0; 4]),
         u16_(0x1017, 0, RW, &[0, 0]),
         u8_(0x1018, 0, CONST, &[4]),
         u32_(0x1018, 1, RO, &[0x44, 0x33, 0x22, 0x11]),
@@ -132,6 +138,8 @@ const LISTS: &[&[Line]] = &[
         u8_(0x1020, 0, CONST, &[2]),
         u32_(0x1020, 1, RW, &[0; 4]),
         u32_(0x1020, 2, RW, &[0; 4]),
+        u8_(0x1029, 0, CONST, &[1]),
+        u8_(0x1029, 1, RW, &[0]),
         u8_(0x1200, 0, CONST, &[2]),
         u32_(0x1200, 1, RO | NODE_ID, &[0x00, 0x06, 0, 0]),
         u32_(0x1200, 2, RO | NODE_ID, &[0x80, 0x05, 0, 0]),
@@ -303,7 +311,7 @@ impl Objects {
 }
 
 impl Dictionary for Objects {
-    type Counts = Count<2, 2, 1, 0>;
+    type Counts = Count<2, 2, 1, 3>;
     const TABLE: &'static Table = &TABLE;
 
     fn ram(&self) -> &[u8] {

@@ -273,6 +273,60 @@ fn d30_nmt_stop_brings_the_motor_to_rest_and_start_moves_nothing() {
     assert_eq!(station.upload(0x6041, 0), 0x0250);
 }
 
+/// A drive that moves and watches node 5 with a time of 100 ms; 1029h:1 as given.
+fn moving_and_watching(behaviour: u32) -> Station {
+    let mut station = Station::enabled();
+    station.download(0x1016, 1, 4, 0x0005_0064).unwrap();
+    station.download(0x1029, 1, 1, behaviour).unwrap();
+    station.send(0x705, &[0x05]);
+    station.go_to(100_000);
+    station.milliseconds(90);
+    assert_eq!(station.state(), State::OperationEnabled);
+    station.take();
+    station
+}
+
+#[test]
+fn d29_a_lost_heartbeat_stops_the_motor_whatever_1029h_says() {
+    for behaviour in [0, 1, 2] {
+        let mut station = moving_and_watching(behaviour);
+        station.milliseconds(20);
+        assert!(
+            station
+                .take()
+                .contains(&"084 30 81 11 05 00 00 00 00".into()),
+            "1029h = {behaviour}"
+        );
+        let stopped = station.rest();
+        assert!(stopped < 3_000);
+        station.milliseconds(5);
+        assert!(!station.power);
+        assert_eq!(station.state(), State::SwitchOnDisabled);
+        let lost = |event: &Event| matches!(event, Event::CommunicationError(_));
+        assert_eq!(
+            station.events().iter().filter(|event| lost(event)).count(),
+            1
+        );
+        station.send(0x705, &[0x05]);
+        station.send(0x000, &[0x01, 0x04]);
+        station.milliseconds(50);
+        assert_eq!(station.motor.position, stopped, "no jump at the return");
+    }
+}
+
+#[test]
+fn d29_after_a_lost_heartbeat_the_drive_can_be_enabled_again() {
+    let mut station = moving_and_watching(1);
+    station.milliseconds(20);
+    station.rest();
+    assert_eq!(station.state(), State::SwitchOnDisabled);
+    for controlword in [0x06, 0x07, 0x0F] {
+        station.send(0x204, &[controlword, 0x00, 0x01]);
+        station.milliseconds(2);
+    }
+    assert_eq!(station.state(), State::OperationEnabled);
+}
+
 #[test]
 fn n18_reset_node_stops_the_motor_before_the_device_boots() {
     let mut station = Station::enabled();

@@ -23,6 +23,24 @@ mod queue;
 pub(crate) use history::is_present;
 pub use producer::Producer;
 
+/// Emergency error codes of the communication profile (CiA 301, table 26).
+pub mod code {
+    /// Communication, generic: what has no code of its own.
+    pub const COMMUNICATION: u16 = 0x8100;
+    /// CAN overrun: objects were lost.
+    pub const OVERRUN: u16 = 0x8110;
+    /// The CAN controller is error passive.
+    pub const ERROR_PASSIVE: u16 = 0x8120;
+    /// Life guard error or heartbeat error.
+    pub const ERROR_CONTROL: u16 = 0x8130;
+    /// Recovered from bus-off.
+    pub const BUS_OFF: u16 = 0x8140;
+    /// Transmit COB-ID collision: another device sends with an identifier of this one.
+    pub const COLLISION: u16 = 0x8150;
+    /// A SYNC with an unexpected data length.
+    pub const SYNC_LENGTH: u16 = 0x8240;
+}
+
 /// An error as CiA 301 reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Emergency {

@@ -108,6 +108,11 @@ impl Producer {
         self.queue.needs_time()
     }
 
+    /// The identifier of its messages; `None` while it is switched off.
+    pub const fn cob_id(&self) -> Option<u16> {
+        self.queue.cob_id()
+    }
+
     /// Whether a message may be sent now.
     pub const fn is_pending(&self) -> bool {
         self.queue.is_pending()

@@ -50,6 +50,11 @@ impl EmergencyQueue {
         }
     }
 
+    /// The identifier of the messages; `None` while the producer is switched off.
+    pub(super) const fn cob_id(&self) -> Option<u16> {
+        self.cob_id
+    }
+
     /// From 1015h; 0 for none. The new time counts from when the last message has left.
     pub(super) fn set_inhibit_time(&mut self, inhibit_time: Duration) {
         self.inhibited_until = with_length(self.inhibited_until, self.inhibit_time, inhibit_time);

@@ -97,10 +97,10 @@ impl<S: Slots<ReceivePdo>> Receive<S> {
         }
     }
 
-    /// Whether a PDO has this COB-ID.
-    #[inline]
-    pub fn is_in_use(&self, cob_id: u16) -> bool {
-        self.pdos.as_ref().iter().any(|pdo| pdo.cob_id == cob_id)
+    /// The identifiers of the PDOs in use.
+    pub fn cob_ids(&self) -> impl Iterator<Item = u16> {
+        let cob_ids = self.pdos.as_ref().iter().map(|pdo| pdo.cob_id);
+        cob_ids.filter(|cob_id| *cob_id != NOT_IN_USE)
     }
 
     /// A frame with an 11-bit identifier arrived. Returns whether it was for a PDO: values of the dictionary may have

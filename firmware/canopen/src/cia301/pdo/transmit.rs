@@ -158,6 +158,12 @@ impl<S: Slots<TransmitPdo>> Transmit<S> {
         deadline
     }
 
+    /// The identifiers of the PDOs in use.
+    pub fn cob_ids(&self) -> impl Iterator<Item = u16> {
+        let used = self.pdos.as_ref().iter().filter(|pdo| pdo.is_in_use());
+        used.map(TransmitPdo::cob_id)
+    }
+
     /// Whether a PDO waits to be taken.
     pub const fn is_pending(&self) -> bool {
         self.lowest != NOT_IN_USE

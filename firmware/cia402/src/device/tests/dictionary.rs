@@ -27,12 +27,16 @@ const OBJECTS: &[Object] = &[
     (0x1005, 0, U32, RW, 0x80),
     (0x1014, 0, U32, RW | ID, 0x80),
     (0x1015, 0, U16, RW, 0),
+    (0x1016, 0, U8, RO, 1),
+    (0x1016, 1, U32, RW, 0),
     (0x1017, 0, U16, RW, 0),
     (0x1018, 0, U8, RO, 4),
     (0x1018, 1, U32, RO, 0),
     (0x1018, 2, U32, RO, 0x402),
     (0x1018, 3, U32, RO, 1),
     (0x1018, 4, U32, RO, 0),
+    (0x1029, 0, U8, RO, 1),
+    (0x1029, 1, U8, RW, 0),
     (0x1400, 0, U8, RO, 2),
     (0x1400, 1, U32, RW | ID, 0x200),
     (0x1400, 2, U8, RW, 255),
@@ -180,7 +184,7 @@ impl DriveDictionary {
 }
 
 impl Dictionary for DriveDictionary {
-    type Counts = Count<2, 2, 1, 0>;
+    type Counts = Count<2, 2, 1, 1>;
     const TABLE: &'static Table = &TABLE;
 
     fn ram(&self) -> &[u8] {

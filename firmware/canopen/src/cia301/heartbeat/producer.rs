@@ -1,6 +1,6 @@
-//! Heartbeat producer (CiA 301, 7.2.8.3.2.2): one byte, the NMT state, every so many milliseconds of object 1017h.
+//! The heartbeat producer.
 //!
-//! Writing a time other than 0 sends the first heartbeat at once, the next ones follow in that period. A change of the NMT
+//! Writing a time other than 0 to 1017h sends the first heartbeat at once, the next ones follow in that period. A change of the NMT
 //! state sends nothing by itself: the next heartbeat tells it. After a boot-up message, which is the first sign of
 //! life, the first heartbeat follows one period later. A producer that was called late keeps its rhythm, and leaves out
 //! what it has missed.
@@ -9,7 +9,7 @@ use crate::od::{self, Dictionary};
 use crate::time::{Duration, Instant, NEVER, has_come};
 
 /// Index of the producer heartbeat time, in ms.
-pub const INDEX: u16 = 0x1017;
+pub const PRODUCER_INDEX: u16 = 0x1017;
 
 /// The heartbeat producer of a device.
 #[derive(Debug)]
@@ -63,7 +63,8 @@ impl Producer {
         self.next
     }
 
-    fn is_on(&self) -> bool {
+    /// Whether heartbeats are sent: 1017h is not 0.
+    pub fn is_on(&self) -> bool {
         self.period.ticks() != 0
     }
 }
@@ -75,7 +76,7 @@ impl Default for Producer {
 }
 
 fn period<D: Dictionary>(dictionary: &D) -> Duration {
-    let milliseconds = od::read_u16(dictionary, INDEX, 0).unwrap_or(0);
+    let milliseconds = od::read_u16(dictionary, PRODUCER_INDEX, 0).unwrap_or(0);
     Duration::from_ticks(u64::from(milliseconds) * 1000)
 }
 

@@ -1,0 +1,86 @@
+//! Which identifiers concern this device.
+//!
+//! Most frames on a bus are for others. One bit for each of the 2048 identifiers tells them apart before anything else is looked
+//! at, however many services there are. The map holds what the device listens to, and what it alone may send: a frame of
+//! that from somebody else is the sign of a second device with its identifier.
+
+use super::Node;
+use crate::cia305;
+use crate::od::Dictionary;
+use crate::wire::cob_id;
+
+/// A set of 11-bit identifiers.
+#[derive(Debug)]
+pub(super) struct Identifiers([u32; Self::WORDS]);
+
+impl Identifiers {
+    const WORDS: usize = 0x800 / 32;
+
+    pub(super) const fn none() -> Self {
+        Self([0; Self::WORDS])
+    }
+
+    /// Whether an identifier is in the set.
+    #[inline]
+    pub(super) fn has(&self, cob_id: u16) -> bool {
+        let word = usize::from(cob_id >> 5) % Self::WORDS;
+        self.0
+            .get(word)
+            .is_some_and(|bits| bits >> (cob_id % 32) & 1 != 0)
+    }
+
+    /// Adds one; "no identifier" (above 7FFh) is not added.
+    fn add(&mut self, cob_id: u16) {
+        if let Some(bits) = self.0.get_mut(usize::from(cob_id >> 5)) {
+            *bits |= 1 << (cob_id % 32);
+        }
+    }
+}
+
+impl<D: Dictionary> Node<D> {
+    /// Builds the set anew: after a boot, and when a COB-ID has changed. A device that starts anew hears nothing, one without
+    /// a node-ID only LSS.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn listen(&mut self) {
+        self.services.identifiers_changed = false;
+        self.identifiers = Identifiers::none();
+        if self.is_resetting {
+            return;
+        }
+        let set = &mut self.identifiers;
+        set.add(cia305::REQUEST_COB_ID);
+        if self.node_id.is_configured() {
+            set.add(cob_id::NMT);
+            set.add(cob_id::sdo_request(self.node_id));
+            set.add(cob_id::sdo_response(self.node_id));
+            set.add(cob_id::error_control(self.node_id));
+            self.services
+                .identifiers(&self.dictionary, |cob_id| set.add(cob_id));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_identifier_is_in_the_set_that_was_added() {
+        let mut set = Identifiers::none();
+        for cob_id in [0, 0x1F, 0x20, 0x604, 0x7FF] {
+            assert!(!set.has(cob_id));
+            set.add(cob_id);
+            assert!(set.has(cob_id));
+        }
+        assert_eq!((0..0x800).filter(|cob_id| set.has(*cob_id)).count(), 5);
+    }
+
+    #[test]
+    fn no_identifier_is_never_in_the_set() {
+        let mut set = Identifiers::none();
+        set.add(0x800);
+        set.add(u16::MAX);
+        assert!((0..0x800).all(|cob_id| !set.has(cob_id)));
+    }
+}

@@ -1,0 +1,116 @@
+//! Watching the network, and what happens when it is lost: the emergency, the error behaviour 1029h, the word to the drive.
+
+use super::Node;
+use crate::cia301::emergency::{Emergency, ErrorRegister, code};
+use crate::cia301::error_behaviour::{self, CommunicationError};
+use crate::cia301::heartbeat::{Heard, HeartbeatError};
+use crate::od::Dictionary;
+use crate::settings::NodeId;
+use crate::time::Instant;
+use crate::wire::{Frame, cob_id};
+
+impl<D: Dictionary> Node<D> {
+    /// A data frame that belongs to none of the services that are used all the time.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn receive_other(&mut self, cob_id: u16, frame: &Frame, now: Instant) {
+        if self.receive_error_control(cob_id, frame.payload(), now) {
+            return;
+        }
+        if self.services.is_sent(cob_id) || self.is_sent(cob_id) {
+            self.report_collision(cob_id, now);
+        }
+    }
+
+    /// Whether the device sends this identifier, whatever its parameters are.
+    fn is_sent(&self, cob_id: u16) -> bool {
+        cob_id == cob_id::error_control(self.node_id)
+            || cob_id == cob_id::sdo_response(self.node_id)
+    }
+
+    /// A remote frame: a question of the guarding master.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn receive_remote(&mut self, cob_id: u16, now: Instant) {
+        if cob_id == cob_id::error_control(self.node_id) && !self.services.heartbeat.is_on() {
+            if self.services.guarding.ask(now) {
+                self.clear_error(&CommunicationError::LifeGuarding.emergency(), now);
+            }
+            self.services.timers_changed = true;
+            self.queue.push_guarding();
+        }
+    }
+
+    /// A message of a watched node; `false` if it is none.
+    fn receive_error_control(&mut self, cob_id: u16, payload: &[u8], now: Instant) -> bool {
+        let Some(node_id) = cob_id::error_control_node(cob_id) else {
+            return false;
+        };
+        if !self.services.consumers.watches(node_id) {
+            return false;
+        }
+        if let &[state] = payload {
+            match self.services.consumers.receive(node_id, state, now) {
+                Some(Heard::Returned(error)) => self.clear_error(&error.emergency(), now),
+                Some(Heard::Restarted(node_id)) => {
+                    let error = HeartbeatError::Restarted(node_id);
+                    self.communication_error(CommunicationError::Heartbeat(error), now);
+                }
+                None => {}
+            }
+            self.services.timers_changed = true;
+        }
+        true
+    }
+
+    /// Another device sends what only this one may send. It stands until communication starts anew.
+    fn report_collision(&mut self, cob_id: u16, now: Instant) {
+        let [low, high] = cob_id.to_le_bytes();
+        let emergency = Emergency {
+            code: code::COLLISION,
+            register: ErrorRegister::COMMUNICATION,
+            info: [low, high, 0, 0, 0],
+        };
+        self.report(emergency, now);
+    }
+
+    /// Looks who has fallen silent.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn supervise(&mut self, now: Instant) {
+        while let Some(node_id) = self.services.consumers.poll(now) {
+            let error = HeartbeatError::Lost(node_id);
+            self.communication_error(CommunicationError::Heartbeat(error), now);
+        }
+        if self.services.guarding.poll(now) {
+            self.communication_error(CommunicationError::LifeGuarding, now);
+        }
+    }
+
+    /// The network is lost: told, and followed by the NMT state of 1029h. An emergency message that waits goes out even when
+    /// the device stops itself: it says why.
+    fn communication_error(&mut self, error: CommunicationError, now: Instant) {
+        self.report(error.emergency(), now);
+        self.events.communication_error(error);
+        if let Some(state) = error_behaviour::next_state(&self.dictionary, self.state) {
+            self.enter(state, now);
+        }
+    }
+
+    fn clear_error(&mut self, emergency: &Emergency, now: Instant) {
+        self.services
+            .clear_one(&mut self.dictionary, emergency, now);
+    }
+
+    /// The NMT state of another node, as its last heartbeat told it; `None` for one that 1016h does not watch, or that is not
+    /// heard.
+    pub fn remote_state(&self, node_id: NodeId) -> Option<crate::cia301::nmt::NmtState> {
+        self.services.consumers.state(node_id)
+    }
+
+    /// Whether the network was lost since the last call, ahead of the events that wait: for who has to stop a motor at once.
+    /// [`super::Event::CommunicationError`] tells of it all the same.
+    pub fn take_network_loss(&mut self) -> bool {
+        self.events.take_network_loss()
+    }
+}

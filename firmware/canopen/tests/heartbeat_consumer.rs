@@ -1,0 +1,267 @@
+//! Heartbeat consumers: H03 to H09 of the listed cases, and the error behaviour N17 that follows a loss.
+
+mod device;
+
+use canopen::cia301::error_behaviour::CommunicationError;
+use canopen::cia301::heartbeat::HeartbeatError;
+use canopen::cia301::nmt::NmtState;
+use canopen::{Event, NodeId};
+use device::{Device, abort};
+
+fn five() -> NodeId {
+    NodeId::new(5).unwrap()
+}
+
+/// Watches node 5 with a time of one second.
+fn watching() -> Device {
+    let mut device = Device::new();
+    assert_eq!(device.ask("604#23161001E8030500"), ["584#6016100100000000"]);
+    device
+}
+
+/// Node 5 has been lost.
+fn lost() -> Device {
+    let mut device = watching();
+    device.send("705#05");
+    assert_eq!(
+        device.pass(1000),
+        [(1000, "084#3081110500000000".to_string())]
+    );
+    device
+}
+
+fn errors(device: &mut Device) -> Vec<CommunicationError> {
+    let events = device.events().into_iter();
+    events
+        .filter_map(|event| match event {
+            Event::CommunicationError(error) => Some(error),
+            _ => None,
+        })
+        .collect()
+}
+
+#[test]
+fn h03_a_node_is_watched_once() {
+    let mut device = watching();
+    assert_eq!(
+        device.ask("604#23161002F4010500"),
+        [abort(0x1016, 2, 0x0604_0043)]
+    );
+    assert_eq!(device.value(0x1016, 2), [0; 4]);
+    assert_eq!(
+        device.ask("604#23161001F4010500"),
+        ["584#6016100100000000"],
+        "the same entry may change its time"
+    );
+    assert_eq!(
+        device.ask("604#2316100200000500"),
+        ["584#6016100200000000"],
+        "an entry without a time watches nobody"
+    );
+    assert_eq!(device.ask("604#2316100100000000"), ["584#6016100100000000"]);
+    assert_eq!(
+        device.ask("604#23161002F4010500"),
+        ["584#6016100200000000"],
+        "nobody else watches it now"
+    );
+}
+
+#[test]
+fn h04_a_boot_up_message_does_not_arm_the_consumer() {
+    let mut device = watching();
+    assert!(device.pass(5000).is_empty(), "not heard of yet");
+    device.send("705#00");
+    assert!(device.pass(5000).is_empty());
+    assert_eq!(device.node.remote_state(five()), None);
+    for (state, number) in [("7F", 0x7F), ("04", 4), ("05", 5)] {
+        let mut device = watching();
+        device.send(&format!("705#{state}"));
+        let state = device.node.remote_state(five());
+        assert_eq!(state.map(|state| state as u8), Some(number));
+        assert_eq!(device.pass(1000).len(), 1);
+        assert_eq!(device.node.remote_state(five()), None);
+    }
+}
+
+#[test]
+fn h05_silence_is_told_once() {
+    let mut device = watching();
+    device.send("705#05");
+    assert!(device.pass(999).is_empty());
+    device.send("705#05");
+    assert_eq!(
+        device.pass(5000),
+        [(1000, "084#3081110500000000".to_string())]
+    );
+    assert_eq!(device.value(0x1001, 0), [0x11]);
+    assert_eq!(
+        errors(&mut device),
+        [CommunicationError::Heartbeat(HeartbeatError::Lost(five()))]
+    );
+}
+
+#[test]
+fn h06_a_heartbeat_that_returns_resets_the_error() {
+    let mut device = lost();
+    assert_eq!(device.ask("705#00"), [""; 0], "a boot-up message is none");
+    assert_eq!(device.ask("705#7F"), ["084#0000000000000000"]);
+    assert_eq!(
+        device.pass(5000),
+        [(1000, "084#3081110500000000".to_string())]
+    );
+}
+
+#[test]
+fn h06_each_node_has_its_own_error() {
+    let mut device = watching();
+    device.ask("604#23161002D0070600");
+    device.send("705#05");
+    device.send("706#05");
+    assert_eq!(
+        device.pass(3000),
+        [
+            (1000, "084#3081110500000000".to_string()),
+            (2000, "084#3081110600000000".to_string())
+        ]
+    );
+    assert_eq!(device.ask("705#05"), ["084#0000110000000000"]);
+    assert_eq!(device.ask("706#05"), ["084#0000000000000000"]);
+}
+
+#[test]
+fn h07_the_boot_up_of_a_node_that_lived_is_told() {
+    let mut device = watching();
+    device.send("705#05");
+    assert_eq!(device.ask("705#00"), ["084#3081110501000000"]);
+    assert_eq!(
+        errors(&mut device),
+        [CommunicationError::Heartbeat(HeartbeatError::Restarted(
+            five()
+        ))]
+    );
+    assert!(device.pass(5000).is_empty(), "waited for, and told already");
+    assert_eq!(device.ask("705#7F"), ["084#0000000000000000"]);
+}
+
+#[test]
+fn h08_time_0_and_node_0_are_off_and_more_than_127_is_refused() {
+    for value in ["E8030000", "00000500", "00000000"] {
+        let mut device = Device::new();
+        assert_eq!(
+            device.ask(&format!("604#23161001{value}")),
+            ["584#6016100100000000"]
+        );
+        device.send("705#05");
+        assert!(device.pass(5000).is_empty());
+    }
+    for value in ["E8038000", "E803FF00", "00008000", "E8030501"] {
+        assert_eq!(
+            Device::new().ask(&format!("604#23161001{value}")),
+            [abort(0x1016, 1, 0x0609_0030)],
+            "{value}"
+        );
+    }
+}
+
+#[test]
+fn h09_a_new_time_counts_from_when_it_is_written() {
+    let mut device = watching();
+    device.send("705#05");
+    assert!(device.pass(900).is_empty());
+    device.ask("604#23161001F4010500");
+    assert_eq!(
+        device.pass(2000),
+        [(500, "084#3081110500000000".to_string())]
+    );
+    device.send("705#05");
+    device.sent();
+    device.ask("604#23161001D0070500");
+    assert_eq!(
+        device.pass(5000),
+        [(2000, "084#3081110500000000".to_string())]
+    );
+}
+
+#[test]
+fn h09_another_node_is_waited_for_anew_and_ends_the_error() {
+    let mut device = lost();
+    assert_eq!(
+        device.ask("604#23161001E8030600"),
+        ["084#0000000000000000", "584#6016100100000000"]
+    );
+    device.send("705#05");
+    assert!(device.pass(5000).is_empty());
+    device.send("706#05");
+    assert_eq!(device.pass(1000).len(), 1);
+}
+
+#[test]
+fn h09_a_reset_waits_for_every_node_anew() {
+    let mut device = lost();
+    device.send("000#8204");
+    device.serve_reset();
+    assert_eq!(device.sent(), ["704#00"]);
+    assert_eq!(device.value(0x1001, 0), [0], "the error is void");
+    device.send("705#05");
+    assert!(device.pass(5000).is_empty(), "1016h has its power-on value");
+}
+
+#[test]
+fn a_heartbeat_has_one_byte() {
+    let mut device = watching();
+    device.send("705#0505");
+    device.send("705#");
+    device.send("705#R");
+    assert!(device.pass(5000).is_empty());
+}
+
+/// Operational, 1029h:1 as given, then node 5 falls silent.
+fn n17(behaviour: u8, state: &str) -> (Device, Vec<device::Sent>) {
+    let mut device = watching();
+    device.ask(&format!("604#2F291001{behaviour:02X}000000"));
+    device.send(&format!("000#{state}04"));
+    device.send("705#05");
+    device.sent();
+    let sent = device.pass(1500);
+    (device, sent)
+}
+
+#[test]
+fn n17_1029h_says_where_the_device_goes_when_a_heartbeat_is_lost() {
+    let message = [(1000, "084#3081110500000000".to_string())];
+    for (behaviour, state) in [
+        (0, NmtState::PreOperational),
+        (1, NmtState::Operational),
+        (2, NmtState::Stopped),
+    ] {
+        let (device, sent) = n17(behaviour, "01");
+        assert_eq!(device.node.state(), state);
+        assert_eq!(sent, message, "the device tells why, whatever comes next");
+    }
+}
+
+#[test]
+fn n17_in_pre_operational_only_2_changes_the_state() {
+    for (behaviour, state) in [
+        (0, NmtState::PreOperational),
+        (1, NmtState::PreOperational),
+        (2, NmtState::Stopped),
+    ] {
+        assert_eq!(n17(behaviour, "80").0.node.state(), state);
+    }
+    let (device, sent) = n17(0, "02");
+    assert_eq!(device.node.state(), NmtState::Stopped);
+    assert!(sent.is_empty(), "no emergency messages in Stopped");
+    assert_eq!(device.value(0x1001, 0), [0x11]);
+}
+
+#[test]
+fn n17_reserved_values_are_refused() {
+    let mut device = Device::new();
+    for value in [3, 4, 255] {
+        assert_eq!(
+            device.ask(&format!("604#2F291001{value:02X}000000")),
+            [abort(0x1029, 1, 0x0609_0030)]
+        );
+    }
+}
