@@ -5,7 +5,7 @@ use std::path::Path;
 use std::{env, fs, process};
 
 use crate::generate::{Options, generate};
-use crate::read::read;
+use crate::report::read;
 
 /// For a build script: reads the data sheet `eds` (a path from the package's folder), writes the dictionary to `output` in
 /// `OUT_DIR`, and has cargo run the script again when the data sheet changes. The crate takes it in with

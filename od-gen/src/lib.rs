@@ -8,7 +8,9 @@
 //! ```
 //! let text = "[FileInfo]\nFileName=empty.eds\n[DeviceInfo]\n[MandatoryObjects]\nSupportedObjects=0\n";
 //! let findings = od_gen::parse("empty.eds", text).unwrap_err();
-//! assert_eq!(findings[0].to_string(), "empty.eds:1: error: the mandatory object 1000h is missing");
+//! assert_eq!(
+//!     findings[0].to_string(),
+//!     "empty.eds:1:1: error[missing-mandatory-object]: the mandatory object 1000h is missing");
 //! ```
 #![forbid(unsafe_code)]
 
@@ -16,17 +18,21 @@ mod build_script;
 mod data_type;
 mod diagnostic;
 pub mod doc;
+mod document;
 mod generate;
-mod ini;
 pub mod model;
 mod number;
 mod parse;
-mod read;
+mod report;
+pub mod rules;
+mod source;
 
 pub use build_script::build;
 pub use data_type::DataType;
-pub use diagnostic::Diagnostic;
+pub use diagnostic::{Colour, Diagnostic, Severity, render};
 pub use generate::{Options, generate};
 pub use model::Model;
-pub use parse::{LARGEST_VALUE, parse};
-pub use read::{ReadError, read};
+pub use parse::LARGEST_VALUE;
+pub use report::{ReadError, Report, parse, read};
+pub use rules::Rule;
+pub use source::{Source, Span};

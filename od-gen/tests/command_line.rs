@@ -41,7 +41,10 @@ fn findings_go_to_standard_error_with_exit_code_1() {
     assert!(
         lines
             .iter()
-            .all(|line| line.starts_with("tests/data/broken.eds:") && line.contains(": error: "))
+            .all(
+                |line| line.starts_with("tests/data/broken.eds:") && line.contains(": error[")
+                    || line.contains(": warning[")
+            )
     );
 }
 

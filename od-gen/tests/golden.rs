@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use od_gen::{Model, Options, ReadError, generate, parse, read};
+use od_gen::{Colour, Model, Options, Report, generate, read};
 
 fn model(file: &str) -> Model {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(file);
@@ -23,8 +23,8 @@ fn small_drive() {
 
 #[test]
 fn broken_device() {
-    let findings = parse("broken.eds", include_str!("data/broken.eds")).unwrap_err();
-    insta::assert_snapshot!(ReadError::Findings(findings));
+    let report = Report::new("broken.eds", include_str!("data/broken.eds"));
+    insta::assert_snapshot!(report.render(Colour::Never));
 }
 
 #[test]
@@ -51,59 +51,69 @@ fn the_drive_has_every_object_that_the_firmware_asks_for() {
     assert_eq!(objects.matches("fn ").count(), 19);
 }
 
-/// What is said about a file with these bytes, without the folder's name.
-fn said_about(name: &str, bytes: &[u8]) -> Vec<String> {
+/// What is said about a file with these bytes, without the folder's name, and what the file means.
+fn said_about(name: &str, bytes: &[u8]) -> (Vec<String>, Model) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let path = folder.join(name);
     std::fs::write(&path, bytes).unwrap();
-    let text = read(&path).unwrap_err().to_string();
+    let report = Report::read(&path).unwrap();
     let prefix = format!("{}:", path.display());
-    let line = |line: &str| line.strip_prefix(&prefix).unwrap().to_owned();
-    text.lines().map(line).collect()
+    let line = |line: String| line.strip_prefix(&prefix).unwrap().to_owned();
+    let findings = report.findings.iter().map(ToString::to_string);
+    (findings.map(line).collect(), report.model)
 }
 
-const NOT_UTF_8: &str = "error: this is not UTF-8: save the file in that encoding";
+const NOT_UTF_8: &str = "warning[not-utf-8]: this is not UTF-8: the file is read as Latin-1";
 
 #[test]
-fn a_file_that_is_not_utf_8_is_refused_with_its_line() {
-    let latin_1 =
+fn o04_a_file_in_latin_1_is_read_with_a_warning() {
+    let text =
         include_str!("data/small.eds").replacen("FileVersion", "Description=Gr?\nFileVersion", 1);
-    let bytes: Vec<u8> = latin_1
+    let bytes: Vec<u8> = text
         .bytes()
         .map(|byte| if byte == b'?' { 0xF6 } else { byte })
         .collect();
-    assert_eq!(
-        said_about("latin1.eds", &bytes),
-        [format!("4: {NOT_UTF_8}")]
-    );
+    let (said, model) = said_about("latin1.eds", &bytes);
+    assert_eq!(said, [format!("4:15: {NOT_UTF_8}")]);
+    assert_eq!(model.file_info.description, "Gr\u{f6}");
 }
 
 #[test]
-fn what_else_is_wrong_with_a_file_that_is_not_utf_8_is_said_too() {
+fn what_else_is_wrong_with_a_file_in_latin_1_is_said_too() {
     let broken = include_str!("data/broken.eds");
-    let findings = parse("x", broken).unwrap_err();
-    let findings = findings
-        .iter()
-        .map(|finding| format!("{}: error: {}", finding.line, finding.message));
-    let expected: Vec<String> = [format!("1: {NOT_UTF_8}")]
+    let report = Report::new("x", broken);
+    let findings = report.findings.iter();
+    let findings = findings.map(|finding| finding.to_string()[2..].to_string());
+    let expected: Vec<String> = [format!("1:2: {NOT_UTF_8}")]
         .into_iter()
         .chain(findings)
         .collect();
     // The first line is a comment.
     let bytes = [b";\xF6", broken.as_bytes()].concat();
-    assert_eq!(said_about("latin1_broken.eds", &bytes), expected);
+    assert_eq!(said_about("latin1_broken.eds", &bytes).0, expected);
 }
 
 #[test]
-fn utf_16_is_one_finding() {
+fn utf_16_is_refused() {
     let text = include_str!("data/broken.eds");
     let little: Vec<u8> = "\u{feff}"
         .encode_utf16()
         .chain(text.encode_utf16())
         .flat_map(u16::to_le_bytes)
         .collect();
-    assert_eq!(
-        said_about("utf16.eds", &little),
-        [format!("1: {NOT_UTF_8}")]
-    );
+    let (said, _) = said_about("utf16.eds", &little);
+    assert_eq!(said, ["1:1: error[not-text]: this is UTF-16"]);
+}
+
+#[test]
+fn findings_are_silenced_with_a_reason() {
+    let text = include_str!("data/allowed.eds");
+    let report = Report::new("allowed.eds", text);
+    let silenced = report.silenced.iter();
+    let silenced = silenced.map(|(finding, reason)| format!("{finding}\n  because {reason}\n"));
+    let silenced: String = silenced.collect();
+    insta::assert_snapshot!(format!(
+        "{}\nsilenced:\n{silenced}",
+        report.render(Colour::Never)
+    ));
 }

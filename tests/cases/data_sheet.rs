@@ -9,6 +9,7 @@ use tests::DriveBench;
 fn default_bytes(entry: &od_gen::model::Entry) -> Vec<u8> {
     match &entry.default {
         DefaultValue::Text(text) => text.clone(),
+        DefaultValue::Real(_) => panic!("the drive has no REAL objects"),
         DefaultValue::Number {
             value,
             adds_node_id,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::parse::parse;
+use crate::report::parse;
 
 fn small() -> Model {
     parse(

@@ -26,6 +26,7 @@ pub(super) fn default(entry: &Entry) -> String {
                 (true, _) => format!("{value:X}h + node-ID"),
             }
         }
+        DefaultValue::Real(value) => value.to_string(),
         DefaultValue::Text(bytes) if bytes.is_empty() => "empty".into(),
         DefaultValue::Text(bytes) if entry.data_type == DataType::VisibleString => {
             format!("\"{}\"", String::from_utf8_lossy(bytes))
@@ -39,15 +40,15 @@ pub(super) fn default(entry: &Entry) -> String {
 
 /// What can be written, or what the device can show.
 pub(super) fn range(entry: &Entry) -> String {
-    let Some((low, high)) = entry.data_type.range() else {
-        return String::new();
-    };
-    if entry.low_limit.is_none() && entry.high_limit.is_none() {
-        return "all of the type".into();
+    match (entry.low_limit, entry.high_limit, entry.data_type.range()) {
+        (None, None, None) => String::new(),
+        (None, None, Some(_)) => "all of the type".into(),
+        (Some(low), Some(high), _) => format!("{low} to {high}"),
+        (Some(low), None, Some((_, high))) => format!("{low} to {high}"),
+        (None, Some(high), Some((low, _))) => format!("{low} to {high}"),
+        (Some(low), None, None) => format!("from {low}"),
+        (None, Some(high), None) => format!("to {high}"),
     }
-    let low = entry.low_limit.map_or(low, i128::from);
-    let high = entry.high_limit.map_or(high, i128::from);
-    format!("{low} to {high}")
 }
 
 /// In decimal; of what is a pattern rather than a quantity, in hexadecimal first.

@@ -1,7 +1,7 @@
 //! What the reference shows, as text: the templates only lay it out.
 
 use super::{pdo, value};
-use crate::model::{Access, Entry, Model, Object, ObjectType};
+use crate::model::{Access, Entry, Model, Object, StorageGroup};
 
 /// The whole reference.
 pub(super) struct View {
@@ -70,7 +70,7 @@ impl View {
         Self {
             title: title(model),
             facts: facts(model),
-            remarks: Vec::new(),
+            remarks: model.comments.clone(),
             pdos: pdo::defaults(model),
             groups: groups(model),
             object_count: model.objects.len(),
@@ -155,18 +155,13 @@ fn groups(model: &Model) -> Vec<Group> {
 }
 
 fn object(object: &Object) -> ObjectView {
-    let (kind, has_subs) = match object.object_type {
-        ObjectType::Var => ("VAR", false),
-        ObjectType::Array => ("ARRAY", true),
-        ObjectType::Record => ("RECORD", true),
-    };
     let rows = object.entries.iter();
     ObjectView {
         anchor: anchor(object.index),
         index: format!("{:04X}h", object.index),
         name: object.name.clone(),
-        kind,
-        has_subs,
+        kind: object.object_type.name(),
+        has_subs: object.object_type.has_subs(),
         remarks: Vec::new(),
         rows: rows.map(|entry| row(object, entry)).collect(),
     }
@@ -192,8 +187,8 @@ fn row(object: &Object, entry: &Entry) -> Row {
         },
         default: value::default(entry),
         range: value::range(entry),
-        unit: String::new(),
-        storage: "",
+        unit: entry.unit().unwrap_or_default().into(),
+        storage: entry.storage.map_or("", StorageGroup::name),
     }
 }
 

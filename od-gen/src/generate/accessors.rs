@@ -3,7 +3,7 @@
 use super::layout::{Layout, Place, Row};
 use super::{ALLOW_UNUSED, names};
 use crate::data_type::DataType;
-use crate::model::{DefaultValue, ObjectType};
+use crate::model::DefaultValue;
 
 pub(super) fn write(layout: &Layout<'_>) -> String {
     let mut out = String::from("/// Typed access to each value.\n");
@@ -28,13 +28,25 @@ pub(super) fn number_type(data_type: DataType) -> Option<&'static str> {
         DataType::Boolean => "bool",
         DataType::Integer8 => "i8",
         DataType::Integer16 => "i16",
-        DataType::Integer32 => "i32",
-        DataType::Integer64 => "i64",
+        DataType::Integer24 | DataType::Integer32 => "i32",
+        DataType::Integer40 | DataType::Integer48 | DataType::Integer56 | DataType::Integer64 => {
+            "i64"
+        }
         DataType::Unsigned8 => "u8",
         DataType::Unsigned16 => "u16",
-        DataType::Unsigned32 => "u32",
-        DataType::Unsigned64 => "u64",
-        DataType::VisibleString | DataType::OctetString => return None,
+        DataType::Unsigned24 | DataType::Unsigned32 => "u32",
+        DataType::Unsigned40
+        | DataType::Unsigned48
+        | DataType::Unsigned56
+        | DataType::Unsigned64
+        | DataType::TimeOfDay
+        | DataType::TimeDifference => "u64",
+        DataType::Real32 => "f32",
+        DataType::Real64 => "f64",
+        DataType::VisibleString
+        | DataType::OctetString
+        | DataType::UnicodeString
+        | DataType::Domain => return None,
     })
 }
 
@@ -42,12 +54,11 @@ pub(super) fn number_type(data_type: DataType) -> Option<&'static str> {
 pub(super) fn title(row: &Row<'_>) -> String {
     let index = row.object.index;
     let object = names::documentation(&row.object.name);
-    match row.object.object_type {
-        ObjectType::Var => format!("{index:04X}h, {object}"),
-        ObjectType::Array | ObjectType::Record => {
-            let value = names::documentation(&row.entry.name);
-            format!("{index:04X}h:{}, {object}: {value}", row.entry.sub)
-        }
+    if row.object.object_type.has_subs() {
+        let value = names::documentation(&row.entry.name);
+        format!("{index:04X}h:{}, {object}: {value}", row.entry.sub)
+    } else {
+        format!("{index:04X}h, {object}")
     }
 }
 
@@ -66,6 +77,9 @@ fn getter(position: usize, row: &Row<'_>) -> String {
         (Place::Rom(_), Some(number), DefaultValue::Number { value, .. }) => {
             ("const ", number, literal(*value, row.entry.data_type))
         }
+        (Place::Rom(_), Some(number), DefaultValue::Real(value)) => {
+            ("const ", number, format!("{value:?}"))
+        }
         (Place::Rom(_), None, DefaultValue::Text(bytes)) if is_text => (
             "const ",
             "&'static str",
@@ -79,11 +93,14 @@ fn getter(position: usize, row: &Row<'_>) -> String {
             let bytes: Vec<String> = (offset..offset + size)
                 .map(|at| format!("self.ram[{at}]"))
                 .collect();
-            (
-                "",
-                number,
-                format!("{number}::from_le_bytes([{}])", bytes.join(", ")),
-            )
+            // The type of Rust may be wider: the value is shifted down from its top, which keeps the sign.
+            let missing = width(number) - size;
+            let bytes = [vec![String::from("0"); missing], bytes].concat();
+            let mut body = format!("{number}::from_le_bytes([{}])", bytes.join(", "));
+            if missing > 0 {
+                body += &format!(" >> {}", 8 * missing);
+            }
+            ("", number, body)
         }
         // A string, in RAM.
         _ => (
@@ -95,6 +112,16 @@ fn getter(position: usize, row: &Row<'_>) -> String {
     format!(
         "    /// {title}.\n    pub {constness}fn {name}(&self) -> {returned} {{\n        {body}\n    }}\n"
     )
+}
+
+/// The bytes of a type of Rust.
+fn width(number: &str) -> usize {
+    match number {
+        "i32" | "u32" | "f32" => 4,
+        "i64" | "u64" | "f64" => 8,
+        "i16" | "u16" => 2,
+        _ => 1,
+    }
 }
 
 /// A number the way its type is usually written: bit patterns in hexadecimal.
@@ -117,8 +144,9 @@ fn setter(row: &Row<'_>) -> String {
     } else {
         let names = ["a", "b", "c", "d", "e", "f", "g", "h"];
         let bytes = names.get(..size).unwrap_or_default();
+        let rest = if width(number) > size { ", .." } else { "" };
         let mut body = format!(
-            "        let [{}] = value.to_le_bytes();\n",
+            "        let [{}{rest}] = value.to_le_bytes();\n",
             bytes.join(", ")
         );
         for (at, byte) in (offset..).zip(bytes) {

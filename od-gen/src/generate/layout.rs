@@ -7,10 +7,16 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::names;
-use super::storage::StorageGroup;
 use crate::data_type::DataType;
-use crate::model::{Access, DefaultValue, Entry, Model, Object, ObjectType};
+use crate::model::{Access, DefaultValue, Entry, Model, Object, StorageGroup};
 use crate::parse::LARGEST_VALUE;
+
+/// The storage groups in the order of `canopen::od::StorageGroup`.
+const GROUPS: [StorageGroup; 3] = [
+    StorageGroup::Communication,
+    StorageGroup::Application,
+    StorageGroup::Manufacturer,
+];
 
 /// Every value with its place, and the blocks of bytes they lie in.
 #[derive(Debug)]
@@ -77,7 +83,7 @@ impl<'a> Layout<'a> {
                 (Place::Application, None)
             } else {
                 // The offset is given below, when the groups are known.
-                (Place::Ram(0), StorageGroup::of(object, entry))
+                (Place::Ram(0), entry.storage)
             };
             let limits = layout.limits_of(entry);
             layout.rows.push(Row {
@@ -96,7 +102,7 @@ impl<'a> Layout<'a> {
     /// Gives every value in RAM its place: the storage groups, then the rest.
     fn fill_ram(&mut self) {
         let mut rows = std::mem::take(&mut self.rows);
-        for (range, group) in (0..).zip(StorageGroup::ALL.map(Some).into_iter().chain([None])) {
+        for (range, group) in (0..).zip(GROUPS.map(Some).into_iter().chain([None])) {
             let start = self.defaults.len();
             for row in &mut rows {
                 if matches!(row.place, Place::Ram(_)) && row.storage == group {
@@ -152,15 +158,16 @@ impl<'a> Layout<'a> {
     }
 
     fn limits_of(&mut self, entry: &Entry) -> Option<usize> {
-        if entry.low_limit.is_none() && entry.high_limit.is_none() {
+        let (low_limit, high_limit) = entry.integer_limits();
+        if low_limit.is_none() && high_limit.is_none() {
             return None;
         }
         let (low, high) = entry.data_type.range()?;
         // Of all types only UNSIGNED64 has a larger range; there the largest number stands for no limit.
         let own = |limit: i128| i64::try_from(limit).unwrap_or(i64::MAX);
         let limits = (
-            entry.low_limit.unwrap_or(own(low)),
-            entry.high_limit.unwrap_or(own(high)),
+            low_limit.unwrap_or(own(low)),
+            high_limit.unwrap_or(own(high)),
         );
         let list = &mut self.limits;
         Some(*self.numbers.entry(limits).or_insert_with(|| {
@@ -183,23 +190,19 @@ fn is_constant(object: &Object, entry: &Entry) -> bool {
         return false;
     }
     let is_text = matches!(entry.default, DefaultValue::Text(_));
-    let counts_entries =
-        object.object_type != ObjectType::Var && entry.sub == 0 && object.index != 0x1003;
+    let counts_entries = object.object_type.has_subs() && entry.sub == 0 && object.index != 0x1003;
     match entry.access {
+        _ if entry.data_type == DataType::Domain => false,
         Access::Constant => true,
         Access::ReadOnly => is_text || counts_entries,
         _ => false,
     }
 }
 
-/// Whether the application serves a value piece by piece: one that can be written and is longer than what the firmware takes in
-/// before it checks.
+/// Whether the application serves a value piece by piece: a DOMAIN, and a string that can be written and is longer than what the
+/// firmware takes in before it checks.
 fn is_streamed(entry: &Entry) -> bool {
-    let is_text = matches!(
-        entry.data_type,
-        DataType::VisibleString | DataType::OctetString
-    );
-    is_text && entry.size > LARGEST_VALUE
+    entry.data_type == DataType::Domain || entry.data_type.is_text() && entry.size > LARGEST_VALUE
 }
 
 /// The default as it travels on the bus.
@@ -210,6 +213,13 @@ fn default_bytes(entry: &Entry) -> Vec<u8> {
             .into_iter()
             .take(usize::from(entry.size))
             .collect(),
+        DefaultValue::Real(value) if entry.data_type == DataType::Real32 => {
+            // The value has been rounded to a REAL32 when it was read.
+            #[allow(clippy::cast_possible_truncation, reason = "nothing is lost")]
+            let value = *value as f32;
+            value.to_le_bytes().to_vec()
+        }
+        DefaultValue::Real(value) => value.to_le_bytes().to_vec(),
         DefaultValue::Text(bytes) => bytes.clone(),
     }
 }

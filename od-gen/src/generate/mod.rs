@@ -8,7 +8,6 @@ mod constants;
 mod drive;
 mod layout;
 mod names;
-mod storage;
 mod table;
 
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::model::{Model, Object, ObjectType};
+use crate::model::{Model, Object};
 
 /// Words a method cannot or should not be called by.
 const RESERVED: [&str; 57] = [
@@ -20,9 +20,9 @@ pub(super) fn getters(model: &Model) -> Vec<String> {
         object
             .entries
             .iter()
-            .map(move |entry| match object.object_type {
-                ObjectType::Var => (snake_case(&object.name), format!("{:04x}", object.index)),
-                ObjectType::Array | ObjectType::Record => {
+            .map(move |entry| match object.object_type.has_subs() {
+                false => (snake_case(&object.name), format!("{:04x}", object.index)),
+                true => {
                     let name = format!("{} {}", object.name, entry.name);
                     (
                         snake_case(&name),

@@ -1,9 +1,8 @@
 //! The descriptor table and the blocks of bytes.
 
 use super::layout::{Layout, Place, Row};
-use super::storage::StorageGroup;
 use crate::data_type::DataType;
-use crate::model::DefaultValue;
+use crate::model::{DefaultValue, StorageGroup};
 
 pub(super) fn write(layout: &Layout<'_>) -> String {
     let ram_size = layout.defaults.len();

@@ -1,10 +1,10 @@
 //! Where values lie.
 
 use super::*;
-use crate::parse::parse;
+use crate::model::{Limit, StorageGroup};
+use crate::report::parse;
 use layout::{Place, Row};
 use std::collections::BTreeMap;
-use storage::StorageGroup;
 
 fn small() -> Model {
     parse("small.eds", include_str!("../../tests/data/small.eds")).unwrap()
@@ -144,7 +144,8 @@ fn limits_are_kept_once_each() {
             .iter_mut()
             .filter(|entry| entry.data_type.size() == Some(1))
         {
-            (entry.low_limit, entry.high_limit) = (Some(0), Some(7));
+            let limit = |value| Some(Limit::Integer(value));
+            (entry.low_limit, entry.high_limit) = (limit(0), limit(7));
         }
     }
     let layout = Layout::new(&model);

@@ -1,419 +1,360 @@
 //! One value: type, access, limits, default.
 
-use super::LARGEST_VALUE;
+use super::sections::{number, unknown_key};
+use super::value::{self, LARGEST_NODE_ID, Written};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
-use crate::ini::{Key, Section};
-use crate::model::{Access, DefaultValue, Entry};
-use crate::number::{DefaultNumber, Number};
-
-/// The keys that describe a value.
-pub(super) const ENTRY_KEYS: [&str; 9] = [
-    "ParameterName",
-    "ObjectType",
-    "DataType",
-    "AccessType",
-    "PDOMapping",
-    "LowLimit",
-    "HighLimit",
-    "DefaultValue",
-    "ObjFlags",
-];
+use crate::document::{Key, Section};
+use crate::model::{Access, DefaultValue, Entry, Field, Limit, Note, Places, StorageGroup};
+use crate::number::Number;
+use crate::rules::{Rule, reading, structure, value as rule};
+use crate::source::Span;
 
 /// Characters that a string can hold when neither its default nor a comment asks for more.
 const LEAST_CAPACITY: u16 = 32;
 
-/// The largest node-ID: the most that $NODEID adds.
-const LARGEST_NODE_ID: i128 = 127;
-
-/// Reads a section; `None` when something in it is wrong, which has then been reported.
-pub(super) fn read(section: &Section, sub: u8, findings: &mut Findings) -> Option<Entry> {
-    let name = parameter_name(section, findings);
-    let data_type =
-        required(section, "DataType", findings).and_then(|key| data_type(key, findings));
-    let access = required(section, "AccessType", findings).and_then(|key| access(key, findings));
-    let pdo_mapping = pdo_mapping(section, data_type, findings);
-    check_object_flags(section, findings);
-    let (name, data_type, access, pdo_mapping) = (name?, data_type?, access?, pdo_mapping?);
-
-    let low_limit = limit(section, "LowLimit", data_type, findings);
-    let high_limit = limit(section, "HighLimit", data_type, findings);
-    let default = match data_type.range() {
-        Some(range) => default_number(section, data_type, range, findings),
-        None => default_text(section, data_type, findings),
-    };
-    let (low_limit, high_limit, default) = (low_limit?, high_limit?, default?);
-    check_limits(section, (low_limit, high_limit), &default, findings)?;
-    if access == Access::Constant
-        && section.key("DefaultValue").is_none()
-        && data_type.size().is_some()
-    {
-        findings.error(
-            section.line,
-            format!("[{}] is const: it needs a DefaultValue", section.name),
-        );
-        return None;
-    }
-    let size = size(section, data_type, access, &default, findings)?;
-    let (name, line) = (name.value.clone(), section.line);
-    Some(Entry {
-        sub,
-        name,
-        data_type,
-        access,
-        pdo_mapping,
-        low_limit,
-        high_limit,
-        default,
-        size,
-        line,
-    })
+/// What is known of a value before its section is read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Context {
+    pub(super) index: u16,
+    pub(super) sub: u8,
+    /// Whether the file is the configuration of one device.
+    pub(super) is_dcf: bool,
+    /// Whether its object is a DOMAIN: its data type then goes without saying.
+    pub(super) is_domain: bool,
 }
 
-/// A key that must be there.
-fn required<'a>(section: &'a Section, name: &str, findings: &mut Findings) -> Option<&'a Key> {
+/// Reads a section; `None` when it leaves no value, which has then been reported.
+pub(super) fn read(
+    section: &Section<'_>,
+    context: Context,
+    findings: &mut Findings,
+) -> Option<Entry> {
+    let places = places(section, context.is_dcf, findings);
+    let name = parameter_name(section, (context.index, context.sub), findings);
+    let data_type = data_type(section, context, findings);
+    let access = access(section, context, findings);
+    let flags = object_flags(section, findings);
+    let mapping = number(section, "PDOMapping", (0, 1), findings);
+    let notes = notes(section);
+    let (data_type, access) = (data_type?, access?);
+
+    let mut entry = Entry::new(context.sub, name, data_type);
+    entry.access = access;
+    entry.flags = flags;
+    entry.pdo_mapping = mapping == Some(1);
+    entry.notes = notes;
+    if entry.pdo_mapping && data_type.size().is_none() {
+        let span = places.of(Field::PdoMapping);
+        let message = format!("PDOMapping of a {} is not supported", data_type.name());
+        findings.report(&rule::MAPPING_OF_VARIABLE_LENGTH, span, message);
+        entry.pdo_mapping = false;
+    }
+    let mut limit = |name: &str| match section.key(name) {
+        Some(key) => value::limit(written(key), data_type, findings),
+        None => Some(None),
+    };
+    let (low_limit, high_limit) = (limit("LowLimit"), limit("HighLimit"));
+    let mut of = |name: &str| match section.key(name) {
+        Some(key) => value::value(written(key), data_type, findings).map(Some),
+        None => Some(None),
+    };
+    let (default, configured) = (of("DefaultValue"), of("ParameterValue"));
+    (entry.low_limit, entry.high_limit) = (low_limit?, high_limit?);
+    if let Some(default) = default? {
+        entry.default = default;
+    }
+    if context.is_dcf {
+        entry.configured = configured?;
+        let text = |name: &str| section.key(name).map(|key| key.value.to_string());
+        entry.denotation = text("Denotation");
+        entry.upload_file = text("UploadFile");
+        entry.download_file = text("DownloadFile");
+    }
+    entry.places = places;
+    check_limits(&mut entry, section, findings);
+    check_constant(&entry, section, findings);
+    entry.size = size(section, &entry, findings)?;
+    entry.storage = storage(section, context.index, access, findings)?;
+    Some(entry)
+}
+
+fn written<'a>(key: &'a Key<'a>) -> Written<'a> {
+    Written {
+        key: &key.name,
+        text: &key.value,
+        span: key.span,
+    }
+}
+
+/// Where the keys of a section stand; keys that mean nothing are reported.
+pub(super) fn places(section: &Section<'_>, is_dcf: bool, findings: &mut Findings) -> Places {
+    let mut places = Places::new(section.span);
+    for key in &section.keys {
+        let Some(field) = Field::from_name(&key.name) else {
+            unknown_key(&key.name, section, key.name_span, findings);
+            continue;
+        };
+        if field.is_of_dcf() && !is_dcf && !key.value.is_empty() {
+            let (name, section) = (&key.name, &section.name);
+            let message = format!("`{name}` in [{section}] belongs to a DCF, not to an EDS");
+            let finding = findings.report(&reading::KEY_OF_DCF, key.name_span, message);
+            finding.help("it means nothing here: remove it");
+        }
+        if !key.value.is_empty() {
+            places.put(field, key.span);
+        }
+    }
+    places
+}
+
+/// The name of an object or a sub-index. It becomes a name in Rust, so there must be something in it to make one of.
+pub(super) fn parameter_name(
+    section: &Section<'_>,
+    (index, sub): (u16, u8),
+    findings: &mut Findings,
+) -> String {
+    let (span, message) = match section.key("ParameterName") {
+        Some(key)
+            if key
+                .value
+                .contains(|letter: char| letter.is_ascii_alphanumeric()) =>
+        {
+            return key.value.to_string();
+        }
+        Some(key) => {
+            let name = &key.value;
+            let message =
+                format!("ParameterName `{name}` has none of the letters A to Z and no digit");
+            (key.span, message)
+        }
+        None => (section.span, missing("ParameterName", section)),
+    };
+    findings.report(&structure::NO_NAME, span, message);
+    if sub == 0 {
+        format!("Object {index:04X}h")
+    } else {
+        format!("Sub-index {sub:02X}h")
+    }
+}
+
+fn missing(key: &str, section: &Section<'_>) -> String {
+    format!("`{key}` is missing in [{}]", section.name)
+}
+
+/// ObjFlags tell configuration tools what to leave out; the device has no use for them.
+pub(super) fn object_flags(section: &Section<'_>, findings: &mut Findings) -> u32 {
+    let flags = number(section, "ObjFlags", (0, u32::MAX.into()), findings);
+    flags
+        .and_then(|flags| u32::try_from(flags).ok())
+        .unwrap_or_default()
+}
+
+fn required<'a>(
+    section: &'a Section<'a>,
+    name: &str,
+    rule: &'static Rule,
+    findings: &mut Findings,
+) -> Option<&'a Key<'a>> {
     let key = section.key(name);
     if key.is_none() {
-        findings.error(
-            section.line,
-            format!("`{name}` is missing in [{}]", section.name),
-        );
+        findings.report(rule, section.span, missing(name, section));
     }
     key
 }
 
-/// The name of an object or a sub-index. It becomes a name in Rust, so there must be something in it to make one of.
-pub(super) fn parameter_name<'a>(section: &'a Section, findings: &mut Findings) -> Option<&'a Key> {
-    let key = required(section, "ParameterName", findings)?;
-    if !key
-        .value
-        .contains(|letter: char| letter.is_ascii_alphanumeric())
-    {
-        findings.error(
-            key.line,
-            format!(
-                "ParameterName `{}` has none of the letters A to Z and no digit",
-                key.value
-            ),
-        );
+fn data_type(section: &Section<'_>, context: Context, findings: &mut Findings) -> Option<DataType> {
+    if context.is_domain && section.key("DataType").is_none() {
+        return Some(DataType::Domain);
     }
-    Some(key)
-}
-
-/// ObjFlags tell configuration tools what to leave out; the device has no use for them.
-pub(super) fn check_object_flags(section: &Section, findings: &mut Findings) {
-    if let Some(key) = section.key("ObjFlags") {
-        findings.take(
-            key.line,
-            Number::parse_within(&key.value, 0, u32::MAX.into()),
-        );
-    }
-}
-
-fn data_type(key: &Key, findings: &mut Findings) -> Option<DataType> {
-    let code = findings.take(key.line, Number::parse(&key.value))?.value;
-    let data_type = DataType::from_code(code);
+    let key = required(section, "DataType", &rule::NO_DATA_TYPE, findings)?;
+    let code = findings.take(&rule::NOT_A_NUMBER, key.span, Number::parse(&key.value))?;
+    let data_type = DataType::from_code(code.value);
     if data_type.is_none() {
-        let supported: Vec<&str> = DataType::ALL
+        let message = format!("DataType {} is no type of a value", key.value);
+        let finding = findings.report(&rule::DATA_TYPE, key.span, message);
+        let known = DataType::ALL
             .iter()
-            .map(|data_type| data_type.name())
-            .collect();
-        let message = format!(
-            "DataType {} is not supported (supported: {})",
-            key.value,
-            supported.join(", ")
-        );
-        findings.error(key.line, message);
+            .map(|data_type| format!("0x{:02X} {}", data_type.code(), data_type.name()));
+        finding.help(known.collect::<Vec<_>>().join(", "));
     }
     data_type
 }
 
-fn access(key: &Key, findings: &mut Findings) -> Option<Access> {
+fn access(section: &Section<'_>, context: Context, findings: &mut Findings) -> Option<Access> {
+    if context.is_domain && section.key("AccessType").is_none() {
+        return Some(Access::ReadWrite);
+    }
+    let key = required(section, "AccessType", &rule::NO_ACCESS, findings)?;
     let access = Access::from_name(&key.value);
     if access.is_none() {
-        findings.error(
-            key.line,
-            format!(
-                "AccessType `{}` is not ro, wo, rw, rwr, rww or const",
-                key.value
-            ),
-        );
+        let text = &key.value;
+        let message = format!("AccessType `{text}` is not ro, wo, rw, rwr, rww or const");
+        findings.report(&rule::ACCESS, key.span, message);
     }
     access
 }
 
-fn pdo_mapping(
-    section: &Section,
-    data_type: Option<DataType>,
-    findings: &mut Findings,
-) -> Option<bool> {
-    let Some(key) = section.key("PDOMapping") else {
-        return Some(false);
-    };
-    let is_mappable = findings.take(key.line, Number::parse_within(&key.value, 0, 1))? == 1;
-    if is_mappable && data_type.is_some_and(|data_type| data_type.size().is_none()) {
-        findings.error(key.line, "PDOMapping of a string is not supported");
-        return None;
-    }
-    Some(is_mappable)
-}
-
-/// A limit, `None` inside where the type has none narrower than itself.
-fn limit(
-    section: &Section,
-    name: &str,
-    data_type: DataType,
-    findings: &mut Findings,
-) -> Option<Option<i64>> {
-    let Some(key) = section.key(name) else {
-        return Some(None);
-    };
-    let Some(range) = data_type.range() else {
-        findings.error(
-            key.line,
-            format!("{name} does not go with {}", data_type.name()),
-        );
-        return None;
-    };
-    let number = findings.take(key.line, Number::parse(&key.value))?;
-    let value = findings.take(key.line, fit(number, data_type, range, name, &key.value))?;
-    let own = if name == "LowLimit" { range.0 } else { range.1 };
-    if value == own {
-        return Some(None);
-    }
-    // The firmware keeps limits in 64 signed bits, of which the largest means none.
-    match i64::try_from(value).ok().filter(|value| *value < i64::MAX) {
-        Some(value) => Some(Some(value)),
-        None => {
-            findings.error(
-                key.line,
-                format!(
-                    "{name} {} is not supported: limits stay below 2^63-1",
-                    key.value
-                ),
-            );
-            None
-        }
-    }
-}
-
-/// A number as the type reads it: 0xFFFF is -1 in an INTEGER16.
-fn fit(
-    number: Number,
-    data_type: DataType,
-    range: (i128, i128),
-    what: &str,
-    text: &str,
-) -> Result<i128, String> {
-    let (low, high) = range;
-    let patterns = high - low + 1;
-    let is_negative_pattern =
-        number.is_pattern && data_type.is_signed() && (high + 1..patterns).contains(&number.value);
-    let value = if is_negative_pattern {
-        number.value - patterns
-    } else {
-        number.value
-    };
-    if (low..=high).contains(&value) {
-        Ok(value)
-    } else {
-        Err(format!(
-            "{what} {text} does not fit {} ({low} to {high})",
-            data_type.name()
-        ))
-    }
-}
-
-fn default_number(
-    section: &Section,
-    data_type: DataType,
-    range: (i128, i128),
-    findings: &mut Findings,
-) -> Option<DefaultValue> {
-    let Some(key) = section.key("DefaultValue") else {
-        return Some(DefaultValue::Number {
-            value: 0,
-            adds_node_id: false,
-        });
-    };
-    let DefaultNumber {
-        number,
-        adds_node_id,
-    } = findings.take(key.line, DefaultNumber::parse(&key.value))?;
-    if adds_node_id && (data_type.is_signed() || data_type == DataType::Boolean) {
-        findings.error(
-            key.line,
-            format!("$NODEID does not go with {}", data_type.name()),
-        );
-        return None;
-    }
-    let value = findings.take(
-        key.line,
-        fit(number, data_type, range, "DefaultValue", &key.value),
-    )?;
-    if adds_node_id && value + LARGEST_NODE_ID > range.1 {
-        findings.error(
-            key.line,
-            format!("DefaultValue {} leaves no room for the node-ID", key.value),
-        );
-        return None;
-    }
-    Some(DefaultValue::Number {
-        value,
-        adds_node_id,
-    })
-}
-
-fn default_text(
-    section: &Section,
-    data_type: DataType,
-    findings: &mut Findings,
-) -> Option<DefaultValue> {
-    let Some(key) = section.key("DefaultValue") else {
-        return Some(DefaultValue::Text(Vec::new()));
-    };
-    if data_type == DataType::VisibleString {
-        let is_visible = key.value.bytes().all(|byte| (0x20..=0x7E).contains(&byte));
-        if !is_visible {
-            findings.error(key.line, "a VISIBLE_STRING holds the characters 20h to 7Eh");
-            return None;
-        }
-        return Some(DefaultValue::Text(key.value.as_bytes().to_vec()));
-    }
-    let digits: Vec<u8> = key.value.bytes().filter(|byte| *byte != b' ').collect();
-    let pairs = digits.chunks_exact(2);
-    let is_whole = pairs.remainder().is_empty();
-    let bytes =
-        pairs.map(|pair| Some(hexadecimal(pair.first()?)? * 16 + hexadecimal(pair.last()?)?));
-    match bytes.collect::<Option<Vec<u8>>>().filter(|_| is_whole) {
-        Some(bytes) => Some(DefaultValue::Text(bytes)),
-        None => {
-            findings.error(
-                key.line,
-                format!(
-                    "`{}` is not an OCTET_STRING: two hexadecimal digits a byte",
-                    key.value
-                ),
-            );
-            None
-        }
-    }
-}
-
-fn hexadecimal(digit: &u8) -> Option<u8> {
-    char::from(*digit).to_digit(16)?.try_into().ok()
-}
-
 /// The limits leave room, and the default is in it with every node-ID.
-fn check_limits(
-    section: &Section,
-    (low, high): (Option<i64>, Option<i64>),
-    default: &DefaultValue,
-    findings: &mut Findings,
-) -> Option<()> {
-    let DefaultValue::Number {
-        value,
-        adds_node_id,
-    } = *default
-    else {
-        return Some(());
-    };
-    if let (Some(low), Some(high)) = (low, high)
+fn check_limits(entry: &mut Entry, section: &Section<'_>, findings: &mut Findings) {
+    if let (Some(low), Some(high)) = (entry.low_limit, entry.high_limit)
         && low > high
     {
-        findings.error(
-            section.line,
-            format!("LowLimit {low} is above HighLimit {high}"),
-        );
-        return None;
+        let span = entry.places.of(Field::LowLimit);
+        let message = format!("LowLimit {low} is above HighLimit {high}");
+        findings.report(&rule::LOW_ABOVE_HIGH, span, message);
+        (entry.low_limit, entry.high_limit) = (None, None);
+        return;
     }
-    let (least, most) = if adds_node_id {
-        (value + 1, value + LARGEST_NODE_ID)
-    } else {
-        (value, value)
+    let (least, most) = match entry.default {
+        DefaultValue::Number {
+            value,
+            adds_node_id: true,
+        } => (
+            Limit::Integer(value + 1),
+            Limit::Integer(value + LARGEST_NODE_ID),
+        ),
+        DefaultValue::Number { value, .. } => (Limit::Integer(value), Limit::Integer(value)),
+        DefaultValue::Real(value) => (Limit::Real(value), Limit::Real(value)),
+        DefaultValue::Text(_) => return,
     };
     let key = section.key("DefaultValue");
-    let line = key.map_or(section.line, |key| key.line);
-    let text = key.map_or("0 (there is none)", |key| &key.value);
-    if let Some(low) = low.filter(|low| least < i128::from(*low)) {
-        findings.error(line, format!("DefaultValue {text} is below LowLimit {low}"));
-        return None;
+    let text = key.map_or("0 (there is none)", |key| &*key.value);
+    let outside = match (entry.low_limit, entry.high_limit) {
+        (Some(low), _) if least < low => format!("below LowLimit {low}"),
+        (_, Some(high)) if most > high => format!("above HighLimit {high}"),
+        _ => return,
+    };
+    let span = entry.places.of(Field::DefaultValue);
+    let message = format!("DefaultValue {text} is {outside}");
+    findings.report(&rule::DEFAULT_OUTSIDE_LIMITS, span, message);
+}
+
+fn check_constant(entry: &Entry, section: &Section<'_>, findings: &mut Findings) {
+    let is_number = entry.data_type.size().is_some();
+    if entry.access == Access::Constant && is_number && section.key("DefaultValue").is_none() {
+        let message = format!("[{}] is const: it needs a DefaultValue", section.name);
+        findings.report(&rule::CONST_WITHOUT_DEFAULT, section.span, message);
     }
-    if let Some(high) = high.filter(|high| most > i128::from(*high)) {
-        findings.error(
-            line,
-            format!("DefaultValue {text} is above HighLimit {high}"),
-        );
-        return None;
-    }
-    Some(())
 }
 
 /// The bytes a value takes; of a string that can be written, its capacity.
-fn size(
-    section: &Section,
-    data_type: DataType,
-    access: Access,
-    default: &DefaultValue,
-    findings: &mut Findings,
-) -> Option<u16> {
-    let capacity = capacity(section, findings)?;
-    let DefaultValue::Text(text) = default else {
-        if let Some((line, _)) = capacity {
-            findings.error(
-                line,
-                format!("Capacity does not go with {}", data_type.name()),
-            );
+fn size(section: &Section<'_>, entry: &Entry, findings: &mut Findings) -> Option<u16> {
+    let is_domain = entry.data_type == DataType::Domain;
+    let capacity = match note_place(section, "Capacity") {
+        Some((span, text)) => {
+            let capacity = Number::parse_within(text, 1, u16::MAX.into());
+            let capacity = capacity.map_err(|why| format!("Capacity: {why}"));
+            let capacity = findings.take(&rule::CAPACITY, span, capacity)?;
+            Some((span, u16::try_from(capacity).unwrap_or(u16::MAX)))
         }
-        return data_type.size();
+        None => None,
     };
-    let length = u16::try_from(text.len()).unwrap_or(u16::MAX);
-    let (line, size) = match capacity {
-        Some((line, _)) if !access.is_writable() => {
-            findings.error(line, "Capacity of a string that cannot be written");
-            return None;
+    let DefaultValue::Text(text) = &entry.default else {
+        if let Some((span, _)) = capacity {
+            let message = format!("Capacity does not go with {}", entry.data_type.name());
+            findings.report(&rule::CAPACITY_OF_NO_STRING, span, message);
         }
-        Some((line, capacity)) if capacity < length => {
-            findings.error(
-                line,
-                format!("Capacity {capacity} is less than the {length} bytes of the default"),
-            );
-            return None;
-        }
-        Some((line, capacity)) => (line, capacity),
-        None if access.is_writable() => (section.line, length.max(LEAST_CAPACITY)),
-        None => (section.line, length),
+        return entry.data_type.size();
     };
-    if size > LARGEST_VALUE {
-        findings.error(
-            line,
-            format!(
-                "[{}] takes {size} bytes, an SDO transfer carries {LARGEST_VALUE}",
-                section.name
-            ),
-        );
-        return None;
+    if is_domain {
+        return Some(capacity.map_or(0, |(_, capacity)| capacity));
     }
-    Some(size)
+    let configured = match &entry.configured {
+        Some(DefaultValue::Text(text)) => text.len(),
+        _ => 0,
+    };
+    let length = text.len().max(configured);
+    let Ok(length) = u16::try_from(length) else {
+        let message = format!(
+            "[{}] takes {length} bytes, a value has at most 65535",
+            section.name
+        );
+        findings.report(&rule::VALUE_TOO_LARGE, section.span, message);
+        return None;
+    };
+    Some(match capacity {
+        Some((span, _)) if !entry.access.is_writable() => {
+            let message = "Capacity of a string that cannot be written";
+            findings.report(&rule::CAPACITY_OF_NO_STRING, span, message);
+            length
+        }
+        Some((span, capacity)) if capacity < length => {
+            let message =
+                format!("Capacity {capacity} is less than the {length} bytes of the default");
+            findings.report(&rule::CAPACITY_TOO_SMALL, span, message);
+            return None;
+        }
+        Some((_, capacity)) => capacity,
+        None if entry.access.is_writable() => length.max(LEAST_CAPACITY),
+        None => length,
+    })
 }
 
-/// The comment `;Capacity=64` with its line. CIA 306 has no key for it, and tools complain about keys that are not in it.
-fn capacity(section: &Section, findings: &mut Findings) -> Option<Option<(usize, u16)>> {
-    for comment in &section.comments {
-        let Some((name, value)) = comment.text.split_once('=') else {
-            continue;
-        };
-        if name.trim().eq_ignore_ascii_case("Capacity") {
-            let capacity = Number::parse_within(value.trim(), 1, LARGEST_VALUE.into());
-            let capacity = findings.take(
-                comment.line,
-                capacity.map_err(|why| format!("Capacity: {why}")),
-            )?;
-            return Some(Some((
-                comment.line,
-                u16::try_from(capacity).unwrap_or(LARGEST_VALUE),
-            )));
+/// What stores a value: by the comment `;Storage=` in its section, or by its index and access.
+fn storage(
+    section: &Section<'_>,
+    index: u16,
+    access: Access,
+    findings: &mut Findings,
+) -> Option<Option<StorageGroup>> {
+    let default = StorageGroup::default_of(index, access);
+    match storage_note(section, findings)? {
+        None => Some(default),
+        Some((_, None)) => Some(None),
+        Some((span, Some(_))) if !access.is_writable() => {
+            let message = format!("Storage of a value that is {}", access.name());
+            findings.report(&rule::STORAGE_OF_FIXED, span, message);
+            Some(None)
         }
+        Some((_, group)) => Some(group),
     }
-    Some(None)
+}
+
+/// The comment `;Storage=` with its place; `None` outside when it is wrong.
+#[allow(clippy::type_complexity, reason = "there or not, stored or not")]
+pub(super) fn storage_note(
+    section: &Section<'_>,
+    findings: &mut Findings,
+) -> Option<Option<(Span, Option<StorageGroup>)>> {
+    let Some((span, text)) = note_place(section, "Storage") else {
+        return Some(None);
+    };
+    if text.eq_ignore_ascii_case("none") {
+        return Some(Some((span, None)));
+    }
+    let group = StorageGroup::from_name(text);
+    if group.is_none() {
+        let message =
+            format!("Storage `{text}` is not none, communication, application or manufacturer");
+        findings.report(&rule::STORAGE, span, message);
+    }
+    Some(Some((span, Some(group?))))
+}
+
+/// The comments of the form `;Name=value`: CiA 306 has no keys for them, and tools complain about keys that are not in it.
+pub(super) fn notes(section: &Section<'_>) -> Vec<Note> {
+    let comments = section.comments.iter();
+    let pairs = comments.filter_map(|comment| note(&comment.text));
+    pairs
+        .map(|(name, value)| Note {
+            name: name.into(),
+            value: value.into(),
+        })
+        .collect()
+}
+
+fn note(comment: &str) -> Option<(&str, &str)> {
+    let (name, value) = comment.split_once('=')?;
+    let (name, value) = (name.trim(), value.trim());
+    let is_name = !name.is_empty() && name.bytes().all(|letter| letter.is_ascii_alphanumeric());
+    is_name.then_some((name, value))
+}
+
+fn note_place<'a>(section: &'a Section<'a>, name: &str) -> Option<(Span, &'a str)> {
+    section.comments.iter().find_map(|comment| {
+        let (own, value) = note(&comment.text)?;
+        own.eq_ignore_ascii_case(name)
+            .then_some((comment.span, value))
+    })
 }

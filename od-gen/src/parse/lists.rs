@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 
 use super::sections::Sections;
 use crate::diagnostic::Findings;
-use crate::ini::Section;
+use crate::document::Section;
 use crate::number::Number;
+use crate::rules::structure as rule;
+use crate::source::Span;
 
 /// The objects that every device has (CiA 306, MandatoryObjects).
 const MANDATORY: [u16; 3] = [0x1000, 0x1001, 0x1018];
@@ -47,82 +49,87 @@ pub(super) fn check(sections: &Sections<'_>, findings: &mut Findings) {
             read(list, section, &mut listed, findings);
         }
     }
-    for (index, line) in &listed {
+    for (index, span) in &listed {
         if !sections.objects.contains_key(index) {
-            findings.error(
-                *line,
-                format!("{index:04X}h is listed, but there is no section [{index:04X}]"),
-            );
+            let message = format!("{index:04X}h is listed, but there is no section [{index:04X}]");
+            findings.report(&rule::LISTED_WITHOUT_SECTION, *span, message);
         }
     }
-    for (index, section) in &sections.objects {
+    for (index, section) in sections.objects.range(0x1000..) {
         if !listed.contains_key(index) {
             let list = List::of(*index).name();
-            findings.error(
-                section.line,
-                format!("{index:04X}h is not listed in [{list}]"),
-            );
+            let message = format!("{index:04X}h is not listed in [{list}]");
+            let finding = findings.report(&rule::NOT_LISTED, section.span, message);
+            finding.help(format!("add it to [{list}], or remove its sections"));
         }
     }
     for index in MANDATORY {
         // Listed without a section, or the other way round, has been reported.
         if !listed.contains_key(&index) && !sections.objects.contains_key(&index) {
-            findings.error(1, format!("the mandatory object {index:04X}h is missing"));
+            let message = format!("the mandatory object {index:04X}h is missing");
+            findings.report(&rule::MISSING_MANDATORY_OBJECT, Span::START, message);
         }
     }
 }
 
-/// Reads one list into `listed`: index and line.
-fn read(list: List, section: &Section, listed: &mut BTreeMap<u16, usize>, findings: &mut Findings) {
+/// Reads one list into `listed`: index and place.
+fn read(
+    list: List,
+    section: &Section<'_>,
+    listed: &mut BTreeMap<u16, Span>,
+    findings: &mut Findings,
+) {
     let (mut count, mut next) = (0, 1);
     for key in &section.keys {
-        let line = key.line;
         if key.name.eq_ignore_ascii_case("SupportedObjects") {
             continue;
         }
         let number = Number::parse(&key.name).map(|number| number.value).ok();
         if number != Some(next) {
-            findings.error(
-                line,
-                format!("`{}` where number {next} of the list should be", key.name),
-            );
+            let message = format!("`{}` where number {next} of the list should be", key.name);
+            findings.report(&rule::LIST_NUMBERING, key.name_span, message);
+        }
+        next = number.unwrap_or(next) + 1;
+        if key.value.is_empty() {
+            continue;
         }
         count += 1;
-        next = number.unwrap_or(next) + 1;
         let index = Number::parse(&key.value)
             .ok()
             .and_then(|number| u16::try_from(number.value).ok());
         let Some(index) = index.filter(|index| *index >= 0x1000) else {
-            findings.error(
-                line,
-                format!("`{}` is not an index (0x1000 to 0xFFFF)", key.value),
-            );
+            let message = format!("`{}` is not an index (0x1000 to 0xFFFF)", key.value);
+            findings.report(&rule::NOT_AN_INDEX, key.span, message);
             continue;
         };
-        if let Some(first) = listed.insert(index, line) {
-            findings.error(
-                line,
-                format!("{index:04X}h is already listed on line {first}"),
-            );
+        if let Some(first) = listed.insert(index, key.span) {
+            let message = format!("{index:04X}h is already listed on line {}", first.line);
+            findings.report(&rule::LISTED_TWICE, key.span, message);
         } else if List::of(index) != list {
-            findings.error(
-                line,
-                format!("{index:04X}h belongs in [{}]", List::of(index).name()),
-            );
+            let message = format!("{index:04X}h belongs in [{}]", List::of(index).name());
+            findings.report(&rule::WRONG_LIST, key.span, message);
         }
     }
-    match section.key("SupportedObjects") {
-        None => findings.error(
-            section.line,
-            format!("`SupportedObjects` is missing in [{}]", section.name),
-        ),
-        Some(key) => match Number::parse(&key.value) {
-            Ok(number) if number.value == count => {}
-            Ok(_) => findings.error(
-                key.line,
-                format!("SupportedObjects is {}, but {count} are listed", key.value),
-            ),
-            Err(message) => findings.error(key.line, message),
-        },
+    check_count(section, "SupportedObjects", count, findings);
+}
+
+/// A list has as many entries as its key says.
+pub(super) fn check_count(section: &Section<'_>, name: &str, count: i128, findings: &mut Findings) {
+    let Some(key) = section.key(name) else {
+        let message = format!("`{name}` is missing in [{}]", section.name);
+        let finding = findings.report(&rule::LIST_COUNT, section.span, message);
+        finding.help(format!("write {name}={count}"));
+        return;
+    };
+    match Number::parse(&key.value) {
+        Ok(number) if number.value == count => {}
+        Ok(_) => {
+            let message = format!("{name} is {}, but {count} are listed", key.value);
+            let finding = findings.report(&rule::LIST_COUNT, key.span, message);
+            finding.help(format!("write {name}={count}"));
+        }
+        Err(message) => {
+            findings.report(&rule::LIST_COUNT, key.span, message);
+        }
     }
 }

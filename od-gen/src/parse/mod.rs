@@ -1,64 +1,80 @@
-//! From the text of a data sheet to a checked [`Model`].
+//! From the text of a data sheet to its [`Model`].
 //!
 //! Each step reports what it finds and goes on, so that one run shows every mistake of a file. A step whose material is broken
 //! stays silent: the mistake behind it has been reported already.
 
-mod cob_ids;
-mod communication;
-mod device_info;
+mod compact;
+mod device;
 mod entry;
 mod lists;
 mod objects;
-mod pdo_mapping;
 mod sections;
+mod value;
 
-use crate::diagnostic::{Diagnostic, Findings};
-use crate::ini;
-use crate::model::Model;
+use std::collections::BTreeSet;
+
+use crate::diagnostic::Findings;
+use crate::document::Document;
+use crate::model::{FileKind, Model};
+use crate::rules::value as rule;
+use crate::source::Span;
 use sections::Sections;
 
-/// The longest value that an SDO transfer of the firmware can carry, in bytes: its staging buffer, `SDO_BUFFER` of the crate
-/// `canopen`.
+/// The longest value that an SDO transfer of the firmware keeps, in bytes: its staging buffer, `SDO_BUFFER` of the crate `canopen`.
+/// What can be written and is longer is served by the application, piece by piece.
 pub const LARGEST_VALUE: u16 = 128;
 
 /// The most bytes of RAM, or of flash, that the values of one dictionary take: descriptors hold 16-bit offsets.
 const LARGEST_DICTIONARY: usize = 0xFFFF;
 
-/// Reads a data sheet. `file` is its name, for the findings.
-///
-/// # Errors
-/// Everything that is wrong with it, in the order of its lines.
-pub fn parse(file: &str, text: &str) -> Result<Model, Vec<Diagnostic>> {
-    let mut findings = Findings::new(file);
-    let sections = ini::read(text, &mut findings);
-    let sections = Sections::sort(&sections, &mut findings);
+/// Objects and values that are in the file, but could not be read: nobody should call them missing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Broken {
+    pub(crate) objects: BTreeSet<u16>,
+    pub(crate) entries: BTreeSet<(u16, u8)>,
+}
 
-    let objects = objects::read(&sections, &mut findings);
-    lists::check(&sections, &mut findings);
-    let device = device_info::read(&sections, &objects, &mut findings);
-    communication::check(&sections, &objects, &mut findings);
-    cob_ids::check(&sections, &objects, &mut findings);
-    pdo_mapping::check(&sections, &objects, &mut findings);
-
-    let values = objects.list.iter().flat_map(|object| &object.entries);
-    if values
-        .map(|entry| usize::from(entry.size) + 2)
-        .sum::<usize>()
-        > LARGEST_DICTIONARY
-    {
-        findings.error(1, "the values of the dictionary take more than 64 KiB");
+impl Broken {
+    /// Whether a value is there that could not be read.
+    pub(crate) fn has(&self, index: u16, sub: u8) -> bool {
+        self.objects.contains(&index) || self.entries.contains(&(index, sub))
     }
+}
 
-    let findings = findings.into_sorted();
-    if findings.is_empty() {
-        Ok(Model {
-            file: file.into(),
-            device,
-            objects: objects.list,
-        })
-    } else {
-        Err(findings)
+/// Reads the sections of a file.
+pub(crate) fn parse(
+    file: &str,
+    document: &Document<'_>,
+    findings: &mut Findings,
+) -> (Model, Broken) {
+    let sections = Sections::sort(document, file, findings);
+    let mut broken = Broken::default();
+    let mut model = Model {
+        file: file.into(),
+        kind: if sections.is_dcf {
+            FileKind::Dcf
+        } else {
+            FileKind::Eds
+        },
+        file_info: device::file_info(&sections, findings),
+        device: device::device_info(&sections, findings),
+        commissioning: device::commissioning(&sections, findings),
+        dummies: device::dummies(&sections, findings),
+        comments: device::comments(&sections),
+        ..Model::default()
+    };
+    objects::read(&sections, &mut model, &mut broken, findings);
+    lists::check(&sections, findings);
+
+    let kept = model
+        .entries()
+        .filter(|(_, entry)| entry.size <= LARGEST_VALUE);
+    let sizes = kept.map(|(_, entry)| usize::from(entry.size) + 2);
+    if sizes.sum::<usize>() > LARGEST_DICTIONARY {
+        let message = "the values of the dictionary take more than 64 KiB";
+        findings.report(&rule::DICTIONARY_TOO_LARGE, Span::START, message);
     }
+    (model, broken)
 }
 
 #[cfg(test)]

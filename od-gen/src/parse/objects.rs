@@ -1,278 +1,345 @@
 //! The sections of the objects and of their sub-indices.
 
-use std::collections::BTreeSet;
-
-use super::entry::{self, ENTRY_KEYS};
-use super::sections::{Sections, check_keys};
+use super::entry::{self, Context};
+use super::sections::{Sections, number};
+use super::{Broken, compact};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
-use crate::ini::Section;
-use crate::model::{Access, Entry, Object, ObjectType};
+use crate::document::Section;
+use crate::model::{Access, DefaultValue, Entry, Field, Model, Object, ObjectType, Places};
 use crate::number::Number;
+use crate::rules::structure as rule;
 
-/// What could be read.
-#[derive(Debug, Default)]
-pub(super) struct Objects {
-    /// By index; entries that are broken are left out.
-    pub(super) list: Vec<Object>,
-    /// Entries with findings of their own, so that nobody calls them missing.
-    broken: BTreeSet<(u16, u8)>,
-}
-
-impl Objects {
-    pub(super) fn object(&self, index: u16) -> Option<&Object> {
-        self.list.iter().find(|object| object.index == index)
-    }
-
-    pub(super) fn entry(&self, index: u16, sub: u8) -> Option<&Entry> {
-        self.object(index)?
-            .entries
-            .iter()
-            .find(|entry| entry.sub == sub)
-    }
-
-    /// Whether an entry is really not there; one that could not be read is.
-    pub(super) fn lacks(&self, index: u16, sub: u8) -> bool {
-        self.entry(index, sub).is_none() && !self.broken.contains(&(index, sub))
-    }
-}
-
-pub(super) fn read(sections: &Sections<'_>, findings: &mut Findings) -> Objects {
-    let mut objects = Objects::default();
+/// Fills in the types and the objects of the model.
+pub(super) fn read(
+    sections: &Sections<'_>,
+    model: &mut Model,
+    broken: &mut Broken,
+    findings: &mut Findings,
+) {
     for (index, section) in &sections.objects {
-        let Some(object_type) = object_type(section, findings) else {
-            objects
-                .broken
-                .extend((0..=u8::MAX).map(|sub| (*index, sub)));
+        let Some(object) = read_object(*index, section, sections, broken, findings) else {
+            broken.objects.insert(*index);
             continue;
         };
-        let entries = match object_type {
-            ObjectType::Var => read_variable(*index, section, &mut objects.broken, findings),
-            ObjectType::Array | ObjectType::Record => {
-                read_subs(*index, section, sections, &mut objects.broken, findings)
-            }
-        };
-        let name = section.key("ParameterName").map_or("", |key| &key.value);
-        let object = Object {
-            index: *index,
-            name: name.into(),
-            object_type,
-            entries,
-            line: section.line,
-        };
-        check_sub_numbers(&object, section, sections, &objects.broken, findings);
-        objects.list.push(object);
+        let defines_type = matches!(
+            object.object_type,
+            ObjectType::DefType | ObjectType::DefStruct
+        );
+        let is_type_index = *index < 0x1000;
+        if defines_type != is_type_index {
+            let span = object.places.of(Field::ObjectType);
+            let message = if is_type_index {
+                format!("{index:04X}h is below 1000h: it must be a DEFTYPE or a DEFSTRUCT")
+            } else {
+                format!("{index:04X}h defines a data type: it must be below 1000h")
+            };
+            findings.report(&rule::TYPE_DEFINITION, span, message);
+        }
+        if defines_type {
+            model.types.push(object);
+        } else if !is_type_index {
+            model.objects.push(object);
+        }
     }
     for ((index, _), section) in &sections.subs {
         if !sections.objects.contains_key(index) {
-            findings.error(
-                section.line,
-                format!(
-                    "[{}] has no object: there is no section [{index:04X}]",
-                    section.name
-                ),
-            );
+            let name = &section.name;
+            let message = format!("[{name}] has no object: there is no section [{index:04X}]");
+            findings.report(&rule::SUB_WITHOUT_OBJECT, section.span, message);
         }
     }
-    objects
-}
-
-fn object_type(section: &Section, findings: &mut Findings) -> Option<ObjectType> {
-    let Some(key) = section.key("ObjectType") else {
-        return Some(ObjectType::Var);
-    };
-    match Number::parse(&key.value).map(|number| number.value) {
-        Ok(7) => Some(ObjectType::Var),
-        Ok(8) => Some(ObjectType::Array),
-        Ok(9) => Some(ObjectType::Record),
-        Ok(2) => {
-            findings.error(key.line, "ObjectType DOMAIN is not supported");
-            None
-        }
-        Ok(_) => {
-            findings.error(
-                key.line,
-                format!(
-                    "ObjectType {} is not 0x7 (VAR), 0x8 (ARRAY) or 0x9 (RECORD)",
-                    key.value
-                ),
+    for ((index, _), section) in &sections.compact {
+        let object = sections.objects.get(index);
+        if object.is_none_or(|object| object.key("CompactSubObj").is_none()) {
+            let message = format!(
+                "[{}] goes with CompactSubObj in [{index:04X}]",
+                section.name
             );
-            None
-        }
-        Err(message) => {
-            findings.error(key.line, message);
-            None
+            findings.report(&rule::COMPACT_LIST, section.span, message);
         }
     }
 }
 
-fn read_variable(
+fn read_object(
     index: u16,
-    section: &Section,
-    broken: &mut BTreeSet<(u16, u8)>,
-    findings: &mut Findings,
-) -> Vec<Entry> {
-    check_keys(
-        section,
-        &[&ENTRY_KEYS[..], &["SubNumber", "CompactSubObj"]].concat(),
-        findings,
-    );
-    let entry = entry::read(section, 0, findings);
-    if entry.is_none() {
-        broken.insert((index, 0));
-    }
-    entry.into_iter().collect()
-}
-
-fn read_subs(
-    index: u16,
-    section: &Section,
+    section: &Section<'_>,
     sections: &Sections<'_>,
-    broken: &mut BTreeSet<(u16, u8)>,
+    broken: &mut Broken,
     findings: &mut Findings,
-) -> Vec<Entry> {
-    check_keys(
-        section,
-        &[
-            "ParameterName",
-            "ObjectType",
-            "SubNumber",
-            "CompactSubObj",
-            "ObjFlags",
-        ],
-        findings,
-    );
-    entry::parameter_name(section, findings);
-    entry::check_object_flags(section, findings);
-    let mut entries = Vec::new();
-    for ((_, sub), section) in sections.subs.range((index, 0)..=(index, u8::MAX)) {
-        if *sub == u8::MAX {
-            findings.error(section.line, "sub-index FFh is reserved");
-        }
-        if let Some(key) = section.key("ObjectType")
-            && Number::parse(&key.value).is_ok_and(|number| number.value != 7)
-        {
-            findings.error(
-                key.line,
-                format!("ObjectType of a sub-index is 0x7 (VAR), not {}", key.value),
-            );
-        }
-        check_keys(section, &ENTRY_KEYS, findings);
-        match entry::read(section, *sub, findings) {
-            Some(entry) => entries.push(entry),
-            None => _ = broken.insert((index, *sub)),
-        }
-    }
-    entries
-}
-
-/// SubNumber, CompactSubObj, sub-index 0 and what an ARRAY asks of its elements.
-fn check_sub_numbers(
-    object: &Object,
-    section: &Section,
-    sections: &Sections<'_>,
-    broken: &BTreeSet<(u16, u8)>,
-    findings: &mut Findings,
-) {
-    let index = object.index;
-    if let Some(key) = section.key("CompactSubObj")
-        && Number::parse(&key.value).is_ok_and(|number| number.value != 0)
-    {
-        findings.error(
-            key.line,
-            "CompactSubObj is not supported: write the sub-indices out",
-        );
-        return;
-    }
-    let subs: Vec<u8> = sections
-        .subs
-        .range((index, 0)..=(index, u8::MAX))
-        .map(|((_, sub), _)| *sub)
-        .collect();
-    let sub_number = section.key("SubNumber");
-    match sub_number.map(|key| (key.line, Number::parse(&key.value))) {
-        Some((line, Err(message))) => findings.error(line, message),
-        Some((line, Ok(number))) if number.value != subs.len() as i128 => {
-            findings.error(
-                line,
-                format!(
-                    "SubNumber is {}, but {index:04X}h has {} sub sections",
-                    number.value,
-                    subs.len()
-                ),
-            );
-        }
-        None if object.object_type != ObjectType::Var => {
-            findings.error(
-                section.line,
-                format!("`SubNumber` is missing in [{}]", section.name),
-            );
-        }
-        None if !subs.is_empty() => findings.error(
-            section.line,
-            format!("{index:04X}h is a VAR: it has no sub-indices"),
-        ),
-        Some((line, Ok(number))) if object.object_type == ObjectType::Var && number.value != 0 => {
-            findings.error(
-                line,
-                format!("{index:04X}h is a VAR: it has no sub-indices"),
-            );
-        }
-        _ => {}
-    }
-    if object.object_type == ObjectType::Var || broken.contains(&(index, 0)) {
-        return;
-    }
-    let Some(first) = object.entries.first().filter(|entry| entry.sub == 0) else {
-        findings.error(section.line, format!("{index:04X}h has no sub-index 0"));
-        return;
+) -> Option<Object> {
+    let object_type = object_type(section, findings)?;
+    let is_type = matches!(object_type, ObjectType::DefType | ObjectType::DefStruct);
+    let count = number(section, "CompactSubObj", (0, 254), findings)
+        .and_then(|count| u8::try_from(count).ok())
+        .filter(|count| *count > 0);
+    let is_value = match object_type {
+        ObjectType::Null => false,
+        ObjectType::DefType => section.key("AccessType").is_some(),
+        _ => !object_type.has_subs() || count.is_some(),
     };
-    check_highest(
+    let mut object = Object {
         index,
-        first,
-        subs.last().copied().unwrap_or_default(),
-        findings,
-    );
-    if object.object_type == ObjectType::Array {
-        let mut elements = object.entries.iter().skip(1);
-        if let Some(model) = elements.next() {
-            for odd in elements.filter(|entry| entry.data_type != model.data_type) {
-                let (is, should) = (odd.data_type.name(), model.data_type.name());
-                findings.error(
-                    odd.line,
-                    format!(
-                        "an ARRAY has one type: {index:04X}h:{:X} is {is}, not {should}",
-                        odd.sub
-                    ),
-                );
+        object_type,
+        ..Object::default()
+    };
+    if is_value {
+        // Name, places and keys are looked after with the value.
+        let name = section.key("ParameterName");
+        object.name = name.map_or_else(
+            || format!("Object {index:04X}h"),
+            |key| key.value.to_string(),
+        );
+        object.places = quiet_places(section);
+    } else {
+        object.places = entry::places(section, sections.is_dcf, findings);
+        object.name = entry::parameter_name(section, (index, 0), findings);
+        object.flags = entry::object_flags(section, findings);
+        object.notes = entry::notes(section);
+        object.denotation = (section.key("Denotation").filter(|_| sections.is_dcf))
+            .map(|key| key.value.to_string());
+    }
+    if object_type.has_subs() {
+        object.data_type = number(section, "DataType", (0, 0xFFFF), findings)
+            .and_then(|code| u16::try_from(code).ok());
+    }
+    match (object_type, count) {
+        (_, Some(count)) if object_type.has_subs() => {
+            compact::expand(&mut object, section, sections, count, broken, findings);
+            read_subs(&mut object, section, sections, broken, findings);
+        }
+        _ if object_type.has_subs() => {
+            read_subs(&mut object, section, sections, broken, findings);
+            check_sub_number(&object, section, sections, findings);
+        }
+        _ => {
+            check_no_subs(&object, section, sections, findings);
+            if is_value {
+                let context = Context {
+                    index,
+                    sub: 0,
+                    is_dcf: sections.is_dcf,
+                    is_domain: object_type == ObjectType::Domain,
+                };
+                match entry::read(section, context, findings) {
+                    Some(entry) => object.entries.push(entry),
+                    None => _ = broken.entries.insert((index, 0)),
+                }
             }
         }
     }
+    if object_type.has_subs() && !is_type && !broken.objects.contains(&index) {
+        check_sub_0(&mut object, section, broken, findings);
+        check_array(&object, findings);
+    }
+    Some(object)
 }
 
-/// Sub-index 0 is the number of the highest one; where it can change (1003h, PDO mappings), it is not above it.
-fn check_highest(index: u16, first: &Entry, highest: u8, findings: &mut Findings) {
-    if first.data_type != DataType::Unsigned8 {
-        findings.error(
-            first.line,
-            format!(
-                "{index:04X}h:0 is {}, not UNSIGNED8",
-                first.data_type.name()
-            ),
+fn quiet_places(section: &Section<'_>) -> Places {
+    let mut places = Places::new(section.span);
+    for key in &section.keys {
+        if let Some(field) = Field::from_name(&key.name).filter(|_| !key.value.is_empty()) {
+            places.put(field, key.span);
+        }
+    }
+    places
+}
+
+fn object_type(section: &Section<'_>, findings: &mut Findings) -> Option<ObjectType> {
+    let Some(key) = section.key("ObjectType") else {
+        return Some(ObjectType::Var);
+    };
+    let code = findings.take(&rule::OBJECT_TYPE, key.span, Number::parse(&key.value))?;
+    let object_type = ObjectType::from_code(code.value);
+    if object_type.is_none() {
+        let message = format!("ObjectType {} is no kind of object", key.value);
+        let finding = findings.report(&rule::OBJECT_TYPE, key.span, message);
+        finding.help(
+            "0x0 NULL, 0x2 DOMAIN, 0x5 DEFTYPE, 0x6 DEFSTRUCT, 0x7 VAR, 0x8 ARRAY, 0x9 RECORD",
         );
+    }
+    object_type
+}
+
+fn read_subs(
+    object: &mut Object,
+    section: &Section<'_>,
+    sections: &Sections<'_>,
+    broken: &mut Broken,
+    findings: &mut Findings,
+) {
+    let index = object.index;
+    let is_compact = !object.entries.is_empty();
+    // `;Storage=` of an object is for all its sub-indices that do not say otherwise.
+    let storage = entry::storage_note(section, findings).flatten();
+    for ((_, sub), section) in sections.subs.range((index, 0)..=(index, u8::MAX)) {
+        if is_compact {
+            let message = format!("{index:04X}h has CompactSubObj and sub sections");
+            findings.report(&rule::COMPACT_AND_SUBS, section.span, message);
+        }
+        if *sub == u8::MAX {
+            let message = "sub-index FFh is reserved";
+            findings.report(&rule::SUB_FF, section.span, message);
+        }
+        let kind = object_type(section, findings);
+        if let Some(kind) =
+            kind.filter(|kind| !matches!(kind, ObjectType::Var | ObjectType::Domain))
+        {
+            let span = section
+                .key("ObjectType")
+                .map_or(section.span, |key| key.span);
+            let message = format!(
+                "ObjectType of a sub-index is 0x7 (VAR), not {}",
+                kind.name()
+            );
+            findings.report(&rule::SUB_OBJECT_TYPE, span, message);
+        }
+        let context = Context {
+            index,
+            sub: *sub,
+            is_dcf: sections.is_dcf,
+            is_domain: kind == Some(ObjectType::Domain),
+        };
+        let Some(mut entry) = entry::read(section, context, findings) else {
+            broken.entries.insert((index, *sub));
+            continue;
+        };
+        if let Some((_, group)) = storage
+            && entry.note("Storage").is_none()
+            && entry.access.is_writable()
+        {
+            entry.storage = group;
+        }
+        match object.entries.binary_search_by_key(sub, |entry| entry.sub) {
+            Ok(at) => object.entries[at] = entry,
+            Err(at) => object.entries.insert(at, entry),
+        }
+    }
+}
+
+/// SubNumber is how many sub sections there are.
+fn check_sub_number(
+    object: &Object,
+    section: &Section<'_>,
+    sections: &Sections<'_>,
+    findings: &mut Findings,
+) {
+    let index = object.index;
+    let count = sections.subs.range((index, 0)..=(index, u8::MAX)).count();
+    let Some(key) = section.key("SubNumber") else {
+        let message = format!("`SubNumber` is missing in [{}]", section.name);
+        let finding = findings.report(&rule::NO_SUB_NUMBER, section.span, message);
+        finding.help(format!("write SubNumber={count}"));
+        return;
+    };
+    match Number::parse(&key.value) {
+        Ok(number) if number.value == count as i128 => {}
+        Ok(number) => {
+            let number = number.value;
+            let message =
+                format!("SubNumber is {number}, but {index:04X}h has {count} sub sections");
+            let finding = findings.report(&rule::SUB_NUMBER, key.span, message);
+            finding.help(format!("write SubNumber={count}"));
+        }
+        Err(message) => _ = findings.report(&rule::SUB_NUMBER, key.span, message),
+    }
+}
+
+/// A VAR, a DOMAIN and the like have no sub-indices.
+fn check_no_subs(
+    object: &Object,
+    section: &Section<'_>,
+    sections: &Sections<'_>,
+    findings: &mut Findings,
+) {
+    let (index, kind) = (object.index, object.object_type.name());
+    let mut subs = sections.subs.range((index, 0)..=(index, u8::MAX));
+    let stated = section.key("SubNumber").filter(|key| {
+        let number = Number::parse(&key.value);
+        number.is_ok_and(|number| number.value != 0)
+    });
+    let span = match (stated, subs.next()) {
+        (Some(key), _) => key.span,
+        (None, Some((_, sub))) => sub.span,
+        (None, None) => return,
+    };
+    let message = format!("{index:04X}h is a {kind}: it has no sub-indices");
+    findings.report(&rule::SUBS_OF_A_VARIABLE, span, message);
+}
+
+/// Sub-index 0 is there, and is the number of the highest one.
+fn check_sub_0(
+    object: &mut Object,
+    section: &Section<'_>,
+    broken: &Broken,
+    findings: &mut Findings,
+) {
+    let index = object.index;
+    let named = |entry: &&Entry| entry.sub != u8::MAX;
+    let highest = object.entries.iter().rfind(named);
+    let highest = highest.map_or(0, |entry| entry.sub);
+    // A sub-index that could not be read counts too.
+    let unread = broken
+        .entries
+        .range((index, 0)..(index, u8::MAX))
+        .next_back();
+    let highest = highest.max(unread.map_or(0, |(_, sub)| *sub));
+    if broken.entries.contains(&(index, 0)) {
+        return;
+    }
+    let Some(first) = object.entry(0) else {
+        let message = format!("{index:04X}h has no sub-index 0");
+        let finding = findings.report(&rule::NO_SUB_0, section.span, message);
+        finding.help(format!(
+            "add [{index:04X}sub0] with DataType=0x0005, AccessType=const, DefaultValue={highest}"
+        ));
+        let mut first = Entry::new(0, "Highest sub-index supported", DataType::Unsigned8);
+        first.access = Access::Constant;
+        first.default = DefaultValue::number(highest.into());
+        first.places = Places::new(section.span);
+        object.entries.insert(0, first);
+        return;
+    };
+    if first.data_type != DataType::Unsigned8 {
+        let name = first.data_type.name();
+        let message = format!("{index:04X}h:0 is {name}, not UNSIGNED8");
+        findings.report(&rule::SUB_0_TYPE, first.places.of(Field::DataType), message);
         return;
     }
     let default = first.default_number().unwrap_or_default();
     let is_fixed = matches!(first.access, Access::Constant | Access::ReadOnly) && index != 0x1003;
-    if is_fixed && default != i128::from(highest) {
-        findings.error(
-            first.line,
-            format!("{index:04X}h:0 is {default}, but the highest sub-index is {highest}"),
-        );
+    let message = if is_fixed && default != i128::from(highest) {
+        format!("{index:04X}h:0 is {default}, but the highest sub-index is {highest}")
     } else if default > i128::from(highest) {
-        findings.error(
-            first.line,
-            format!("{index:04X}h:0 is {default}, above the highest sub-index {highest}"),
+        format!("{index:04X}h:0 is {default}, above the highest sub-index {highest}")
+    } else {
+        return;
+    };
+    let finding = findings.report(
+        &rule::SUB_0_VALUE,
+        first.places.of(Field::DefaultValue),
+        message,
+    );
+    finding.help(format!("write DefaultValue={highest}"));
+}
+
+/// The elements of an ARRAY have one type.
+fn check_array(object: &Object, findings: &mut Findings) {
+    if object.object_type != ObjectType::Array {
+        return;
+    }
+    let index = object.index;
+    let mut elements = object.entries.iter().filter(|entry| entry.sub != 0);
+    let Some(model) = elements.next() else {
+        return;
+    };
+    for odd in elements.filter(|entry| entry.data_type != model.data_type) {
+        let (is, should, sub) = (odd.data_type.name(), model.data_type.name(), odd.sub);
+        let message = format!("an ARRAY has one type: {index:04X}h:{sub:X} is {is}, not {should}");
+        findings.report(
+            &rule::ARRAY_OF_MANY_TYPES,
+            odd.places.of(Field::DataType),
+            message,
         );
     }
 }

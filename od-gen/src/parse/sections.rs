@@ -1,57 +1,82 @@
 //! Which section of a data sheet is what.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use crate::diagnostic::Findings;
-use crate::ini::Section;
+use crate::document::{Document, Section};
+use crate::number::Number;
+use crate::rules::{reading, structure, value};
+use crate::source::Span;
 
 /// The sections of a data sheet by meaning.
 #[derive(Debug, Default)]
 pub(super) struct Sections<'a> {
-    pub(super) device_info: Option<&'a Section>,
-    pub(super) dummy_usage: Option<&'a Section>,
-    pub(super) mandatory: Option<&'a Section>,
-    pub(super) optional: Option<&'a Section>,
-    pub(super) manufacturer: Option<&'a Section>,
+    /// Whether the file is the configuration of one device.
+    pub(super) is_dcf: bool,
+    pub(super) file_info: Option<&'a Section<'a>>,
+    pub(super) device_info: Option<&'a Section<'a>>,
+    pub(super) commissioning: Option<&'a Section<'a>>,
+    pub(super) dummy_usage: Option<&'a Section<'a>>,
+    pub(super) comments: Option<&'a Section<'a>>,
+    pub(super) mandatory: Option<&'a Section<'a>>,
+    pub(super) optional: Option<&'a Section<'a>>,
+    pub(super) manufacturer: Option<&'a Section<'a>>,
     /// `[1018]` by index.
-    pub(super) objects: BTreeMap<u16, &'a Section>,
+    pub(super) objects: BTreeMap<u16, &'a Section<'a>>,
     /// `[1018sub1]` by index and sub-index.
-    pub(super) subs: BTreeMap<(u16, u8), &'a Section>,
+    pub(super) subs: BTreeMap<(u16, u8), &'a Section<'a>>,
+    /// `[1003Name]`, `[1003Value]`, `[1003Denotation]` by index.
+    pub(super) compact: BTreeMap<(u16, CompactList), &'a Section<'a>>,
+}
+
+/// The lists that go with CompactSubObj.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum CompactList {
+    Name,
+    Value,
+    Denotation,
 }
 
 impl<'a> Sections<'a> {
-    pub(super) fn sort(sections: &'a [Section], findings: &mut Findings) -> Self {
-        let mut sorted = Self::default();
-        let mut has_file_info = false;
-        for section in sections {
-            match section.name.to_ascii_lowercase().as_str() {
-                "fileinfo" => {
-                    has_file_info = true;
-                    check_keys(section, &FILE_INFO_KEYS, findings);
+    pub(super) fn sort(document: &'a Document<'a>, file: &str, findings: &mut Findings) -> Self {
+        let extension = file.rsplit_once('.').map_or("", |(_, extension)| extension);
+        let mut sorted = Self {
+            is_dcf: extension.eq_ignore_ascii_case("dcf"),
+            ..Self::default()
+        };
+        for section in &document.sections {
+            let place = match section.name.to_ascii_lowercase().as_str() {
+                "fileinfo" => &mut sorted.file_info,
+                "deviceinfo" => &mut sorted.device_info,
+                // CiA 306 spells it like this.
+                "devicecomissioning" | "devicecommissioning" => &mut sorted.commissioning,
+                "dummyusage" => &mut sorted.dummy_usage,
+                "comments" => &mut sorted.comments,
+                "mandatoryobjects" => &mut sorted.mandatory,
+                "optionalobjects" => &mut sorted.optional,
+                "manufacturerobjects" => &mut sorted.manufacturer,
+                name => {
+                    sorted.sort_object(name, section, findings);
+                    continue;
                 }
-                "deviceinfo" => sorted.device_info = Some(section),
-                "dummyusage" => sorted.dummy_usage = Some(section),
-                "comments" => {}
-                "mandatoryobjects" => sorted.mandatory = Some(section),
-                "optionalobjects" => sorted.optional = Some(section),
-                "manufacturerobjects" => sorted.manufacturer = Some(section),
-                name => sorted.sort_object(name, section, findings),
-            }
+            };
+            *place = Some(section);
         }
-        for (name, is_there) in [
-            ("FileInfo", has_file_info),
-            ("DeviceInfo", sorted.device_info.is_some()),
-            ("MandatoryObjects", sorted.mandatory.is_some()),
+        sorted.is_dcf |= sorted.commissioning.is_some();
+        for (name, section) in [
+            ("FileInfo", sorted.file_info),
+            ("DeviceInfo", sorted.device_info),
+            ("MandatoryObjects", sorted.mandatory),
         ] {
-            if !is_there {
-                findings.error(1, format!("the section [{name}] is missing"));
+            if section.is_none() {
+                let message = format!("the section [{name}] is missing");
+                findings.report(&structure::MISSING_SECTION, Span::START, message);
             }
         }
         sorted
     }
 
-    fn sort_object(&mut self, name: &str, section: &'a Section, findings: &mut Findings) {
-        let line = section.line;
+    fn sort_object(&mut self, name: &str, section: &'a Section<'a>, findings: &mut Findings) {
         match ObjectName::parse(name) {
             Some(ObjectName::Object(index)) => {
                 self.objects.entry(index).or_insert(section);
@@ -59,37 +84,21 @@ impl<'a> Sections<'a> {
             Some(ObjectName::Sub(index, sub)) => {
                 self.subs.entry((index, sub)).or_insert(section);
             }
-            Some(ObjectName::DataType(index)) => {
-                findings.error(
-                    line,
-                    format!("{index:04X}h defines a data type, which is not supported"),
-                );
+            Some(ObjectName::Compact(index, list)) => {
+                self.compact.entry((index, list)).or_insert(section);
             }
-            Some(ObjectName::Compact) => {
-                let message = format!(
-                    "compact sub-indices are not supported: write [{}] out as sub sections",
-                    section.name
-                );
-                findings.error(line, message);
+            None => {
+                let message = format!("the section [{}] is not known", section.name);
+                findings.report(&reading::UNKNOWN_SECTION, section.span, message);
             }
-            None => findings.error(
-                line,
-                format!("the section [{}] is not supported", section.name),
-            ),
         }
-    }
-
-    /// All indices that have a section.
-    pub(super) fn indices(&self) -> BTreeSet<u16> {
-        self.objects.keys().copied().collect()
     }
 }
 
 enum ObjectName {
     Object(u16),
     Sub(u16, u8),
-    DataType(u16),
-    Compact,
+    Compact(u16, CompactList),
 }
 
 impl ObjectName {
@@ -101,56 +110,59 @@ impl ObjectName {
             return None;
         }
         let index = u16::from_str_radix(digits, 16).ok()?;
-        match rest {
-            _ if index < 0x1000 => Some(Self::DataType(index)),
-            "" => Some(Self::Object(index)),
-            "name" | "value" | "denotation" => Some(Self::Compact),
+        Some(match rest {
+            "" => Self::Object(index),
+            "name" => Self::Compact(index, CompactList::Name),
+            "value" => Self::Compact(index, CompactList::Value),
+            "denotation" => Self::Compact(index, CompactList::Denotation),
             _ => {
                 let sub = rest.strip_prefix("sub").filter(|sub| is_hexadecimal(sub))?;
-                Some(Self::Sub(index, u8::from_str_radix(sub, 16).ok()?))
+                Self::Sub(index, u8::from_str_radix(sub, 16).ok()?)
             }
+        })
+    }
+}
+
+/// Reports keys that are not in the list: nothing is dropped in silence.
+pub(super) fn check_keys(section: &Section<'_>, known: &[&str], findings: &mut Findings) {
+    for key in &section.keys {
+        if !known
+            .iter()
+            .any(|name| name.eq_ignore_ascii_case(&key.name))
+        {
+            unknown_key(&key.name, section, key.name_span, findings);
         }
     }
 }
 
-const FILE_INFO_KEYS: [&str; 11] = [
-    "FileName",
-    "FileVersion",
-    "FileRevision",
-    "EDSVersion",
-    "Description",
-    "CreationTime",
-    "CreationDate",
-    "CreatedBy",
-    "ModificationTime",
-    "ModificationDate",
-    "ModifiedBy",
-];
+/// Reports a key that means nothing.
+pub(super) fn unknown_key(key: &str, section: &Section<'_>, span: Span, findings: &mut Findings) {
+    let message = format!("`{key}` in [{}] is not known", section.name);
+    findings.report(&reading::UNKNOWN_KEY, span, message);
+}
 
-/// Keys that belong to a configured device (DCF), not to a data sheet.
-const DCF_KEYS: [&str; 5] = [
-    "ParameterValue",
-    "UploadFile",
-    "DownloadFile",
-    "Denotation",
-    "ParamRefd",
-];
-
-/// Reports keys that are not in the list: nothing is dropped in silence.
-pub(super) fn check_keys(section: &Section, known: &[&str], findings: &mut Findings) {
-    for key in &section.keys {
-        let is_in = |list: &[&str]| list.iter().any(|name| name.eq_ignore_ascii_case(&key.name));
-        if is_in(known) {
-            continue;
-        }
-        let why = if is_in(&DCF_KEYS) {
-            "belongs to a DCF, not to an EDS"
-        } else {
-            "is not supported here"
-        };
-        findings.error(
-            key.line,
-            format!("`{}` in [{}] {why}", key.name, section.name),
-        );
+/// A key's number between `low` and `high`; `None` when it is not there or wrong.
+pub(super) fn number(
+    section: &Section<'_>,
+    name: &str,
+    (low, high): (i128, i128),
+    findings: &mut Findings,
+) -> Option<i128> {
+    let key = section.key(name)?;
+    let spelled = Number::parse(&key.value).map_err(|why| format!("{name}: {why}"));
+    let value = findings
+        .take(&value::NOT_A_NUMBER, key.span, spelled)?
+        .value;
+    if (low..=high).contains(&value) {
+        return Some(value);
     }
+    let message = format!("{name}: {} is not between {low} and {high}", key.value);
+    findings.report(&value::OUT_OF_RANGE, key.span, message);
+    None
+}
+
+/// A key's text; empty when it is not there.
+pub(super) fn text(section: &Section<'_>, name: &str) -> String {
+    let key = section.key(name);
+    key.map_or_else(String::new, |key| key.value.to_string())
 }

@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 
-use super::*;
 use crate::data_type::DataType;
-use crate::model::{Access, DefaultValue};
+use crate::model::{Access, DefaultValue, Entry, Model};
+use crate::report::{Report, parse};
 
 mod cob_ids;
 mod dictionary;
@@ -12,16 +12,16 @@ mod entries;
 
 const SMALL: &str = include_str!("../../../tests/data/small.eds");
 
-/// The findings, one a line, after `old` (which is there once) has become `new`.
+/// The findings, one a line as `line: message`, after `old` (which is there once) has become `new`.
 fn findings(old: &str, new: &str) -> String {
     assert_eq!(SMALL.matches(old).count(), 1, "{old}");
-    let text = SMALL.replacen(old, new, 1);
-    let findings = parse("small.eds", &text).map_or_else(|findings| findings, |_| Vec::new());
-    findings
-        .iter()
-        .map(ToString::to_string)
-        .collect::<Vec<_>>()
-        .join("\n")
+    said(&Report::new("small.eds", &SMALL.replacen(old, new, 1)))
+}
+
+fn said(report: &Report) -> String {
+    let findings = report.findings.iter();
+    let lines = findings.map(|finding| format!("{}: {}", finding.span.line, finding.message));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// The line on which `text` begins.
@@ -29,12 +29,19 @@ fn line_of(text: &str) -> usize {
     SMALL[..SMALL.find(text).unwrap()].lines().count() + 1
 }
 
-/// One change, one finding, on the line of `at`.
+/// One change, one finding, on the line of `at` or below it in the same section.
 #[track_caller]
 fn finds(old: &str, new: &str, at: &str, message: &str) {
-    assert_eq!(
-        findings(old, new),
-        format!("small.eds:{}: error: {message}", line_of(at))
+    let said = findings(old, new);
+    let (line, found) = said.split_once(": ").unwrap_or(("0", "nothing"));
+    assert_eq!(found, message);
+    let first = line_of(at);
+    let below = SMALL.lines().skip(first);
+    let last = first + below.take_while(|line| !line.starts_with('[')).count() + 1;
+    let line: usize = line.parse().unwrap();
+    assert!(
+        (first..=last).contains(&line),
+        "line {line} is not in {first}..={last}"
     );
 }
 
@@ -113,7 +120,7 @@ fn limits_as_wide_as_the_type_are_none() {
     let model = small();
     let limits = |index, sub| {
         let entry = model.entry(index, sub).unwrap();
-        (entry.low_limit, entry.high_limit)
+        entry.integer_limits()
     };
     assert_eq!(limits(0x2003, 0), (None, None));
     assert_eq!(limits(0x2005, 0), (Some(1), None));
@@ -191,19 +198,44 @@ fn o04_line_ends_byte_order_mark_and_letter_case_do_not_matter() {
 }
 
 #[test]
-fn o04_compact_sub_indices_are_refused_with_their_line() {
-    finds(
-        "ObjectType=8\nSubNumber=3",
-        "ObjectType=8\nCompactSubObj=3",
-        "SubNumber=3\n\n[200ASub0]",
-        "CompactSubObj is not supported: write the sub-indices out",
+fn o04_compact_sub_indices_are_written_out() {
+    let start = SMALL.find("[200A]").unwrap();
+    let end = SMALL.find("[200B]").unwrap();
+    let compact = "[200A]\nParameterName=Table\nObjectType=8\nCompactSubObj=3\nDataType=4\nAccessType=rw\n\
+                   LowLimit=-5\nDefaultValue=7\nPDOMapping=1\n\
+                   [200aName]\nNrOfEntries=1\n2=Second\n\
+                   [200AValue]\nNrOfEntries=2\n1=0x10\n3=-6\n";
+    let text = format!("{}{compact}{}", &SMALL[..start], &SMALL[end..]);
+    let model = parse("small.eds", &text).unwrap();
+    let object = model.object(0x200A).unwrap();
+    let rows = object.entries.iter().map(|entry| {
+        let default = entry.default_number().unwrap();
+        (entry.sub, entry.name.as_str(), entry.data_type, default)
+    });
+    assert_eq!(
+        rows.collect::<Vec<_>>(),
+        [
+            (0, "NrOfObjects", DataType::Unsigned8, 3),
+            (1, "Table1", DataType::Integer32, 16),
+            (2, "Second", DataType::Integer32, 7),
+            (3, "Table3", DataType::Integer32, -6),
+        ]
+    );
+    assert!(object.entries[1..].iter().all(Entry::is_rpdo_mappable));
+
+    let wrong = text
+        .replace("3=-6", "4=-6")
+        .replace("[200aName]\nNrOfEntries=1", "[200aName]\nNrOfEntries=2");
+    assert_eq!(
+        said(&Report::new("small.eds", &wrong)),
+        "283: NrOfEntries is 2, but 1 are listed\n288: `4` is no sub-index of 200Ah"
     );
     let section = "[200B]\nParameterName=Flag";
     finds(
         section,
         "[200AName]\n[200B]\nParameterName=Flag",
         section,
-        "compact sub-indices are not supported: write [200AName] out as sub sections",
+        "[200AName] goes with CompactSubObj in [200A]",
     );
 }
 
@@ -244,7 +276,7 @@ fn lines_that_are_nothing_are_found() {
         "EDSVersion=4.0",
         "EDSVersion=4.0 ; old",
         "EDSVersion",
-        "a comment takes a line of its own: move `;` out of `EDSVersion`",
+        "the value of `EDSVersion` is read as `4.0`, up to the `;`",
     );
 }
 
@@ -264,7 +296,7 @@ fn control_characters_are_found_and_do_no_other_harm() {
             format!("Param{control}eterName=Flag"),
             format!(";a comment{control}!\nParameterName=Flag"),
         ] {
-            let message = format!("control character U+{code}: remove it");
+            let message = format!("control character U+{code} is left out");
             finds(old, &new, old, &message);
         }
     }
@@ -277,57 +309,43 @@ fn nothing_may_be_there_twice() {
         "[ManufacturerObjects]",
         "[1000]\n[ManufacturerObjects]",
         "[ManufacturerObjects]",
-        "section [1000] is already on line 31",
+        "the section [1000] is already on line 31",
     );
     finds(
         "FileRevision=0",
         "FILEVERSION=0",
         "FileRevision",
-        "`FILEVERSION` is already on line 4",
+        "`FILEVERSION` is already on line 4, as `1`",
     );
     let findings = findings(
         "SupportedObjects=3\n1=0x1000\n2=0x1001\n",
         "SupportedObjects=3\n1=0x1000\n2=0x1000\n",
     );
     assert!(
-        findings.contains("small.eds:28: error: 1000h is already listed on line 27"),
+        findings.contains("28: 1000h is already listed on line 27"),
         "{findings}"
     );
 }
 
 #[test]
-fn what_is_not_supported_is_never_dropped() {
+fn what_is_not_known_is_never_dropped() {
     let section = "[ManufacturerObjects]";
     let with = |name: &str| format!("{name}\n{section}");
+    for name in ["Vendor", "1000subG", "1000subFFF", "10G0"] {
+        let message = format!("the section [{name}] is not known");
+        finds(section, &with(&format!("[{name}]")), section, &message);
+    }
     finds(
         section,
-        &with("[Tools]"),
+        &with("[2FFF]\nParameterName=x\nObjectType=5"),
         section,
-        "the section [Tools] is not supported",
+        "2FFFh is not listed in [ManufacturerObjects]\n192: 2FFFh defines a data type: it must be below 1000h",
     );
     finds(
         section,
-        &with("[DynamicChannels]"),
+        &with("[0005]\nParameterName=x\nDataType=5\nAccessType=rw"),
         section,
-        "the section [DynamicChannels] is not supported",
-    );
-    finds(
-        section,
-        &with("[0005]"),
-        section,
-        "0005h defines a data type, which is not supported",
-    );
-    finds(
-        section,
-        &with("[1000subG]"),
-        section,
-        "the section [1000subG] is not supported",
-    );
-    finds(
-        "EDSVersion=4.0",
-        "LastEDS=old.eds",
-        "EDSVersion",
-        "`LastEDS` in [FileInfo] is not supported here",
+        "0005h is below 1000h: it must be a DEFTYPE or a DEFSTRUCT",
     );
     finds(
         "Granularity=8",
@@ -339,7 +357,7 @@ fn what_is_not_supported_is_never_dropped() {
         "Granularity=8",
         "BaudRate_100=1",
         "Granularity",
-        "`BaudRate_100` in [DeviceInfo] is not supported here",
+        "`BaudRate_100` in [DeviceInfo] is not known",
     );
     finds(
         "Granularity=8",
@@ -349,9 +367,9 @@ fn what_is_not_supported_is_never_dropped() {
     );
     finds(
         "Dummy0006=0",
-        "Dummy0008=0",
+        "Dummy00AA=0",
         "Dummy0006",
-        "`Dummy0008` in [DummyUsage] is not supported",
+        "`Dummy00AA` in [DummyUsage] is no data type",
     );
     let default = "DefaultValue=hello";
     finds(
@@ -386,10 +404,13 @@ fn sections_that_must_be_there_are_missed() {
 #[test]
 fn all_findings_come_in_one_run_in_the_order_of_the_file() {
     let text = SMALL
-        .replace("DataType=0x0001", "DataType=0x0008")
+        .replace("DataType=0x0001", "DataType=0x0028")
         .replace("FileVersion=1", "?");
     let findings = parse("small.eds", &text).unwrap_err();
-    let lines: Vec<usize> = findings.iter().map(|finding| finding.line).collect();
+    let lines: Vec<usize> = findings
+        .iter()
+        .map(|finding| finding.span.line as usize)
+        .collect();
     let flag = line_of("[200B]\n") + 2;
     assert_eq!(
         lines,
@@ -416,7 +437,7 @@ fn the_dictionary_has_room_for_16_bit_offsets() {
     assert_eq!(findings.len(), 1);
     assert_eq!(
         findings[0].to_string(),
-        "big.eds:1: error: the values of the dictionary take more than 64 KiB"
+        "big.eds:1:1: error[dictionary-too-large]: the values of the dictionary take more than 64 KiB"
     );
 }
 
@@ -431,8 +452,8 @@ proptest! {
         let text = format!("{}{put}{}", &SMALL[..at], &SMALL[end..]);
         if let Err(findings) = parse("spoiled.eds", &text) {
             prop_assert!(!findings.is_empty());
-            prop_assert!(findings.is_sorted_by_key(|finding| finding.line));
-            prop_assert!(findings.iter().all(|finding| (1..=text.lines().count().max(1)).contains(&finding.line)));
+            prop_assert!(findings.is_sorted_by_key(|finding| finding.span));
+            prop_assert!(findings.iter().all(|finding| (1..=text.lines().count().max(1)).contains(&(finding.span.line as usize))));
         }
     }
 }

@@ -1,10 +1,18 @@
 //! The default COB-IDs are such that the device would take them from a master: base frames, and no restricted identifier
 //! (CiA 301, table 40), whatever the node-ID.
 
-use super::objects::Objects;
-use super::sections::Sections;
+use super::{Rule, Subject};
 use crate::diagnostic::Findings;
-use crate::model::DefaultValue;
+use crate::model::{DefaultValue, Field};
+
+pub(super) const RULES: &[&Rule] = &[&COB_ID];
+
+static COB_ID: Rule = Rule::error(
+    "cob-id",
+    "A default COB-ID is one that the device takes from a master.",
+    "Identifiers have 11 bits, reserved bits are 0, and the identifiers of CiA 301, table 40, belong to other services. A \
+     device that starts with such a COB-ID disturbs the network.",
+);
 
 const SYNC: u16 = 0x1005;
 const EMERGENCY: u16 = 0x1014;
@@ -18,42 +26,42 @@ const IDENTIFIER: u32 = 0x7FF;
 /// A 29-bit identifier: its flag, and the bits that only such a one has.
 const EXTENDED: u32 = 0x3FFF_F800;
 
-pub(super) fn check(sections: &Sections<'_>, objects: &Objects, findings: &mut Findings) {
-    for object in &objects.list {
-        let sub = match object.index {
+pub(super) fn check(subject: &Subject<'_>, findings: &mut Findings) {
+    for object in &subject.model.objects {
+        let index = object.index;
+        let sub = match index {
             SYNC | EMERGENCY => 0,
             0x1400..=0x15FF | 0x1800..=0x19FF => 1,
             _ => continue,
         };
-        let index = object.index;
-        let Some(DefaultValue::Number {
+        let Some(entry) = object.entry(sub) else {
+            continue;
+        };
+        let DefaultValue::Number {
             value,
             adds_node_id,
-        }) = objects.entry(index, sub).map(|entry| &entry.default)
+        } = entry.default
         else {
             continue;
         };
-        let node_ids = if *adds_node_id { 1..=127 } else { 0..=0 };
+        let node_ids = if adds_node_id { 1..=127 } else { 0..=0 };
         let refused = node_ids.into_iter().find_map(|node_id| {
             // A value of another type than the standard's has been reported.
-            let cob_id = u32::try_from(*value + node_id).ok()?;
+            let cob_id = u32::try_from(value + node_id).ok()?;
             refusal(index, cob_id).map(|why| (node_id, cob_id, why))
         });
         let Some((node_id, cob_id, why)) = refused else {
             continue;
         };
-        let with = if *adds_node_id {
+        let with = if adds_node_id {
             format!(" with node-ID {node_id}")
         } else {
             String::new()
         };
-        findings.error(
-            line(sections, index, sub),
-            format!("{index:04X}h:{sub} is {cob_id:08X}h{with}: {why}"),
-        );
+        let message = format!("{index:04X}h:{sub} is {cob_id:08X}h{with}: {why}");
+        findings.report(&COB_ID, entry.places.of(Field::DefaultValue), message);
     }
 }
-
 /// Why the device would refuse this COB-ID.
 fn refusal(index: u16, cob_id: u32) -> Option<String> {
     if cob_id & EXTENDED != 0 {
@@ -74,18 +82,6 @@ fn refusal(index: u16, cob_id: u32) -> Option<String> {
 /// Whether no configurable service may use this 11-bit identifier (CiA 301, table 40).
 fn is_restricted(identifier: u32) -> bool {
     matches!(identifier, 0x000..=0x07F | 0x101..=0x180 | 0x581..=0x5FF | 0x601..=0x67F | 0x6E0..=0x6FF | 0x701..)
-}
-
-/// The line of the default, or of the section that has none.
-fn line(sections: &Sections<'_>, index: u16, sub: u8) -> usize {
-    let section = (sections.subs.get(&(index, sub)))
-        .or_else(|| sections.objects.get(&index))
-        .copied();
-    section.map_or(1, |section| {
-        section
-            .key("DefaultValue")
-            .map_or(section.line, |key| key.line)
-    })
 }
 
 #[cfg(test)]

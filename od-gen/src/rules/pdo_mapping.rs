@@ -1,11 +1,24 @@
 //! The default mappings name objects that a PDO can carry, and fit in a frame.
 
-use super::objects::Objects;
-use super::sections::Sections;
+use super::{Rule, Subject};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
-use crate::model::{Entry, Object};
-use crate::number::Number;
+use crate::model::{Entry, Field, Object};
+
+pub(super) const RULES: &[&Rule] = &[&MAPPING, &MAPPING_LENGTH];
+
+static MAPPING: Rule = Rule::error(
+    "mapping",
+    "A default mapping names an object that is there, with its length, and that goes this way.",
+    "A mapping entry is index, sub-index and length in bits (CiA 301, 7.5.2.36). The object must have PDOMapping=1 and an \
+     access that goes the way of the PDO; a receive PDO can have gaps, named by a data type that DummyUsage allows.",
+);
+
+static MAPPING_LENGTH: Rule = Rule::error(
+    "mapping-length",
+    "A PDO carries at most 64 bits.",
+    "A CAN frame has eight bytes.",
+);
 
 /// Bits in the eight bytes of a frame.
 const FRAME_BITS: i128 = 64;
@@ -16,31 +29,25 @@ enum Direction {
     Transmit,
 }
 
-pub(super) fn check(sections: &Sections<'_>, objects: &Objects, findings: &mut Findings) {
-    let dummies = read_dummies(sections, findings);
-    for object in &objects.list {
+pub(super) fn check(subject: &Subject<'_>, findings: &mut Findings) {
+    for object in &subject.model.objects {
         let direction = match object.index {
             0x1600..=0x17FF => Direction::Receive,
             0x1A00..=0x1BFF => Direction::Transmit,
             _ => continue,
         };
-        check_mapping(object, direction, objects, &dummies, findings);
+        check_mapping(object, direction, subject, findings);
     }
 }
 
 fn check_mapping(
     object: &Object,
     direction: Direction,
-    objects: &Objects,
-    dummies: &[u16],
+    subject: &Subject<'_>,
     findings: &mut Findings,
 ) {
     let number = |entry: &Entry| entry.default_number().unwrap_or_default();
-    let count = object
-        .entries
-        .iter()
-        .find(|entry| entry.sub == 0)
-        .map_or(0, number);
+    let count = object.entry(0).map_or(0, number);
     let mut bits = 0;
     for entry in object.entries.iter().filter(|entry| entry.sub != 0) {
         let value = number(entry);
@@ -51,42 +58,28 @@ fn check_mapping(
         if is_used {
             bits += value & 0xFF;
         }
-        if let Err(why) = check_mapped(value, direction, objects, dummies) {
-            findings.error(
-                entry.line,
-                format!(
-                    "{:04X}h:{} maps {value:08X}h: {why}",
-                    object.index, entry.sub
-                ),
-            );
+        if let Err(why) = check_mapped(value, direction, subject) {
+            let (index, sub) = (object.index, entry.sub);
+            let message = format!("{index:04X}h:{sub} maps {value:08X}h: {why}");
+            findings.report(&MAPPING, entry.places.of(Field::DefaultValue), message);
         }
     }
     if bits > FRAME_BITS {
-        findings.error(
-            object.line,
-            format!(
-                "{:04X}h maps {bits} bits, a PDO carries {FRAME_BITS}",
-                object.index
-            ),
-        );
+        let index = object.index;
+        let message = format!("{index:04X}h maps {bits} bits, a PDO carries {FRAME_BITS}");
+        findings.report(&MAPPING_LENGTH, object.places.section, message);
     }
 }
 
 /// One mapping entry: index, sub-index, length in bits.
-fn check_mapped(
-    value: i128,
-    direction: Direction,
-    objects: &Objects,
-    dummies: &[u16],
-) -> Result<(), String> {
+fn check_mapped(value: i128, direction: Direction, subject: &Subject<'_>) -> Result<(), String> {
     let [high, low, sub, bits] = u32::try_from(value).unwrap_or_default().to_be_bytes();
     let index = u16::from_be_bytes([high, low]);
     let size = if index < 0x1000 {
-        dummy_size(index, sub, direction, dummies)?
+        dummy_size(index, sub, direction, &subject.model.dummies)?
     } else {
-        let Some(entry) = objects.entry(index, sub) else {
-            let is_missing = objects.lacks(index, sub);
-            return if is_missing {
+        let Some(entry) = subject.model.entry(index, sub) else {
+            return if subject.lacks(index, sub) {
                 Err(format!("{index:04X}h:{sub} does not exist"))
             } else {
                 Ok(())
@@ -127,33 +120,4 @@ fn dummy_size(index: u16, sub: u8, direction: Direction, dummies: &[u16]) -> Res
     } else {
         Err(format!("[DummyUsage] does not allow Dummy{index:04X}"))
     }
-}
-
-/// The dummies that DummyUsage allows.
-fn read_dummies(sections: &Sections<'_>, findings: &mut Findings) -> Vec<u16> {
-    let mut dummies = Vec::new();
-    for key in sections
-        .dummy_usage
-        .iter()
-        .flat_map(|section| &section.keys)
-    {
-        let digits = key.name.get(5..).filter(|_| {
-            key.name
-                .get(..5)
-                .is_some_and(|name| name.eq_ignore_ascii_case("Dummy"))
-        });
-        let index = digits.and_then(|digits| u16::from_str_radix(digits, 16).ok());
-        let Some(index) = index.filter(|index| DataType::from_code((*index).into()).is_some())
-        else {
-            findings.error(
-                key.line,
-                format!("`{}` in [DummyUsage] is not supported", key.name),
-            );
-            continue;
-        };
-        if findings.take(key.line, Number::parse_within(&key.value, 0, 1)) == Some(1) {
-            dummies.push(index);
-        }
-    }
-    dummies
 }

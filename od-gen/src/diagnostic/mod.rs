@@ -1,0 +1,121 @@
+//! What is wrong with a data sheet, in the form compilers use.
+
+mod allowances;
+mod render;
+
+use std::fmt;
+
+use crate::rules::Rule;
+use crate::source::Span;
+
+pub(crate) use allowances::Allowances;
+pub use render::{Colour, render};
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// The file can be used as it was read.
+    Warning,
+    /// The file cannot be used.
+    Error,
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Warning => "warning",
+            Self::Error => "error",
+        })
+    }
+}
+
+/// One finding. It shows as `file:line:column: error[rule]: message`; [`render`] shows the line too, and what to do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// The rule that is broken.
+    pub rule: &'static Rule,
+    /// How bad it is.
+    pub severity: Severity,
+    /// The file as its reader named it.
+    pub file: String,
+    /// Where.
+    pub span: Span,
+    /// What is wrong.
+    pub message: String,
+    /// What to do.
+    pub help: Option<String>,
+}
+
+impl Diagnostic {
+    /// Says what to do.
+    pub fn help(&mut self, help: impl Into<String>) {
+        self.help = Some(help.into());
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Span { line, column, .. } = self.span;
+        let (file, severity, rule) = (&self.file, self.severity, self.rule.name);
+        write!(
+            f,
+            "{file}:{line}:{column}: {severity}[{rule}]: {}",
+            self.message
+        )
+    }
+}
+
+impl std::error::Error for Diagnostic {}
+
+/// Collects the findings of one file, so that one run shows them all.
+#[derive(Debug)]
+pub struct Findings {
+    file: String,
+    list: Vec<Diagnostic>,
+}
+
+impl Findings {
+    pub(crate) fn new(file: &str) -> Self {
+        Self {
+            file: file.into(),
+            list: Vec::new(),
+        }
+    }
+
+    /// Adds a finding; its severity is the rule's.
+    pub(crate) fn report(
+        &mut self,
+        rule: &'static Rule,
+        span: Span,
+        message: impl Into<String>,
+    ) -> &mut Diagnostic {
+        let at = self.list.len();
+        self.list.push(Diagnostic {
+            rule,
+            severity: rule.severity,
+            file: self.file.clone(),
+            span,
+            message: message.into(),
+            help: None,
+        });
+        &mut self.list[at]
+    }
+
+    /// The value, or a finding in its place.
+    pub(crate) fn take<T, E: Into<String>>(
+        &mut self,
+        rule: &'static Rule,
+        span: Span,
+        result: Result<T, E>,
+    ) -> Option<T> {
+        result
+            .map_err(|message| _ = self.report(rule, span, message))
+            .ok()
+    }
+
+    /// All findings in the order of the file.
+    pub(crate) fn into_sorted(mut self) -> Vec<Diagnostic> {
+        self.list.sort_by_key(|finding| finding.span);
+        self.list
+    }
+}

@@ -1,0 +1,197 @@
+//! From lines to a [`Document`].
+
+use std::collections::HashMap;
+use std::mem;
+
+use super::{Comment, Document, Key, Section};
+use crate::diagnostic::Findings;
+use crate::rules::reading;
+use crate::source::{Source, Span};
+
+/// Reads the lines of a file.
+pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Document<'a> {
+    let mut reader = Reader {
+        document: Document::default(),
+        lead: Vec::new(),
+        after_blank: true,
+        sections: HashMap::new(),
+        keys: HashMap::new(),
+        findings,
+    };
+    let mut last = 0;
+    for (number, line) in (1..).zip(source.text().lines()) {
+        reader.line(number, line);
+        last = number;
+    }
+    reader.finish(last + 1)
+}
+
+struct Reader<'a, 'f> {
+    document: Document<'a>,
+    /// Comments after a blank line: they belong to the next section, if that comes before the next key.
+    lead: Vec<Comment<'a>>,
+    after_blank: bool,
+    /// Where each name is, in lower case.
+    sections: HashMap<String, u32>,
+    /// Where each key of the present section is, in lower case.
+    keys: HashMap<String, usize>,
+    findings: &'f mut Findings,
+}
+
+impl<'a> Reader<'a, '_> {
+    fn line(&mut self, number: u32, line: &'a str) {
+        let text = line.trim();
+        let span = Span::of(number, line, text);
+        match text.chars().next() {
+            None => self.after_blank = true,
+            Some(';' | '#') => {
+                let text = text.get(1..).unwrap_or_default();
+                self.comment(text, span);
+            }
+            Some('[') => {
+                self.section(text, span);
+                self.after_blank = false;
+            }
+            Some(_) => match text.split_once('=') {
+                Some((name, value)) if !name.trim().is_empty() => {
+                    self.key(number, line, name.trim(), value.trim());
+                    self.after_blank = false;
+                }
+                _ => {
+                    let message =
+                        format!("`{text}` is neither a section nor key=value nor a ;comment");
+                    let finding = self.findings.report(&reading::STRAY_LINE, span, message);
+                    finding.help("remove it, or put `;` in front of it");
+                }
+            },
+        }
+    }
+
+    fn comment(&mut self, text: &'a str, span: Span) {
+        let mut comment = Comment {
+            text: text.into(),
+            span,
+            position: 0,
+        };
+        match self.document.sections.last_mut() {
+            None => self.document.head.push(comment),
+            Some(section) => {
+                comment.position = section.keys.len();
+                if self.after_blank && !section.keys.is_empty() || !self.lead.is_empty() {
+                    self.lead.push(comment);
+                } else {
+                    section.comments.push(comment);
+                }
+            }
+        }
+    }
+
+    fn section(&mut self, text: &'a str, span: Span) {
+        let inner = text.strip_prefix('[').unwrap_or(text);
+        let (name, rest) = inner.split_once(']').unwrap_or((inner, ""));
+        if !inner.ends_with(']') || !rest.is_empty() {
+            let message = format!("`{text}` is not a section: it must end with its `]`");
+            self.findings
+                .report(&reading::UNCLOSED_SECTION, span, message);
+        }
+        let name = name.trim();
+        let first = *self
+            .sections
+            .entry(name.to_ascii_lowercase())
+            .or_insert(span.line);
+        if first != span.line {
+            let message = format!("the section [{name}] is already on line {first}");
+            let finding = self
+                .findings
+                .report(&reading::REPEATED_SECTION, span, message);
+            finding.help("only the first one counts: remove one of them");
+        }
+        self.keys.clear();
+        let lead = mem::take(&mut self.lead);
+        let start = lead.first().map_or(span.line, |comment| comment.span.line);
+        self.close(start);
+        self.document.sections.push(Section {
+            lead,
+            name: name.into(),
+            span,
+            lines: start..u32::MAX,
+            keys: Vec::new(),
+            comments: Vec::new(),
+        });
+    }
+
+    fn key(&mut self, number: u32, line: &'a str, name: &'a str, value: &'a str) {
+        let name_span = Span::of(number, line, name);
+        let Some(section) = self.document.sections.last_mut() else {
+            let message = format!("`{name}` stands before the first section");
+            self.findings
+                .report(&reading::KEY_OUTSIDE, name_span, message);
+            return;
+        };
+        section.comments.append(&mut self.lead);
+        let (value, has_comment) = without_comment(value);
+        let span = Span::of(number, line, value);
+        if has_comment {
+            let message = format!("the value of `{name}` is read as `{value}`, up to the `;`");
+            let finding = self
+                .findings
+                .report(&reading::TRAILING_COMMENT, span, message);
+            finding.help("put the comment on a line of its own: not every reader cuts it off");
+        }
+        let at = section.keys.len();
+        let first = *self.keys.entry(name.to_ascii_lowercase()).or_insert(at);
+        if let Some(first) = section.keys.get(first).filter(|_| first != at) {
+            let (line, known) = (first.span.line, &first.value);
+            let rule = if *known == value {
+                &reading::REPEATED_KEY
+            } else {
+                &reading::CONTRADICTING_KEY
+            };
+            let message = format!("`{name}` is already on line {line}, as `{known}`");
+            let finding = self.findings.report(rule, name_span, message);
+            finding.help("only the first one counts: remove one of them");
+            return;
+        }
+        section.keys.push(Key {
+            name: name.into(),
+            value: value.into(),
+            name_span,
+            span,
+        });
+    }
+
+    /// The present section ends above this line.
+    fn close(&mut self, line: u32) {
+        if let Some(section) = self.document.sections.last_mut() {
+            section.lines.end = line;
+        }
+    }
+
+    fn finish(mut self, end: u32) -> Document<'a> {
+        self.close(end);
+        let lead = mem::take(&mut self.lead);
+        if let Some(section) = self.document.sections.last_mut() {
+            section.comments.extend(lead);
+        }
+        // Of a name that is there twice, the first one counts.
+        let mut seen = std::collections::HashSet::new();
+        self.document
+            .sections
+            .retain(|section| seen.insert(section.name.to_ascii_lowercase()));
+        self.document
+    }
+}
+
+/// A value up to the comment behind it. CiA 306 knows no such comments, most readers do.
+fn without_comment(value: &str) -> (&str, bool) {
+    if value.starts_with(';') {
+        return (value.get(..0).unwrap_or_default(), true);
+    }
+    let at = [" ;", "\t;"]
+        .into_iter()
+        .filter_map(|mark| value.find(mark));
+    match at.min().and_then(|at| value.get(..at)) {
+        Some(before) => (before.trim_end(), true),
+        None => (value, false),
+    }
+}

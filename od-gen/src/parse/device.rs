@@ -1,0 +1,203 @@
+//! The sections that describe the file and the device as a whole (CiA 306, 4.5 and 5).
+
+use super::sections::{Sections, check_keys, number, text};
+use crate::data_type::DataType;
+use crate::diagnostic::Findings;
+use crate::document::Section;
+use crate::model::{Commissioning, DeviceInfo, FileInfo, KeyPlaces};
+use crate::rules::reading;
+
+/// Bit rates that DeviceInfo can name, in kbit/s.
+const BIT_RATES: [u16; 8] = [10, 20, 50, 125, 250, 500, 800, 1000];
+
+const FILE_INFO_KEYS: [&str; 12] = [
+    "FileName",
+    "FileVersion",
+    "FileRevision",
+    "EDSVersion",
+    "Description",
+    "CreationTime",
+    "CreationDate",
+    "CreatedBy",
+    "ModificationTime",
+    "ModificationDate",
+    "ModifiedBy",
+    "LastEDS",
+];
+
+const DEVICE_INFO_KEYS: [&str; 23] = [
+    "VendorName",
+    "VendorNumber",
+    "ProductName",
+    "ProductNumber",
+    "RevisionNumber",
+    "OrderCode",
+    "BaudRate_10",
+    "BaudRate_20",
+    "BaudRate_50",
+    "BaudRate_125",
+    "BaudRate_250",
+    "BaudRate_500",
+    "BaudRate_800",
+    "BaudRate_1000",
+    "SimpleBootUpMaster",
+    "SimpleBootUpSlave",
+    "Granularity",
+    "DynamicChannelsSupported",
+    "CompactPDO",
+    "GroupMessaging",
+    "NrOfRXPDO",
+    "NrOfTXPDO",
+    "LSS_Supported",
+];
+
+const COMMISSIONING_KEYS: [&str; 7] = [
+    "NodeID",
+    "NodeName",
+    "Baudrate",
+    "NetNumber",
+    "NetworkName",
+    "CANopenManager",
+    "LSS_SerialNumber",
+];
+
+/// Reads FileInfo.
+pub(super) fn file_info(sections: &Sections<'_>, findings: &mut Findings) -> FileInfo {
+    let Some(section) = sections.file_info else {
+        return FileInfo::default();
+    };
+    check_keys(section, &FILE_INFO_KEYS, findings);
+    let mut byte = |name: &str| number(section, name, (0, 255), findings).map_or(0, narrow);
+    FileInfo {
+        file_name: text(section, "FileName"),
+        file_version: byte("FileVersion"),
+        file_revision: byte("FileRevision"),
+        eds_version: text(section, "EDSVersion"),
+        description: text(section, "Description"),
+        creation_time: text(section, "CreationTime"),
+        creation_date: text(section, "CreationDate"),
+        created_by: text(section, "CreatedBy"),
+        modification_time: text(section, "ModificationTime"),
+        modification_date: text(section, "ModificationDate"),
+        modified_by: text(section, "ModifiedBy"),
+        last_eds: text(section, "LastEDS"),
+    }
+}
+
+/// A number whose range has been checked.
+fn narrow<T: TryFrom<i128> + Default>(number: i128) -> T {
+    T::try_from(number).unwrap_or_default()
+}
+
+/// Reads DeviceInfo.
+pub(super) fn device_info(sections: &Sections<'_>, findings: &mut Findings) -> DeviceInfo {
+    let Some(section) = sections.device_info else {
+        return DeviceInfo::default();
+    };
+    check_keys(section, &DEVICE_INFO_KEYS, findings);
+    let mut flag = |name: &str| number(section, name, (0, 1), findings) == Some(1);
+    let bit_rates = BIT_RATES
+        .into_iter()
+        .filter(|rate| flag(&format!("BaudRate_{rate}")))
+        .collect();
+    let (simple_boot_up_master, simple_boot_up_slave) =
+        (flag("SimpleBootUpMaster"), flag("SimpleBootUpSlave"));
+    let (group_messaging, lss) = (flag("GroupMessaging"), flag("LSS_Supported"));
+    let mut identity =
+        |name: &str| number(section, name, (0, u32::MAX.into()), findings).map(narrow);
+    let vendor_number = identity("VendorNumber");
+    let product_number = identity("ProductNumber");
+    let revision_number = identity("RevisionNumber");
+    let mut byte =
+        |name: &str, high: i128| number(section, name, (0, high), findings).map_or(0, narrow);
+    let granularity = byte("Granularity", 64);
+    let dynamic_channels = byte("DynamicChannelsSupported", 255);
+    let compact_pdo = byte("CompactPDO", 255);
+    let mut count = |name: &str| number(section, name, (0, 512), findings).map(narrow);
+    let (rpdos, tpdos) = (count("NrOfRXPDO"), count("NrOfTXPDO"));
+    DeviceInfo {
+        vendor_name: text(section, "VendorName"),
+        vendor_number,
+        product_name: text(section, "ProductName"),
+        product_number,
+        revision_number,
+        order_code: text(section, "OrderCode"),
+        bit_rates,
+        simple_boot_up_master,
+        simple_boot_up_slave,
+        granularity,
+        dynamic_channels,
+        compact_pdo,
+        group_messaging,
+        rpdos,
+        tpdos,
+        lss,
+        places: places(section),
+    }
+}
+
+fn places(section: &Section<'_>) -> KeyPlaces {
+    let keys = section.keys.iter().map(|key| (&*key.name, key.span));
+    KeyPlaces::new(section.span, keys)
+}
+
+/// Reads DeviceComissioning.
+pub(super) fn commissioning(
+    sections: &Sections<'_>,
+    findings: &mut Findings,
+) -> Option<Commissioning> {
+    let section = sections.commissioning?;
+    check_keys(section, &COMMISSIONING_KEYS, findings);
+    let mut of = |name: &str, range| number(section, name, range, findings);
+    let largest = i128::from(u32::MAX);
+    Some(Commissioning {
+        node_id: of("NodeID", (1, 127)).map_or(0, narrow),
+        bit_rate: of("Baudrate", (0, 1000)).map_or(0, narrow),
+        net_number: of("NetNumber", (0, largest)).map_or(0, narrow),
+        is_manager: of("CANopenManager", (0, 1)) == Some(1),
+        serial_number: of("LSS_SerialNumber", (0, largest)).map(narrow),
+        node_name: text(section, "NodeName"),
+        network_name: text(section, "NetworkName"),
+    })
+}
+
+/// The dummies that DummyUsage allows.
+pub(super) fn dummies(sections: &Sections<'_>, findings: &mut Findings) -> Vec<u16> {
+    let mut dummies = Vec::new();
+    let Some(section) = sections.dummy_usage else {
+        return dummies;
+    };
+    for key in &section.keys {
+        let name = key.name.to_ascii_lowercase();
+        let digits = name.strip_prefix("dummy");
+        let index = digits.and_then(|digits| u16::from_str_radix(digits, 16).ok());
+        let Some(index) = index.filter(|index| DataType::from_code((*index).into()).is_some())
+        else {
+            let message = format!("`{}` in [{}] is no data type", key.name, section.name);
+            findings.report(&reading::UNKNOWN_KEY, key.name_span, message);
+            continue;
+        };
+        if number(section, &key.name, (0, 1), findings) == Some(1) {
+            dummies.push(index);
+        }
+    }
+    dummies.sort_unstable();
+    dummies.dedup();
+    dummies
+}
+
+/// The lines of the section Comments, in the order of their numbers.
+pub(super) fn comments(sections: &Sections<'_>) -> Vec<String> {
+    let mut lines: Vec<(u32, String)> = Vec::new();
+    for key in sections.comments.iter().flat_map(|section| &section.keys) {
+        let name = key.name.to_ascii_lowercase();
+        if let Some(number) = name
+            .strip_prefix("line")
+            .and_then(|digits| digits.parse().ok())
+        {
+            lines.push((number, key.value.to_string()));
+        }
+    }
+    lines.sort_by_key(|(number, _)| *number);
+    lines.into_iter().map(|(_, text)| text).collect()
+}

@@ -1,0 +1,160 @@
+//! A file with everything that there is to say about it.
+
+use std::path::Path;
+use std::{fmt, fs, io};
+
+use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
+use crate::model::Model;
+use crate::rules::{self, Subject};
+use crate::source::Source;
+use crate::{document, parse as parser};
+
+/// What is known about a file after it has been read and checked.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The text that the findings point into.
+    pub source: Source,
+    /// What the file means, as far as it could be read: whole where there are no errors.
+    pub model: Model,
+    /// What is wrong, in the order of the file.
+    pub findings: Vec<Diagnostic>,
+    /// What the file silences, with the reasons it gives.
+    pub silenced: Vec<(Diagnostic, String)>,
+}
+
+impl Report {
+    /// Reads and checks a file, in whatever encoding and with whatever line ends it comes.
+    ///
+    /// # Errors
+    /// The file cannot be read from its disk.
+    pub fn read(path: &Path) -> io::Result<Self> {
+        let file = path.display().to_string();
+        let bytes = fs::read(path)?;
+        let mut findings = Findings::new(&file);
+        Ok(match Source::decode(&file, &bytes, &mut findings) {
+            Some(source) => Self::of(source, findings),
+            None => Self {
+                source: Source::default(),
+                model: Model::default(),
+                findings: findings.into_sorted(),
+                silenced: Vec::new(),
+            },
+        })
+    }
+
+    /// Checks a text that is at hand. `file` is its name, for the findings.
+    pub fn new(file: &str, text: &str) -> Self {
+        let mut findings = Findings::new(file);
+        let source = Source::new(file, text, &mut findings);
+        Self::of(source, findings)
+    }
+
+    fn of(source: Source, mut findings: Findings) -> Self {
+        let document = document::read(&source, &mut findings);
+        let allowances = Allowances::read(&document, &mut findings);
+        let (model, broken) = parser::parse(&source.file, &document, &mut findings);
+        let subject = Subject {
+            model: &model,
+            broken: &broken,
+        };
+        rules::check(&subject, &mut findings);
+        let mut silenced = allowances.apply(&mut findings);
+        silenced.sort_by_key(|(finding, _)| finding.span);
+        Self {
+            source,
+            model,
+            findings: findings.into_sorted(),
+            silenced,
+        }
+    }
+
+    /// Whether something is wrong that leaves the file unusable.
+    pub fn has_errors(&self) -> bool {
+        self.count(Severity::Error) > 0
+    }
+
+    /// How many findings are this bad.
+    pub fn count(&self, severity: Severity) -> usize {
+        let findings = self.findings.iter();
+        findings
+            .filter(|finding| finding.severity == severity)
+            .count()
+    }
+
+    /// The findings with their lines, one after the other.
+    pub fn render(&self, colour: Colour) -> String {
+        let findings = self.findings.iter();
+        let rendered = findings.map(|finding| render(finding, &self.source, colour) + "\n");
+        rendered.collect::<Vec<_>>().join("\n")
+    }
+
+    /// The model, or the findings when there is an error among them.
+    ///
+    /// # Errors
+    /// All findings, in the order of the file.
+    pub fn into_result(self) -> Result<Model, Vec<Diagnostic>> {
+        if self.has_errors() {
+            Err(self.findings)
+        } else {
+            Ok(self.model)
+        }
+    }
+}
+
+/// Why there is no model.
+#[derive(Debug)]
+pub enum ReadError {
+    /// The file cannot be read.
+    File {
+        /// The file.
+        file: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The file is wrong.
+    Findings(Vec<Diagnostic>),
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File { file, source } => write!(f, "{file}: error: {source}"),
+            Self::Findings(findings) => {
+                for (number, finding) in findings.iter().enumerate() {
+                    let separator = if number == 0 { "" } else { "\n" };
+                    write!(f, "{separator}{finding}")?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl std::error::Error for ReadError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::File { source, .. } => Some(source),
+            Self::Findings(_) => None,
+        }
+    }
+}
+
+/// Reads and checks a data sheet. `file` is its name, for the findings.
+///
+/// # Errors
+/// Everything that is wrong with it, in the order of its lines, when an error is among it.
+pub fn parse(file: &str, text: &str) -> Result<Model, Vec<Diagnostic>> {
+    Report::new(file, text).into_result()
+}
+
+/// Reads and checks a data sheet from a file.
+///
+/// # Errors
+/// The file cannot be read, or everything that is wrong with it when an error is among it.
+pub fn read(path: &Path) -> Result<Model, ReadError> {
+    let report = Report::read(path).map_err(|source| ReadError::File {
+        file: path.display().to_string(),
+        source,
+    })?;
+    report.into_result().map_err(ReadError::Findings)
+}

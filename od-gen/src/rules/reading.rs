@@ -1,0 +1,132 @@
+//! Rules of the text: its encoding, its lines, its keys (CiA 306, 4.3), and the comments that silence findings.
+
+use super::Rule;
+
+pub(crate) const RULES: &[&Rule] = &[
+    &NOT_TEXT,
+    &LATIN_1,
+    &CONTROL_CHARACTER,
+    &STRAY_LINE,
+    &UNCLOSED_SECTION,
+    &KEY_OUTSIDE,
+    &TRAILING_COMMENT,
+    &REPEATED_SECTION,
+    &REPEATED_KEY,
+    &CONTRADICTING_KEY,
+    &UNKNOWN_SECTION,
+    &UNKNOWN_KEY,
+    &KEY_OF_DCF,
+    &ALLOWANCE_WITHOUT_REASON,
+    &ALLOWANCE_OF_NO_RULE,
+    &ALLOWANCE_REFUSED,
+    &UNUSED_ALLOWANCE,
+];
+
+pub(crate) static NOT_TEXT: Rule = Rule::fatal(
+    "not-text",
+    "The file is a text in UTF-8 or Latin-1.",
+    "UTF-16 is not read. Save the file in UTF-8.",
+);
+
+pub(crate) static LATIN_1: Rule = Rule::warning(
+    "not-utf-8",
+    "The file is in UTF-8.",
+    "Bytes that are not UTF-8 are taken for Latin-1, as older tools write it; letters of other code pages come out \
+     wrong. Save the file in UTF-8.",
+);
+
+pub(crate) static CONTROL_CHARACTER: Rule = Rule::warning(
+    "control-character",
+    "There are no control characters in the file.",
+    "Nobody sees NUL, a lone carriage return or a mark of direction in an editor. They are left out while reading.",
+);
+
+pub(crate) static STRAY_LINE: Rule = Rule::error(
+    "stray-line",
+    "Each line is a section, key=value or a comment.",
+    "A line that is nothing of these has no meaning; often it is the rest of a text that an editor has wrapped. When \
+     this is silenced, the line is skipped.",
+);
+
+pub(crate) static UNCLOSED_SECTION: Rule = Rule::error(
+    "unclosed-section",
+    "The name of a section ends with `]`, and nothing follows it.",
+    "What follows `]` is skipped when this is silenced.",
+);
+
+pub(crate) static KEY_OUTSIDE: Rule = Rule::error(
+    "key-before-section",
+    "Each key stands in a section.",
+    "A key above the first section belongs to nothing. It is skipped when this is silenced.",
+);
+
+pub(crate) static TRAILING_COMMENT: Rule = Rule::warning(
+    "trailing-comment",
+    "A comment takes a line of its own.",
+    "CiA 306 knows no comments behind a value. Some readers cut them off, as this one does, others take them for a \
+     part of the value.",
+);
+
+pub(crate) static REPEATED_SECTION: Rule = Rule::error(
+    "repeated-section",
+    "Each section is there once.",
+    "Readers differ in which of two sections counts. Here the first one does when this is silenced.",
+);
+
+pub(crate) static REPEATED_KEY: Rule = Rule::warning(
+    "repeated-key",
+    "Each key is there once in its section.",
+    "The key is there twice with the same value. Remove one of them.",
+);
+
+pub(crate) static CONTRADICTING_KEY: Rule = Rule::error(
+    "contradicting-key",
+    "A key does not have two values.",
+    "Readers differ in which of two keys counts. Here the first one does when this is silenced.",
+);
+
+pub(crate) static UNKNOWN_SECTION: Rule = Rule::warning(
+    "unknown-section",
+    "Each section is one of CiA 306.",
+    "Vendors keep data of their tools in sections of their own. They are kept when the file is printed again, and \
+     mean nothing here. A mistake in the spelling of a section shows up here too.",
+);
+
+pub(crate) static UNKNOWN_KEY: Rule = Rule::warning(
+    "unknown-key",
+    "Each key is one of CiA 306.",
+    "Vendors keep data of their tools in keys of their own. They are kept when the file is printed again, and mean \
+     nothing here. A mistake in the spelling of a key shows up here too.",
+);
+
+pub(crate) static KEY_OF_DCF: Rule = Rule::warning(
+    "key-of-a-dcf",
+    "Keys of a configured device stand in a DCF.",
+    "ParameterValue, UploadFile, DownloadFile, Denotation and the section DeviceComissioning describe one configured \
+     device. In a data sheet, which describes all devices of a kind, they mean nothing.",
+);
+
+pub(crate) static ALLOWANCE_WITHOUT_REASON: Rule = Rule::warning(
+    "allowance-without-reason",
+    "A finding is silenced with a reason.",
+    "Write `;od-gen: allow RULE because REASON` into the section that the finding is in, or above the first section \
+     for the whole file. Several rules are separated by commas.",
+);
+
+pub(crate) static ALLOWANCE_OF_NO_RULE: Rule = Rule::warning(
+    "allowance-of-no-rule",
+    "An allowance names a rule that exists.",
+    "`od-gen rules` lists the rules.",
+);
+
+pub(crate) static ALLOWANCE_REFUSED: Rule = Rule::warning(
+    "allowance-refused",
+    "An allowance names a rule that can be silenced.",
+    "A value that cannot be read leaves no dictionary to be generated: such findings cannot be silenced.",
+);
+
+pub(crate) static UNUSED_ALLOWANCE: Rule = Rule::warning(
+    "unused-allowance",
+    "An allowance silences something.",
+    "What it was for is gone. Remove it, so that it does not hide the next mistake.",
+);

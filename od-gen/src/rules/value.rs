@@ -1,0 +1,184 @@
+//! Rules of one value: type, access, limits, default (CiA 306, 4.6).
+
+use super::Rule;
+
+pub(crate) const RULES: &[&Rule] = &[
+    &NOT_A_NUMBER,
+    &OUT_OF_RANGE,
+    &NO_DATA_TYPE,
+    &DATA_TYPE,
+    &NO_ACCESS,
+    &ACCESS,
+    &MAPPING_OF_VARIABLE_LENGTH,
+    &DEFAULT_TYPE,
+    &LIMIT_TYPE,
+    &LIMIT_OF_NO_NUMBER,
+    &LIMIT_TOO_LARGE,
+    &LOW_ABOVE_HIGH,
+    &DEFAULT_OUTSIDE_LIMITS,
+    &CONST_WITHOUT_DEFAULT,
+    &NODE_ID_TYPE,
+    &NODE_ID_ROOM,
+    &STRING,
+    &OCTET_STRING,
+    &CAPACITY,
+    &CAPACITY_OF_NO_STRING,
+    &CAPACITY_TOO_SMALL,
+    &VALUE_TOO_LARGE,
+    &STORAGE,
+    &STORAGE_OF_FIXED,
+    &DICTIONARY_TOO_LARGE,
+];
+
+pub(crate) static NOT_A_NUMBER: Rule = Rule::fatal(
+    "not-a-number",
+    "A number is spelled as CiA 306 spells numbers.",
+    "Decimal, 0x hexadecimal, octal with a leading zero, all of them with a sign before them or not.",
+);
+
+pub(crate) static OUT_OF_RANGE: Rule = Rule::fatal(
+    "out-of-range",
+    "The number of a key is one that the key can have.",
+    "The message names the range.",
+);
+
+pub(crate) static NO_DATA_TYPE: Rule = Rule::fatal(
+    "no-data-type",
+    "A value has a DataType.",
+    "Without it nobody knows how many bytes there are.",
+);
+
+pub(crate) static DATA_TYPE: Rule = Rule::fatal(
+    "data-type",
+    "DataType is a type of CiA 301.",
+    "The numbers are those of CiA 301, table 44. Types of the manufacturer and of device profiles are no types of a \
+     single value.",
+);
+
+pub(crate) static NO_ACCESS: Rule = Rule::fatal(
+    "no-access",
+    "A value has an AccessType.",
+    "Without it nobody knows whether it may be written.",
+);
+
+pub(crate) static ACCESS: Rule = Rule::fatal(
+    "access-type",
+    "AccessType is one of CiA 306.",
+    "ro, wo, rw, rwr (rw, an input of the process), rww (rw, an output of the process) or const.",
+);
+
+pub(crate) static MAPPING_OF_VARIABLE_LENGTH: Rule = Rule::error(
+    "mapping-of-variable-length",
+    "What a PDO carries has a fixed length.",
+    "Strings and domains differ in length: a PDO cannot carry them. When this is silenced, PDOMapping counts as 0.",
+);
+
+pub(crate) static DEFAULT_TYPE: Rule = Rule::fatal(
+    "default-type",
+    "A default can be held by its type.",
+    "The message names what the type can hold. Hexadecimal numbers are bit patterns: 0xFFFF is -1 in an INTEGER16.",
+);
+
+pub(crate) static LIMIT_TYPE: Rule = Rule::fatal(
+    "limit-type",
+    "A limit can be held by its type.",
+    "The message names what the type can hold. Hexadecimal numbers are bit patterns: 0xFFFF is -1 in an INTEGER16.",
+);
+
+pub(crate) static LIMIT_OF_NO_NUMBER: Rule = Rule::warning(
+    "limit-of-no-number",
+    "Only numbers have limits.",
+    "A limit of a string or a domain means nothing, and is left out.",
+);
+
+pub(crate) static LIMIT_TOO_LARGE: Rule = Rule::error(
+    "limit-too-large",
+    "Limits stay below 2^63-1.",
+    "The firmware keeps limits in 64 signed bits. When this is silenced, there is no such limit.",
+);
+
+pub(crate) static LOW_ABOVE_HIGH: Rule = Rule::error(
+    "low-above-high",
+    "LowLimit is not above HighLimit.",
+    "No value can be between them: every write would be refused. When this is silenced, there are no limits.",
+);
+
+pub(crate) static DEFAULT_OUTSIDE_LIMITS: Rule = Rule::error(
+    "default-outside-limits",
+    "A default lies between the limits, with every node-ID.",
+    "A default that could not be written back is most often a mistake. Without DefaultValue the default is 0. When \
+     this is silenced, the device starts with the default all the same.",
+);
+
+pub(crate) static CONST_WITHOUT_DEFAULT: Rule = Rule::error(
+    "const-without-default",
+    "A const value has a DefaultValue.",
+    "It could never become anything else. When this is silenced, it is 0.",
+);
+
+pub(crate) static NODE_ID_TYPE: Rule = Rule::error(
+    "node-id-type",
+    "$NODEID goes with unsigned numbers.",
+    "The node-ID is 1 to 127; it is added to COB-IDs and their like. When this is silenced, it is left out.",
+);
+
+pub(crate) static NODE_ID_ROOM: Rule = Rule::error(
+    "node-id-room",
+    "A default with $NODEID fits its type with every node-ID.",
+    "The largest node-ID is 127. When this is silenced, the sum wraps around.",
+);
+
+pub(crate) static STRING: Rule = Rule::error(
+    "string-spelling",
+    "A VISIBLE_STRING holds the characters 20h to 7Eh.",
+    "Other letters have no agreed bytes on the bus. When this is silenced, they travel in UTF-8.",
+);
+
+pub(crate) static OCTET_STRING: Rule = Rule::fatal(
+    "octet-string-spelling",
+    "An OCTET_STRING is written as two hexadecimal digits a byte.",
+    "Spaces between bytes are allowed.",
+);
+
+pub(crate) static CAPACITY: Rule = Rule::fatal(
+    "capacity",
+    "`;Capacity=` is how many bytes a string can hold.",
+    "CiA 306 has no key for the room that a string has, so it stands in a comment of the section.",
+);
+
+pub(crate) static CAPACITY_OF_NO_STRING: Rule = Rule::warning(
+    "capacity-of-no-string",
+    "Only strings and domains that can be written have a capacity.",
+    "Everything else is as long as its type or its default.",
+);
+
+pub(crate) static CAPACITY_TOO_SMALL: Rule = Rule::fatal(
+    "capacity-too-small",
+    "A string has room for its default.",
+    "Make `;Capacity=` larger, or the default shorter.",
+);
+
+pub(crate) static VALUE_TOO_LARGE: Rule = Rule::fatal(
+    "value-too-large",
+    "A value has at most 65535 bytes.",
+    "Descriptors hold 16-bit lengths. What is larger is a DOMAIN, which the application serves piece by piece.",
+);
+
+pub(crate) static STORAGE: Rule = Rule::fatal(
+    "storage",
+    "`;Storage=` names a group.",
+    "It is none, communication, application or manufacturer, and says which sub-index of 1010h stores a value: CiA \
+     306 has no key for it.",
+);
+
+pub(crate) static STORAGE_OF_FIXED: Rule = Rule::warning(
+    "storage-of-a-fixed-value",
+    "Only what can be written is stored.",
+    "`;Storage=` of an object that nobody can write means nothing.",
+);
+
+pub(crate) static DICTIONARY_TOO_LARGE: Rule = Rule::fatal(
+    "dictionary-too-large",
+    "The values of a dictionary take at most 64 KiB.",
+    "Descriptors hold 16-bit offsets.",
+);

@@ -1,0 +1,156 @@
+//! The text of a file, and places in it.
+//!
+//! Vendors ship files in UTF-8 with and without byte order mark and in Latin-1, with any line ends. All of them are read; what is
+//! not plain UTF-8 is reported, so that nobody wonders later where a letter went.
+
+use std::borrow::Cow;
+
+use crate::diagnostic::Findings;
+use crate::rules::reading;
+
+/// A place in a file: a piece of one line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Span {
+    /// Line, counted from 1; 0 for a place that is in no file.
+    pub line: u32,
+    /// First character, counted from 1.
+    pub column: u32,
+    /// Characters.
+    pub length: u32,
+}
+
+impl Span {
+    /// The beginning of a file, where what concerns the whole of it is reported.
+    pub const START: Self = Self {
+        line: 1,
+        column: 1,
+        length: 0,
+    };
+
+    /// The place of `part`, which is a piece of `line`.
+    pub(crate) fn of(number: u32, line: &str, part: &str) -> Self {
+        let at = (part.as_ptr() as usize).saturating_sub(line.as_ptr() as usize);
+        let before = line.get(..at).unwrap_or_default();
+        Self {
+            line: number,
+            column: count(before).saturating_add(1),
+            length: count(part),
+        }
+    }
+}
+
+fn count(text: &str) -> u32 {
+    u32::try_from(text.chars().count()).unwrap_or(u32::MAX)
+}
+
+/// A file as text: what the findings about it show.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Source {
+    /// The file as its reader named it.
+    pub file: String,
+    text: String,
+    /// Where each line begins.
+    lines: Vec<usize>,
+}
+
+impl Source {
+    /// A text that is at hand.
+    pub(crate) fn new(file: &str, text: &str, findings: &mut Findings) -> Self {
+        // Editors on Windows like to put a byte order mark first.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let text = visible(text, findings).into_owned();
+        let starts = text.match_indices('\n').map(|(at, _)| at + 1);
+        let lines = std::iter::once(0).chain(starts).collect();
+        let file = file.into();
+        Self { file, text, lines }
+    }
+
+    /// The bytes of a file; `None` when they are no text, which has then been reported.
+    pub(crate) fn decode(file: &str, bytes: &[u8], findings: &mut Findings) -> Option<Self> {
+        if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
+            let finding = findings.report(&reading::NOT_TEXT, Span::START, "this is UTF-16");
+            finding.help("save the file in UTF-8");
+            return None;
+        }
+        Some(match std::str::from_utf8(bytes) {
+            Ok(text) => Self::new(file, text, findings),
+            Err(error) => {
+                let before = bytes.get(..error.valid_up_to()).unwrap_or_default();
+                let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+                let at = before.rsplit(|byte| *byte == b'\n').next();
+                let span = Span {
+                    line: u32::try_from(line).unwrap_or(u32::MAX),
+                    column: count(&String::from_utf8_lossy(at.unwrap_or_default())) + 1,
+                    length: 1,
+                };
+                let finding = findings.report(
+                    &reading::LATIN_1,
+                    span,
+                    "this is not UTF-8: the file is read as Latin-1",
+                );
+                finding.help("save the file in UTF-8");
+                let text: String = bytes.iter().map(|byte| char::from(*byte)).collect();
+                Self::new(file, &text, findings)
+            }
+        })
+    }
+
+    /// The text, without a byte order mark and without control characters.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// A line by its number, without its end.
+    pub fn line(&self, number: u32) -> Option<&str> {
+        let number = usize::try_from(number).ok()?.checked_sub(1)?;
+        let start = *self.lines.get(number)?;
+        let rest = self.text.get(start..)?;
+        Some(rest.lines().next().unwrap_or_default())
+    }
+
+    /// How many lines there are.
+    pub fn line_count(&self) -> u32 {
+        u32::try_from(self.lines.len()).unwrap_or(u32::MAX)
+    }
+}
+
+/// Whether a character only controls how others are shown: NUL and its like but for the tab, and marks of direction.
+fn is_control(letter: char) -> bool {
+    let is_direction = matches!(letter, '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}');
+    is_direction || (letter.is_control() && letter != '\t')
+}
+
+/// A text without its control characters: nobody sees them in an editor, and they do not belong into generated code.
+fn visible<'a>(text: &'a str, findings: &mut Findings) -> Cow<'a, str> {
+    let is_end = |letter: char| letter == '\n';
+    if !text
+        .chars()
+        .any(|letter| is_control(letter) && !is_end(letter))
+    {
+        return text.into();
+    }
+    let mut kept = String::with_capacity(text.len());
+    for (number, line) in (1..).zip(text.split_inclusive('\n')) {
+        let body = line.strip_suffix('\n').unwrap_or(line);
+        let body = body.strip_suffix('\r').unwrap_or(body);
+        let first = body
+            .chars()
+            .enumerate()
+            .find(|(_, letter)| is_control(*letter));
+        if let Some((column, letter)) = first {
+            let span = Span {
+                line: number,
+                column: u32::try_from(column).unwrap_or(u32::MAX).saturating_add(1),
+                length: 0,
+            };
+            let message = format!("control character U+{:04X} is left out", u32::from(letter));
+            let finding = findings.report(&reading::CONTROL_CHARACTER, span, message);
+            finding.help("remove it");
+        }
+        kept.extend(body.chars().filter(|letter| !is_control(*letter)));
+        if line.ends_with('\n') {
+            kept.push('\n');
+        }
+    }
+    kept.into()
+}
