@@ -6,6 +6,7 @@
 //! | `qemu`  | builds the firmware and runs it in QEMU, its CAN bus served as SLCAN on TCP |
 //! | `size`  | flash and RAM of the firmware by crate |
 //! | `bench` | instruction counts in the emulator, compared with the committed table |
+//! | `fuzz`  | random inputs for the node, the SDO server and the LSS slave, as long as you like |
 //!
 //! Exit codes: 0 all is well; 1 something was tried and failed (a test, a build, a changed benchmark); 2 it could not
 //! be tried (a bad argument, a busy port, a tool that may not be installed), with one line that says why.
@@ -15,6 +16,7 @@
 mod bench;
 mod emulator;
 mod firmware;
+mod fuzz;
 mod place;
 mod process;
 mod qemu;
@@ -50,6 +52,8 @@ enum Task {
     Size,
     /// Count instructions in the emulator and compare them with docs/benchmarks.md
     Bench(bench::Arguments),
+    /// Fuzz the node, the SDO server and the LSS slave; what is found is kept in the build folder
+    Fuzz(fuzz::Arguments),
     /// The first process inside user-mode Linux: bring up vcan0 and run a command
     #[command(hide = true)]
     SocketcanInit,
@@ -73,6 +77,7 @@ fn main() -> ExitCode {
         Task::Qemu(arguments) => qemu::run(&arguments),
         Task::Size => size::run(),
         Task::Bench(arguments) => bench::run(&arguments),
+        Task::Fuzz(arguments) => fuzz::run(&arguments),
         Task::SocketcanInit => socketcan::init(),
     };
     match result {

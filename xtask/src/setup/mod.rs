@@ -17,6 +17,11 @@ pub fn emulator() -> Result<PathBuf> {
     debian::program("qemu-system-arm", &["qemu-system-arm"])
 }
 
+/// A C++ compiler, for libFuzzer.
+pub fn cxx_compiler() -> Result<PathBuf> {
+    debian::program("c++", &["g++"])
+}
+
 /// User-mode Linux, with `ip` to set up the virtual CAN interface in it. The reason why it cannot be had is an answer
 /// as well: the tests over SocketCAN are then skipped.
 pub fn user_mode_linux() -> Result<PathBuf> {

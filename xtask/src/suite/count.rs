@@ -14,6 +14,15 @@ pub struct Count {
 }
 
 impl Count {
+    /// So many of each.
+    pub fn of(passed: usize, failed: usize) -> Self {
+        let number = |count| u32::try_from(count).unwrap_or(u32::MAX);
+        Self {
+            passed: number(passed),
+            failed: number(failed),
+        }
+    }
+
     /// A check that is one test: it passes with the exit code 0.
     pub fn check(status: ExitStatus) -> Self {
         if status.success() {

@@ -128,7 +128,10 @@ mod tests {
     #[test]
     fn without_arguments_everything_but_the_lints_runs() {
         use Step::*;
-        assert_eq!(selected(&[]), [Host, Firmware, Python, Qemu, Socketcan]);
+        assert_eq!(
+            selected(&[]),
+            [Host, Fuzz, Firmware, Python, Qemu, Socketcan]
+        );
         assert_eq!(selected(&["--with-lints"]), Step::ALL);
     }
 
@@ -138,7 +141,7 @@ mod tests {
         assert_eq!(selected(&["--only", "qemu,host"]), [Host, Qemu]);
         assert_eq!(
             selected(&["--skip", "qemu", "--skip", "socketcan"]),
-            [Host, Firmware, Python]
+            [Host, Fuzz, Firmware, Python]
         );
         assert_eq!(selected(&["--only", "lint"]), [Lint]);
     }

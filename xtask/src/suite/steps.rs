@@ -11,7 +11,7 @@ use super::count::Count;
 use crate::firmware::{Image, TARGET};
 use crate::socketcan::{self, Socketcan};
 use crate::words::{one_line, say};
-use crate::{place, process, setup};
+use crate::{fuzz, place, process, setup};
 
 /// A part of the test run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -24,6 +24,8 @@ pub enum Step {
     Docs,
     /// Rust tests on the PC
     Host,
+    /// Fuzzing, for a short while
+    Fuzz,
     /// The images for the target, and the proof that they contain no panic path
     Firmware,
     /// Python-canopen against the virtual drive, and the data sheets
@@ -36,11 +38,12 @@ pub enum Step {
 
 impl Step {
     /// In the order in which they run: what is quick and fails often first.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Format,
         Self::Lint,
         Self::Docs,
         Self::Host,
+        Self::Fuzz,
         Self::Firmware,
         Self::Python,
         Self::Qemu,
@@ -59,6 +62,7 @@ impl Step {
             Self::Lint => "clippy on the PC and on the target",
             Self::Docs => "documentation without a warning",
             Self::Host => "Rust tests on the PC",
+            Self::Fuzz => "node, SDO server and LSS slave under a fuzzer",
             Self::Firmware => "images for the target, no panic path",
             Self::Python => "python-canopen against the virtual drive, data sheets",
             Self::Qemu => "python-canopen against the firmware in QEMU",
@@ -106,6 +110,9 @@ impl Ready {
         if steps.contains(&Step::Qemu) {
             setup::emulator()?;
         }
+        if steps.contains(&Step::Fuzz) {
+            setup::cxx_compiler()?;
+        }
         let python = if steps.iter().any(|step| step.needs_python()) {
             setup::python_environment()?
         } else {
@@ -145,6 +152,16 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
             "app",
             "--no-fail-fast",
         ]))?,
+        Step::Fuzz => {
+            let built = checks(fuzz::build_commands()?)?;
+            if built.failed > 0 {
+                built
+            } else {
+                let held = fuzz::short_runs()?;
+                let passed = held.iter().filter(|held| **held).count();
+                Count::of(passed, held.len() - passed)
+            }
+        }
         Step::Firmware => images()?,
         Step::Python => {
             let built = checks([cargo(&["build", "--package", "sim"])])?;

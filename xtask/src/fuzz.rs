@@ -1,0 +1,182 @@
+//! `cargo xtask fuzz`: the targets of `fuzz/` under libFuzzer.
+//!
+//! The targets are built with coverage counters by flags that the stable compiler has, so neither a nightly compiler nor
+//! cargo-fuzz is needed, only a C++ compiler for libFuzzer itself. Each begins with the cases of `fuzz/cases`. A run of
+//! `cargo xtask test` has a fixed number of inputs from a fixed seed and keeps nothing; a run of this command takes its time
+//! and keeps what it has found worth keeping in the build folder, where the next one goes on.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+
+use anyhow::{Context, Result};
+
+use crate::refusal::refuse;
+use crate::words::say;
+use crate::{place, process, setup};
+
+/// What makes a program report to libFuzzer where it has been and what it has compared.
+const COVERAGE: &str = "--cfg fuzzing -Ccodegen-units=1 -Cpasses=sancov-module \
+    -Cllvm-args=-sanitizer-coverage-level=4 \
+    -Cllvm-args=-sanitizer-coverage-inline-8bit-counters \
+    -Cllvm-args=-sanitizer-coverage-pc-table \
+    -Cllvm-args=-sanitizer-coverage-trace-compares";
+
+/// The longest input in bytes: about fifty frames.
+const LONGEST: u32 = 600;
+
+/// Inputs of each target in a test run.
+const INPUTS: u32 = 30_000;
+
+/// How long and what to fuzz.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Fuzz only these targets (node, sdo, lss)
+    targets: Vec<String>,
+
+    /// Fuzz each target for so many seconds
+    #[arg(long, default_value_t = 60, value_name = "SECONDS")]
+    seconds: u32,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let all = targets()?;
+    if let Some(unknown) = arguments
+        .targets
+        .iter()
+        .find(|target| !all.contains(target))
+    {
+        return Err(refuse(format!(
+            "no fuzz target `{unknown}` (there are: {})",
+            all.join(", ")
+        )));
+    }
+    setup::cxx_compiler()?;
+    for mut command in build_commands()? {
+        if !process::run(&mut command)?.success() {
+            return Ok(ExitCode::FAILURE);
+        }
+    }
+    let mut code = ExitCode::SUCCESS;
+    let chosen = all
+        .iter()
+        .filter(|target| arguments.targets.is_empty() || arguments.targets.contains(target));
+    for target in chosen {
+        let corpus = folder().join("corpus").join(target);
+        fs::create_dir_all(&corpus).with_context(|| format!("making {}", corpus.display()))?;
+        let mut command = run_command(target, &corpus)?;
+        command.arg(format!("-max_total_time={}", arguments.seconds));
+        say!("{target}: {} s", arguments.seconds)?;
+        if !process::run(&mut command)?.success() {
+            say!(
+                "{target}: found something; run it again with the file named above as the only argument of {}",
+                program(target)?.display()
+            )?;
+            code = ExitCode::FAILURE;
+        }
+    }
+    Ok(code)
+}
+
+/// The commands that build the targets and write the cases they begin with.
+pub fn build_commands() -> Result<[Command; 2]> {
+    let mut build = place::cargo();
+    build
+        .args(["build", "--release", "--locked", "--manifest-path"])
+        .arg(manifest())
+        .args(["--target", &host()?, "--target-dir"])
+        .arg(folder())
+        .env("RUSTFLAGS", COVERAGE);
+    let mut seeds = place::cargo();
+    seeds
+        .args(["run", "--package", "tests", "--bin", "fuzz_seeds", "--"])
+        .arg(folder().join("seeds"));
+    Ok([build, seeds])
+}
+
+/// A test run: the same inputs for each target every time. Tells which targets held.
+///
+/// # Errors
+/// When a target cannot be started.
+pub fn short_runs() -> Result<Vec<bool>> {
+    targets()?.iter().map(|target| short_run(target)).collect()
+}
+
+fn short_run(target: &str) -> Result<bool> {
+    let corpus = folder().join("short").join(target);
+    // What an earlier run has kept would change this one.
+    if corpus.exists() {
+        fs::remove_dir_all(&corpus).with_context(|| format!("removing {}", corpus.display()))?;
+    }
+    fs::create_dir_all(&corpus).with_context(|| format!("making {}", corpus.display()))?;
+    let mut command = run_command(target, &corpus)?;
+    command.args(["-seed=1".to_owned(), format!("-runs={INPUTS}")]);
+    say!("{target}: {INPUTS} inputs")?;
+    let output = command
+        .stdin(Stdio::null())
+        .output()
+        .with_context(|| format!("starting `{}`", process::line(&command)))?;
+    if !output.status.success() {
+        // libFuzzer is talkative; what it says is of interest only now.
+        say!("{}", String::from_utf8_lossy(&output.stderr))?;
+        say!("{target}: again by `{} FILE`", program(target)?.display())?;
+    }
+    Ok(output.status.success())
+}
+
+/// A target that keeps what is new in `corpus`.
+fn run_command(target: &str, corpus: &Path) -> Result<Command> {
+    let artifacts = folder().join("found");
+    fs::create_dir_all(&artifacts).with_context(|| format!("making {}", artifacts.display()))?;
+    let mut command = Command::new(program(target)?);
+    command
+        .arg(corpus)
+        .args([format!("-max_len={LONGEST}")])
+        .args(["-len_control=0", "-timeout=10", "-verbosity=0"])
+        .arg(format!(
+            "-artifact_prefix={}",
+            artifacts.join(format!("{target}-")).display()
+        ));
+    let seeds = folder().join("seeds").join(target);
+    if seeds.is_dir() {
+        command.arg(seeds);
+    }
+    Ok(command)
+}
+
+/// The names of the targets, each a file in `fuzz/fuzz_targets`.
+fn targets() -> Result<Vec<String>> {
+    let folder = place::root().join("fuzz/fuzz_targets");
+    let files = fs::read_dir(&folder).with_context(|| format!("reading {}", folder.display()))?;
+    let mut names: Vec<String> = files
+        .filter_map(|file| Some(file.ok()?.path().file_stem()?.to_str()?.to_owned()))
+        .collect();
+    names.sort();
+    Ok(names)
+}
+
+fn manifest() -> PathBuf {
+    place::root().join("fuzz/Cargo.toml")
+}
+
+/// Where the targets are built, apart from everything else, as their flags are their own.
+fn folder() -> PathBuf {
+    place::target().join("fuzz")
+}
+
+fn program(target: &str) -> Result<PathBuf> {
+    Ok(folder().join(host()?).join("release").join(target))
+}
+
+/// The target triple of this PC.
+fn host() -> Result<String> {
+    let mut rustc = Command::new("rustc");
+    rustc.arg("-vV").current_dir(place::root());
+    process::ask(&mut rustc)
+        .and_then(|text| {
+            text.lines()
+                .find_map(|line| line.strip_prefix("host: ").map(str::to_owned))
+        })
+        .ok_or_else(|| refuse("`rustc -vV` does not tell the host"))
+}
