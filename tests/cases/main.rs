@@ -3,8 +3,10 @@
 //! One module per service; the name of a listed case begins with its id.
 
 mod can_layer;
+mod controller;
 mod data_sheet;
 mod golden;
+mod guarding;
 mod heartbeat;
 mod lss;
 mod model;

@@ -83,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 pub fn build_commands() -> Result<[Command; 2]> {
     let mut build = place::cargo();
     build
-        .args(["build", "--release", "--locked", "--manifest-path"])
+        .args(["build", "--release", "--manifest-path"])
         .arg(manifest())
         .args(["--target", &host()?, "--target-dir"])
         .arg(folder())
