@@ -29,11 +29,13 @@ mod copy;
 pub mod node;
 pub mod od;
 pub mod settings;
+pub mod stream;
 pub mod time;
 pub mod wire;
 
 pub use application::Application;
 pub use node::{Event, Node};
 pub use settings::{BitRate, NodeId, Settings};
+pub use stream::{Sink, Source};
 pub use time::{Duration, Instant};
 pub use wire::Frame;

@@ -3,6 +3,8 @@
 //! A binding says `parameter = object * scale + offset`. The code that `od-gen` writes for it calls these functions; they
 //! round to the nearest number (halves away from zero) and stop at the ends of a type instead of wrapping.
 
+use canopen::cia301::sdo::AbortCode;
+
 /// A scale and an offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Conversion {
@@ -55,6 +57,19 @@ fn scaled(value: i64, numerator: i32, denominator: i32) -> i64 {
         quotient.saturating_add(away)
     } else {
         quotient
+    }
+}
+
+/// What a written number means, if that is a number and within `low` to `high`.
+///
+/// # Errors
+/// 06090030h for a number that means nothing, 06090031h and 06090032h for one that means too much or too little.
+pub fn within(number: Option<i64>, low: i64, high: i64) -> Result<i64, AbortCode> {
+    match number {
+        None => Err(AbortCode::InvalidValue),
+        Some(number) if number > high => Err(AbortCode::ValueTooHigh),
+        Some(number) if number < low => Err(AbortCode::ValueTooLow),
+        Some(number) => Ok(number),
     }
 }
 

@@ -74,7 +74,7 @@ impl Type {
 }
 
 /// What there is to know about a parameter.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Description {
     /// Which one.
     pub parameter: Parameter,

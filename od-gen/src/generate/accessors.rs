@@ -1,7 +1,9 @@
-//! A getter for each value in memory, a setter for each number in RAM.
+//! A getter for each value in memory, a setter for each one in RAM.
 
+use super::documentation::{facts, title};
+use super::format::head;
 use super::layout::{Layout, Place, Row};
-use super::{ALLOW_UNUSED, names};
+use super::{ABORT_CODE, ALLOW_UNUSED};
 use crate::data_type::DataType;
 use crate::model::DefaultValue;
 
@@ -15,16 +17,16 @@ pub(super) fn write(layout: &Layout<'_>) -> String {
         if number > 0 {
             out += "\n";
         }
-        out += &getter(position, row);
-        out += &setter(row);
+        getter(&mut out, position, row);
+        setter(&mut out, position, row);
     }
     out += "}\n\n";
     out
 }
 
-/// The Rust type of a number.
-pub(super) fn number_type(data_type: DataType) -> Option<&'static str> {
-    Some(match data_type {
+/// The Rust type of a value: of a number, a time or a string.
+pub(super) fn value_type(data_type: DataType) -> &'static str {
+    match data_type {
         DataType::Boolean => "bool",
         DataType::Integer8 => "i8",
         DataType::Integer16 => "i16",
@@ -38,124 +40,172 @@ pub(super) fn number_type(data_type: DataType) -> Option<&'static str> {
         DataType::Unsigned40
         | DataType::Unsigned48
         | DataType::Unsigned56
-        | DataType::Unsigned64
-        | DataType::TimeOfDay
-        | DataType::TimeDifference => "u64",
+        | DataType::Unsigned64 => "u64",
         DataType::Real32 => "f32",
         DataType::Real64 => "f64",
+        DataType::TimeOfDay | DataType::TimeDifference => "::canopen::od::DayTime",
         DataType::VisibleString
         | DataType::OctetString
         | DataType::UnicodeString
-        | DataType::Domain => return None,
-    })
-}
-
-/// Which value this is: `1018h:4, Identity object: Serial number`.
-pub(super) fn title(row: &Row<'_>) -> String {
-    let index = row.object.index;
-    let object = names::documentation(&row.object.name);
-    if row.object.object_type.has_subs() {
-        let value = names::documentation(&row.entry.name);
-        format!("{index:04X}h:{}, {object}: {value}", row.entry.sub)
-    } else {
-        format!("{index:04X}h, {object}")
+        | DataType::Domain => "&[u8]",
     }
 }
 
-fn getter(position: usize, row: &Row<'_>) -> String {
-    let (title, name) = (title(row), &row.name);
-    let size = usize::from(row.entry.size);
-    let is_text = row.entry.data_type == DataType::VisibleString;
-    let (constness, returned, body) = match (
-        row.place,
-        number_type(row.entry.data_type),
-        &row.entry.default,
-    ) {
-        (Place::Rom(_), Some("bool"), DefaultValue::Number { value, .. }) => {
-            ("const ", "bool", (*value != 0).to_string())
-        }
-        (Place::Rom(_), Some(number), DefaultValue::Number { value, .. }) => {
-            ("const ", number, literal(*value, row.entry.data_type))
-        }
-        (Place::Rom(_), Some(number), DefaultValue::Real(value)) => {
-            ("const ", number, format!("{value:?}"))
-        }
-        (Place::Rom(_), None, DefaultValue::Text(bytes)) if is_text => (
+/// Whether a number has fewer bytes than its Rust type.
+fn is_narrow(data_type: DataType) -> bool {
+    let size = data_type.size().unwrap_or_default();
+    data_type.range().is_some() && matches!(size, 3 | 5..=7) && !is_time(data_type)
+}
+
+fn is_time(data_type: DataType) -> bool {
+    matches!(data_type, DataType::TimeOfDay | DataType::TimeDifference)
+}
+
+/// The value of `bytes`, an expression for an array that has the size of the type.
+fn from_bytes(data_type: DataType, bytes: &str) -> String {
+    let value_type = value_type(data_type);
+    if data_type == DataType::Boolean {
+        format!("{bytes} != [0]")
+    } else if is_narrow(data_type) {
+        let sign = if data_type.is_signed() {
+            "signed"
+        } else {
+            "unsigned"
+        };
+        let size = data_type.size().unwrap_or_default();
+        let cast = if size == 3 {
+            format!(" as {value_type}")
+        } else {
+            String::new()
+        };
+        format!("::canopen::od::{sign}::<{size}>({bytes}){cast}")
+    } else {
+        format!("{value_type}::from_le_bytes({bytes})")
+    }
+}
+
+fn getter(out: &mut String, position: usize, row: &Row<'_>) {
+    let data_type = row.entry.data_type;
+    let own_type = value_type(data_type);
+    let is_text = data_type == DataType::VisibleString;
+    let (constness, returned, body) = match (row.place, &row.entry.default) {
+        (Place::Rom(_), DefaultValue::Text(bytes)) if is_text => (
             "const ",
             "&'static str",
             format!("{:?}", String::from_utf8_lossy(bytes)),
         ),
-        (Place::Rom(_), _, DefaultValue::Text(bytes)) => {
-            ("const ", "&'static [u8]", format!("&{bytes:?}"))
+        (Place::Rom(_), DefaultValue::Text(bytes)) => (
+            "const ",
+            "&'static [u8]",
+            format!("b\"{}\"", bytes.escape_ascii()),
+        ),
+        (Place::Rom(_), default) => ("const ", own_type, literal(default, data_type)),
+        (Place::Ram(offset), DefaultValue::Number { .. } | DefaultValue::Real(_)) => {
+            let size = row.entry.size;
+            let bytes = format!("::canopen::od::bytes_at::<{offset}, {size}, _>(&self.ram)");
+            ("", own_type, from_bytes(data_type, &bytes))
         }
-        (Place::Ram(offset), Some("bool"), _) => ("", "bool", format!("self.ram[{offset}] != 0")),
-        (Place::Ram(offset), Some(number), _) => {
-            let bytes: Vec<String> = (offset..offset + size)
-                .map(|at| format!("self.ram[{at}]"))
-                .collect();
-            // The type of Rust may be wider: the value is shifted down from its top, which keeps the sign.
-            let missing = width(number) - size;
-            let bytes = [vec![String::from("0"); missing], bytes].concat();
-            let mut body = format!("{number}::from_le_bytes([{}])", bytes.join(", "));
-            if missing > 0 {
-                body += &format!(" >> {}", 8 * missing);
-            }
-            ("", number, body)
-        }
-        // A string, in RAM.
+        // A string in RAM.
         _ => (
             "",
-            "&[u8]",
+            own_type,
             format!("::canopen::od::value(self, &table::ENTRIES[{position}])"),
         ),
     };
-    format!(
-        "    /// {title}.\n    pub {constness}fn {name}(&self) -> {returned} {{\n        {body}\n    }}\n"
-    )
-}
-
-/// The bytes of a type of Rust.
-fn width(number: &str) -> usize {
-    match number {
-        "i32" | "u32" | "f32" => 4,
-        "i64" | "u64" | "f64" => 8,
-        "i16" | "u16" => 2,
-        _ => 1,
-    }
+    *out += &format!(
+        "    /// {}.\n    ///\n    /// {}.\n",
+        title(row),
+        facts(row)
+    );
+    *out += &head(
+        4,
+        &format!("pub {constness}fn {}", row.name),
+        &["&self"],
+        returned,
+    );
+    *out += &format!("        {body}\n    }}\n");
 }
 
 /// A number the way its type is usually written: bit patterns in hexadecimal.
-fn literal(value: i128, data_type: DataType) -> String {
+fn literal(default: &DefaultValue, data_type: DataType) -> String {
     let size = usize::from(data_type.size().unwrap_or_default());
-    if data_type.is_signed() || size == 1 {
-        value.to_string()
-    } else {
-        format!("0x{value:0digits$X}", digits = 2 * size)
+    match (default, data_type) {
+        (DefaultValue::Number { value, .. }, DataType::Boolean) => (*value != 0).to_string(),
+        (DefaultValue::Number { value, .. }, _) if is_time(data_type) => {
+            let bytes: Vec<String> = value
+                .to_le_bytes()
+                .iter()
+                .take(size)
+                .map(u8::to_string)
+                .collect();
+            format!(
+                "::canopen::od::DayTime::from_le_bytes([{}])",
+                bytes.join(", ")
+            )
+        }
+        (DefaultValue::Number { value, .. }, _) if data_type.is_signed() || size == 1 => {
+            value.to_string()
+        }
+        (DefaultValue::Number { value, .. }, _) => {
+            format!("0x{value:0digits$X}", digits = 2 * size)
+        }
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "a REAL32 holds what fits in it"
+        )]
+        (DefaultValue::Real(value), DataType::Real32) => {
+            format!("f32::from_bits(0x{:08X})", (*value as f32).to_bits())
+        }
+        (DefaultValue::Real(value), _) => format!("f64::from_bits(0x{:016X})", value.to_bits()),
+        (DefaultValue::Text(_), _) => String::new(),
     }
 }
 
-fn setter(row: &Row<'_>) -> String {
-    let (Place::Ram(offset), Some(number)) = (row.place, number_type(row.entry.data_type)) else {
-        return String::new();
+fn setter(out: &mut String, position: usize, row: &Row<'_>) {
+    let Place::Ram(offset) = row.place else {
+        return;
     };
-    let size = usize::from(row.entry.size);
-    let body = if number == "bool" {
-        format!("        self.ram[{offset}] = u8::from(value);\n")
-    } else {
-        let names = ["a", "b", "c", "d", "e", "f", "g", "h"];
-        let bytes = names.get(..size).unwrap_or_default();
-        let rest = if width(number) > size { ", .." } else { "" };
-        let mut body = format!(
-            "        let [{}{rest}] = value.to_le_bytes();\n",
-            bytes.join(", ")
+    let (data_type, size) = (row.entry.data_type, row.entry.size);
+    let value = format!("value: {}", value_type(data_type));
+    *out += &format!("\n    /// Sets {}.\n", title(row));
+    let start = format!("pub fn set_{}", row.name);
+    let arguments = ["&mut self", value.as_str()];
+    let put = |bytes: &str| {
+        format!("        ::canopen::od::put_at::<{offset}, {size}, _>(&mut self.ram, {bytes});\n")
+    };
+    if data_type.size().is_none() {
+        *out += &format!(
+            "    ///\n    /// # Errors\n    /// 06070012h, length too high: more than {size} bytes.\n"
         );
-        for (at, byte) in (offset..).zip(bytes) {
-            body += &format!("        self.ram[{at}] = {byte};\n");
-        }
-        body
-    };
-    let (title, name) = (title(row), &row.name);
-    format!(
-        "\n    /// Sets {title}.\n    pub fn set_{name}(&mut self, value: {number}) {{\n{body}    }}\n"
-    )
+        *out += &head(4, &start, &arguments, &format!("Result<(), {ABORT_CODE}>"));
+        *out += &format!("        ::canopen::od::set(self, &table::ENTRIES[{position}], value)\n");
+    } else if is_narrow(data_type) {
+        let sign = if data_type.is_signed() {
+            "signed"
+        } else {
+            "unsigned"
+        };
+        let bits = size * 8;
+        *out += &format!(
+            "    ///\n    /// # Errors\n    /// The number does not fit into {bits} bits.\n"
+        );
+        *out += &head(
+            4,
+            &start,
+            &arguments,
+            "Result<(), ::canopen::od::OutOfRange>",
+        );
+        *out +=
+            &format!("        let bytes = ::canopen::od::{sign}_bytes::<{size}>(value.into())?;\n");
+        *out += &put("bytes");
+        *out += "        Ok(())\n";
+    } else {
+        *out += &head(4, &start, &arguments, "");
+        *out += &put(if data_type == DataType::Boolean {
+            "[u8::from(value)]"
+        } else {
+            "value.to_le_bytes()"
+        });
+    }
+    *out += "    }\n";
 }

@@ -1,5 +1,6 @@
 //! Indices by name, and how many of each service there are.
 
+use super::format::constant;
 use super::{ALLOW_UNUSED, names};
 use crate::model::Model;
 
@@ -11,9 +12,11 @@ pub(super) fn write(model: &Model) -> String {
     out += "pub mod index {\n";
     for (object, name) in model.objects.iter().zip(names::indices(model)) {
         let title = names::documentation(&object.name);
-        out += &format!(
-            "    /// {title}.\n    pub const {name}: u16 = 0x{:04X};\n",
-            object.index
+        out += &format!("    /// {title}.\n");
+        out += &constant(
+            4,
+            &format!("pub const {name}: u16"),
+            &format!("0x{:04X}", object.index),
         );
     }
     out += "}\n\n";

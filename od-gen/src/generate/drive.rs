@@ -3,7 +3,8 @@
 //! Each method has the type of the data sheet, so a data sheet that disagrees with the firmware does not compile. Objects the
 //! data sheet leaves out keep the trait's own answer.
 
-use super::accessors::{number_type, title};
+use super::accessors::value_type;
+use super::documentation::title;
 use super::layout::Layout;
 
 enum Way {
@@ -40,8 +41,8 @@ pub(super) fn write(layout: &Layout<'_>) -> String {
         let Some(row) = layout.row(index, sub) else {
             continue;
         };
-        // A string where a number should be: the trait tells the compiler, who tells the reader.
-        let number = number_type(row.entry.data_type).unwrap_or("&[u8]");
+        // Where the trait has another type, the compiler says so.
+        let number = value_type(row.entry.data_type);
         let (title, own) = (title(row), &row.name);
         methods.push(match way {
             Way::Get => format!(

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::names;
 use crate::data_type::DataType;
-use crate::model::{Access, DefaultValue, Entry, Model, Object, StorageGroup};
+use crate::model::{Access, DefaultValue, Entry, Limit, Model, Object, StorageGroup};
 use crate::parse::LARGEST_VALUE;
 
 /// The storage groups in the order of `canopen::od::StorageGroup`.
@@ -158,23 +158,58 @@ impl<'a> Layout<'a> {
     }
 
     fn limits_of(&mut self, entry: &Entry) -> Option<usize> {
-        let (low_limit, high_limit) = entry.integer_limits();
-        if low_limit.is_none() && high_limit.is_none() {
-            return None;
-        }
-        let (low, high) = entry.data_type.range()?;
-        // Of all types only UNSIGNED64 has a larger range; there the largest number stands for no limit.
-        let own = |limit: i128| i64::try_from(limit).unwrap_or(i64::MAX);
-        let limits = (
-            low_limit.unwrap_or(own(low)),
-            high_limit.unwrap_or(own(high)),
-        );
+        let limits = limits(entry)?;
         let list = &mut self.limits;
         Some(*self.numbers.entry(limits).or_insert_with(|| {
             list.push(limits);
             list.len() - 1
         }))
     }
+}
+
+/// The limits as the firmware compares them; `None` where there are none beside the type's own.
+fn limits(entry: &Entry) -> Option<(i64, i64)> {
+    if entry.data_type.is_real() {
+        if entry.low_limit.is_none() && entry.high_limit.is_none() {
+            return None;
+        }
+        let key = |limit: Option<Limit>, none: f64| match limit {
+            Some(Limit::Real(value)) => real_key(value, entry.data_type),
+            Some(Limit::Integer(_)) | None => real_key(none, entry.data_type),
+        };
+        let low = key(entry.low_limit, f64::NEG_INFINITY);
+        let high = key(entry.high_limit, f64::INFINITY);
+        // Both zeros are the same number: the lower one is the low limit, the higher one the high limit.
+        let low = if low == 0 { -1 } else { low };
+        let high = if high == -1 { 0 } else { high };
+        return Some((low, high));
+    }
+    let (low_limit, high_limit) = entry.integer_limits();
+    if low_limit.is_none() && high_limit.is_none() {
+        return None;
+    }
+    let (low, high) = entry.data_type.range()?;
+    // Of all types only UNSIGNED64 has a larger range; there the largest number stands for no limit.
+    let own = |limit: i128| i64::try_from(limit).unwrap_or(i64::MAX);
+    Some((
+        low_limit.unwrap_or(own(low)),
+        high_limit.unwrap_or(own(high)),
+    ))
+}
+
+/// A REAL number as the integer that `canopen::od::Limits` has for it.
+fn real_key(value: f64, data_type: DataType) -> i64 {
+    let bits = if data_type == DataType::Real32 {
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "it was rounded to a REAL32 when it was read"
+        )]
+        let bits = (value as f32).to_bits();
+        i64::from(bits.cast_signed()) << 32
+    } else {
+        value.to_bits().cast_signed()
+    };
+    bits ^ ((bits >> 63) & i64::MAX)
 }
 
 /// Whether a value can lie in flash: `const` objects, strings nobody can write, and the sub-index 0 of a record or an array whose

@@ -5,7 +5,10 @@
 
 mod accessors;
 mod constants;
+mod documentation;
 mod drive;
+mod format;
+mod hooks;
 mod layout;
 mod names;
 mod table;
@@ -35,6 +38,7 @@ pub fn generate(model: &Model, options: Options) -> String {
     let mut out = header(model);
     out += &dictionary(model);
     out += &accessors::write(&layout);
+    out += &hooks::write(&layout);
     if options.cia402 {
         out += &drive::write(&layout);
     }
@@ -69,7 +73,9 @@ pub struct Dictionary {{
 impl Dictionary {{
     /// All objects at their power-on values, the node-ID not yet added: [`canopen::od::load_defaults`] does that.
     pub const fn new() -> Self {{
-        Self {{ ram: table::DEFAULTS }}
+        Self {{
+            ram: table::DEFAULTS,
+        }}
     }}
 }}
 
@@ -96,6 +102,9 @@ impl ::canopen::od::Dictionary for Dictionary {{
 "
     )
 }
+
+/// Where the firmware has its abort codes.
+const ABORT_CODE: &str = "::canopen::cia301::sdo::AbortCode";
 
 /// Generated code is written for every user of a dictionary; none uses all of it.
 const ALLOW_UNUSED: &str = "#[allow(dead_code, reason = \"nobody needs every object\")]\n";

@@ -77,6 +77,16 @@ fn snake_case(name: &str) -> String {
     }
 }
 
+/// `max_motor_speed` as a type: `MaxMotorSpeed`.
+pub(super) fn camel_case(name: &str) -> String {
+    let word = |word: &str| {
+        let mut letters = word.chars();
+        let first = letters.next().map(|first| first.to_ascii_uppercase());
+        first.into_iter().chain(letters).collect::<String>()
+    };
+    name.split('_').map(word).collect()
+}
+
 /// A text that shows as it is in documentation.
 pub(super) fn documentation(text: &str) -> String {
     let mut escaped = String::new();

@@ -25,6 +25,7 @@ pub(super) fn write(layout: &Layout<'_>) -> String {
         .join(", ");
     format!(
         "\
+#[rustfmt::skip]
 mod table {{
     use ::canopen::od::{{Attributes, DataType, Entry, Limits, Table}};
 

@@ -23,7 +23,7 @@ pub use access::{
 pub use counts::{Count, Counts, Slots, Unused};
 pub use entry::{Access, Attributes, DataType, Entry, Limits, Location, StorageGroup, key};
 pub use typed::{
-    DayTime, OutOfRange, bytes_at, put_at, signed, signed_bytes, unsigned, unsigned_bytes,
+    DayTime, OutOfRange, Value, bytes_at, put_at, signed, signed_bytes, unsigned, unsigned_bytes,
 };
 
 /// What `od-gen` puts in flash for one dictionary.

@@ -117,5 +117,76 @@ impl DayTime {
     }
 }
 
+/// What a getter returns: a number or a time, made of bytes of any length.
+pub trait Value {
+    /// The value of bytes in the order of the bus. Those of a number may be fewer than its type has, as in an INTEGER24; other
+    /// lengths, which a checked value has not, give 0.
+    fn of(bytes: &[u8]) -> Self;
+}
+
+macro_rules! numbers {
+    ($as_long:ident: $($type:ty),*) => {$(
+        impl Value for $type {
+            #[inline]
+            fn of(bytes: &[u8]) -> Self {
+                match bytes.try_into() {
+                    Ok(bytes) => Self::from_le_bytes(bytes),
+                    // Shorter than its type: the type has room for it.
+                    Err(_) => Self::try_from($as_long(bytes)).unwrap_or(0),
+                }
+            }
+        }
+    )*};
+}
+
+numbers!(signed_of: i8, i16, i32, i64);
+numbers!(unsigned_of: u8, u16, u32, u64);
+
+#[cold]
+fn signed_of(bytes: &[u8]) -> i64 {
+    match *bytes {
+        [a, b, c] => signed([a, b, c]),
+        [a, b, c, d, e] => signed([a, b, c, d, e]),
+        [a, b, c, d, e, f] => signed([a, b, c, d, e, f]),
+        [a, b, c, d, e, f, g] => signed([a, b, c, d, e, f, g]),
+        _ => 0,
+    }
+}
+
+#[cold]
+fn unsigned_of(bytes: &[u8]) -> u64 {
+    match *bytes {
+        [a, b, c] => unsigned([a, b, c]),
+        [a, b, c, d, e] => unsigned([a, b, c, d, e]),
+        [a, b, c, d, e, f] => unsigned([a, b, c, d, e, f]),
+        [a, b, c, d, e, f, g] => unsigned([a, b, c, d, e, f, g]),
+        _ => 0,
+    }
+}
+
+impl Value for bool {
+    fn of(bytes: &[u8]) -> Self {
+        u8::of(bytes) != 0
+    }
+}
+
+impl Value for f32 {
+    fn of(bytes: &[u8]) -> Self {
+        Self::from_bits(u32::of(bytes))
+    }
+}
+
+impl Value for f64 {
+    fn of(bytes: &[u8]) -> Self {
+        Self::from_bits(u64::of(bytes))
+    }
+}
+
+impl Value for DayTime {
+    fn of(bytes: &[u8]) -> Self {
+        Self::from_le_bytes(bytes.try_into().unwrap_or_default())
+    }
+}
+
 #[cfg(test)]
 mod tests;

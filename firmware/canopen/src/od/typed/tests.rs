@@ -43,6 +43,19 @@ fn the_reserved_bits_of_a_time_are_0() {
     assert_eq!(too_large.to_le_bytes(), [0xFF, 0xFF, 0xFF, 0x0F, 0, 0]);
 }
 
+#[test]
+fn values_are_made_of_as_many_bytes_as_there_are() {
+    assert_eq!(i32::of(&[0xFE, 0xFF, 0xFF]), -2);
+    assert_eq!(i32::of(&[0xFE, 0xFF, 0xFF, 0x7F]), 0x7FFF_FFFE);
+    assert_eq!(u64::of(&[0xFF; 5]), 0xFF_FFFF_FFFF);
+    assert_eq!(i64::of(&[0xFF; 7]), -1);
+    assert_eq!(u8::of(&[]), 0);
+    assert!(bool::of(&[1]));
+    assert_eq!(f32::of(&1.5_f32.to_le_bytes()), 1.5);
+    assert_eq!(f64::of(&(-1.5_f64).to_le_bytes()), -1.5);
+    assert_eq!(DayTime::of(&[0, 0, 0, 0, 2, 0]).days, 2);
+}
+
 proptest! {
     #[test]
     fn numbers_come_back(number in any::<i64>()) {
