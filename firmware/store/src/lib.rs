@@ -5,9 +5,13 @@
 //! a checksum over its length and one over its bytes, and names its layout. So a power cut at any byte leaves the old
 //! value or the new one, never a mixture, and the next start repairs what the cut left behind.
 //!
-//! Values are kept in groups, one record each: now the settings of the layer setting services ([`Store::load`],
-//! [`Store::save`]), later the groups of objects 1010h and 1011h (CiA 301). The log itself is the crate
-//! `sequential-storage`; this crate adds the records and waits for the flash where that crate would return a future.
+//! Two kinds of things are kept. The settings of the layer setting services are one record ([`Store::load`],
+//! [`Store::save`]). The parameters of objects 1010h and 1011h (CiA 301) are sets of chunks, and a directory says which chunks
+//! count ([`ParameterStore`]): new chunks are written beside the old ones, and the directory, one record, changes all sets that
+//! were stored together at once. The log itself is the crate `sequential-storage`; this crate adds the records and waits for
+//! the flash where that crate would return a future.
+//!
+//! [`ParameterStore`]: canopen::cia301::parameters::ParameterStore
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(
@@ -22,6 +26,8 @@
 extern crate std;
 
 mod blocking;
+mod directory;
+mod parameters;
 mod record;
 #[cfg(test)]
 mod tests;
@@ -31,25 +37,28 @@ use core::ops::Range;
 
 use blocking::Blocking;
 use canopen::Settings;
+use canopen::cia301::parameters::CHUNK;
 use embassy_futures::block_on;
 use embedded_storage::nor_flash::NorFlash;
-use record::{Group, RECORD, Record};
+use parameters::{Begun, Opened};
+use record::{RECORD, Record};
 use sequential_storage::cache::{Cache, Uncached};
-use sequential_storage::map::{MapConfig, MapStorage};
+use sequential_storage::map::{MapConfig, MapStorage, Value};
 
 /// The largest unit in which the flash may be read or written, in bytes. Larger units do not fit [`Store::new`].
 pub const MAX_WRITE_SIZE: usize = 32;
 
-/// Bytes of a group's key.
+/// Bytes of a key.
 const KEY: usize = 1;
 
-/// Bytes of the buffer through which records pass: a group's key and its record, in whole words of the flash.
-const BUFFER: usize = 2 * MAX_WRITE_SIZE;
+/// Key of the settings. A key that was ever used keeps its meaning.
+const SETTINGS: u8 = 0x00;
 
-const _: () = assert!(
-    KEY + RECORD <= BUFFER,
-    "a record and its key fit the buffer"
-);
+/// Bytes of the buffer through which records pass: the longest of them with its key, in whole words of the flash. Whatever is
+/// stored, the log may move all of them.
+const BUFFER: usize = (KEY + CHUNK).next_multiple_of(MAX_WRITE_SIZE);
+
+const _: () = assert!(RECORD <= CHUNK && BUFFER <= 256);
 
 /// Why a value cannot be loaded or stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,9 +102,12 @@ type NoCache = Cache<Uncached, Uncached, Uncached, u8>;
 
 /// The parameter store over a flash driver.
 ///
-/// It caches nothing: every call reads the flash, so a call never depends on what an interrupted one left in RAM.
+/// It caches nothing: every call reads the flash, so a call never depends on what an interrupted one left in RAM. Only sets that
+/// are being written or read are known to it.
 pub struct Store<F: NorFlash> {
     log: MapStorage<u8, Blocking<F>, NoCache>,
+    begun: Option<Begun>,
+    opened: Option<Opened>,
 }
 
 impl<F: NorFlash> fmt::Debug for Store<F> {
@@ -122,6 +134,8 @@ impl<F: NorFlash> Store<F> {
         let config = MapConfig::try_new(range).map_err(|_| Error::Range)?;
         Ok(Self {
             log: MapStorage::new(Blocking(flash), config, Cache::new_uncached()),
+            begun: None,
+            opened: None,
         })
     }
 
@@ -131,7 +145,7 @@ impl<F: NorFlash> Store<F> {
     /// # Errors
     /// Any but [`Error::Range`] and [`Error::Verify`]. A device then starts with the settings of the factory.
     pub fn load(&mut self) -> Result<Option<Settings>, Error<F::Error>> {
-        match self.record(Group::LayerSettings)? {
+        match self.settings()? {
             Some(record) => record.settings().map(Some),
             None => Ok(None),
         }
@@ -148,17 +162,17 @@ impl<F: NorFlash> Store<F> {
     /// stand, or the new ones do.
     pub fn save(&mut self, settings: &Settings) -> Result<(), Error<F::Error>> {
         let record = Record::of_settings(settings);
-        if matches!(self.record(Group::LayerSettings), Ok(Some(stored)) if stored == record) {
+        if matches!(self.settings(), Ok(Some(stored)) if stored == record) {
             return Ok(());
         }
-        match self.append(Group::LayerSettings, record) {
+        match self.put(SETTINGS, &record) {
             Err(Error::Damaged | Error::Full | Error::Content) => {
-                block_on(self.log.erase_all()).map_err(error)?;
-                self.append(Group::LayerSettings, record)?;
+                self.erase()?;
+                self.put(SETTINGS, &record)?;
             }
             other => other?,
         }
-        if self.record(Group::LayerSettings)? == Some(record) {
+        if self.settings()? == Some(record) {
             Ok(())
         } else {
             Err(Error::Verify)
@@ -170,14 +184,27 @@ impl<F: NorFlash> Store<F> {
         self.log.destroy().0.0
     }
 
-    fn record(&mut self, group: Group) -> Result<Option<Record>, Error<F::Error>> {
-        let mut buffer = [0; BUFFER];
-        block_on(self.log.fetch_item(&mut buffer, &(group as u8))).map_err(error)
+    /// Begins the log anew.
+    fn erase(&mut self) -> Result<(), Error<F::Error>> {
+        block_on(self.log.erase_all()).map_err(error)
     }
 
-    fn append(&mut self, group: Group, record: Record) -> Result<(), Error<F::Error>> {
-        let mut buffer = [0; BUFFER];
-        block_on(self.log.store_item(&mut buffer, &(group as u8), &record)).map_err(error)
+    fn settings(&mut self) -> Result<Option<Record>, Error<F::Error>> {
+        self.fetch(SETTINGS, &mut [0; BUFFER])
+    }
+
+    /// The newest value of a key.
+    fn fetch<'b, V: Value<'b>>(
+        &mut self,
+        key: u8,
+        buffer: &'b mut [u8; BUFFER],
+    ) -> Result<Option<V>, Error<F::Error>> {
+        block_on(self.log.fetch_item(buffer, &key)).map_err(error)
+    }
+
+    /// A new value of a key; the old one counts until this one is whole.
+    fn put<'v, V: Value<'v>>(&mut self, key: u8, value: &V) -> Result<(), Error<F::Error>> {
+        block_on(self.log.store_item(&mut [0; BUFFER], &key, value)).map_err(error)
     }
 }
 

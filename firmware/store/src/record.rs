@@ -1,22 +1,14 @@
-//! The records of the log: which groups there are, and what their bytes mean.
+//! The record of the settings: node-ID and bit rate, as the layer setting services store them (CiA 305, service 17h).
 
 use canopen::{BitRate, NodeId, Settings};
 use sequential_storage::map::{SerializationError, Value};
 
 use crate::Error;
 
-/// What is kept, one record each. The number is the record's key in the log: a number that was ever used keeps its meaning.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Group {
-    /// Node-ID and bit rate, as the layer setting services store them (CiA 305, service 17h).
-    LayerSettings = 0,
-}
-
 /// Bytes of a record.
 pub const RECORD: usize = 3;
 
-/// Layout 1 of [`Group::LayerSettings`]: layout, node-ID, index in the bit timing table 0 of CiA 305.
+/// Layout 1: layout, node-ID, index in the bit timing table 0 of CiA 305.
 const LAYOUT: u8 = 1;
 
 /// The bytes of a record; the first names the layout of the rest.

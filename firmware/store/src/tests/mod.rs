@@ -1,0 +1,129 @@
+//! The store on a flash whose power can be cut at any byte.
+
+mod parameters;
+mod settings;
+
+use std::vec;
+use std::vec::Vec;
+
+use crate::Store;
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
+    check_write,
+};
+
+/// What the mock flash says when it cannot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Refusal {
+    /// There is no power any more.
+    PowerCut,
+    /// The driver was called against its contract.
+    Misuse(NorFlashErrorKind),
+}
+
+impl NorFlashError for Refusal {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::PowerCut => NorFlashErrorKind::Other,
+            Self::Misuse(kind) => *kind,
+        }
+    }
+}
+
+/// NOR flash in RAM: programming clears bits, erasing a sector sets them, and each byte programmed or erased takes one from the
+/// budget. At the byte that finds the budget spent the power goes: that byte is left half done.
+#[derive(Clone, Debug)]
+struct Flash<const SECTOR: usize, const WORD: usize> {
+    bytes: Vec<u8>,
+    budget: usize,
+    erases: usize,
+    /// Programming does nothing, as on a worn-out or write-protected device.
+    deaf: bool,
+}
+
+impl<const SECTOR: usize, const WORD: usize> Flash<SECTOR, WORD> {
+    fn new(sectors: usize) -> Self {
+        Self::filled(sectors, 0xFF)
+    }
+
+    fn filled(sectors: usize, byte: u8) -> Self {
+        Self {
+            bytes: vec![byte; sectors * SECTOR],
+            budget: usize::MAX,
+            erases: 0,
+            deaf: false,
+        }
+    }
+
+    fn range(&self) -> core::ops::Range<u32> {
+        0..u32::try_from(self.bytes.len()).unwrap()
+    }
+
+    fn store(self) -> Store<Self> {
+        let range = self.range();
+        Store::new(self, range).unwrap()
+    }
+
+    fn powered(mut self, budget: usize) -> Self {
+        self.budget = budget;
+        self
+    }
+
+    /// Changes one byte, or half of its bits if the power goes now.
+    fn change(&mut self, at: usize, to: u8) -> Result<(), Refusal> {
+        let from = self.bytes[at];
+        if self.budget == 0 {
+            return Err(Refusal::PowerCut);
+        }
+        self.budget -= 1;
+        if self.budget == 0 {
+            self.bytes[at] = (from & 0xAA) | (to & 0x55);
+            return Err(Refusal::PowerCut);
+        }
+        self.bytes[at] = to;
+        Ok(())
+    }
+}
+
+impl<const SECTOR: usize, const WORD: usize> ErrorType for Flash<SECTOR, WORD> {
+    type Error = Refusal;
+}
+
+impl<const SECTOR: usize, const WORD: usize> ReadNorFlash for Flash<SECTOR, WORD> {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Refusal> {
+        check_read(self, offset, bytes.len()).map_err(Refusal::Misuse)?;
+        if self.budget == 0 {
+            return Err(Refusal::PowerCut);
+        }
+        bytes.copy_from_slice(&self.bytes[offset as usize..][..bytes.len()]);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+impl<const SECTOR: usize, const WORD: usize> NorFlash for Flash<SECTOR, WORD> {
+    const WRITE_SIZE: usize = WORD;
+    const ERASE_SIZE: usize = SECTOR;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Refusal> {
+        check_erase(self, from, to).map_err(Refusal::Misuse)?;
+        self.erases += 1;
+        (from..to).try_for_each(|at| self.change(at as usize, 0xFF))
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Refusal> {
+        check_write(self, offset, bytes.len()).map_err(Refusal::Misuse)?;
+        if self.deaf {
+            return Ok(());
+        }
+        bytes.iter().enumerate().try_for_each(|(i, byte)| {
+            let at = offset as usize + i;
+            self.change(at, self.bytes[at] & byte)
+        })
+    }
+}

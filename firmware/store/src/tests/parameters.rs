@@ -1,0 +1,338 @@
+//! Sets of parameters.
+
+use std::vec;
+use std::vec::Vec;
+
+use canopen::cia301::parameters::{CHUNK, ParameterSet, ParameterSets, ParameterStore};
+use canopen::node::StoreError;
+use canopen::{BitRate, NodeId, Settings};
+use proptest::prelude::*;
+
+use super::Flash;
+use crate::Store;
+
+const SETTINGS: Settings = Settings {
+    node_id: NodeId::new(33).unwrap(),
+    bit_rate: BitRate::Kbit250,
+};
+
+/// The chunks of every set, in the order of [`ParameterSet::ALL`].
+type Contents = [Vec<Vec<u8>>; ParameterSet::COUNT];
+
+/// Chunks that tell which save they are of.
+fn contents(seed: u8, chunks: usize, length: usize) -> Contents {
+    [0, 1, 2, 3].map(|set| {
+        let count = if set == 3 { 1 } else { chunks };
+        (0..count)
+            .map(|chunk| vec![seed ^ (set * 16 + chunk as u8); length])
+            .collect()
+    })
+}
+
+fn save<S: ParameterStore>(
+    store: &mut S,
+    sets: ParameterSets,
+    contents: &Contents,
+) -> Result<(), StoreError> {
+    store.begin(sets)?;
+    for (set, chunks) in ParameterSet::ALL.into_iter().zip(contents) {
+        if sets.has(set) {
+            for chunk in chunks {
+                store.append(set, chunk)?;
+            }
+        }
+    }
+    store.commit()
+}
+
+fn load<S: ParameterStore>(store: &mut S) -> Result<Contents, StoreError> {
+    let mut contents = Contents::default();
+    for (set, chunks) in ParameterSet::ALL.into_iter().zip(&mut contents) {
+        for number in 0..store.open(set)? {
+            let mut chunk = [0; CHUNK];
+            let length = store.read(set, number, &mut chunk)?;
+            chunks.push(chunk[..length].to_vec());
+        }
+    }
+    Ok(contents)
+}
+
+#[test]
+fn what_was_never_stored_is_empty() {
+    let mut store = Flash::<1024, 4>::new(2).store();
+    assert_eq!(load(&mut store), Ok(Contents::default()));
+}
+
+#[test]
+fn what_was_committed_last_is_there_after_a_restart() {
+    let mut store = Flash::<4096, 4>::new(2).store();
+    save(&mut store, ParameterSets::ALL, &contents(1, 3, CHUNK)).unwrap();
+    save(&mut store, ParameterSets::ALL, &contents(2, 2, 17)).unwrap();
+    let mut store = store.release().store();
+    assert_eq!(load(&mut store), Ok(contents(2, 2, 17)));
+}
+
+#[test]
+fn a_set_is_stored_and_forgotten_without_the_others() {
+    let mut store = Flash::<4096, 4>::new(2).store();
+    save(&mut store, ParameterSets::ALL, &contents(1, 2, 40)).unwrap();
+    let application = ParameterSets::of_sub_index(3).unwrap();
+    save(&mut store, application, &contents(2, 1, 9)).unwrap();
+    let [communication, _, manufacturer, _] = contents(1, 2, 40);
+    let [_, newer, _, date] = contents(2, 1, 9);
+    assert_eq!(
+        load(&mut store).unwrap(),
+        [communication.clone(), newer.clone(), manufacturer, date]
+    );
+    let forgotten = ParameterSets::of_sub_index(4).unwrap();
+    save(&mut store, forgotten, &Contents::default()).unwrap();
+    let none = Vec::new();
+    assert_eq!(
+        load(&mut store).unwrap(),
+        [communication, newer, none.clone(), none]
+    );
+}
+
+#[test]
+fn what_was_not_committed_never_was() {
+    let mut store = Flash::<4096, 4>::new(2).store();
+    save(&mut store, ParameterSets::ALL, &contents(1, 2, 40)).unwrap();
+    store.begin(ParameterSets::ALL).unwrap();
+    ParameterStore::append(&mut store, ParameterSet::Application, &[9; 30]).unwrap();
+    assert_eq!(load(&mut store), Ok(contents(1, 2, 40)));
+    let mut store = store.release().store();
+    assert_eq!(load(&mut store), Ok(contents(1, 2, 40)));
+    assert_eq!(store.commit(), Err(StoreError::Medium), "nothing was begun");
+}
+
+#[test]
+fn settings_and_parameters_leave_each_other_alone() {
+    let mut store = Flash::<2048, 4>::new(2).store();
+    store.save(&SETTINGS).unwrap();
+    // Many times round the sectors.
+    for seed in 0..50 {
+        save(&mut store, ParameterSets::ALL, &contents(seed, 3, 50)).unwrap();
+        assert_eq!(store.load(), Ok(Some(SETTINGS)));
+    }
+    for node_id in 1..=100 {
+        let node_id = NodeId::new(node_id).unwrap();
+        let settings = Settings {
+            node_id,
+            ..SETTINGS
+        };
+        store.save(&settings).unwrap();
+    }
+    assert_eq!(load(&mut store), Ok(contents(49, 3, 50)));
+}
+
+#[test]
+fn sets_that_are_too_long_are_refused_and_the_old_ones_stay() {
+    let mut store = Flash::<1024, 4>::new(2).store();
+    store.save(&SETTINGS).unwrap();
+    let small = contents(1, 1, 60);
+    save(&mut store, ParameterSets::ALL, &small).unwrap();
+    for chunks in 2..40 {
+        let large = contents(2, chunks, 100);
+        let result = save(&mut store, ParameterSets::ALL, &large);
+        assert_eq!(result, Err(StoreError::Medium), "{chunks} chunks");
+        assert_eq!(load(&mut store), Ok(small.clone()));
+        // The log has room for everything else.
+        store.save(&SETTINGS).unwrap();
+        save(&mut store, ParameterSets::ALL, &small).unwrap();
+    }
+    assert_eq!(store.load(), Ok(Some(SETTINGS)));
+}
+
+#[test]
+fn the_longest_set_fits_the_sectors_of_the_board_twice() {
+    let mut store = Flash::<16_384, 4>::new(2).store();
+    let longest = |seed| {
+        let mut contents = Contents::default();
+        contents[0] = vec![vec![seed; CHUNK]; 29];
+        contents
+    };
+    for seed in 0..8 {
+        save(&mut store, ParameterSets::ALL, &longest(seed)).unwrap();
+        assert_eq!(load(&mut store), Ok(longest(seed)));
+    }
+}
+
+#[test]
+fn flash_that_does_not_keep_a_byte_is_reported() {
+    let mut flash = Flash::<1024, 4>::new(2);
+    flash.deaf = true;
+    let mut store = flash.store();
+    assert_eq!(
+        save(&mut store, ParameterSets::ALL, &contents(1, 1, 9)),
+        Err(StoreError::Medium)
+    );
+}
+
+#[test]
+fn a_chunk_that_is_gone_makes_the_set_damaged_and_no_other() {
+    let mut store = Flash::<1024, 4>::new(2).store();
+    save(&mut store, ParameterSets::ALL, &contents(0x55, 1, 24)).unwrap();
+    let mut flash = store.release();
+    // The only chunk of the application set.
+    let needle = [0x55 ^ 16; 24];
+    let at = flash
+        .bytes
+        .windows(24)
+        .position(|bytes| bytes == needle)
+        .unwrap();
+    flash.bytes[at] = 0;
+    let mut store = flash.store();
+    assert_eq!(
+        store.open(ParameterSet::Application),
+        Err(StoreError::Medium)
+    );
+    assert_eq!(store.open(ParameterSet::Communication), Ok(1));
+    // The next save heals it.
+    save(&mut store, ParameterSets::ALL, &contents(2, 1, 24)).unwrap();
+    assert_eq!(load(&mut store), Ok(contents(2, 1, 24)));
+}
+
+#[test]
+fn flash_full_of_anything_never_stops_the_next_save() {
+    for byte in [0x00, 0x01, 0x55, 0xA5, 0xFE] {
+        let mut store = Flash::<1024, 4>::filled(2, byte).store();
+        save(&mut store, ParameterSets::ALL, &contents(1, 1, 24)).unwrap();
+        assert_eq!(load(&mut store), Ok(contents(1, 1, 24)), "bytes {byte:02X}");
+    }
+}
+
+/// A power cut at every byte of one save, and at each `stride`th byte of the save after it.
+fn cut_everywhere<const SECTOR: usize>(
+    flash: &Flash<SECTOR, 4>,
+    old: &Contents,
+    sets: ParameterSets,
+    stride: usize,
+) {
+    let [new, newest] = [contents(0x40, 1, 9), contents(0x80, 2, 5)];
+    let after = |before: &Contents, saved: &Contents| {
+        let mut after = before.clone();
+        for (number, set) in ParameterSet::ALL.into_iter().enumerate() {
+            if sets.has(set) {
+                after[number].clone_from(&saved[number]);
+            }
+        }
+        after
+    };
+    let mut seen = [0; 2];
+    for cut in 1.. {
+        let mut store = flash.clone().powered(cut).store();
+        let finished = save(&mut store, sets, &new).is_ok();
+        let left = store.release();
+
+        let mut store = left.clone().powered(usize::MAX).store();
+        let found = load(&mut store).unwrap();
+        assert_eq!(store.load(), Ok(Some(SETTINGS)), "cut at byte {cut}");
+        let is_new = found == after(old, &new);
+        assert!(is_new || found == *old, "cut at byte {cut}: {found:?}");
+        assert!(!finished || is_new);
+        seen[usize::from(is_new)] += 1;
+
+        for cut_again in (1 + cut % stride..).step_by(stride) {
+            let mut store = left.clone().powered(cut_again).store();
+            let finished_again = save(&mut store, sets, &newest).is_ok();
+            let mut store = store.release().powered(usize::MAX).store();
+            let then = load(&mut store).unwrap();
+            assert_eq!(store.load(), Ok(Some(SETTINGS)));
+            let is_newest = then == after(&found, &newest);
+            assert!(
+                is_newest || then == found,
+                "cut at byte {cut}, then at {cut_again}: {then:?} where {found:?} was"
+            );
+            assert!(!finished_again || is_newest);
+            if finished_again {
+                break;
+            }
+        }
+        if finished {
+            break;
+        }
+    }
+    assert!(seen.iter().all(|&count| count > 0), "old and new: {seen:?}");
+}
+
+/// Flash after so many saves of all sets.
+fn filled(saves: u8) -> (Flash<512, 4>, Contents) {
+    let mut store = Flash::new(2).store();
+    store.save(&SETTINGS).unwrap();
+    for seed in 0..saves {
+        save(&mut store, ParameterSets::ALL, &contents(seed, 1, 8)).unwrap();
+    }
+    let last = saves.checked_sub(1);
+    let found = last.map_or(Contents::default(), |seed| contents(seed, 1, 8));
+    (store.release(), found)
+}
+
+#[test]
+fn r06_a_power_cut_at_any_byte_leaves_the_old_sets_or_the_new_ones() {
+    let (flash, old) = filled(1);
+    cut_everywhere(&flash, &old, ParameterSets::ALL, 1);
+}
+
+#[test]
+fn r06_a_power_cut_in_the_save_of_one_group_leaves_the_others() {
+    let (flash, old) = filled(1);
+    cut_everywhere(&flash, &old, ParameterSets::of_sub_index(3).unwrap(), 1);
+}
+
+#[test]
+fn r06_a_power_cut_is_survived_at_every_fill_of_the_sectors_including_those_that_erase() {
+    let mut erases = 0;
+    for saves in 0..8 {
+        let (flash, old) = filled(saves);
+        erases = flash.erases;
+        cut_everywhere(&flash, &old, ParameterSets::ALL, 13);
+    }
+    assert!(
+        erases > 1,
+        "the log went round its sectors: {erases} erases"
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_last_completed_save_wins_whatever_was_cut(
+        steps in prop::collection::vec(
+            (0..=255_u8, 1..=4_u8, 0..4_usize, 1..60_usize, prop::option::weighted(0.5, 1..900_usize)),
+            1..20,
+        )
+    ) {
+        let mut flash = Flash::<2048, 4>::new(2);
+        let mut expected = Contents::default();
+        for (seed, sub, chunks, length, budget) in steps {
+            let sets = ParameterSets::of_sub_index(sub).unwrap();
+            let wanted = contents(seed, chunks, length);
+            let mut store = flash.powered(budget.unwrap_or(usize::MAX)).store();
+            let result = save(&mut store, sets, &wanted);
+            flash = store.release().powered(usize::MAX);
+            let mut store = flash.store();
+            let found = load(&mut store).unwrap();
+            let mut new = expected.clone();
+            for (number, set) in ParameterSet::ALL.into_iter().enumerate() {
+                if sets.has(set) {
+                    new[number].clone_from(&wanted[number]);
+                }
+            }
+            prop_assert!(found == new || (result.is_err() && found == expected));
+            expected = found;
+            flash = store.release();
+        }
+    }
+
+    #[test]
+    fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 2048)) {
+        let mut flash = Flash::<1024, 4>::new(2);
+        flash.bytes = bytes;
+        let mut store: Store<_> = flash.store();
+        let _ = load(&mut store);
+        let now = contents(1, 1, 12);
+        prop_assert_eq!(save(&mut store, ParameterSets::ALL, &now), Ok(()));
+        prop_assert_eq!(load(&mut store), Ok(now));
+    }
+}
