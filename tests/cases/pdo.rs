@@ -152,10 +152,10 @@ fn p16_the_inhibit_time_of_a_valid_pdo_does_not_change() {
 fn p18_only_supported_transmission_types_are_taken() {
     let mut bench = Bench::node(4);
     bench.write_u32(0x1800, 1, 0x8000_0184);
-    for kind in [0, 1, 240, 254, 255] {
+    for kind in [0, 1, 240, 252, 253, 254, 255] {
         bench.write_u8(0x1800, 2, kind);
     }
-    for kind in 241..=253_u8 {
+    for kind in 241..=251_u8 {
         bench.refused(&format!("604: 2F 00 18 02 {kind:02X}"), 0x0609_0030);
     }
 }

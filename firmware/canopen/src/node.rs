@@ -357,6 +357,8 @@ impl<D: Dictionary> Node<D> {
         let deadline = earlier(deadline, self.services.supervision_deadline());
         let deadline = earlier(deadline, self.sdo.deadline());
         let deadline = earlier(deadline, self.services.heartbeat.deadline());
+        let deadline = earlier(deadline, self.services.rpdos.poll(now));
+        self.services.report_lengths(&mut self.dictionary, now);
         earlier(deadline, self.services.emergency.poll(now))
     }
 

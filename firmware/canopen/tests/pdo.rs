@@ -177,12 +177,19 @@ fn p18_transmission_types() {
         for number in [0, 1, 240, 254, 255] {
             assert_eq!(write_u8(&mut device, index, 2, number), DONE);
         }
-        for number in [241, 251, 252, 253] {
+        for number in [241, 251] {
             assert_eq!(
                 write_u8(&mut device, index, 2, number),
                 abort(index, 2, INVALID_VALUE)
             );
         }
+    }
+    for number in [252, 253] {
+        assert_eq!(write_u8(&mut device, 0x1800, 2, number), DONE);
+        assert_eq!(
+            write_u8(&mut device, 0x1400, 2, number),
+            abort(0x1400, 2, INVALID_VALUE)
+        );
     }
 }
 

@@ -27,8 +27,9 @@ pub(super) fn write(model: &Model) -> String {
 fn counts(model: &Model) -> String {
     let (rpdos, tpdos) = (model.rpdo_count(), model.tpdo_count());
     let (servers, consumers) = (model.sdo_server_count(), model.heartbeat_consumer_count());
+    let mapped = model.mapped_object_count();
     format!(
-        "/// Receive PDOs, transmit PDOs, SDO servers, heartbeat consumers.\n\
-         pub type Counts = ::canopen::od::Count<{rpdos}, {tpdos}, {servers}, {consumers}>;\n\n"
+        "/// Receive PDOs, transmit PDOs, SDO servers, heartbeat consumers, objects in a PDO.\n\
+         pub type Counts = ::canopen::od::Count<{rpdos}, {tpdos}, {servers}, {consumers}, {mapped}>;\n\n"
     )
 }

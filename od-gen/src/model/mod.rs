@@ -91,6 +91,17 @@ impl Model {
             object.entries.iter().filter(|entry| entry.sub != 0).count()
         })
     }
+
+    /// The most objects that one PDO may map: the elements of the longest mapping record at 1600h to 17FFh and 1A00h to 1BFFh,
+    /// at least one.
+    pub fn mapped_object_count(&self) -> usize {
+        [0x1600..=0x17FF, 0x1A00..=0x1BFF]
+            .into_iter()
+            .flat_map(|indices| self.objects_in(indices))
+            .map(|object| object.entries.iter().filter(|entry| entry.sub != 0).count())
+            .max()
+            .unwrap_or(1)
+    }
 }
 
 /// The kinds of object (CiA 301, table 42).

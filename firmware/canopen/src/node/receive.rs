@@ -142,7 +142,7 @@ impl<D: Dictionary> Node<D> {
         let is_taken =
             self.services
                 .rpdos
-                .receive(cob_id, frame, &mut self.dictionary, application);
+                .receive(cob_id, frame, now, &mut self.dictionary, application);
         if is_taken {
             self.services.values_changed = true;
             self.services.report_lengths(&mut self.dictionary, now);

@@ -24,8 +24,8 @@ pub(super) struct Services<C: Counts> {
     pub(super) emergency: emergency::Producer,
     pub(super) sync: Sync,
     pub(super) parameters: Parameters,
-    pub(super) rpdos: pdo::Receive<C::Rpdos>,
-    pub(super) tpdos: pdo::Transmit<C::Tpdos>,
+    pub(super) rpdos: pdo::Receive<C::Rpdos, C::RpdoObjects>,
+    pub(super) tpdos: pdo::Transmit<C::Tpdos, C::TpdoObjects>,
     /// Whether the NMT state has emergency messages.
     pub(super) may_send_emergency: bool,
     /// Whether a timer may end earlier than the node knows.
@@ -142,7 +142,7 @@ impl<C: Counts> Services<C> {
         dictionary: &mut D,
         application: &mut A,
     ) {
-        self.tpdos.on_sync(dictionary);
+        self.tpdos.on_sync(None, dictionary);
         self.values_changed |= self.rpdos.on_sync(dictionary, application);
     }
 
@@ -222,7 +222,7 @@ impl<C: Counts> Services<C> {
     /// Passes on what SYNC and receive PDOs have found wrong with the length of frames, or right again.
     #[inline]
     pub(super) fn report_lengths<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
-        if self.sync.has_length_report() || self.rpdos.has_length_report() {
+        if self.sync.has_length_report() || self.rpdos.has_report() {
             self.report_changed_lengths(dictionary, now);
         }
     }
@@ -230,11 +230,9 @@ impl<C: Counts> Services<C> {
     #[cold]
     #[inline(never)]
     fn report_changed_lengths<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
-        while let Some(report) = self
-            .sync
-            .length_report()
-            .or_else(|| self.rpdos.length_report())
-        {
+        // The deadline of a receive PDO may have begun.
+        self.timers_changed = true;
+        while let Some(report) = self.sync.length_report().or_else(|| self.rpdos.report()) {
             match report {
                 LengthReport::Appeared(emergency) => self.report(dictionary, &emergency, now),
                 LengthReport::Gone(emergency) => self.clear_one(dictionary, &emergency, now),

@@ -28,7 +28,7 @@ impl<D: Dictionary> Node<D> {
             || cob_id == cob_id::sdo_response(self.node_id)
     }
 
-    /// A remote frame: a question of the guarding master.
+    /// A remote frame: a question of the guarding master, or for a transmit PDO.
     #[cold]
     #[inline(never)]
     pub(super) fn receive_remote(&mut self, cob_id: u16, now: Instant) {
@@ -38,6 +38,12 @@ impl<D: Dictionary> Node<D> {
             }
             self.services.timers_changed = true;
             self.queue.push_guarding();
+        } else {
+            self.services
+                .tpdos
+                .on_request(cob_id, &self.dictionary, now);
+            // The times of an event-driven one may have changed.
+            self.services.values_changed = true;
         }
     }
 

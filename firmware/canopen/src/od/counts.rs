@@ -6,46 +6,54 @@
 use core::fmt::Debug;
 
 use crate::cia301::heartbeat::Consumer;
-use crate::cia301::pdo::{ReceivePdo, TransmitPdo};
+use crate::cia301::pdo::{Destination, ReceivePdo, Source, TransmitPdo};
 use crate::cia301::sdo::Server;
 
 /// The places of a service, one for each of what it serves: `[T; N]`.
-pub trait Slots<T>: AsRef<[T]> + AsMut<[T]> + Debug {
+pub trait Slots<T>: AsRef<[T]> + AsMut<[T]> + Debug + Unused {
     /// Places with nothing in use.
-    fn unused() -> Self;
+    fn unused() -> Self {
+        Self::UNUSED
+    }
 }
 
 /// What a place is before anything uses it.
-pub trait Unused {
+pub trait Unused: Sized {
     /// Not in use.
     const UNUSED: Self;
 }
 
-impl<T: Unused + Debug, const N: usize> Slots<T> for [T; N] {
-    fn unused() -> Self {
-        [const { T::UNUSED }; N]
-    }
+impl<T: Unused, const N: usize> Unused for [T; N] {
+    const UNUSED: Self = [const { T::UNUSED }; N];
 }
+
+impl<T: Unused + Debug, const N: usize> Slots<T> for [T; N] {}
 
 /// The places of all services that are counted. [`Count`] implements it.
 pub trait Counts: Debug {
+    /// The objects that a receive PDO may map, sub-indices of 1600h and up.
+    type RpdoObjects: Slots<Destination>;
+    /// The objects that a transmit PDO may map, sub-indices of 1A00h and up.
+    type TpdoObjects: Slots<Source>;
     /// Receive PDOs, 1400h and up.
-    type Rpdos: Slots<ReceivePdo>;
+    type Rpdos: Slots<ReceivePdo<Self::RpdoObjects>>;
     /// Transmit PDOs, 1800h and up.
-    type Tpdos: Slots<TransmitPdo>;
+    type Tpdos: Slots<TransmitPdo<Self::TpdoObjects>>;
     /// SDO servers, 1200h and up; at least one.
     type SdoServers: Slots<Server>;
     /// Heartbeat consumers, the entries of 1016h.
     type HeartbeatConsumers: Slots<Consumer>;
 }
 
-/// A device with so many receive PDOs, transmit PDOs, SDO servers, and heartbeat consumers (entries of 1016h).
+/// A device with so many receive PDOs, transmit PDOs, SDO servers, and heartbeat consumers (entries of 1016h). A PDO maps up
+/// to eight objects, or as many as are said behind that (64 at most, each a bit).
 #[derive(Debug)]
 pub struct Count<
     const RPDOS: usize,
     const TPDOS: usize,
     const SDO_SERVERS: usize,
     const HEARTBEAT_CONSUMERS: usize,
+    const MAPPED_OBJECTS: usize = 8,
 >;
 
 impl<
@@ -53,10 +61,13 @@ impl<
     const TPDOS: usize,
     const SDO_SERVERS: usize,
     const HEARTBEAT_CONSUMERS: usize,
-> Counts for Count<RPDOS, TPDOS, SDO_SERVERS, HEARTBEAT_CONSUMERS>
+    const MAPPED_OBJECTS: usize,
+> Counts for Count<RPDOS, TPDOS, SDO_SERVERS, HEARTBEAT_CONSUMERS, MAPPED_OBJECTS>
 {
-    type Rpdos = [ReceivePdo; RPDOS];
-    type Tpdos = [TransmitPdo; TPDOS];
+    type RpdoObjects = [Destination; MAPPED_OBJECTS];
+    type TpdoObjects = [Source; MAPPED_OBJECTS];
+    type Rpdos = [ReceivePdo<Self::RpdoObjects>; RPDOS];
+    type Tpdos = [TransmitPdo<Self::TpdoObjects>; TPDOS];
     type SdoServers = [Server; SDO_SERVERS];
     type HeartbeatConsumers = [Consumer; HEARTBEAT_CONSUMERS];
 }

@@ -44,6 +44,16 @@ impl Frame {
         }
     }
 
+    /// A data frame with an 11-bit identifier and the first `length` of these bytes; the others are 0.
+    #[inline]
+    pub(crate) fn of_length(cob_id: u16, data: [u8; 8], length: u8) -> Self {
+        Self {
+            header: standard(cob_id),
+            length: length.min(8),
+            data,
+        }
+    }
+
     /// A remote frame with an 11-bit identifier (only its low 11 bits count) that asks for `length` bytes (at most 8).
     pub fn remote_frame(cob_id: u16, length: u8) -> Self {
         Self {

@@ -1,18 +1,17 @@
 //! Mapping parameters (1600h to 17FFh, 1A00h to 1BFFh): from the numbers that a master writes to entries of the dictionary.
 //!
 //! One mapping entry is an UNSIGNED32: index (bits 16 to 31), sub-index (bits 8 to 15), length in bits (bits 0 to 7).
-//! The indices 0001h to 001Bh are data types; in a receive PDO they stand for bytes that are skipped (dummy mapping).
-
-use heapless::Vec;
+//! The indices 0001h to 001Bh are data types; in a receive PDO they stand for bits that are skipped (dummy mapping).
+//!
+//! Objects follow each other without a gap, the first in the lowest bit of the first byte. The length of an object is its own;
+//! a BOOLEAN has one bit, or eight as in the dictionary. Of an unsigned number the low bits may be mapped, if they are no
+//! whole bytes: whole bytes are the length of another type, and so a mistake.
 
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Attributes, DataType, Entry, Location, Table};
 
-/// Most objects in one PDO: eight bytes, one each.
-pub(super) const MOST_OBJECTS: usize = 8;
-
-/// Most bytes in one PDO.
-pub(super) const MOST_BYTES: u8 = 8;
+/// Most bits in one PDO.
+pub(super) const MOST_BITS: u8 = 64;
 
 /// Which way a PDO goes, seen from the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,55 +45,126 @@ impl MappingEntry {
         bits
     }
 
-    /// What the bytes of this mapping entry are.
+    /// What the bits of this mapping entry are.
     ///
     /// # Errors
     /// - [`AbortCode::NoObject`], [`AbortCode::NoSubIndex`]: there is no such object.
     /// - [`AbortCode::NotMappable`]: the data sheet does not allow it, its access forbids this direction, its length is
     ///   another one, it is a communication object in a receive PDO, or a dummy in a transmit PDO.
     pub(super) fn resolve(self, table: &Table, direction: Direction) -> Result<Target, AbortCode> {
-        if let Some(bytes) = dummy_bytes(self.index()) {
+        if let Some((data_type, bytes)) = dummy(self.index()) {
             let is_dummy = direction == Direction::Receive
                 && self.sub() == 0
-                && u16::from(self.bits()) == u16::from(bytes) * 8;
+                && is_whole(data_type, u16::from(bytes), self.bits());
             return if is_dummy {
-                Ok(Target::Dummy(bytes))
+                Ok(Target::Dummy(self.bits()))
             } else {
                 Err(AbortCode::NotMappable)
             };
         }
-        let entry = table.find(self.index(), self.sub())?;
-        let allowed = match direction {
-            // The rules of communication objects are kept by SDO only.
-            Direction::Receive => {
-                entry.attributes.has(Attributes::RPDO | Attributes::WRITE)
-                    && matches!(entry.location(), Location::Ram(_))
-                    && !(0x1000..=0x1FFF).contains(&entry.index)
-            }
-            Direction::Transmit => entry.attributes.has(Attributes::TPDO | Attributes::READ),
-        };
-        let whole =
-            !entry.data_type.is_variable() && u32::from(entry.size) * 8 == u32::from(self.bits());
-        if allowed && whole {
-            Ok(Target::Object(entry))
-        } else {
-            Err(AbortCode::NotMappable)
+        let position = table.position(self.index(), self.sub())?;
+        let entry = table.entries.get(position).ok_or(AbortCode::NoObject)?;
+        let has_length = is_whole(entry.data_type, entry.size, self.bits())
+            || is_part(entry.data_type, entry.size, self.bits());
+        match u16::try_from(position) {
+            Ok(position) if has_length && is_mappable(entry, direction) => Ok(Target::Object {
+                position,
+                entry,
+                bits: self.bits(),
+            }),
+            _ => Err(AbortCode::NotMappable),
         }
     }
+}
+
+/// Whether the data sheet and the access of an object allow this direction.
+pub(super) fn is_mappable(entry: &Entry, direction: Direction) -> bool {
+    let is_here = !entry.data_type.is_variable() && !entry.attributes.has(Attributes::STREAMED);
+    let is_allowed = match direction {
+        // The rules of communication objects are kept by SDO only.
+        Direction::Receive => {
+            entry.attributes.has(Attributes::RPDO | Attributes::WRITE)
+                && matches!(entry.location(), Location::Ram(_))
+                && !(0x1000..=0x1FFF).contains(&entry.index)
+        }
+        Direction::Transmit => entry.attributes.has(Attributes::TPDO | Attributes::READ),
+    };
+    is_here && is_allowed
+}
+
+/// Whether so many bits are the whole of a type with `size` bytes.
+fn is_whole(data_type: DataType, size: u16, bits: u8) -> bool {
+    let is_bit = data_type == DataType::Boolean && bits == 1;
+    is_bit || u32::from(size) * 8 == u32::from(bits)
+}
+
+/// Whether so many bits are a low part of a type with `size` bytes that may be mapped.
+fn is_part(data_type: DataType, size: u16, bits: u8) -> bool {
+    let is_unsigned = matches!(
+        data_type,
+        DataType::Unsigned8
+            | DataType::Unsigned16
+            | DataType::Unsigned24
+            | DataType::Unsigned32
+            | DataType::Unsigned40
+            | DataType::Unsigned48
+            | DataType::Unsigned56
+            | DataType::Unsigned64
+    );
+    is_unsigned && !bits.is_multiple_of(8) && u32::from(bits) < u32::from(size) * 8
 }
 
 /// What a mapping entry stands for.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Target {
     /// An object of the dictionary.
-    Object(&'static Entry),
-    /// So many bytes that are skipped.
+    Object {
+        /// The position of its entry in the table.
+        position: u16,
+        /// The entry.
+        entry: &'static Entry,
+        /// Bits in the frame.
+        bits: u8,
+    },
+    /// So many bits that are skipped.
     Dummy(u8),
 }
 
-/// The length of a dummy, by its index. Granularity is a byte, so BOOLEAN takes one.
-fn dummy_bytes(index: u16) -> Option<u8> {
-    const INDICES: [(DataType, u8); 9] = [
+impl Target {
+    /// Bits in the frame.
+    pub(super) const fn bits(&self) -> u8 {
+        match *self {
+            Self::Object { bits, .. } | Self::Dummy(bits) => bits,
+        }
+    }
+}
+
+/// A mapping in the making: targets are put one behind the other.
+pub(super) trait Layout: Sized {
+    /// Which way its PDO goes.
+    const DIRECTION: Direction;
+
+    /// Nothing mapped.
+    const NOTHING: Self;
+
+    /// Puts one more target behind those that are there.
+    ///
+    /// # Errors
+    /// [`AbortCode::PdoLengthExceeded`]: more than 64 bits, or more objects than the data sheet has room for.
+    fn push(&mut self, target: Target) -> Result<(), AbortCode>;
+}
+
+/// The bits of a mapping that has `bits` of them with one more target.
+pub(super) fn with_target(bits: u8, target: &Target) -> Result<u8, AbortCode> {
+    match bits.checked_add(target.bits()) {
+        Some(bits) if bits <= MOST_BITS => Ok(bits),
+        _ => Err(AbortCode::PdoLengthExceeded),
+    }
+}
+
+/// Type and bytes of a dummy, by its index: every number has one.
+fn dummy(index: u16) -> Option<(DataType, u8)> {
+    const DUMMIES: [(DataType, u8); 19] = [
         (DataType::Boolean, 1),
         (DataType::Integer8, 1),
         (DataType::Integer16, 2),
@@ -102,79 +172,21 @@ fn dummy_bytes(index: u16) -> Option<u8> {
         (DataType::Unsigned8, 1),
         (DataType::Unsigned16, 2),
         (DataType::Unsigned32, 4),
+        (DataType::Real32, 4),
+        (DataType::Integer24, 3),
+        (DataType::Real64, 8),
+        (DataType::Integer40, 5),
+        (DataType::Integer48, 6),
+        (DataType::Integer56, 7),
         (DataType::Integer64, 8),
+        (DataType::Unsigned24, 3),
+        (DataType::Unsigned40, 5),
+        (DataType::Unsigned48, 6),
+        (DataType::Unsigned56, 7),
         (DataType::Unsigned64, 8),
     ];
-    INDICES
+    DUMMIES
         .iter()
         .find(|(data_type, _)| *data_type as u16 == index)
-        .map(|(_, bytes)| *bytes)
-}
-
-/// An object with its place in the frame.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MappedObject {
-    pub(super) entry: &'static Entry,
-    /// Its first byte in the frame.
-    pub(super) position: u8,
-    /// Whether its type allows bytes that its limits do not.
-    pub(super) is_limited: bool,
-}
-
-impl MappedObject {
-    /// Its bytes in a frame.
-    pub(super) fn value(self, frame: &[u8; 8]) -> &[u8] {
-        let start = usize::from(self.position);
-        let end = start.saturating_add(usize::from(self.entry.size));
-        // A mapping fits into a frame.
-        frame.get(start..end).unwrap_or(&[])
-    }
-}
-
-/// A resolved mapping: its objects in order, dummies left out.
-#[derive(Clone, Debug)]
-pub(super) struct Mapping {
-    pub(super) objects: Vec<MappedObject, MOST_OBJECTS>,
-    /// Bytes of the frame, dummies included; 0 when nothing is mapped.
-    pub(super) length: u8,
-}
-
-impl Mapping {
-    /// Nothing mapped.
-    pub(super) const fn new() -> Self {
-        Self {
-            objects: Vec::new(),
-            length: 0,
-        }
-    }
-
-    /// Puts one more target behind those that are there.
-    ///
-    /// # Errors
-    /// [`AbortCode::PdoLengthExceeded`]: more than 64 bits.
-    pub(super) fn push(&mut self, target: Target) -> Result<(), AbortCode> {
-        let bytes = match target {
-            Target::Object(entry) => {
-                u8::try_from(entry.size).map_err(|_| AbortCode::PdoLengthExceeded)?
-            }
-            Target::Dummy(bytes) => bytes,
-        };
-        let length = self.length.saturating_add(bytes);
-        if length > MOST_BYTES {
-            return Err(AbortCode::PdoLengthExceeded);
-        }
-        if let Target::Object(entry) = target {
-            let object = MappedObject {
-                entry,
-                position: self.length,
-                is_limited: entry.limits != Entry::NO_LIMITS
-                    || entry.data_type == DataType::Boolean,
-            };
-            self.objects
-                .push(object)
-                .map_err(|_| AbortCode::PdoLengthExceeded)?;
-        }
-        self.length = length;
-        Ok(())
-    }
+        .copied()
 }

@@ -7,28 +7,33 @@
 //!
 //! The contract:
 //! - A write is checked in full before it changes anything; the abort codes are in `parameters.rs`.
-//! - A mapping is resolved once, when it is written, into a copy plan. A frame follows the plan and searches nothing.
-//! - A mapping is byte-granular: each mapped object has its own length, a multiple of 8 bits. A BOOLEAN is mapped as the
-//!   8 bits that it takes in the dictionary.
+//! - A mapping is resolved once, when it is written. A frame searches nothing.
+//! - A mapping is bit-granular: objects follow each other without a gap. Whole bytes at whole bytes are copies.
 //! - A PDO that is valid but maps nothing is inert: nothing is received or sent.
-//! - PDOs move in Operational only. A remote request for a PDO (RTR) gets no answer, and transmission types 252 and 253
-//!   are refused.
+//! - PDOs move in Operational only.
 //! - At a SYNC the synchronous transmit PDOs sample their objects first; then the synchronous receive PDOs that came
 //!   before it are applied. What is sent is the device as it was at the SYNC.
 
-mod copy_plan;
+mod bits;
+mod errors;
 mod mapping;
+mod pack;
 mod parameters;
 mod receive;
+mod receive_pdo;
 mod transmit;
 mod transmit_pdo;
+mod unpack;
 
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use receive::{Receive, ReceivePdo};
+pub use pack::Source;
+pub use receive::Receive;
+pub use receive_pdo::ReceivePdo;
 pub use transmit::Transmit;
 pub use transmit_pdo::TransmitPdo;
+pub use unpack::Destination;
 
 /// The COB-ID of a PDO that is not in use: no 11-bit identifier is equal to it.
 const NOT_IN_USE: u16 = u16::MAX;

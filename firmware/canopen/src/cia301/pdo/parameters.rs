@@ -3,22 +3,27 @@
 //! | write | refused with |
 //! |---|---|
 //! | COB-ID: 29-bit identifier, a restricted identifier, another identifier while valid | 06090030h |
-//! | transmission type: 241 to 251 (reserved), 252 and 253 (only on request) | 06090030h |
-//! | inhibit time of a transmit PDO while valid | 06090030h |
-//! | deadline of a receive PDO, SYNC start value: anything but 0 | 06090030h |
+//! | transmission type: 241 to 251 (reserved); 252 and 253 (on request) of a receive PDO | 06090030h |
+//! | inhibit time or SYNC start value of a transmit PDO while valid; a start value above 240 | 06090030h |
 //! | mapping, anything while the PDO is valid; an entry while sub-index 0 is not 0 | 06010000h |
 //! | mapping entry: no such object | 06020000h, 06090011h |
 //! | mapping entry: not mappable, wrong direction, not its own length, a dummy to transmit | 06040041h |
-//! | mapping sub-index 0: above 8, or more than 64 bits together | 06040042h |
+//! | mapping sub-index 0: above 64 or what the record has, or more than 64 bits together | 06040042h |
 //! | mapping sub-index 0: counts an empty entry | 06040041h |
 
-use super::mapping::{Direction, MOST_OBJECTS, Mapping, MappingEntry};
+use super::mapping::{Direction, Layout, MOST_BITS, MappingEntry};
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, find, value};
 use crate::wire::cob_id::{CobId, is_restricted};
 
+/// Bit 30 of the COB-ID of a transmit PDO: no remote frame may ask for it.
+const NO_RTR: u32 = 1 << 30;
+
+/// The highest SYNC counter (object 1019h), and with it the highest SYNC start value.
+const MOST_START: u8 = 240;
+
 /// Whether a PDO with the COB-ID `present` may get `new` (CiA 301, 7.5.2.35 and 7.5.2.37). Bit 30 of a transmit PDO (no RTR)
-/// is kept as written and has no effect: RTR is never answered.
+/// may change at any time.
 fn check_cob_id(present: CobId, new: CobId) -> Result<(), AbortCode> {
     let moved = present.is_valid() && new.is_valid() && present.identifier() != new.identifier();
     let taken = new.is_valid() && is_restricted(new.identifier());
@@ -29,26 +34,37 @@ fn check_cob_id(present: CobId, new: CobId) -> Result<(), AbortCode> {
     }
 }
 
-/// Transmission types (CiA 301, 7.5.2.36).
+/// Transmission types (CiA 301, 7.5.2.35 and 7.5.2.37).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TransmissionType {
     /// 0: synchronous, after an event.
     Acyclic,
     /// 1 to 240: synchronous, every n-th SYNC.
     Cyclic(u8),
+    /// 252: on request, with the values of the last SYNC.
+    SampledRequest,
+    /// 253: on request, with the present values.
+    Request,
     /// 254 and 255: event-driven.
     Event,
 }
 
 impl TransmissionType {
-    /// From its number; `None` for 241 to 253.
-    pub(super) const fn new(number: u8) -> Option<Self> {
-        match number {
-            0 => Some(Self::Acyclic),
-            1..=240 => Some(Self::Cyclic(number)),
-            254 | 255 => Some(Self::Event),
-            241..=253 => None,
+    /// From its number; `None` for 241 to 251, and for 252 and 253 of a receive PDO.
+    const fn new(number: u8, direction: Direction) -> Option<Self> {
+        match (number, direction) {
+            (0, _) => Some(Self::Acyclic),
+            (1..=240, _) => Some(Self::Cyclic(number)),
+            (252, Direction::Transmit) => Some(Self::SampledRequest),
+            (253, Direction::Transmit) => Some(Self::Request),
+            (254 | 255, _) => Some(Self::Event),
+            (241..=253, _) => None,
         }
+    }
+
+    /// Whether SYNC makes the moment.
+    pub(super) const fn is_synchronous(self) -> bool {
+        matches!(self, Self::Acyclic | Self::Cyclic(_) | Self::SampledRequest)
     }
 }
 
@@ -119,7 +135,8 @@ impl Parameters {
         self,
         dictionary: &D,
     ) -> Option<TransmissionType> {
-        TransmissionType::new(u8::try_from(number(dictionary, self.communication(), 2)?).ok()?)
+        let number = u8::try_from(number(dictionary, self.communication(), 2)?).ok()?;
+        TransmissionType::new(number, self.direction)
     }
 
     /// The inhibit time in multiples of 100 µs; 0 for none.
@@ -127,7 +144,19 @@ impl Parameters {
         number(dictionary, self.communication(), 3).unwrap_or(0)
     }
 
-    /// The event timer in milliseconds; 0 for none.
+    /// Whether a remote frame may ask for the PDO (bit 30 of the COB-ID is 0).
+    pub(super) fn allows_request<D: Dictionary>(self, dictionary: &D) -> bool {
+        self.cob_id(dictionary).0 & NO_RTR == 0
+    }
+
+    /// The SYNC counter that a cyclic PDO starts with; 0 for any.
+    pub(super) fn sync_start<D: Dictionary>(self, dictionary: &D) -> u8 {
+        number(dictionary, self.communication(), 6)
+            .and_then(|start| u8::try_from(start).ok())
+            .unwrap_or(0)
+    }
+
+    /// The event timer in milliseconds, of a receive PDO its deadline; 0 for none.
     pub(super) fn event_timer<D: Dictionary>(self, dictionary: &D) -> u32 {
         number(dictionary, self.communication(), 5).unwrap_or(0)
     }
@@ -136,23 +165,31 @@ impl Parameters {
     ///
     /// # Errors
     /// As for a write of sub-index 0.
-    pub(super) fn resolve<D: Dictionary>(self, dictionary: &D) -> Result<Mapping, AbortCode> {
+    pub(super) fn resolve<D: Dictionary, L: Layout>(self, dictionary: &D) -> Result<L, AbortCode> {
         let count = number(dictionary, self.mapping(), 0).unwrap_or(0);
         self.resolve_first(dictionary, u8::try_from(count).unwrap_or(u8::MAX))
     }
 
     /// The first `count` mapping entries, resolved.
-    fn resolve_first<D: Dictionary>(self, dictionary: &D, count: u8) -> Result<Mapping, AbortCode> {
-        if usize::from(count) > MOST_OBJECTS {
+    fn resolve_first<D: Dictionary, L: Layout>(
+        self,
+        dictionary: &D,
+        count: u8,
+    ) -> Result<L, AbortCode> {
+        // An object has one bit at least.
+        let has_room = count == 0 || number(dictionary, self.mapping(), count).is_some();
+        if count > MOST_BITS || !has_room {
             return Err(AbortCode::PdoLengthExceeded);
         }
-        let mut mapping = Mapping::new();
+        let mut mapping = L::NOTHING;
         for sub in 1..=count {
-            let entry = MappingEntry(number(dictionary, self.mapping(), sub).unwrap_or(0));
+            let entry = number(dictionary, self.mapping(), sub)
+                .map(MappingEntry)
+                .ok_or(AbortCode::PdoLengthExceeded)?;
             if entry == MappingEntry::EMPTY {
                 return Err(AbortCode::NotMappable);
             }
-            mapping.push(entry.resolve(D::TABLE, self.direction)?)?;
+            mapping.push(entry.resolve(D::TABLE, L::DIRECTION)?)?;
         }
         Ok(mapping)
     }
@@ -161,7 +198,7 @@ impl Parameters {
     ///
     /// # Errors
     /// Those of the table above.
-    pub(super) fn validate<D: Dictionary>(
+    pub(super) fn validate<D: Dictionary, L: Layout>(
         self,
         dictionary: &D,
         record: Record,
@@ -169,12 +206,14 @@ impl Parameters {
         value: &[u8],
     ) -> Result<(), AbortCode> {
         match record {
-            Record::Communication => self.validate_communication(dictionary, entry.sub, value),
-            Record::Mapping => self.validate_mapping(dictionary, entry.sub, value),
+            Record::Communication => {
+                self.validate_communication::<D, L>(dictionary, entry.sub, value)
+            }
+            Record::Mapping => self.validate_mapping::<D, L>(dictionary, entry.sub, value),
         }
     }
 
-    fn validate_communication<D: Dictionary>(
+    fn validate_communication<D: Dictionary, L: Layout>(
         self,
         dictionary: &D,
         sub: u8,
@@ -187,26 +226,27 @@ impl Parameters {
                 check_cob_id(present, new)?;
                 if new.is_valid() && !present.is_valid() {
                     // A mapping that came from elsewhere than a checked write must not be found out by its first frame.
-                    self.resolve(dictionary)?;
+                    self.resolve::<D, L>(dictionary)?;
                 }
                 Ok(())
             }
             (2, _) => {
                 let [number] = bytes(value)?;
-                TransmissionType::new(number)
+                TransmissionType::new(number, self.direction)
                     .map(|_| ())
                     .ok_or(AbortCode::InvalidValue)
             }
-            (3, Direction::Transmit) if present.is_valid() => Err(AbortCode::InvalidValue),
+            (3 | 6, Direction::Transmit) if present.is_valid() => Err(AbortCode::InvalidValue),
+            (6, Direction::Transmit) if value.first().is_some_and(|start| *start > MOST_START) => {
+                Err(AbortCode::InvalidValue)
+            }
             // A receive PDO makes no use of its inhibit time.
-            (3, _) | (5, Direction::Transmit) => Ok(()),
-            (5 | 6, _) if value.iter().any(|byte| *byte != 0) => Err(AbortCode::InvalidValue),
-            (5 | 6, _) => Ok(()),
+            (3 | 5, _) | (6, Direction::Transmit) => Ok(()),
             _ => Err(AbortCode::NoSubIndex),
         }
     }
 
-    fn validate_mapping<D: Dictionary>(
+    fn validate_mapping<D: Dictionary, L: Layout>(
         self,
         dictionary: &D,
         sub: u8,
@@ -217,14 +257,14 @@ impl Parameters {
         }
         if sub == 0 {
             let [count] = bytes(value)?;
-            return self.resolve_first(dictionary, count).map(|_| ());
+            return self.resolve_first::<D, L>(dictionary, count).map(|_| ());
         }
         if number(dictionary, self.mapping(), 0) != Some(0) {
             return Err(AbortCode::UnsupportedAccess);
         }
         match MappingEntry(u32::from_le_bytes(bytes(value)?)) {
             MappingEntry::EMPTY => Ok(()),
-            entry => entry.resolve(D::TABLE, self.direction).map(|_| ()),
+            entry => entry.resolve(D::TABLE, L::DIRECTION).map(|_| ()),
         }
     }
 }

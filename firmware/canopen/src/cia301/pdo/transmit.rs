@@ -4,21 +4,34 @@
 //! |---|---|
 //! | 0 | at the next SYNC after a mapped value has changed |
 //! | 1 to 240 | at every n-th SYNC, counted from when Operational is entered or the PDO is changed |
+//! | 252 | on request, with the values of the last SYNC |
+//! | 253 | on request, with the present values |
 //! | 254, 255 | when Operational is entered, when a mapped value has changed, and when the event timer runs out |
 //!
 //! Change is found by comparing: an application only has to put its values into the dictionary. The inhibit time
 //! (multiples of 100 µs) spaces the transmissions of types 254 and 255, and wins over the event timer (milliseconds), which
 //! starts anew with each transmission.
 //!
+//! A request is a remote frame with the COB-ID. The other types answer one too, if bit 30 of the COB-ID is 0: types 0 to 240
+//! with what was last sampled, types 254 and 255 as after any other event.
+//!
+//! With a SYNC start value (sub-index 6) a PDO of type 1 to 240 is first sent at the SYNC with this counter, then at every n-th;
+//! without counters in the SYNC it counts from the first one.
+//!
 //! The contract:
 //! - Each PDO has one place for what is to be sent. Newer data replaces older data that has not been taken yet, so a slow
 //!   bus gets fewer PDOs, never old ones. Lower identifiers are taken first.
+//! - When the SYNC window (1007h) has passed, synchronous PDOs that have not been taken are dropped; an event of type 0 is
+//!   kept for the next SYNC.
 //! - Writing the parameter that is there changes nothing: no PDO is sent for it, no time starts anew, no event is lost.
 //! - With another parameter a PDO starts anew. An inhibit time that runs goes on, as the bus load it limits does not begin
 //!   anew; a new one counts from the last transmission on.
 
+use core::marker::PhantomData;
+
 use super::NOT_IN_USE;
 use super::mapping::Direction;
+use super::pack::{Packing, Source};
 use super::parameters::{Parameters, Record};
 use super::transmit_pdo::TransmitPdo;
 use crate::cia301::sdo::AbortCode;
@@ -27,25 +40,27 @@ use crate::time::{Instant, NEVER, earlier};
 use crate::wire::Frame;
 
 /// The transmit PDOs of a device; as many as there are places in `S`, the objects 1800h and up and their
-/// mappings.
+/// mappings. `M` are the places for the objects of one mapping.
 #[derive(Debug)]
-pub struct Transmit<S> {
+pub struct Transmit<S, M> {
     pdos: S,
     is_operational: bool,
     /// The lowest identifier that waits to be taken; [`NOT_IN_USE`] when none does.
     lowest: u16,
     /// The PDO that it belongs to.
     lowest_slot: usize,
+    objects: PhantomData<M>,
 }
 
-impl<S: Slots<TransmitPdo>> Transmit<S> {
+impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     /// No PDO is in use until [`Transmit::configure_all`].
     pub fn new() -> Self {
         Self {
-            pdos: S::unused(),
+            pdos: S::UNUSED,
             is_operational: false,
             lowest: NOT_IN_USE,
             lowest_slot: 0,
+            objects: PhantomData,
         }
     }
 
@@ -93,7 +108,7 @@ impl<S: Slots<TransmitPdo>> Transmit<S> {
     ) -> Result<(), AbortCode> {
         match Parameters::of(Direction::Transmit, entry.index) {
             Some((parameters, record)) if parameters.number() < self.pdos.as_ref().len() => {
-                parameters.validate(dictionary, record, entry, value)
+                parameters.validate::<D, Packing<M>>(dictionary, record, entry, value)
             }
             _ => Err(AbortCode::NoObject),
         }
@@ -121,21 +136,51 @@ impl<S: Slots<TransmitPdo>> Transmit<S> {
         self.find_lowest();
     }
 
-    /// A SYNC arrived: the synchronous PDOs that are due take the present values. Called before
+    /// A SYNC arrived, with this counter if it has one: the synchronous PDOs that are due take the present values. Called before
     /// [`super::Receive::on_sync`].
-    pub fn on_sync<D: Dictionary>(&mut self, dictionary: &D) {
+    pub fn on_sync<D: Dictionary>(&mut self, counter: Option<u8>, dictionary: &D) {
         if !self.is_operational {
             return;
         }
         let mut is_pending = false;
         for pdo in self.pdos.as_mut() {
             if pdo.is_synchronous() {
-                is_pending |= pdo.on_sync(dictionary.ram(), D::TABLE.rom);
+                is_pending |= pdo.on_sync(counter, dictionary.ram(), D::TABLE.rom);
             }
         }
         if is_pending {
             self.find_lowest();
         }
+    }
+
+    /// The SYNC window (1007h) has passed: synchronous PDOs that have not been taken are dropped.
+    pub fn window_passed(&mut self) {
+        for pdo in self.pdos.as_mut() {
+            pdo.window_passed();
+        }
+        self.find_lowest();
+    }
+
+    /// A remote frame with an 11-bit identifier arrived; `now` is when.
+    #[cold]
+    #[inline(never)]
+    pub fn on_request<D: Dictionary>(&mut self, cob_id: u16, dictionary: &D, now: Instant) {
+        if !self.is_operational {
+            return;
+        }
+        for pdo in self.pdos.as_mut() {
+            if pdo.cob_id() == cob_id {
+                pdo.on_request(dictionary.ram(), D::TABLE.rom, now);
+            }
+        }
+        self.find_lowest();
+    }
+
+    /// The identifiers that PDOs are sent with, some perhaps more than once. They change with [`Transmit::configure_all`] and
+    /// [`Transmit::written`] only.
+    pub fn cob_ids(&self) -> impl Iterator<Item = u16> {
+        let in_use = self.pdos.as_ref().iter().map(TransmitPdo::cob_id);
+        in_use.filter(|cob_id| *cob_id != NOT_IN_USE)
     }
 
     /// Looks for changes and timers that have run out. Called whenever values may have changed; returns when it wants to be
@@ -156,12 +201,6 @@ impl<S: Slots<TransmitPdo>> Transmit<S> {
             }
         }
         deadline
-    }
-
-    /// The identifiers of the PDOs in use.
-    pub fn cob_ids(&self) -> impl Iterator<Item = u16> {
-        let used = self.pdos.as_ref().iter().filter(|pdo| pdo.is_in_use());
-        used.map(TransmitPdo::cob_id)
     }
 
     /// Whether a PDO waits to be taken.
@@ -197,7 +236,7 @@ impl<S: Slots<TransmitPdo>> Transmit<S> {
     }
 }
 
-impl<S: Slots<TransmitPdo>> Default for Transmit<S> {
+impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Default for Transmit<S, M> {
     fn default() -> Self {
         Self::new()
     }

@@ -1,24 +1,30 @@
 //! One transmit PDO: when it is sent, and with what.
 
 use super::NOT_IN_USE;
-use super::copy_plan::CopyPlan;
+use super::mapping::Layout;
+use super::pack::{Packing, Source};
 use super::parameters::{Parameters, TransmissionType};
-use crate::od::{Dictionary, Unused};
+use crate::od::{Dictionary, Slots, Unused};
 use crate::time::{Duration, Instant, NEVER, has_come, with_length};
 use crate::wire::Frame;
 
-/// One transmit PDO.
+/// One transmit PDO; `M` is its place for mapped objects.
 #[derive(Debug)]
-pub struct TransmitPdo {
+pub struct TransmitPdo<M> {
     /// Its identifier, or [`NOT_IN_USE`].
     cob_id: u16,
     transmission_type: TransmissionType,
-    plan: CopyPlan,
-    length: u8,
+    /// Whether types other than 252 and 253 answer a request.
+    allows_request: bool,
+    /// The SYNC counter to begin with, 0 for any.
+    sync_start: u8,
+    mapping: Packing<M>,
+    /// What was last sampled or given out to be sent; a change is a difference from it.
+    content: [u8; 8],
     /// SYNCs since the last transmission (types 1 to 240).
     sync_count: u8,
-    /// What was last given out to be sent; a change is a difference from it.
-    content: [u8; 8],
+    /// Whether the SYNC with the start value has still to come.
+    awaits_start: bool,
     /// Whether `content` still waits to be taken.
     is_waiting: bool,
     /// Whether an event has happened that `content` does not show yet.
@@ -31,28 +37,26 @@ pub struct TransmitPdo {
     event_at: Instant,
 }
 
-impl Unused for TransmitPdo {
-    const UNUSED: Self = Self::new();
+impl<M: Slots<Source>> Unused for TransmitPdo<M> {
+    const UNUSED: Self = Self {
+        cob_id: NOT_IN_USE,
+        transmission_type: TransmissionType::Event,
+        allows_request: false,
+        sync_start: 0,
+        mapping: Packing::NOTHING,
+        content: [0; 8],
+        sync_count: 0,
+        awaits_start: false,
+        is_waiting: false,
+        is_due: false,
+        inhibit_time: Duration::from_ticks(0),
+        free_at: Instant::from_ticks(0),
+        event_timer: Duration::from_ticks(0),
+        event_at: NEVER,
+    };
 }
 
-impl TransmitPdo {
-    pub(super) const fn new() -> Self {
-        Self {
-            cob_id: NOT_IN_USE,
-            transmission_type: TransmissionType::Event,
-            plan: CopyPlan::new(),
-            length: 0,
-            sync_count: 0,
-            content: [0; 8],
-            is_waiting: false,
-            is_due: false,
-            inhibit_time: Duration::from_ticks(0),
-            free_at: Instant::from_ticks(0),
-            event_timer: Duration::from_ticks(0),
-            event_at: NEVER,
-        }
-    }
-
+impl<M: Slots<Source>> TransmitPdo<M> {
     /// Takes the parameters from the dictionary. Returns whether they are others than before; then nothing is sent before
     /// [`TransmitPdo::start`], and the inhibit time of the last transmission goes on.
     pub(super) fn configure<D: Dictionary>(
@@ -60,7 +64,7 @@ impl TransmitPdo {
         dictionary: &D,
         parameters: Parameters,
     ) -> bool {
-        let mut next = Self::new();
+        let mut next = Self::UNUSED;
         next.take_parameters(dictionary, parameters);
         if next.has_parameters_of(self) {
             return false;
@@ -80,15 +84,16 @@ impl TransmitPdo {
         let (Some(cob_id), Some(transmission_type), Ok(mapping)) = (
             parameters.identifier(dictionary),
             parameters.transmission_type(dictionary),
-            parameters.resolve(dictionary),
+            parameters.resolve::<D, Packing<M>>(dictionary),
         ) else {
             return;
         };
-        if mapping.length > 0 {
+        if mapping.length() > 0 {
             self.cob_id = cob_id;
             self.transmission_type = transmission_type;
-            self.plan = CopyPlan::of(&mapping);
-            self.length = mapping.length;
+            self.allows_request = parameters.allows_request(dictionary);
+            self.sync_start = parameters.sync_start(dictionary);
+            self.mapping = mapping;
             self.inhibit_time =
                 Duration::from_ticks(u64::from(parameters.inhibit_time(dictionary)) * 100);
             self.event_timer = milliseconds(parameters.event_timer(dictionary));
@@ -98,8 +103,9 @@ impl TransmitPdo {
     fn has_parameters_of(&self, other: &Self) -> bool {
         self.cob_id == other.cob_id
             && self.transmission_type == other.transmission_type
-            && self.plan == other.plan
-            && self.length == other.length
+            && self.allows_request == other.allows_request
+            && self.sync_start == other.sync_start
+            && self.mapping == other.mapping
             && self.inhibit_time == other.inhibit_time
             && self.event_timer == other.event_timer
     }
@@ -107,7 +113,8 @@ impl TransmitPdo {
     /// Operational begins for this PDO.
     pub(super) fn start(&mut self, ram: &[u8], rom: &[u8], now: Instant) {
         self.sync_count = 0;
-        self.content = self.plan.pack(ram, rom);
+        self.awaits_start = self.sync_start != 0;
+        self.content = self.mapping.pack(ram, rom);
         if self.is_event_driven() {
             // The inhibit time holds across a short visit to another state.
             self.is_due = true;
@@ -132,17 +139,65 @@ impl TransmitPdo {
     }
 
     /// A SYNC, for a synchronous PDO: returns whether there is something to send.
-    pub(super) fn on_sync(&mut self, ram: &[u8], rom: &[u8]) -> bool {
+    pub(super) fn on_sync(&mut self, counter: Option<u8>, ram: &[u8], rom: &[u8]) -> bool {
         match self.transmission_type {
-            TransmissionType::Event => false,
+            TransmissionType::Event | TransmissionType::Request => false,
+            TransmissionType::SampledRequest => {
+                self.content = self.mapping.pack(ram, rom);
+                false
+            }
             TransmissionType::Acyclic => {
-                let present = self.plan.pack(ram, rom);
+                let present = self.mapping.pack(ram, rom);
                 self.is_due |= present != self.content;
                 self.is_due && self.give_out(present)
             }
             TransmissionType::Cyclic(every) => {
                 self.sync_count = self.sync_count.saturating_add(1);
-                self.sync_count >= every && self.give_out(self.plan.pack(ram, rom))
+                if self.awaits_start {
+                    self.count_to_start(counter, every);
+                }
+                self.sync_count >= every && self.give_out(self.mapping.pack(ram, rom))
+            }
+        }
+    }
+
+    /// Nothing is counted before the SYNC with the start value, and at that one the PDO is sent. Without a counter there is
+    /// nothing to wait for.
+    #[cold]
+    fn count_to_start(&mut self, counter: Option<u8>, every: u8) {
+        self.awaits_start = counter.is_some_and(|counter| counter != self.sync_start);
+        if self.awaits_start {
+            self.sync_count = 0;
+        } else if counter.is_some() {
+            self.sync_count = every;
+        }
+    }
+
+    /// The SYNC window has passed: what a SYNC has given out is too late. An event waits for the next SYNC.
+    pub(super) fn window_passed(&mut self) {
+        match self.transmission_type {
+            TransmissionType::Acyclic => {
+                self.is_due |= self.is_waiting;
+                self.is_waiting = false;
+            }
+            TransmissionType::Cyclic(_) => self.is_waiting = false,
+            _ => {}
+        }
+    }
+
+    /// A remote frame asks for this PDO.
+    pub(super) fn on_request(&mut self, ram: &[u8], rom: &[u8], now: Instant) {
+        match self.transmission_type {
+            TransmissionType::SampledRequest => self.is_waiting = true,
+            TransmissionType::Request => {
+                self.content = self.mapping.pack(ram, rom);
+                self.is_waiting = true;
+            }
+            _ if !self.allows_request => {}
+            TransmissionType::Acyclic | TransmissionType::Cyclic(_) => self.is_waiting = true,
+            TransmissionType::Event => {
+                self.is_due = true;
+                self.poll(ram, rom, now);
             }
         }
     }
@@ -150,13 +205,15 @@ impl TransmitPdo {
     /// Looks for a change and at the timers, for a PDO in use; returns the next deadline.
     pub(super) fn poll(&mut self, ram: &[u8], rom: &[u8], now: Instant) -> Instant {
         match self.transmission_type {
-            TransmissionType::Cyclic(_) => NEVER,
+            TransmissionType::Cyclic(_)
+            | TransmissionType::SampledRequest
+            | TransmissionType::Request => NEVER,
             TransmissionType::Acyclic => {
-                self.is_due |= self.plan.pack(ram, rom) != self.content;
+                self.is_due |= self.mapping.pack(ram, rom) != self.content;
                 NEVER
             }
             TransmissionType::Event => {
-                let present = self.plan.pack(ram, rom);
+                let present = self.mapping.pack(ram, rom);
                 if self.is_waiting {
                     // Not on the bus yet: the newest values take its place, and cost no transmission of their own.
                     self.content = present;
@@ -185,7 +242,7 @@ impl TransmitPdo {
 
     /// Whether it waits for SYNC.
     pub(super) const fn is_synchronous(&self) -> bool {
-        self.is_in_use() && !matches!(self.transmission_type, TransmissionType::Event)
+        self.is_in_use() && self.transmission_type.is_synchronous()
     }
 
     pub(super) const fn is_waiting(&self) -> bool {
@@ -202,11 +259,11 @@ impl TransmitPdo {
             return None;
         }
         self.is_waiting = false;
-        if self.length == 8 {
-            return Some(Frame::full(self.cob_id, self.content));
-        }
-        let bytes = self.content.get(..usize::from(self.length))?;
-        Some(Frame::data_frame(self.cob_id, bytes))
+        Some(Frame::of_length(
+            self.cob_id,
+            self.content,
+            self.mapping.length(),
+        ))
     }
 
     fn is_event_driven(&self) -> bool {

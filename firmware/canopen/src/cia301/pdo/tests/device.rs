@@ -5,7 +5,7 @@ use std::vec::Vec;
 use super::objects::Objects;
 use crate::application::Application;
 use crate::cia301::length_error::LengthReport;
-use crate::cia301::pdo::{Receive, ReceivePdo, Transmit, TransmitPdo};
+use crate::cia301::pdo::{Destination, Receive, ReceivePdo, Source, Transmit, TransmitPdo};
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, check, find, put, read_u8, set, value, write_u8, write_u32};
 use crate::time::Instant;
@@ -31,11 +31,17 @@ impl Application<Objects> for Recorder {
     }
 }
 
+/// The places for the objects of a mapping to receive.
+pub(super) type Received = [Destination; 64];
+
+/// The places for the objects of a mapping to transmit.
+pub(super) type Sent = [Source; 64];
+
 #[derive(Debug)]
 pub(super) struct Device {
     pub(super) objects: Objects,
-    pub(super) receive: Receive<[ReceivePdo; 4]>,
-    pub(super) transmit: Transmit<[TransmitPdo; 4]>,
+    pub(super) receive: Receive<[ReceivePdo<Received>; 4], Received>,
+    pub(super) transmit: Transmit<[TransmitPdo<Sent>; 4], Sent>,
     pub(super) recorder: Recorder,
     pub(super) now: Instant,
 }
@@ -145,8 +151,18 @@ impl Device {
     /// A frame from the bus; whether it brought a report.
     pub(super) fn frame(&mut self, cob_id: u16, bytes: &[u8]) -> bool {
         let frame = Frame::data_frame(cob_id, bytes);
-        self.receive
-            .receive(cob_id, &frame, &mut self.objects, &mut self.recorder)
+        self.receive.receive(
+            cob_id,
+            &frame,
+            self.now,
+            &mut self.objects,
+            &mut self.recorder,
+        )
+    }
+
+    /// A remote frame from the bus.
+    pub(super) fn request(&mut self, cob_id: u16) {
+        self.transmit.on_request(cob_id, &self.objects, self.now);
     }
 
     /// A frame from the bus; how many objects it wrote.
@@ -157,7 +173,12 @@ impl Device {
     }
 
     pub(super) fn sync(&mut self) {
-        self.transmit.on_sync(&self.objects);
+        self.counted_sync(None);
+    }
+
+    /// A SYNC with a counter.
+    pub(super) fn counted_sync(&mut self, counter: Option<u8>) {
+        self.transmit.on_sync(counter, &self.objects);
         self.receive.on_sync(&mut self.objects, &mut self.recorder);
     }
 
@@ -190,12 +211,13 @@ impl Device {
     pub(super) fn after(&mut self, milliseconds: u64) -> Vec<(u16, Vec<u8>)> {
         self.now = Instant::from_ticks(self.now.ticks() + milliseconds * 1000);
         self.transmit.poll(&self.objects, self.now);
+        self.receive.poll(self.now);
         self.sent()
     }
 
     /// What the emergency producer hears: code, PDO number, and whether the error appeared or is gone.
     pub(super) fn reports(&mut self) -> Vec<(u16, u8, bool)> {
-        core::iter::from_fn(|| self.receive.length_report())
+        core::iter::from_fn(|| self.receive.report())
             .map(|report| match report {
                 LengthReport::Appeared(emergency) => {
                     assert_eq!(emergency.register, 0x10);

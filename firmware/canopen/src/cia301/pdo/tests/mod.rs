@@ -1,8 +1,10 @@
 //! The cases of process data, each under its number.
 
 mod configuration;
+mod deadlines;
 mod device;
 pub(crate) mod objects;
 mod properties;
 mod receiving;
+mod requests;
 mod transmitting;

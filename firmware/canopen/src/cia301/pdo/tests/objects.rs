@@ -8,7 +8,7 @@ const RO: u16 = Attributes::READ | Attributes::TPDO;
 
 /// A table in the making: entries in ascending order, each behind the one before in RAM.
 struct Entries {
-    entries: [Entry; 256],
+    entries: [Entry; 384],
     count: usize,
     ram: u16,
 }
@@ -66,13 +66,13 @@ impl Entries {
         self
     }
 
-    /// Four mapping records.
+    /// Four mapping records, the last one with as many entries as a frame has bits.
     const fn mapping(mut self, index: u16) -> Self {
         let mut number = 0;
         while number < 4 {
             self = self.entry(index + number, 0, DataType::Unsigned8, 1, RW);
             let mut sub = 1;
-            while sub <= 8 {
+            while sub <= if number == 3 { 64 } else { 8 } {
                 self = self.entry(index + number, sub, DataType::Unsigned32, 4, RW);
                 sub += 1;
             }
@@ -93,7 +93,7 @@ const fn entries() -> Entries {
         limits: 0,
     };
     let mut table = Entries {
-        entries: [unused; 256],
+        entries: [unused; 384],
         count: 0,
         ram: 0,
     };
@@ -139,6 +139,18 @@ const fn entries() -> Entries {
     let mut sub = 1;
     while sub <= 8 {
         table = table.entry(0x200C, sub, DataType::Unsigned8, 1, BOTH);
+        sub += 1;
+    }
+    table = table.entry(0x200D, 0, DataType::Unsigned48, 6, BOTH).entry(
+        0x200E,
+        0,
+        DataType::Integer24,
+        3,
+        BOTH,
+    );
+    sub = 1;
+    while sub <= 64 {
+        table = table.entry(0x200F, sub, DataType::Boolean, 1, BOTH);
         sub += 1;
     }
     table

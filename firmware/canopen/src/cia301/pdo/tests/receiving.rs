@@ -120,13 +120,62 @@ fn p23_outside_of_operational_nothing_is_received() {
 fn p23_a_remote_frame_is_ignored() {
     let mut device = operational(255, &[U8]);
     let frame = Frame::remote_frame(0x204, 1);
-    assert!(
-        !device
-            .receive
-            .receive(0x204, &frame, &mut device.objects, &mut device.recorder)
-    );
+    assert!(!device.receive.receive(
+        0x204,
+        &frame,
+        device.now,
+        &mut device.objects,
+        &mut device.recorder
+    ));
     assert!(device.recorder.written.is_empty());
     assert_eq!(device.reports(), []);
+}
+
+#[test]
+fn p24_bits_are_mapped_one_behind_the_other() {
+    let mapping = [
+        mapped(0x2009, 0, 1),
+        mapped(0x2000, 0, 7),
+        mapped(0x2001, 0, 16),
+    ];
+    let mut device = operational(255, &mapping);
+    device.frame(0x204, &[0xAB, 0x34, 0x12]);
+    assert_eq!(device.reports(), []);
+    assert_eq!(device.u8(0x2009), 1);
+    assert_eq!(device.u8(0x2000), 0x55);
+    assert_eq!(device.bytes(0x2001, 0), [0x34, 0x12]);
+    assert_eq!(device.recorder.written, [0x2009, 0x2000, 0x2001]);
+}
+
+#[test]
+fn p24_64_bits_are_64_objects() {
+    let mapping: std::vec::Vec<_> = (1..=64).map(|sub| mapped(0x200F, sub, 1)).collect();
+    let mut device = Device::new();
+    device.map(0x1400, 3, 255, &mapping).unwrap();
+    device.enter_operational();
+    assert_eq!(device.writes(0x504, &[0x01, 0, 0, 0, 0, 0, 0, 0x82]), 64);
+    for sub in 1..=64 {
+        let expected = u8::from([1, 58, 64].contains(&sub));
+        assert_eq!(device.bytes(0x200F, sub), [expected], "sub-index {sub}");
+    }
+}
+
+#[test]
+fn p10_dummies_of_a_bit_are_skipped() {
+    let dummy = mapped(1, 0, 1);
+    let mut device = operational(255, &[dummy, dummy, mapped(0x2000, 0, 7), dummy, U8]);
+    assert_eq!(device.writes(0x204, &[0b1111_1111, 0xFF]), 0, "three bytes");
+    assert_eq!(device.reports(), [(0x8210, 1, true)]);
+    assert_eq!(device.writes(0x204, &[0b0101_0110, 0b0000_0101, 0]), 2);
+    assert_eq!(device.u8(0x2000), 1, "the last one mapped");
+}
+
+#[test]
+fn p09_bits_that_are_not_mapped_become_zero() {
+    let mut device = operational(255, &[mapped(0x2001, 0, 12)]);
+    device.put(0x2001, &[0xFF, 0xFF]);
+    device.frame(0x204, &[0x21, 0xF3]);
+    assert_eq!(device.bytes(0x2001, 0), [0x21, 0x03]);
 }
 
 #[test]
@@ -153,6 +202,34 @@ fn p34_a_frame_behind_the_sync_waits_for_the_next_one() {
     assert_eq!(device.u8(0x2000), 1);
     device.sync();
     assert_eq!(device.u8(0x2000), 2);
+}
+
+#[test]
+fn p33_parameters_written_with_their_own_values_leave_a_frame_waiting() {
+    let mut device = operational(1, &[U8]);
+    device.frame(0x204, &[5]);
+    device.write_u32(0x1400, 1, 0x204).unwrap();
+    device.write_u8(0x1400, 2, 1).unwrap();
+    device.write_u16(0x1400, 3, 7).unwrap();
+    device.write_u16(0x1400, 5, 0).unwrap();
+    device.sync();
+    assert_eq!(device.u8(0x2000), 5);
+}
+
+#[test]
+fn p36_behind_the_sync_window_synchronous_frames_are_discarded() {
+    let mut device = operational(1, &[U8]);
+    device.map(0x1400, 1, 255, &[U16]).unwrap();
+    device.sync();
+    device.frame(0x204, &[1]);
+    device.receive.window_passed();
+    device.frame(0x204, &[2]);
+    assert_eq!(device.writes(0x304, &[3, 4]), 1, "no synchronous one");
+    device.sync();
+    assert_eq!(device.u8(0x2000), 1, "it came within the window");
+    device.frame(0x204, &[5]);
+    device.sync();
+    assert_eq!(device.u8(0x2000), 5);
 }
 
 #[test]

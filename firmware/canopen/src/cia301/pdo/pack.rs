@@ -1,0 +1,173 @@
+//! From the dictionary into a frame: the resolved mapping of a transmit PDO.
+//!
+//! Values lie in the dictionary as they travel on the bus, so a mapped object is a copy of bytes. Objects that are
+//! neighbours in the frame and in memory become one copy.
+
+use super::bits;
+use super::mapping::{Direction, Layout, Target, with_target};
+use crate::cia301::sdo::AbortCode;
+use crate::copy::{copy, copy_few};
+use crate::od::{Attributes, Entry, Slots, Unused};
+
+/// Where some bits of a frame come from: four bytes of RAM for each object that the data sheet allows in a mapping.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The offset of its value in RAM, or in flash.
+    offset: u16,
+    /// Its first bit in the frame, 0 to 63.
+    position: u8,
+    /// Bits in the frame (1 to 64), and [`Source::ROM`].
+    bits: u8,
+}
+
+impl Unused for Source {
+    const UNUSED: Self = Self {
+        offset: 0,
+        position: 0,
+        bits: 0,
+    };
+}
+
+impl Source {
+    /// The value lies in flash.
+    const ROM: u8 = 1 << 7;
+
+    fn new(entry: &Entry, position: u8, bits: u8) -> Self {
+        let is_rom = entry.attributes.has(Attributes::ROM);
+        Self {
+            offset: entry.offset,
+            position,
+            bits: bits | if is_rom { Self::ROM } else { 0 },
+        }
+    }
+
+    #[inline]
+    const fn bits(self) -> u8 {
+        self.bits & !Self::ROM
+    }
+
+    /// Its value and what lies behind it.
+    #[inline]
+    fn memory<'a>(self, ram: &'a [u8], rom: &'a [u8]) -> &'a [u8] {
+        let block = if self.bits & Self::ROM == 0 { ram } else { rom };
+        block.get(usize::from(self.offset)..).unwrap_or(&[])
+    }
+
+    /// Whether `next` goes on where this one ends, in the frame and in memory, in whole bytes.
+    fn is_followed_by(self, next: Self) -> bool {
+        let end = self.offset.checked_add(u16::from(self.bits() / 8));
+        bits::are_bytes(self.position, self.bits())
+            && bits::are_bytes(next.position, next.bits())
+            && self.bits & Self::ROM == next.bits & Self::ROM
+            && self.position.saturating_add(self.bits()) == next.position
+            && end == Some(next.offset)
+    }
+}
+
+/// A resolved mapping as few copies.
+#[derive(Clone, Debug)]
+pub(super) struct Packing<M> {
+    sources: M,
+    count: u8,
+    /// Bits of the frame; 0 when nothing is mapped.
+    bits: u8,
+}
+
+impl<M: Slots<Source>> Packing<M> {
+    /// Bytes of the frame.
+    #[inline]
+    pub(super) const fn length(&self) -> u8 {
+        self.bits.div_ceil(8)
+    }
+
+    #[inline]
+    fn sources(&self) -> &[Source] {
+        let sources = self.sources.as_ref();
+        sources.get(..usize::from(self.count)).unwrap_or(sources)
+    }
+
+    /// The frame's bytes from the dictionary; bits beyond the mapping are 0.
+    #[inline]
+    pub(super) fn pack(&self, ram: &[u8], rom: &[u8]) -> [u8; 8] {
+        // Mostly a frame is one copy of eight bytes.
+        if let [source] = self.sources()
+            && source.bits == 64
+            && let Some(frame) = source.memory(ram, rom).first_chunk()
+        {
+            return *frame;
+        }
+        self.pack_sources(ram, rom)
+    }
+
+    #[inline(never)]
+    fn pack_sources(&self, ram: &[u8], rom: &[u8]) -> [u8; 8] {
+        let mut frame = [0; 8];
+        for source in self.sources() {
+            let from = source.memory(ram, rom);
+            if !bits::are_bytes(source.position, source.bits()) {
+                add_bits(&mut frame, *source, from);
+            } else if let Some(to) = frame.get_mut(usize::from(source.position / 8)..) {
+                copy_few(to, from, usize::from(source.bits() / 8));
+            }
+        }
+        frame
+    }
+
+    /// How many copies a frame costs.
+    #[cfg(test)]
+    pub(super) fn copies(&self) -> usize {
+        self.sources().len()
+    }
+}
+
+/// Adds a value that is not whole bytes at whole bytes.
+#[inline(never)]
+fn add_bits(frame: &mut [u8; 8], source: Source, from: &[u8]) {
+    let length = usize::from(source.bits().div_ceil(8));
+    let mut value = [0; 8];
+    copy(&mut value, from.get(..length).unwrap_or(from));
+    let packed = bits::with(
+        u64::from_le_bytes(*frame),
+        source.position,
+        source.bits(),
+        u64::from_le_bytes(value),
+    );
+    *frame = packed.to_le_bytes();
+}
+
+impl<M: Slots<Source>> Layout for Packing<M> {
+    const DIRECTION: Direction = Direction::Transmit;
+
+    const NOTHING: Self = Self {
+        sources: M::UNUSED,
+        count: 0,
+        bits: 0,
+    };
+
+    fn push(&mut self, target: Target) -> Result<(), AbortCode> {
+        let bits = with_target(self.bits, &target)?;
+        if let Target::Object { entry, bits, .. } = target {
+            let next = Source::new(entry, self.bits, bits);
+            let count = usize::from(self.count);
+            let last = self.sources.as_mut().get_mut(count.wrapping_sub(1));
+            match last {
+                Some(last) if last.is_followed_by(next) => {
+                    last.bits = last.bits.saturating_add(bits);
+                }
+                _ => {
+                    let place = self.sources.as_mut().get_mut(count);
+                    *place.ok_or(AbortCode::PdoLengthExceeded)? = next;
+                    self.count = self.count.saturating_add(1);
+                }
+            }
+        }
+        self.bits = bits;
+        Ok(())
+    }
+}
+
+impl<M: Slots<Source>> PartialEq for Packing<M> {
+    fn eq(&self, other: &Self) -> bool {
+        self.bits == other.bits && self.sources() == other.sources()
+    }
+}
