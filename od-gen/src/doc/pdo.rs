@@ -126,7 +126,7 @@ fn address(model: &Model, index: u16, sub: u8) -> String {
         .is_some_and(|object| object.entries.len() == 1);
     match sub {
         0 if is_alone => format!("{index:04X}h"),
-        _ => format!("{index:04X}h:{sub:02X}"),
+        _ => format!("{index:04X}h:{sub:X}"),
     }
 }
 

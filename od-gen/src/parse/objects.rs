@@ -307,7 +307,13 @@ fn check_sub_0(
         return;
     }
     let default = first.default_number().unwrap_or_default();
-    let is_fixed = matches!(first.access, Access::Constant | Access::ReadOnly) && index != 0x1003;
+    let is_mapping = matches!(index, 0x1600..=0x17FF | 0x1A00..=0x1BFF);
+    // Of a multiplexed PDO it is no number of objects (CiA 301, 7.5.2.36 and 7.5.2.38).
+    if is_mapping && matches!(default, 254 | 255) {
+        return;
+    }
+    let is_read_only = matches!(first.access, Access::Constant | Access::ReadOnly);
+    let is_fixed = is_read_only && !is_mapping && index != 0x1003;
     let message = if is_fixed && default != i128::from(highest) {
         format!("{index:04X}h:0 is {default}, but the highest sub-index is {highest}")
     } else if default > i128::from(highest) {

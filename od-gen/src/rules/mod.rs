@@ -3,13 +3,15 @@
 //! Each file here declares the rules of one subject. Those about reading, structure and values are checked while a file is
 //! parsed; the others look at the finished model.
 
-mod cob_ids;
 mod communication;
-mod device_info;
-mod pdo_mapping;
+mod drive;
 pub(crate) mod reading;
+mod setting;
+mod standard;
 pub(crate) mod structure;
 pub(crate) mod value;
+
+use std::ops::Deref;
 
 use crate::diagnostic::{Findings, Severity};
 use crate::model::Model;
@@ -77,15 +79,46 @@ impl Rule {
     }
 }
 
-/// The rules by subject.
-const SUBJECTS: &[&[&Rule]] = &[
-    reading::RULES,
-    structure::RULES,
-    value::RULES,
-    device_info::RULES,
-    communication::RULES,
-    cob_ids::RULES,
-    pdo_mapping::RULES,
+/// The rules of a file, by subject.
+const FILE_SUBJECTS: &[&[&Rule]] = &[reading::RULES, structure::RULES, value::RULES];
+
+/// The rules of the finished model, by subject.
+const MODEL_SUBJECTS: &[&[&Rule]] = &[
+    standard::check::RULES,
+    communication::device_info::RULES,
+    communication::device_type::RULES,
+    communication::error_control::RULES,
+    communication::sync::RULES,
+    communication::storage::RULES,
+    communication::cob_id::RULES,
+    communication::predefined::RULES,
+    communication::pdo::RULES,
+    communication::mapping::RULES,
+    drive::objects::RULES,
+    drive::modes::RULES,
+    drive::units::RULES,
+    drive::values::RULES,
+];
+
+/// What holds a model to the rules of one subject.
+type Check = fn(&Subject<'_>, &mut Findings);
+
+/// Those of the finished model.
+const CHECKS: &[Check] = &[
+    standard::check::check,
+    communication::device_info::check,
+    communication::device_type::check,
+    communication::error_control::check,
+    communication::sync::check,
+    communication::storage::check,
+    communication::cob_id::check,
+    communication::predefined::check,
+    communication::pdo::check,
+    communication::mapping::check,
+    drive::objects::check,
+    drive::modes::check,
+    drive::units::check,
+    drive::values::check,
 ];
 
 /// What the rules about the model look at.
@@ -103,23 +136,32 @@ impl Subject<'_> {
         self.model.entry(index, sub).is_none() && !self.broken.has(index, sub)
     }
 
-    /// Whether an object is there, readable or not.
-    pub(crate) fn has_object(&self, index: u16) -> bool {
-        self.model.object(index).is_some() || self.broken.objects.contains(&index)
+    /// Whether an object is really not there.
+    pub(crate) fn lacks_object(&self, index: u16) -> bool {
+        let is_broken = self.broken.objects.contains(&index) || self.broken.has(index, 0);
+        self.model.object(index).is_none() && !is_broken
+    }
+}
+
+impl Deref for Subject<'_> {
+    type Target = Model;
+
+    fn deref(&self) -> &Model {
+        self.model
     }
 }
 
 /// Holds a model to the rules about models.
 pub(crate) fn check(subject: &Subject<'_>, findings: &mut Findings) {
-    device_info::check(subject, findings);
-    communication::check(subject, findings);
-    cob_ids::check(subject, findings);
-    pdo_mapping::check(subject, findings);
+    for check in CHECKS {
+        check(subject, findings);
+    }
 }
 
 /// All rules, by subject.
 pub fn all() -> impl Iterator<Item = &'static Rule> {
-    SUBJECTS.iter().copied().flatten().copied()
+    let subjects = FILE_SUBJECTS.iter().chain(MODEL_SUBJECTS);
+    subjects.copied().flatten().copied()
 }
 
 /// The rule with this name.
@@ -128,25 +170,4 @@ pub fn find(name: &str) -> Option<&'static Rule> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::collections::HashSet;
-
-    use super::*;
-
-    #[test]
-    fn each_rule_has_a_name_of_its_own_and_explains_itself() {
-        let mut names = HashSet::new();
-        for rule in all() {
-            assert!(names.insert(rule.name), "{} is there twice", rule.name);
-            assert!(
-                rule.name.bytes().all(|letter| letter.is_ascii_lowercase()
-                    || letter.is_ascii_digit()
-                    || letter == b'-'),
-                "{}",
-                rule.name
-            );
-            assert!(rule.summary.ends_with('.'), "{}", rule.name);
-            assert!(rule.explanation.ends_with('.'), "{}", rule.name);
-        }
-    }
-}
+mod tests;

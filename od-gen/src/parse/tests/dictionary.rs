@@ -1,6 +1,7 @@
 //! Mistakes between objects.
 
 use super::{SMALL, finds};
+use crate::report::Report;
 
 #[test]
 fn objects_are_of_a_known_kind() {
@@ -179,7 +180,7 @@ fn communication_objects_have_their_standard_types() {
         old,
         "ParameterName=COB-ID SYNC message\nDataType=0x0006",
         "[1005]",
-        "1005h:0 is UNSIGNED16, but CiA 301 makes it UNSIGNED32",
+        "1005h is UNSIGNED16, but CiA 301 makes it UNSIGNED32",
     );
     let old = "ParameterName=Inhibit time\nDataType=0x0006";
     finds(
@@ -210,17 +211,23 @@ fn pdos_come_in_pairs_from_number_1_on() {
         .replace("0x1A00", "0x1A01")
         .replace("[1800", "[1801")
         .replace("0x1800", "0x1801");
-    let found: Vec<String> = super::parse("x.eds", &text)
-        .unwrap_err()
+    let found: Vec<String> = Report::new("x.eds", &text)
+        .findings
         .iter()
         .map(|finding| finding.message.clone())
         .collect();
-    assert_eq!(found, ["TPDO 2 follows a gap: number PDOs from 1 on"]);
+    assert_eq!(
+        found,
+        [
+            "TPDO 2 follows a gap: 1800h is not there",
+            "1801h:1 is 180h + node-ID, but 280h + node-ID is predefined"
+        ]
+    );
     finds(
         "[1400sub2]\n",
         "[1400sub4]\n",
         "[1400]",
-        "1400h has no sub-index 2\n103: 1400h:0 is 2, but the highest sub-index is 4",
+        "1400h has no sub-index 2, which CiA 301 asks for\n103: 1400h:0 is 2, but the highest sub-index is 4",
     );
 }
 
@@ -244,19 +251,19 @@ fn default_mappings_can_be_carried() {
         receive,
         "DefaultValue=0x20030008",
         at,
-        "1600h:2 maps 20030008h: 2003h:0 has 16 bits",
+        "1600h:2 maps 20030008h: 2003h:0 has 16 bits, not 8",
     );
     finds(
         receive,
         "DefaultValue=0x20020008",
         at,
-        "1600h:2 maps 20020008h: 2002h:0 cannot be mapped into a receive PDO",
+        "1600h:2 maps 20020008h: 2002h:0 is rwr, which does not go into a receive PDO",
     );
     finds(
         receive,
         "DefaultValue=0x20000008",
         at,
-        "1600h:2 maps 20000008h: 2000h:0 cannot be mapped into a receive PDO",
+        "1600h:2 maps 20000008h: 2000h:0 cannot be mapped",
     );
     finds(
         receive,
@@ -268,32 +275,32 @@ fn default_mappings_can_be_carried() {
         receive,
         "DefaultValue=0x00050108",
         at,
-        "1600h:2 maps 00050108h: 0005h:1 is no dummy",
+        "1600h:2 maps 00050108h: 0005h:1 is no data type of a gap",
     );
     finds(
         receive,
         "DefaultValue=0x00050010",
         at,
-        "1600h:2 maps 00050010h: 0005h:0 has 8 bits",
+        "1600h:2 maps 00050010h: 0005h:0 has 8 bits, not 16",
     );
     let transmit = "DefaultValue=0x10010008";
     finds(
         transmit,
         "DefaultValue=0x20030010",
         "[1A00sub1]",
-        "1A00h:1 maps 20030010h: 2003h:0 cannot be mapped into a transmit PDO",
+        "1A00h:1 maps 20030010h: 2003h:0 is wo, which does not go into a transmit PDO",
     );
     finds(
         transmit,
         "DefaultValue=0x00050008",
         "[1A00sub1]",
-        "1A00h:1 maps 00050008h: a dummy is for receive PDOs",
+        "1A00h:1 maps 00050008h: a gap is for receive PDOs",
     );
     finds(
         transmit,
         "DefaultValue=0",
         "[1A00sub1]",
-        "1A00h:1 maps 00000000h: 0000h:0 is no dummy",
+        "1A00h:1 maps nothing, but 1A00h:0 is 1",
     );
 }
 

@@ -351,7 +351,7 @@ fn what_is_not_known_is_never_dropped() {
         "Granularity=8",
         "CompactPDO=1",
         "Granularity",
-        "CompactPDO is not supported: it must be 0",
+        "CompactPDO is 1: the generated dictionary is static",
     );
     finds(
         "Granularity=8",

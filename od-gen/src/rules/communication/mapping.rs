@@ -1,0 +1,311 @@
+//! Rules: the default mappings name objects that a PDO can carry, and fit in a frame (CiA 301, 7.5.2.36 and 7.5.2.38).
+
+use crate::data_type::DataType;
+use crate::diagnostic::Findings;
+use crate::model::{Access, Entry, Object};
+use crate::rules::setting::Setting;
+use crate::rules::{Rule, Subject};
+use crate::source::Span;
+
+pub(crate) const RULES: &[&Rule] = &[
+    &MAPPING_GAP,
+    &MAPPED_MISSING,
+    &MAPPED_UNMAPPABLE,
+    &MAPPED_DIRECTION,
+    &MAPPED_LENGTH,
+    &MAPPED_TWICE,
+    &MAPPING_TOO_LONG,
+    &MAPPING_GRANULARITY,
+    &DUMMY,
+    &CONST_MAPPABLE,
+];
+
+static MAPPING_GAP: Rule = Rule::error(
+    "mapping-gap",
+    "Each mapping entry that counts names an object.",
+    "Up to the number in sub-index 0 the entries are used; an entry of 0 among them names nothing. A gap in a receive PDO is \
+     made with a dummy, such as 0x00050008 for one byte. When this is silenced, the PDO is switched off.",
+);
+
+static MAPPED_MISSING: Rule = Rule::error(
+    "mapped-object-missing",
+    "What is mapped exists.",
+    "A mapping entry is index, sub-index and length in bits: 0x60400010. When this is silenced, the PDO is switched off until a \
+     master writes another mapping.",
+);
+
+static MAPPED_UNMAPPABLE: Rule = Rule::error(
+    "mapped-object-unmappable",
+    "What is mapped has PDOMapping=1.",
+    "The device would refuse this mapping from a master.",
+);
+
+static MAPPED_DIRECTION: Rule = Rule::error(
+    "mapped-direction",
+    "A receive PDO writes its objects, a transmit PDO reads them.",
+    "ro, const and rwr go into transmit PDOs, wo and rww into receive PDOs, rw into both (CiA 306, AccessType).",
+);
+
+static MAPPED_LENGTH: Rule = Rule::error(
+    "mapped-length",
+    "A mapping entry has the length of its object.",
+    "The last byte of the entry is the length in bits, 0x10 for 16 bits.",
+);
+
+static MAPPED_TWICE: Rule = Rule::warning(
+    "mapped-twice",
+    "A PDO carries an object once.",
+    "In a receive PDO the later place wins, in a transmit PDO the second one is wasted.",
+);
+
+static MAPPING_TOO_LONG: Rule = Rule::error(
+    "mapping-too-long",
+    "What is mapped into a PDO takes at most 64 bits.",
+    "A CAN frame has eight bytes.",
+);
+
+static MAPPING_GRANULARITY: Rule = Rule::warning(
+    "mapping-granularity",
+    "Mapped lengths are multiples of Granularity.",
+    "Granularity in DeviceInfo tells masters which lengths the device can map: 8 for whole bytes, 1 for single bits.",
+);
+
+static DUMMY: Rule = Rule::error(
+    "dummy-mapping",
+    "A gap is in a receive PDO, and DummyUsage allows it.",
+    "The data types 0001h to 0007h make gaps in a receive PDO, of their length, for bytes that are meant for other devices \
+     (CiA 301, 7.4.7). `Dummy0005=1` in DummyUsage says that the device has them.",
+);
+
+static CONST_MAPPABLE: Rule = Rule::warning(
+    "const-mappable",
+    "What never changes cannot be mapped.",
+    "A const object in a transmit PDO wastes bus time, and in a receive PDO it could never be written.",
+);
+
+/// Bits in the eight bytes of a frame.
+const FRAME_BITS: u32 = 64;
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Direction {
+    Receive,
+    Transmit,
+}
+
+impl Direction {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Receive => "receive",
+            Self::Transmit => "transmit",
+        }
+    }
+}
+
+pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
+    for (object, entry) in model.entries() {
+        if entry.access == Access::Constant && entry.pdo_mapping {
+            let message = format!(
+                "{:04X}h:{:X} is const and mappable",
+                object.index, entry.sub
+            );
+            let span = entry.places.of(crate::model::Field::PdoMapping);
+            let finding = findings.report(&CONST_MAPPABLE, span, message);
+            finding.help("write `PDOMapping=0`, or `AccessType=ro` for what the device changes");
+        }
+    }
+    let receive = model.objects_in(0x1600..=0x17FF).iter();
+    let transmit = model.objects_in(0x1A00..=0x1BFF).iter();
+    let receive = receive.map(|object| (object, Direction::Receive));
+    let transmit = transmit.map(|object| (object, Direction::Transmit));
+    for (object, direction) in receive.chain(transmit) {
+        check_mapping(model, object, direction, findings);
+    }
+}
+
+fn check_mapping(
+    model: &Subject<'_>,
+    object: &Object,
+    direction: Direction,
+    findings: &mut Findings,
+) {
+    let index = object.index;
+    let count = object.entry(0).and_then(Setting::of);
+    let used = count.map_or(0, |count| count.value);
+    // A multiplexed PDO names what it carries in each frame; every other number above 64 has been reported.
+    if used > 64 {
+        return;
+    }
+    let mut bits = 0;
+    let mut seen: Vec<(u32, u8)> = Vec::new();
+    for entry in object.entries.iter().filter(|entry| entry.sub != 0) {
+        let Some(setting) = Setting::of(entry) else {
+            continue;
+        };
+        let mapped = Mapped::of(setting.value);
+        let is_used = i128::from(entry.sub) <= used;
+        let place = format!("{index:04X}h:{:X}", entry.sub);
+        if setting.value == 0 {
+            if is_used {
+                let message = format!("{place} maps nothing, but {index:04X}h:0 is {used}");
+                findings.report(&MAPPING_GAP, setting.span, message);
+            }
+            continue;
+        }
+        check_mapped(model, &mapped, direction, &place, setting.span, findings);
+        if !is_used {
+            continue;
+        }
+        bits += u32::from(mapped.bits);
+        let is_gap = mapped.index < 0x1000;
+        if let Some((_, first)) = seen
+            .iter()
+            .find(|(value, _)| *value == mapped.value && !is_gap)
+        {
+            let message = format!("{place} maps the same object as {index:04X}h:{first:X}");
+            findings.report(&MAPPED_TWICE, setting.span, message);
+        }
+        seen.push((mapped.value, entry.sub));
+    }
+    if bits > FRAME_BITS {
+        let message = format!("{index:04X}h maps {bits} bits, a PDO carries {FRAME_BITS}");
+        let span = count.map_or(object.places.section, |count| count.span);
+        findings.report(&MAPPING_TOO_LONG, span, message);
+    }
+}
+
+/// A mapping entry: index, sub-index, length in bits.
+struct Mapped {
+    value: u32,
+    index: u16,
+    sub: u8,
+    bits: u8,
+}
+
+impl Mapped {
+    fn of(value: i128) -> Self {
+        let value = u32::try_from(value).unwrap_or_default();
+        let [high, low, sub, bits] = value.to_be_bytes();
+        Self {
+            value,
+            index: u16::from_be_bytes([high, low]),
+            sub,
+            bits,
+        }
+    }
+}
+
+fn check_mapped(
+    model: &Subject<'_>,
+    mapped: &Mapped,
+    direction: Direction,
+    place: &str,
+    span: Span,
+    findings: &mut Findings,
+) {
+    let Mapped {
+        value,
+        index,
+        sub,
+        bits,
+    } = *mapped;
+    let what = format!("{place} maps {value:08X}h");
+    let length = if index < 0x1000 {
+        match dummy_length(model, mapped, direction) {
+            Ok(length) => length,
+            Err(why) => {
+                findings.report(&DUMMY, span, format!("{what}: {why}"));
+                return;
+            }
+        }
+    } else {
+        let Some(entry) = model.entry(index, sub) else {
+            if model.lacks(index, sub) {
+                let message = format!("{what}: {index:04X}h:{sub:X} does not exist");
+                findings.report(&MAPPED_MISSING, span, message);
+            }
+            return;
+        };
+        if !check_direction(entry, index, direction, &what, span, findings) {
+            return;
+        }
+        length_of(entry.data_type, entry.size)
+    };
+    if u32::from(bits) != length {
+        let message = format!("{what}: {index:04X}h:{sub:X} has {length} bits, not {bits}");
+        let finding = findings.report(&MAPPED_LENGTH, span, message);
+        finding.help(format!("write 0x{:08X}", value & !0xFF | length & 0xFF));
+        return;
+    }
+    check_granularity(model, mapped, &what, span, findings);
+}
+
+fn check_direction(
+    entry: &Entry,
+    index: u16,
+    direction: Direction,
+    what: &str,
+    span: Span,
+    findings: &mut Findings,
+) -> bool {
+    let (is_right, sub) = match direction {
+        Direction::Receive => (entry.is_rpdo_mappable(), entry.sub),
+        Direction::Transmit => (entry.is_tpdo_mappable(), entry.sub),
+    };
+    if is_right {
+        return true;
+    }
+    let (name, access) = (direction.name(), entry.access.name());
+    if entry.pdo_mapping {
+        let message = format!(
+            "{what}: {index:04X}h:{sub:X} is {access}, which does not go into a {name} PDO"
+        );
+        findings.report(&MAPPED_DIRECTION, span, message);
+    } else {
+        let message = format!("{what}: {index:04X}h:{sub:X} cannot be mapped");
+        let finding = findings.report(&MAPPED_UNMAPPABLE, span, message);
+        finding.help(format!(
+            "write `PDOMapping=1` in [{index:04X}], or map another object"
+        ));
+    }
+    false
+}
+
+fn check_granularity(
+    model: &Subject<'_>,
+    mapped: &Mapped,
+    what: &str,
+    span: Span,
+    findings: &mut Findings,
+) {
+    let granularity = model.device.granularity;
+    if granularity != 0 && !mapped.bits.is_multiple_of(granularity) {
+        let bits = mapped.bits;
+        let message = format!("{what}: {bits} bits are no multiple of Granularity, {granularity}");
+        findings.report(&MAPPING_GRANULARITY, span, message);
+    }
+}
+
+/// Bits of a value in a PDO: a BOOLEAN takes one (CiA 301, 7.1.4.2).
+fn length_of(data_type: DataType, size: u16) -> u32 {
+    match data_type {
+        DataType::Boolean => 1,
+        _ => u32::from(size) * 8,
+    }
+}
+
+/// The bits of a gap in a receive PDO, named by a data type.
+fn dummy_length(model: &Subject<'_>, mapped: &Mapped, direction: Direction) -> Result<u32, String> {
+    let Mapped { index, sub, .. } = *mapped;
+    let length = DataType::from_code(index.into())
+        .and_then(|data_type| Some(length_of(data_type, data_type.size()?)))
+        .filter(|_| sub == 0);
+    let length = length.ok_or_else(|| format!("{index:04X}h:{sub:X} is no data type of a gap"))?;
+    if direction == Direction::Transmit {
+        return Err("a gap is for receive PDOs".into());
+    }
+    if model.dummies.contains(&index) {
+        Ok(length)
+    } else {
+        Err(format!("[DummyUsage] does not allow Dummy{index:04X}"))
+    }
+}
