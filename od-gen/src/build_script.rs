@@ -4,18 +4,28 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::{env, fs, process};
 
+use crate::diagnostic::Colour;
 use crate::generate::{Options, generate};
-use crate::report::read;
+use crate::report::Report;
 
 /// For a build script: reads the data sheet `eds` (a path from the package's folder), writes the dictionary to `output` in
 /// `OUT_DIR`, and has cargo run the script again when the data sheet changes. The crate takes it in with
 /// `include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));` inside of a module of its own.
 ///
-/// What is wrong with the data sheet is printed as a compiler would, then the build ends with exit code 1.
+/// What is wrong with the data sheet is printed as a compiler would, then the build ends with exit code 1; warnings are passed on
+/// to cargo.
 pub fn build(eds: impl AsRef<Path>, output: &str, options: Options) {
     let eds = eds.as_ref();
     println!("cargo::rerun-if-changed={}", eds.display());
-    let model = read(eds).unwrap_or_else(|error| fail(&error.to_string()));
+    let report = Report::read(eds)
+        .unwrap_or_else(|error| fail(&format!("{}: error: {error}", eds.display())));
+    if report.has_errors() {
+        fail(&report.render(Colour::Never));
+    }
+    for warning in &report.findings {
+        println!("cargo::warning={warning}");
+    }
+    let model = report.model;
     let Some(folder) = env::var_os("OUT_DIR") else {
         fail("error: od_gen::build is for build scripts: OUT_DIR is not set");
     };

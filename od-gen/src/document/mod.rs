@@ -3,14 +3,18 @@
 //! Nothing is dropped: comments stay where they stand, so that a file can be printed again. Names are compared without regard
 //! to case, as CiA 306 asks.
 
+mod order;
 mod read;
+mod write;
 
 use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::source::Span;
 
+pub(crate) use order::canonical;
 pub(crate) use read::read;
+pub(crate) use write::write;
 
 /// A file.
 #[derive(Clone, Debug, Default)]
@@ -53,6 +57,39 @@ pub(crate) struct Key<'a> {
     pub(crate) name_span: Span,
     /// The value.
     pub(crate) span: Span,
+}
+
+impl<'a> Section<'a> {
+    /// A section that is in no file.
+    pub(crate) fn new(name: impl Into<Cow<'a, str>>) -> Self {
+        Self {
+            lead: Vec::new(),
+            name: name.into(),
+            span: Span::default(),
+            lines: 0..0,
+            keys: Vec::new(),
+            comments: Vec::new(),
+        }
+    }
+
+    /// Adds `name=value`.
+    pub(crate) fn put(&mut self, name: impl Into<Cow<'a, str>>, value: impl Into<Cow<'a, str>>) {
+        self.keys.push(Key {
+            name: name.into(),
+            value: value.into(),
+            name_span: Span::default(),
+            span: Span::default(),
+        });
+    }
+
+    /// Adds `;text` below the keys that are there.
+    pub(crate) fn remark(&mut self, text: impl Into<Cow<'a, str>>) {
+        self.comments.push(Comment {
+            text: text.into(),
+            span: Span::default(),
+            position: self.keys.len(),
+        });
+    }
 }
 
 /// `; text`.

@@ -77,7 +77,7 @@ impl<'a> Reader<'a, '_> {
             None => self.document.head.push(comment),
             Some(section) => {
                 comment.position = section.keys.len();
-                if self.after_blank && !section.keys.is_empty() || !self.lead.is_empty() {
+                if self.after_blank || !self.lead.is_empty() {
                     self.lead.push(comment);
                 } else {
                     section.comments.push(comment);
@@ -129,9 +129,14 @@ impl<'a> Reader<'a, '_> {
             return;
         };
         section.comments.append(&mut self.lead);
-        let (value, has_comment) = without_comment(value);
+        let (value, comment) = split_comment(value);
         let span = Span::of(number, line, value);
-        if has_comment {
+        if let Some(comment) = comment {
+            section.comments.push(Comment {
+                text: comment.into(),
+                span: Span::of(number, line, comment),
+                position: section.keys.len(),
+            });
             let message = format!("the value of `{name}` is read as `{value}`, up to the `;`");
             let finding = self
                 .findings
@@ -182,16 +187,19 @@ impl<'a> Reader<'a, '_> {
     }
 }
 
-/// A value up to the comment behind it. CiA 306 knows no such comments, most readers do.
-fn without_comment(value: &str) -> (&str, bool) {
-    if value.starts_with(';') {
-        return (value.get(..0).unwrap_or_default(), true);
-    }
-    let at = [" ;", "\t;"]
-        .into_iter()
-        .filter_map(|mark| value.find(mark));
-    match at.min().and_then(|at| value.get(..at)) {
-        Some(before) => (before.trim_end(), true),
-        None => (value, false),
-    }
+/// A value, and the comment behind it. CiA 306 knows no such comments, most readers do.
+fn split_comment(value: &str) -> (&str, Option<&str>) {
+    let marks = [" ;", "\t;"].into_iter();
+    let at = match value.strip_prefix(';') {
+        Some(_) => Some(0),
+        None => marks.filter_map(|mark| value.find(mark)).min(),
+    };
+    let Some((before, behind)) = at.and_then(|at| value.split_at_checked(at)) else {
+        return (value, None);
+    };
+    let comment = behind.trim_start();
+    (
+        before.trim_end(),
+        Some(comment.strip_prefix(';').unwrap_or(comment)),
+    )
 }

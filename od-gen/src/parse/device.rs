@@ -10,7 +10,8 @@ use crate::rules::reading;
 /// Bit rates that DeviceInfo can name, in kbit/s.
 const BIT_RATES: [u16; 8] = [10, 20, 50, 125, 250, 500, 800, 1000];
 
-const FILE_INFO_KEYS: [&str; 12] = [
+/// The keys of the section.
+pub(crate) const FILE_INFO_KEYS: [&str; 12] = [
     "FileName",
     "FileVersion",
     "FileRevision",
@@ -25,7 +26,8 @@ const FILE_INFO_KEYS: [&str; 12] = [
     "LastEDS",
 ];
 
-const DEVICE_INFO_KEYS: [&str; 23] = [
+/// The keys of the section.
+pub(crate) const DEVICE_INFO_KEYS: [&str; 23] = [
     "VendorName",
     "VendorNumber",
     "ProductName",
@@ -51,7 +53,8 @@ const DEVICE_INFO_KEYS: [&str; 23] = [
     "LSS_Supported",
 ];
 
-const COMMISSIONING_KEYS: [&str; 7] = [
+/// The keys of the section.
+pub(crate) const COMMISSIONING_KEYS: [&str; 7] = [
     "NodeID",
     "NodeName",
     "Baudrate",

@@ -11,7 +11,7 @@ use crate::rules::{Rule, reading, structure, value as rule};
 use crate::source::Span;
 
 /// Characters that a string can hold when neither its default nor a comment asks for more.
-const LEAST_CAPACITY: u16 = 32;
+pub(crate) const LEAST_CAPACITY: u16 = 32;
 
 /// What is known of a value before its section is read.
 #[derive(Clone, Copy, Debug)]

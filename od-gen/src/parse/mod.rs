@@ -18,6 +18,8 @@ use crate::document::Document;
 use crate::model::{FileKind, Model};
 use crate::rules::value as rule;
 use crate::source::Span;
+pub(crate) use device::{COMMISSIONING_KEYS, DEVICE_INFO_KEYS, FILE_INFO_KEYS};
+pub(crate) use entry::LEAST_CAPACITY;
 use sections::Sections;
 
 /// The longest value that an SDO transfer of the firmware keeps, in bytes: its staging buffer, `SDO_BUFFER` of the crate `canopen`.
