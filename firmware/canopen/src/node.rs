@@ -24,6 +24,7 @@ mod parameters;
 mod receive;
 mod services;
 mod supervision;
+mod timing;
 mod transmit;
 
 use events::Events;
@@ -176,21 +177,20 @@ impl<D: Dictionary> Node<D> {
     /// ([`NEVER`]: not before the next frame).
     #[inline]
     pub fn poll<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
-        let _ = application;
         if has_come(self.next_call, now)
             || self.services.timers_changed
             || self.services.values_changed
         {
-            self.serve(now);
+            self.serve(now, application);
         }
         self.next_call
     }
 
     /// Something is due, or may be.
     #[inline(never)]
-    fn serve(&mut self, now: Instant) {
+    fn serve<A: Application<D>>(&mut self, now: Instant, application: &mut A) {
         if self.services.timers_changed || has_come(self.next_timer, now) {
-            self.next_timer = self.serve_timers(now);
+            self.next_timer = self.serve_timers(now, application);
         }
         if self.services.values_changed || has_come(self.next_pdo, now) {
             self.services.values_changed = false;
@@ -284,6 +284,7 @@ impl<D: Dictionary> Node<D> {
         // Transmit PDOs start, and with them their timers.
         self.services.values_changed = true;
         self.services.may_send_emergency = state.has_sdo_and_emergency();
+        self.services.enter(state, now);
         if state.has_sdo_and_emergency() {
             self.sdo_request = cob_id::sdo_request(self.node_id);
         } else {
@@ -309,6 +310,8 @@ impl<D: Dictionary> Node<D> {
         self.sdo_request = NO_COB_ID;
         self.sdo.reset();
         self.queue.clear_answers();
+        self.queue.drop_sync();
+        self.queue.drop_time();
         self.services.may_send_emergency = false;
     }
 
@@ -334,7 +337,7 @@ impl<D: Dictionary> Node<D> {
 
     /// Everything that waits for a time, beside transmit PDOs; returns the next of these times.
     #[inline(never)]
-    fn serve_timers(&mut self, now: Instant) -> Instant {
+    fn serve_timers<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
         // The inhibit time of an emergency message that waits begins when it has left: it is looked at every time.
         self.services.timers_changed = self.services.emergency.needs_time();
         if self.is_resetting {
@@ -351,9 +354,13 @@ impl<D: Dictionary> Node<D> {
         if self.services.heartbeat.poll(now) {
             self.queue.push_heartbeat();
         }
+        if has_come(self.services.sync.deadline(), now) {
+            self.serve_sync(now, application);
+        }
         if has_come(self.services.supervision_deadline(), now) {
             self.supervise(now);
         }
+        let deadline = earlier(deadline, self.services.sync.deadline());
         let deadline = earlier(deadline, self.services.supervision_deadline());
         let deadline = earlier(deadline, self.sdo.deadline());
         let deadline = earlier(deadline, self.services.heartbeat.deadline());

@@ -14,6 +14,8 @@ const UNIT: u64 = 100;
 #[derive(Clone, Debug)]
 enum Step {
     Frame(u16, Vec<u8>),
+    /// The master asks whether the device lives.
+    Guard,
     /// The firmware puts a number into 2005h, which both transmit PDOs send.
     Value(u8),
     Report(u8),
@@ -45,6 +47,21 @@ fn step() -> impl Strategy<Value = Step> {
         }),
         (0..20_u32).prop_map(|value| write(0x1017, 0, 2, value)),
         (0..50_u32).prop_map(|value| write(0x1015, 0, 2, value)),
+        // SYNC: who produces it, its period (missed after one and a half), its window, its counter.
+        any::<bool>().prop_map(|on| write(0x1005, 0, 4, if on { 0x4000_0080 } else { 0x80 })),
+        (0..100_u32).prop_map(|value| write(0x1006, 0, 4, value * 200)),
+        (0..20_u32).prop_map(|value| write(0x1007, 0, 4, value * 100)),
+        (0..4_u32).prop_map(|value| write(0x1019, 0, 1, value)),
+        // Heartbeat consumers, life guarding, error behaviour.
+        (1..4_u8, 0..30_u32, 4..7_u32).prop_map(|(sub, time, node)| write(
+            0x1016,
+            sub,
+            4,
+            node << 16 | time
+        )),
+        (0..30_u32).prop_map(|value| write(0x100C, 0, 2, value)),
+        (0..4_u32).prop_map(|value| write(0x100D, 0, 1, value)),
+        (0..3_u32).prop_map(|value| write(0x1029, 1, 1, value)),
         (0..3_u32).prop_map(|value| write(0x2006, 0, 4, value)),
         // A segmented upload that nobody goes on with: it times out.
         Just(vec![0x40, 0x10, 0x20, 0, 0, 0, 0, 0]),
@@ -54,6 +71,8 @@ fn step() -> impl Strategy<Value = Step> {
         5 => request.prop_map(|request| Step::Frame(0x604, request)),
         3 => (0..=9_usize, 0..3_u8).prop_map(|(length, value)| Step::Frame(0x204, vec![value; length.min(8)])),
         3 => (0..4_usize).prop_map(|length| Step::Frame(0x080, vec![0; length / 3])),
+        2 => (0..3_u16, 0..6_u8).prop_map(|(node, state)| Step::Frame(0x704 + node, vec![state])),
+        1 => Just(Step::Guard),
         1 => (0..0x800_u16).prop_map(|cob_id| Step::Frame(cob_id | 0x100, vec![1, 2])),
         5 => (0..3_u8).prop_map(Step::Value),
         1 => (0..4_u8).prop_map(Step::Report),
@@ -129,6 +148,7 @@ fn happen(device: &mut Device, step: &Step) {
                 .node
                 .receive(&frame, device.now, &mut device.firmware);
         }
+        Step::Guard => device.put("704#R"),
         Step::Value(value) => device.set_value(0x2005, 0, &[*value, 0, 0, 0]),
         Step::Report(number) => {
             let emergency = Emergency {

@@ -245,7 +245,9 @@ impl Watched {
         }
         let is_cob_id = |index| self.valid_cob_id(index, 0) == Some(id);
         let produces = |index| self.read(index, 0) & 0x4000_0000 != 0;
-        if is_cob_id(0x1014) && frame.length() == 8 && state.has_sdo_and_emergency() {
+        // A device that stops itself after a communication error (1029h = 2) says why.
+        let says_why = state == NmtState::Stopped;
+        if is_cob_id(0x1014) && frame.length() == 8 && (state.has_sdo_and_emergency() || says_why) {
             return Ok(());
         }
         if self.read(0x1005, 0) & 0x7FF == u32::from(id)

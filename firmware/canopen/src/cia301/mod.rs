@@ -29,3 +29,4 @@ pub mod parameters;
 pub mod pdo;
 pub mod sdo;
 pub mod sync;
+pub mod time_stamp;

@@ -43,6 +43,11 @@ impl NmtState {
     pub const fn has_sdo_and_emergency(self) -> bool {
         matches!(self, Self::PreOperational | Self::Operational)
     }
+
+    /// Whether SYNC and TIME exist in this state (CiA 301, table 38).
+    pub const fn has_sync_and_time(self) -> bool {
+        matches!(self, Self::PreOperational | Self::Operational)
+    }
 }
 
 /// Which part of the device starts anew.

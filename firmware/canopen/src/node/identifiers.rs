@@ -45,6 +45,12 @@ impl<D: Dictionary> Node<D> {
     pub(super) fn listen(&mut self) {
         self.services.identifiers_changed = false;
         self.identifiers = Identifiers::none();
+        if !self.services.sync.is_producer() {
+            self.queue.drop_sync();
+        }
+        if !self.services.time.is_producer() {
+            self.queue.drop_time();
+        }
         if self.is_resetting {
             return;
         }

@@ -41,7 +41,7 @@ impl<D: Dictionary> Node<D> {
         } else if cob_id == cob_id::NMT {
             self.receive_nmt(frame.payload(), stamp);
         } else if cob_id == self.services.sync.cob_id() {
-            self.receive_sync(frame.length(), stamp, application);
+            self.receive_sync(frame, stamp, application);
         } else if !self.receive_pdo(cob_id, frame, stamp, application) {
             self.receive_other(cob_id, frame, stamp);
         }
@@ -120,12 +120,25 @@ impl<D: Dictionary> Node<D> {
     }
 
     #[inline(never)]
-    fn receive_sync<A: Application<D>>(&mut self, length: u8, now: Instant, application: &mut A) {
-        if self.state == NmtState::Stopped {
+    fn receive_sync<A: Application<D>>(
+        &mut self,
+        frame: &Frame,
+        now: Instant,
+        application: &mut A,
+    ) {
+        if self.services.sync.is_producer() {
+            self.receive_other(self.services.sync.cob_id(), frame, now);
             return;
         }
-        if self.services.sync.receive(length) && self.state == NmtState::Operational {
-            self.services.synchronise(&mut self.dictionary, application);
+        let [first, ..] = *frame.bytes();
+        if let Some(beat) = self.services.sync.receive(frame.length(), first, now) {
+            if self.state == NmtState::Operational {
+                self.services
+                    .synchronise(beat, &mut self.dictionary, application);
+            }
+            let deadline = self.services.sync.deadline();
+            self.next_timer = earlier(self.next_timer, deadline);
+            self.next_call = earlier(self.next_call, deadline);
         }
         self.services.report_lengths(&mut self.dictionary, now);
     }

@@ -7,10 +7,12 @@ use crate::cia301::error_behaviour::{self, CommunicationError};
 use crate::cia301::guarding::{self, Guarding};
 use crate::cia301::heartbeat;
 use crate::cia301::length_error::LengthReport;
+use crate::cia301::nmt::NmtState;
 use crate::cia301::parameters::{self, Parameters};
 use crate::cia301::pdo;
 use crate::cia301::sdo::AbortCode;
-use crate::cia301::sync::Sync;
+use crate::cia301::sync::{self, Beat, Sync};
+use crate::cia301::time_stamp::{self, TimeStamp};
 use crate::od::{Counts, Dictionary, Entry};
 use crate::time::{Instant, earlier};
 use crate::wire::cob_id;
@@ -23,6 +25,7 @@ pub(super) struct Services<C: Counts> {
     pub(super) guarding: Guarding,
     pub(super) emergency: emergency::Producer,
     pub(super) sync: Sync,
+    pub(super) time: TimeStamp,
     pub(super) parameters: Parameters,
     pub(super) rpdos: pdo::Receive<C::Rpdos, C::RpdoObjects>,
     pub(super) tpdos: pdo::Transmit<C::Tpdos, C::TpdoObjects>,
@@ -44,6 +47,7 @@ impl<C: Counts> Services<C> {
             guarding: Guarding::new(),
             emergency: emergency::Producer::new(),
             sync: Sync::new(),
+            time: TimeStamp::new(),
             parameters: Parameters::new(),
             rpdos: pdo::Receive::new(),
             tpdos: pdo::Transmit::new(),
@@ -63,7 +67,8 @@ impl<C: Counts> Services<C> {
         self.guarding.configure(dictionary);
         self.emergency.configure(dictionary);
         self.clear_network_errors(dictionary, now);
-        self.sync.configure(dictionary);
+        self.sync.configure(dictionary, now);
+        self.time.configure(dictionary);
         self.parameters.configure(dictionary);
         self.rpdos.configure_all(dictionary);
         self.tpdos.configure_all(dictionary);
@@ -80,7 +85,8 @@ impl<C: Counts> Services<C> {
     ) -> Result<(), AbortCode> {
         match entry.index {
             0x1003 | 0x1014 | 0x1015 => self.emergency.validate(dictionary, entry, value),
-            0x1005 => self.sync.validate(value),
+            sync::COB_ID | sync::COUNTER_OVERFLOW => self.sync.validate(dictionary, entry, value),
+            time_stamp::COB_ID => self.time.validate(dictionary, value),
             parameters::STORE | parameters::RESTORE => self.parameters.validate(entry, value),
             heartbeat::CONSUMER_INDEX => self.consumers.validate(entry, value),
             error_behaviour::INDEX => error_behaviour::validate(entry.sub, value),
@@ -103,10 +109,12 @@ impl<C: Counts> Services<C> {
                 self.emergency.written(dictionary, entry);
                 self.timers_changed = true;
             }
-            0x1005 => {
-                self.sync.written(dictionary);
+            sync::COB_ID | sync::PERIOD | sync::WINDOW | sync::COUNTER_OVERFLOW => {
+                self.sync.written(dictionary, now);
+                self.timers_changed = true;
                 self.report_lengths(dictionary, now);
             }
+            time_stamp::COB_ID => self.time.configure(dictionary),
             parameters::VERIFY_CONFIGURATION => self.parameters.read_date(dictionary),
             guarding::GUARD_TIME | guarding::LIFE_TIME_FACTOR => {
                 if self.guarding.written(dictionary, now) {
@@ -136,13 +144,20 @@ impl<C: Counts> Services<C> {
         }
     }
 
-    /// A SYNC: transmit PDOs sample what the objects are now, then receive PDOs that waited for it are applied.
+    /// The NMT state changed.
+    pub(super) fn enter(&mut self, state: NmtState, now: Instant) {
+        self.sync.enter(state.has_sync_and_time(), now);
+        self.timers_changed = true;
+    }
+
+    /// A SYNC, received or produced: transmit PDOs sample what the objects are now, then receive PDOs that waited for it are applied.
     pub(super) fn synchronise<D: Dictionary, A: Application<D>>(
         &mut self,
+        beat: Beat,
         dictionary: &mut D,
         application: &mut A,
     ) {
-        self.tpdos.on_sync(None, dictionary);
+        self.tpdos.on_sync(beat.counter, dictionary);
         self.values_changed |= self.rpdos.on_sync(dictionary, application);
     }
 
@@ -201,6 +216,7 @@ impl<C: Counts> Services<C> {
     /// Calls `add` for each identifier that a parameter object gives to a service, to listen to or to send.
     pub(super) fn identifiers<D: Dictionary>(&self, _: &D, mut add: impl FnMut(u16)) {
         add(self.sync.cob_id());
+        add(self.time.cob_id());
         self.emergency.cob_id().into_iter().for_each(&mut add);
         self.rpdos.cob_ids().for_each(&mut add);
         self.tpdos.cob_ids().for_each(&mut add);
@@ -210,7 +226,12 @@ impl<C: Counts> Services<C> {
 
     /// Whether a service that its parameters switch on sends this identifier.
     pub(super) fn is_sent(&self, cob_id: u16) -> bool {
-        self.emergency.cob_id() == Some(cob_id) || self.tpdos.cob_ids().any(|sent| sent == cob_id)
+        let sends_sync = self.sync.is_producer() && cob_id == self.sync.cob_id();
+        let sends_time = self.time.is_producer() && cob_id == self.time.cob_id();
+        sends_sync
+            || sends_time
+            || self.emergency.cob_id() == Some(cob_id)
+            || self.tpdos.cob_ids().any(|sent| sent == cob_id)
     }
 
     /// A message may wait, and the error register may be mapped.
@@ -219,10 +240,16 @@ impl<C: Counts> Services<C> {
         self.values_changed = true;
     }
 
+    /// The synchronous window is over.
+    pub(super) fn window_over(&mut self) {
+        self.tpdos.window_passed();
+        self.rpdos.window_passed();
+    }
+
     /// Passes on what SYNC and receive PDOs have found wrong with the length of frames, or right again.
     #[inline]
     pub(super) fn report_lengths<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
-        if self.sync.has_length_report() || self.rpdos.has_report() {
+        if self.sync.has_report() || self.rpdos.has_report() {
             self.report_changed_lengths(dictionary, now);
         }
     }
@@ -232,7 +259,7 @@ impl<C: Counts> Services<C> {
     fn report_changed_lengths<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
         // The deadline of a receive PDO may have begun.
         self.timers_changed = true;
-        while let Some(report) = self.sync.length_report().or_else(|| self.rpdos.report()) {
+        while let Some(report) = self.sync.report().or_else(|| self.rpdos.report()) {
             match report {
                 LengthReport::Appeared(emergency) => self.report(dictionary, &emergency, now),
                 LengthReport::Gone(emergency) => self.clear_one(dictionary, &emergency, now),

@@ -14,7 +14,9 @@ impl<D: Dictionary> Node<D> {
     #[cold]
     #[inline(never)]
     pub(super) fn receive_other(&mut self, cob_id: u16, frame: &Frame, now: Instant) {
-        if self.receive_error_control(cob_id, frame.payload(), now) {
+        if self.receive_error_control(cob_id, frame.payload(), now)
+            || self.receive_time(cob_id, frame.payload(), now)
+        {
             return;
         }
         if self.services.is_sent(cob_id) || self.is_sent(cob_id) {

@@ -27,6 +27,10 @@ pub(super) struct TransmitQueue {
     waiting: u8,
     answers: Deque<[u8; 8], MOST_ANSWERS>,
     lss: Deque<[u8; 8], MOST_LSS_ANSWERS>,
+    /// The counter of the SYNC that waits.
+    sync: Option<u8>,
+    /// The TIME that waits.
+    time: [u8; 6],
     overflows: u32,
 }
 
@@ -37,6 +41,10 @@ mod waiting {
     pub const HEARTBEAT: u8 = 1 << 2;
     pub const GUARDING: u8 = 1 << 3;
     pub const LSS: u8 = 1 << 4;
+    pub const SYNC: u8 = 1 << 5;
+    pub const TIME: u8 = 1 << 6;
+    /// Both have identifiers that a master chooses.
+    pub const TIMING: u8 = SYNC | TIME;
     /// Both have the identifier of error control.
     pub const ERROR_CONTROL: u8 = HEARTBEAT | GUARDING;
 }
@@ -47,6 +55,8 @@ impl TransmitQueue {
             waiting: 0,
             answers: Deque::new(),
             lss: Deque::new(),
+            sync: None,
+            time: [0; 6],
             overflows: 0,
         }
     }
@@ -69,6 +79,28 @@ impl TransmitQueue {
 
     pub(super) fn push_heartbeat(&mut self) {
         self.waiting |= waiting::HEARTBEAT;
+    }
+
+    /// A SYNC; one that still waits is left out.
+    pub(super) fn push_sync(&mut self, counter: Option<u8>) {
+        self.waiting |= waiting::SYNC;
+        self.sync = counter;
+    }
+
+    /// A TIME; one that still waits is replaced.
+    pub(super) fn push_time(&mut self, time: [u8; 6]) {
+        self.waiting |= waiting::TIME;
+        self.time = time;
+    }
+
+    /// The device produces no SYNC any more.
+    pub(super) fn drop_sync(&mut self) {
+        self.waiting &= !waiting::SYNC;
+    }
+
+    /// The device produces no TIME any more.
+    pub(super) fn drop_time(&mut self) {
+        self.waiting &= !waiting::TIME;
     }
 
     /// An answer to the guarding master, one for all questions that wait.
@@ -191,7 +223,7 @@ impl<D: Dictionary> Node<D> {
         let or_none = |cob_id: Option<u16>| cob_id.unwrap_or(NO_COB_ID);
         let emergency = or_none(self.services.emergency.pending());
         let pdo = or_none(self.services.tpdos.pending());
-        let fixed = or_none(self.queue.pending(self.node_id));
+        let fixed = or_none(self.pending_fixed());
         if emergency <= pdo && emergency <= fixed {
             self.services.emergency.take()
         } else if pdo <= fixed {
@@ -201,8 +233,62 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
-    /// SDO answers, heartbeats and LSS answers have fixed identifiers, in that order.
+    /// The lowest identifier of what waits beside emergency messages and PDOs.
+    fn pending_fixed(&self) -> Option<u16> {
+        let fixed = self.queue.pending(self.node_id);
+        if self.queue.has(waiting::TIMING) {
+            let (timing, _) = self.pending_timing();
+            Some(fixed.map_or(timing, |fixed| timing.min(fixed)))
+        } else {
+            fixed
+        }
+    }
+
+    /// The lower identifier of SYNC and TIME, of those that wait, and which it is.
+    fn pending_timing(&self) -> (u16, u8) {
+        let cob_id = |what, cob_id| {
+            if self.queue.has(what) {
+                cob_id
+            } else {
+                NO_COB_ID
+            }
+        };
+        let sync = cob_id(waiting::SYNC, self.services.sync.cob_id());
+        let time = cob_id(waiting::TIME, self.services.time.cob_id());
+        if sync <= time {
+            (sync, waiting::SYNC)
+        } else {
+            (time, waiting::TIME)
+        }
+    }
+
+    /// SYNC or TIME waits, and something else perhaps. Seldom, compared to the others.
+    #[cold]
+    #[inline(never)]
+    fn take_with_timing(&mut self) -> Option<Frame> {
+        let (cob_id, which) = self.pending_timing();
+        if Some(cob_id) > self.pending_fixed() {
+            return self.take_answer_or_error_control();
+        }
+        self.queue.waiting &= !which;
+        Some(match (which, self.queue.sync) {
+            (waiting::TIME, _) => Frame::data_frame(cob_id, &self.queue.time),
+            (_, Some(counter)) => Frame::data_frame(cob_id, &[counter]),
+            (_, None) => Frame::data_frame(cob_id, &[]),
+        })
+    }
+
+    /// What has identifiers other than emergency messages and PDOs.
     fn take_fixed(&mut self) -> Option<Frame> {
+        if self.queue.has(waiting::TIMING) {
+            self.take_with_timing()
+        } else {
+            self.take_answer_or_error_control()
+        }
+    }
+
+    /// SDO answers, heartbeats and LSS answers have fixed identifiers, in that order.
+    fn take_answer_or_error_control(&mut self) -> Option<Frame> {
         if self.queue.has(waiting::ANSWER) {
             let answer = self.queue.take_answer()?;
             Some(Frame::full(cob_id::sdo_response(self.node_id), answer))

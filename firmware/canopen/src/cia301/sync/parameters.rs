@@ -1,0 +1,99 @@
+//! What a master may write to the objects of SYNC: 1005h, 1006h, 1007h, 1019h.
+
+use super::{COB_ID, COUNTER_OVERFLOW, MOST_COUNTER, NOT_IN_USE, PERIOD, Sync, WINDOW};
+use crate::cia301::sdo::AbortCode;
+use crate::od::{Dictionary, Entry, read_u8, read_u32};
+use crate::time::{Duration, Instant, NEVER};
+use crate::wire::cob_id::{CobId, is_restricted};
+
+/// Bit 30 of 1005h: the device produces SYNC.
+const PRODUCE: u32 = 1 << 30;
+
+impl Sync {
+    /// Takes its parameters after power-on values were loaded; a device without 1005h has no SYNC. Errors end: ask
+    /// [`Sync::report`] afterwards.
+    pub fn configure<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
+        self.errors.end();
+        self.is_running = false;
+        self.is_followed = false;
+        self.counter = 0;
+        self.window_end = NEVER;
+        self.written(dictionary, now);
+    }
+
+    /// Whether 1005h, 1006h, 1007h or 1019h may get this value. Called when it has passed the dictionary's own checks; nothing
+    /// changes.
+    ///
+    /// # Errors
+    /// - [`AbortCode::InvalidValue`]: 1005h has a 29-bit or a restricted identifier, or another identifier while the device produces
+    ///   SYNC (CiA 301, 7.5.2.5); 1019h is 1 or above 240 (7.5.2.22).
+    /// - [`AbortCode::DeviceState`]: 1019h while 1006h is not 0.
+    pub fn validate<D: Dictionary>(
+        &self,
+        dictionary: &D,
+        entry: &Entry,
+        value: &[u8],
+    ) -> Result<(), AbortCode> {
+        match (entry.index, value) {
+            (COB_ID, _) => {
+                let value = value.try_into().map_err(|_| AbortCode::LengthMismatch)?;
+                let present = CobId(read_u32(dictionary, COB_ID, 0).unwrap_or(0));
+                if may_become(present, CobId(u32::from_le_bytes(value))) {
+                    Ok(())
+                } else {
+                    Err(AbortCode::InvalidValue)
+                }
+            }
+            (COUNTER_OVERFLOW, _) if read_u32(dictionary, PERIOD, 0).unwrap_or(0) != 0 => {
+                Err(AbortCode::DeviceState)
+            }
+            (COUNTER_OVERFLOW, [1 | 241..]) => Err(AbortCode::InvalidValue),
+            _ => Ok(()),
+        }
+    }
+
+    /// One of its objects was written: it counts from the next frame on, a period from now. Ask [`Sync::report`]
+    /// afterwards.
+    pub fn written<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
+        let cob_id = CobId(read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::EXTENDED));
+        let was_producer = self.is_producer;
+        self.cob_id = if is_base_frame(cob_id) {
+            cob_id.identifier()
+        } else {
+            NOT_IN_USE
+        };
+        self.is_producer = self.cob_id != NOT_IN_USE && cob_id.0 & PRODUCE != 0;
+        if self.is_producer != was_producer {
+            self.counter = 0;
+            self.is_followed = false;
+        }
+        self.overflow = read_u8(dictionary, COUNTER_OVERFLOW, 0)
+            .unwrap_or(0)
+            .min(MOST_COUNTER);
+        self.period = microseconds(dictionary, PERIOD);
+        self.window = microseconds(dictionary, WINDOW);
+        if self.window.ticks() == 0 {
+            self.window_end = NEVER;
+        }
+        if self.is_producer || self.period.ticks() == 0 {
+            self.errors.missed(false);
+        }
+        self.restart(now);
+    }
+}
+
+fn microseconds<D: Dictionary>(dictionary: &D, index: u16) -> Duration {
+    Duration::from_ticks(read_u32(dictionary, index, 0).unwrap_or(0).into())
+}
+
+/// Whether this is an 11-bit identifier. Bit 31 is "do not care", bit 30 makes the device the producer.
+const fn is_base_frame(cob_id: CobId) -> bool {
+    CobId(cob_id.0 & !PRODUCE).is_base_frame()
+}
+
+/// The rules of 1005h: no 29-bit identifier, none that is restricted, no other one while SYNC is produced before and after.
+const fn may_become(present: CobId, wanted: CobId) -> bool {
+    let is_moved = present.identifier() != wanted.identifier();
+    let stays_producer = present.0 & wanted.0 & PRODUCE != 0;
+    is_base_frame(wanted) && !is_restricted(wanted.identifier()) && !(is_moved && stays_producer)
+}

@@ -1,0 +1,282 @@
+//! SYNC and TIME as services of a node: Y01 to Y09 and T01 of the listed cases.
+
+mod device;
+
+use canopen::Duration;
+use canopen::cia301::time_stamp::TimeOfDay;
+use device::{Device, Sent, abort};
+
+fn write_u32(device: &mut Device, index: u16, value: u32) -> Vec<String> {
+    let [low, high] = index.to_le_bytes();
+    let bytes = value.to_le_bytes().map(|byte| format!("{byte:02X}"));
+    device.ask(&format!("604#23{low:02X}{high:02X}00{}", bytes.concat()))
+}
+
+fn period(device: &mut Device, microseconds: u32) {
+    assert_eq!(
+        write_u32(device, 0x1006, microseconds).last(),
+        Some(&"584#6006100000000000".to_string())
+    );
+}
+
+fn counter(device: &mut Device, overflow: u8) -> Vec<String> {
+    device.ask(&format!("604#2F191000{overflow:02X}000000"))
+}
+
+/// Sends SYNC every 10 ms.
+fn produce(device: &mut Device) {
+    period(device, 10_000);
+    assert_eq!(
+        write_u32(device, 0x1005, 0x4000_0080),
+        ["584#6005100000000000"]
+    );
+}
+
+fn syncs(times: &[u64]) -> Vec<Sent> {
+    times.iter().map(|time| (*time, "080#".into())).collect()
+}
+
+#[test]
+fn y01_the_producer_sends_every_period() {
+    let mut device = Device::new();
+    produce(&mut device);
+    assert_eq!(device.pass(35), syncs(&[10, 20, 30]));
+}
+
+#[test]
+fn y01_a_producer_that_is_called_late_keeps_its_rhythm() {
+    let mut device = Device::new();
+    produce(&mut device);
+    device.now += Duration::from_ticks(13_000);
+    assert_eq!(device.pass(10), syncs(&[0, 7]));
+    device.now += Duration::from_ticks(100_000);
+    assert_eq!(
+        device.pass(15),
+        syncs(&[0, 10]),
+        "what was missed is left out"
+    );
+}
+
+#[test]
+fn y01_its_own_pdos_follow_its_sync() {
+    let mut device = Device::new();
+    device.ask("604#23001801840100C0");
+    device.ask("604#2F00180201000000");
+    device.ask("604#2300180184010040");
+    produce(&mut device);
+    device.send("000#0104");
+    device.set_value(0x2005, 0, &[7, 0, 0, 0]);
+    assert_eq!(
+        device.pass(10),
+        [
+            (10, "080#".to_string()),
+            (10, "184#0700000000000000".to_string())
+        ]
+    );
+}
+
+#[test]
+fn y01_without_bit_30_or_a_period_nothing_is_sent() {
+    let mut device = Device::new();
+    produce(&mut device);
+    assert_eq!(write_u32(&mut device, 0x1005, 0x80).len(), 1);
+    assert!(device.pass(100).is_empty());
+    write_u32(&mut device, 0x1005, 0x4000_0080);
+    period(&mut device, 0);
+    assert!(device.pass(100).is_empty());
+}
+
+#[test]
+fn y01_a_sync_that_waits_is_not_sent_after_the_end_of_production() {
+    let mut device = Device::new();
+    produce(&mut device);
+    device.now += Duration::from_ticks(10_000);
+    device.poll();
+    device.put("604#2305100080000000");
+    assert_eq!(device.sent(), ["584#6005100000000000"]);
+}
+
+#[test]
+fn y02_the_counter_runs_from_1_to_1019h() {
+    let mut device = Device::new();
+    counter(&mut device, 5);
+    produce(&mut device);
+    let sent: Vec<String> = device
+        .pass(70)
+        .into_iter()
+        .map(|(_, frame)| frame)
+        .collect();
+    assert_eq!(
+        sent,
+        [
+            "080#01", "080#02", "080#03", "080#04", "080#05", "080#01", "080#02"
+        ]
+    );
+    device.send("000#0204");
+    device.send("000#8004");
+    assert_eq!(
+        device.pass(10),
+        [(10, "080#01".to_string())],
+        "anew after Stopped"
+    );
+}
+
+#[test]
+fn y03_1019h_is_0_or_2_to_240() {
+    let mut device = Device::new();
+    for value in [1, 241, 255] {
+        assert_eq!(counter(&mut device, value), [abort(0x1019, 0, 0x0609_0030)]);
+    }
+    for value in [2, 240, 0] {
+        assert_eq!(counter(&mut device, value), ["584#6019100000000000"]);
+    }
+}
+
+#[test]
+fn y04_1019h_stays_while_1006h_is_not_0() {
+    let mut device = Device::new();
+    period(&mut device, 1);
+    for value in [0, 1, 5] {
+        assert_eq!(counter(&mut device, value), [abort(0x1019, 0, 0x0800_0022)]);
+    }
+}
+
+#[test]
+fn y05_the_identifier_stays_while_it_is_produced() {
+    let mut device = Device::new();
+    produce(&mut device);
+    assert_eq!(
+        write_u32(&mut device, 0x1005, 0x4000_0090),
+        [abort(0x1005, 0, 0x0609_0030)]
+    );
+    assert_eq!(
+        write_u32(&mut device, 0x1005, 0x4000_0080),
+        ["584#6005100000000000"],
+        "the same value is no change"
+    );
+    write_u32(&mut device, 0x1005, 0x90);
+    write_u32(&mut device, 0x1005, 0x4000_0090);
+    assert_eq!(device.pass(10), [(10, "090#".to_string())]);
+}
+
+#[test]
+fn y05_a_second_producer_is_a_collision() {
+    let mut device = Device::new();
+    produce(&mut device);
+    assert_eq!(device.ask("080#"), ["084#5081118000000000"]);
+}
+
+#[test]
+fn y07_with_a_counter_a_sync_has_one_byte() {
+    let mut device = Device::operational();
+    device.ask("604#23001801840100C0");
+    device.ask("604#2F00180201000000");
+    device.ask("604#2300180184010040");
+    counter(&mut device, 10);
+    assert_eq!(device.ask("080#"), ["084#4082110000000000"]);
+    assert_eq!(device.ask("080#0102"), [""; 0]);
+    assert_eq!(
+        device.ask("080#01"),
+        ["084#0000000000000000", "184#0000000000000000"]
+    );
+    assert_eq!(device.ask("080#00"), [""; 0], "no counter is 0");
+    assert_eq!(device.ask("080#F1"), [""; 0], "no counter is above 240");
+    assert_eq!(device.ask("080#F0"), ["184#0000000000000000"]);
+}
+
+#[test]
+fn y08_a_sync_is_missed_after_one_and_a_half_periods() {
+    let mut device = Device::new();
+    period(&mut device, 1_000_000);
+    assert!(device.pass(5_000).is_empty(), "it waits from the first on");
+    device.send("080#");
+    assert!(device.pass(1_499).is_empty());
+    device.send("080#");
+    let missed = "084#0081110610000000";
+    assert_eq!(device.pass(5_000), [(1_500, missed.to_string())]);
+    assert_eq!(device.value(0x1001, 0), [0x11]);
+    assert_eq!(device.ask("080#"), ["084#0000000000000000"]);
+    assert_eq!(device.pass(5_000), [(1_500, missed.to_string())]);
+    assert_eq!(
+        write_u32(&mut device, 0x1006, 0),
+        ["084#0000000000000000", "584#6006100000000000"],
+        "nothing is awaited without a period"
+    );
+}
+
+#[test]
+fn y09_a_stopped_device_neither_sends_nor_misses_it() {
+    let mut device = Device::new();
+    produce(&mut device);
+    device.pass(15);
+    device.send("000#0204");
+    assert!(device.pass(100).is_empty());
+    device.send("000#0104");
+    assert_eq!(device.pass(10).last(), Some(&(10, "080#".to_string())));
+
+    let mut device = Device::new();
+    period(&mut device, 10_000);
+    device.send("080#");
+    device.send("000#0204");
+    device.send("080#01");
+    assert!(device.pass(100).is_empty());
+    device.send("000#8004");
+    assert!(device.pass(100).is_empty(), "it waits from the first on");
+}
+
+/// 0102_0304h ms after midnight, 0605h days.
+const TIME: &str = "100#040302010506";
+
+fn time() -> Option<TimeOfDay> {
+    TimeOfDay::new(0x0605, 0x0102_0304)
+}
+
+#[test]
+fn t01_a_consumer_takes_the_time_of_day() {
+    let mut device = Device::new();
+    device.send(TIME);
+    assert_eq!(device.node.time_of_day(device.now), None, "bit 31 is 0");
+    write_u32(&mut device, 0x1012, 0x8000_0100);
+    device.send("100#0403");
+    device.send("100#04030201050607");
+    device.send("100#R");
+    assert_eq!(device.node.time_of_day(device.now), None);
+    device.send(TIME);
+    assert_eq!(device.node.time_of_day(device.now), time());
+    device.pass(10);
+    assert_eq!(
+        device.node.time_of_day(device.now),
+        TimeOfDay::new(0x0605, 0x0102_030E)
+    );
+}
+
+#[test]
+fn t01_a_producer_sends_it_when_it_is_asked_to() {
+    let mut device = Device::new();
+    device.node.set_time_of_day(time().unwrap(), device.now);
+    assert!(!device.node.send_time_of_day(device.now), "bit 30 is 0");
+    assert_eq!(
+        write_u32(&mut device, 0x1012, 0x4000_0100),
+        ["584#6012100000000000"]
+    );
+    assert!(device.node.send_time_of_day(device.now));
+    assert_eq!(device.sent(), [TIME]);
+    device.send("000#0204");
+    assert!(!device.node.send_time_of_day(device.now));
+    assert_eq!(device.sent(), [""; 0]);
+}
+
+#[test]
+fn t01_the_identifier_moves_while_it_is_not_used() {
+    let mut device = Device::new();
+    let refused = [abort(0x1012, 0, 0x0609_0030)];
+    for value in [0x180, 0x8000_0701, 0xA000_0100, 0x0000_0900] {
+        assert_eq!(write_u32(&mut device, 0x1012, value), refused);
+    }
+    write_u32(&mut device, 0x1012, 0x8000_0100);
+    assert_eq!(write_u32(&mut device, 0x1012, 0x8000_0200), refused);
+    write_u32(&mut device, 0x1012, 0x0000_0200);
+    write_u32(&mut device, 0x1012, 0x8000_0200);
+    device.send("200#040302010506");
+    assert_eq!(device.node.time_of_day(device.now), time());
+}
