@@ -11,6 +11,7 @@ mod heartbeat;
 mod lss;
 mod model;
 mod nmt;
+mod parameters;
 mod pdo;
 mod profile_position;
 mod random_frames;

@@ -1,11 +1,189 @@
-//! What a plain device has around its node: an application of its own objects.
+//! What a plain device has around its node: an application that keeps the streamed objects, and a store for parameters.
+
+use std::collections::BTreeMap;
 
 use canopen::Application;
+use canopen::cia301::parameters::{CHUNK, ParameterSet, ParameterSets, ParameterStore};
+use canopen::cia301::sdo::{AbortCode, Completion};
+use canopen::node::StoreError;
+use canopen::od::Entry;
 
 use crate::test_device::Dictionary;
 
-/// The application of the test device.
+/// The application of the test device: its DOMAINs.
 #[derive(Clone, Debug, Default)]
-pub struct Firmware {}
+pub struct Firmware {
+    /// The value of each DOMAIN, by index; empty if there is none.
+    pub domains: BTreeMap<u16, Vec<u8>>,
+    /// What clients have written so far, one to each DOMAIN.
+    writing: BTreeMap<u16, Vec<u8>>,
+    /// The byte at which every DOMAIN fails, reading and writing, and how.
+    pub fails_at: Option<(u32, AbortCode)>,
+    /// The size of a DOMAIN is not told.
+    pub hides_size: bool,
+    /// Writes that a client has given up.
+    pub abandoned: usize,
+}
 
-impl Application<Dictionary> for Firmware {}
+impl Firmware {
+    fn domain(&self, entry: &Entry) -> &[u8] {
+        self.domains.get(&entry.index).map_or(&[], Vec::as_slice)
+    }
+
+    /// The failure, if it is reached with these bytes.
+    fn fails(&self, position: u32, length: usize) -> Result<(), AbortCode> {
+        match self.fails_at {
+            Some((at, code)) if position as usize + length > at as usize => Err(code),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Application<Dictionary> for Firmware {
+    fn size(&mut self, _: &Dictionary, entry: &Entry) -> Result<Option<u32>, AbortCode> {
+        let size = self.domain(entry).len() as u32;
+        Ok(Some(size).filter(|_| !self.hides_size))
+    }
+
+    fn read_at(
+        &mut self,
+        _: &Dictionary,
+        entry: &Entry,
+        position: u32,
+        into: &mut [u8],
+    ) -> Result<usize, AbortCode> {
+        self.fails(position, into.len())?;
+        let rest = self.domain(entry).iter().skip(position as usize);
+        let mut length = 0;
+        for (to, from) in into.iter_mut().zip(rest) {
+            *to = *from;
+            length += 1;
+        }
+        Ok(length)
+    }
+
+    fn begin_write(
+        &mut self,
+        _: &Dictionary,
+        entry: &Entry,
+        _: Option<u32>,
+    ) -> Result<(), AbortCode> {
+        let open = self.writing.insert(entry.index, Vec::new());
+        assert_eq!(open, None, "a write begins while another is open");
+        Ok(())
+    }
+
+    fn write_at(
+        &mut self,
+        _: &Dictionary,
+        entry: &Entry,
+        position: u32,
+        data: &[u8],
+    ) -> Result<(), AbortCode> {
+        let failure = self.fails(position, data.len());
+        let bytes = self
+            .writing
+            .get_mut(&entry.index)
+            .expect("a write has begun");
+        assert_eq!(bytes.len(), position as usize);
+        bytes.extend_from_slice(data);
+        if failure.is_err() {
+            self.writing.remove(&entry.index);
+        }
+        failure
+    }
+
+    fn end_write(
+        &mut self,
+        _: &mut Dictionary,
+        entry: &Entry,
+        length: u32,
+    ) -> Result<Completion, AbortCode> {
+        let bytes = self.writing.remove(&entry.index);
+        let bytes = bytes.expect("a write has begun");
+        assert_eq!(bytes.len(), length as usize);
+        self.domains.insert(entry.index, bytes);
+        Ok(Completion::Now)
+    }
+
+    fn abandon_write(&mut self, _: &Dictionary, entry: &Entry) {
+        let begun = self.writing.remove(&entry.index);
+        assert!(begun.is_some(), "a write has begun");
+        self.abandoned += 1;
+    }
+}
+
+/// The chunks of each set of parameters.
+type Sets = [Vec<Vec<u8>>; ParameterSet::COUNT];
+
+/// A parameter store that never wears out.
+#[derive(Clone, Debug, Default)]
+pub struct Store {
+    sets: Sets,
+    begun: Option<(ParameterSets, Sets)>,
+    /// The medium fails whenever it is written.
+    pub is_broken: bool,
+    /// This set cannot be read any more.
+    pub damaged: Option<ParameterSet>,
+}
+
+impl Store {
+    /// The power fails: what was begun and not committed is gone.
+    pub fn cut_power(&mut self) {
+        self.begun = None;
+    }
+
+    fn writable(&self) -> Result<(), StoreError> {
+        if self.is_broken {
+            Err(StoreError::Medium)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+impl ParameterStore for Store {
+    fn begin(&mut self, sets: ParameterSets) -> Result<(), StoreError> {
+        self.writable()?;
+        self.begun = Some((sets, Sets::default()));
+        Ok(())
+    }
+
+    fn append(&mut self, set: ParameterSet, chunk: &[u8]) -> Result<(), StoreError> {
+        self.writable()?;
+        assert!((1..=CHUNK).contains(&chunk.len()));
+        let (sets, chunks) = self.begun.as_mut().expect("sets were begun");
+        assert!(sets.has(set), "a chunk of another set");
+        chunks[set as usize].push(chunk.to_vec());
+        Ok(())
+    }
+
+    fn commit(&mut self) -> Result<(), StoreError> {
+        self.writable()?;
+        let (sets, mut chunks) = self.begun.take().expect("sets were begun");
+        for set in ParameterSet::ALL.into_iter().filter(|set| sets.has(*set)) {
+            self.sets[set as usize] = std::mem::take(&mut chunks[set as usize]);
+        }
+        Ok(())
+    }
+
+    fn open(&mut self, set: ParameterSet) -> Result<u16, StoreError> {
+        if self.damaged == Some(set) {
+            return Err(StoreError::Medium);
+        }
+        Ok(self.sets[set as usize].len() as u16)
+    }
+
+    fn read(
+        &mut self,
+        set: ParameterSet,
+        number: u16,
+        chunk: &mut [u8; CHUNK],
+    ) -> Result<usize, StoreError> {
+        let stored = self.sets[set as usize]
+            .get(usize::from(number))
+            .ok_or(StoreError::Medium)?;
+        chunk[..stored.len()].copy_from_slice(stored);
+        Ok(stored.len())
+    }
+}

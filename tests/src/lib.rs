@@ -11,6 +11,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod block_transfer;
 mod crc;
 pub mod drive;
 pub mod firmware;

@@ -3,23 +3,37 @@
 use canopen::cia301::nmt::Reset;
 use canopen::node::StoreError;
 use canopen::od::Dictionary as _;
-use canopen::{BitRate, Event, Frame, Instant, Node, NodeId, Settings};
+use canopen::time::NEVER;
+use canopen::{BitRate, Duration, Event, Frame, Instant, Node, NodeId, Settings};
 use sim::bus::Station;
 
+use crate::firmware::{Firmware, Store};
 use crate::line::Line;
 use crate::test_device::Dictionary;
 
-/// The device, and what its firmware would do: boot after a reset, store settings.
+/// Between two steps of storing parameters, as flash takes its time.
+const STORE_STEP: Duration = Duration::millis(1);
+
+/// The device, and what its firmware would do: boot after a reset, store settings and parameters.
 #[derive(Debug)]
 pub struct PlainNode {
     node: Node<Dictionary>,
     powered: bool,
+    was_reset: bool,
+    /// The application around the node.
+    pub firmware: Firmware,
+    /// Where parameters are stored.
+    pub store: Store,
+    /// When the next step of storing parameters may be done.
+    next_store_step: Instant,
     /// What storing settings will end with.
     pub store_result: Result<(), StoreError>,
     /// What LSS has stored.
     pub stored: Option<Settings>,
     /// Bit rates LSS has ordered, with the time to switch.
     pub bit_rates: Vec<(BitRate, Instant)>,
+    /// What the node has told of itself and others.
+    pub told: Vec<Event>,
 }
 
 impl PlainNode {
@@ -30,18 +44,44 @@ impl PlainNode {
             bit_rate: BitRate::Kbit1000,
         };
         Self {
-            node: Node::new(Dictionary::new(), settings),
+            node: node(settings),
             powered: false,
+            was_reset: false,
+            firmware: Firmware::default(),
+            store: Store::default(),
+            next_store_step: Instant::from_ticks(0),
             store_result: Ok(()),
             stored: None,
             bit_rates: Vec::new(),
+            told: Vec::new(),
         }
+    }
+
+    /// The power fails and returns; only what was stored is left.
+    pub fn cycle_power(&mut self) {
+        let settings = self.node.settings();
+        self.node = node(self.stored.unwrap_or(settings));
+        self.powered = false;
+        self.was_reset = true;
+        self.firmware = Firmware::default();
+        self.store.cut_power();
+    }
+
+    /// The node itself.
+    pub fn node(&mut self) -> &mut Node<Dictionary> {
+        &mut self.node
+    }
+
+    fn boot(&mut self, reset: Reset, now: Instant) {
+        self.node.boot(reset, now, &mut self.firmware);
+        self.node
+            .load_parameters(&mut self.store, now, &mut self.firmware);
     }
 
     fn serve_events(&mut self, now: Instant) {
         while let Some(event) = self.node.event() {
             match event {
-                Event::ResetRequested(reset) => self.node.boot(reset, now, &mut ()),
+                Event::ResetRequested(reset) => self.boot(reset, now),
                 Event::StoreSettings(settings) => {
                     if self.store_result.is_ok() {
                         self.stored = Some(settings);
@@ -49,30 +89,52 @@ impl PlainNode {
                     self.node.settings_stored(self.store_result);
                 }
                 Event::SwitchBitRate { bit_rate, at } => self.bit_rates.push((bit_rate, at)),
-                _ => {}
+                other => self.told.push(other),
             }
         }
     }
+
+    /// One step of storing parameters, if one is due. Returns when the next one is.
+    fn store_parameters(&mut self, now: Instant) -> Instant {
+        if !self.node.is_storing() {
+            self.next_store_step = now + STORE_STEP;
+            return NEVER;
+        }
+        if self.next_store_step <= now {
+            self.node.store_parameters(&mut self.store, now);
+            self.next_store_step = now + STORE_STEP;
+        }
+        self.next_store_step
+    }
+}
+
+fn node(settings: Settings) -> Node<Dictionary> {
+    Node::new(Dictionary::new(), settings).with_parameter_store()
 }
 
 impl Station for PlainNode {
     fn receive(&mut self, frame: &Frame, now: Instant) {
-        self.node.receive(frame, now, &mut ());
+        self.node.receive(frame, now, &mut self.firmware);
         self.serve_events(now);
     }
 
     fn poll(&mut self, now: Instant) -> Instant {
         if !self.powered {
             self.powered = true;
-            self.node.boot(Reset::Node, now, &mut ());
+            self.boot(Reset::Node, now);
         }
-        let deadline = self.node.poll(now, &mut ());
+        let next_step = self.store_parameters(now);
+        let deadline = self.node.poll(now, &mut self.firmware);
         self.serve_events(now);
-        deadline
+        deadline.min(next_step)
     }
 
     fn transmit(&mut self) -> Option<Frame> {
-        self.node.transmit(&mut ())
+        self.node.transmit(&mut self.firmware)
+    }
+
+    fn was_reset(&mut self) -> bool {
+        std::mem::take(&mut self.was_reset)
     }
 }
 

@@ -46,6 +46,9 @@ pub enum Interference {
     Lose,
     /// An error frame destroys it; the controller sends it again by itself.
     Destroy,
+    /// Everybody receives it, and its sender alone sees an error in the last bit but one: it sends the frame again, and it is
+    /// received twice (ISO 11898-1 leaves this hole).
+    Repeat,
 }
 
 /// Decides about each frame at its end.
@@ -339,10 +342,11 @@ impl Bus {
             })
             .collect();
         let acknowledged = !receivers.is_empty() && interference != Interference::Destroy;
+        let again = !acknowledged || interference == Interference::Repeat;
         for sender in &flight.senders {
             let slot = &mut self.slots[*sender];
             slot.refused = !acknowledged;
-            if !acknowledged && slot.station.is_some() {
+            if again && slot.station.is_some() {
                 slot.mailboxes.push_front(flight.logged.frame);
             }
         }

@@ -18,7 +18,7 @@ use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::od;
 use canopen::{BitRate, Duration, Event, Frame, Instant, Node, NodeId, Settings};
 
-use crate::firmware::Firmware;
+use crate::firmware::{Firmware, Store};
 use crate::test_device::Dictionary;
 use owed::Owed;
 
@@ -41,6 +41,7 @@ pub type Broken = String;
 pub struct Watched {
     node: Node<Dictionary>,
     firmware: Firmware,
+    store: Store,
     now: Instant,
     owed: Owed,
 }
@@ -53,8 +54,9 @@ impl Watched {
             bit_rate: BitRate::Kbit1000,
         };
         let mut device = Self {
-            node: Node::new(Dictionary::new(), settings),
+            node: Node::new(Dictionary::new(), settings).with_parameter_store(),
             firmware: Firmware::default(),
+            store: Store::default(),
             now: Instant::from_ticks(1_000_000),
             owed: Owed::default(),
         };
@@ -64,6 +66,8 @@ impl Watched {
 
     fn boot(&mut self, reset: Reset) {
         self.node.boot(reset, self.now, &mut self.firmware);
+        self.node
+            .load_parameters(&mut self.store, self.now, &mut self.firmware);
         self.owed.boot();
     }
 
@@ -146,6 +150,9 @@ impl Watched {
                 Event::StoreSettings(_) => self.node.settings_stored(Ok(())),
                 _ => {}
             }
+        }
+        if self.node.is_storing() {
+            self.node.store_parameters(&mut self.store, self.now);
         }
         let register = self.read(0x1001, 0);
         if register != 0 && register & 1 == 0 {

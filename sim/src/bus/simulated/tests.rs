@@ -202,6 +202,23 @@ fn a_lost_frame_reaches_nobody_and_a_destroyed_one_is_sent_again() {
 }
 
 #[test]
+fn a_repeated_frame_is_received_twice() {
+    let mut bus = bus();
+    bus.attach(Talker::with([frame(1), frame(2)]));
+    bus.attach(Talker::default());
+    let mut is_first = true;
+    bus.interfere(move |_| {
+        if std::mem::take(&mut is_first) {
+            Interference::Repeat
+        } else {
+            Interference::None
+        }
+    });
+    bus.run_for(LONG);
+    assert_eq!(order(&bus), [1, 1, 2]);
+}
+
+#[test]
 fn what_interference_holds_up_goes_on_when_it_ends() {
     let mut bus = bus();
     bus.attach(Talker::with([frame(1), frame(2)]));
