@@ -195,8 +195,9 @@ fn setter(out: &mut String, position: usize, row: &Row<'_>) {
             &arguments,
             "Result<(), ::canopen::od::OutOfRange>",
         );
-        *out +=
-            &format!("        let bytes = ::canopen::od::{sign}_bytes::<{size}>(value.into())?;\n");
+        // 40 bits and more are numbers of 64 bits already.
+        let wide = if size > 4 { "value" } else { "value.into()" };
+        *out += &format!("        let bytes = ::canopen::od::{sign}_bytes::<{size}>({wide})?;\n");
         *out += &put("bytes");
         *out += "        Ok(())\n";
     } else {
