@@ -13,6 +13,7 @@ mod model;
 mod nmt;
 mod parameters;
 mod pdo;
+mod pdo_services;
 mod profile_position;
 mod random_frames;
 mod sdo;
