@@ -1,0 +1,14 @@
+//! Makes a dictionary of every data sheet that is not the drive's own.
+
+use od_gen::Options;
+
+fn main() {
+    println!("cargo:rerun-if-changed=build.rs");
+    for name in ["lmd", "nanotec", "s200", "tc1"] {
+        od_gen::build(
+            format!("../../eds/{name}.eds"),
+            &format!("{name}.rs"),
+            Options::DEVICE,
+        );
+    }
+}

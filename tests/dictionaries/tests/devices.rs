@@ -1,0 +1,72 @@
+//! A device with each of the dictionaries boots, answers and takes values.
+
+use canopen::cia301::nmt::{NmtState, Reset};
+use canopen::od::Dictionary;
+use canopen::{BitRate, Frame, Instant, Node, NodeId, Settings};
+
+/// A device that has booted and said so.
+fn booted<D: Dictionary>(dictionary: D) -> Node<D> {
+    let settings = Settings {
+        node_id: NodeId::new(4).unwrap(),
+        bit_rate: BitRate::Kbit1000,
+    };
+    let now = Instant::from_ticks(0);
+    let mut node = Node::new(dictionary, settings);
+    node.boot(Reset::Node, now, &mut ());
+    node.poll(now, &mut ());
+    let boot_up = node.transmit(&mut ()).unwrap();
+    assert_eq!(
+        (boot_up.standard_id(), boot_up.payload()),
+        (Some(0x704), &[0][..])
+    );
+    assert_eq!(node.state(), NmtState::PreOperational);
+    node
+}
+
+/// The answer to an SDO request.
+fn answer<D: Dictionary>(node: &mut Node<D>, request: [u8; 8]) -> [u8; 8] {
+    let now = Instant::from_ticks(1000);
+    node.receive(&Frame::full(0x604, request), now, &mut ());
+    let answer = node.transmit(&mut ()).expect("an answer");
+    assert_eq!(answer.standard_id(), Some(0x584));
+    *answer.full_payload().unwrap()
+}
+
+/// Every entry that can be read is there; every other one says why not.
+fn every_entry_answers<D: Dictionary>(dictionary: D) {
+    let mut node = booted(dictionary);
+    for entry in D::TABLE.entries {
+        let [low, high] = entry.index.to_le_bytes();
+        let answer = answer(&mut node, [0x40, low, high, entry.sub, 0, 0, 0, 0]);
+        let code = u32::from_le_bytes([answer[4], answer[5], answer[6], answer[7]]);
+        let is_fine = answer[0] & 0xE0 == 0x40;
+        // Write only; no data; streamed by an application that is not here.
+        let is_clear = answer[0] == 0x80 && matches!(code, 0x0601_0001 | 0x0800_0024 | 0x0601_0000);
+        assert!(
+            is_fine || is_clear,
+            "{:04X}h:{}: {answer:02X?}",
+            entry.index,
+            entry.sub
+        );
+    }
+}
+
+#[test]
+fn o01_every_entry_of_lmd_answers() {
+    every_entry_answers(dictionaries::lmd::Dictionary::new());
+}
+
+#[test]
+fn o01_every_entry_of_nanotec_answers() {
+    every_entry_answers(dictionaries::nanotec::Dictionary::new());
+}
+
+#[test]
+fn o01_every_entry_of_s200_answers() {
+    every_entry_answers(dictionaries::s200::Dictionary::new());
+}
+
+#[test]
+fn o01_every_entry_of_tc1_answers() {
+    every_entry_answers(dictionaries::tc1::Dictionary::new());
+}

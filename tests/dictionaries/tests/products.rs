@@ -1,0 +1,52 @@
+//! Nothing that a manual lists is missing in the data sheet that was made of it.
+
+use std::fs::File;
+use std::path::Path;
+
+use canopen::od::{Dictionary, Table};
+
+/// A number as the tables write it.
+fn number(text: &str) -> u16 {
+    match text.strip_prefix("0x") {
+        Some(digits) => u16::from_str_radix(digits, 16).unwrap(),
+        None => text.parse().unwrap(),
+    }
+}
+
+/// Every row of the table, but dummies and what the manual gives no access to, is an entry of the dictionary.
+fn is_complete(name: &str, table: &Table, least: usize) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../products/{name}.csv"));
+    let mut rows = csv::Reader::from_reader(File::open(path).unwrap());
+    let mut count = 0;
+    for row in rows.records() {
+        let row = row.unwrap();
+        let (index, sub) = (number(&row[0]), number(&row[1]) as u8);
+        if index < 0x1000 || &row[5] == "none" {
+            continue;
+        }
+        let entry = table.find(index, sub);
+        assert!(entry.is_ok(), "{name}: {index:04X}h:{sub} is missing");
+        count += 1;
+    }
+    assert!(count >= least, "{name}: only {count} rows");
+}
+
+#[test]
+fn lmd_is_complete() {
+    is_complete("lmd", dictionaries::lmd::Dictionary::TABLE, 320);
+}
+
+#[test]
+fn nanotec_is_complete() {
+    is_complete("nanotec", dictionaries::nanotec::Dictionary::TABLE, 310);
+}
+
+#[test]
+fn s200_is_complete() {
+    is_complete("s200", dictionaries::s200::Dictionary::TABLE, 2090);
+}
+
+#[test]
+fn tc1_is_complete() {
+    is_complete("tc1", dictionaries::tc1::Dictionary::TABLE, 130);
+}
