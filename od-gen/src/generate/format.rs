@@ -60,8 +60,15 @@ pub(super) fn call(indent: usize, start: &str, arguments: &[&str], end: &str) ->
     format!("{space}{start}(\n{lines}{space}){end}\n")
 }
 
-/// One arm of a `match` whose body is a call.
-pub(super) fn arm(indent: usize, pattern: &str, call_start: &str, arguments: &[&str]) -> String {
+/// One arm of a `match` whose body is a call. `block_end` is what follows the call where it needs a block of its own: a
+/// semicolon if the call gives nothing.
+pub(super) fn arm(
+    indent: usize,
+    pattern: &str,
+    call_start: &str,
+    arguments: &[&str],
+    block_end: &str,
+) -> String {
     let space = " ".repeat(indent);
     let one = call(
         indent,
@@ -72,7 +79,7 @@ pub(super) fn arm(indent: usize, pattern: &str, call_start: &str, arguments: &[&
     if one.lines().count() == 1 {
         return one;
     }
-    let inner = call(indent + 4, call_start, arguments, "");
+    let inner = call(indent + 4, call_start, arguments, block_end);
     if inner.lines().count() == 1 {
         return format!("{space}{pattern} => {{\n{inner}{space}}}\n");
     }

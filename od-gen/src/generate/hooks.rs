@@ -221,7 +221,7 @@ fn validate(rows: &[&Row<'_>]) -> String {
             "::canopen::od::Value::of(value)"
         };
         let start = format!("A::check_{}", row.name);
-        out += &arm(12, &key(row), &start, &["hooks", "dictionary", value]);
+        out += &arm(12, &key(row), &start, &["hooks", "dictionary", value], "");
     }
     out += "            _ => Ok(()),\n        }\n    }\n";
     out
@@ -242,7 +242,7 @@ fn written(rows: &[&Row<'_>]) -> String {
     out += "        let Self(hooks) = self;\n        match (entry.index, entry.sub) {\n";
     for row in rows {
         let start = format!("A::apply_{}", row.name);
-        out += &arm(12, &key(row), &start, &["hooks", "dictionary"]);
+        out += &arm(12, &key(row), &start, &["hooks", "dictionary"], ";");
     }
     out += "            _ => {}\n        }\n    }\n";
     out
@@ -269,7 +269,7 @@ fn stream(call: &StreamCall, rows: &[&Row<'_>]) -> String {
         let stream = format!("streams.{}()", row.name);
         let mut values = vec![stream.as_str(), "dictionary"];
         values.extend(call.arguments.iter().map(|(name, _)| *name));
-        out += &arm(12, &key(row), call.method, &values);
+        out += &arm(12, &key(row), call.method, &values, "");
     }
     let end = if call.otherwise == "{}" { "" } else { "," };
     out += &format!(
