@@ -30,7 +30,7 @@ pub struct Setup {
     /// Settings for the first power-on, in place of what is stored, and for later ones as long as nothing is. `None` takes
     /// what is stored; if nothing is, the drive is unconfigured at 1 Mbit/s.
     pub settings: Option<Settings>,
-    /// Where LSS stores settings.
+    /// Where LSS stores settings, and 1010h parameters.
     pub store: ParameterStore,
 }
 
@@ -99,7 +99,7 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
         Self {
             powered: false,
             was_reset: false,
-            device: Device::new(D::default(), settings, setup.serial_number),
+            device: device(settings, setup.serial_number),
             drive: Drive::new(drive_config()),
             exchange: Exchange::new(),
             plant: Plant::new(Instant::from_ticks(0)),
@@ -116,7 +116,7 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
     /// motor stays where it is mounted but counts from 0 again, as a drive without an encoder does.
     pub fn power_cycle(&mut self) {
         let settings = self.setup.stored();
-        self.device = Device::new(D::default(), settings, self.setup.serial_number);
+        self.device = device(settings, self.setup.serial_number);
         self.drive = Drive::new(drive_config());
         self.exchange = Exchange::new();
         self.bit_rate = settings.bit_rate;
@@ -167,6 +167,7 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
         self.powered = true;
         self.next_tick = now;
         self.device.power_on(now, &mut self.exchange);
+        self.serve_store(now);
     }
 
     /// Runs every control tick up to and including `now`.
@@ -205,7 +206,13 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
             });
         }
         self.device.poll(now, &mut self.exchange);
+        self.serve_store(now);
         self.handle_events();
+    }
+
+    fn serve_store(&mut self, now: Instant) {
+        self.device
+            .serve_store(&mut self.setup.store, now, &mut self.exchange);
     }
 
     fn handle_events(&mut self) {
@@ -242,6 +249,7 @@ where
     fn poll(&mut self, now: Instant) -> Instant {
         self.run_until(now);
         let deadline = self.device.poll(now, &mut self.exchange);
+        self.serve_store(now);
         self.handle_events();
         let switch = self.switch_bit_rate.map_or(deadline, |(at, _)| at);
         deadline.min(switch).min(self.next_tick)
@@ -258,6 +266,11 @@ where
     fn was_reset(&mut self) -> bool {
         std::mem::take(&mut self.was_reset)
     }
+}
+
+/// The CANopen half of a drive, without power.
+fn device<D: Dictionary + Objects + Default>(settings: Settings, serial_number: u32) -> Device<D> {
+    Device::new(D::default(), settings, serial_number).with_parameter_store()
 }
 
 /// A stepper driver of the usual kind: pulses of at least 1 µs with 1 µs between, direction 5 µs before and after.

@@ -12,6 +12,8 @@
 //! makes that; the device is silent meanwhile. Reset node also resets a fault; reset communication leaves it, and 1001h
 //! shows it.
 
+mod storage;
+
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
 use canopen::node::StoreError;
@@ -47,6 +49,8 @@ pub struct Device<D: Dictionary> {
     remote: bool,
     /// The network was lost, and the motor is not safe yet.
     is_abandoned: bool,
+    /// Parameters are to be stored, and since then the motor is not safe.
+    unsafe_since: Option<Instant>,
 }
 
 impl<D: Dictionary + Objects> Device<D> {
@@ -58,6 +62,7 @@ impl<D: Dictionary + Objects> Device<D> {
             phase: Phase::Off,
             remote: false,
             is_abandoned: false,
+            unsafe_since: None,
         }
     }
 

@@ -1,0 +1,55 @@
+//! When parameters are stored: writing to flash may stop the processor for a while, so it waits until the motor stands
+//! without power.
+
+use canopen::cia301::parameters::ParameterStore;
+use canopen::cia301::sdo::AbortCode;
+use canopen::od::Dictionary;
+use canopen::{Duration, Instant};
+
+use super::Device;
+use crate::exchange::Share;
+use crate::objects::Objects;
+
+/// How long a master that has ordered to store waits for a motor that is just being switched off. A moment is needed in any
+/// case: the drive is safe when a control tick has seen the latest commands.
+const PATIENCE: Duration = Duration::millis(50);
+
+impl<D: Dictionary + Objects> Device<D> {
+    /// The same device on a board that stores parameters: the firmware calls [`Device::serve_store`].
+    pub fn with_parameter_store(mut self) -> Self {
+        self.node = self.node.with_parameter_store();
+        self
+    }
+
+    /// Does what there is to do with the store: loads the parameters at a boot, takes one step of storing them. Call it after
+    /// [`Device::power_on`] and after each [`Device::poll`], from the task that calls those too: so no command can switch the
+    /// drive on during a step.
+    ///
+    /// While the power stage is on nothing is stored; a master is answered with 08000022h within 50 ms, and what was stored
+    /// before stays.
+    pub fn serve_store<S: ParameterStore, X: Share>(
+        &mut self,
+        store: &mut S,
+        now: Instant,
+        exchange: &mut X,
+    ) {
+        if self.node.is_loading() {
+            self.node.load_parameters(store, now, &mut self.hooks);
+            self.refresh(now, exchange);
+            self.hooks.touch();
+            self.post(exchange);
+        }
+        if !self.node.is_storing() {
+            self.unsafe_since = None;
+        } else if exchange.lock(|exchange| exchange.is_safe()) {
+            self.unsafe_since = None;
+            self.node.store_parameters(store, now);
+        } else {
+            let since = *self.unsafe_since.get_or_insert(now);
+            if now.ticks().saturating_sub(since.ticks()) >= PATIENCE.ticks() {
+                self.unsafe_since = None;
+                self.node.refuse_storing(AbortCode::DeviceState);
+            }
+        }
+    }
+}
