@@ -126,6 +126,14 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
         self.was_reset = true;
     }
 
+    /// The flash behind the parameter store, to break it.
+    pub fn with_flash(&mut self, change: impl FnOnce(&mut Flash)) {
+        let empty = Flash::in_memory().into_store();
+        let mut flash = std::mem::replace(&mut self.setup.store, empty).release();
+        change(&mut flash);
+        self.setup.store = flash.into_store();
+    }
+
     /// The CANopen half, for its dictionary and state.
     pub fn device(&self) -> &Device<D> {
         &self.device

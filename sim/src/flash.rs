@@ -79,6 +79,17 @@ impl Flash {
         self.broken = true;
     }
 
+    /// Clears the first bits that hold `bytes`, as cells that have worn out. Does nothing if they lie nowhere.
+    pub fn wear_out(&mut self, bytes: &[u8]) {
+        let place = self
+            .bytes
+            .windows(bytes.len())
+            .position(|cells| cells == bytes);
+        if let Some(place) = place {
+            self.bytes[place..place + bytes.len()].fill(0);
+        }
+    }
+
     /// The parameter store on all of this flash.
     ///
     /// # Panics

@@ -18,4 +18,5 @@ mod profile_position;
 mod random_frames;
 mod sdo;
 mod state_machine;
+mod storage;
 mod sync_emergency;

@@ -57,7 +57,12 @@ pub const ACKNOWLEDGE: u16 = 1 << 12;
 impl DriveBench {
     /// A drive with this node-ID that has booted and is Pre-operational.
     pub fn booted(node_id: u8) -> Self {
-        let device = VirtualDrive::new(Setup::with_node_id(1, node_id));
+        Self::with(Setup::with_node_id(1, node_id), node_id)
+    }
+
+    /// A drive of one's own making, booted.
+    pub fn with(setup: Setup, node_id: u8) -> Self {
+        let device = VirtualDrive::new(setup);
         let table = <sim::dictionary::Dictionary as canopen::od::Dictionary>::TABLE;
         let mut bench = Self::new(device, node_id, table);
         bench.expect(&format!("{:03X} [1] 00", 0x700 + u16::from(node_id)));
