@@ -1,4 +1,4 @@
-//! Electronic data sheets (CiA 306) in, typed static object dictionaries in Rust out.
+//! Electronic data sheets (CiA 306, and CiA 311 in XML) in, typed static object dictionaries in Rust out.
 //!
 //! A data sheet is the only source of an object dictionary: names, types, access, defaults, limits and PDO mapping flags come
 //! from it, and wrong use is a compile error. [`parse()`] reads and checks, [`generate()`] writes Rust, and [`build`] does both for a
@@ -27,6 +27,7 @@ mod print;
 mod report;
 pub mod rules;
 mod source;
+mod xdd;
 
 pub use build_script::build;
 pub use data_type::DataType;

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::{fmt, fs, io};
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
-use crate::model::Model;
+use crate::model::{FileKind, Model};
 use crate::rules::{self, Subject};
 use crate::source::Source;
-use crate::{document, parse as parser};
+use crate::{document, parse as parser, xdd};
 
 /// What is known about a file after it has been read and checked.
 #[derive(Clone, Debug)]
@@ -33,12 +33,7 @@ impl Report {
         let mut findings = Findings::new(&file);
         Ok(match Source::decode(&file, &bytes, &mut findings) {
             Some(source) => Self::of(source, findings),
-            None => Self {
-                source: Source::default(),
-                model: Model::default(),
-                findings: findings.into_sorted(),
-                silenced: Vec::new(),
-            },
+            None => Self::unreadable(Source::default(), findings),
         })
     }
 
@@ -50,9 +45,20 @@ impl Report {
     }
 
     fn of(source: Source, mut findings: Findings) -> Self {
-        let document = document::read(&source, &mut findings);
+        let is_xml = xdd::is_xml(source.text());
+        let document = if is_xml {
+            xdd::read(&source, &mut findings)
+        } else {
+            Some(document::read(&source, &mut findings))
+        };
+        let Some(document) = document else {
+            return Self::unreadable(source, findings);
+        };
         let allowances = Allowances::read(&document, &mut findings);
-        let (model, broken) = parser::parse(&source.file, &document, &mut findings);
+        let (mut model, broken) = parser::parse(&source.file, &document, &mut findings);
+        if is_xml {
+            model.kind = FileKind::Xdd;
+        }
         let subject = Subject {
             model: &model,
             broken: &broken,
@@ -65,6 +71,15 @@ impl Report {
             model,
             findings: findings.into_sorted(),
             silenced,
+        }
+    }
+
+    fn unreadable(source: Source, findings: Findings) -> Self {
+        Self {
+            source,
+            model: Model::default(),
+            findings: findings.into_sorted(),
+            silenced: Vec::new(),
         }
     }
 

@@ -108,6 +108,20 @@ impl Source {
         Some(rest.lines().next().unwrap_or_default())
     }
 
+    /// The place of a range of bytes; what goes on in the next line is left out.
+    pub(crate) fn span(&self, range: std::ops::Range<usize>) -> Span {
+        let line = self.lines.partition_point(|start| *start <= range.start);
+        let start = self.lines.get(line.saturating_sub(1)).copied();
+        let start = start.unwrap_or_default();
+        let before = self.text.get(start..range.start).unwrap_or_default();
+        let part = self.text.get(range).unwrap_or_default();
+        Span {
+            line: u32::try_from(line).unwrap_or(u32::MAX),
+            column: count(before).saturating_add(1),
+            length: count(part.lines().next().unwrap_or_default()),
+        }
+    }
+
     /// How many lines there are.
     pub fn line_count(&self) -> u32 {
         u32::try_from(self.lines.len()).unwrap_or(u32::MAX)

@@ -84,11 +84,7 @@ impl<'a> Section<'a> {
 
     /// Adds `;text` below the keys that are there.
     pub(crate) fn remark(&mut self, text: impl Into<Cow<'a, str>>) {
-        self.comments.push(Comment {
-            text: text.into(),
-            span: Span::default(),
-            position: self.keys.len(),
-        });
+        self.comments.push(Comment::new(text, self.keys.len()));
     }
 }
 
@@ -100,4 +96,15 @@ pub(crate) struct Comment<'a> {
     pub(crate) span: Span,
     /// How many keys of its section stand above it.
     pub(crate) position: usize,
+}
+
+impl<'a> Comment<'a> {
+    /// A comment that is in no file.
+    pub(crate) fn new(text: impl Into<Cow<'a, str>>, position: usize) -> Self {
+        Self {
+            text: text.into(),
+            span: Span::default(),
+            position,
+        }
+    }
 }

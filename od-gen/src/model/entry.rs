@@ -1,6 +1,7 @@
 //! One value of the dictionary.
 
 use super::places::Places;
+use super::remarks::Remarks;
 use super::value::{DefaultValue, Limit};
 use crate::data_type::DataType;
 
@@ -39,6 +40,8 @@ pub struct Entry {
     pub storage: Option<StorageGroup>,
     /// Comments of the form `;Name=value` in its section, such as `;Unit=mm/s`.
     pub notes: Vec<Note>,
+    /// The other comments there.
+    pub remarks: Remarks,
     /// Where it stands in its file.
     pub places: Places,
 }
@@ -68,6 +71,7 @@ impl Entry {
             download_file: None,
             storage: None,
             notes: Vec::new(),
+            remarks: Remarks::default(),
             places: Places::default(),
         }
     }

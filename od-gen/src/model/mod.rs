@@ -6,6 +6,7 @@
 mod device;
 mod entry;
 mod places;
+mod remarks;
 mod value;
 
 use std::ops::RangeInclusive;
@@ -13,6 +14,7 @@ use std::ops::RangeInclusive;
 pub use device::{Commissioning, DeviceInfo, FileInfo, FileKind};
 pub use entry::{Access, Entry, Note, StorageGroup};
 pub use places::{Field, KeyPlaces, Places};
+pub use remarks::Remarks;
 pub use value::{DefaultValue, Limit};
 
 /// A device: who it is, and its object dictionary.
@@ -32,6 +34,8 @@ pub struct Model {
     pub dummies: Vec<u16>,
     /// The lines of the section Comments.
     pub comments: Vec<String>,
+    /// Comments above the first section.
+    pub remarks: Remarks,
     /// Data types that the file defines, 0001h to 0FFFh, by index.
     pub types: Vec<Object>,
     /// The objects by index, 1000h to FFFFh.
@@ -183,6 +187,8 @@ pub struct Object {
     pub denotation: Option<String>,
     /// Comments of the form `;Name=value` in the section of an object with sub-indices.
     pub notes: Vec<Note>,
+    /// The other comments there.
+    pub remarks: Remarks,
     /// Where it stands in its file.
     pub places: Places,
 }

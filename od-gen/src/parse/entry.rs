@@ -4,8 +4,10 @@ use super::sections::{number, unknown_key};
 use super::value::{self, LARGEST_NODE_ID, Written};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
-use crate::document::{Key, Section};
-use crate::model::{Access, DefaultValue, Entry, Field, Limit, Note, Places, StorageGroup};
+use crate::document::{Comment, Key, Section};
+use crate::model::{
+    Access, DefaultValue, Entry, Field, Limit, Note, Places, Remarks, StorageGroup,
+};
 use crate::number::Number;
 use crate::rules::{Rule, reading, structure, value as rule};
 use crate::source::Span;
@@ -44,6 +46,7 @@ pub(super) fn read(
     entry.flags = flags;
     entry.pdo_mapping = mapping == Some(1);
     entry.notes = notes;
+    entry.remarks = remarks(section.lead.iter().chain(&section.comments));
     if entry.pdo_mapping && data_type.size().is_none() {
         let span = places.of(Field::PdoMapping);
         let message = format!("PDOMapping of a {} is not supported", data_type.name());
@@ -342,6 +345,12 @@ pub(super) fn notes(section: &Section<'_>) -> Vec<Note> {
             value: value.into(),
         })
         .collect()
+}
+
+/// All other comments.
+pub(super) fn remarks<'a>(comments: impl Iterator<Item = &'a Comment<'a>>) -> Remarks {
+    let remarks = comments.filter(|comment| note(&comment.text).is_none());
+    Remarks(remarks.map(|comment| comment.text.to_string()).collect())
 }
 
 fn note(comment: &str) -> Option<(&str, &str)> {

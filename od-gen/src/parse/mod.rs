@@ -63,6 +63,7 @@ pub(crate) fn parse(
         commissioning: device::commissioning(&sections, findings),
         dummies: device::dummies(&sections, findings),
         comments: device::comments(&sections),
+        remarks: entry::remarks(document.head.iter()),
         ..Model::default()
     };
     objects::read(&sections, &mut model, &mut broken, findings);

@@ -96,6 +96,7 @@ fn read_object(
         object.name = entry::parameter_name(section, (index, 0), findings);
         object.flags = entry::object_flags(section, findings);
         object.notes = entry::notes(section);
+        object.remarks = entry::remarks(section.lead.iter().chain(&section.comments));
         object.denotation = (section.key("Denotation").filter(|_| sections.is_dcf))
             .map(|key| key.value.to_string());
     }

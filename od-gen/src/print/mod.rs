@@ -1,13 +1,13 @@
 //! From a [`Model`] to the text of a data sheet (CiA 306), in canonical form.
 //!
-//! What is read again is the same model. Compact notations are written out.
+//! What is read again is the same model. Compact notations are written out, comments stand at the top of their sections.
 
 mod device;
 mod object;
 mod value;
 
 use crate::diagnostic::{Diagnostic, Findings, Severity};
-use crate::document::{self, Document, Section};
+use crate::document::{self, Comment, Document, Section};
 use crate::model::Model;
 use crate::source::Source;
 
@@ -19,7 +19,9 @@ pub fn print(model: &Model) -> String {
         object::write(object, &mut sections);
     }
     let document = Document {
-        head: Vec::new(),
+        head: (model.remarks.0.iter())
+            .map(|remark| Comment::new(remark, 0))
+            .collect(),
         sections,
     };
     document::write(&document::canonical(document))

@@ -3,7 +3,7 @@
 use super::value;
 use crate::data_type::DataType;
 use crate::document::Section;
-use crate::model::{DefaultValue, Entry, Field, Note, Object, ObjectType, StorageGroup};
+use crate::model::{DefaultValue, Entry, Field, Note, Object, ObjectType, Remarks, StorageGroup};
 use crate::parse::LEAST_CAPACITY;
 
 /// Adds the sections of an object.
@@ -46,6 +46,7 @@ fn kind(kind: ObjectType) -> String {
 
 /// What an object has beside its values.
 fn write_head<'a>(object: &'a Object, section: &mut Section<'a>) {
+    remarks(&object.remarks, section);
     notes(&object.notes, section);
     section.put(Field::ParameterName.name(), &object.name);
     if let Some(denotation) = &object.denotation {
@@ -61,6 +62,12 @@ fn flags(flags: u32, section: &mut Section<'_>) {
     }
 }
 
+fn remarks<'a>(remarks: &'a Remarks, section: &mut Section<'a>) {
+    for remark in &remarks.0 {
+        section.remark(remark);
+    }
+}
+
 fn notes<'a>(notes: &'a [Note], section: &mut Section<'a>) {
     for note in notes {
         section.remark(format!("{}={}", note.name, note.value));
@@ -73,6 +80,7 @@ fn write_entry<'a>(
     object_type: ObjectType,
     section: &mut Section<'a>,
 ) {
+    remarks(&entry.remarks, section);
     notes(&entry.notes, section);
     if entry.note("Capacity").is_none()
         && let Some(capacity) = capacity(entry)

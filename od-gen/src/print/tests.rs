@@ -233,6 +233,21 @@ fn made_up() -> impl Strategy<Value = Model> {
         })
 }
 
+#[test]
+fn comments_of_objects_are_printed() {
+    let text = include_str!("../../tests/data/allowed.eds");
+    let mut report = Report::new("allowed.eds", text);
+    let printed = print(&report.model);
+    for comment in [
+        "; od-gen: allow no-sub-0 because nothing",
+        ";od-gen: allow const-without-default because the type is 0",
+    ] {
+        assert!(printed.contains(comment), "{printed}");
+    }
+    report.model.remarks.0.clear();
+    assert!(!print(&report.model).contains("no-sub-0"));
+}
+
 /// Comments are notes once they have been read.
 fn without_notes(mut model: Model) -> Model {
     for entry in model

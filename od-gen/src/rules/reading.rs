@@ -4,6 +4,7 @@ use super::Rule;
 
 pub(crate) const RULES: &[&Rule] = &[
     &NOT_TEXT,
+    &NOT_XML,
     &LATIN_1,
     &CONTROL_CHARACTER,
     &STRAY_LINE,
@@ -26,6 +27,12 @@ pub(crate) static NOT_TEXT: Rule = Rule::fatal(
     "not-text",
     "The file is a text in UTF-8 or Latin-1.",
     "UTF-16 is not read. Save the file in UTF-8.",
+);
+
+pub(crate) static NOT_XML: Rule = Rule::fatal(
+    "not-xml",
+    "A file that begins with `<` is a data sheet in XML (CiA 311).",
+    "It is well-formed XML without a document type definition, and has a CANopenObjectList.",
 );
 
 pub(crate) static LATIN_1: Rule = Rule::warning(

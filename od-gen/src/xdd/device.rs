@@ -1,0 +1,146 @@
+//! DeviceIdentity, NetworkManagement and TransportLayers as the sections FileInfo, DeviceInfo and their like.
+
+use roxmltree::Node;
+
+use super::{Reader, find, flag, is, text};
+use crate::document::{Key, Section};
+use crate::number::Number;
+
+impl<'a, 'x> Reader<'a, 'x> {
+    /// All sections that are no objects.
+    pub(super) fn device(&self, root: Node<'x, 'x>) -> Vec<Section<'a>> {
+        let mut sections = vec![self.file_info(root), self.device_info(root)];
+        let node = find(root, "deviceCommissioning").filter(|_| self.is_configured);
+        sections.extend(node.map(|node| self.commissioning(node)));
+        sections.extend(find(root, "dummyUsage").map(|node| self.dummy_usage(node)));
+        sections
+    }
+
+    /// Adds `key=value` with the text of an element.
+    fn put_text(&self, section: &mut Section<'a>, key: &'static str, node: Option<Node<'_, '_>>) {
+        let Some(node) = node else { return };
+        let text = node.text().unwrap_or_default().trim();
+        if !text.is_empty() {
+            let span = self.source.span(node.range());
+            section.keys.push(Key {
+                name: key.into(),
+                value: text.to_owned().into(),
+                name_span: span,
+                span,
+            });
+        }
+    }
+
+    fn file_info(&self, root: Node<'x, 'x>) -> Section<'a> {
+        let Some(body) = find(root, "ProfileBody") else {
+            return Section::new("FileInfo");
+        };
+        let mut section = self.section("FileInfo".into(), body);
+        // The whole file is in it: its comments are for the whole file.
+        section.lines = 0..0;
+        for (key, attribute) in [
+            ("FileName", "fileName"),
+            ("CreatedBy", "fileCreator"),
+            ("CreationDate", "fileCreationDate"),
+            ("CreationTime", "fileCreationTime"),
+            ("ModifiedBy", "fileModifiedBy"),
+            ("ModificationDate", "fileModificationDate"),
+            ("ModificationTime", "fileModificationTime"),
+        ] {
+            self.put(&mut section, key, (body, attribute), text);
+        }
+        // A version is any text in XML, and a number in an EDS.
+        let version = body.attribute("fileVersion").unwrap_or_default();
+        if Number::parse_within(version, 0, 255).is_ok() {
+            self.put(&mut section, "FileVersion", (body, "fileVersion"), text);
+        }
+        section
+    }
+
+    fn device_info(&self, root: Node<'x, 'x>) -> Section<'a> {
+        let Some(identity) = find(root, "DeviceIdentity") else {
+            return Section::new("DeviceInfo");
+        };
+        let mut section = self.section("DeviceInfo".into(), identity);
+        for (key, name) in [
+            ("VendorName", "vendorName"),
+            ("VendorNumber", "vendorID"),
+            ("ProductName", "productName"),
+            ("ProductNumber", "productID"),
+            ("OrderCode", "orderNumber"),
+        ] {
+            self.put_text(&mut section, key, find(identity, name));
+        }
+        if let Some(features) = find(root, "CANopenGeneralFeatures") {
+            for (key, attribute, spell) in [
+                ("Granularity", "granularity", text as fn(&str) -> String),
+                ("NrOfRXPDO", "nrOfRxPDO", text),
+                ("NrOfTXPDO", "nrOfTxPDO", text),
+                ("DynamicChannelsSupported", "dynamicChannels", text),
+                ("GroupMessaging", "groupMessaging", flag),
+                ("SimpleBootUpSlave", "bootUpSlave", flag),
+                ("LSS_Supported", "layerSettingServiceSlave", flag),
+            ] {
+                self.put(&mut section, key, (features, attribute), spell);
+            }
+        }
+        if let Some(features) = find(root, "CANopenMasterFeatures") {
+            let master = (features, "bootUpMaster");
+            self.put(&mut section, "SimpleBootUpMaster", master, flag);
+        }
+        for rate in root
+            .descendants()
+            .filter(|node| is(*node, "supportedBaudRate"))
+        {
+            let value = rate.attribute("value").unwrap_or_default();
+            let name = match value.split_whitespace().next().unwrap_or_default() {
+                "10" => "BaudRate_10",
+                "20" => "BaudRate_20",
+                "50" => "BaudRate_50",
+                "125" => "BaudRate_125",
+                "250" => "BaudRate_250",
+                "500" => "BaudRate_500",
+                "800" => "BaudRate_800",
+                "1000" => "BaudRate_1000",
+                // `auto-baudRate` is no rate.
+                _ => continue,
+            };
+            self.put(&mut section, name, (rate, "value"), |_| "1".into());
+        }
+        section
+    }
+
+    fn commissioning(&self, node: Node<'_, '_>) -> Section<'a> {
+        let mut section = self.section("DeviceComissioning".into(), node);
+        for (key, attribute, spell) in [
+            ("NodeID", "nodeID", text as fn(&str) -> String),
+            ("NodeName", "nodeName", text),
+            ("Baudrate", "actualBaudRate", bit_rate),
+            ("NetNumber", "networkNumber", text),
+            ("NetworkName", "networkName", text),
+            ("CANopenManager", "CANopenManager", flag),
+        ] {
+            self.put(&mut section, key, (node, attribute), spell);
+        }
+        section
+    }
+
+    fn dummy_usage(&self, node: Node<'_, '_>) -> Section<'a> {
+        let mut section = self.section("DummyUsage".into(), node);
+        for dummy in node.children().filter(|node| is(*node, "dummy")) {
+            let entry = dummy.attribute("entry").unwrap_or_default();
+            let (name, value) = entry.split_once('=').unwrap_or((entry, ""));
+            let (name, value) = (name.trim().to_owned(), value.trim().to_owned());
+            self.put(&mut section, "", (dummy, "entry"), |_| value.clone());
+            if let Some(key) = section.keys.last_mut() {
+                key.name = name.into();
+            }
+        }
+        section
+    }
+}
+
+/// `125 Kbps` is 125.
+fn bit_rate(value: &str) -> String {
+    value.split_whitespace().next().unwrap_or_default().into()
+}

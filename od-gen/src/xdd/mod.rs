@@ -1,0 +1,159 @@
+//! Data sheets in XML (CiA 311, XDD 1.1; XDC for a configured device) as a [`Document`].
+//!
+//! An XDD says in other words what an EDS says, so it is put into the words of an EDS: each object becomes the section that it
+//! would have there, and every key points at the attribute it came from. All that is asked of an EDS is asked of it then.
+//! What an object refers to by `uniqueIDRef` (access, default, limits, unit) is looked up in the list of parameters.
+//!
+//! An XML comment `od-gen: allow RULE because REASON` silences findings, inside of an object or above everything else.
+
+mod device;
+mod object;
+
+use std::collections::HashMap;
+
+use roxmltree::{Document as Xml, Node};
+
+use crate::diagnostic::Findings;
+use crate::document::{Comment, Document, Key, Section};
+use crate::rules::reading;
+use crate::source::{Source, Span};
+
+/// Whether a text is XML rather than a list of keys.
+pub(crate) fn is_xml(text: &str) -> bool {
+    text.trim_start().starts_with('<')
+}
+
+/// Reads an XDD; `None` when it is none, which has then been reported.
+pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Option<Document<'a>> {
+    let xml = match Xml::parse(source.text()) {
+        Ok(xml) => xml,
+        Err(error) => {
+            let position = error.pos();
+            let span = Span {
+                line: position.row.clamp(1, source.line_count()),
+                column: position.col.max(1),
+                length: 1,
+            };
+            findings.report(&reading::NOT_XML, span, error.to_string());
+            return None;
+        }
+    };
+    let root = xml.root();
+    let node = find(root, "deviceCommissioning");
+    let node_id = node.and_then(|node| node.attribute("nodeID"));
+    let reader = Reader {
+        source,
+        parameters: parameters(&xml),
+        is_configured: node_id.is_some_and(|node_id| node_id.trim() != "0"),
+    };
+    let Some(list) = find(root, "CANopenObjectList") else {
+        let message = "there is no CANopenObjectList";
+        findings.report(&reading::NOT_XML, Span::START, message);
+        return None;
+    };
+    let mut document = Document {
+        head: reader.comments(root, Some(list)),
+        sections: reader.device(root),
+    };
+    document.sections.extend(reader.objects(list));
+    Some(document)
+}
+
+/// The parameters that objects refer to, by their uniqueID.
+fn parameters<'x>(xml: &'x Xml<'x>) -> HashMap<&'x str, Node<'x, 'x>> {
+    let all = xml.descendants().filter(|node| is(*node, "parameter"));
+    all.filter_map(|node| Some((node.attribute("uniqueID")?, node)))
+        .collect()
+}
+
+fn is(node: Node<'_, '_>, name: &str) -> bool {
+    node.is_element() && node.tag_name().name() == name
+}
+
+/// The first element of this name, in whatever namespace.
+fn find<'x>(node: Node<'x, 'x>, name: &str) -> Option<Node<'x, 'x>> {
+    node.descendants().find(|node| is(*node, name))
+}
+
+struct Reader<'a, 'x> {
+    source: &'a Source,
+    parameters: HashMap<&'x str, Node<'x, 'x>>,
+    /// Whether the file describes one device that has been given its node-ID.
+    is_configured: bool,
+}
+
+impl<'a> Reader<'a, '_> {
+    /// The comments below a node, but for those in one of its parts.
+    fn comments(&self, node: Node<'_, '_>, without: Option<Node<'_, '_>>) -> Vec<Comment<'a>> {
+        let comments = node.descendants().filter(|node| {
+            let is_inside = |part| node.ancestors().any(|above| above == part);
+            node.is_comment() && !without.is_some_and(is_inside)
+        });
+        comments
+            .map(|node| Comment {
+                text: node.text().unwrap_or_default().trim().to_owned().into(),
+                span: self.source.span(node.range()),
+                position: 0,
+            })
+            .collect()
+    }
+
+    /// A section with the place of an element.
+    fn section(&self, name: String, node: Node<'_, '_>) -> Section<'a> {
+        let mut section = Section::new(name);
+        let range = node.range();
+        let tag = range.start..range.start + 1 + node.tag_name().name().len();
+        section.span = self.source.span(tag);
+        let end = self.source.span(range.end..range.end).line;
+        section.lines = section.span.line..end.saturating_add(1);
+        section
+    }
+
+    /// Adds `key=value` with the place of an attribute, where the element has it and `spell` knows how to write it.
+    fn put(
+        &self,
+        section: &mut Section<'a>,
+        key: &'static str,
+        (node, attribute): (Node<'_, '_>, &str),
+        spell: impl Fn(&str) -> String,
+    ) {
+        let found = node.attributes().find(|found| found.name() == attribute);
+        let Some(found) = found.filter(|found| !found.value().trim().is_empty()) else {
+            return;
+        };
+        let span = self.source.span(found.range_value());
+        section.keys.push(Key {
+            name: key.into(),
+            value: spell(found.value().trim()).into(),
+            name_span: span,
+            span,
+        });
+    }
+}
+
+/// As it is.
+fn text(value: &str) -> String {
+    value.to_owned()
+}
+
+/// A number in hexadecimal that does not say so; what is none stays as it is.
+fn hexadecimal(value: &str) -> String {
+    let is_bare = !value.is_empty() && value.chars().all(|digit| digit.is_ascii_hexdigit());
+    if is_bare {
+        format!("0x{value}")
+    } else {
+        value.to_owned()
+    }
+}
+
+/// `true` and `false` as data sheets write them.
+fn flag(value: &str) -> String {
+    match value {
+        "true" => "1".into(),
+        "false" => "0".into(),
+        _ => value.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,173 @@
+//! CANopenObject and CANopenSubObject.
+
+use roxmltree::Node;
+
+use super::{Reader, find, hexadecimal, is, text};
+use crate::document::{Comment, Key, Section};
+
+impl<'a, 'x> Reader<'a, 'x> {
+    /// The lists of objects, and a section for each object and sub-index.
+    pub(super) fn objects(&self, list: Node<'x, 'x>) -> Vec<Section<'a>> {
+        let mut lists = [
+            self.section("MandatoryObjects".into(), list),
+            self.section("OptionalObjects".into(), list),
+            self.section("ManufacturerObjects".into(), list),
+        ];
+        for list in &mut lists {
+            // The comments in an object are for the object alone.
+            list.lines = 0..0;
+        }
+        let mut sections = Vec::new();
+        for object in list.children().filter(|node| is(*node, "CANopenObject")) {
+            let index = object.attribute("index").unwrap_or_default().trim();
+            let number = u16::from_str_radix(index, 16).ok();
+            let [mandatory, optional, manufacturer] = &mut lists;
+            let list = match number {
+                Some(0x1000 | 0x1001 | 0x1018) => Some(mandatory),
+                Some(0x2000..=0x5FFF) => Some(manufacturer),
+                Some(0x1000..) => Some(optional),
+                _ => None,
+            };
+            if let Some(list) = list {
+                self.list(list, object);
+            }
+            let name = number.map_or_else(|| index.into(), |number| format!("{number:04X}"));
+            let mut section = self.section(name.clone(), object);
+            section.comments = self.comments(object, None);
+            self.put(&mut section, "SubNumber", (object, "subNumber"), text);
+            self.value(&mut section, object);
+            sections.push(section);
+            let subs = object.children();
+            for sub in subs.filter(|node| is(*node, "CANopenSubObject")) {
+                let digits = sub.attribute("subIndex").unwrap_or_default().trim();
+                let mut section = self.section(format!("{name}sub{digits}"), sub);
+                self.value(&mut section, sub);
+                sections.push(section);
+            }
+        }
+        for list in &mut lists {
+            let count = list.keys.len().to_string();
+            list.put("SupportedObjects", count);
+        }
+        lists.into_iter().chain(sections).collect()
+    }
+
+    fn list(&self, list: &mut Section<'a>, object: Node<'_, '_>) {
+        let number = (list.keys.len() + 1).to_string();
+        let before = list.keys.len();
+        self.put(list, "", (object, "index"), hexadecimal);
+        if let Some(key) = list.keys.get_mut(before) {
+            key.name = number.into();
+        }
+    }
+
+    /// The keys of a value, its own and those of the parameter it refers to.
+    fn value(&self, section: &mut Section<'a>, node: Node<'_, 'x>) {
+        for (key, attribute, spell) in [
+            ("ParameterName", "name", text as fn(&str) -> String),
+            ("ObjectType", "objectType", text),
+            ("DataType", "dataType", hexadecimal),
+            ("ObjFlags", "objFlags", hexadecimal),
+            ("AccessType", "accessType", text),
+            ("LowLimit", "lowLimit", text),
+            ("HighLimit", "highLimit", text),
+            ("DefaultValue", "defaultValue", text),
+            ("ParameterValue", "actualValue", text),
+            ("Denotation", "denotation", text),
+        ] {
+            self.put(section, key, (node, attribute), spell);
+        }
+        let parameter = node.attribute("uniqueIDRef");
+        if let Some(parameter) = parameter.and_then(|id| self.parameters.get(id)) {
+            self.parameter(section, *parameter);
+        }
+        self.mapping(section, node);
+        if !self.is_configured {
+            let is_value = |key: &Key<'_>| key.name == "ParameterValue" || key.name == "Denotation";
+            section.keys.retain(|key| !is_value(key));
+        }
+    }
+
+    /// What the parameter says and the object does not.
+    fn parameter(&self, section: &mut Section<'a>, parameter: Node<'x, 'x>) {
+        let range = find(parameter, "range");
+        let limit = |name: &str| range.and_then(|range| find(range, name));
+        for (key, node, attribute, spell) in [
+            (
+                "AccessType",
+                Some(parameter),
+                "access",
+                access as fn(&str) -> String,
+            ),
+            ("LowLimit", limit("minValue"), "value", text),
+            ("HighLimit", limit("maxValue"), "value", text),
+            (
+                "DefaultValue",
+                child(parameter, "defaultValue"),
+                "value",
+                text,
+            ),
+            (
+                "ParameterValue",
+                child(parameter, "actualValue"),
+                "value",
+                text,
+            ),
+        ] {
+            if let Some(node) = node.filter(|_| section.key(key).is_none()) {
+                self.put(section, key, (node, attribute), spell);
+            }
+        }
+        let unit = child(parameter, "unit").and_then(|unit| find(unit, "label"));
+        if let Some(unit) = unit.and_then(|label| label.text().map(|text| (label, text.trim()))) {
+            section.comments.push(Comment {
+                text: format!("Unit={}", unit.1).into(),
+                span: self.source.span(unit.0.range()),
+                position: 0,
+            });
+        }
+    }
+
+    /// PDOmapping names directions; in an EDS the access does.
+    fn mapping(&self, section: &mut Section<'a>, node: Node<'_, '_>) {
+        let mapping = node.attribute("PDOmapping").unwrap_or_default();
+        self.put(
+            section,
+            "PDOMapping",
+            (node, "PDOmapping"),
+            |value| match value {
+                "no" => "0".into(),
+                "default" | "optional" | "TPDO" | "RPDO" => "1".into(),
+                _ => value.into(),
+            },
+        );
+        let is_access = |key: &&mut Key<'_>| key.name == "AccessType";
+        if let Some(key) = section.keys.iter_mut().find(is_access)
+            && key.value == "rw"
+        {
+            match mapping {
+                "TPDO" => key.value = "rwr".into(),
+                "RPDO" => key.value = "rww".into(),
+                _ => {}
+            }
+        }
+    }
+}
+
+fn child<'x>(node: Node<'x, 'x>, name: &str) -> Option<Node<'x, 'x>> {
+    node.children().find(|node| is(*node, name))
+}
+
+/// The access of a parameter as that of an object.
+fn access(value: &str) -> String {
+    let name = match value {
+        "const" => "const",
+        "read" | "noAccess" => "ro",
+        "write" => "wo",
+        "readWrite" => "rw",
+        "readWriteInput" => "rwr",
+        "readWriteOutput" => "rww",
+        _ => value,
+    };
+    name.into()
+}

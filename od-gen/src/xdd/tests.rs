@@ -1,0 +1,103 @@
+//! An XDD means what the EDS beside it means.
+
+use crate::model::{DefaultValue, FileKind, Model};
+use crate::print;
+use crate::report::Report;
+
+const XDD: &str = include_str!("../../tests/data/sensor.xdd");
+const EDS: &str = include_str!("../../tests/data/sensor.eds");
+
+fn model(text: &str) -> Model {
+    let report = Report::new("sensor", text);
+    assert!(!report.has_errors(), "{:#?}", report.findings);
+    report.model
+}
+
+fn findings(old: &str, new: &str) -> Vec<String> {
+    assert_eq!(XDD.matches(old).count(), 1, "{old}");
+    let report = Report::new("sensor.xdd", &XDD.replace(old, new));
+    report.findings.iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn an_xdd_is_read_into_the_same_model_as_its_eds() {
+    let xdd = model(XDD);
+    assert_eq!(xdd.kind, FileKind::Xdd);
+    let as_eds = Model {
+        kind: FileKind::Eds,
+        ..xdd.clone()
+    };
+    assert_eq!(as_eds, model(EDS));
+    assert_eq!(Report::new("sensor", &print(&xdd)).model, as_eds);
+    assert_eq!(xdd.entry(0x2000, 0).unwrap().unit(), Some("Hz"));
+}
+
+#[test]
+fn findings_point_at_attributes() {
+    assert_eq!(
+        findings(
+            "lowLimit=\"-5\" highLimit=\"-1\"/>",
+            "lowLimit=\"-5\" highLimit=\"-99999\"/>"
+        ),
+        [
+            "sensor.xdd:43:131: error[limit-type]: HighLimit -99999 does not fit INTEGER16 (-32768 to 32767)"
+        ]
+    );
+    assert_eq!(
+        findings("<minValue value=\"10\"/>", "<minValue value=\"x\"/>"),
+        [
+            "sensor.xdd:19:52: error[not-a-number]: `x` is not a number (decimal, 0x hexadecimal or leading-zero octal)"
+        ]
+    );
+    let gone = findings("index=\"1000\"", "index=\"1x00\"");
+    assert!(
+        gone[0].ends_with("the mandatory object 1000h is missing"),
+        "{gone:?}"
+    );
+    assert!(
+        gone[1].ends_with("the section [1x00] is not known"),
+        "{gone:?}"
+    );
+}
+
+#[test]
+fn what_is_no_xdd_is_one_finding() {
+    for (old, new, expected) in [
+        (
+            "</ISO15745ProfileContainer>",
+            "",
+            "sensor.xdd:1:1: error[not-xml]: the root node was opened but never closed",
+        ),
+        (
+            "<CANopenObjectList>",
+            "<CANopenObjectList></CANopenObjectList><x>",
+            "sensor.xdd:",
+        ),
+    ] {
+        let found = findings(old, new);
+        assert!(
+            found[0].starts_with(expected) && found[0].contains("[not-xml]"),
+            "{found:?}"
+        );
+        assert_eq!(found.len(), 1);
+    }
+    let bomb = "<!DOCTYPE a [<!ENTITY b \"bbbb\">]><a>&b;</a>";
+    let report = Report::new("bomb.xdd", bomb);
+    assert_eq!(report.findings.len(), 1);
+    assert_eq!(report.findings[0].rule.name, "not-xml");
+    assert_eq!(Report::new("x.xdd", "<a/>").findings.len(), 1);
+}
+
+#[test]
+fn a_device_with_a_node_id_is_a_configured_one() {
+    let text = XDD.replace("nodeID=\"0\"", "nodeID=\"5\"").replace(
+        "<defaultValue value=\"100\"/>",
+        "<defaultValue value=\"100\"/><actualValue value=\"50\"/>",
+    );
+    let model = model(&text);
+    assert_eq!(model.commissioning.as_ref().unwrap().node_id, 5);
+    assert_eq!(model.commissioning.as_ref().unwrap().bit_rate, 125);
+    let rate = model.entry(0x2000, 0).unwrap();
+    assert_eq!(rate.configured, Some(DefaultValue::number(50)));
+    assert_eq!(rate.default, DefaultValue::number(100));
+}
