@@ -19,6 +19,7 @@
 
 mod events;
 mod identifiers;
+mod multiplexed;
 mod objects;
 mod parameters;
 mod receive;
@@ -156,7 +157,8 @@ impl<D: Dictionary> Node<D> {
                 od::load_defaults(&mut self.dictionary, self.node_id.get(), 0x1019..=0x1FFF);
             }
         }
-        self.services.configure(&mut self.dictionary, now);
+        self.services
+            .configure(&mut self.dictionary, self.node_id, now);
         if !self.services.parameters.reset(reset) {
             self.end_boot(now);
         }

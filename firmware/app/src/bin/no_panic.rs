@@ -198,6 +198,16 @@ fn node(node: &mut Node<Dictionary>) {
         7 => {
             look(node.overflows() + u32::from(node.settings().node_id.get()) + node.state() as u32);
         }
+        8 => look(
+            node.announce(any() as u16, any() as u8, any_time())
+                .is_ok()
+                .into(),
+        ),
+        9 => {
+            let value = any().to_le_bytes();
+            let sent = node.send_to(any() as u8, any() as u16, any() as u8, value, any_time());
+            look(sent.is_ok().into());
+        }
         _ => node.receive(&any_frame(), any_time(), &mut Objects),
     }
 }

@@ -73,7 +73,8 @@ impl<D: Dictionary> Node<D> {
             now,
         };
         let refused = replay.end(&mut objects);
-        self.services.configure(&mut self.dictionary, now);
+        self.services
+            .configure(&mut self.dictionary, self.node_id, now);
         if refused.count > 0 || lost.is_some() {
             // What the device has now is not what was dated.
             self.services.parameters.forget_date(&mut self.dictionary);

@@ -14,6 +14,7 @@ use crate::cia301::sdo::AbortCode;
 use crate::cia301::sync::{self, Beat, Sync};
 use crate::cia301::time_stamp::{self, TimeStamp};
 use crate::od::{Counts, Dictionary, Entry};
+use crate::settings::NodeId;
 use crate::time::{Instant, earlier};
 use crate::wire::cob_id;
 
@@ -59,7 +60,12 @@ impl<C: Counts> Services<C> {
     }
 
     /// Takes every parameter from the dictionary, after power-on values have been loaded.
-    pub(super) fn configure<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
+    pub(super) fn configure<D: Dictionary>(
+        &mut self,
+        dictionary: &mut D,
+        node_id: NodeId,
+        now: Instant,
+    ) {
         self.timers_changed = true;
         self.values_changed = true;
         self.heartbeat.configure(dictionary, now);
@@ -70,8 +76,8 @@ impl<C: Counts> Services<C> {
         self.sync.configure(dictionary, now);
         self.time.configure(dictionary);
         self.parameters.configure(dictionary);
-        self.rpdos.configure_all(dictionary);
-        self.tpdos.configure_all(dictionary);
+        self.rpdos.configure_all(dictionary, node_id.get());
+        self.tpdos.configure_all(dictionary, node_id.get());
         self.report_lengths(dictionary, now);
         self.emergency.show_register(dictionary);
     }
@@ -92,6 +98,7 @@ impl<C: Counts> Services<C> {
             error_behaviour::INDEX => error_behaviour::validate(entry.sub, value),
             0x1400..=0x17FF => self.rpdos.validate(dictionary, entry, value),
             0x1800..=0x1BFF => self.tpdos.validate(dictionary, entry, value),
+            0x1FA0..=0x1FFF => pdo::validate_list::<D>(entry, value),
             _ => Ok(()),
         }
     }

@@ -26,6 +26,9 @@ impl Errors {
         Self(self.0 | others.0)
     }
 
+    /// A multiplexed PDO named an object that is not there (8230h: DAM MPDO not processed, destination object not available).
+    pub(super) const NO_OBJECT: Self = Self(1 << 3);
+
     /// These without others.
     pub(super) const fn without(self, others: Self) -> Self {
         Self(self.0 & !others.0)
@@ -44,6 +47,7 @@ impl Errors {
         match self {
             Self::SHORT => 0x8210,
             Self::LONG => 0x8220,
+            Self::NO_OBJECT => 0x8230,
             _ => 0x8250,
         }
     }

@@ -7,6 +7,7 @@
 //! a BOOLEAN has one bit, or eight as in the dictionary. Of an unsigned number the low bits may be mapped, if they are no
 //! whole bytes: whole bytes are the length of another type, and so a mistake.
 
+use super::multiplexed::Addressing;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Attributes, DataType, Entry, Location, Table};
 
@@ -146,6 +147,12 @@ pub(super) trait Layout: Sized {
 
     /// Nothing mapped.
     const NOTHING: Self;
+
+    /// A mapping without objects: the frame names its object.
+    fn addressed(addressing: Addressing) -> Self;
+
+    /// Whether the frame names its object.
+    fn is_addressed(&self) -> bool;
 
     /// Puts one more target behind those that are there.
     ///

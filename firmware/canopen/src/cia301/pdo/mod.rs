@@ -17,6 +17,7 @@
 mod bits;
 mod errors;
 mod mapping;
+mod multiplexed;
 mod pack;
 mod parameters;
 mod receive;
@@ -28,12 +29,24 @@ mod unpack;
 #[cfg(test)]
 pub(crate) mod tests;
 
+use crate::cia301::sdo::AbortCode;
+use crate::od::{Dictionary, Entry};
+
 pub use pack::Source;
 pub use receive::Receive;
 pub use receive_pdo::ReceivePdo;
-pub use transmit::Transmit;
+pub use transmit::{NotSent, Transmit};
 pub use transmit_pdo::TransmitPdo;
 pub use unpack::Destination;
+
+/// Whether an entry of a scanner or dispatcher list (1FA0h to 1FFFh) may get this value, which has passed the dictionary's own
+/// checks. It counts from there on.
+///
+/// # Errors
+/// 06040041h: an object that cannot be sent or received in four bytes. 06090030h: a node-ID above 127.
+pub fn validate_list<D: Dictionary>(entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
+    multiplexed::validate::<D>(entry, value)
+}
 
 /// The COB-ID of a PDO that is not in use: no 11-bit identifier is equal to it.
 const NOT_IN_USE: u16 = u16::MAX;

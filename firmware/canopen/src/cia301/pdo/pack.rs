@@ -4,7 +4,8 @@
 //! neighbours in the frame and in memory become one copy.
 
 use super::bits;
-use super::mapping::{Direction, Layout, Target, with_target};
+use super::mapping::{Direction, Layout, MOST_BITS, Target, with_target};
+use super::multiplexed::Addressing;
 use crate::cia301::sdo::AbortCode;
 use crate::copy::{copy, copy_few};
 use crate::od::{Attributes, Entry, Slots, Unused};
@@ -71,6 +72,8 @@ pub(super) struct Packing<M> {
     count: u8,
     /// Bits of the frame; 0 when nothing is mapped.
     bits: u8,
+    /// Whose object the frame names, if it does.
+    addressing: Option<Addressing>,
 }
 
 impl<M: Slots<Source>> Packing<M> {
@@ -84,6 +87,11 @@ impl<M: Slots<Source>> Packing<M> {
     fn sources(&self) -> &[Source] {
         let sources = self.sources.as_ref();
         sources.get(..usize::from(self.count)).unwrap_or(sources)
+    }
+
+    /// Whose object the frame names; `None` for a mapping of objects.
+    pub(super) const fn addressing(&self) -> Option<Addressing> {
+        self.addressing
     }
 
     /// The frame's bytes from the dictionary; bits beyond the mapping are 0.
@@ -142,7 +150,20 @@ impl<M: Slots<Source>> Layout for Packing<M> {
         sources: M::UNUSED,
         count: 0,
         bits: 0,
+        addressing: None,
     };
+
+    fn addressed(addressing: Addressing) -> Self {
+        Self {
+            bits: MOST_BITS,
+            addressing: Some(addressing),
+            ..Self::NOTHING
+        }
+    }
+
+    fn is_addressed(&self) -> bool {
+        self.addressing.is_some()
+    }
 
     fn push(&mut self, target: Target) -> Result<(), AbortCode> {
         let bits = with_target(self.bits, &target)?;
@@ -168,6 +189,8 @@ impl<M: Slots<Source>> Layout for Packing<M> {
 
 impl<M: Slots<Source>> PartialEq for Packing<M> {
     fn eq(&self, other: &Self) -> bool {
-        self.bits == other.bits && self.sources() == other.sources()
+        self.bits == other.bits
+            && self.addressing == other.addressing
+            && self.sources() == other.sources()
     }
 }

@@ -8,10 +8,12 @@
 //! | mapping, anything while the PDO is valid; an entry while sub-index 0 is not 0 | 06010000h |
 //! | mapping entry: no such object | 06020000h, 06090011h |
 //! | mapping entry: not mappable, wrong direction, not its own length, a dummy to transmit | 06040041h |
-//! | mapping sub-index 0: above 64 or what the record has, or more than 64 bits together | 06040042h |
+//! | COB-ID valid, or the type while it is, of a multiplexed PDO that is not event-driven | 06090030h |
+//! | mapping sub-index 0: 65 to 253, more than the record has, or more than 64 bits together | 06040042h |
 //! | mapping sub-index 0: counts an empty entry | 06040041h |
 
 use super::mapping::{Direction, Layout, MOST_BITS, MappingEntry};
+use super::multiplexed::Addressing;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, find, value};
 use crate::wire::cob_id::{CobId, is_restricted};
@@ -47,6 +49,8 @@ pub(super) enum TransmissionType {
     Request,
     /// 254 and 255: event-driven.
     Event,
+    /// 254 and 255, and the frame names its object.
+    Multiplexed(Addressing),
 }
 
 impl TransmissionType {
@@ -59,6 +63,15 @@ impl TransmissionType {
             (253, Direction::Transmit) => Some(Self::Request),
             (254 | 255, _) => Some(Self::Event),
             (241..=253, _) => None,
+        }
+    }
+
+    /// That of a mapping; `None` if they do not fit.
+    pub(super) const fn with(self, addressing: Option<Addressing>) -> Option<Self> {
+        match (self, addressing) {
+            (_, None) => Some(self),
+            (Self::Event, Some(addressing)) => Some(Self::Multiplexed(addressing)),
+            (_, Some(_)) => None,
         }
     }
 
@@ -176,6 +189,9 @@ impl Parameters {
         dictionary: &D,
         count: u8,
     ) -> Result<L, AbortCode> {
+        if let Some(addressing) = Addressing::new(count) {
+            return Ok(L::addressed(addressing));
+        }
         // An object has one bit at least.
         let has_room = count == 0 || number(dictionary, self.mapping(), count).is_some();
         if count > MOST_BITS || !has_room {
@@ -226,15 +242,17 @@ impl Parameters {
                 check_cob_id(present, new)?;
                 if new.is_valid() && !present.is_valid() {
                     // A mapping that came from elsewhere than a checked write must not be found out by its first frame.
-                    self.resolve::<D, L>(dictionary)?;
+                    self.check_type::<D, L>(dictionary, self.transmission_type(dictionary))?;
                 }
                 Ok(())
             }
             (2, _) => {
                 let [number] = bytes(value)?;
-                TransmissionType::new(number, self.direction)
-                    .map(|_| ())
-                    .ok_or(AbortCode::InvalidValue)
+                let new = TransmissionType::new(number, self.direction);
+                if present.is_valid() {
+                    self.check_type::<D, L>(dictionary, new)?;
+                }
+                new.map(|_| ()).ok_or(AbortCode::InvalidValue)
             }
             (3 | 6, Direction::Transmit) if present.is_valid() => Err(AbortCode::InvalidValue),
             (6, Direction::Transmit) if value.first().is_some_and(|start| *start > MOST_START) => {
@@ -243,6 +261,20 @@ impl Parameters {
             // A receive PDO makes no use of its inhibit time.
             (3 | 5, _) | (6, Direction::Transmit) => Ok(()),
             _ => Err(AbortCode::NoSubIndex),
+        }
+    }
+
+    /// Whether the mapping that is there can be used with this transmission type.
+    fn check_type<D: Dictionary, L: Layout>(
+        self,
+        dictionary: &D,
+        transmission_type: Option<TransmissionType>,
+    ) -> Result<(), AbortCode> {
+        let mapping: L = self.resolve(dictionary)?;
+        if mapping.is_addressed() && transmission_type != Some(TransmissionType::Event) {
+            Err(AbortCode::InvalidValue)
+        } else {
+            Ok(())
         }
     }
 

@@ -38,6 +38,8 @@ pub struct Receive<S, M> {
     is_window_over: bool,
     /// Whether an error may not be as the emergency producer knows it, or a deadline has begun.
     has_news: bool,
+    /// That of the device.
+    node_id: u8,
     objects: PhantomData<M>,
 }
 
@@ -49,19 +51,25 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
             is_operational: false,
             is_window_over: false,
             has_news: false,
+            node_id: 0,
             objects: PhantomData,
         }
     }
 
-    /// Takes all parameters from the dictionary, after power-on values were loaded. Operational is left, and errors end: ask
-    /// [`Receive::report`] afterwards.
-    pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D) {
+    /// Takes all parameters from the dictionary, after power-on values were loaded; the device has this node-ID. Operational is
+    /// left, and errors end: ask [`Receive::report`] afterwards.
+    pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D, node_id: u8) {
+        self.node_id = node_id;
         self.is_operational = false;
         self.is_window_over = false;
         self.has_news = true;
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
             pdo.reset();
-            pdo.configure(dictionary, Parameters::new(Direction::Receive, number));
+            pdo.configure(
+                dictionary,
+                Parameters::new(Direction::Receive, number),
+                node_id,
+            );
         }
     }
 
@@ -110,7 +118,7 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
         if record == Record::Communication && entry.sub == 5 {
             pdo.set_deadline(parameters.event_timer(dictionary));
         } else {
-            pdo.configure(dictionary, parameters);
+            pdo.configure(dictionary, parameters, self.node_id);
         }
         self.has_news |= pdo.has_report();
     }

@@ -2,26 +2,50 @@
 
 use super::NOT_IN_USE;
 use super::errors::Errors;
-use super::mapping::Layout;
-use super::parameters::Parameters;
+use super::mapping::{Direction, Layout};
+use super::multiplexed::{self, Addressing, Message};
+use super::parameters::{Parameters, TransmissionType};
 use super::unpack::{Destination, Unpacking};
 use crate::application::Application;
 use crate::cia301::length_error::LengthReport;
-use crate::od::{Dictionary, Slots, Unused};
+use crate::od::{Dictionary, Slots, Unused, check, put};
 use crate::time::{Duration, Instant, NEVER, has_come};
 use crate::wire::Frame;
+
+/// What a frame does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// It is applied when it comes.
+    Event,
+    /// It waits for SYNC.
+    Synchronous,
+    /// It says which object it is for, which is written when it comes.
+    Multiplexed(Addressing),
+}
+
+impl Kind {
+    const fn new(transmission_type: TransmissionType) -> Self {
+        match transmission_type {
+            TransmissionType::Multiplexed(addressing) => Self::Multiplexed(addressing),
+            other if other.is_synchronous() => Self::Synchronous,
+            _ => Self::Event,
+        }
+    }
+}
 
 /// One receive PDO; `M` is its place for mapped objects.
 #[derive(Debug)]
 pub struct ReceivePdo<M> {
     /// Its identifier, or [`NOT_IN_USE`].
     cob_id: u16,
-    is_synchronous: bool,
+    kind: Kind,
     /// Whether `waiting` is a frame for the next SYNC.
     is_waiting: bool,
     errors: Errors,
     /// As the emergency producer knows them.
     reported: Errors,
+    /// That of the device.
+    node_id: u8,
     mapping: Unpacking<M>,
     /// The newest frame.
     waiting: [u8; 8],
@@ -34,10 +58,11 @@ pub struct ReceivePdo<M> {
 impl<M: Slots<Destination>> Unused for ReceivePdo<M> {
     const UNUSED: Self = Self {
         cob_id: NOT_IN_USE,
-        is_synchronous: false,
+        kind: Kind::Event,
         is_waiting: false,
         errors: Errors::NONE,
         reported: Errors::NONE,
+        node_id: 0,
         mapping: Unpacking::NOTHING,
         waiting: [0; 8],
         deadline: Duration::from_ticks(0),
@@ -47,11 +72,17 @@ impl<M: Slots<Destination>> Unused for ReceivePdo<M> {
 
 impl<M: Slots<Destination>> ReceivePdo<M> {
     /// Takes its parameters from the dictionary. What waits, the errors and the deadline end if they are others than before.
-    pub(super) fn configure<D: Dictionary>(&mut self, dictionary: &D, parameters: Parameters) {
+    pub(super) fn configure<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        parameters: Parameters,
+        node_id: u8,
+    ) {
         let mut next = Self::UNUSED;
+        next.node_id = node_id;
         next.take_parameters(dictionary, parameters);
         let is_same = next.cob_id == self.cob_id
-            && next.is_synchronous == self.is_synchronous
+            && next.kind == self.kind
             && next.deadline == self.deadline
             && next.mapping == self.mapping;
         if !is_same {
@@ -69,9 +100,11 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         ) else {
             return;
         };
-        if mapping.length() > 0 {
+        if mapping.length() > 0
+            && let Some(transmission_type) = transmission_type.with(mapping.addressing())
+        {
             self.cob_id = cob_id;
-            self.is_synchronous = transmission_type.is_synchronous();
+            self.kind = Kind::new(transmission_type);
             self.mapping = mapping;
             self.deadline = milliseconds(parameters.event_timer(dictionary));
         }
@@ -143,14 +176,16 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         if self.deadline.ticks() != 0 {
             has_news |= self.restart_deadline(now);
         }
-        if self.is_synchronous {
-            if is_window_over {
-                return has_news;
+        match self.kind {
+            Kind::Event => self.apply(frame.bytes(), dictionary, application),
+            Kind::Synchronous if is_window_over => {}
+            Kind::Synchronous => {
+                self.waiting = *frame.bytes();
+                self.is_waiting = true;
             }
-            self.waiting = *frame.bytes();
-            self.is_waiting = true;
-        } else {
-            self.apply(frame.bytes(), dictionary, application);
+            Kind::Multiplexed(addressing) => {
+                has_news |= self.dispatch(addressing, frame.bytes(), dictionary, application);
+            }
         }
         has_news
     }
@@ -199,6 +234,45 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
             self.apply(&self.waiting, dictionary, application);
         }
         is_waiting
+    }
+
+    /// Writes the object that a frame names. Returns whether there is none, and the sender has to hear of it.
+    #[cold]
+    #[inline(never)]
+    fn dispatch<D: Dictionary, A: Application<D>>(
+        &mut self,
+        addressing: Addressing,
+        frame: &[u8; 8],
+        dictionary: &mut D,
+        application: &mut A,
+    ) -> bool {
+        let message = Message::parse(frame);
+        if message.addressing != addressing {
+            return false;
+        }
+        let is_for_us = message.node_id == 0 || message.node_id == self.node_id;
+        let entry = match addressing {
+            Addressing::Destination if !is_for_us => return false,
+            Addressing::Destination => {
+                multiplexed::object::<D>(message.index, message.sub, Direction::Receive)
+            }
+            Addressing::Source => multiplexed::dispatch(dictionary, &message),
+        };
+        if let Some(entry) = entry {
+            let length = usize::from(entry.size);
+            let value = message.value.get(..length).unwrap_or(&message.value);
+            if check(D::TABLE, entry, value).is_ok()
+                && application.validate(dictionary, entry, value).is_ok()
+            {
+                put(dictionary, entry, value);
+                application.written(dictionary, entry);
+            }
+            return false;
+        }
+        if addressing == Addressing::Destination {
+            self.errors = self.errors.with(Errors::NO_OBJECT);
+        }
+        addressing == Addressing::Destination
     }
 
     /// Copies the bytes of a frame into the mapped objects.

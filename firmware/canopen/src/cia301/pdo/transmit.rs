@@ -18,6 +18,10 @@
 //! With a SYNC start value (sub-index 6) a PDO of type 1 to 240 is first sent at the SYNC with this counter, then at every n-th;
 //! without counters in the SYNC it counts from the first one.
 //!
+//! A multiplexed PDO in source address mode sends every object of the scanner lists, one after the other, when Operational is
+//! entered and when the event timer runs out; the application announces others in between ([`Transmit::announce`]). In
+//! destination address mode the application alone makes its frames ([`Transmit::send_to`]).
+//!
 //! The contract:
 //! - Each PDO has one place for what is to be sent. Newer data replaces older data that has not been taken yet, so a slow
 //!   bus gets fewer PDOs, never old ones. Lower identifiers are taken first.
@@ -31,6 +35,7 @@ use core::marker::PhantomData;
 
 use super::NOT_IN_USE;
 use super::mapping::Direction;
+use super::multiplexed::{self, Addressing, Message};
 use super::pack::{Packing, Source};
 use super::parameters::{Parameters, Record};
 use super::transmit_pdo::TransmitPdo;
@@ -38,6 +43,17 @@ use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, Slots};
 use crate::time::{Instant, NEVER, earlier};
 use crate::wire::Frame;
+
+/// Why a multiplexed PDO is not sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotSent {
+    /// No transmit PDO of this kind is valid, or the device is not Operational.
+    NoPdo,
+    /// The object is not in the scanner lists (1FA0h to 1FCFh), cannot be sent, or there is no such node.
+    NotListed,
+    /// The message before has not left yet, or the inhibit time runs: try again.
+    Busy,
+}
 
 /// The transmit PDOs of a device; as many as there are places in `S`, the objects 1800h and up and their
 /// mappings. `M` are the places for the objects of one mapping.
@@ -49,6 +65,8 @@ pub struct Transmit<S, M> {
     lowest: u16,
     /// The PDO that it belongs to.
     lowest_slot: usize,
+    /// That of the device.
+    node_id: u8,
     objects: PhantomData<M>,
 }
 
@@ -60,13 +78,16 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             is_operational: false,
             lowest: NOT_IN_USE,
             lowest_slot: 0,
+            node_id: 0,
             objects: PhantomData,
         }
     }
 
-    /// Takes all parameters from the dictionary, after power-on values were loaded. Operational is left.
-    pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D) {
+    /// Takes all parameters from the dictionary, after power-on values were loaded; the device has this node-ID. Operational is
+    /// left.
+    pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D, node_id: u8) {
         *self = Self::new();
+        self.node_id = node_id;
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
             pdo.configure(dictionary, Parameters::new(Direction::Transmit, number));
         }
@@ -192,7 +213,12 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         }
         for (slot, pdo) in self.pdos.as_mut().iter_mut().enumerate() {
             if pdo.is_in_use() {
-                deadline = earlier(deadline, pdo.poll(dictionary.ram(), D::TABLE.rom, now));
+                let next = if pdo.addressing() == Some(Addressing::Source) {
+                    pdo.scan(dictionary, self.node_id, now)
+                } else {
+                    pdo.poll(dictionary.ram(), D::TABLE.rom, now)
+                };
+                deadline = earlier(deadline, next);
                 // One that waited before has been counted.
                 if pdo.is_waiting() && pdo.cob_id() < self.lowest {
                     self.lowest = pdo.cob_id();
@@ -201,6 +227,69 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             }
         }
         deadline
+    }
+
+    /// Sends an object of the scanner lists by the PDO in source address mode.
+    ///
+    /// # Errors
+    /// It is not sent, and why.
+    pub fn announce<D: Dictionary>(
+        &mut self,
+        index: u16,
+        sub: u8,
+        dictionary: &D,
+        now: Instant,
+    ) -> Result<(), NotSent> {
+        let entry = multiplexed::object::<D>(index, sub, Direction::Transmit)
+            .filter(|entry| multiplexed::is_scanned(dictionary, entry.index, entry.sub))
+            .ok_or(NotSent::NotListed)?;
+        let message = Message {
+            addressing: Addressing::Source,
+            node_id: self.node_id,
+            index,
+            sub,
+            value: multiplexed::bytes_of(dictionary, entry),
+        };
+        self.send(&message, now)
+    }
+
+    /// Sends a value to an object of another node (1 to 127), or of all of them (0), by the PDO in destination address mode.
+    ///
+    /// # Errors
+    /// It is not sent, and why.
+    pub fn send_to(
+        &mut self,
+        node_id: u8,
+        index: u16,
+        sub: u8,
+        value: [u8; 4],
+        now: Instant,
+    ) -> Result<(), NotSent> {
+        if node_id > 127 {
+            return Err(NotSent::NotListed);
+        }
+        let message = Message {
+            addressing: Addressing::Destination,
+            node_id,
+            index,
+            sub,
+            value,
+        };
+        self.send(&message, now)
+    }
+
+    /// Sends a message by the first PDO of its kind.
+    fn send(&mut self, message: &Message, now: Instant) -> Result<(), NotSent> {
+        let mut pdos = self.pdos.as_mut().iter_mut();
+        let pdo = pdos
+            .find(|pdo| pdo.is_in_use() && pdo.addressing() == Some(message.addressing))
+            .filter(|_| self.is_operational)
+            .ok_or(NotSent::NoPdo)?;
+        if !pdo.send(message, now) {
+            return Err(NotSent::Busy);
+        }
+        self.find_lowest();
+        Ok(())
     }
 
     /// Whether a PDO waits to be taken.

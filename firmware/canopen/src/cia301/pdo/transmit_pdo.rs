@@ -2,11 +2,15 @@
 
 use super::NOT_IN_USE;
 use super::mapping::Layout;
+use super::multiplexed::{self, Addressing, Message, Scan};
 use super::pack::{Packing, Source};
 use super::parameters::{Parameters, TransmissionType};
 use crate::od::{Dictionary, Slots, Unused};
-use crate::time::{Duration, Instant, NEVER, has_come, with_length};
+use crate::time::{Duration, Instant, NEVER, earlier, has_come, with_length};
 use crate::wire::Frame;
+
+/// Between two objects of a scan, unless the inhibit time is longer: a scan leaves the bus to others.
+const STEP: Duration = Duration::from_ticks(1000);
 
 /// One transmit PDO; `M` is its place for mapped objects.
 #[derive(Debug)]
@@ -29,6 +33,8 @@ pub struct TransmitPdo<M> {
     is_waiting: bool,
     /// Whether an event has happened that `content` does not show yet.
     is_due: bool,
+    /// How far the objects of the scanner lists have been sent.
+    scan: Scan,
     inhibit_time: Duration,
     /// The end of the inhibit time.
     free_at: Instant,
@@ -49,6 +55,7 @@ impl<M: Slots<Source>> Unused for TransmitPdo<M> {
         awaits_start: false,
         is_waiting: false,
         is_due: false,
+        scan: Scan::START,
         inhibit_time: Duration::from_ticks(0),
         free_at: Instant::from_ticks(0),
         event_timer: Duration::from_ticks(0),
@@ -88,7 +95,9 @@ impl<M: Slots<Source>> TransmitPdo<M> {
         ) else {
             return;
         };
-        if mapping.length() > 0 {
+        if mapping.length() > 0
+            && let Some(transmission_type) = transmission_type.with(mapping.addressing())
+        {
             self.cob_id = cob_id;
             self.transmission_type = transmission_type;
             self.allows_request = parameters.allows_request(dictionary);
@@ -120,6 +129,10 @@ impl<M: Slots<Source>> TransmitPdo<M> {
             self.is_due = true;
             self.event_at = NEVER;
             self.poll(ram, rom, now);
+        } else if self.addressing() == Some(Addressing::Source) {
+            self.is_due = true;
+            self.scan = Scan::START;
+            self.restart_event_timer(now);
         }
     }
 
@@ -141,7 +154,9 @@ impl<M: Slots<Source>> TransmitPdo<M> {
     /// A SYNC, for a synchronous PDO: returns whether there is something to send.
     pub(super) fn on_sync(&mut self, counter: Option<u8>, ram: &[u8], rom: &[u8]) -> bool {
         match self.transmission_type {
-            TransmissionType::Event | TransmissionType::Request => false,
+            TransmissionType::Event
+            | TransmissionType::Request
+            | TransmissionType::Multiplexed(_) => false,
             TransmissionType::SampledRequest => {
                 self.content = self.mapping.pack(ram, rom);
                 false
@@ -193,6 +208,7 @@ impl<M: Slots<Source>> TransmitPdo<M> {
                 self.content = self.mapping.pack(ram, rom);
                 self.is_waiting = true;
             }
+            TransmissionType::Multiplexed(_) => {}
             _ if !self.allows_request => {}
             TransmissionType::Acyclic | TransmissionType::Cyclic(_) => self.is_waiting = true,
             TransmissionType::Event => {
@@ -207,7 +223,8 @@ impl<M: Slots<Source>> TransmitPdo<M> {
         match self.transmission_type {
             TransmissionType::Cyclic(_)
             | TransmissionType::SampledRequest
-            | TransmissionType::Request => NEVER,
+            | TransmissionType::Request
+            | TransmissionType::Multiplexed(_) => NEVER,
             TransmissionType::Acyclic => {
                 self.is_due |= self.mapping.pack(ram, rom) != self.content;
                 NEVER
@@ -233,6 +250,71 @@ impl<M: Slots<Source>> TransmitPdo<M> {
                 }
             }
         }
+    }
+
+    /// Whose objects its frames name, if they do.
+    #[inline]
+    pub(super) const fn addressing(&self) -> Option<Addressing> {
+        match self.transmission_type {
+            TransmissionType::Multiplexed(addressing) => Some(addressing),
+            _ => None,
+        }
+    }
+
+    /// Goes on with a scan of objects, one at a time, or begins one when the event timer runs out; for a PDO in source address
+    /// mode. Returns the next deadline.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn scan<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        node_id: u8,
+        now: Instant,
+    ) -> Instant {
+        if has_come(self.event_at, now) {
+            self.is_due = true;
+            self.restart_event_timer(now);
+        }
+        if self.is_due && !self.is_waiting && has_come(self.free_at, now) {
+            if let Some(entry) = self.scan.next(dictionary) {
+                let message = Message {
+                    addressing: Addressing::Source,
+                    node_id,
+                    index: entry.index,
+                    sub: entry.sub,
+                    value: multiplexed::bytes_of(dictionary, entry),
+                };
+                self.send(&message, now);
+            } else {
+                self.scan = Scan::START;
+                self.is_due = false;
+            }
+        }
+        if self.is_due {
+            // The bus takes its time for a frame that waits.
+            let next = after(now, STEP);
+            earlier(
+                self.event_at,
+                if has_come(self.free_at, next) {
+                    next
+                } else {
+                    self.free_at
+                },
+            )
+        } else {
+            self.event_at
+        }
+    }
+
+    /// Sends this message, if the one before has left and the inhibit time is over; returns whether it does.
+    pub(super) fn send(&mut self, message: &Message, now: Instant) -> bool {
+        let is_free = !self.is_waiting && has_come(self.free_at, now);
+        if is_free {
+            self.content = message.bytes();
+            self.is_waiting = true;
+            self.free_at = after(now, self.inhibit_time);
+        }
+        is_free
     }
 
     /// Whether it moves at all.
@@ -280,7 +362,8 @@ impl<M: Slots<Source>> TransmitPdo<M> {
     }
 
     fn restart_event_timer(&mut self, now: Instant) {
-        let is_off = self.event_timer.ticks() == 0 || !self.is_event_driven();
+        let has_timer = self.is_event_driven() || self.addressing() == Some(Addressing::Source);
+        let is_off = self.event_timer.ticks() == 0 || !has_timer;
         self.event_at = if is_off {
             NEVER
         } else {

@@ -1,7 +1,8 @@
 //! From a frame into the dictionary: the resolved mapping of a receive PDO.
 
 use super::bits;
-use super::mapping::{Direction, Layout, Target, with_target};
+use super::mapping::{Direction, Layout, MOST_BITS, Target, with_target};
+use super::multiplexed::Addressing;
 use crate::cia301::sdo::AbortCode;
 use crate::copy::copy_few;
 use crate::od::{Attributes, DataType, Dictionary, Entry, Slots, Table, Unused, check, put};
@@ -120,6 +121,8 @@ pub(super) struct Unpacking<M> {
     /// The offset in RAM that the whole frame is copied to, when its objects lie there as they lie in the frame; [`NO_RUN`]
     /// otherwise.
     run: u16,
+    /// Whose object the frame names, if it does.
+    addressing: Option<Addressing>,
 }
 
 /// No offset.
@@ -137,6 +140,11 @@ impl<M: Slots<Destination>> Unpacking<M> {
     pub(super) fn objects(&self) -> &[Destination] {
         let objects = self.objects.as_ref();
         objects.get(..usize::from(self.count)).unwrap_or(objects)
+    }
+
+    /// Whose object the frame names; `None` for a mapping of objects.
+    pub(super) const fn addressing(&self) -> Option<Addressing> {
+        self.addressing
     }
 
     /// Copies a frame to all its objects, without any check.
@@ -170,7 +178,20 @@ impl<M: Slots<Destination>> Layout for Unpacking<M> {
         count: 0,
         bits: 0,
         run: NO_RUN,
+        addressing: None,
     };
+
+    fn addressed(addressing: Addressing) -> Self {
+        Self {
+            bits: MOST_BITS,
+            addressing: Some(addressing),
+            ..Self::NOTHING
+        }
+    }
+
+    fn is_addressed(&self) -> bool {
+        self.addressing.is_some()
+    }
 
     fn push(&mut self, target: Target) -> Result<(), AbortCode> {
         let bits = with_target(self.bits, &target)?;
@@ -195,6 +216,8 @@ impl<M: Slots<Destination>> Layout for Unpacking<M> {
 
 impl<M: Slots<Destination>> PartialEq for Unpacking<M> {
     fn eq(&self, other: &Self) -> bool {
-        self.bits == other.bits && self.objects() == other.objects()
+        self.bits == other.bits
+            && self.addressing == other.addressing
+            && self.objects() == other.objects()
     }
 }

@@ -5,7 +5,9 @@ use std::vec::Vec;
 use super::objects::Objects;
 use crate::application::Application;
 use crate::cia301::length_error::LengthReport;
-use crate::cia301::pdo::{Destination, Receive, ReceivePdo, Source, Transmit, TransmitPdo};
+use crate::cia301::pdo::{
+    Destination, Receive, ReceivePdo, Source, Transmit, TransmitPdo, validate_list,
+};
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, check, find, put, read_u8, set, value, write_u8, write_u32};
 use crate::time::Instant;
@@ -83,8 +85,8 @@ impl Device {
             recorder: Recorder::default(),
             now: Instant::from_ticks(1_000_000),
         };
-        device.receive.configure_all(&device.objects);
-        device.transmit.configure_all(&device.objects);
+        device.receive.configure_all(&device.objects, 4);
+        device.transmit.configure_all(&device.objects, 4);
         device
     }
 
@@ -105,6 +107,7 @@ impl Device {
         match index {
             0x1400..=0x17FF => self.receive.validate(&self.objects, entry, bytes)?,
             0x1800..=0x1BFF => self.transmit.validate(&self.objects, entry, bytes)?,
+            0x1FA0..=0x1FFF => validate_list::<Objects>(entry, bytes)?,
             _ => {}
         }
         put(&mut self.objects, entry, bytes);
@@ -146,6 +149,19 @@ impl Device {
         }
         self.write_u8(record, 0, u8::try_from(mapping.len()).unwrap())?;
         self.write_u32(communication, 1, identifier)
+    }
+
+    /// PDO `number` (from 0) becomes a multiplexed one: 254 or 255 in sub-index 0 of the mapping.
+    pub(super) fn multiplex(
+        &mut self,
+        first: u16,
+        number: u16,
+        count: u8,
+    ) -> Result<(), AbortCode> {
+        let identifier = u32::from(if first == 0x1400 { 0x204 } else { 0x184 } + number * 0x100);
+        self.write_u32(first + number, 1, 0x8000_0000 | identifier)?;
+        self.write_u8(first + number + 0x200, 0, count)?;
+        self.write_u32(first + number, 1, identifier)
     }
 
     /// A frame from the bus; whether it brought a report.

@@ -3,6 +3,7 @@
 mod configuration;
 mod deadlines;
 mod device;
+mod multiplexed;
 pub(crate) mod objects;
 mod properties;
 mod receiving;

@@ -99,7 +99,7 @@ fn p21_a_reset_ends_a_length_error() {
     let mut device = operational(255, &[U16]);
     device.frame(0x204, &[]);
     assert_eq!(device.reports(), [(0x8210, 1, true)]);
-    device.receive.configure_all(&device.objects);
+    device.receive.configure_all(&device.objects, 4);
     assert_eq!(device.reports(), [(0x8210, 1, false)]);
     assert_eq!(device.writes(0x204, &[1, 2]), 0, "Operational was left");
 }
