@@ -7,7 +7,8 @@ use canopen::od::Table;
 use canopen::time::NEVER;
 use canopen::{BitRate, Duration, Frame, Instant};
 use sim::bus::Station;
-use sim::bus::simulated::{Bus, Handle};
+use sim::bus::simulated::{Bus, Handle, Interference, Logged};
+use sim::trace::candump;
 
 use crate::notation::{Pattern, frame, show};
 
@@ -191,6 +192,26 @@ impl<S: Station> Line<S> {
     /// Blocks the bus: no frame starts for so long.
     pub fn jam(&mut self, span: Duration) {
         self.bus.jam(span);
+    }
+
+    /// Lets somebody decide about every frame on the bus from now on.
+    pub fn interfere(&mut self, interferer: impl FnMut(&Logged) -> Interference + 'static) {
+        self.bus.interfere(interferer);
+    }
+
+    /// Ends interference.
+    pub fn leave_in_peace(&mut self) {
+        self.bus.leave_in_peace();
+    }
+
+    /// Every frame so far as candump shows it.
+    pub fn candump(&self) -> String {
+        let lines = self
+            .bus
+            .trace()
+            .iter()
+            .map(|logged| candump::line(logged.at, &logged.frame));
+        lines.collect::<Vec<_>>().join("\n")
     }
 
     /// The identifiers of all frames the device has sent, oldest first; 29-bit ones as FFFFh.

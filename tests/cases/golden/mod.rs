@@ -1,5 +1,8 @@
 //! Whole conversations as candump would show them. A change of any frame or any time shows here.
 
+mod faults;
+mod process_data;
+
 use canopen::{BitRate, Duration, NodeId};
 use sim::bus::simulated::Bus;
 use sim::drive::{Setup, VirtualDrive};
