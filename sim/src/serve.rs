@@ -188,6 +188,11 @@ impl Server {
                 Event::SwitchBitRate { bit_rate, .. } => {
                     format!("LSS switches to {} kbit/s", bit_rate.kbit_per_second())
                 }
+                Event::RestartController => "the CAN controller starts again".to_owned(),
+                Event::EmergencyReceived(emergency) => format!(
+                    "node {} has error {:04X}h",
+                    emergency.consumer, emergency.code
+                ),
                 Event::CommunicationError(error) => describe(error),
                 Event::ResetRequested(_) => "reset".to_owned(),
             };

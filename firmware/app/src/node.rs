@@ -101,7 +101,9 @@ impl Node {
                 // The device stops the drive and boots by itself.
                 Event::ResetRequested(_) => {}
                 // The device has stopped the drive already.
-                Event::CommunicationError(_) => {}
+                Event::CommunicationError(_) | Event::EmergencyReceived(_) => {}
+                // The controller starts again by itself.
+                Event::RestartController => {}
             }
         }
         if let Some((settings, until)) = self.to_store {

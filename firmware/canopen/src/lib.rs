@@ -22,7 +22,9 @@
 extern crate std;
 
 pub mod application;
+pub mod can_controller;
 pub mod cia301;
+pub mod cia302;
 pub mod cia303;
 pub mod cia305;
 mod copy;
@@ -34,6 +36,7 @@ pub mod time;
 pub mod wire;
 
 pub use application::Application;
+pub use can_controller::{ControllerState, Counters};
 pub use node::{Event, Node};
 pub use settings::{BitRate, NodeId, Settings};
 pub use stream::{Sink, Source};

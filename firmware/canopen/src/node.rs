@@ -17,6 +17,7 @@
 //!   it: what is silent at that moment has timed out.
 //! - Nothing here waits, allocates or panics, whatever the bus brings.
 
+mod controller;
 mod events;
 mod identifiers;
 mod multiplexed;
@@ -34,10 +35,12 @@ use services::Services;
 use transmit::TransmitQueue;
 
 use crate::application::Application;
-use crate::cia301::emergency::Emergency;
+use crate::can_controller::Controller;
+use crate::cia301::emergency::{Emergency, ReceivedEmergency};
 use crate::cia301::error_behaviour::CommunicationError;
 use crate::cia301::nmt::{NmtState, Reset};
 use crate::cia301::sdo;
+use crate::cia302::startup;
 use crate::cia305::{self, LssEvent};
 use crate::od::{self, Dictionary};
 use crate::settings::{BitRate, NodeId, Settings};
@@ -56,6 +59,10 @@ pub enum Event {
     /// A reset was commanded, or LSS has given a first node-ID. The device is silent until [`Node::boot`] is called with
     /// this reset, so that the motor can be stopped first.
     ResetRequested(Reset),
+    /// Bus-off was long enough ago: start the CAN controller again, and tell [`Node::controller_changed`] when it is back.
+    RestartController,
+    /// Another device that 1028h listens to tells of an error, or of its end.
+    EmergencyReceived(ReceivedEmergency),
     /// LSS asks to store these settings; answer with [`Node::settings_stored`].
     StoreSettings(Settings),
     /// LSS asks to change the bit rate: nothing is sent for a delay, then the rate changes, then nothing is sent
@@ -91,6 +98,7 @@ pub struct Node<D: Dictionary> {
     lss: cia305::Slave,
     queue: TransmitQueue,
     events: Events,
+    controller: Controller,
     state: NmtState,
     /// The node-ID in force.
     node_id: NodeId,
@@ -119,6 +127,7 @@ impl<D: Dictionary> Node<D> {
             lss: cia305::Slave::new(settings),
             queue: TransmitQueue::new(),
             events: Events::new(),
+            controller: Controller::new(),
             state: NmtState::Initialisation,
             node_id: settings.node_id,
             sdo_request: NO_COB_ID,
@@ -167,11 +176,15 @@ impl<D: Dictionary> Node<D> {
     /// The parameters are those to start with.
     fn end_boot(&mut self, now: Instant) {
         self.is_resetting = false;
-        self.is_mute = self.lss.is_silent(now);
+        self.is_mute = self.must_be_mute(now);
+        self.report_controller_again(now);
         self.listen();
         if self.node_id.is_configured() {
             self.queue.push_boot_up();
             self.enter(NmtState::PreOperational, now);
+            if startup::starts_itself(&self.dictionary) {
+                self.enter(NmtState::Operational, now);
+            }
         }
     }
 
@@ -260,7 +273,8 @@ impl<D: Dictionary> Node<D> {
         &mut self.dictionary
     }
 
-    /// Whether nothing may be sent now: before [`Node::boot`], after a commanded reset, and while the bit rate is switched.
+    /// Whether nothing may be sent now: before [`Node::boot`], after a commanded reset, while the bit rate is switched, and while the
+    /// controller is bus-off.
     /// A frame that has been fetched and has not reached the bus must wait; in [`NmtState::Initialisation`] it is void.
     pub fn is_mute(&self) -> bool {
         self.is_mute
@@ -332,6 +346,11 @@ impl<D: Dictionary> Node<D> {
         self.identifiers = Identifiers::none();
     }
 
+    /// Whether nothing may be sent.
+    fn must_be_mute(&self, now: Instant) -> bool {
+        self.is_resetting || self.controller.is_bus_off() || self.lss.is_silent(now)
+    }
+
     fn request_reset(&mut self, reset: Reset) {
         self.silence();
         self.events.request_reset(reset);
@@ -342,11 +361,12 @@ impl<D: Dictionary> Node<D> {
     fn serve_timers<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
         // The inhibit time of an emergency message that waits begins when it has left: it is looked at every time.
         self.services.timers_changed = self.services.emergency.needs_time();
+        let deadline = self.serve_controller(now, NEVER);
         if self.is_resetting {
-            return NEVER;
+            return deadline;
         }
-        let deadline = self.lss.poll(now);
-        self.is_mute = self.lss.is_silent(now);
+        let deadline = earlier(deadline, self.lss.poll(now));
+        self.is_mute = self.must_be_mute(now);
         if !self.node_id.is_configured() {
             return deadline;
         }

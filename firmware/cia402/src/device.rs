@@ -18,7 +18,7 @@ use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
 use canopen::node::StoreError;
 use canopen::od::Dictionary;
-use canopen::{Duration, Event, Frame, Instant, Node, Settings};
+use canopen::{ControllerState, Duration, Event, Frame, Instant, Node, Settings};
 
 use crate::exchange::{Actuals, Share};
 use crate::faults::{FaultNotice, emergency};
@@ -129,6 +129,29 @@ impl<D: Dictionary + Objects> Device<D> {
     /// The owner of an object has finished a write that was to be completed later ([`Node::complete_write`]).
     pub fn complete_write(&mut self, index: u16, sub: u8, result: Result<(), AbortCode>) {
         self.node.complete_write(index, sub, result);
+    }
+
+    /// The state of the CAN controller ([`Node::controller_changed`]); bus-off brings the motor to rest.
+    pub fn controller_changed<X: Share>(
+        &mut self,
+        state: ControllerState,
+        now: Instant,
+        exchange: &mut X,
+    ) {
+        self.node.controller_changed(state, now);
+        if self.phase == Phase::Running {
+            self.post(exchange);
+        }
+    }
+
+    /// So many received frames were lost ([`Node::frames_lost`]).
+    pub fn frames_lost(&mut self, count: u32, now: Instant) {
+        self.node.frames_lost(count, now);
+    }
+
+    /// How long the controller stays off the bus after bus-off ([`Node::set_restart_delay`]).
+    pub fn set_restart_delay(&mut self, delay: Option<Duration>) {
+        self.node.set_restart_delay(delay);
     }
 
     /// The node, for its dictionary and state.

@@ -8,9 +8,12 @@
 
 use canopen::cia301::emergency::Emergency;
 use canopen::cia301::nmt::Reset;
+use canopen::cia301::time_stamp::TimeOfDay;
 use canopen::cia303::{Indicators, Signal};
 use canopen::node::StoreError;
-use canopen::{Application, BitRate, Frame, Instant, Node, NodeId, Settings};
+use canopen::{
+    Application, BitRate, ControllerState, Duration, Frame, Instant, Node, NodeId, Settings,
+};
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
@@ -195,6 +198,7 @@ fn node(node: &mut Node<Dictionary>) {
             }
         }
         6 => look(node.event().is_some().into()),
+        8 => network(node),
         7 => {
             look(node.overflows() + u32::from(node.settings().node_id.get()) + node.state() as u32);
         }
@@ -209,6 +213,44 @@ fn node(node: &mut Node<Dictionary>) {
             look(sent.is_ok().into());
         }
         _ => node.receive(&any_frame(), any_time(), &mut Objects),
+    }
+}
+
+/// What the node knows of the network and of its controller.
+#[inline(never)]
+fn network(node: &mut Node<Dictionary>) {
+    match any() {
+        0 => node.controller_changed(any_controller_state(), any_time()),
+        1 => node.frames_lost(any(), any_time()),
+        2 => node.set_restart_delay((any() == 0).then_some(Duration::from_ticks(any_u64()))),
+        3 => {
+            let counters = node.counters();
+            look(counters.bus_off + counters.restarts + counters.error_passive);
+            look(counters.lost_frames + counters.overflows);
+        }
+        4 => look(node.take_network_loss().into()),
+        5 => {
+            let state = NodeId::new(any() as u8).and_then(|node_id| node.remote_state(node_id));
+            look(state.map_or(0, |state| state as u32));
+        }
+        6 => {
+            if let Some(time) = TimeOfDay::new(any() as u16, any()) {
+                node.set_time_of_day(time, any_time());
+            }
+        }
+        7 => look(
+            node.time_of_day(any_time())
+                .map_or(0, |time| time.milliseconds() + u32::from(time.days())),
+        ),
+        _ => look(node.send_time_of_day(any_time()).into()),
+    }
+}
+
+fn any_controller_state() -> ControllerState {
+    match any() {
+        0 => ControllerState::ErrorActive,
+        1 => ControllerState::ErrorPassive,
+        _ => ControllerState::BusOff,
     }
 }
 
@@ -234,6 +276,9 @@ fn drive(device: &mut Device<Dictionary>, drive: &mut Drive, exchange: &mut impl
             look(u32::from(outputs.power_stage) + u32::from(outputs.drop_pulses));
         }
         6 => look(exchange.lock(|exchange| exchange.is_safe()).into()),
+        7 => device.controller_changed(any_controller_state(), any_time(), exchange),
+        8 => device.frames_lost(any(), any_time()),
+        9 => device.set_restart_delay((any() == 0).then_some(Duration::from_ticks(any_u64()))),
         _ => device.receive(&any_frame(), any_time(), exchange),
     }
 }

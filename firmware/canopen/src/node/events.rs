@@ -3,6 +3,7 @@
 use heapless::Deque;
 
 use super::Event;
+use crate::cia301::emergency::ReceivedEmergency;
 use crate::cia301::error_behaviour::CommunicationError;
 use crate::cia301::nmt::{NmtState, Reset};
 use crate::settings::{BitRate, Settings};
@@ -11,11 +12,16 @@ use crate::time::Instant;
 /// Most changes of state that wait.
 const MOST_STATES: usize = 8;
 
+/// Most emergency messages of others that wait.
+const MOST_EMERGENCIES: usize = 4;
+
 /// The events. What must be done has a place of its own and is never lost: the newest request of a kind replaces an older
-/// one. A reset comes last, as the device stands still until it is served. Only changes of state may be left out.
+/// one. A reset comes last, as the device stands still until it is served. Only changes of state and messages of others may be left out.
 #[derive(Debug)]
 pub(super) struct Events {
     states: Deque<NmtState, MOST_STATES>,
+    restart: bool,
+    emergencies: Deque<ReceivedEmergency, MOST_EMERGENCIES>,
     communication_error: Option<CommunicationError>,
     /// The same for who asks in between.
     network_lost: bool,
@@ -29,6 +35,8 @@ impl Events {
     pub(super) const fn new() -> Self {
         Self {
             states: Deque::new(),
+            restart: false,
+            emergencies: Deque::new(),
             communication_error: None,
             network_lost: false,
             store: None,
@@ -60,6 +68,18 @@ impl Events {
         core::mem::take(&mut self.network_lost)
     }
 
+    /// Asks for the CAN controller to be started again.
+    pub(super) fn request_restart(&mut self) {
+        self.restart = true;
+    }
+
+    /// Another device tells of an error. Of several the first ones are kept: they are nearest to the cause.
+    pub(super) fn emergency_received(&mut self, emergency: ReceivedEmergency) {
+        if self.emergencies.push_back(emergency).is_err() {
+            self.overflows = self.overflows.saturating_add(1);
+        }
+    }
+
     /// Asks for settings to be stored.
     pub(super) fn request_store(&mut self, settings: Settings) {
         self.store = Some(settings);
@@ -87,10 +107,16 @@ impl Events {
         self.reset.take()
     }
 
-    /// The next event, removed: changes of state in their order, the loss of the network, what LSS asks for, a reset.
+    /// The next event, removed: changes of state in their order, what the network brings, what LSS asks for, a reset.
     pub(super) fn pop(&mut self) -> Option<Event> {
         if let Some(state) = self.states.pop_front() {
             return Some(Event::StateChanged(state));
+        }
+        if core::mem::take(&mut self.restart) {
+            return Some(Event::RestartController);
+        }
+        if let Some(emergency) = self.emergencies.pop_front() {
+            return Some(Event::EmergencyReceived(emergency));
         }
         if let Some(error) = self.communication_error.take() {
             return Some(Event::CommunicationError(error));
@@ -104,7 +130,7 @@ impl Events {
         self.take_reset().map(Event::ResetRequested)
     }
 
-    /// Changes of state that found no room.
+    /// Changes of state, and emergency messages of others, that found no room.
     pub(super) fn overflows(&self) -> u32 {
         self.overflows
     }

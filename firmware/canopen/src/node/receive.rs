@@ -101,7 +101,7 @@ impl<D: Dictionary> Node<D> {
         }
         self.serve_lss_events();
         self.services.timers_changed = true;
-        self.is_mute = self.is_resetting || self.lss.is_silent(now);
+        self.is_mute = self.must_be_mute(now);
     }
 
     #[cold]

@@ -13,6 +13,7 @@ use crate::cia301::pdo;
 use crate::cia301::sdo::AbortCode;
 use crate::cia301::sync::{self, Beat, Sync};
 use crate::cia301::time_stamp::{self, TimeStamp};
+use crate::cia302::startup;
 use crate::od::{Counts, Dictionary, Entry};
 use crate::settings::NodeId;
 use crate::time::{Instant, earlier};
@@ -95,6 +96,10 @@ impl<C: Counts> Services<C> {
             time_stamp::COB_ID => self.time.validate(dictionary, value),
             parameters::STORE | parameters::RESTORE => self.parameters.validate(entry, value),
             heartbeat::CONSUMER_INDEX => self.consumers.validate(entry, value),
+            emergency::consumer::CONSUMER_INDEX => {
+                emergency::consumer::validate(dictionary, entry, value)
+            }
+            startup::INDEX => startup::validate(value),
             error_behaviour::INDEX => error_behaviour::validate(entry.sub, value),
             0x1400..=0x17FF => self.rpdos.validate(dictionary, entry, value),
             0x1800..=0x1BFF => self.tpdos.validate(dictionary, entry, value),
@@ -221,12 +226,13 @@ impl<C: Counts> Services<C> {
     }
 
     /// Calls `add` for each identifier that a parameter object gives to a service, to listen to or to send.
-    pub(super) fn identifiers<D: Dictionary>(&self, _: &D, mut add: impl FnMut(u16)) {
+    pub(super) fn identifiers<D: Dictionary>(&self, dictionary: &D, mut add: impl FnMut(u16)) {
         add(self.sync.cob_id());
         add(self.time.cob_id());
         self.emergency.cob_id().into_iter().for_each(&mut add);
         self.rpdos.cob_ids().for_each(&mut add);
         self.tpdos.cob_ids().for_each(&mut add);
+        emergency::consumer::consumed(dictionary).for_each(|(cob_id, _)| add(cob_id));
         let watched = self.consumers.watched();
         watched.map(cob_id::error_control).for_each(&mut add);
     }

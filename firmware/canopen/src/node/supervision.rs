@@ -1,7 +1,7 @@
 //! Watching the network, and what happens when it is lost: the emergency, the error behaviour 1029h, the word to the drive.
 
 use super::Node;
-use crate::cia301::emergency::{Emergency, ErrorRegister, code};
+use crate::cia301::emergency::{Emergency, ErrorRegister, code, consumer};
 use crate::cia301::error_behaviour::{self, CommunicationError};
 use crate::cia301::heartbeat::{Heard, HeartbeatError};
 use crate::od::Dictionary;
@@ -16,6 +16,7 @@ impl<D: Dictionary> Node<D> {
     pub(super) fn receive_other(&mut self, cob_id: u16, frame: &Frame, now: Instant) {
         if self.receive_error_control(cob_id, frame.payload(), now)
             || self.receive_time(cob_id, frame.payload(), now)
+            || self.receive_emergency(cob_id, frame)
         {
             return;
         }
@@ -71,6 +72,17 @@ impl<D: Dictionary> Node<D> {
         true
     }
 
+    /// An emergency message of another device; `false` if it is none that 1028h listens to.
+    fn receive_emergency(&mut self, cob_id: u16, frame: &Frame) -> bool {
+        let Some(emergency) = consumer::receive(&self.dictionary, cob_id, frame) else {
+            return false;
+        };
+        if self.state.has_sdo_and_emergency() {
+            self.events.emergency_received(emergency);
+        }
+        true
+    }
+
     /// Another device sends what only this one may send. It stands until communication starts anew.
     fn report_collision(&mut self, cob_id: u16, now: Instant) {
         let [low, high] = cob_id.to_le_bytes();
@@ -97,7 +109,7 @@ impl<D: Dictionary> Node<D> {
 
     /// The network is lost: told, and followed by the NMT state of 1029h. An emergency message that waits goes out even when
     /// the device stops itself: it says why.
-    fn communication_error(&mut self, error: CommunicationError, now: Instant) {
+    pub(super) fn communication_error(&mut self, error: CommunicationError, now: Instant) {
         self.report(error.emergency(), now);
         self.events.communication_error(error);
         if let Some(state) = error_behaviour::next_state(&self.dictionary, self.state) {
@@ -105,7 +117,7 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
-    fn clear_error(&mut self, emergency: &Emergency, now: Instant) {
+    pub(super) fn clear_error(&mut self, emergency: &Emergency, now: Instant) {
         self.services
             .clear_one(&mut self.dictionary, emergency, now);
     }

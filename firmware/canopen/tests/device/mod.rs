@@ -18,6 +18,8 @@ pub struct Firmware {
     pub is_running: bool,
     pub written: Vec<(u16, u8)>,
     pub power_ons: usize,
+    /// What the power-on value of 1F80h is, if it is not the one of the data sheet.
+    pub startup: Option<u32>,
 }
 
 impl Application<Objects> for Firmware {
@@ -35,6 +37,9 @@ impl Application<Objects> for Firmware {
     fn power_on(&mut self, dictionary: &mut Objects) {
         self.power_ons += 1;
         assert!(od::write_u32(dictionary, 0x1018, 4, 0x1234_5678));
+        if let Some(startup) = self.startup {
+            assert!(od::write_u32(dictionary, 0x1F80, 0, startup));
+        }
     }
 }
 

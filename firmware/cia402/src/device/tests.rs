@@ -5,8 +5,8 @@ mod rig;
 
 use std::format;
 
-use canopen::Event;
 use canopen::cia301::nmt::NmtState;
+use canopen::{ControllerState, Event};
 
 use crate::state_machine::State;
 use crate::statusword::{REMOTE, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
@@ -312,6 +312,21 @@ fn d29_a_lost_heartbeat_stops_the_motor_whatever_1029h_says() {
         station.milliseconds(50);
         assert_eq!(station.motor.position, stopped, "no jump at the return");
     }
+}
+
+#[test]
+fn d29_bus_off_stops_the_motor() {
+    let mut station = moving_and_watching(1);
+    station.controller(ControllerState::BusOff);
+    let stopped = station.rest();
+    assert!(stopped < 3_000);
+    station.milliseconds(5);
+    assert!(!station.power);
+    station.controller(ControllerState::ErrorActive);
+    station.send(0x705, &[0x05]);
+    station.milliseconds(50);
+    assert_eq!(station.state(), State::SwitchOnDisabled);
+    assert_eq!(station.motor.position, stopped, "no jump at the return");
 }
 
 #[test]

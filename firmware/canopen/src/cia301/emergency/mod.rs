@@ -13,13 +13,17 @@
 //! - The inhibit time delays messages and drops none; a new one counts at once. The queue holds sixteen. In a full one
 //!   the oldest message makes room for the newest, and is counted: the last word of the device agrees with the register.
 //! - An error of one source, such as the length error of one PDO, is cleared by itself; others of the same code stand.
+//!
+//! A device may listen to the messages of others: [`consumer`].
 
 mod active;
+pub mod consumer;
 mod history;
 mod parameters;
 mod producer;
 mod queue;
 
+pub use consumer::ReceivedEmergency;
 pub(crate) use history::is_present;
 pub use producer::Producer;
 

@@ -71,9 +71,9 @@ impl Producer {
     }
 }
 
-/// The rules of 1014h: it must be switched off (bit 31) before its identifier changes; bit 30 is reserved, and there are no
+/// The rules of 1014h and 1028h: a COB-ID must be switched off (bit 31) before its identifier changes; bit 30 is reserved, and there are no
 /// 29-bit identifiers.
-fn may_become(present: CobId, wanted: CobId) -> bool {
+pub(super) fn may_become(present: CobId, wanted: CobId) -> bool {
     const RESERVED: u32 = 1 << 30;
     if !wanted.is_base_frame() || wanted.0 & RESERVED != 0 {
         return false;

@@ -4,7 +4,7 @@ use std::format;
 use std::string::String;
 use std::vec::Vec;
 
-use canopen::{BitRate, Duration, Event, Frame, Instant, NodeId, Settings};
+use canopen::{BitRate, ControllerState, Duration, Event, Frame, Instant, NodeId, Settings};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
 
 use super::dictionary::DriveDictionary;
@@ -118,6 +118,12 @@ impl Station {
         self.device
             .receive(&Frame::data_frame(cob_id, data), stamp, &mut self.exchange);
         self.fetch();
+    }
+
+    /// The CAN controller changes its state.
+    pub(super) fn controller(&mut self, state: ControllerState) {
+        self.device
+            .controller_changed(state, self.now, &mut self.exchange);
     }
 
     fn fetch(&mut self) {

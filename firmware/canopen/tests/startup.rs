@@ -1,0 +1,55 @@
+//! NMT start-up 1F80h: N16 of the listed cases.
+
+mod device;
+
+use canopen::Event;
+use canopen::cia301::nmt::{NmtState, Reset};
+use device::{Device, abort};
+
+/// What is sent and what is told at power-on with this value of 1F80h.
+fn power_on(startup: u32) -> (Vec<String>, Vec<Event>) {
+    let mut device = Device::off();
+    device.firmware.startup = Some(startup);
+    device.boot(Reset::Node);
+    device.poll();
+    (device.sent(), device.events())
+}
+
+#[test]
+fn n16_bit_2_decides_who_starts_the_device() {
+    let pre_operational = Event::StateChanged(NmtState::PreOperational);
+    let operational = Event::StateChanged(NmtState::Operational);
+    assert_eq!(
+        power_on(0),
+        (
+            vec!["704#00".to_string(), "184#0000000000000000".to_string()],
+            vec![pre_operational, operational]
+        )
+    );
+    assert_eq!(
+        power_on(4),
+        (vec!["704#00".to_string()], vec![pre_operational])
+    );
+}
+
+#[test]
+fn n16_it_counts_at_the_next_boot() {
+    let mut device = Device::new();
+    assert_eq!(device.ask("604#23801F0000000000"), ["584#60801F0000000000"]);
+    assert!(device.pass(1_000).is_empty());
+    assert_eq!(device.node.state(), NmtState::PreOperational);
+}
+
+#[test]
+fn n16_the_bits_of_an_nmt_master_are_refused() {
+    let mut device = Device::new();
+    for bit in [0, 1, 3, 4, 5, 6, 31] {
+        let value = 1_u32 << bit;
+        let bytes = value.to_le_bytes().map(|byte| format!("{byte:02X}"));
+        assert_eq!(
+            device.ask(&format!("604#23801F00{}", bytes.concat())),
+            [abort(0x1F80, 0, 0x0609_0030)]
+        );
+    }
+    assert_eq!(device.ask("604#23801F0004000000"), ["584#60801F0000000000"]);
+}
