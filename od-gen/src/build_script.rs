@@ -4,17 +4,21 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::{env, fs, process};
 
+use crate::bind::{self, Binding, BindingReport};
 use crate::diagnostic::Colour;
 use crate::generate::{Options, generate};
+use crate::model::Model;
 use crate::report::Report;
 
 /// For a build script: reads the data sheet `eds` (a path from the package's folder), writes the dictionary to `output` in
 /// `OUT_DIR`, and has cargo run the script again when the data sheet changes. The crate takes it in with
 /// `include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));` inside of a module of its own.
 ///
-/// What is wrong with the data sheet is printed as a compiler would, then the build ends with exit code 1; warnings are passed on
+/// For a drive the bindings beside the data sheet (`NAME.bind.toml`) are read too, unless `options` brings some.
+///
+/// What is wrong with the files is printed as a compiler would, then the build ends with exit code 1; warnings are passed on
 /// to cargo.
-pub fn build(eds: impl AsRef<Path>, output: &str, options: Options) {
+pub fn build(eds: impl AsRef<Path>, output: &str, options: Options<'_>) {
     let eds = eds.as_ref();
     println!("cargo::rerun-if-changed={}", eds.display());
     let report = Report::read(eds)
@@ -29,10 +33,42 @@ pub fn build(eds: impl AsRef<Path>, output: &str, options: Options) {
     let Some(folder) = env::var_os("OUT_DIR") else {
         fail("error: od_gen::build is for build scripts: OUT_DIR is not set");
     };
+    let bindings = if options.cia402 && options.bindings.is_empty() {
+        bindings(eds, &model)
+    } else {
+        options.bindings.to_vec()
+    };
+    let options = Options {
+        bindings: &bindings,
+        ..options
+    };
     let path = Path::new(&folder).join(output);
     if let Err(error) = fs::write(&path, generate(&model, options)) {
         fail(&format!("{}: error: {error}", path.display()));
     }
+}
+
+/// The bindings beside the data sheet.
+fn bindings(eds: &Path, model: &Model) -> Vec<Binding> {
+    let file = bind::file_beside(eds);
+    let report = match BindingReport::beside(eds, model) {
+        Ok(Some(report)) => report,
+        Ok(None) => {
+            // Should there be some one day, the folder changes.
+            let folder = eds.parent().unwrap_or(eds);
+            println!("cargo::rerun-if-changed={}", folder.display());
+            return Vec::new();
+        }
+        Err(error) => fail(&format!("{}: error: {error}", file.display())),
+    };
+    println!("cargo::rerun-if-changed={}", file.display());
+    if report.has_errors() {
+        fail(report.render(Colour::Never).trim_end());
+    }
+    for finding in &report.findings {
+        println!("cargo::warning={finding}");
+    }
+    report.bindings
 }
 
 fn fail(message: &str) -> ! {

@@ -14,6 +14,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod bind;
 mod build_script;
 mod data_type;
 mod diagnostic;
@@ -29,6 +30,7 @@ pub mod rules;
 mod source;
 mod xdd;
 
+pub use bind::BindingReport;
 pub use build_script::build;
 pub use data_type::DataType;
 pub use diagnostic::{Colour, Diagnostic, Severity, render};

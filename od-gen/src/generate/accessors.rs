@@ -52,7 +52,7 @@ pub(super) fn value_type(data_type: DataType) -> &'static str {
 }
 
 /// Whether a number has fewer bytes than its Rust type.
-fn is_narrow(data_type: DataType) -> bool {
+pub(super) fn is_narrow(data_type: DataType) -> bool {
     let size = data_type.size().unwrap_or_default();
     data_type.range().is_some() && matches!(size, 3 | 5..=7) && !is_time(data_type)
 }

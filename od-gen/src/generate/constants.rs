@@ -1,6 +1,7 @@
 //! Indices by name, and how many of each service there are.
 
 use super::format::constant;
+use super::layout::Layout;
 use super::{ALLOW_UNUSED, names};
 use crate::model::Model;
 
@@ -32,4 +33,24 @@ fn counts(model: &Model) -> String {
         "/// Receive PDOs, transmit PDOs, SDO servers, heartbeat consumers, objects in a PDO.\n\
          pub type Counts = ::canopen::od::Count<{rpdos}, {tpdos}, {servers}, {consumers}, {mapped}>;\n\n"
     )
+}
+
+/// What every value is called, for traces and tools.
+pub(super) fn names(layout: &Layout<'_>) -> String {
+    let count = layout.rows.len();
+    let mut out =
+        String::from("/// The name of each value, in the order of the descriptor table.\n");
+    out += ALLOW_UNUSED;
+    out += "#[rustfmt::skip]\n";
+    out += &format!("pub static NAMES: [&str; {count}] = [\n");
+    for row in &layout.rows {
+        let name = if row.object.object_type.has_subs() {
+            format!("{}: {}", row.object.name, row.entry.name)
+        } else {
+            row.object.name.clone()
+        };
+        out += &format!("    {name:?},\n");
+    }
+    out += "];\n\n";
+    out
 }

@@ -1,60 +1,252 @@
 //! The CiA 402 objects as the firmware sees them: an implementation of `cia402::Objects`.
 //!
 //! Each method has the type of the data sheet, so a data sheet that disagrees with the firmware does not compile. Objects the
-//! data sheet leaves out keep the trait's own answer.
+//! data sheet leaves out keep the trait's own answer. Bindings put other objects in their place or beside them: the first
+//! that can be written is what the drive reads, unless the object of CiA 402 itself is there; the others follow it.
 
-use super::accessors::value_type;
+use cia402::parameters::{self, Description, Direction};
+
+use super::accessors::{is_narrow, value_type};
 use super::documentation::title;
-use super::layout::Layout;
+use super::layout::{Layout, Place, Row};
+use super::sites::{Site, sites};
+use super::{ABORT_CODE, bindings};
+use crate::bind::Binding;
 
-enum Way {
-    Get,
-    Set,
-}
+/// Converts between the numbers of the dictionary, which have different types.
+const NUMBER: &str = "::cia402::binding::Number";
 
-/// The methods of `cia402::Objects`: name of the object, its place in the dictionary, and the way it goes.
-const OBJECTS: [(&str, u16, u8, Way); 19] = [
-    ("error_code", 0x603F, 0, Way::Set),
-    ("controlword", 0x6040, 0, Way::Get),
-    ("statusword", 0x6041, 0, Way::Set),
-    ("quick_stop_option_code", 0x605A, 0, Way::Get),
-    ("modes_of_operation", 0x6060, 0, Way::Get),
-    ("modes_of_operation_display", 0x6061, 0, Way::Set),
-    ("position_demand_value", 0x6062, 0, Way::Set),
-    ("position_actual_internal_value", 0x6063, 0, Way::Set),
-    ("position_actual_value", 0x6064, 0, Way::Set),
-    ("position_window", 0x6067, 0, Way::Get),
-    ("position_window_time", 0x6068, 0, Way::Get),
-    ("target_position", 0x607A, 0, Way::Get),
-    ("min_position_limit", 0x607D, 1, Way::Get),
-    ("max_position_limit", 0x607D, 2, Way::Get),
-    ("profile_velocity", 0x6081, 0, Way::Get),
-    ("profile_acceleration", 0x6083, 0, Way::Get),
-    ("profile_deceleration", 0x6084, 0, Way::Get),
-    ("quick_stop_deceleration", 0x6085, 0, Way::Get),
-    ("supported_drive_modes", 0x6502, 0, Way::Get),
-];
-
-pub(super) fn write(layout: &Layout<'_>) -> String {
-    let mut methods = Vec::new();
-    for (method, index, sub, way) in OBJECTS {
-        let Some(row) = layout.row(index, sub) else {
+pub(super) fn write(layout: &Layout<'_>, bound: &[Binding]) -> String {
+    let all: Vec<(&Description, Vec<Site<'_>>)> = parameters::ALL
+        .iter()
+        .map(|parameter| (parameter, sites(layout, bound, parameter)))
+        .collect();
+    let mut methods: Vec<String> = Vec::new();
+    for (parameter, sites) in &all {
+        let Some(home) = sites.first() else {
             continue;
         };
-        // Where the trait has another type, the compiler says so.
-        let number = value_type(row.entry.data_type);
-        let (title, own) = (title(row), &row.name);
-        methods.push(match way {
-            Way::Get => format!(
-                "    // {title}.\n    fn {method}(&self) -> {number} {{\n        Self::{own}(self)\n    }}\n"
-            ),
-            Way::Set => format!(
-                "    // {title}.\n    fn set_{method}(&mut self, value: {number}) {{\n        Self::set_{own}(self, value);\n    }}\n"
-            ),
+        methods.push(match parameter.direction {
+            Direction::Taken => getter(parameter, home),
+            Direction::Shown => setter(parameter, sites),
         });
     }
-    format!(
+    if !bound.is_empty() {
+        methods.push(parameter(&all));
+        methods.extend(converted(&all));
+        methods.extend(carry_over(&all));
+        methods.extend(agree(&all));
+    }
+    if methods.is_empty() {
+        return "impl ::cia402::Objects for Dictionary {}\n\n".into();
+    }
+    let mut out = bindings::write(&all);
+    if !bound.is_empty() {
+        // Calls within calls: one line each reads better than what rustfmt makes of them.
+        out += "#[rustfmt::skip]\n";
+    }
+    out += &format!(
         "impl ::cia402::Objects for Dictionary {{\n{}}}\n\n",
         methods.join("\n")
+    );
+    out
+}
+
+fn getter(parameter: &Description, home: &Site<'_>) -> String {
+    let (title, own, method) = (title(home.row), &home.row.name, parameter.name);
+    let Some(module) = home.module() else {
+        // Where the trait has another type, the compiler says so.
+        let number = value_type(home.row.entry.data_type);
+        return format!(
+            "    // {title}.\n    fn {method}(&self) -> {number} {{\n        Self::{own}(self)\n    }}\n"
+        );
+    };
+    let number = parameter.number.name();
+    // Writes are checked, so that only the default is left for a number that means nothing.
+    let default = home.default();
+    format!(
+        "    // {title}.\n    fn {method}(&self) -> {number} {{\n        \
+         let number = {module}::to_parameter({NUMBER}::number(Self::{own}(self)));\n        \
+         {NUMBER}::nearest(number.unwrap_or({default}))\n    }}\n"
     )
+}
+
+fn setter(parameter: &Description, sites: &[Site<'_>]) -> String {
+    let method = parameter.name;
+    let titles: Vec<String> = sites.iter().map(|site| title(site.row)).collect();
+    let number = match sites.first().filter(|home| home.binding.is_none()) {
+        Some(home) => value_type(home.row.entry.data_type),
+        None => parameter.number.name(),
+    };
+    let mut out = format!(
+        "    // {}.\n    fn set_{method}(&mut self, value: {number}) {{\n",
+        titles.join("; ")
+    );
+    for site in sites {
+        out += &match site.module() {
+            None => format!("        Self::set_{}(self, value);\n", site.row.name),
+            Some(_) => put(site, &format!("{NUMBER}::number(value)")),
+        };
+    }
+    out + "    }\n"
+}
+
+/// Statements that give an object the number that shows `number` of the parameter, an expression of type `i64`.
+fn put(site: &Site<'_>, number: &str) -> String {
+    let own = &site.row.name;
+    let set = |number: &str| {
+        let data_type = site.row.entry.data_type;
+        if is_narrow(data_type) {
+            let (low, high) = data_type.range().unwrap_or_default();
+            let own_type = value_type(data_type);
+            format!("let _ = Self::set_{own}(self, {number}.clamp({low}, {high}) as {own_type});\n")
+        } else {
+            format!("Self::set_{own}(self, {NUMBER}::nearest({number}));\n")
+        }
+    };
+    match site.module() {
+        Some(module) => format!(
+            "        if let Some(number) = {module}::to_object({number}) {{\n            {}        }}\n",
+            set("number")
+        ),
+        None => format!("        {}", set(number)),
+    }
+}
+
+/// Objects that are written for each parameter.
+fn parameter(all: &[(&Description, Vec<Site<'_>>)]) -> String {
+    let mut out = String::from(
+        "    fn parameter(entry: &::canopen::od::Entry) -> Option<::cia402::Parameter> {\n        \
+         use ::cia402::Parameter;\n        match (entry.index, entry.sub) {\n",
+    );
+    for (parameter, sites) in all {
+        for site in sites.iter().filter(|site| !site.is_home_of(parameter)) {
+            out += &format!(
+                "            {} => Some(Parameter::{:?}),\n",
+                key(site.row),
+                parameter.parameter
+            );
+        }
+    }
+    out + "            (index, sub) => Parameter::at(index, sub),\n        }\n    }\n"
+}
+
+/// What a number that is written means to the drive.
+fn converted(all: &[(&Description, Vec<Site<'_>>)]) -> Option<String> {
+    let mut arms = String::new();
+    for (parameter, sites) in all {
+        let home = sites.first();
+        for site in sites {
+            let Some(module) = site.module().filter(|_| site.is_taken) else {
+                continue;
+            };
+            let (mut low, mut high) = parameter.range;
+            // What the drive reads keeps its own limits.
+            if let Some(home) = home.filter(|home| home.binding.is_none()) {
+                let (least, most) = home.row.entry.integer_limits();
+                low = low.max(least.unwrap_or(i64::MIN));
+                high = high.min(most.unwrap_or(i64::MAX));
+            }
+            arms += &format!(
+                "            {} => {{\n                \
+                 ::cia402::binding::within({module}::to_parameter(number), {low}, {high})\n            }}\n",
+                key(site.row)
+            );
+        }
+    }
+    if arms.is_empty() {
+        return None;
+    }
+    Some(format!(
+        "    fn converted(entry: &::canopen::od::Entry, number: i64) -> Result<i64, {ABORT_CODE}> {{\n        \
+         match (entry.index, entry.sub) {{\n{arms}            _ => Ok(number),\n        }}\n    }}\n"
+    ))
+}
+
+/// After a write to one of several objects of a parameter.
+fn carry_over(all: &[(&Description, Vec<Site<'_>>)]) -> Option<String> {
+    let mut arms = String::new();
+    for (parameter, sites) in all {
+        let Some((home, others)) = sites.split_first().filter(|(_, others)| !others.is_empty())
+        else {
+            continue;
+        };
+        if parameter.direction == Direction::Shown {
+            continue;
+        }
+        for written in sites.iter().filter(|site| site.is_taken) {
+            let mut body = String::new();
+            if let Some(module) = written.module().filter(|_| written.key() != home.key()) {
+                body += &format!(
+                    "        let number = {module}::to_parameter({NUMBER}::number(Self::{}(self)));\n",
+                    written.row.name
+                );
+                body +=
+                    "        let Some(number) = number else {\n            return;\n        };\n";
+                if matches!(home.row.place, Place::Ram(_)) {
+                    body += &put(home, "number");
+                }
+            } else {
+                body += &present(parameter);
+            }
+            let followers = others
+                .iter()
+                .filter(|site| site.is_shown && site.key() != written.key());
+            body += &followers
+                .map(|site| put(site, "number"))
+                .collect::<String>();
+            arms += &format!(
+                "            {} => {{\n{}            }}\n",
+                key(written.row),
+                deeper(&body)
+            );
+        }
+    }
+    if arms.is_empty() {
+        return None;
+    }
+    let allow = if arms.matches(" => {\n").count() == 1 {
+        "    #[allow(clippy::single_match, reason = \"there could be more objects\")]\n"
+    } else {
+        ""
+    };
+    Some(format!(
+        "{allow}    fn carry_over(&mut self, entry: &::canopen::od::Entry) {{\n        \
+         match (entry.index, entry.sub) {{\n{arms}            _ => {{}}\n        }}\n    }}\n"
+    ))
+}
+
+/// After values were loaded.
+fn agree(all: &[(&Description, Vec<Site<'_>>)]) -> Option<String> {
+    let mut body = String::new();
+    for (parameter, sites) in all {
+        if parameter.direction == Direction::Shown {
+            continue;
+        }
+        let followers = sites.iter().skip(1).filter(|site| site.is_shown);
+        let statements: String = followers.map(|site| put(site, "number")).collect();
+        if !statements.is_empty() {
+            body += &present(parameter);
+            body += &statements;
+        }
+    }
+    (!body.is_empty()).then(|| format!("    fn agree(&mut self) {{\n{body}    }}\n"))
+}
+
+/// The number of a parameter that the drive reads.
+fn present(parameter: &Description) -> String {
+    format!(
+        "        let number = {NUMBER}::number(::cia402::Objects::{}(self));\n",
+        parameter.name
+    )
+}
+
+fn deeper(body: &str) -> String {
+    body.lines()
+        .map(|line| format!("        {line}\n"))
+        .collect()
+}
+
+fn key(row: &Row<'_>) -> String {
+    format!("(0x{:04X}, {})", row.object.index, row.entry.sub)
 }

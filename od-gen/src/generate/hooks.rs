@@ -196,7 +196,7 @@ fn adapter(hooked: &[&Row<'_>], streamed: &[&Row<'_>]) -> String {
             }
         }
     }
-    out += "    fn power_on(&mut self, dictionary: &mut Dictionary) {\n        self.0.power_on(dictionary);\n    }\n}\n\n";
+    out += "    fn power_on(&mut self, dictionary: &mut Dictionary) {\n        Hooks::power_on(&mut self.0, dictionary);\n    }\n}\n\n";
     out
 }
 
@@ -220,7 +220,7 @@ fn validate(rows: &[&Row<'_>]) -> String {
         } else {
             "::canopen::od::Value::of(value)"
         };
-        let start = format!("A::check_{}", row.name);
+        let start = format!("Hooks::check_{}", row.name);
         out += &arm(12, &key(row), &start, &["hooks", "dictionary", value], "");
     }
     out += "            _ => Ok(()),\n        }\n    }\n";
@@ -241,7 +241,7 @@ fn written(rows: &[&Row<'_>]) -> String {
     );
     out += "        let Self(hooks) = self;\n        match (entry.index, entry.sub) {\n";
     for row in rows {
-        let start = format!("A::apply_{}", row.name);
+        let start = format!("Hooks::apply_{}", row.name);
         out += &arm(12, &key(row), &start, &["hooks", "dictionary"], ";");
     }
     out += "            _ => {}\n        }\n    }\n";

@@ -4,6 +4,7 @@
 //! the crate `canopen`, and `cia402` for a drive.
 
 mod accessors;
+mod bindings;
 mod constants;
 mod documentation;
 mod drive;
@@ -11,38 +12,54 @@ mod format;
 mod hooks;
 mod layout;
 mod names;
+mod sites;
 mod table;
 
 use std::path::Path;
 
+use crate::bind::Binding;
 use crate::model::Model;
 use layout::Layout;
 
 /// What is generated beside the dictionary itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Options {
+pub struct Options<'a> {
     /// Implement `cia402::Objects` with the CiA 402 objects of the data sheet.
     pub cia402: bool,
+    /// Objects that stand for parameters of the drive.
+    pub bindings: &'a [Binding],
+    /// Write the names of all values too: a table of texts in flash.
+    pub names: bool,
 }
 
-impl Options {
+impl Options<'_> {
     /// A dictionary that needs nothing but `canopen`.
-    pub const DEVICE: Self = Self { cia402: false };
+    pub const DEVICE: Self = Self {
+        cia402: false,
+        bindings: &[],
+        names: false,
+    };
     /// The dictionary of a drive.
-    pub const DRIVE: Self = Self { cia402: true };
+    pub const DRIVE: Self = Self {
+        cia402: true,
+        ..Self::DEVICE
+    };
 }
 
 /// Writes the Rust module of a data sheet, to be taken in with `include!`.
-pub fn generate(model: &Model, options: Options) -> String {
+pub fn generate(model: &Model, options: Options<'_>) -> String {
     let layout = Layout::new(model);
     let mut out = header(model);
     out += &dictionary(model);
     out += &accessors::write(&layout);
     out += &hooks::write(&layout);
     if options.cia402 {
-        out += &drive::write(&layout);
+        out += &drive::write(&layout, options.bindings);
     }
     out += &constants::write(model);
+    if options.names {
+        out += &constants::names(&layout);
+    }
     out += &table::write(&layout);
     out
 }

@@ -3,6 +3,7 @@
 //! Each file here declares the rules of one subject. Those about reading, structure and values are checked while a file is
 //! parsed; the others look at the finished model.
 
+pub(crate) mod binding;
 mod communication;
 mod drive;
 pub(crate) mod reading;
@@ -80,7 +81,12 @@ impl Rule {
 }
 
 /// The rules of a file, by subject.
-const FILE_SUBJECTS: &[&[&Rule]] = &[reading::RULES, structure::RULES, value::RULES];
+const FILE_SUBJECTS: &[&[&Rule]] = &[
+    reading::RULES,
+    structure::RULES,
+    value::RULES,
+    binding::RULES,
+];
 
 /// The rules of the finished model, by subject.
 const MODEL_SUBJECTS: &[&[&Rule]] = &[

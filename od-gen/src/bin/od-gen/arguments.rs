@@ -16,6 +16,8 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Print the dictionary as a Rust module
     Rust(Rust),
+    /// List which objects stand for which parameters of the drive, and check the file beside the data sheet that says so
+    Bindings(Bindings),
     /// Print the dictionary as a reference for people
     Doc(Doc),
 }
@@ -27,9 +29,18 @@ pub(crate) struct Rust {
     /// Implement `cia402::Objects` too
     #[arg(long)]
     pub(crate) cia402: bool,
+    /// Write the names of all values too
+    #[arg(long)]
+    pub(crate) names: bool,
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Bindings {
+    /// The electronic data sheet; the bindings are in the same place, with the extension .bind.toml
+    pub(crate) file: PathBuf,
 }
 
 #[derive(Debug, Args)]

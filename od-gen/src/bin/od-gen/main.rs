@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod bindings;
 mod doc;
 mod input;
 mod output;
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         }
     };
     let done = match arguments.command {
+        Command::Bindings(arguments) => bindings::run(&arguments),
         Command::Doc(arguments) => doc::run(&arguments),
         Command::Rust(arguments) => rust::run(&arguments),
     };

@@ -11,7 +11,13 @@ use crate::{input, output};
 pub(crate) fn run(arguments: &Rust) -> Result<ExitCode, Failure> {
     let model = input::model(&arguments.file)?;
     let cia402 = arguments.cia402;
-    let text = od_gen::generate(&model, Options { cia402 });
+    let bindings = input::bindings(&arguments.file, &model)?;
+    let options = Options {
+        cia402,
+        bindings: &bindings,
+        names: arguments.names,
+    };
+    let text = od_gen::generate(&model, options);
     output::write(&text, arguments.output.as_deref())?;
     Ok(ExitCode::SUCCESS)
 }

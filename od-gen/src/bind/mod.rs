@@ -1,0 +1,151 @@
+//! Bindings: which objects of a manufacturer stand for which parameters of the drive.
+//!
+//! A file `*.bind.toml` beside the data sheet lists them. With it the dictionary of another vendor drives the same firmware
+//! without code: `parameter = object * scale + offset`, or a list of values for codes. Every line is checked against the data
+//! sheet and against the parameters that the drive offers ([`cia402::parameters`]).
+//!
+//! ```toml
+//! [[binding]]
+//! object = "2054h"                # index; a sub-index behind a colon
+//! parameter = "profile_velocity"
+//! scale = "1/10"                  # a whole number or a fraction; 1 if left out
+//! offset = 0
+//! access = "rw"                   # ro: shows only, wo: is taken only, rw: both
+//!
+//! [[binding]]
+//! object = "2060h:1"
+//! parameter = "quick_stop_option_code"
+//! values = { 0 = 2, 1 = 6 }       # object = parameter; other values are refused
+//!
+//! [storage]
+//! objects = ["2100h-21FFh"]       # meant to be plain storage: not reported
+//! ```
+
+mod check;
+mod file;
+mod place;
+
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use cia402::binding::Conversion;
+use cia402::parameters::Description;
+
+use crate::diagnostic::{Colour, Diagnostic, Findings, Severity, render};
+use crate::model::Model;
+use crate::source::Source;
+
+/// One object that stands for a parameter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Binding {
+    /// Index.
+    pub index: u16,
+    /// Sub-index.
+    pub sub: u8,
+    /// The parameter.
+    pub parameter: &'static Description,
+    /// How their numbers relate.
+    pub meaning: Meaning,
+    /// Whether a write to the object changes the parameter.
+    pub is_taken: bool,
+    /// Whether the object follows the parameter.
+    pub is_shown: bool,
+}
+
+/// How the numbers of an object and of its parameter relate.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// `parameter = object * numerator / denominator + offset`.
+    Scale {
+        /// Not 0.
+        numerator: i32,
+        /// Above 0.
+        denominator: i32,
+        /// In the unit of the parameter.
+        offset: i64,
+    },
+    /// Pairs of a number of the object and one of the parameter.
+    Values(Vec<(i64, i64)>),
+}
+
+impl Meaning {
+    /// What a number of the object means, as the firmware will have it.
+    pub fn to_parameter(&self, object: i64) -> Option<i64> {
+        match self {
+            Self::Scale {
+                numerator,
+                denominator,
+                offset,
+            } => Some(Conversion::new(*numerator, *denominator, *offset).to_parameter(object)),
+            Self::Values(pairs) => {
+                let found = pairs.iter().find(|(from, _)| *from == object);
+                found.map(|(_, to)| *to)
+            }
+        }
+    }
+}
+
+/// The bindings of a data sheet, with everything that there is to say about them.
+#[derive(Clone, Debug)]
+pub struct BindingReport {
+    /// The text that the findings point into.
+    pub source: Source,
+    /// What could be read: all where there are no errors.
+    pub bindings: Vec<Binding>,
+    /// Objects of the manufacturer that stand for nothing: plain storage.
+    pub unbound: Vec<u16>,
+    /// What is wrong, in the order of the file.
+    pub findings: Vec<Diagnostic>,
+}
+
+impl BindingReport {
+    /// Reads the bindings beside a data sheet; `None` where it has none.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn beside(eds: &Path, model: &Model) -> io::Result<Option<Self>> {
+        let path = file_beside(eds);
+        match fs::read_to_string(&path) {
+            Ok(text) => Ok(Some(Self::new(&path.display().to_string(), &text, model))),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Checks a text that is at hand. `file` is its name, for the findings.
+    pub fn new(file: &str, text: &str, model: &Model) -> Self {
+        let mut findings = Findings::new(file);
+        let source = Source::new(file, text, &mut findings);
+        let (bindings, unbound) = match file::read(&source, &mut findings) {
+            Some(file) => check::check(&file, &source, model, &mut findings),
+            None => Default::default(),
+        };
+        Self {
+            source,
+            bindings,
+            unbound,
+            findings: findings.into_sorted(),
+        }
+    }
+
+    /// Whether something is wrong that leaves the file unusable.
+    pub fn has_errors(&self) -> bool {
+        let mut findings = self.findings.iter();
+        findings.any(|finding| finding.severity == Severity::Error)
+    }
+
+    /// The findings with their lines, one after the other.
+    pub fn render(&self, colour: Colour) -> String {
+        let findings = self.findings.iter();
+        let rendered = findings.map(|finding| render(finding, &self.source, colour) + "\n");
+        rendered.collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// The file with the bindings of a data sheet: its name with `.bind.toml` in place of the extension.
+pub fn file_beside(eds: &Path) -> PathBuf {
+    eds.with_extension("bind.toml")
+}
+
+#[cfg(test)]
+mod tests;
