@@ -20,3 +20,4 @@ mod sdo;
 mod state_machine;
 mod storage;
 mod sync_emergency;
+mod sync_producer;
