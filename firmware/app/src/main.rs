@@ -6,9 +6,7 @@
 //! | `can_received`, `serial` | 4 | CAN controller | stamps frames and queues them |
 //! | `can_sent`, `can_error` | 4 | CAN controller | room for the next frame; bus-off |
 //! | `control` | 3 | system timer, 1 kHz | state machine, mode, planner |
-//! | `node` | 2 | a frame, room to send, every control tick | CANopen |
-//! | `stored` | 2 | `storage` | the answer to who wanted to store |
-//! | `storage` | 1 | `node` | writes the parameter sectors |
+//! | `node` | 2 | a frame, room to send, every control tick | CANopen; writes the parameter sectors |
 //! | `lights` | 1 | `node`, every 50 ms | green and red light |
 //!
 //! A task may only be interrupted by those above it. What two of them share is locked while a snapshot is copied or a
@@ -43,8 +41,6 @@ mod share;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI1, SPI2])]
 mod app {
     use canopen::cia303::Signal;
-    use canopen::node::StoreError;
-    use canopen::Settings;
     use cia402::Exchange;
     use motion::step_interrupt::{self, Player};
 
@@ -53,7 +49,7 @@ mod app {
     use crate::inbox::{self, Inbox, Lost};
     use crate::lights::Panel;
     use crate::node::Node;
-    use crate::settings::{self, Parameters};
+    use crate::settings;
 
     #[shared]
     struct Shared {
@@ -70,7 +66,6 @@ mod app {
     struct Local {
         player: Player<'static, <Selected as Board>::Steps>,
         control: Control,
-        store: Parameters<<Selected as Board>::Parameters>,
         panel: Panel<<Selected as Board>::Lights>,
     }
 
@@ -98,7 +93,7 @@ mod app {
         let (pulses, player) = step_interrupt::split(cx.local.steps, steps, TIMING);
         let (inbox, received) = Inbox::new(cx.local.frames, cx.local.lost);
         let mut exchange = Exchange::new();
-        let mut node = Node::new(settings, serial_number, received);
+        let mut node = Node::new(settings, serial_number, received, store);
         node.power_on(&mut exchange);
         board::start_control_tick::<Selected>(cx.core.SYST, RATE_HZ);
 
@@ -112,7 +107,6 @@ mod app {
         let local = Local {
             player,
             control: Control::new(pulses, stage, cx.local.lost),
-            store,
             panel: Panel::new(lights),
         };
         (shared, local, init::Monotonics())
@@ -167,22 +161,10 @@ mod app {
     #[task(priority = 2, shared = [exchange, bus, alive, node])]
     fn node(mut cx: node::Context) {
         cx.shared.alive.lock(|alive| *alive = true);
-        let store = |settings| storage::spawn(settings).is_ok();
-        cx.shared.node.run(cx.shared.exchange, cx.shared.bus, store);
+        cx.shared.node.run(cx.shared.exchange, cx.shared.bus);
         if let Some(signal) = cx.shared.node.signal() {
             lights::spawn(signal).ok();
         }
-    }
-
-    #[task(priority = 2, shared = [node])]
-    fn stored(cx: stored::Context, result: Result<(), StoreError>) {
-        cx.shared.node.settings_stored(result);
-        node::spawn().ok();
-    }
-
-    #[task(priority = 1, local = [store])]
-    fn storage(cx: storage::Context, settings: Settings) {
-        stored::spawn(settings::save(cx.local.store, &settings)).ok();
     }
 
     #[task(priority = 1, local = [panel])]

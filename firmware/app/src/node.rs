@@ -2,21 +2,22 @@
 //!
 //! It runs after a frame, after room to send, and after every control tick; CANopen itself is [`Device`]'s. Frames are
 //! handed over with the time they arrived, and what the device answers goes to the controller between them. What the
-//! device asks of the firmware (store settings, switch the bit rate) is started here and answered when it is done.
+//! device asks of the firmware (store, switch the bit rate) is done here.
 //!
 //! The contract:
 //! - One run takes no more frames than can wait, so timers and the watchdog are served under any load of the bus.
 //! - A frame the controller has no room for is kept and offered again, the most urgent first; none is dropped here,
 //!   unless the device is reset: then the boot-up message is the first.
-//! - Settings are stored only while the drive is safe, as writing to flash stops the processor. A master that does not
-//!   switch the drive off gets an error, in time.
+//! - Settings and parameters are stored only while the drive is safe, as writing to flash stops the processor. A master that
+//!   does not switch the drive off gets an error, in time. Commands come from this task too, so none can switch the drive on
+//!   while flash is written. One run writes one chunk, or the settings.
 //! - The bit rate changes at the moment the device said, not earlier, and after the frame that is on the bus then; one this board cannot make was refused before.
 
 use canopen::cia301::nmt::NmtState;
 use canopen::cia303::{Pattern, Signal};
 use canopen::node::StoreError;
 use canopen::{BitRate, Duration, Event, Instant, Settings};
-use cia402::{Device, Exchange};
+use cia402::{Device, Exchange, Share};
 use rtic::Mutex;
 
 use crate::board::{Board, Bus, Receive, Selected};
@@ -24,6 +25,7 @@ use crate::clock;
 use crate::dictionary::Dictionary;
 use crate::inbox::{Received, Stamped};
 use crate::outbox::Outbox;
+use crate::settings::{self, Parameters};
 use crate::share::Locked;
 
 /// Writing to flash may stop the processor for a while, so it waits until the motor has no current; a master that asks
@@ -42,6 +44,7 @@ pub struct Node {
     received: Received,
     /// Frames the controller had no room for.
     outbox: Outbox,
+    store: Parameters<<Selected as Board>::Parameters>,
     /// Settings that wait to be stored, and until when they may.
     to_store: Option<(Settings, Instant)>,
     /// A bit rate that the layer setting services have ordered, and when to change to it.
@@ -52,11 +55,22 @@ pub struct Node {
 }
 
 impl Node {
-    /// A node that starts as the settings say. `serial_number` becomes object 1018h:4.
-    pub fn new(settings: Settings, serial_number: u32, received: Received) -> Self {
+    /// A node that starts as the settings say, with what is stored. `serial_number` becomes object 1018h:4.
+    pub fn new(
+        settings: Settings,
+        serial_number: u32,
+        received: Received,
+        store: Parameters<<Selected as Board>::Parameters>,
+    ) -> Self {
+        let device =
+            Device::new(Dictionary::new(), settings, serial_number).supporting(CanBus::BIT_RATES);
+        let device = match store {
+            Some(_) => device.with_parameter_store(),
+            None => device,
+        };
         Self {
-            device: Device::new(Dictionary::new(), settings, serial_number)
-                .supporting(CanBus::BIT_RATES),
+            device,
+            store,
             received,
             outbox: Outbox::new(),
             to_store: None,
@@ -68,16 +82,13 @@ impl Node {
 
     /// Boots the node.
     pub fn power_on(&mut self, exchange: &mut Exchange) {
-        self.device.power_on(clock::now(), exchange);
+        let now = clock::now();
+        self.device.power_on(now, exchange);
+        self.serve_store(now, exchange);
     }
 
-    /// Everything there is to do. `store` hands settings to the storage task; it gives `false` if that is still busy.
-    pub fn run(
-        &mut self,
-        mut exchange: impl Mutex<T = Exchange>,
-        mut bus: impl Mutex<T = CanBus>,
-        mut store: impl FnMut(Settings) -> bool,
-    ) {
+    /// Everything there is to do.
+    pub fn run(&mut self, mut exchange: impl Mutex<T = Exchange>, mut bus: impl Mutex<T = CanBus>) {
         // No more frames than can wait, so that time passes under any load; answers go out between the requests.
         for _ in 0..crate::inbox::DEPTH {
             let Some(Stamped { frame, at }) = self.received.dequeue() else {
@@ -106,22 +117,33 @@ impl Node {
                 Event::RestartController => {}
             }
         }
-        if let Some((settings, until)) = self.to_store {
-            let safe = exchange.lock(|exchange| exchange.is_safe());
-            if safe || now >= until {
-                self.to_store = None;
-                if !safe || !store(settings) {
-                    self.settings_stored(Err(StoreError::Medium));
-                }
-            }
-        }
         self.switch_bit_rate(now, &mut bus);
+        self.send(&mut bus);
+        self.store_settings(now, &mut exchange);
+        self.serve_store(now, &mut Locked(&mut exchange));
         self.send(&mut bus);
     }
 
-    /// The storage task has answered.
-    pub fn settings_stored(&mut self, result: Result<(), StoreError>) {
-        self.device.settings_stored(result);
+    /// Stores what the layer setting services have ordered.
+    fn store_settings(&mut self, now: Instant, exchange: &mut impl Mutex<T = Exchange>) {
+        let Some((settings, until)) = self.to_store else {
+            return;
+        };
+        if exchange.lock(|exchange| exchange.is_safe()) {
+            self.to_store = None;
+            let result = settings::save(&mut self.store, &settings);
+            self.device.settings_stored(result);
+        } else if now >= until {
+            self.to_store = None;
+            self.device.settings_stored(Err(StoreError::Medium));
+        }
+    }
+
+    /// Loads parameters, or stores the next chunk of them.
+    fn serve_store(&mut self, now: Instant, exchange: &mut impl Share) {
+        if let Some(store) = &mut self.store {
+            self.device.serve_store(store, now, exchange);
+        }
     }
 
     /// What the lights are to say, once for each step of their patterns.
