@@ -4,7 +4,7 @@
 
 mod device;
 mod object;
-mod value;
+pub(crate) mod value;
 
 use crate::diagnostic::{Diagnostic, Findings, Severity};
 use crate::document::{self, Comment, Document, Section};

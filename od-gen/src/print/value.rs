@@ -7,7 +7,7 @@ use crate::model::{DefaultValue, Limit};
 const LARGEST_DECIMAL: i128 = 0xFFFF;
 
 /// A default, or what a DCF configures.
-pub(super) fn value(value: &DefaultValue, data_type: DataType) -> String {
+pub(crate) fn value(value: &DefaultValue, data_type: DataType) -> String {
     match value {
         DefaultValue::Number {
             value,

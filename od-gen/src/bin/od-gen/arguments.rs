@@ -20,6 +20,8 @@ pub(crate) enum Command {
     Bindings(Bindings),
     /// Print the dictionary as a reference for people
     Doc(Doc),
+    /// Print the dictionary as JSON for other programs
+    Dump(Dump),
 }
 
 #[derive(Debug, Args)]
@@ -50,6 +52,15 @@ pub(crate) struct Doc {
     /// What to print
     #[arg(long, value_enum, default_value_t = DocFormat::Html)]
     pub(crate) format: DocFormat,
+    /// Write to this file instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Dump {
+    /// The electronic data sheet
+    pub(crate) file: PathBuf,
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,

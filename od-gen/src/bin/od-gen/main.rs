@@ -7,6 +7,7 @@
 mod arguments;
 mod bindings;
 mod doc;
+mod dump;
 mod input;
 mod output;
 mod rust;
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
     let done = match arguments.command {
         Command::Bindings(arguments) => bindings::run(&arguments),
         Command::Doc(arguments) => doc::run(&arguments),
+        Command::Dump(arguments) => dump::run(&arguments),
         Command::Rust(arguments) => rust::run(&arguments),
     };
     match done {
