@@ -31,6 +31,7 @@ mod transmit;
 
 use events::Events;
 use identifiers::Identifiers;
+use objects::Streams;
 use services::Services;
 use transmit::TransmitQueue;
 
@@ -45,7 +46,6 @@ use crate::cia305::{self, LssEvent};
 use crate::od::{self, Dictionary};
 use crate::settings::{BitRate, NodeId, Settings};
 use crate::time::{Instant, NEVER, earlier, has_come};
-use crate::wire::cob_id;
 use crate::wire::sdo::Multiplexer;
 
 /// What the firmware around the device has to know or to do. Taken with [`Node::event`].
@@ -94,7 +94,7 @@ pub struct Node<D: Dictionary> {
     identifiers: Identifiers,
     dictionary: D,
     services: Services<D::Counts>,
-    sdo: sdo::Server,
+    sdo: sdo::Servers<D::Counts>,
     lss: cia305::Slave,
     queue: TransmitQueue,
     events: Events,
@@ -102,8 +102,6 @@ pub struct Node<D: Dictionary> {
     state: NmtState,
     /// The node-ID in force.
     node_id: NodeId,
-    /// The identifier of SDO requests; [`NO_COB_ID`] in states without SDO.
-    sdo_request: u16,
     /// No timer ends before this moment, unless the services say that one has changed.
     next_timer: Instant,
     /// No transmit PDO is due before this moment, unless the services say that a value has changed.
@@ -123,14 +121,13 @@ impl<D: Dictionary> Node<D> {
             identifiers: Identifiers::none(),
             dictionary,
             services: Services::new(),
-            sdo: sdo::Server::new(),
+            sdo: sdo::Servers::new(),
             lss: cia305::Slave::new(settings),
             queue: TransmitQueue::new(),
             events: Events::new(),
             controller: Controller::new(),
             state: NmtState::Initialisation,
             node_id: settings.node_id,
-            sdo_request: NO_COB_ID,
             next_timer: NEVER,
             next_pdo: NEVER,
             next_call: NEVER,
@@ -153,6 +150,7 @@ impl<D: Dictionary> Node<D> {
     /// [`Reset::Communication`] loads 1000h to 1FFFh, except the identity object 1018h, which the firmware fills in.
     pub fn boot<A: Application<D>>(&mut self, reset: Reset, now: Instant, application: &mut A) {
         self.silence();
+        self.serve_sdo(now, application);
         self.events.forget_reset();
         self.node_id = self.lss.reset();
         match reset {
@@ -236,9 +234,8 @@ impl<D: Dictionary> Node<D> {
     /// The owner of an object has finished a write that was to be completed later ([`sdo::Completion::Later`]): the client gets
     /// its answer, if it still waits for it.
     pub fn complete_write(&mut self, index: u16, sub: u8, result: Result<(), sdo::AbortCode>) {
-        if let Some(answer) = self.sdo.complete(Multiplexer { index, sub }, result) {
-            self.queue.push_answer(answer);
-        }
+        self.sdo.complete(Multiplexer { index, sub }, result);
+        self.queue.set_answers(self.sdo.pending().is_some());
     }
 
     /// An error appeared: error register, history, emergency message. Reported once until [`Node::clear`].
@@ -302,7 +299,7 @@ impl<D: Dictionary> Node<D> {
         self.services.may_send_emergency = state.has_sdo_and_emergency();
         self.services.enter(state, now);
         if state.has_sdo_and_emergency() {
-            self.sdo_request = cob_id::sdo_request(self.node_id);
+            self.sdo.configure(&self.dictionary, self.node_id);
         } else {
             self.end_sdo_and_emergency();
         }
@@ -323,11 +320,12 @@ impl<D: Dictionary> Node<D> {
     /// Ends the services that the new state does not have. Emergency messages that wait are for the caller: they are dropped when a
     /// master stops the device, and leave when it stops itself.
     fn end_sdo_and_emergency(&mut self) {
-        self.sdo_request = NO_COB_ID;
         self.sdo.reset();
-        self.queue.clear_answers();
         self.queue.drop_sync();
         self.queue.drop_time();
+        self.queue.set_answers(false);
+        // The application may have to learn that a client will not go on.
+        self.services.timers_changed = true;
         self.services.may_send_emergency = false;
     }
 
@@ -362,6 +360,7 @@ impl<D: Dictionary> Node<D> {
         // The inhibit time of an emergency message that waits begins when it has left: it is looked at every time.
         self.services.timers_changed = self.services.emergency.needs_time();
         let deadline = self.serve_controller(now, NEVER);
+        let sdo_deadline = self.serve_sdo(now, application);
         if self.is_resetting {
             return deadline;
         }
@@ -369,9 +368,6 @@ impl<D: Dictionary> Node<D> {
         self.is_mute = self.must_be_mute(now);
         if !self.node_id.is_configured() {
             return deadline;
-        }
-        if let Some(answer) = self.sdo.poll(now) {
-            self.queue.push_answer(answer);
         }
         if self.services.heartbeat.poll(now) {
             self.queue.push_heartbeat();
@@ -384,11 +380,22 @@ impl<D: Dictionary> Node<D> {
         }
         let deadline = earlier(deadline, self.services.sync.deadline());
         let deadline = earlier(deadline, self.services.supervision_deadline());
-        let deadline = earlier(deadline, self.sdo.deadline());
+        let deadline = earlier(deadline, sdo_deadline);
         let deadline = earlier(deadline, self.services.heartbeat.deadline());
         let deadline = earlier(deadline, self.services.rpdos.poll(now));
         self.services.report_lengths(&mut self.dictionary, now);
         earlier(deadline, self.services.emergency.poll(now))
+    }
+
+    /// The time-outs of SDO transfers, and what the application has to learn of them; returns the next one.
+    fn serve_sdo<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
+        let mut streams = Streams {
+            dictionary: &self.dictionary,
+            application,
+        };
+        let deadline = self.sdo.poll(now, &mut streams);
+        self.queue.set_answers(self.sdo.pending().is_some());
+        deadline
     }
 
     /// Passes on what the LSS slave wants done.

@@ -100,8 +100,10 @@ impl Watched {
         if !frame.is_remote() && frame.length() == 8 && self.node.state().has_sdo_and_emergency() {
             let id = frame.standard_id();
             for server in 0..2 {
-                if id.is_some() && id == self.server(server).map(|(request, _)| request) {
-                    self.owed.request(server, frame.bytes()[0]);
+                if let Some((request, answer)) = self.server(server)
+                    && id == Some(request)
+                {
+                    self.owed.request(server, answer, frame.bytes()[0]);
                 }
             }
         }
@@ -275,6 +277,12 @@ impl Watched {
             .filter(|pdo| self.valid_cob_id(0x1800 + pdo, 1) == Some(id))
             .map(|pdo| self.mapped_length(0x1A00 + pdo))
             .collect();
+        if lengths.is_empty()
+            && let Some(server) = self.owed.server(id)
+        {
+            // It was switched off by the request, or before its answer had left.
+            return self.owed.answer(server);
+        }
         expect(!lengths.is_empty(), "an identifier that is not its own")?;
         expect(state == NmtState::Operational, "a TPDO in this state")?;
         if lengths.contains(&frame.payload().len()) {

@@ -9,6 +9,8 @@ pub(super) struct Owed {
     boot_up: bool,
     /// Answers of the two servers.
     answers: [u32; 2],
+    /// The identifiers of these answers.
+    cob_ids: [u16; 2],
 }
 
 impl Owed {
@@ -16,12 +18,12 @@ impl Owed {
     pub(super) fn boot(&mut self) {
         *self = Self {
             boot_up: true,
-            answers: [0; 2],
+            ..Self::default()
         };
     }
 
-    /// A request that begins with this byte has come.
-    pub(super) fn request(&mut self, server: u16, command: u8) {
+    /// A request that begins with this byte has come; its answer has this identifier.
+    pub(super) fn request(&mut self, server: u16, cob_id: u16, command: u8) {
         // An answer, and what may come by itself: a time-out, and in a block download the acknowledge that asks for more.
         let mut answers = 3;
         // Each step of a block upload may set off a sub-block.
@@ -30,7 +32,16 @@ impl Owed {
         }
         if let Some(owed) = self.answers.get_mut(usize::from(server)) {
             *owed += answers;
+            self.cob_ids[usize::from(server)] = cob_id;
         }
+    }
+
+    /// The server that owes an answer with this identifier.
+    pub(super) fn server(&self, cob_id: u16) -> Option<u16> {
+        (0..2).find(|server| {
+            let server = usize::from(*server);
+            self.answers[server] > 0 && self.cob_ids[server] == cob_id
+        })
     }
 
     /// The device sends its boot-up message.

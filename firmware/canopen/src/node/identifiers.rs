@@ -58,11 +58,17 @@ impl<D: Dictionary> Node<D> {
         set.add(cia305::REQUEST_COB_ID);
         if self.node_id.is_configured() {
             set.add(cob_id::NMT);
-            set.add(cob_id::sdo_request(self.node_id));
-            set.add(cob_id::sdo_response(self.node_id));
             set.add(cob_id::error_control(self.node_id));
+            for server in self.sdo.identifiers(&self.dictionary, self.node_id) {
+                set.add(server.request);
+                set.add(server.response);
+            }
             self.services
                 .identifiers(&self.dictionary, |cob_id| set.add(cob_id));
+        }
+        if self.state.has_sdo_and_emergency() {
+            self.sdo.configure(&self.dictionary, self.node_id);
+            self.services.timers_changed = true;
         }
     }
 }

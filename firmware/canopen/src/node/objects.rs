@@ -3,8 +3,8 @@
 use super::services::Services;
 use crate::application::Application;
 use crate::cia301::emergency;
-use crate::cia301::sdo::{self, AbortCode, Completion};
-use crate::od::{self, Attributes, Dictionary, Entry};
+use crate::cia301::sdo::{self, AbortCode, Completion, Others, Value};
+use crate::od::{self, Attributes, Counts, Dictionary, Entry, Location};
 use crate::time::Instant;
 use crate::wire::sdo::Multiplexer;
 
@@ -13,7 +13,74 @@ pub(super) struct Objects<'a, D: Dictionary, A> {
     pub(super) dictionary: &'a mut D,
     pub(super) application: &'a mut A,
     pub(super) services: &'a mut Services<D::Counts>,
+    /// What other clients have under way.
+    pub(super) others: Others<'a, <D::Counts as Counts>::SdoBuffer>,
     pub(super) now: Instant,
+}
+
+/// What the application serves piece by piece.
+pub(super) struct Streams<'a, D, A> {
+    pub(super) dictionary: &'a D,
+    pub(super) application: &'a mut A,
+}
+
+impl<D: Dictionary, A: Application<D>> sdo::Streams for Streams<'_, D, A> {
+    fn read_at(
+        &mut self,
+        entry: &'static Entry,
+        position: u32,
+        into: &mut [u8],
+    ) -> Result<usize, AbortCode> {
+        self.application
+            .read_at(self.dictionary, entry, position, into)
+    }
+
+    fn write_at(
+        &mut self,
+        entry: &'static Entry,
+        position: u32,
+        data: &[u8],
+    ) -> Result<(), AbortCode> {
+        self.application
+            .write_at(self.dictionary, entry, position, data)
+    }
+
+    fn abandon_write(&mut self, entry: &'static Entry) {
+        self.application.abandon_write(self.dictionary, entry);
+    }
+}
+
+impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
+    fn streams(&mut self) -> Streams<'_, D, A> {
+        Streams {
+            dictionary: self.dictionary,
+            application: self.application,
+        }
+    }
+}
+
+impl<D: Dictionary, A: Application<D>> sdo::Streams for Objects<'_, D, A> {
+    fn read_at(
+        &mut self,
+        entry: &'static Entry,
+        position: u32,
+        into: &mut [u8],
+    ) -> Result<usize, AbortCode> {
+        self.streams().read_at(entry, position, into)
+    }
+
+    fn write_at(
+        &mut self,
+        entry: &'static Entry,
+        position: u32,
+        data: &[u8],
+    ) -> Result<(), AbortCode> {
+        self.streams().write_at(entry, position, data)
+    }
+
+    fn abandon_write(&mut self, entry: &'static Entry) {
+        self.streams().abandon_write(entry);
+    }
 }
 
 /// Whether an object belongs to the communication profile, whose objects this crate owns (CiA 301, table 39).
@@ -22,7 +89,7 @@ const fn is_communication_object(entry: &Entry) -> bool {
 }
 
 impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
-    fn read(&mut self, object: Multiplexer) -> Result<&[u8], AbortCode> {
+    fn open(&mut self, object: Multiplexer) -> Result<Value<'_>, AbortCode> {
         let entry = od::find::<D>(object.index, object.sub)?;
         if !entry.attributes.has(Attributes::READ) {
             return Err(AbortCode::WriteOnly);
@@ -30,7 +97,13 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         if entry.index == 0x1003 {
             emergency::is_present(self.dictionary, entry)?;
         }
-        Ok(od::value(self.dictionary, entry))
+        Ok(match entry.location() {
+            Location::Ram(_) => Value::Variable(od::value(self.dictionary, entry)),
+            Location::Rom(offset) => Value::Constant(od::constant(D::TABLE, offset, entry.size)),
+            Location::Application => {
+                Value::Streamed(entry, self.application.size(self.dictionary, entry)?)
+            }
+        })
     }
 
     fn writable(&mut self, object: Multiplexer) -> Result<&'static Entry, AbortCode> {
@@ -74,5 +147,17 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
             self.services.parameters.forget_date(self.dictionary);
         }
         Ok(Completion::Now)
+    }
+
+    fn begin_write(&mut self, entry: &'static Entry, size: Option<u32>) -> Result<(), AbortCode> {
+        if self.others.are_writing(entry) {
+            return Err(AbortCode::DeviceState);
+        }
+        self.application.begin_write(self.dictionary, entry, size)
+    }
+
+    fn end_write(&mut self, entry: &'static Entry, length: u32) -> Result<Completion, AbortCode> {
+        self.services.values_changed = true;
+        self.application.end_write(self.dictionary, entry, length)
     }
 }

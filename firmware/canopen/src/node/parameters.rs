@@ -10,7 +10,7 @@ use crate::cia301::parameters::{
     CHUNK, Job, PARAMETERS_LOST, PARAMETERS_REFUSED, ParameterSet, ParameterSets, ParameterStore,
     Replay, Writer, loss, refusal,
 };
-use crate::cia301::sdo::{self, AbortCode};
+use crate::cia301::sdo::{self, AbortCode, Others};
 use crate::node::StoreError;
 use crate::od::{Dictionary, Entry};
 use crate::time::Instant;
@@ -60,6 +60,7 @@ impl<D: Dictionary> Node<D> {
                 dictionary: &mut self.dictionary,
                 application,
                 services: &mut self.services,
+                others: Others::none(),
                 now,
             };
             if load(store, set, &mut replay, &mut objects).is_err() {
@@ -70,6 +71,7 @@ impl<D: Dictionary> Node<D> {
             dictionary: &mut self.dictionary,
             application,
             services: &mut self.services,
+            others: Others::none(),
             now,
         };
         let refused = replay.end(&mut objects);

@@ -30,9 +30,9 @@ impl<D: Dictionary> Node<D> {
         }
         if frame.is_remote() {
             self.receive_remote(cob_id, stamp);
-        } else if cob_id == self.sdo_request {
+        } else if let Some(server) = self.sdo.find(cob_id) {
             if let Some(request) = frame.full_payload() {
-                self.receive_sdo(request, stamp, application);
+                self.receive_sdo(server, request, stamp, application);
             }
         } else if cob_id == cia305::REQUEST_COB_ID {
             if let Some(request) = frame.full_payload() {
@@ -50,46 +50,33 @@ impl<D: Dictionary> Node<D> {
     #[inline(never)]
     fn receive_sdo<A: Application<D>>(
         &mut self,
+        server: usize,
         request: &[u8; 8],
         now: Instant,
         application: &mut A,
     ) {
-        let may_lack_answer = self.is_mute || !self.queue.has_room_for_answer();
-        if may_lack_answer && !self.can_answer_sdo(request, now) {
+        // In the silence of a bit rate switch no answer could tell of what was done.
+        if self.is_mute && self.lss.is_silent(now) {
             return;
         }
-        let mut objects = Objects {
-            dictionary: &mut self.dictionary,
+        let (dictionary, services) = (&mut self.dictionary, &mut self.services);
+        let deadline = self.sdo.receive(server, request, now, |others| Objects {
+            dictionary,
             application,
-            services: &mut self.services,
+            services,
+            others,
             now,
+        });
+        let Some(deadline) = deadline else {
+            self.queue.count_lost_request();
+            return;
         };
-        if let Some(answer) = self.sdo.receive(request, now, &mut objects) {
-            self.queue.push_answer(answer);
-        }
         if self.services.identifiers_changed {
             self.listen();
         }
-        let deadline = self.sdo.deadline();
+        self.queue.set_answers(self.sdo.pending().is_some());
         self.next_timer = earlier(self.next_timer, deadline);
         self.next_call = earlier(self.next_call, deadline);
-    }
-
-    /// Whether a request can be executed: not in the silence of a bit rate switch, nor when its answer has no room. An abort
-    /// needs none.
-    #[cold]
-    #[inline(never)]
-    fn can_answer_sdo(&mut self, request: &[u8; 8], now: Instant) -> bool {
-        if self.lss.is_silent(now) {
-            return false;
-        }
-        if self.queue.has_room_for_answer() {
-            return true;
-        }
-        if !self.sdo.receive_abort(request) {
-            self.queue.count_lost_request();
-        }
-        false
     }
 
     #[cold]

@@ -10,7 +10,7 @@ use crate::cia301::length_error::LengthReport;
 use crate::cia301::nmt::NmtState;
 use crate::cia301::parameters::{self, Parameters};
 use crate::cia301::pdo;
-use crate::cia301::sdo::AbortCode;
+use crate::cia301::sdo::{self, AbortCode};
 use crate::cia301::sync::{self, Beat, Sync};
 use crate::cia301::time_stamp::{self, TimeStamp};
 use crate::cia302::startup;
@@ -100,6 +100,7 @@ impl<C: Counts> Services<C> {
                 emergency::consumer::validate(dictionary, entry, value)
             }
             startup::INDEX => startup::validate(value),
+            0x1200..=0x127F => sdo::parameters::validate(dictionary, entry, value),
             error_behaviour::INDEX => error_behaviour::validate(entry.sub, value),
             0x1400..=0x17FF => self.rpdos.validate(dictionary, entry, value),
             0x1800..=0x1BFF => self.tpdos.validate(dictionary, entry, value),

@@ -27,8 +27,9 @@ impl<D: Dictionary> Node<D> {
 
     /// Whether the device sends this identifier, whatever its parameters are.
     fn is_sent(&self, cob_id: u16) -> bool {
+        let mut servers = self.sdo.identifiers(&self.dictionary, self.node_id);
         cob_id == cob_id::error_control(self.node_id)
-            || cob_id == cob_id::sdo_response(self.node_id)
+            || servers.any(|server| server.response == cob_id)
     }
 
     /// A remote frame: a question of the guarding master, or for a transmit PDO.

@@ -1,11 +1,12 @@
 //! The transmit queue: what waits for the bus, lowest identifier first.
 //!
 //! Each communication object has its own place. Process data is replaced by newer data (in the transmit PDOs); emergency
-//! messages, SDO answers and LSS answers keep their order; of heartbeats there is one. The boot-up message goes
+//! messages and LSS answers keep their order, as do the answers of each SDO server, which wait there; of heartbeats there is one. The boot-up message goes
 //! before everything, because it must be the first frame of all.
 
 use heapless::Deque;
 
+use super::objects::Streams;
 use super::{NO_COB_ID, Node};
 use crate::application::Application;
 use crate::cia301::nmt::NmtState;
@@ -13,9 +14,6 @@ use crate::cia305;
 use crate::od::Dictionary;
 use crate::settings::NodeId;
 use crate::wire::{Frame, cob_id};
-
-/// Most SDO answers that wait. A client has one request in flight; more is already a repetition.
-const MOST_ANSWERS: usize = 4;
 
 /// Most LSS answers that wait. A master has one request in flight.
 const MOST_LSS_ANSWERS: usize = 4;
@@ -25,7 +23,6 @@ const MOST_LSS_ANSWERS: usize = 4;
 pub(super) struct TransmitQueue {
     /// The bits of [`waiting`].
     waiting: u8,
-    answers: Deque<[u8; 8], MOST_ANSWERS>,
     lss: Deque<[u8; 8], MOST_LSS_ANSWERS>,
     /// The counter of the SYNC that waits.
     sync: Option<u8>,
@@ -53,7 +50,6 @@ impl TransmitQueue {
     pub(super) const fn new() -> Self {
         Self {
             waiting: 0,
-            answers: Deque::new(),
             lss: Deque::new(),
             sync: None,
             time: [0; 6],
@@ -63,14 +59,17 @@ impl TransmitQueue {
 
     /// Drops all but LSS answers, which belong to no NMT state.
     pub(super) fn clear(&mut self) {
-        self.clear_answers();
         self.waiting &= waiting::LSS;
     }
 
-    /// Drops the SDO answers: the state without SDO is entered.
-    pub(super) fn clear_answers(&mut self) {
-        self.answers.clear();
-        self.waiting &= !waiting::ANSWER;
+    /// Whether an SDO server has something to send; it waits there.
+    #[inline]
+    pub(super) fn set_answers(&mut self, are_waiting: bool) {
+        if are_waiting {
+            self.waiting |= waiting::ANSWER;
+        } else {
+            self.waiting &= !waiting::ANSWER;
+        }
     }
 
     pub(super) fn push_boot_up(&mut self) {
@@ -113,21 +112,9 @@ impl TransmitQueue {
         self.waiting &= !waiting::GUARDING;
     }
 
-    /// Whether one more SDO answer has room. If not, a request must not be executed.
-    pub(super) fn has_room_for_answer(&self) -> bool {
-        !self.answers.is_full()
-    }
-
     /// An SDO request is lost, as its answer has no room.
     pub(super) fn count_lost_request(&mut self) {
         self.overflows = self.overflows.saturating_add(1);
-    }
-
-    pub(super) fn push_answer(&mut self, answer: [u8; 8]) {
-        self.waiting |= waiting::ANSWER;
-        if self.answers.push_back(answer).is_err() {
-            self.overflows = self.overflows.saturating_add(1);
-        }
     }
 
     /// Adds an LSS answer; one that finds no room is lost, and counts.
@@ -147,26 +134,15 @@ impl TransmitQueue {
         self.waiting & what != 0
     }
 
-    /// The lowest identifier that waits, the boot-up message left out.
+    /// The lowest identifier that waits, SDO and the boot-up message left out.
     fn pending(&self, node_id: NodeId) -> Option<u16> {
-        if self.has(waiting::ANSWER) {
-            Some(cob_id::sdo_response(node_id))
-        } else if self.has(waiting::ERROR_CONTROL) {
+        if self.has(waiting::ERROR_CONTROL) {
             Some(cob_id::error_control(node_id))
         } else if self.has(waiting::LSS) {
             Some(cia305::RESPONSE_COB_ID)
         } else {
             None
         }
-    }
-
-    /// The oldest SDO answer, removed.
-    fn take_answer(&mut self) -> Option<[u8; 8]> {
-        let answer = self.answers.pop_front();
-        if self.answers.is_empty() {
-            self.waiting &= !waiting::ANSWER;
-        }
-        answer
     }
 
     /// The oldest LSS answer, removed. Out of the way of what is sent often.
@@ -189,19 +165,18 @@ impl<D: Dictionary> Node<D> {
     /// one of higher priority shall go first) cannot be put back here.
     #[inline]
     pub fn transmit<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
-        let _ = application;
         let may_wait = self.queue.waiting != 0
             || self.services.tpdos.is_pending()
             || self.services.emergency.is_pending();
         if may_wait && !self.is_mute {
-            self.transmit_next()
+            self.transmit_next(application)
         } else {
             None
         }
     }
 
     #[inline(never)]
-    fn transmit_next(&mut self) -> Option<Frame> {
+    fn transmit_next<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
         if self.queue.has(waiting::BOOT_UP) {
             self.queue.waiting &= !waiting::BOOT_UP;
             return Some(self.error_control(NmtState::Initialisation));
@@ -211,15 +186,15 @@ impl<D: Dictionary> Node<D> {
         // Mostly one thing waits.
         match (is_emergency, is_pdo, self.queue.waiting != 0) {
             (false, true, false) => self.services.tpdos.take(),
-            (false, false, true) => self.take_fixed(),
+            (false, false, true) => self.take_fixed(application),
             (true, false, false) => self.services.emergency.take(),
-            _ => self.take_lowest(),
+            _ => self.take_lowest(application),
         }
     }
 
     /// The frame with the lowest identifier, whatever it is. Of equals an emergency message goes first, then a PDO.
     #[inline(never)]
-    fn take_lowest(&mut self) -> Option<Frame> {
+    fn take_lowest<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
         let or_none = |cob_id: Option<u16>| cob_id.unwrap_or(NO_COB_ID);
         let emergency = or_none(self.services.emergency.pending());
         let pdo = or_none(self.services.tpdos.pending());
@@ -229,13 +204,14 @@ impl<D: Dictionary> Node<D> {
         } else if pdo <= fixed {
             self.services.tpdos.take()
         } else {
-            self.take_fixed()
+            self.take_fixed(application)
         }
     }
 
     /// The lowest identifier of what waits beside emergency messages and PDOs.
     fn pending_fixed(&self) -> Option<u16> {
-        let fixed = self.queue.pending(self.node_id);
+        let sdo = self.sdo.pending();
+        let fixed = sdo.or_else(|| self.queue.pending(self.node_id));
         if self.queue.has(waiting::TIMING) {
             let (timing, _) = self.pending_timing();
             Some(fixed.map_or(timing, |fixed| timing.min(fixed)))
@@ -265,10 +241,10 @@ impl<D: Dictionary> Node<D> {
     /// SYNC or TIME waits, and something else perhaps. Seldom, compared to the others.
     #[cold]
     #[inline(never)]
-    fn take_with_timing(&mut self) -> Option<Frame> {
+    fn take_with_timing<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
         let (cob_id, which) = self.pending_timing();
         if Some(cob_id) > self.pending_fixed() {
-            return self.take_answer_or_error_control();
+            return self.take_answer_or_error_control(application);
         }
         self.queue.waiting &= !which;
         Some(match (which, self.queue.sync) {
@@ -279,19 +255,30 @@ impl<D: Dictionary> Node<D> {
     }
 
     /// What has identifiers other than emergency messages and PDOs.
-    fn take_fixed(&mut self) -> Option<Frame> {
+    #[inline]
+    fn take_fixed<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
         if self.queue.has(waiting::TIMING) {
-            self.take_with_timing()
+            self.take_with_timing(application)
         } else {
-            self.take_answer_or_error_control()
+            self.take_answer_or_error_control(application)
         }
     }
 
-    /// SDO answers, heartbeats and LSS answers have fixed identifiers, in that order.
-    fn take_answer_or_error_control(&mut self) -> Option<Frame> {
+    /// SDO, heartbeats and LSS answers, in the order of their identifiers: those above 700h are restricted to error control
+    /// and LSS.
+    fn take_answer_or_error_control<A: Application<D>>(
+        &mut self,
+        application: &mut A,
+    ) -> Option<Frame> {
         if self.queue.has(waiting::ANSWER) {
-            let answer = self.queue.take_answer()?;
-            Some(Frame::full(cob_id::sdo_response(self.node_id), answer))
+            let mut streams = Streams {
+                dictionary: &self.dictionary,
+                application,
+            };
+            let frame = self.sdo.transmit(&mut streams);
+            self.queue.set_answers(self.sdo.pending().is_some());
+            self.services.timers_changed |= self.sdo.needs_time();
+            frame
         } else if self.queue.has(waiting::HEARTBEAT) {
             self.queue.waiting &= !waiting::HEARTBEAT;
             Some(self.error_control(self.state))

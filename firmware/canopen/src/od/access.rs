@@ -91,6 +91,11 @@ pub fn value<'a, D: Dictionary + ?Sized>(dictionary: &'a D, entry: &Entry) -> &'
     }
 }
 
+/// The bytes of an entry in flash, which stay for ever.
+pub fn constant(table: &Table, offset: u16, size: u16) -> &'static [u8] {
+    slot(table.rom, offset, size)
+}
+
 /// Checks a new value: its length and its limits. Nothing changes.
 ///
 /// # Errors

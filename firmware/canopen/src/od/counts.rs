@@ -27,6 +27,10 @@ impl<T: Unused, const N: usize> Unused for [T; N] {
     const UNUSED: Self = [const { T::UNUSED }; N];
 }
 
+impl Unused for u8 {
+    const UNUSED: Self = 0;
+}
+
 impl<T: Unused + Debug, const N: usize> Slots<T> for [T; N] {}
 
 /// The places of all services that are counted. [`Count`] implements it.
@@ -40,13 +44,16 @@ pub trait Counts: Debug {
     /// Transmit PDOs, 1800h and up.
     type Tpdos: Slots<TransmitPdo<Self::TpdoObjects>>;
     /// SDO servers, 1200h and up; at least one.
-    type SdoServers: Slots<Server>;
+    type SdoServers: Slots<Server<Self::SdoBuffer>>;
+    /// The buffer of an SDO server, where values in RAM are whole while they travel in pieces.
+    type SdoBuffer: Slots<u8>;
     /// Heartbeat consumers, the entries of 1016h.
     type HeartbeatConsumers: Slots<Consumer>;
 }
 
-/// A device with so many receive PDOs, transmit PDOs, SDO servers, and heartbeat consumers (entries of 1016h). A PDO maps up
-/// to eight objects, or as many as are said behind that (64 at most, each a bit).
+/// A device with so many receive PDOs, transmit PDOs, SDO servers, and heartbeat consumers (entries of 1016h). Behind that may
+/// be said how many objects a PDO maps (64 at most, each a bit), and how many bytes the longest value in RAM has: an SDO server
+/// refuses a longer one with 05040005h, out of memory.
 #[derive(Debug)]
 pub struct Count<
     const RPDOS: usize,
@@ -54,6 +61,7 @@ pub struct Count<
     const SDO_SERVERS: usize,
     const HEARTBEAT_CONSUMERS: usize,
     const MAPPED_OBJECTS: usize = 8,
+    const SDO_BUFFER: usize = 128,
 >;
 
 impl<
@@ -62,12 +70,14 @@ impl<
     const SDO_SERVERS: usize,
     const HEARTBEAT_CONSUMERS: usize,
     const MAPPED_OBJECTS: usize,
-> Counts for Count<RPDOS, TPDOS, SDO_SERVERS, HEARTBEAT_CONSUMERS, MAPPED_OBJECTS>
+    const SDO_BUFFER: usize,
+> Counts for Count<RPDOS, TPDOS, SDO_SERVERS, HEARTBEAT_CONSUMERS, MAPPED_OBJECTS, SDO_BUFFER>
 {
     type RpdoObjects = [Destination; MAPPED_OBJECTS];
     type TpdoObjects = [Source; MAPPED_OBJECTS];
     type Rpdos = [ReceivePdo<Self::RpdoObjects>; RPDOS];
     type Tpdos = [TransmitPdo<Self::TpdoObjects>; TPDOS];
-    type SdoServers = [Server; SDO_SERVERS];
+    type SdoServers = [Server<[u8; SDO_BUFFER]>; SDO_SERVERS];
+    type SdoBuffer = [u8; SDO_BUFFER];
     type HeartbeatConsumers = [Consumer; HEARTBEAT_CONSUMERS];
 }

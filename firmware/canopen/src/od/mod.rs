@@ -17,8 +17,8 @@ mod typed;
 use core::ops::Range;
 
 pub use access::{
-    AccessError, check, find, is_node_id_default, load_defaults, node_id_default, number, put,
-    read_u8, read_u16, read_u32, set, value, write_u8, write_u16, write_u32,
+    AccessError, check, constant, find, is_node_id_default, load_defaults, node_id_default, number,
+    put, read_u8, read_u16, read_u32, set, value, write_u8, write_u16, write_u32,
 };
 pub use counts::{Count, Counts, Slots, Unused};
 pub use entry::{Access, Attributes, DataType, Entry, Limits, Location, StorageGroup, key};

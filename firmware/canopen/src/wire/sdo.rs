@@ -1,8 +1,12 @@
 //! The eight bytes of an SDO frame (CiA 301, 7.2.4.3): requests of a client, responses of a server.
 //!
 //! The highest three bits of byte 0 are the command specifier; the others and the rest of the frame depend on it. A view
-//! borrows its data from the frame. Parsing cannot fail on a request: what this device does not know, block transfer
-//! included, is [`Request::Unknown`]. Reserved bits are not looked at, and are zero in what is emitted.
+//! borrows its data from the frame. Parsing cannot fail on a request: what has no meaning is [`Request::Unknown`]. Reserved
+//! bits are not looked at, and are zero in what is emitted.
+
+mod block;
+
+pub use block::{ABORT_COMMAND, BlockRequest, BlockResponse, BlockSegment, MOST_SEGMENTS};
 
 /// The object that a transfer is about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,6 +64,8 @@ pub enum Request<'a> {
         /// SDO abort code.
         code: u32,
     },
+    /// ccs = 5 and 6: block transfer.
+    Block(BlockRequest),
     /// Any other command specifier; the object if it is one of the initiate frames.
     Unknown(Multiplexer),
 }
@@ -100,6 +106,8 @@ pub enum Response<'a> {
         /// SDO abort code.
         code: u32,
     },
+    /// scs = 5 and 6: block transfer.
+    Block(BlockResponse),
 }
 
 /// Bit 4 of a segment: the toggle bit.
@@ -157,6 +165,9 @@ impl<'a> Request<'a> {
                 object: multiplexer(frame),
                 code: long(frame),
             },
+            block::specifier::UPLOAD_REQUEST | block::specifier::DOWNLOAD_REQUEST => {
+                Self::Block(BlockRequest::parse(frame))
+            }
             _ => Self::Unknown(multiplexer(frame)),
         }
     }
@@ -173,6 +184,7 @@ impl<'a> Request<'a> {
             Self::InitiateUpload(object) => emit_long(client::INITIATE_UPLOAD, object, 0),
             Self::UploadSegment { toggle } => emit_toggle(client::UPLOAD_SEGMENT, toggle),
             Self::Abort { object, code } => emit_long(ABORT, object, code),
+            Self::Block(request) => request.emit(),
             Self::Unknown(object) => emit_long(7 << 5, object, 0),
         }
     }
@@ -200,6 +212,9 @@ impl<'a> Response<'a> {
                 object,
                 code: long(frame),
             },
+            block::specifier::UPLOAD_RESPONSE | block::specifier::DOWNLOAD_RESPONSE => {
+                Self::Block(BlockResponse::parse(frame)?)
+            }
             _ => return None,
         })
     }
@@ -217,6 +232,7 @@ impl<'a> Response<'a> {
                 emit_segment(server::UPLOAD_SEGMENT, toggle, data, last)
             }
             Self::Abort { object, code } => emit_long(ABORT, object, code),
+            Self::Block(response) => response.emit(),
         }
     }
 }

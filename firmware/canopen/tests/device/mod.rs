@@ -4,11 +4,13 @@
 
 mod objects;
 pub mod ram_store;
+mod stream;
 
 pub use objects::Objects;
+pub use stream::Stream;
 
 use canopen::cia301::nmt::Reset;
-use canopen::cia301::sdo::AbortCode;
+use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{self, Dictionary, Entry};
 use canopen::{Application, Duration, Event, Frame, Instant, Node, NodeId, Settings};
 
@@ -20,6 +22,8 @@ pub struct Firmware {
     pub power_ons: usize,
     /// What the power-on value of 1F80h is, if it is not the one of the data sheet.
     pub startup: Option<u32>,
+    /// What objects 2014h and 2015h are.
+    pub stream: Stream,
 }
 
 impl Application<Objects> for Firmware {
@@ -32,6 +36,47 @@ impl Application<Objects> for Firmware {
 
     fn written(&mut self, _: &mut Objects, entry: &Entry) {
         self.written.push((entry.index, entry.sub));
+    }
+
+    fn size(&mut self, _: &Objects, _: &Entry) -> Result<Option<u32>, AbortCode> {
+        Ok(self.stream.size())
+    }
+
+    fn read_at(
+        &mut self,
+        _: &Objects,
+        _: &Entry,
+        position: u32,
+        into: &mut [u8],
+    ) -> Result<usize, AbortCode> {
+        self.stream.read_at(position, into)
+    }
+
+    fn begin_write(&mut self, _: &Objects, _: &Entry, _: Option<u32>) -> Result<(), AbortCode> {
+        self.stream.begin_write()
+    }
+
+    fn write_at(
+        &mut self,
+        _: &Objects,
+        _: &Entry,
+        position: u32,
+        data: &[u8],
+    ) -> Result<(), AbortCode> {
+        self.stream.write_at(position, data)
+    }
+
+    fn end_write(
+        &mut self,
+        _: &mut Objects,
+        _: &Entry,
+        length: u32,
+    ) -> Result<Completion, AbortCode> {
+        self.stream.end_write(length)
+    }
+
+    fn abandon_write(&mut self, _: &Objects, _: &Entry) {
+        self.stream.abandon_write();
     }
 
     fn power_on(&mut self, dictionary: &mut Objects) {

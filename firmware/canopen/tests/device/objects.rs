@@ -18,6 +18,7 @@ const RO: u16 = Attributes::READ;
 const WO: u16 = Attributes::WRITE;
 const RW: u16 = Attributes::READ | Attributes::WRITE;
 const CONST: u16 = Attributes::READ | Attributes::ROM | Attributes::CONSTANT;
+const STREAMED: u16 = Attributes::STREAMED;
 const NODE_ID: u16 = Attributes::NODE_ID;
 const MAPPABLE: u16 = RW | Attributes::RPDO | Attributes::TPDO;
 
@@ -150,6 +151,10 @@ const LISTS: &[&[Line]] = &[
         u8_(0x1200, 0, CONST, &[2]),
         u32_(0x1200, 1, RO | NODE_ID, &[0x00, 0x06, 0, 0]),
         u32_(0x1200, 2, RO | NODE_ID, &[0x80, 0x05, 0, 0]),
+        u8_(0x1201, 0, CONST, &[3]),
+        u32_(0x1201, 1, RW, &[0, 0, 0, 0x80]),
+        u32_(0x1201, 2, RW, &[0, 0, 0, 0x80]),
+        u8_(0x1201, 3, RW, &[1]),
     ],
     &communication_parameter!(0x1400, &[0x00, 0x02, 0, 0]),
     &communication_parameter!(0x1401, &[0x00, 0x03, 0, 0x80]),
@@ -186,6 +191,9 @@ const LISTS: &[&[Line]] = &[
         text(0x2011, "123456789012345"),
         text(0x2012, "abc"),
         u16_(0x2013, 0, RW, &[0, 0]),
+        line(0x2014, 0, DataType::Domain, RW | STREAMED, &[]),
+        line(0x2015, 0, DataType::Domain, RO | STREAMED, &[]),
+        writable_text(0x2016, "", 900),
         u32_(0x6081, 0, MAPPABLE, &[10, 0, 0, 0]),
     ],
 ];
@@ -319,7 +327,7 @@ impl Objects {
 }
 
 impl Dictionary for Objects {
-    type Counts = Count<2, 2, 1, 3>;
+    type Counts = Count<2, 2, 2, 3, 8, 900>;
     const TABLE: &'static Table = &TABLE;
 
     fn ram(&self) -> &[u8] {

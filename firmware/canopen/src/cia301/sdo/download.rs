@@ -1,13 +1,14 @@
 //! Download: the client writes an object, expedited or in segments.
 
 use super::AbortCode;
-use super::server::{Objects, Server, Transfer};
+use super::objects::Objects;
+use super::server::{Place, Server, Step};
 use crate::copy::copy;
-use crate::od::Entry;
+use crate::od::{Attributes, Entry};
 use crate::time::Instant;
 use crate::wire::sdo::{Multiplexer, Payload, Response};
 
-impl Server {
+impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// Writes a short value at once; gets ready for the segments of a long one.
     pub(super) fn initiate_download<O: Objects>(
         &mut self,
@@ -16,46 +17,96 @@ impl Server {
         now: Instant,
         objects: &mut O,
     ) -> Option<[u8; 8]> {
-        self.reset();
+        self.drop_transfer(objects);
         self.object = object;
         let answer = Response::InitiateDownload(object).emit();
-        let result = objects.writable(object).and_then(|entry| {
-            match payload {
-                Payload::Expedited(value) => objects.write(entry, value),
-                Payload::ExpeditedUnsized(value) => objects.write(entry, of_length(value, entry)),
-                Payload::Segmented(size) => {
-                    self.open_download(entry, size, now)?;
-                    return Ok(None);
-                }
+        let entry = match objects.writable(object) {
+            Ok(entry) => entry,
+            Err(code) => return Some(self.abort(object, code, objects)),
+        };
+        let (value, is_sized) = match payload {
+            Payload::Expedited(value) => (value, true),
+            Payload::ExpeditedUnsized(value) => (of_length(value, entry), false),
+            Payload::Segmented(size) => {
+                return Some(match self.open_download(entry, size, objects) {
+                    Ok(()) => {
+                        self.step = Step::Download;
+                        self.toggle = false;
+                        self.wait(now);
+                        answer
+                    }
+                    Err(code) => self.abort(object, code, objects),
+                });
             }
-            .map(Some)
-        });
-        match result {
-            Ok(Some(completion)) => self.written(completion, answer),
-            Ok(None) => Some(answer),
-            Err(code) => Some(self.abort(object, code)),
+        };
+        if entry.attributes.has(Attributes::STREAMED) {
+            return self.stream_expedited(entry, value, is_sized, answer, objects);
+        }
+        match objects.write(entry, value) {
+            Ok(completion) => self.written(completion, answer),
+            Err(code) => Some(self.abort(object, code, objects)),
         }
     }
 
-    /// Refuses at once what can only fail at the end.
-    fn open_download(
+    /// A short value of an object that takes it piece by piece: one piece.
+    #[cold]
+    #[inline(never)]
+    fn stream_expedited<O: Objects>(
+        &mut self,
+        entry: &'static Entry,
+        value: &[u8],
+        is_sized: bool,
+        answer: [u8; 8],
+        objects: &mut O,
+    ) -> Option<[u8; 8]> {
+        let size = is_sized.then_some(value.len() as u32);
+        let result = self
+            .open_download(entry, size, objects)
+            .and_then(|()| self.append(value, objects));
+        match result {
+            Ok(()) => self.finish(answer, objects),
+            Err(code) => Some(self.abort(self.object, code, objects)),
+        }
+    }
+
+    /// Gets ready for the data of a long value, and refuses at once what can only fail at the end.
+    pub(super) fn open_download<O: Objects>(
         &mut self,
         entry: &'static Entry,
         size: Option<u32>,
-        now: Instant,
+        objects: &mut O,
     ) -> Result<(), AbortCode> {
-        let announced = match size {
-            Some(size) => Some(announced_size(size, entry, self.buffer.len())?),
-            None => None,
+        let bound = u32::from(entry.size);
+        let is_streamed = entry.attributes.has(Attributes::STREAMED);
+        let most = if is_streamed && bound == 0 {
+            u32::MAX
+        } else {
+            bound
         };
-        self.toggle = false;
-        self.length = 0;
-        self.transfer = Transfer::Download { entry, announced };
-        self.wait(now);
+        if let Some(size) = size {
+            if size > most {
+                return Err(AbortCode::LengthTooHigh);
+            }
+            if size < bound && !is_streamed && !entry.data_type.is_variable() {
+                return Err(AbortCode::LengthTooLow);
+            }
+        }
+        if is_streamed {
+            objects.begin_write(entry, size)?;
+            self.place = Place::Sink(entry);
+        } else {
+            if size.is_some_and(|size| size as usize > self.buffer.as_ref().len()) {
+                return Err(AbortCode::OutOfMemory);
+            }
+            self.place = Place::Buffer(entry);
+        }
+        self.size = size;
+        self.most = size.unwrap_or(most);
+        self.position = 0;
         Ok(())
     }
 
-    /// Adds a segment to the buffer; after the last one the object is written.
+    /// Adds a segment; after the last one the object is written.
     pub(super) fn download_segment<O: Objects>(
         &mut self,
         toggle: bool,
@@ -64,73 +115,100 @@ impl Server {
         now: Instant,
         objects: &mut O,
     ) -> Option<[u8; 8]> {
-        let Transfer::Download { entry, announced } = self.transfer else {
-            return Some(self.abort_stray_segment());
-        };
-        if self.is_too_late(now) {
-            return Some(self.abort(self.object, AbortCode::TimedOut));
-        }
-        if toggle != self.toggle {
-            return Some(self.abort(self.object, AbortCode::ToggleNotAlternated));
-        }
-        if let Err(code) = self.append(data, entry, announced) {
-            return Some(self.abort(self.object, code));
+        if let Err(code) = self.take_segment(toggle, data, now, objects) {
+            return Some(self.abort(self.object, code, objects));
         }
         let answer = Response::DownloadSegment { toggle }.emit();
         if last {
-            if announced.is_some_and(|announced| self.length < announced) {
-                return Some(self.abort(self.object, AbortCode::LengthTooLow));
-            }
-            let value = self.buffer.get(..self.length).unwrap_or(&[]);
-            return match objects.write(entry, value) {
-                Ok(completion) => self.written(completion, answer),
-                Err(code) => Some(self.abort(self.object, code)),
-            };
+            return self.finish(answer, objects);
         }
         self.toggle = !toggle;
         self.wait(now);
         Some(answer)
     }
 
-    fn append(
+    #[inline]
+    fn take_segment<O: Objects>(
+        &mut self,
+        toggle: bool,
+        data: &[u8],
+        now: Instant,
+        objects: &mut O,
+    ) -> Result<(), AbortCode> {
+        if self.step != Step::Download {
+            return Err(self.stray());
+        }
+        if self.is_too_late(now) {
+            return Err(AbortCode::TimedOut);
+        }
+        if toggle != self.toggle {
+            return Err(AbortCode::ToggleNotAlternated);
+        }
+        self.append(data, objects)
+    }
+
+    /// Takes the next bytes of the value.
+    #[inline]
+    pub(super) fn append<O: Objects>(
         &mut self,
         data: &[u8],
-        entry: &Entry,
-        announced: Option<usize>,
+        objects: &mut O,
     ) -> Result<(), AbortCode> {
-        let length = self.length.saturating_add(data.len());
-        let most = announced.unwrap_or(usize::from(entry.size));
-        if length > most {
+        let position = self.position;
+        let end = position.saturating_add(data.len() as u32);
+        if end > self.most {
             return Err(AbortCode::LengthTooHigh);
         }
-        let room = self
-            .buffer
-            .get_mut(self.length..length)
-            .ok_or(AbortCode::OutOfMemory)?;
-        copy(room, data);
-        self.length = length;
+        if let Place::Sink(entry) = self.place {
+            if let Err(code) = objects.write_at(entry, position, data) {
+                self.place = Place::Nowhere;
+                return Err(code);
+            }
+        } else {
+            let room = self
+                .buffer
+                .as_mut()
+                .get_mut(position as usize..end as usize)
+                .ok_or(AbortCode::OutOfMemory)?;
+            copy(room, data);
+        }
+        self.position = end;
         Ok(())
+    }
+
+    /// All data is there: writes the object.
+    pub(super) fn finish<O: Objects>(
+        &mut self,
+        answer: [u8; 8],
+        objects: &mut O,
+    ) -> Option<[u8; 8]> {
+        let length = self.position;
+        let result = if self.size.is_some_and(|size| length < size) {
+            Err(AbortCode::LengthTooLow)
+        } else {
+            match self.place {
+                Place::Sink(entry) => {
+                    self.place = Place::Nowhere;
+                    objects.end_write(entry, length)
+                }
+                Place::Buffer(entry) => {
+                    let value = self.buffer.as_ref().get(..length as usize);
+                    objects.write(entry, value.unwrap_or(&[]))
+                }
+                _ => Err(AbortCode::General),
+            }
+        };
+        match result {
+            Ok(completion) => self.written(completion, answer),
+            Err(code) => Some(self.abort(self.object, code, objects)),
+        }
     }
 }
 
 /// The bytes that count in an expedited value whose length the client does not tell: as many as the object has.
 fn of_length<'a>(value: &'a [u8; 4], entry: &Entry) -> &'a [u8] {
+    if entry.size == 0 {
+        return value;
+    }
     value.get(..usize::from(entry.size)).unwrap_or(value)
-}
-
-/// Whether an object can take the size that the client announces.
-fn announced_size(size: u32, entry: &Entry, room: usize) -> Result<usize, AbortCode> {
-    let expected = u32::from(entry.size);
-    if size > expected {
-        return Err(AbortCode::LengthTooHigh);
-    }
-    if size < expected && !entry.data_type.is_variable() {
-        return Err(AbortCode::LengthTooLow);
-    }
-    // Not beyond 16 bits, because the size of an entry is not.
-    let size = size as usize;
-    if size > room {
-        return Err(AbortCode::OutOfMemory);
-    }
-    Ok(size)
 }

@@ -5,32 +5,48 @@
 //! confirmed, a toggle bit telling a repeated frame from the next one. Either side can end a transfer with an abort and
 //! its code; abort messages are never answered.
 //!
-//! The contract of the server:
-//! - One answer to each request, never more; that to a write whose owner is not done with it comes when it is. Requests that are no SDO (not eight bytes) and aborts get none.
+//! In a *block* transfer up to 127 segments follow each other without a question, and only the last of them is confirmed
+//! (see the modules of both directions); a checksum is over all data.
+//!
+//! The contract of the servers:
+//! - One answer to each request, never more; that to a write whose owner is not done with it comes when it is. Requests that are no SDO
+//!   (not eight bytes) and aborts get none.
 //! - Every refusal has its abort code ([`AbortCode`]), and leaves the object as it was.
-//! - A value is staged whole: a download changes the object after its last segment and in one step, an upload is a
-//!   snapshot of the moment it was initiated. Objects of eight bytes never tear.
-//! - A new initiate request drops a transfer that is open, without an abort.
-//! - If the client is silent for [`TIME_OUT`] in a transfer, the server aborts it. The stamp of a segment counts: one that
-//!   comes too late gets this abort as its answer, also when the server has not been called meanwhile.
-//! - An abort ends the open transfer even when too many answers wait for the bus to take another request.
-//! - Block transfer is refused as an unknown command.
+//! - A value in RAM is staged whole: a download changes the object after its last segment and in one step, an upload is
+//!   a snapshot of the moment it was initiated. Objects of eight bytes never tear. A constant is read where it
+//!   lies. What the application serves piece by piece ([`Attributes::STREAMED`](crate::od::Attributes::STREAMED)) may have any length.
+//! - A new initiate request drops a transfer that is open, without an abort. Only within a sub-block it cannot: there
+//!   every frame is a segment.
+//! - If the client is silent for [`TIME_OUT`] in a transfer, the server aborts it. The stamp of a segment counts: one
+//!   that comes too late gets this abort as its answer, also when the server has not been called meanwhile. While a frame of
+//!   the server waits for the bus, the client is not late.
+//! - Each server has room for two answers, and an answer is never dropped. A request whose answer has no room is not executed,
+//!   and counts as lost; an abort by the client always counts.
+//! - Servers are independent. Only a streamed object is written by one of them at a time.
 
 mod abort;
+mod answers;
+mod block;
+mod block_download;
+mod block_upload;
+mod crc;
 mod download;
+mod objects;
+pub(crate) mod parameters;
 mod server;
+mod servers;
 mod upload;
 
 pub use abort::AbortCode;
-pub use server::{Completion, Objects, Server};
+pub use objects::{Completion, Objects, Streams, Value};
+pub use server::Server;
+pub(crate) use servers::Others;
+pub use servers::Servers;
 
 use crate::time::Duration;
-
-/// Most bytes of one value in a segmented transfer. The longest object of a dictionary must fit.
-pub const SDO_BUFFER: usize = 128;
 
 /// How long the server waits for the next frame of a transfer, in each step.
 pub const TIME_OUT: Duration = Duration::from_ticks(1_000_000);
 
-#[cfg(test)]
-mod tests;
+/// Stands for "no identifier": no 11-bit identifier is equal to it.
+const NO_COB_ID: u16 = u16::MAX;

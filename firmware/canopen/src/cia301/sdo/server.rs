@@ -1,216 +1,370 @@
 //! The SDO server: which transfer is open, and what the next request means to it.
 
-use super::{AbortCode, SDO_BUFFER, TIME_OUT};
+use super::answers::Answers;
+use super::block::Block;
+use super::objects::{Completion, Objects, Streams};
+use super::parameters::CobIds;
+use super::{AbortCode, TIME_OUT};
 use crate::od::{Entry, Unused};
 use crate::time::{Instant, NEVER, has_come};
-use crate::wire::sdo::{Multiplexer, Request, Response};
+use crate::wire::sdo::{BlockRequest, Multiplexer, Request, Response};
 
-/// What a server reads and writes: the object dictionary with every rule that stands before it.
-pub trait Objects {
-    /// The present value of an object.
-    ///
-    /// # Errors
-    /// It does not exist, cannot be read, or has no value now.
-    fn read(&mut self, object: Multiplexer) -> Result<&[u8], AbortCode>;
-
-    /// The descriptor of an object that may be written.
-    ///
-    /// # Errors
-    /// It does not exist or cannot be written.
-    fn writable(&mut self, object: Multiplexer) -> Result<&'static Entry, AbortCode>;
-
-    /// Writes a value, after checking its length, its range and the state of the device.
-    ///
-    /// # Errors
-    /// It is refused; nothing has changed.
-    fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<Completion, AbortCode>;
-}
-
-/// When a write that was not refused is complete, and the client gets its answer.
+/// What the server waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Completion {
-    /// At once.
-    Now,
-    /// When the owner of the object says so ([`crate::Node::complete_write`]): saving parameters takes a while. The server waits
-    /// without a time-out; an abort or a new request of the client drops the answer, not the work. An owner that is asked
-    /// for the same again before it is done refuses with [`AbortCode::DeviceState`].
-    Later,
-}
-
-/// The transfer that is open.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Transfer {
-    /// None.
+pub(super) enum Step {
+    /// A new transfer.
     Idle,
-    /// The client reads the buffer.
-    Upload {
-        /// Bytes sent.
-        position: usize,
-    },
-    /// The client fills the buffer.
-    Download {
-        /// What will be written.
-        entry: &'static Entry,
-        /// The size in bytes that the client has announced.
-        announced: Option<usize>,
-    },
-    /// The value is handed over, and its owner has not finished with it.
-    Writing {
-        /// The answer that the client gets then.
-        answer: [u8; 8],
-    },
+    /// The owner of an object that is written, for as long as it takes.
+    Writing,
+    /// The next request for a segment.
+    Upload,
+    /// The next segment.
+    Download,
+    /// The next segment of a sub-block.
+    BlockDownload,
+    /// The end of a block download, all data being there.
+    BlockDownloadEnd,
+    /// The client's word to begin with the sub-blocks.
+    BlockUploadStart,
+    /// The bus: segments of a sub-block leave one by one.
+    BlockUpload,
+    /// The confirmation of a sub-block; its time-out has not begun yet, as the last segment has just been fetched.
+    BlockUploadSent,
+    /// The confirmation of a sub-block.
+    BlockUploadAcknowledge,
+    /// The client's word that it has all data.
+    BlockUploadEnd,
+    /// The rest of a sub-block that was under way when its transfer was aborted. Its segments are no requests, though they
+    /// may look like them.
+    Ignoring,
+    /// A call with the application at hand, to tell it that its object will not be written further.
+    Abandoned,
 }
 
-/// An SDO server with one transfer at a time.
+/// Where the bytes of the open transfer are.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Place {
+    Nowhere,
+    /// Upload: a snapshot in the buffer.
+    Snapshot,
+    /// Upload: in flash.
+    Constant(&'static [u8]),
+    /// Upload: with the application.
+    Source(&'static Entry),
+    /// Download: in the buffer until they are all there.
+    Buffer(&'static Entry),
+    /// Download: handed to the application, which must learn of the end.
+    Sink(&'static Entry),
+}
+
+/// An SDO server with one transfer at a time. Values in RAM pass through its buffer `B`.
 #[derive(Debug)]
-pub struct Server {
-    pub(super) transfer: Transfer,
+pub struct Server<B> {
+    pub(super) step: Step,
+    pub(super) place: Place,
     /// The object of the open transfer.
     pub(super) object: Multiplexer,
     /// The toggle bit of the next segment.
     pub(super) toggle: bool,
-    pub(super) buffer: [u8; SDO_BUFFER],
-    /// Bytes of the buffer that are in use.
-    pub(super) length: usize,
-    deadline: Instant,
+    /// Bytes in total, if known (upload) or announced (download).
+    pub(super) size: Option<u32>,
+    /// Most bytes that the object of a download takes.
+    pub(super) most: u32,
+    /// Bytes sent or taken.
+    pub(super) position: u32,
+    pub(super) block: Block,
+    pub(super) buffer: B,
+    /// The answer for when the owner of an object is done with it.
+    confirmation: [u8; 8],
+    pub(super) answers: Answers,
+    /// The identifier of requests; [`super::NO_COB_ID`] while there are none.
+    pub(super) request: u16,
+    /// The identifier of answers.
+    pub(super) response: u16,
+    pub(super) deadline: Instant,
 }
 
-impl Server {
-    /// A server with no transfer open.
-    pub const fn new() -> Self {
-        Self {
-            transfer: Transfer::Idle,
-            object: Multiplexer { index: 0, sub: 0 },
-            toggle: false,
-            buffer: [0; SDO_BUFFER],
-            length: 0,
-            deadline: NEVER,
-        }
-    }
+impl<B: Unused> Unused for Server<B> {
+    const UNUSED: Self = Self {
+        step: Step::Idle,
+        place: Place::Nowhere,
+        object: Multiplexer { index: 0, sub: 0 },
+        toggle: false,
+        size: None,
+        most: 0,
+        position: 0,
+        block: Block::new(),
+        buffer: B::UNUSED,
+        confirmation: [0; 8],
+        answers: Answers::new(),
+        request: super::NO_COB_ID,
+        response: super::NO_COB_ID,
+        deadline: NEVER,
+    };
+}
 
-    /// Drops the open transfer without a word: the node is stopped or reset.
-    pub fn reset(&mut self) {
-        self.transfer = Transfer::Idle;
-        self.deadline = NEVER;
-    }
-
-    /// Takes a request and returns the answer; an abort has none.
+impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
+    /// Takes a request and returns the answer, if it has one now.
+    #[inline]
     pub fn receive<O: Objects>(
         &mut self,
         request: &[u8; 8],
         now: Instant,
         objects: &mut O,
     ) -> Option<[u8; 8]> {
-        let answer = match Request::parse(request) {
-            Request::InitiateUpload(object) => self.initiate_upload(object, now, objects),
+        if self.step == Step::BlockDownload {
+            return self.take_block_segment(request, now, objects);
+        }
+        if matches!(self.step, Step::BlockDownloadEnd | Step::Ignoring)
+            && self.is_rest_of_block(request)
+        {
+            return None;
+        }
+        match Request::parse(request) {
+            Request::InitiateUpload(object) => Some(self.initiate_upload(object, now, objects)),
             Request::InitiateDownload { object, payload } => {
-                return self.initiate_download(object, payload, now, objects);
+                self.initiate_download(object, payload, now, objects)
             }
-            Request::UploadSegment { toggle } => self.upload_segment(toggle, now),
+            Request::UploadSegment { toggle } => Some(self.upload_segment(toggle, now, objects)),
             Request::DownloadSegment { toggle, data, last } => {
-                return self.download_segment(toggle, data, last, now, objects);
+                self.download_segment(toggle, data, last, now, objects)
             }
-            Request::Unknown(object) => self.abort(object, AbortCode::InvalidCommand),
+            Request::Block(request) => self.receive_block(request, now, objects),
+            Request::Unknown(object) => {
+                Some(self.abort(object, AbortCode::InvalidCommand, objects))
+            }
             Request::Abort { .. } => {
-                self.reset();
-                return None;
-            }
-        };
-        Some(answer)
-    }
-
-    /// Takes a request that can have no answer now: an abort ends the open transfer. Returns whether it was one; anything
-    /// else does nothing.
-    pub fn receive_abort(&mut self, request: &[u8; 8]) -> bool {
-        let is_abort = matches!(Request::parse(request), Request::Abort { .. });
-        if is_abort {
-            self.reset();
-        }
-        is_abort
-    }
-
-    /// The owner of an object has finished a write that it has said [`Completion::Later`] to: the answer, if the client still
-    /// waits for it.
-    pub fn complete(
-        &mut self,
-        object: Multiplexer,
-        result: Result<(), AbortCode>,
-    ) -> Option<[u8; 8]> {
-        let Transfer::Writing { answer } = self.transfer else {
-            return None;
-        };
-        if object != self.object {
-            return None;
-        }
-        Some(match result {
-            Ok(()) => {
-                self.reset();
-                answer
-            }
-            Err(code) => self.abort(object, code),
-        })
-    }
-
-    /// The answer to a write that was handed over, now or later.
-    pub(super) fn written(&mut self, completion: Completion, answer: [u8; 8]) -> Option<[u8; 8]> {
-        self.reset();
-        match completion {
-            Completion::Now => Some(answer),
-            Completion::Later => {
-                self.transfer = Transfer::Writing { answer };
+                self.drop_transfer(objects);
                 None
             }
         }
     }
 
+    #[inline(never)]
+    fn receive_block<O: Objects>(
+        &mut self,
+        request: BlockRequest,
+        now: Instant,
+        objects: &mut O,
+    ) -> Option<[u8; 8]> {
+        match request {
+            BlockRequest::InitiateDownload { object, crc, size } => {
+                Some(self.initiate_block_download(object, crc, size, now, objects))
+            }
+            BlockRequest::EndDownload { empty, crc } => {
+                self.end_block_download(empty, crc, now, objects)
+            }
+            BlockRequest::InitiateUpload {
+                object,
+                crc,
+                block_size,
+                threshold,
+            } => Some(self.initiate_block_upload(object, crc, block_size, threshold, now, objects)),
+            BlockRequest::StartUpload => self.start_block_upload(now, objects),
+            BlockRequest::Acknowledge { seqno, block_size } => {
+                self.acknowledge_block_upload(seqno, block_size, now, objects)
+            }
+            BlockRequest::EndUpload => self.end_block_upload(now, objects),
+        }
+    }
+
+    /// Takes a request that can have no answer now: an abort ends the open transfer. Returns whether it was one; anything
+    /// else does nothing.
+    pub(super) fn receive_abort<S: Streams>(&mut self, request: &[u8; 8], streams: &mut S) -> bool {
+        let is_abort = matches!(Request::parse(request), Request::Abort { .. });
+        if is_abort {
+            self.drop_transfer(streams);
+        }
+        is_abort
+    }
+
+    /// The next frame that is to be sent: an answer that waits, or a segment of a block upload.
+    #[inline]
+    pub fn transmit<S: Streams>(&mut self, streams: &mut S) -> Option<[u8; 8]> {
+        if let Some(answer) = self.answers.pop() {
+            return Some(answer);
+        }
+        (self.step == Step::BlockUpload).then(|| self.send_block_segment(streams))
+    }
+
+    /// Whether [`Server::transmit`] has something.
+    #[inline]
+    pub(super) fn is_pending(&self) -> bool {
+        !self.answers.is_empty() || self.step == Step::BlockUpload
+    }
+
+    /// Whether the time-out for the confirmation of a sub-block is to begin.
+    #[inline]
+    pub(super) fn has_sent_sub_block(&self) -> bool {
+        self.step == Step::BlockUploadSent
+    }
+
+    /// The owner of an object has finished a write that it has said [`Completion::Later`] to: the answer, if the client
+    /// still waits for it.
+    pub fn complete(
+        &mut self,
+        object: Multiplexer,
+        result: Result<(), AbortCode>,
+    ) -> Option<[u8; 8]> {
+        if self.step != Step::Writing || object != self.object {
+            return None;
+        }
+        self.idle();
+        Some(match result {
+            Ok(()) => self.confirmation,
+            Err(code) => abort_message(object, code),
+        })
+    }
+
     /// When [`Server::poll`] has something to do; [`NEVER`] while idle.
+    #[inline]
     pub fn deadline(&self) -> Instant {
         self.deadline
     }
 
-    /// Aborts a transfer whose client has been silent for too long.
-    pub fn poll(&mut self, now: Instant) -> Option<[u8; 8]> {
-        has_come(self.deadline, now).then(|| self.abort(self.object, AbortCode::TimedOut))
+    /// Lets time pass: a client that has been silent for too long is told that its transfer is over.
+    pub fn poll<S: Streams>(&mut self, now: Instant, streams: &mut S) -> Option<[u8; 8]> {
+        if !has_come(self.deadline, now) {
+            return None;
+        }
+        match self.step {
+            Step::Idle | Step::Writing | Step::Ignoring | Step::Abandoned => {
+                self.drop_transfer(streams);
+                None
+            }
+            // The client's time begins when it has been told.
+            Step::BlockUpload => {
+                self.wait(now);
+                None
+            }
+            Step::BlockUploadSent => {
+                self.step = Step::BlockUploadAcknowledge;
+                self.wait(now);
+                None
+            }
+            _ if !self.answers.is_empty() => {
+                self.wait(now);
+                None
+            }
+            Step::BlockDownload if !has_come(self.end_of_patience(), now) => self.remind(),
+            _ => Some(self.abort(self.object, AbortCode::TimedOut, streams)),
+        }
     }
 
-    /// Whether the time of the open transfer was over when a segment came, though nobody has called [`Server::poll`]
-    /// since.
+    /// Drops the open transfer without a word, and what waits for the bus: the NMT state has no SDO any more.
+    pub(super) fn reset(&mut self) {
+        self.answers.clear();
+        self.close();
+    }
+
+    /// Drops the open transfer; the application learns of it later.
+    fn close(&mut self) {
+        if matches!(self.place, Place::Sink(_)) {
+            self.step = Step::Abandoned;
+            self.deadline = Instant::from_ticks(0);
+        } else {
+            self.idle();
+        }
+    }
+
+    /// Listens to other identifiers, or to none. Nothing happens if they are the present ones.
+    pub(super) fn configure(&mut self, cob_ids: Option<CobIds>) {
+        let request = cob_ids.map_or(super::NO_COB_ID, |cob_ids| cob_ids.request);
+        let response = cob_ids.map_or(self.response, |cob_ids| cob_ids.response);
+        if request != self.request || response != self.response {
+            self.request = request;
+            self.response = response;
+            self.close();
+        }
+    }
+
+    /// Whether a client writes this object here, piece by piece.
+    pub(super) fn is_writing(&self, entry: &Entry) -> bool {
+        matches!(self.place, Place::Sink(sink) if sink.key() == entry.key())
+    }
+
+    /// Whether the time of the open transfer was over when a frame came, though nobody has called [`Server::poll`] since.
     #[inline]
     pub(super) fn is_too_late(&self, now: Instant) -> bool {
-        has_come(self.deadline, now)
+        has_come(self.deadline, now) && self.has_timed_out(now)
+    }
+
+    /// The deadline has come; it is not always the end.
+    #[cold]
+    #[inline(never)]
+    fn has_timed_out(&self, now: Instant) -> bool {
+        match self.step {
+            Step::BlockUpload | Step::BlockUploadSent => false,
+            Step::BlockDownload => has_come(self.end_of_patience(), now),
+            _ => true,
+        }
     }
 
     /// The client has answered in time: the next frame may take as long again.
+    #[inline]
     pub(super) fn wait(&mut self, now: Instant) {
         self.deadline = now + TIME_OUT;
     }
 
-    /// Ends the transfer with this code.
-    pub(super) fn abort(&mut self, object: Multiplexer, code: AbortCode) -> [u8; 8] {
-        self.reset();
-        Response::Abort {
-            object,
-            code: code.get(),
+    /// Nothing is open any more.
+    #[inline]
+    pub(super) fn idle(&mut self) {
+        self.step = Step::Idle;
+        self.place = Place::Nowhere;
+        self.deadline = NEVER;
+    }
+
+    /// Ends the open transfer without a word to the client.
+    #[inline]
+    pub(super) fn drop_transfer<S: Streams>(&mut self, streams: &mut S) {
+        if let Place::Sink(entry) = self.place {
+            streams.abandon_write(entry);
         }
-        .emit()
+        self.idle();
     }
 
-    /// A segment belongs to no open transfer of its kind. There is no object to name when nothing is open.
-    pub(super) fn abort_stray_segment(&mut self) -> [u8; 8] {
-        let object = match self.transfer {
-            Transfer::Idle => Multiplexer::default(),
-            _ => self.object,
-        };
-        self.abort(object, AbortCode::InvalidCommand)
+    /// The answer to a write that was handed over, now or later.
+    #[inline]
+    pub(super) fn written(&mut self, completion: Completion, answer: [u8; 8]) -> Option<[u8; 8]> {
+        self.idle();
+        match completion {
+            Completion::Now => Some(answer),
+            Completion::Later => {
+                self.step = Step::Writing;
+                self.confirmation = answer;
+                None
+            }
+        }
+    }
+
+    /// Ends the open transfer with this code.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn abort<S: Streams>(
+        &mut self,
+        object: Multiplexer,
+        code: AbortCode,
+        streams: &mut S,
+    ) -> [u8; 8] {
+        self.drop_transfer(streams);
+        abort_message(object, code)
+    }
+
+    /// A frame belongs to no open transfer of its kind. There is no object to name when nothing is open.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn stray(&mut self) -> AbortCode {
+        if matches!(self.step, Step::Idle | Step::Ignoring) {
+            self.object = Multiplexer::default();
+        }
+        AbortCode::InvalidCommand
     }
 }
 
-impl Unused for Server {
-    const UNUSED: Self = Self::new();
-}
-
-impl Default for Server {
-    fn default() -> Self {
-        Self::new()
+fn abort_message(object: Multiplexer, code: AbortCode) -> [u8; 8] {
+    Response::Abort {
+        object,
+        code: code.get(),
     }
+    .emit()
 }

@@ -1,69 +1,205 @@
 //! Upload: the client reads an object, expedited or in segments.
 
-use super::server::{Objects, Server, Transfer};
-use super::{AbortCode, SDO_BUFFER};
-use crate::copy::copy;
+use super::AbortCode;
+use super::objects::{Objects, Streams, Value};
+use super::server::{Place, Server, Step};
+use crate::copy::{copy, copy_few};
+use crate::od::Entry;
 use crate::time::Instant;
 use crate::wire::sdo::{Multiplexer, Payload, Response};
 
 /// Data bytes of one segment.
-const SEGMENT: usize = 7;
+const SEGMENT: u32 = 7;
 
-impl Server {
-    /// Sends a short value at once; takes a snapshot of a long one, and of an empty string, whose length 0 only the
-    /// segmented form can tell.
+/// The next bytes of a value, in the place that they have in a frame.
+pub(super) struct Piece {
+    /// Byte 0 is 0, for the command.
+    pub(super) frame: [u8; 8],
+    /// Bytes at the end that hold nothing, 0 to 7.
+    pub(super) empty: u8,
+    /// The value ends here.
+    pub(super) is_last: bool,
+}
+
+impl Piece {
+    /// Up to seven bytes from the start of what is left.
+    #[inline]
+    fn of(rest: &[u8]) -> Self {
+        let mut frame = [0; 8];
+        let [_, data @ ..] = &mut frame;
+        let empty = match rest.first_chunk::<7>() {
+            Some(seven) => {
+                *data = *seven;
+                0
+            }
+            None => {
+                copy_few(data, rest, rest.len());
+                7_u8.saturating_sub(rest.len() as u8)
+            }
+        };
+        Self {
+            frame,
+            empty,
+            is_last: rest.len() <= SEGMENT as usize,
+        }
+    }
+
+    /// The frame with its command.
+    #[inline]
+    pub(super) fn with_command(self, command: u8) -> [u8; 8] {
+        (u64::from_le_bytes(self.frame) | u64::from(command)).to_le_bytes()
+    }
+}
+
+impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
+    /// Sends a short value at once; gets ready to send a long one, and an empty one, whose length 0 only the segmented
+    /// form can tell.
     pub(super) fn initiate_upload<O: Objects>(
         &mut self,
         object: Multiplexer,
         now: Instant,
         objects: &mut O,
     ) -> [u8; 8] {
-        self.reset();
-        let value = match objects.read(object) {
+        self.drop_transfer(objects);
+        let value = match objects.open(object) {
             Ok(value) => value,
-            Err(code) => return self.abort(object, code),
+            Err(code) => return self.abort(object, code, objects),
         };
-        let payload = if matches!(value.len(), 1..=4) {
-            Payload::Expedited(value)
-        } else {
-            let Some(room) = self.buffer.get_mut(..value.len()) else {
-                return self.abort(object, AbortCode::OutOfMemory);
-            };
-            copy(room, value);
-            self.length = value.len();
-            self.object = object;
-            self.toggle = false;
-            self.transfer = Transfer::Upload { position: 0 };
-            self.wait(now);
-            // At most SDO_BUFFER.
-            Payload::Segmented(Some(self.length as u32))
+        if let Value::Variable(bytes) | Value::Constant(bytes) = value
+            && matches!(bytes.len(), 1..=4)
+        {
+            let payload = Payload::Expedited(bytes);
+            return Response::InitiateUpload { object, payload }.emit();
+        }
+        self.object = object;
+        if let Err(code) = self.open_upload(value) {
+            return self.abort(object, code, objects);
+        }
+        self.begin_upload(now, objects)
+    }
+
+    /// Makes the value the one that is sent from position 0 on.
+    pub(super) fn open_upload(&mut self, value: Value<'_>) -> Result<(), AbortCode> {
+        self.position = 0;
+        (self.place, self.size) = match value {
+            Value::Variable(bytes) => {
+                let room = self
+                    .buffer
+                    .as_mut()
+                    .get_mut(..bytes.len())
+                    .ok_or(AbortCode::OutOfMemory)?;
+                copy(room, bytes);
+                (Place::Snapshot, Some(bytes.len() as u32))
+            }
+            Value::Constant(bytes) => (Place::Constant(bytes), Some(bytes.len() as u32)),
+            Value::Streamed(entry, size) => (Place::Source(entry), size),
         };
+        Ok(())
+    }
+
+    /// The answer that begins an upload without blocks of the value that is open.
+    pub(super) fn begin_upload<S: Streams>(&mut self, now: Instant, streams: &mut S) -> [u8; 8] {
+        let object = self.object;
+        // Only what the application serves can turn out to be short here; of the other values the length was known.
+        if self.size.is_none_or(|size| size <= 4) {
+            match self.next_piece(streams) {
+                Ok(piece) if piece.is_last && matches!(piece.empty, 3..=6) => {
+                    self.idle();
+                    let [_, a, b, c, d, ..] = piece.frame;
+                    let bytes = [a, b, c, d];
+                    let length = usize::from(7_u8.saturating_sub(piece.empty));
+                    let payload = Payload::Expedited(bytes.get(..length).unwrap_or(&bytes));
+                    return Response::InitiateUpload { object, payload }.emit();
+                }
+                Ok(_) => {}
+                Err(code) => return self.abort(object, code, streams),
+            }
+        }
+        self.step = Step::Upload;
+        self.toggle = false;
+        self.wait(now);
+        let payload = Payload::Segmented(self.size);
         Response::InitiateUpload { object, payload }.emit()
     }
 
-    /// Sends the next seven bytes of the snapshot.
-    pub(super) fn upload_segment(&mut self, toggle: bool, now: Instant) -> [u8; 8] {
-        let Transfer::Upload { position } = self.transfer else {
-            return self.abort_stray_segment();
+    /// Sends the next seven bytes.
+    pub(super) fn upload_segment<S: Streams>(
+        &mut self,
+        toggle: bool,
+        now: Instant,
+        streams: &mut S,
+    ) -> [u8; 8] {
+        let piece = match self.take_upload_request(toggle, now, streams) {
+            Ok(piece) => piece,
+            Err(code) => return self.abort(self.object, code, streams),
         };
-        if self.is_too_late(now) {
-            return self.abort(self.object, AbortCode::TimedOut);
-        }
-        if toggle != self.toggle {
-            return self.abort(self.object, AbortCode::ToggleNotAlternated);
-        }
-        let next = position.saturating_add(SEGMENT);
-        let last = next >= self.length;
-        let end = next.min(self.length).min(SDO_BUFFER);
-        let data = self.buffer.get(position..end).unwrap_or(&[]);
-        let answer = Response::UploadSegment { toggle, data, last }.emit();
-        if last {
-            self.reset();
+        let command = u8::from(toggle) << 4 | piece.empty << 1 | u8::from(piece.is_last);
+        if piece.is_last {
+            self.idle();
         } else {
-            self.transfer = Transfer::Upload { position: next };
+            self.position = self.position.saturating_add(SEGMENT);
             self.toggle = !toggle;
             self.wait(now);
         }
-        answer
+        piece.with_command(command)
+    }
+
+    #[inline]
+    fn take_upload_request<S: Streams>(
+        &mut self,
+        toggle: bool,
+        now: Instant,
+        streams: &mut S,
+    ) -> Result<Piece, AbortCode> {
+        if self.step != Step::Upload {
+            return Err(self.stray());
+        }
+        if self.is_too_late(now) {
+            return Err(AbortCode::TimedOut);
+        }
+        if toggle != self.toggle {
+            return Err(AbortCode::ToggleNotAlternated);
+        }
+        self.next_piece(streams)
+    }
+
+    /// The bytes at the present position, which stays.
+    #[inline]
+    pub(super) fn next_piece<S: Streams>(&mut self, streams: &mut S) -> Result<Piece, AbortCode> {
+        let value = match self.place {
+            Place::Snapshot => {
+                let end = self.size.unwrap_or(0) as usize;
+                self.buffer.as_ref().get(..end).unwrap_or(&[])
+            }
+            Place::Constant(value) => value,
+            Place::Source(entry) => return self.streamed_piece(entry, streams),
+            _ => &[],
+        };
+        let rest = value.get(self.position as usize..).unwrap_or(&[]);
+        Ok(Piece::of(rest))
+    }
+
+    /// The next bytes from the application. One more than a segment has is asked for where only that tells whether it is the
+    /// last one.
+    #[inline(never)]
+    fn streamed_piece<S: Streams>(
+        &mut self,
+        entry: &'static Entry,
+        streams: &mut S,
+    ) -> Result<Piece, AbortCode> {
+        let left = self.size.map(|size| size.saturating_sub(self.position));
+        let mut bytes = [0; 8];
+        let wanted = left.map_or(8, |left| left.min(SEGMENT)) as usize;
+        let room = bytes.get_mut(..wanted).unwrap_or(&mut []);
+        let got = streams.read_at(entry, self.position, room)?.min(wanted);
+        if left.is_some() && got < wanted {
+            // The application has announced more.
+            return Err(AbortCode::NotTransferable);
+        }
+        let mut piece = Piece::of(bytes.get(..got).unwrap_or(&[]));
+        if let Some(left) = left {
+            piece.is_last = left <= SEGMENT;
+        }
+        Ok(piece)
     }
 }

@@ -1,0 +1,59 @@
+//! Answers of one server that wait for the bus.
+
+/// A client has one request in flight. A second one, because the client has given up on the first, has its place as well.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answers {
+    first: [u8; 8],
+    second: [u8; 8],
+    count: u8,
+}
+
+impl Answers {
+    pub(super) const fn new() -> Self {
+        Self {
+            first: [0; 8],
+            second: [0; 8],
+            count: 0,
+        }
+    }
+
+    /// Whether nothing waits.
+    #[inline]
+    pub(super) const fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Whether there is no room. A request is not to be executed then.
+    #[inline]
+    pub(super) const fn is_full(&self) -> bool {
+        self.count >= 2
+    }
+
+    /// Adds the newest; returns whether it had room.
+    #[inline]
+    pub(super) const fn push(&mut self, answer: [u8; 8]) -> bool {
+        match self.count {
+            0 => self.first = answer,
+            1 => self.second = answer,
+            _ => return false,
+        }
+        self.count = self.count.wrapping_add(1);
+        true
+    }
+
+    /// Takes the oldest.
+    #[inline]
+    pub(super) const fn pop(&mut self) -> Option<[u8; 8]> {
+        if self.count == 0 {
+            return None;
+        }
+        let answer = self.first;
+        self.first = self.second;
+        self.count = self.count.wrapping_sub(1);
+        Some(answer)
+    }
+
+    pub(super) const fn clear(&mut self) {
+        self.count = 0;
+    }
+}

@@ -1,0 +1,266 @@
+//! Block download: the client writes an object in sub-blocks of 127 segments.
+//!
+//! ```text
+//!   client                                server
+//!   C6 object, size          ------->
+//!                            <-------     A4 object, 127 segments a sub-block
+//!   01, 02 ... 7F            ------->
+//!                            <-------     A2 the last segment before the first gap
+//!   01, 02 ... 80 + last     ------->
+//!                            <-------     A2
+//!   C1 unused bytes, CRC     ------->
+//!                            <-------     A1
+//! ```
+//!
+//! A segment in its place is handed on at once; only the last one waits for the end frame, which tells how many of its bytes
+//! count. After a gap nothing is taken until the sub-block is over; the client then goes on behind what is confirmed,
+//! numbering from 1 again. Should the end of a sub-block be lost, the server confirms by itself after half of its
+//! patience ([`TIME_OUT`]), once.
+//!
+//! While segments are expected every frame is one, whatever it looks like. So when the server aborts in the middle of
+//! a sub-block, the rest of it, which is under way already, is followed by its numbers and ignored: it must not be taken
+//! for requests.
+
+use super::objects::{Objects, Streams};
+use super::server::{Server, Step};
+use super::{AbortCode, TIME_OUT, crc};
+use crate::time::{Duration, Instant};
+use crate::wire::sdo::{
+    ABORT_COMMAND, BlockRequest, BlockResponse, BlockSegment, MOST_SEGMENTS, Multiplexer, Request,
+};
+
+/// From the last segment to the server's own confirmation, and from there to the abort.
+const HALF: Duration = Duration::from_ticks(TIME_OUT.ticks() / 2);
+
+impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
+    /// Gets ready for the first sub-block.
+    pub(super) fn initiate_block_download<O: Objects>(
+        &mut self,
+        object: Multiplexer,
+        has_crc: bool,
+        size: Option<u32>,
+        now: Instant,
+        objects: &mut O,
+    ) -> [u8; 8] {
+        self.drop_transfer(objects);
+        self.object = object;
+        let result = objects
+            .writable(object)
+            .and_then(|entry| self.open_download(entry, size, objects));
+        if let Err(code) = result {
+            return self.abort(object, code, objects);
+        }
+        self.step = Step::BlockDownload;
+        self.block.has_crc = has_crc;
+        self.block.crc = 0;
+        self.block.seqno = 0;
+        self.block.closing = 0;
+        self.wait_for_segment(now);
+        BlockResponse::InitiateDownload {
+            object,
+            crc: true,
+            block_size: MOST_SEGMENTS,
+        }
+        .emit()
+    }
+
+    /// Takes a frame in the middle of the sub-blocks.
+    #[inline]
+    pub(super) fn take_block_segment<O: Objects>(
+        &mut self,
+        frame: &[u8; 8],
+        now: Instant,
+        objects: &mut O,
+    ) -> Option<[u8; 8]> {
+        let [command, ..] = *frame;
+        let segment = BlockSegment::parse(frame);
+        let expected = self.block.seqno.wrapping_add(1);
+        if segment.seqno != expected || self.is_too_late(now) {
+            return self.take_unexpected(frame, now, objects);
+        }
+        self.block.seqno = expected;
+        if segment.last {
+            self.block.held = segment.data;
+            self.step = Step::BlockDownloadEnd;
+            self.wait(now);
+            return Some(self.confirm(command));
+        }
+        if let Err(code) = self.append(&segment.data, objects) {
+            return Some(self.abort_in_sub_block(code, now, objects));
+        }
+        if self.block.has_crc {
+            self.block.crc = crc::add(self.block.crc, &segment.data);
+        }
+        self.wait_for_segment(now);
+        (expected == MOST_SEGMENTS).then(|| self.confirm(command))
+    }
+
+    /// Takes a frame that is not the next segment: an abort, a repetition, what follows a gap, or nonsense.
+    #[cold]
+    #[inline(never)]
+    fn take_unexpected<O: Objects>(
+        &mut self,
+        frame: &[u8; 8],
+        now: Instant,
+        objects: &mut O,
+    ) -> Option<[u8; 8]> {
+        let [command, ..] = *frame;
+        if command == ABORT_COMMAND {
+            self.drop_transfer(objects);
+            return None;
+        }
+        if self.is_too_late(now) {
+            return Some(self.abort(self.object, AbortCode::TimedOut, objects));
+        }
+        let segment = BlockSegment::parse(frame);
+        if segment.seqno == 0 {
+            return Some(self.abort(self.object, AbortCode::InvalidSequenceNumber, objects));
+        }
+        let is_repetition = segment.seqno <= self.block.seqno
+            || (self.block.seqno == 0 && command == self.block.closing);
+        if is_repetition {
+            self.wait_for_segment(now);
+            return None;
+        }
+        if let Some((empty, crc)) = self.early_end(frame, segment.seqno) {
+            return self.end_block_download(empty, crc, now, objects);
+        }
+        self.wait_for_segment(now);
+        (segment.last || segment.seqno == MOST_SEGMENTS).then(|| self.confirm(command))
+    }
+
+    /// The content of a frame that ends the transfer before its last segment has come. It looks like a last segment behind a
+    /// gap; it is none if the rest of it is empty and the size that was announced does not end there.
+    fn early_end(&self, frame: &[u8; 8], seqno: u8) -> Option<(u8, u16)> {
+        let Request::Block(BlockRequest::EndDownload { empty, crc }) = Request::parse(frame) else {
+            return None;
+        };
+        let [_, _, _, 0, 0, 0, 0, 0] = *frame else {
+            return None;
+        };
+        let ahead = u32::from(seqno.saturating_sub(self.block.seqno)).saturating_mul(7);
+        let end = self.position.saturating_add(ahead);
+        let ends_there = self
+            .size
+            .is_some_and(|size| size <= end && end.saturating_sub(size) < 7);
+        (!ends_there).then_some((empty, crc))
+    }
+
+    /// Confirms what has come of a sub-block; the next one begins.
+    fn confirm(&mut self, closing: u8) -> [u8; 8] {
+        let seqno = self.block.seqno;
+        self.block.seqno = 0;
+        self.block.closing = closing;
+        BlockResponse::Acknowledge {
+            seqno,
+            block_size: MOST_SEGMENTS,
+        }
+        .emit()
+    }
+
+    /// The client has been silent for half of the server's patience. Perhaps the end of its sub-block was lost, and it waits:
+    /// confirms what has come. If nothing has come since a confirmation, that may have been lost itself. Then the
+    /// client would take another number for something else, so it gets none.
+    pub(super) fn remind(&mut self) -> Option<[u8; 8]> {
+        self.deadline += HALF;
+        self.block.is_reminded = true;
+        (self.block.seqno != 0 || self.position == 0).then(|| self.confirm(0))
+    }
+
+    /// When the client of a block download has been silent for too long.
+    pub(super) fn end_of_patience(&self) -> Instant {
+        if self.block.is_reminded {
+            self.deadline
+        } else {
+            self.deadline + HALF
+        }
+    }
+
+    #[inline]
+    fn wait_for_segment(&mut self, now: Instant) {
+        self.block.is_reminded = false;
+        self.deadline = now + HALF;
+    }
+
+    /// Ends the transfer with this code; the rest of the sub-block is to be ignored.
+    #[cold]
+    #[inline(never)]
+    fn abort_in_sub_block<S: Streams>(
+        &mut self,
+        code: AbortCode,
+        now: Instant,
+        streams: &mut S,
+    ) -> [u8; 8] {
+        let answer = self.abort(self.object, code, streams);
+        if self.block.seqno < MOST_SEGMENTS {
+            self.step = Step::Ignoring;
+            self.wait(now);
+        }
+        answer
+    }
+
+    /// Whether a frame belongs to sub-blocks that are over: the last segment once more, or the next one of a sub-block that
+    /// is ignored.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn is_rest_of_block(&mut self, frame: &[u8; 8]) -> bool {
+        let [command, ..] = *frame;
+        if self.step == Step::BlockDownloadEnd {
+            return command == self.block.closing;
+        }
+        let segment = BlockSegment::parse(frame);
+        if command == ABORT_COMMAND || segment.seqno != self.block.seqno.wrapping_add(1) {
+            self.idle();
+            return false;
+        }
+        self.block.seqno = segment.seqno;
+        if segment.last || segment.seqno == MOST_SEGMENTS {
+            self.idle();
+        }
+        true
+    }
+
+    /// Checks what the client says about the data, and writes the object.
+    pub(super) fn end_block_download<O: Objects>(
+        &mut self,
+        empty: u8,
+        crc: u16,
+        now: Instant,
+        objects: &mut O,
+    ) -> Option<[u8; 8]> {
+        let result = match self.step {
+            _ if self.is_too_late(now) => Err(AbortCode::TimedOut),
+            Step::BlockDownloadEnd => self.take_last_segment(empty, crc, objects),
+            // No data at all needs no segment.
+            Step::BlockDownload if self.size == Some(0) && self.position == 0 => Ok(()),
+            _ => Err(self.stray()),
+        };
+        match result {
+            Ok(()) => self.finish(BlockResponse::EndDownload.emit(), objects),
+            Err(code) => Some(self.abort(self.object, code, objects)),
+        }
+    }
+
+    /// The bytes that count of the last segment.
+    fn take_last_segment<O: Objects>(
+        &mut self,
+        empty: u8,
+        crc: u16,
+        objects: &mut O,
+    ) -> Result<(), AbortCode> {
+        let held = self.block.held;
+        let length = held.len().saturating_sub(empty.into());
+        let data = held.get(..length).unwrap_or(&held);
+        let total = self.position.saturating_add(length as u32);
+        if self.size.is_some_and(|size| size != total) {
+            return Err(AbortCode::LengthMismatch);
+        }
+        if self.block.has_crc && crc::add(self.block.crc, data) != crc {
+            return Err(AbortCode::CrcError);
+        }
+        if data.is_empty() {
+            return Ok(());
+        }
+        self.append(data, objects)
+    }
+}

@@ -1,0 +1,88 @@
+//! What a server reads and writes: the object dictionary, and the application behind streamed objects.
+
+use super::AbortCode;
+use crate::od::Entry;
+use crate::wire::sdo::Multiplexer;
+
+/// Values that are no bytes in memory, but are given and taken piece by piece ([`crate::Application`] serves them).
+pub trait Streams {
+    /// The bytes from `position` on; how many, less than there is room for only at the end of the value.
+    ///
+    /// # Errors
+    /// They cannot be read.
+    fn read_at(
+        &mut self,
+        entry: &'static Entry,
+        position: u32,
+        into: &mut [u8],
+    ) -> Result<usize, AbortCode>;
+
+    /// The next bytes.
+    ///
+    /// # Errors
+    /// They cannot be written; nothing more is to come.
+    fn write_at(
+        &mut self,
+        entry: &'static Entry,
+        position: u32,
+        data: &[u8],
+    ) -> Result<(), AbortCode>;
+
+    /// What [`Objects::begin_write`] has begun will not be ended.
+    fn abandon_write(&mut self, entry: &'static Entry);
+}
+
+/// The object dictionary with every rule that stands before it.
+pub trait Objects: Streams {
+    /// An object that is to be read.
+    ///
+    /// # Errors
+    /// It does not exist, cannot be read, or has no value now.
+    fn open(&mut self, object: Multiplexer) -> Result<Value<'_>, AbortCode>;
+
+    /// The descriptor of an object that may be written.
+    ///
+    /// # Errors
+    /// It does not exist or cannot be written.
+    fn writable(&mut self, object: Multiplexer) -> Result<&'static Entry, AbortCode>;
+
+    /// Writes a value, after checking its length, its range and the state of the device.
+    ///
+    /// # Errors
+    /// It is refused; nothing has changed.
+    fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<Completion, AbortCode>;
+
+    /// A streamed object will be written, with so many bytes if that is known.
+    ///
+    /// # Errors
+    /// Not now, or not with this size.
+    fn begin_write(&mut self, entry: &'static Entry, size: Option<u32>) -> Result<(), AbortCode>;
+
+    /// All of a streamed object is written.
+    ///
+    /// # Errors
+    /// The value is refused.
+    fn end_write(&mut self, entry: &'static Entry, length: u32) -> Result<Completion, AbortCode>;
+}
+
+/// Where the value of an object is.
+#[derive(Clone, Copy, Debug)]
+pub enum Value<'a> {
+    /// In RAM: what is read later may be another value, so a transfer takes a snapshot.
+    Variable(&'a [u8]),
+    /// In flash, for ever.
+    Constant(&'static [u8]),
+    /// With the application, which knows the size, or will know it at the end.
+    Streamed(&'static Entry, Option<u32>),
+}
+
+/// When a write that was not refused is complete, and the client gets its answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Completion {
+    /// At once.
+    Now,
+    /// When the owner of the object says so ([`crate::Node::complete_write`]): saving parameters takes a while. The server
+    /// waits without a time-out; an abort or a new request of the client drops the answer, not the work. An owner that
+    /// is asked for the same again before it is done refuses with [`AbortCode::DeviceState`].
+    Later,
+}

@@ -1,0 +1,194 @@
+//! All servers of a device: which one a frame is for, and which one sends next.
+
+use super::AbortCode;
+use super::NO_COB_ID;
+use super::objects::{Objects, Streams};
+use super::parameters::CobIds;
+use super::server::Server;
+use crate::od::{Counts, Dictionary, Entry, Slots};
+use crate::settings::NodeId;
+use crate::time::{Instant, NEVER, earlier};
+use crate::wire::Frame;
+use crate::wire::sdo::Multiplexer;
+
+/// The SDO servers of a device, 1200h and up, each with its own transfer.
+#[derive(Debug)]
+pub struct Servers<C: Counts> {
+    servers: C::SdoServers,
+    /// The lowest identifier that waits for the bus; [`NO_COB_ID`] for none.
+    lowest: u16,
+    /// The time-out of a server begins with the next [`Servers::poll`].
+    needs_time: bool,
+}
+
+/// What the other servers of the device have under way.
+#[derive(Debug)]
+pub(crate) struct Others<'a, B> {
+    before: &'a [Server<B>],
+    after: &'a [Server<B>],
+}
+
+impl<B> Others<'_, B> {
+    /// There are no others.
+    pub(crate) const fn none() -> Self {
+        Self {
+            before: &[],
+            after: &[],
+        }
+    }
+}
+
+impl<B: AsRef<[u8]> + AsMut<[u8]>> Others<'_, B> {
+    /// Whether one of them writes this streamed object.
+    pub(crate) fn are_writing(&self, entry: &Entry) -> bool {
+        let mut all = self.before.iter().chain(self.after);
+        all.any(|server| server.is_writing(entry))
+    }
+}
+
+impl<C: Counts> Servers<C> {
+    /// Servers that hear nothing until [`Servers::configure`].
+    pub(crate) fn new() -> Self {
+        Self {
+            servers: C::SdoServers::unused(),
+            lowest: NO_COB_ID,
+            needs_time: false,
+        }
+    }
+
+    /// Takes the identifiers: a state with SDO begins, or one of 1201h and up was written. A server whose identifiers change
+    /// drops its transfer; an answer that waits leaves under the identifier that its request belongs to.
+    pub(crate) fn configure<D: Dictionary>(&mut self, dictionary: &D, node_id: NodeId) {
+        for (number, server) in (0..).zip(self.servers.as_mut()) {
+            let cob_ids = match number {
+                0 => Some(CobIds::predefined(node_id)),
+                _ => CobIds::of(dictionary, number),
+            };
+            server.configure(cob_ids);
+        }
+        self.find_lowest();
+    }
+
+    /// The identifiers of all servers that are on, in any NMT state.
+    pub(crate) fn identifiers<D: Dictionary>(
+        &self,
+        dictionary: &D,
+        node_id: NodeId,
+    ) -> impl Iterator<Item = CobIds> {
+        let others = 1..self.servers.as_ref().len() as u16;
+        core::iter::once(CobIds::predefined(node_id))
+            .chain(others.filter_map(|number| CobIds::of(dictionary, number)))
+    }
+
+    /// The NMT state has no SDO any more: nothing is heard, transfers and answers are dropped. Streamed objects that were
+    /// being written are abandoned with the next [`Servers::poll`].
+    pub(crate) fn reset(&mut self) {
+        for server in self.servers.as_mut() {
+            server.reset();
+            server.request = NO_COB_ID;
+        }
+        self.lowest = NO_COB_ID;
+    }
+
+    /// The number of the server that hears this identifier.
+    #[inline]
+    pub(crate) fn find(&self, cob_id: u16) -> Option<usize> {
+        self.servers
+            .as_ref()
+            .iter()
+            .position(|server| server.request == cob_id)
+    }
+
+    /// Gives a request to a server. `objects` makes the dictionary from what the other servers have under way. Returns when the
+    /// server wants to be called; `None` if the request was not executed, as its answer would have had no room.
+    #[inline]
+    pub(crate) fn receive<'a, O: Objects>(
+        &'a mut self,
+        number: usize,
+        request: &[u8; 8],
+        now: Instant,
+        objects: impl FnOnce(Others<'a, C::SdoBuffer>) -> O,
+    ) -> Option<Instant> {
+        let (before, server, after) = split(self.servers.as_mut(), number)?;
+        let mut objects = objects(Others { before, after });
+        if server.answers.is_full() {
+            let is_abort = server.receive_abort(request, &mut objects);
+            return is_abort.then(|| server.deadline());
+        }
+        if let Some(answer) = server.receive(request, now, &mut objects) {
+            server.answers.push(answer);
+        }
+        if server.is_pending() {
+            self.lowest = self.lowest.min(server.response);
+        }
+        Some(server.deadline())
+    }
+
+    /// The owner of an object has finished a write: the answer to those that still wait for it.
+    pub(crate) fn complete(&mut self, object: Multiplexer, result: Result<(), AbortCode>) {
+        for server in self.servers.as_mut() {
+            if let Some(answer) = server.complete(object, result) {
+                server.answers.push(answer);
+            }
+        }
+        self.find_lowest();
+    }
+
+    /// Lets time pass; returns when it wants to be called again.
+    pub(crate) fn poll<S: Streams>(&mut self, now: Instant, streams: &mut S) -> Instant {
+        self.needs_time = false;
+        let mut deadline = NEVER;
+        for server in self.servers.as_mut() {
+            if let Some(answer) = server.poll(now, streams) {
+                server.answers.push(answer);
+                self.lowest = self.lowest.min(server.response);
+            }
+            deadline = earlier(deadline, server.deadline());
+        }
+        deadline
+    }
+
+    /// Whether [`Servers::poll`] is to be called now.
+    #[inline]
+    pub(crate) fn needs_time(&self) -> bool {
+        self.needs_time
+    }
+
+    /// The lowest identifier that waits for the bus.
+    #[inline]
+    pub(crate) fn pending(&self) -> Option<u16> {
+        (self.lowest != NO_COB_ID).then_some(self.lowest)
+    }
+
+    /// The next frame, that with the lowest identifier.
+    #[inline]
+    pub(crate) fn transmit<S: Streams>(&mut self, streams: &mut S) -> Option<Frame> {
+        let lowest = self.lowest;
+        let waiting = |server: &&mut Server<_>| server.response == lowest && server.is_pending();
+        let server = self.servers.as_mut().iter_mut().find(waiting)?;
+        let frame = server.transmit(streams);
+        if !server.is_pending() {
+            self.needs_time |= server.has_sent_sub_block();
+            self.find_lowest();
+        }
+        frame.map(|frame| Frame::full(lowest, frame))
+    }
+
+    fn find_lowest(&mut self) {
+        let servers = self.servers.as_ref().iter();
+        let waiting = servers.filter(|server| server.is_pending());
+        self.lowest = waiting.fold(NO_COB_ID, |lowest, server| lowest.min(server.response));
+    }
+}
+
+/// One server, those before it and those after it.
+#[inline]
+#[expect(clippy::type_complexity, reason = "three parts of one slice")]
+fn split<B>(
+    servers: &mut [Server<B>],
+    number: usize,
+) -> Option<(&[Server<B>], &mut Server<B>, &[Server<B>])> {
+    let (before, rest) = servers.split_at_mut_checked(number)?;
+    let (server, after) = rest.split_first_mut()?;
+    Some((before, server, after))
+}

@@ -1,0 +1,187 @@
+//! The second SDO server, 1201h: S38 to S40 of the listed cases, and streamed objects.
+
+mod device;
+
+use device::{Device, abort};
+
+const INVALID_VALUE: u32 = 0x0609_0030;
+
+/// Switches the server on with free identifiers: requests on 6A4h, answers on 684h.
+fn with_second_server() -> Device {
+    let mut device = Device::new();
+    for write in ["604#23011201A4060000", "604#2301120284060000"] {
+        assert_eq!(device.ask(write).len(), 1);
+    }
+    device
+}
+
+/// The same frame on the second server.
+fn second(frame: &str) -> String {
+    frame
+        .replacen("604#", "6A4#", 1)
+        .replacen("584#", "684#", 1)
+}
+
+#[test]
+fn s38_restricted_identifiers_are_refused() {
+    let restricted = [
+        0x000, 0x001, 0x07F, 0x101, 0x180, 0x581, 0x584, 0x5FF, 0x601, 0x604, 0x605, 0x67F, 0x6E0,
+        0x6FF, 0x701, 0x77F, 0x7FF,
+    ];
+    for sub in [1, 2] {
+        for cob_id in restricted {
+            let mut device = Device::new();
+            let [low, high] = u16::to_le_bytes(cob_id);
+            let asked = format!("604#230112{sub:02X}{low:02X}{high:02X}0000");
+            assert_eq!(device.ask(&asked), [abort(0x1201, sub, INVALID_VALUE)]);
+            // While it is off the number means nothing.
+            let asked = format!("604#230112{sub:02X}{low:02X}{high:02X}0080");
+            assert_eq!(device.ask(&asked), [format!("584#600112{sub:02X}00000000")]);
+        }
+    }
+}
+
+#[test]
+fn s38_identifiers_with_29_bits_and_dynamic_ones_are_refused() {
+    for bits in ["20", "40", "A0"] {
+        let mut device = Device::new();
+        let asked = format!("604#23011201A40600{bits}");
+        assert_eq!(device.ask(&asked), [abort(0x1201, 1, INVALID_VALUE)]);
+    }
+}
+
+#[test]
+fn s39_a_server_is_switched_off_before_it_changes() {
+    let mut device = with_second_server();
+    let moved = ["604#23011201A5060000", "604#2301120285060000"];
+    for (sub, asked) in (1..).zip(moved) {
+        assert_eq!(device.ask(asked), [abort(0x1201, sub, INVALID_VALUE)]);
+    }
+    // The same value again changes nothing.
+    assert_eq!(device.ask("604#23011201A4060000"), ["584#6001120100000000"]);
+    assert_eq!(device.ask("604#23011201A4060080"), ["584#6001120100000000"]);
+    assert!(device.ask("6A4#4000100000000000").is_empty());
+    assert_eq!(device.ask("604#23011201A5060000"), ["584#6001120100000000"]);
+    assert!(device.ask("6A4#4000100000000000").is_empty());
+    assert_eq!(device.ask("6A5#4000100000000000"), ["684#4300100092010200"]);
+}
+
+#[test]
+fn s39_one_identifier_for_both_ways_is_none() {
+    let mut device = Device::new();
+    assert_eq!(device.ask("604#23011201A4060000"), ["584#6001120100000000"]);
+    assert_eq!(
+        device.ask("604#23011202A4060000"),
+        [abort(0x1201, 2, INVALID_VALUE)]
+    );
+}
+
+#[test]
+fn s40_transfers_on_two_servers_do_not_meet() {
+    let mut device = with_second_server();
+    device.set_value(0x200B, 0, b"a string of the device");
+    // A segmented download here, an upload there, step by step.
+    assert_eq!(device.ask("604#2101200009000000"), ["584#6001200000000000"]);
+    assert_eq!(device.ask("6A4#400B200000000000"), ["684#410B200016000000"]);
+    assert_eq!(device.ask("604#0061626364656667"), ["584#2000000000000000"]);
+    assert_eq!(device.ask("6A4#6000000000000000"), ["684#006120737472696E"]);
+    assert_eq!(device.ask("6A4#7000000000000000"), ["684#1067206F66207468"]);
+    assert_eq!(device.ask("604#1B68690000000000"), ["584#3000000000000000"]);
+    assert_eq!(device.value(0x2001, 0), b"abcdefghi");
+    // An abort here, and there it goes on.
+    assert_eq!(device.ask("604#4001200000000000").len(), 1);
+    assert!(device.ask("604#8001200000000000").is_empty());
+    assert_eq!(device.ask("6A4#6000000000000000"), ["684#0065206465766963"]);
+    assert_eq!(device.ask("6A4#7000000000000000"), ["684#1D65000000000000"]);
+}
+
+#[test]
+fn s40_both_servers_time_out_alone() {
+    let mut device = with_second_server();
+    assert_eq!(device.ask("604#4001200000000000").len(), 1);
+    assert!(device.pass(300).is_empty());
+    assert_eq!(device.ask("6A4#2101200009000000").len(), 1);
+    let sent = device.pass(2000);
+    let expected = [
+        (700, abort(0x2001, 0, 0x0504_0000)),
+        (
+            1000,
+            abort(0x2001, 0, 0x0504_0000).replacen("584", "684", 1),
+        ),
+    ];
+    assert_eq!(sent, expected);
+}
+
+#[test]
+fn s40_answers_leave_lowest_identifier_first() {
+    let mut device = with_second_server();
+    device.put("6A4#4000100000000000");
+    device.put("604#4000100000000000");
+    assert_eq!(
+        device.sent(),
+        ["584#4300100092010200", "684#4300100092010200"]
+    );
+}
+
+#[test]
+fn a_server_that_switches_itself_off_still_answers() {
+    let mut device = with_second_server();
+    assert_eq!(device.ask("6A4#23011201A4060080"), ["684#6001120100000000"]);
+    assert!(device.ask("6A4#4000100000000000").is_empty());
+}
+
+#[test]
+fn a_server_is_deaf_while_the_node_is_stopped() {
+    let mut device = with_second_server();
+    device.send("000#0204");
+    assert!(device.ask("6A4#4000100000000000").is_empty());
+    device.send("000#8004");
+    assert_eq!(device.ask("6A4#4000100000000000"), ["684#4300100092010200"]);
+}
+
+#[test]
+fn one_client_at_a_time_writes_a_streamed_object() {
+    let mut device = with_second_server();
+    assert_eq!(device.ask("604#2014200000000000").len(), 1);
+    let refused = second(&abort(0x2014, 0, 0x0800_0022));
+    for initiate in ["6A4#2014200000000000", "6A4#C014200000000000"] {
+        assert_eq!(device.ask(initiate), std::slice::from_ref(&refused));
+    }
+    // It may be read, and the first client goes on.
+    assert_eq!(device.ask("6A4#4014200000000000").len(), 1);
+    assert_eq!(device.ask("604#0561626364650000"), ["584#2000000000000000"]);
+    assert_eq!(device.firmware.stream.value, b"abcde");
+    assert_eq!(device.ask("6A4#2014200000000000"), ["684#6014200000000000"]);
+}
+
+#[test]
+fn the_application_learns_of_a_write_that_ends_early() {
+    // By the client, by a new request, by silence, by a segment in the wrong place, by NMT, by a reset.
+    let endings: [fn(&mut Device); 6] = [
+        |device| device.send("604#8014200000000000"),
+        |device| device.send("604#4000100000000000"),
+        |device| {
+            device.pass(1000);
+        },
+        |device| device.send("604#1061626364656667"),
+        |device| device.send("000#0204"),
+        |device| {
+            device.put("000#8104");
+            device.serve_reset();
+        },
+    ];
+    for initiate in ["604#2014200000000000", "604#C014200000000000"] {
+        for end in endings {
+            let mut device = Device::new();
+            assert_eq!(device.ask(initiate).len(), 1);
+            assert!(device.firmware.stream.incoming.is_some());
+            end(&mut device);
+            if initiate.contains("#C0") && device.firmware.stream.abandoned == 0 {
+                // Within a sub-block a request is a segment: only time tells.
+                device.pass(1000);
+            }
+            assert_eq!(device.firmware.stream.abandoned, 1);
+            assert!(device.firmware.stream.incoming.is_none());
+        }
+    }
+}
