@@ -1,6 +1,129 @@
 //! Faults of the bus as the device sees them: bus-off, error passive, lost frames, another node with its identifiers.
 
+use canopen::can_controller::ControllerState;
+use canopen::{Duration, Event};
 use tests::Bench;
+
+/// Tells the device how its controller is.
+fn controller(bench: &mut Bench, state: ControllerState) {
+    let now = bench.now();
+    bench.device().node().controller_changed(state, now);
+}
+
+#[test]
+fn c01_after_bus_off_the_device_returns_by_itself() {
+    let mut bench = Bench::node(4);
+    bench.start();
+    bench.write_u8(0x1029, 1, 1);
+    let now = bench.now();
+    bench.device().go_bus_off(now);
+    bench.silence(99);
+    let frame = bench.expect_within("084: 40 81 11 ..", 3);
+    assert_eq!(frame.payload()[2], 0x11);
+    bench.expect("084: 00 00 00 ..");
+    // No boot-up message, and the state is what it was.
+    assert_eq!(bench.state_in_heartbeat(), 0x05);
+    let counters = bench.device().node().counters();
+    assert_eq!((counters.bus_off, counters.restarts), (1, 1));
+    assert_eq!(bench.read_u32(0x1003, 1) & 0xFFFF, 0x8140);
+}
+
+#[test]
+fn c01_a_controller_that_does_not_return_is_tried_again_and_again() {
+    let mut bench = Bench::node(4);
+    bench.device().failing_restarts = 3;
+    let now = bench.now();
+    bench.device().go_bus_off(now);
+    bench.silence(3_000);
+    bench.drain(500);
+    let restarts = bench
+        .device()
+        .told
+        .iter()
+        .filter(|event| **event == Event::RestartController)
+        .count();
+    assert_eq!(restarts, 4);
+    bench.send("604: 40 00 10 00");
+    bench.expect("584: 43 00 10 00 ..");
+}
+
+#[test]
+fn c01_the_delay_is_configurable() {
+    let mut bench = Bench::node(4);
+    bench
+        .device()
+        .node()
+        .set_restart_delay(Some(Duration::millis(500)));
+    let now = bench.now();
+    bench.device().go_bus_off(now);
+    bench.silence(499);
+    bench.expect_within("084: 40 81 11 ..", 3);
+
+    let mut bench = Bench::node(4);
+    bench.device().node().set_restart_delay(None);
+    let now = bench.now();
+    bench.device().go_bus_off(now);
+    bench.silence(60_000);
+}
+
+#[test]
+fn c01_and_c03_what_waited_during_bus_off_is_the_newest() {
+    let mut bench = Bench::node(4);
+    bench.write_u8(0x1029, 1, 1);
+    bench.start();
+    let now = bench.now();
+    bench.device().go_bus_off(now);
+    for value in 1..=20 {
+        bench.change(|objects| objects.set_sent_number_1(value));
+        bench.run_millis(2);
+    }
+    let mut values = Vec::new();
+    while let Some(frame) = bench.next(Duration::millis(150)) {
+        if frame.standard_id() == Some(0x184) {
+            values.push(frame.payload()[0]);
+        }
+    }
+    assert_eq!(values, [20]);
+}
+
+#[test]
+fn c01_bus_off_is_a_communication_error_of_1029h() {
+    for (behaviour, state) in [(0, 0x7F), (1, 0x05), (2, 0x04)] {
+        let mut bench = Bench::node(4);
+        bench.write_u8(0x1029, 1, behaviour);
+        bench.write_u16(0x1017, 0, 1_000);
+        bench.start();
+        let now = bench.now();
+        bench.device().go_bus_off(now);
+        let beat = bench.drain_until("704 [1] xx", 1_100);
+        assert_eq!(beat.payload(), [state], "1029h:1 is {behaviour}");
+    }
+}
+
+#[test]
+fn e09_error_passive_is_reported_until_it_is_over() {
+    let mut bench = Bench::node(4);
+    controller(&mut bench, ControllerState::ErrorPassive);
+    bench.expect("084: 20 81 11 ..");
+    controller(&mut bench, ControllerState::ErrorPassive);
+    bench.silence(100);
+    controller(&mut bench, ControllerState::ErrorActive);
+    bench.expect("084: 00 00 00 ..");
+}
+
+#[test]
+fn c02_and_e09_lost_frames_are_counted_and_reported_once() {
+    let mut bench = Bench::node(4);
+    let now = bench.now();
+    bench.device().node().frames_lost(2, now);
+    bench.expect("084: 10 81 11 ..");
+    bench.run_millis(500);
+    let now = bench.now();
+    bench.device().node().frames_lost(3, now);
+    bench.silence(990);
+    bench.expect("084: 00 00 00 ..");
+    assert_eq!(bench.device().node().counters().lost_frames, 5);
+}
 
 #[test]
 fn c04_an_identifier_of_ours_from_another_node_is_reported_once() {

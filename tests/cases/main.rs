@@ -21,3 +21,4 @@ mod state_machine;
 mod storage;
 mod sync_emergency;
 mod sync_producer;
+mod time;

@@ -1,5 +1,6 @@
 //! A plain CANopen device with the objects of `eds/test-device.eds`, nothing else: what the protocol cases are put to.
 
+use canopen::can_controller::ControllerState;
 use canopen::cia301::nmt::Reset;
 use canopen::node::StoreError;
 use canopen::od::Dictionary as _;
@@ -32,6 +33,10 @@ pub struct PlainNode {
     pub stored: Option<Settings>,
     /// Bit rates LSS has ordered, with the time to switch.
     pub bit_rates: Vec<(BitRate, Instant)>,
+    /// The controller has left the bus: it neither sends nor receives.
+    is_bus_off: bool,
+    /// How many attempts to start the controller again fail.
+    pub failing_restarts: usize,
     /// What the node has told of itself and others.
     pub told: Vec<Event>,
 }
@@ -53,7 +58,27 @@ impl PlainNode {
             store_result: Ok(()),
             stored: None,
             bit_rates: Vec::new(),
+            is_bus_off: false,
+            failing_restarts: 0,
             told: Vec::new(),
+        }
+    }
+
+    /// The controller has seen too many errors.
+    pub fn go_bus_off(&mut self, now: Instant) {
+        self.is_bus_off = true;
+        // What was in its mailboxes is gone.
+        self.was_reset = true;
+        self.node.controller_changed(ControllerState::BusOff, now);
+    }
+
+    fn restart_controller(&mut self, now: Instant) {
+        if let Some(fewer) = self.failing_restarts.checked_sub(1) {
+            self.failing_restarts = fewer;
+        } else {
+            self.is_bus_off = false;
+            self.node
+                .controller_changed(ControllerState::ErrorActive, now);
         }
     }
 
@@ -89,6 +114,10 @@ impl PlainNode {
                     self.node.settings_stored(self.store_result);
                 }
                 Event::SwitchBitRate { bit_rate, at } => self.bit_rates.push((bit_rate, at)),
+                Event::RestartController => {
+                    self.told.push(event);
+                    self.restart_controller(now);
+                }
                 other => self.told.push(other),
             }
         }
@@ -114,6 +143,9 @@ fn node(settings: Settings) -> Node<Dictionary> {
 
 impl Station for PlainNode {
     fn receive(&mut self, frame: &Frame, now: Instant) {
+        if self.is_bus_off {
+            return;
+        }
         self.node.receive(frame, now, &mut self.firmware);
         self.serve_events(now);
     }
@@ -130,6 +162,9 @@ impl Station for PlainNode {
     }
 
     fn transmit(&mut self) -> Option<Frame> {
+        if self.is_bus_off {
+            return None;
+        }
         self.node.transmit(&mut self.firmware)
     }
 

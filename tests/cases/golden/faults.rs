@@ -1,6 +1,7 @@
 //! Each fault of communication as candump shows it: how it comes about, its emergency message, its end.
 
 use canopen::Duration;
+use canopen::can_controller::ControllerState;
 use canopen::cia301::parameters::ParameterSet;
 use tests::Bench;
 
@@ -90,6 +91,54 @@ fn a_sync_of_a_wrong_length() {
         bench.send(frame);
         bench.run_millis(2);
     }
+    insta::assert_snapshot!(bench.candump());
+}
+
+#[test]
+fn a_sync_that_stays_away() {
+    let mut bench = Bench::node(4);
+    bench.write_u32(0x1006, 0, 20_000);
+    for _ in 0..3 {
+        bench.send("080 [0]");
+        bench.run_millis(20);
+    }
+    bench.run_millis(40);
+    bench.send("080 [0]");
+    bench.run_millis(2);
+    insta::assert_snapshot!(bench.candump());
+}
+
+#[test]
+fn bus_off() {
+    let mut bench = operational();
+    bench.write_u16(0x1017, 0, 20);
+    bench.run_millis(5);
+    let now = bench.now();
+    bench.device().go_bus_off(now);
+    for _ in 0..10 {
+        bench.send("204: 01");
+        bench.run_millis(15);
+    }
+    insta::assert_snapshot!(bench.candump());
+}
+
+#[test]
+fn error_passive() {
+    let mut bench = operational();
+    for state in [ControllerState::ErrorPassive, ControllerState::ErrorActive] {
+        let now = bench.now();
+        bench.device().node().controller_changed(state, now);
+        bench.run_millis(5);
+    }
+    insta::assert_snapshot!(bench.candump());
+}
+
+#[test]
+fn received_frames_that_are_lost() {
+    let mut bench = operational();
+    let now = bench.now();
+    bench.device().node().frames_lost(3, now);
+    bench.run_millis(1_010);
     insta::assert_snapshot!(bench.candump());
 }
 
