@@ -18,6 +18,7 @@ pub mod bind;
 mod build_script;
 mod data_type;
 mod diagnostic;
+pub mod diff;
 pub mod doc;
 mod document;
 mod generate;

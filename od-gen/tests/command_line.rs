@@ -62,6 +62,20 @@ fn a_wrong_command_line_or_file_is_one_line_with_exit_code_2() {
             "error: unexpected argument '--fast' found",
         ),
         (
+            &["rules", "pdo-gab"],
+            "error: there is no rule `pdo-gab`: did you mean `pdo-gap`?",
+        ),
+        (&["check", "src"], "src: error: Is a directory"),
+        (
+            &[
+                "doc",
+                "tests/data/small.eds",
+                "--output",
+                "no-such/page.html",
+            ],
+            "no-such/page.html: error: No such file or directory",
+        ),
+        (
             &["rust", "no-such.eds"],
             "no-such.eds: error: No such file or directory",
         ),
@@ -86,4 +100,134 @@ fn a_reader_of_the_errors_that_goes_away_changes_nothing() {
             .unwrap();
         assert_eq!(status.code(), Some(code), "{file}");
     }
+}
+
+#[test]
+fn check_says_nothing_about_a_correct_data_sheet() {
+    let output = od_gen(&["check", "../eds/axis402.eds", "--deny-warnings"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!((text(&output.stdout), text(&output.stderr)), ("", ""));
+}
+
+#[test]
+fn check_shows_each_finding_with_its_line() {
+    let output = od_gen(&["check", "tests/data/broken.eds"]);
+    assert_eq!(output.status.code(), Some(1));
+    insta::assert_snapshot!(text(&output.stdout));
+}
+
+#[test]
+fn check_is_one_line_a_finding_when_asked() {
+    let output = od_gen(&["check", "--format", "short", "tests/data/broken.eds"]);
+    assert_eq!(output.status.code(), Some(1));
+    let lines: Vec<&str> = text(&output.stdout).lines().collect();
+    assert!(lines.len() > 10);
+    assert!(
+        lines
+            .iter()
+            .all(|line| line.starts_with("tests/data/broken.eds:"))
+    );
+}
+
+#[test]
+fn check_speaks_json() {
+    let output = od_gen(&[
+        "check",
+        "--format",
+        "json",
+        "tests/data/broken.eds",
+        "../eds/axis402.eds",
+    ]);
+    assert_eq!(output.status.code(), Some(1));
+    let files: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(files[0]["file"], "tests/data/broken.eds");
+    assert_eq!(files[0]["findings"][0]["rule"], "unknown-key");
+    assert_eq!(files[0]["findings"][0]["line"], 4);
+    assert_eq!(files[1]["findings"], serde_json::json!([]));
+    assert!(files[1]["silenced"][0]["reason"].is_string());
+}
+
+#[test]
+fn a_warning_is_an_error_when_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("warning.eds");
+    let sheet = include_str!("data/small.eds").replace("BaudRate_125=1\nBaudRate_1000=1\n", "");
+    std::fs::write(&file, sheet).unwrap();
+    let file = file.to_str().unwrap();
+    assert_eq!(od_gen(&["check", file]).status.code(), Some(0));
+    assert_eq!(
+        od_gen(&["check", file, "--deny-warnings"]).status.code(),
+        Some(1)
+    );
+}
+
+#[test]
+fn diff_ends_like_diff() {
+    let (small, drive) = ("tests/data/small.eds", "tests/data/drive.eds");
+    let same = od_gen(&["diff", small, small]);
+    assert_eq!((same.status.code(), text(&same.stdout)), (Some(0), ""));
+    let other = od_gen(&["diff", small, drive]);
+    assert_eq!(other.status.code(), Some(1));
+    assert!(text(&other.stdout).contains("+ 6040h Control word: VAR UNSIGNED16 rww = 0"));
+    let broken = od_gen(&["diff", small, "tests/data/broken.eds"]);
+    assert_eq!((broken.status.code(), text(&broken.stdout)), (Some(2), ""));
+    let json = od_gen(&["diff", "--format", "json", small, drive]);
+    let differences: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!(differences[0]["place"], "[DeviceInfo]");
+    assert_eq!(differences[0]["breaks"], false);
+}
+
+#[test]
+fn fmt_changes_a_file_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("spelled.eds");
+    let sheet = include_str!("data/small.eds").replace("AccessType=const", "accesstype = CONST");
+    std::fs::write(&file, &sheet).unwrap();
+    let name = file.to_str().unwrap();
+    let asked = od_gen(&["fmt", "--check", name]);
+    assert_eq!(asked.status.code(), Some(1));
+    assert_eq!(text(&asked.stdout), format!("{name}\n"));
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), sheet, "only asked");
+    assert_eq!(od_gen(&["fmt", name]).status.code(), Some(0));
+    let once = std::fs::read_to_string(&file).unwrap();
+    assert!(once.contains("AccessType=const"));
+    assert_eq!(od_gen(&["fmt", "--check", name]).status.code(), Some(0));
+    assert_eq!(
+        od_gen(&["diff", name, "tests/data/small.eds"])
+            .status
+            .code(),
+        Some(0)
+    );
+}
+
+#[test]
+fn rules_are_listed_and_explained() {
+    let all = od_gen(&["rules"]);
+    assert_eq!(all.status.code(), Some(0));
+    let listed = text(&all.stdout)
+        .lines()
+        .filter(|line| line.starts_with("  "))
+        .count();
+    assert!(listed >= 50, "{listed}");
+    let one = od_gen(&["rules", "mode-object"]);
+    insta::assert_snapshot!(text(&one.stdout));
+    let json = od_gen(&["rules", "--format", "json"]);
+    let rules: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!(rules.as_array().unwrap().len(), listed);
+}
+
+#[test]
+fn doc_goes_where_it_is_sent() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("page.html");
+    let name = file.to_str().unwrap();
+    let output = od_gen(&["doc", "../eds/axis402.eds", "--output", name]);
+    assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), ""));
+    assert!(
+        std::fs::read_to_string(&file)
+            .unwrap()
+            .starts_with("<!DOCTYPE html>")
+    );
+    let markdown = od_gen(&["doc", "--format", "markdown", "../eds/axis402.eds"]);
+    assert!(text(&markdown.stdout).starts_with("# Axis402 generic drive\n"));
 }

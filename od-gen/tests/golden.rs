@@ -117,3 +117,21 @@ fn findings_are_silenced_with_a_reason() {
         report.render(Colour::Never)
     ));
 }
+
+#[test]
+fn the_data_sheets_of_this_repository_are_clean() {
+    for folder in ["../eds", "../tests/eds"] {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+        for file in std::fs::read_dir(folder).unwrap() {
+            let path = file.unwrap().path();
+            if path.extension().is_some_and(|kind| kind == "eds") {
+                let report = Report::read(&path).unwrap();
+                assert!(
+                    report.findings.is_empty(),
+                    "{}",
+                    report.render(Colour::Never)
+                );
+            }
+        }
+    }
+}

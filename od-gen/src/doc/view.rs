@@ -112,8 +112,14 @@ fn facts(model: &Model) -> Vec<Fact> {
         ("Revision number", identity(3)),
         ("Device type", device_type(model)),
         ("Bit rates", rates),
-        ("Receive PDOs", counted(model.rpdo_count())),
-        ("Transmit PDOs", counted(model.tpdo_count())),
+        (
+            "Receive PDOs",
+            counted(model.objects_in(0x1400..=0x15FF).len()),
+        ),
+        (
+            "Transmit PDOs",
+            counted(model.objects_in(0x1800..=0x19FF).len()),
+        ),
         ("LSS", text(if device.lss { "yes" } else { "no" })),
     ]
     .into_iter()

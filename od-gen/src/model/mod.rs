@@ -74,14 +74,19 @@ impl Model {
             .flat_map(|object| object.entries.iter().map(move |entry| (object, entry)))
     }
 
-    /// Receive PDOs: the communication records at 1400h to 15FFh.
+    /// The highest number of a receive PDO: those at 1400h to 15FFh, and the gaps between them.
     pub fn rpdo_count(&self) -> usize {
-        self.objects_in(0x1400..=0x15FF).len()
+        self.highest_pdo(0x1400)
     }
 
-    /// Transmit PDOs: the communication records at 1800h to 19FFh.
+    /// The highest number of a transmit PDO: those at 1800h to 19FFh, and the gaps between them.
     pub fn tpdo_count(&self) -> usize {
-        self.objects_in(0x1800..=0x19FF).len()
+        self.highest_pdo(0x1800)
+    }
+
+    fn highest_pdo(&self, first: u16) -> usize {
+        let last = self.objects_in(first..=first.saturating_add(0x1FF)).last();
+        last.map_or(0, |object| usize::from(object.index - first) + 1)
     }
 
     /// SDO servers: the records at 1200h to 127Fh, and the default server of a device that does not list it.

@@ -80,30 +80,93 @@ impl Rule {
     }
 }
 
-/// The rules of a file, by subject.
-const FILE_SUBJECTS: &[&[&Rule]] = &[
-    reading::RULES,
-    structure::RULES,
-    value::RULES,
-    binding::RULES,
+/// Rules that belong together.
+#[derive(Clone, Copy, Debug)]
+pub struct Chapter {
+    /// What they are about.
+    pub title: &'static str,
+    /// In the order in which they are listed.
+    pub rules: &'static [&'static Rule],
+}
+
+/// The rules that are checked while a file is read.
+const OF_FILES: [Chapter; 4] = [
+    Chapter {
+        title: "Text",
+        rules: reading::RULES,
+    },
+    Chapter {
+        title: "Sections",
+        rules: structure::RULES,
+    },
+    Chapter {
+        title: "Values",
+        rules: value::RULES,
+    },
+    Chapter {
+        title: "Bindings",
+        rules: binding::RULES,
+    },
 ];
 
-/// The rules of the finished model, by subject.
-const MODEL_SUBJECTS: &[&[&Rule]] = &[
-    standard::check::RULES,
-    communication::device_info::RULES,
-    communication::device_type::RULES,
-    communication::error_control::RULES,
-    communication::sync::RULES,
-    communication::storage::RULES,
-    communication::cob_id::RULES,
-    communication::predefined::RULES,
-    communication::pdo::RULES,
-    communication::mapping::RULES,
-    drive::objects::RULES,
-    drive::modes::RULES,
-    drive::units::RULES,
-    drive::values::RULES,
+/// The rules of the finished model.
+const OF_MODELS: [Chapter; 14] = [
+    Chapter {
+        title: "Objects of CiA 301 and CiA 402",
+        rules: standard::check::RULES,
+    },
+    Chapter {
+        title: "Device information",
+        rules: communication::device_info::RULES,
+    },
+    Chapter {
+        title: "Device type",
+        rules: communication::device_type::RULES,
+    },
+    Chapter {
+        title: "Error control and start-up",
+        rules: communication::error_control::RULES,
+    },
+    Chapter {
+        title: "SYNC and emergencies",
+        rules: communication::sync::RULES,
+    },
+    Chapter {
+        title: "Storing parameters and programs",
+        rules: communication::storage::RULES,
+    },
+    Chapter {
+        title: "COB-IDs",
+        rules: communication::cob_id::RULES,
+    },
+    Chapter {
+        title: "Predefined connection set",
+        rules: communication::predefined::RULES,
+    },
+    Chapter {
+        title: "PDOs",
+        rules: communication::pdo::RULES,
+    },
+    Chapter {
+        title: "PDO mappings",
+        rules: communication::mapping::RULES,
+    },
+    Chapter {
+        title: "Drives: objects",
+        rules: drive::objects::RULES,
+    },
+    Chapter {
+        title: "Drives: modes",
+        rules: drive::modes::RULES,
+    },
+    Chapter {
+        title: "Drives: factors and units",
+        rules: drive::units::RULES,
+    },
+    Chapter {
+        title: "Drives: defaults",
+        rules: drive::values::RULES,
+    },
 ];
 
 /// What holds a model to the rules of one subject.
@@ -164,10 +227,14 @@ pub(crate) fn check(subject: &Subject<'_>, findings: &mut Findings) {
     }
 }
 
-/// All rules, by subject.
+/// All rules, by what they are about.
+pub fn chapters() -> impl Iterator<Item = Chapter> {
+    OF_FILES.into_iter().chain(OF_MODELS)
+}
+
+/// All rules.
 pub fn all() -> impl Iterator<Item = &'static Rule> {
-    let subjects = FILE_SUBJECTS.iter().chain(MODEL_SUBJECTS);
-    subjects.copied().flatten().copied()
+    chapters().flat_map(|chapter| chapter.rules).copied()
 }
 
 /// The rule with this name.

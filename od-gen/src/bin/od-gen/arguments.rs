@@ -14,6 +14,8 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Say what is wrong with data sheets; exit code 1 when something is
+    Check(Check),
     /// Print the dictionary as a Rust module
     Rust(Rust),
     /// List which objects stand for which parameters of the drive, and check the file beside the data sheet that says so
@@ -22,6 +24,35 @@ pub(crate) enum Command {
     Doc(Doc),
     /// Print the dictionary as JSON for other programs
     Dump(Dump),
+    /// Say what two data sheets mean differently; exit code 1 when something is different
+    Diff(Diff),
+    /// Bring data sheets into their canonical form
+    Fmt(Fmt),
+    /// List the rules that data sheets are held to, or explain one
+    Rules(Rules),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    /// Data sheets (EDS), device configurations (DCF) or device descriptions (XDD)
+    #[arg(required = true, value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
+    /// How to print what is found
+    #[arg(long, value_enum, default_value_t = CheckFormat::Full)]
+    pub(crate) format: CheckFormat,
+    /// Warnings are errors
+    #[arg(long)]
+    pub(crate) deny_warnings: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CheckFormat {
+    /// With the line and what to do
+    Full,
+    /// One line for each finding
+    Short,
+    /// For programs
+    Json,
 }
 
 #[derive(Debug, Args)]
@@ -72,4 +103,43 @@ pub(crate) enum DocFormat {
     Html,
     /// Markdown with tables
     Markdown,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Diff {
+    /// What was before
+    pub(crate) before: PathBuf,
+    /// What is now
+    pub(crate) after: PathBuf,
+    /// How to print what is different
+    #[arg(long, value_enum, default_value_t = ListFormat::Text)]
+    pub(crate) format: ListFormat,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ListFormat {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Fmt {
+    /// Data sheets, written back where they change
+    #[arg(required = true, value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
+    /// Change nothing: name the files that would change, with exit code 1
+    #[arg(long)]
+    pub(crate) check: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Rules {
+    /// The rules to explain; all are listed without
+    #[arg(value_name = "RULE")]
+    pub(crate) names: Vec<String>,
+    /// How to print them
+    #[arg(long, value_enum, default_value_t = ListFormat::Text)]
+    pub(crate) format: ListFormat,
 }

@@ -3,22 +3,28 @@
 use std::path::Path;
 
 use od_gen::bind::{self, Binding};
-use od_gen::{BindingReport, Colour, Model, ReadError};
+use od_gen::{BindingReport, Model, Report};
 
 use crate::Failure;
-use crate::output::{reason, tell};
+use crate::output::{self, reason};
 
-/// A checked data sheet, or its findings on standard error.
+/// A file with its findings.
+pub(crate) fn report(file: &Path) -> Result<Report, Failure> {
+    Report::read(file).map_err(|error| unreadable(file, &error))
+}
+
+/// One line about a file that cannot be read or written.
+pub(crate) fn unreadable(file: &Path, error: &std::io::Error) -> Failure {
+    Failure::Refused(format!("{}: error: {}", file.display(), reason(error)))
+}
+
+/// What a file means. Its findings go to standard error; without an error among them there is a model.
 pub(crate) fn model(file: &Path) -> Result<Model, Failure> {
-    od_gen::read(file).map_err(|error| match error {
-        ReadError::File { file, source } => {
-            Failure::Refused(format!("{file}: error: {}", reason(&source)))
-        }
-        ReadError::Findings(_) => {
-            tell(&error.to_string());
-            Failure::Findings
-        }
-    })
+    let report = report(file)?;
+    if !report.findings.is_empty() {
+        output::tell(report.render(output::colour_of_errors()).trim_end());
+    }
+    report.into_result().map_err(|_| Failure::Findings)
 }
 
 /// The bindings beside a data sheet; what there is to say about them goes to standard error.
@@ -31,7 +37,7 @@ pub(crate) fn bindings(file: &Path, model: &Model) -> Result<Vec<Binding>, Failu
         return Ok(Vec::new());
     };
     if !report.findings.is_empty() {
-        tell(report.render(Colour::Never).trim_end());
+        output::tell(report.render(output::colour_of_errors()).trim_end());
     }
     if report.has_errors() {
         return Err(Failure::Findings);

@@ -6,10 +6,14 @@
 
 mod arguments;
 mod bindings;
+mod check;
+mod diff;
 mod doc;
 mod dump;
+mod fmt;
 mod input;
 mod output;
+mod rules;
 mod rust;
 
 use std::process::ExitCode;
@@ -42,8 +46,12 @@ fn main() -> ExitCode {
     };
     let done = match arguments.command {
         Command::Bindings(arguments) => bindings::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Diff(arguments) => diff::run(&arguments),
         Command::Doc(arguments) => doc::run(&arguments),
         Command::Dump(arguments) => dump::run(&arguments),
+        Command::Fmt(arguments) => fmt::run(&arguments),
+        Command::Rules(arguments) => rules::run(&arguments),
         Command::Rust(arguments) => rust::run(&arguments),
     };
     match done {

@@ -1,9 +1,10 @@
 //! Standard output, standard error and files, with readers that may go away.
 
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
 use clap::error::ErrorKind;
+use od_gen::Colour;
 
 use crate::Failure;
 
@@ -27,6 +28,26 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
         // The reader went away, as `head` does.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         Err(error) => Err(Failure::Refused(format!("error: {}", reason(&error)))),
+    }
+}
+
+/// Whether what goes to standard output is coloured.
+pub(crate) fn colour() -> Colour {
+    colour_on(io::stdout().is_terminal())
+}
+
+/// Whether what goes to standard error is coloured.
+pub(crate) fn colour_of_errors() -> Colour {
+    colour_on(io::stderr().is_terminal())
+}
+
+/// Only a terminal shows colours, and its user may not want them (<https://no-color.org>).
+fn colour_on(is_terminal: bool) -> Colour {
+    let is_unwanted = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    if is_terminal && !is_unwanted {
+        Colour::Always
+    } else {
+        Colour::Never
     }
 }
 

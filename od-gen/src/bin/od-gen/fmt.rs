@@ -1,0 +1,48 @@
+//! `od-gen fmt`: data sheets in their canonical form.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use crate::Failure;
+use crate::arguments::Fmt;
+use crate::{input, output};
+
+pub(crate) fn run(arguments: &Fmt) -> Result<ExitCode, Failure> {
+    let mut is_wrong = false;
+    for file in &arguments.files {
+        let Some((before, after)) = formatted(file)? else {
+            is_wrong = true;
+            continue;
+        };
+        if before == after.as_bytes() {
+            continue;
+        }
+        if arguments.check {
+            is_wrong = true;
+            output::print(&format!("{}\n", file.display()))?;
+        } else {
+            output::write(&after, Some(file))?;
+        }
+    }
+    Ok(if is_wrong {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+/// What a file holds, and what it should hold; `None` after a finding that leaves no way to say that.
+fn formatted(file: &Path) -> Result<Option<(Vec<u8>, String)>, Failure> {
+    let before = std::fs::read(file).map_err(|error| input::unreadable(file, &error))?;
+    let report = input::report(file)?;
+    match od_gen::format(&report.source.file, report.source.text()) {
+        Ok(after) => Ok(Some((before, after))),
+        Err(findings) => {
+            for finding in findings {
+                let shown = od_gen::render(&finding, &report.source, output::colour_of_errors());
+                output::tell(&shown);
+            }
+            Ok(None)
+        }
+    }
+}
