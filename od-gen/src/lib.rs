@@ -17,6 +17,7 @@
 pub mod bind;
 mod build_script;
 mod data_type;
+pub mod dcf;
 mod diagnostic;
 pub mod diff;
 pub mod doc;

@@ -65,8 +65,15 @@ DRIVES = [
         "nanotec", "Nanotec", "SMCI and PD", ALL_RATES, False, "SMCI controllers and PD motors",
         silenced={
             ("standard-type", 0x1000): "the manual gives the device type 16 bits",
-            ("standard-type", (0x1009, 0)): "the drive spells its versions character by character, one sub-index each",
-            ("standard-type", (0x100A, 0)): "the drive spells its versions character by character, one sub-index each",
+            ("standard-kind", 0x1009): "the drive spells its versions character by character, one sub-index each",
+            ("standard-kind", 0x100A): "the drive spells its versions character by character, one sub-index each",
+            ("no-vendor-id", (0x1018, 1)): "the manual does not tell it",
+            ("error-list", (0x1003, 0)): "the manual does not tell how to clear the list",
+        }
+        | {
+            ("pdo-without-objects", (index, 0)): "the drive leaves it to the master to map something"
+            for first in (0x1600, 0x1A00)
+            for index in range(first + 1, first + 4)
         },
     ),
 ]  # fmt: skip

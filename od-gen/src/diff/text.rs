@@ -40,15 +40,10 @@ pub(super) fn default(value: &DefaultValue, data_type: DataType) -> String {
                 return "$NODEID".into();
             }
             let is_pattern = !data_type.is_signed() && *value > 0xFF;
-            let number = if is_pattern || *adds_node_id {
-                format!("0x{value:X}")
-            } else {
-                value.to_string()
-            };
-            if *adds_node_id {
-                format!("$NODEID+{number}")
-            } else {
-                number
+            match (adds_node_id, is_pattern) {
+                (true, _) => format!("$NODEID+0x{value:X}"),
+                (false, true) => format!("{value} (0x{value:X})"),
+                (false, false) => value.to_string(),
             }
         }
         DefaultValue::Real(value) => value.to_string(),

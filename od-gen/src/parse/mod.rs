@@ -9,7 +9,7 @@ mod entry;
 mod lists;
 mod objects;
 mod sections;
-mod value;
+pub(crate) mod value;
 
 use std::collections::BTreeSet;
 

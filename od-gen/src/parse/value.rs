@@ -12,11 +12,11 @@ pub(super) const LARGEST_NODE_ID: i128 = 127;
 
 /// A text with its place: what is read here, and what the findings are about.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Written<'a> {
+pub(crate) struct Written<'a> {
     /// The key.
-    pub(super) key: &'a str,
-    pub(super) text: &'a str,
-    pub(super) span: Span,
+    pub(crate) key: &'a str,
+    pub(crate) text: &'a str,
+    pub(crate) span: Span,
 }
 
 /// Reads LowLimit or HighLimit; `None` inside where it means nothing, `None` outside where it is wrong.
@@ -48,7 +48,7 @@ pub(super) fn limit(
 }
 
 /// Reads a default, or what a DCF configures.
-pub(super) fn value(
+pub(crate) fn value(
     written: Written<'_>,
     data_type: DataType,
     findings: &mut Findings,

@@ -5,6 +5,7 @@
 
 pub(crate) mod binding;
 mod communication;
+pub(crate) mod configuration;
 mod drive;
 pub(crate) mod reading;
 mod setting;
@@ -90,7 +91,7 @@ pub struct Chapter {
 }
 
 /// The rules that are checked while a file is read.
-const OF_FILES: [Chapter; 4] = [
+const OF_FILES: [Chapter; 5] = [
     Chapter {
         title: "Text",
         rules: reading::RULES,
@@ -107,10 +108,14 @@ const OF_FILES: [Chapter; 4] = [
         title: "Bindings",
         rules: binding::RULES,
     },
+    Chapter {
+        title: "Values for a configuration",
+        rules: configuration::OF_VALUES,
+    },
 ];
 
 /// The rules of the finished model.
-const OF_MODELS: [Chapter; 14] = [
+const OF_MODELS: [Chapter; 15] = [
     Chapter {
         title: "Objects of CiA 301 and CiA 402",
         rules: standard::check::RULES,
@@ -152,6 +157,10 @@ const OF_MODELS: [Chapter; 14] = [
         rules: communication::mapping::RULES,
     },
     Chapter {
+        title: "Configured values",
+        rules: configuration::RULES,
+    },
+    Chapter {
         title: "Drives: objects",
         rules: drive::objects::RULES,
     },
@@ -184,6 +193,7 @@ const CHECKS: &[Check] = &[
     communication::predefined::check,
     communication::pdo::check,
     communication::mapping::check,
+    configuration::check,
     drive::objects::check,
     drive::modes::check,
     drive::units::check,

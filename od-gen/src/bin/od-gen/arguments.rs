@@ -26,6 +26,8 @@ pub(crate) enum Command {
     Dump(Dump),
     /// Say what two data sheets mean differently; exit code 1 when something is different
     Diff(Diff),
+    /// Print the configuration of one device, made from a data sheet
+    Dcf(Dcf),
     /// Bring data sheets into their canonical form
     Fmt(Fmt),
     /// List the rules that data sheets are held to, or explain one
@@ -122,6 +124,52 @@ pub(crate) enum ListFormat {
     Text,
     /// For programs
     Json,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Dcf {
+    /// The electronic data sheet, or a configuration that is to be changed
+    pub(crate) file: PathBuf,
+    /// Node-ID
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=127))]
+    pub(crate) node_id: u8,
+    /// Bit rate in kbit/s
+    #[arg(long, default_value_t = 125, value_parser = bit_rate)]
+    pub(crate) bit_rate: u16,
+    /// What the node is called
+    #[arg(long, default_value = "")]
+    pub(crate) name: String,
+    /// Number of the network
+    #[arg(long, default_value_t = 0)]
+    pub(crate) network: u32,
+    /// What the network is called
+    #[arg(long, default_value = "")]
+    pub(crate) network_name: String,
+    /// The node manages the network
+    #[arg(long)]
+    pub(crate) manager: bool,
+    /// Serial number, by which LSS finds the node
+    #[arg(long)]
+    pub(crate) serial_number: Option<u32>,
+    /// A value: INDEX=VALUE or INDEX:SUB=VALUE, index and sub-index in hexadecimal; can be given often
+    #[arg(long, value_name = "PLACE=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Values from a file, one a line; those of --set come after them
+    #[arg(long, value_name = "FILE")]
+    pub(crate) values: Vec<PathBuf>,
+    /// Write to this file instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+/// A bit rate that a DCF can have.
+fn bit_rate(text: &str) -> Result<u16, String> {
+    let rate = text.parse().map_err(|_| "not a number".to_owned())?;
+    if [10, 20, 50, 125, 250, 500, 800, 1000].contains(&rate) {
+        Ok(rate)
+    } else {
+        Err("not 10, 20, 50, 125, 250, 500, 800 or 1000".into())
+    }
 }
 
 #[derive(Debug, Args)]

@@ -217,4 +217,14 @@ pub(super) const CASES: &[Case] = &[
         bad: &["1014 U32 rw 0x85"],
         good: &["1014 U32 rw 0x85", "node 5"],
     },
+    Case {
+        rule: "configured-read-only",
+        bad: &["node 5", "2000 U8 ro 0 =1"],
+        good: &["node 5", "2000 U8 rw 0 =1"],
+    },
+    Case {
+        rule: "configured-outside-limits",
+        bad: &["node 5", "2000 U8 rw 0 =6 <=5"],
+        good: &["node 5", "2000 U8 rw 0 =5 <=5"],
+    },
 ];

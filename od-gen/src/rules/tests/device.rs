@@ -1,6 +1,7 @@
 //! Data sheets for tests: a device without a flaw, and what is different in it.
 //!
-//! A difference is a line: `1017 U16 rw 1000` puts an object, `1016:1 U32 rw 0` a sub-index, `map` behind either sets PDOMapping;
+//! A difference is a line: `1017 U16 rw 1000` puts an object, `1016:1 U32 rw 0` a sub-index, `map` behind either sets PDOMapping, `=5`
+//! ParameterValue, `<=5` HighLimit;
 //! `-1017` takes an object away, `1018 ARRAY` changes a kind, `@Granularity=8` a key of DeviceInfo, `&Dummy0005=1` one of
 //! DummyUsage. `drive` makes it a drive with the mode profile position, `node 5` a configured device.
 
@@ -204,6 +205,14 @@ fn print_value(value: &str, text: &mut String) {
         other => panic!("{other}"),
     };
     writeln!(text, "DataType=0x{code:04X}\nAccessType={}", words[1]).unwrap();
+    let configured = words.iter().find_map(|word| word.strip_prefix('='));
+    let high = words.iter().find_map(|word| word.strip_prefix("<="));
+    if let Some(high) = high {
+        writeln!(text, "HighLimit={high}").unwrap();
+    }
+    if let Some(configured) = configured {
+        writeln!(text, "ParameterValue={configured}").unwrap();
+    }
     if let Some(default) = words.get(2).filter(|word| **word != "map") {
         writeln!(text, "DefaultValue={default}").unwrap();
     }
