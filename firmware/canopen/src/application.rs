@@ -9,6 +9,10 @@ use crate::od::{Dictionary, Entry};
 /// positions in bytes from 0. A transfer that has begun may end without a word to the reader of it; the writer learns by
 /// [`Application::end_write`] or [`Application::abandon_write`].
 pub trait Application<D: Dictionary> {
+    /// Whether [`Application::written`] may change the dictionary. If it never does, transmit PDOs are not compared with it after
+    /// every receive PDO, but only after one that writes what they map.
+    const WRITES_BACK: bool = true;
+
     /// The last check of a write that passed every rule of the dictionary (existence, access, length, limits). `value` is
     /// what was sent, little-endian. Nothing has changed yet. By SDO an error is sent as the abort code; of a receive
     /// PDO, the object keeps its value and the others are written.
@@ -105,4 +109,6 @@ pub trait Application<D: Dictionary> {
 }
 
 /// No application: plain objects, for tests and simple devices.
-impl<D: Dictionary> Application<D> for () {}
+impl<D: Dictionary> Application<D> for () {
+    const WRITES_BACK: bool = false;
+}

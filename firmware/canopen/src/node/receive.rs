@@ -7,6 +7,7 @@ use super::Node;
 use super::objects::Objects;
 use crate::application::Application;
 use crate::cia301::nmt::{Command, NmtState};
+use crate::cia301::pdo::Received;
 use crate::cia305::{self, Identity};
 use crate::od::Dictionary;
 use crate::time::{Instant, earlier};
@@ -139,14 +140,15 @@ impl<D: Dictionary> Node<D> {
         now: Instant,
         application: &mut A,
     ) -> bool {
-        let is_taken =
+        let received =
             self.services
                 .rpdos
                 .receive(cob_id, frame, now, &mut self.dictionary, application);
-        if is_taken {
-            self.services.values_changed = true;
-            self.services.report_lengths(&mut self.dictionary, now);
+        if received == Received::Nothing {
+            return false;
         }
-        is_taken
+        self.services.values_changed |= received == Received::Applied;
+        self.services.report_lengths(&mut self.dictionary, now);
+        true
     }
 }

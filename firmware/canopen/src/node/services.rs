@@ -79,6 +79,7 @@ impl<C: Counts> Services<C> {
         self.parameters.configure(dictionary);
         self.rpdos.configure_all(dictionary, node_id.get());
         self.tpdos.configure_all(dictionary, node_id.get());
+        self.rpdos.watch::<D>(&self.tpdos.watched());
         self.report_lengths(dictionary, now);
         self.emergency.show_register(dictionary);
     }
@@ -150,9 +151,13 @@ impl<C: Counts> Services<C> {
             }
             0x1400..=0x17FF => {
                 self.rpdos.written(dictionary, entry);
+                self.rpdos.watch::<D>(&self.tpdos.watched());
                 self.report_lengths(dictionary, now);
             }
-            0x1800..=0x1BFF => self.tpdos.written(dictionary, entry, now),
+            0x1800..=0x1BFF => {
+                self.tpdos.written(dictionary, entry, now);
+                self.rpdos.watch::<D>(&self.tpdos.watched());
+            }
             _ => {}
         }
     }

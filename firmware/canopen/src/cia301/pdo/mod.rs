@@ -34,7 +34,7 @@ use crate::od::{Dictionary, Entry};
 
 pub use pack::Source;
 pub use receive::Receive;
-pub use receive_pdo::ReceivePdo;
+pub use receive_pdo::{ReceivePdo, Received};
 pub use transmit::{NotSent, Transmit};
 pub use transmit_pdo::TransmitPdo;
 pub use unpack::Destination;

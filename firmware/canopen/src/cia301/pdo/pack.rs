@@ -3,6 +3,8 @@
 //! Values lie in the dictionary as they travel on the bus, so a mapped object is a copy of bytes. Objects that are
 //! neighbours in the frame and in memory become one copy.
 
+use core::ops::Range;
+
 use super::bits;
 use super::mapping::{Direction, Layout, MOST_BITS, Target, with_target};
 use super::multiplexed::Addressing;
@@ -65,6 +67,18 @@ impl Source {
     }
 }
 
+/// No place in RAM.
+pub(super) const NO_RAM: Range<u16> = 0..0;
+
+/// The shortest range with the places of both.
+pub(super) fn around(first: &Range<u16>, second: &Range<u16>) -> Range<u16> {
+    match (first.is_empty(), second.is_empty()) {
+        (true, _) => second.clone(),
+        (_, true) => first.clone(),
+        _ => first.start.min(second.start)..first.end.max(second.end),
+    }
+}
+
 /// A resolved mapping as few copies.
 #[derive(Clone, Debug)]
 pub(super) struct Packing<M> {
@@ -92,6 +106,21 @@ impl<M: Slots<Source>> Packing<M> {
     /// Whose object the frame names; `None` for a mapping of objects.
     pub(super) const fn addressing(&self) -> Option<Addressing> {
         self.addressing
+    }
+
+    /// The places in RAM that its values come from, as one range; empty if there are none.
+    pub(super) fn ram_range(&self) -> Range<u16> {
+        let in_ram = self
+            .sources()
+            .iter()
+            .filter(|source| source.bits & Source::ROM == 0);
+        in_ram.fold(NO_RAM, |range, source| {
+            let length = u16::from(source.bits().div_ceil(8));
+            around(
+                &range,
+                &(source.offset..source.offset.saturating_add(length)),
+            )
+        })
     }
 
     /// The frame's bytes from the dictionary; bits beyond the mapping are 0.

@@ -15,11 +15,12 @@
 //! - Writing the parameter that is there changes nothing: a frame that waits for its SYNC goes on waiting.
 
 use core::marker::PhantomData;
+use core::ops::Range;
 
 use super::NOT_IN_USE;
 use super::mapping::Direction;
 use super::parameters::{Parameters, Record};
-use super::receive_pdo::ReceivePdo;
+use super::receive_pdo::{Circumstances, ReceivePdo, Received};
 use super::unpack::{Destination, Unpacking};
 use crate::application::Application;
 use crate::cia301::length_error::LengthReport;
@@ -34,10 +35,11 @@ use crate::wire::Frame;
 pub struct Receive<S, M> {
     pdos: S,
     is_operational: bool,
-    /// Whether it is too late for what belongs to the last SYNC.
-    is_window_over: bool,
-    /// Whether an error may not be as the emergency producer knows it, or a deadline has begun.
-    has_news: bool,
+    circumstances: Circumstances,
+    /// Whether two PDOs have the same COB-ID.
+    has_twins: bool,
+    /// Whether a PDO waits for SYNC.
+    has_synchronous: bool,
     /// That of the device.
     node_id: u8,
     objects: PhantomData<M>,
@@ -49,8 +51,12 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
         Self {
             pdos: S::UNUSED,
             is_operational: false,
-            is_window_over: false,
-            has_news: false,
+            circumstances: Circumstances {
+                is_window_over: false,
+                has_news: false,
+            },
+            has_twins: false,
+            has_synchronous: false,
             node_id: 0,
             objects: PhantomData,
         }
@@ -61,8 +67,8 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
     pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D, node_id: u8) {
         self.node_id = node_id;
         self.is_operational = false;
-        self.is_window_over = false;
-        self.has_news = true;
+        self.circumstances.is_window_over = false;
+        self.circumstances.has_news = true;
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
             pdo.reset();
             pdo.configure(
@@ -76,7 +82,7 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
     /// Operational is entered: PDOs are received from now on.
     pub fn enter_operational(&mut self) {
         self.is_operational = true;
-        self.is_window_over = false;
+        self.circumstances.is_window_over = false;
     }
 
     /// Operational is left. Frames that wait for a SYNC are dropped, and no deadline runs.
@@ -120,7 +126,7 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
         } else {
             pdo.configure(dictionary, parameters, self.node_id);
         }
-        self.has_news |= pdo.has_report();
+        self.circumstances.has_news |= pdo.has_report();
     }
 
     /// The identifiers that PDOs are received with, some perhaps more than once. They change with [`Receive::configure_all`]
@@ -130,9 +136,25 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
         in_use.filter(|cob_id| *cob_id != NOT_IN_USE)
     }
 
-    /// A frame with an 11-bit identifier arrived; `now` is when. Returns whether it was for a PDO: values of the dictionary
-    /// may have changed, and [`Receive::report`] may have something to tell. Remote frames, and every frame outside of
-    /// Operational, do nothing.
+    /// These places in RAM are looked at by event-driven transmit PDOs ([`super::Transmit::watched`]). To be called after
+    /// [`Receive::configure_all`], [`Receive::written`] and their like of the transmit PDOs.
+    pub fn watch<D: Dictionary>(&mut self, places: &Range<u16>) {
+        for pdo in self.pdos.as_mut() {
+            pdo.watch(D::TABLE, places);
+        }
+        let pdos = self.pdos.as_ref();
+        self.has_synchronous = pdos.iter().any(ReceivePdo::is_synchronous);
+        self.has_twins = pdos.iter().enumerate().any(|(number, pdo)| {
+            let others = pdos.iter().skip(number.saturating_add(1));
+            pdo.cob_id() != NOT_IN_USE
+                && others
+                    .into_iter()
+                    .any(|other| other.cob_id() == pdo.cob_id())
+        });
+    }
+
+    /// A data frame with an 11-bit identifier arrived; `now` is when. [`Receive::report`] may have something to tell afterwards.
+    /// Outside of Operational nothing is done.
     #[inline]
     pub fn receive<D: Dictionary, A: Application<D>>(
         &mut self,
@@ -141,40 +163,56 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
         now: Instant,
         dictionary: &mut D,
         application: &mut A,
-    ) -> bool {
-        let mut is_taken = false;
-        if self.is_operational && !frame.is_remote() {
-            for pdo in self.pdos.as_mut() {
-                if pdo.cob_id() == cob_id {
-                    self.has_news |=
-                        pdo.receive(frame, now, self.is_window_over, dictionary, application);
-                    is_taken = true;
-                }
-            }
+    ) -> Received {
+        let mut received = Received::Nothing;
+        if !self.is_operational {
+            return received;
         }
-        is_taken
+        for pdo in self.pdos.as_mut() {
+            if pdo.cob_id() != cob_id {
+                continue;
+            }
+            let this = match pdo.receive_plain(frame, dictionary, application) {
+                Some(received) => received,
+                None => pdo.receive(frame, now, &mut self.circumstances, dictionary, application),
+            };
+            if !self.has_twins {
+                return this;
+            }
+            received = received.and(this);
+        }
+        received
     }
 
-    /// A SYNC arrived: what waited for it is applied. Returns whether something has waited: values of the dictionary
-    /// may have changed. Called after [`super::Transmit::on_sync`].
+    /// A SYNC arrived: what waited for it is applied. Returns whether transmit PDOs have to look for changes. Called after
+    /// [`super::Transmit::on_sync`].
+    #[inline]
     pub fn on_sync<D: Dictionary, A: Application<D>>(
         &mut self,
         dictionary: &mut D,
         application: &mut A,
     ) -> bool {
-        self.is_window_over = false;
+        self.circumstances.is_window_over = false;
+        self.has_synchronous && self.apply_waiting(dictionary, application)
+    }
+
+    #[inline(never)]
+    fn apply_waiting<D: Dictionary, A: Application<D>>(
+        &mut self,
+        dictionary: &mut D,
+        application: &mut A,
+    ) -> bool {
+        // Outside of Operational nothing waits.
         let mut is_applied = false;
-        if self.is_operational {
-            for pdo in self.pdos.as_mut() {
-                is_applied |= pdo.on_sync(dictionary, application);
-            }
+        for pdo in self.pdos.as_mut() {
+            is_applied |= pdo.on_sync(dictionary, application) == Received::Applied;
         }
         is_applied
     }
 
     /// The SYNC window (1007h) has passed: frames of synchronous PDOs are discarded until the next SYNC.
     pub fn window_passed(&mut self) {
-        self.is_window_over = true;
+        self.circumstances.is_window_over = true;
     }
 
     /// Looks at the deadlines; returns the next one. Ask [`Receive::report`] afterwards. To be called again when a frame has
@@ -182,7 +220,7 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
     pub fn poll(&mut self, now: Instant) -> Instant {
         let mut next = NEVER;
         for pdo in self.pdos.as_mut() {
-            self.has_news |= pdo.poll(now);
+            self.circumstances.has_news |= pdo.poll(now);
             next = earlier(next, pdo.expires_at());
         }
         next
@@ -190,13 +228,13 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
 
     /// Whether [`Receive::report`] may have something to tell, or a deadline has begun.
     pub const fn has_report(&self) -> bool {
-        self.has_news
+        self.circumstances.has_news
     }
 
     /// What the emergency producer has to hear, one at a time until `None`: the end of an error, then the error that has
     /// taken its place. The number of the PDO, from 1, is the info.
     pub fn report(&mut self) -> Option<LengthReport> {
-        if !self.has_news {
+        if !self.circumstances.has_news {
             return None;
         }
         for (number, pdo) in (1..).zip(self.pdos.as_mut()) {
@@ -204,7 +242,7 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
                 return Some(report);
             }
         }
-        self.has_news = false;
+        self.circumstances.has_news = false;
         None
     }
 }

@@ -1,5 +1,7 @@
 //! One receive PDO: what it does with a frame.
 
+use core::ops::Range;
+
 use super::NOT_IN_USE;
 use super::errors::Errors;
 use super::mapping::{Direction, Layout};
@@ -8,9 +10,40 @@ use super::parameters::{Parameters, TransmissionType};
 use super::unpack::{Destination, Unpacking};
 use crate::application::Application;
 use crate::cia301::length_error::LengthReport;
-use crate::od::{Dictionary, Slots, Unused, check, put};
+use crate::od::{Dictionary, Slots, Table, Unused, check, put};
 use crate::time::{Duration, Instant, NEVER, has_come};
 use crate::wire::Frame;
+
+/// What has become of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Received {
+    /// It is for nobody here.
+    Nothing,
+    /// It was for a PDO, and no event-driven transmit PDO has to look for changes.
+    Kept,
+    /// It was for a PDO, and transmit PDOs have to look for changes.
+    Applied,
+}
+
+impl Received {
+    /// Of two PDOs.
+    pub(super) fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Applied, _) | (_, Self::Applied) => Self::Applied,
+            (Self::Kept, _) | (_, Self::Kept) => Self::Kept,
+            _ => Self::Nothing,
+        }
+    }
+}
+
+/// What all receive PDOs share.
+#[derive(Debug)]
+pub(super) struct Circumstances {
+    /// Whether it is too late for what belongs to the last SYNC.
+    pub(super) is_window_over: bool,
+    /// Whether an error may not be as the emergency producer knows it, or a deadline has begun.
+    pub(super) has_news: bool,
+}
 
 /// What a frame does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,12 +66,20 @@ impl Kind {
     }
 }
 
+/// No frame has this length.
+const NEVER_PLAIN: u8 = u8::MAX;
+
 /// One receive PDO; `M` is its place for mapped objects.
 #[derive(Debug)]
 pub struct ReceivePdo<M> {
     /// Its identifier, or [`NOT_IN_USE`].
     cob_id: u16,
+    /// The length of a frame that is applied without a second thought: the PDO is event-driven, nobody waits for it, no object
+    /// has limits, and no error stands. [`NEVER_PLAIN`] otherwise.
+    plain_length: u8,
     kind: Kind,
+    /// Whether an object of it is in an event-driven transmit PDO.
+    is_watched: bool,
     /// Whether `waiting` is a frame for the next SYNC.
     is_waiting: bool,
     errors: Errors,
@@ -58,7 +99,9 @@ pub struct ReceivePdo<M> {
 impl<M: Slots<Destination>> Unused for ReceivePdo<M> {
     const UNUSED: Self = Self {
         cob_id: NOT_IN_USE,
+        plain_length: NEVER_PLAIN,
         kind: Kind::Event,
+        is_watched: false,
         is_waiting: false,
         errors: Errors::NONE,
         reported: Errors::NONE,
@@ -88,7 +131,30 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         if !is_same {
             next.reported = self.reported;
             *self = next;
+            self.find_plain_length();
         }
+    }
+
+    fn find_plain_length(&mut self) {
+        let is_plain = self.kind == Kind::Event
+            && self.deadline.ticks() == 0
+            && self.errors == Errors::NONE
+            && !self.mapping.is_limited();
+        self.plain_length = if is_plain {
+            self.mapping.length()
+        } else {
+            NEVER_PLAIN
+        };
+    }
+
+    /// These places in RAM are looked at by event-driven transmit PDOs.
+    pub(super) fn watch(&mut self, table: &Table, places: &Range<u16>) {
+        self.is_watched = self.mapping.writes(table, places);
+    }
+
+    /// Whether its frames wait for SYNC.
+    pub(super) fn is_synchronous(&self) -> bool {
+        self.kind == Kind::Synchronous
     }
 
     /// For a PDO that has just been made.
@@ -125,6 +191,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
             self.deadline = deadline;
             self.expires_at = NEVER;
             self.errors = self.errors.without(Errors::LATE);
+            self.find_plain_length();
         }
     }
 
@@ -152,42 +219,63 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         self.expires_at
     }
 
-    /// Takes a frame; after the SYNC window a synchronous PDO only notes that it came. Returns whether there is news: an error came or went, or a deadline has begun that was not running. One
-    /// function for all PDOs: few of many frames get here.
+    /// Takes a frame that is applied without a second thought; `None` if this one is not.
+    #[inline]
+    pub(super) fn receive_plain<D: Dictionary, A: Application<D>>(
+        &mut self,
+        frame: &Frame,
+        dictionary: &mut D,
+        application: &mut A,
+    ) -> Option<Received> {
+        (frame.length() == self.plain_length)
+            .then(|| self.apply(frame.bytes(), dictionary, application))
+    }
+
+    /// Takes a frame; after the SYNC window a synchronous PDO only notes that it came. Sets `has_news` when an error came or went,
+    /// or a deadline has begun that was not running. One function for all PDOs: few of many frames get here.
     #[inline(never)]
     pub(super) fn receive<D: Dictionary, A: Application<D>>(
         &mut self,
         frame: &Frame,
         now: Instant,
-        is_window_over: bool,
+        circumstances: &mut Circumstances,
         dictionary: &mut D,
         application: &mut A,
-    ) -> bool {
-        let mut has_news = false;
+    ) -> Received {
         if frame.length() != self.mapping.length() {
-            has_news = self.receive_other_length(frame.length());
+            circumstances.has_news |= self.receive_other_length(frame.length());
             if self.errors.has(Errors::SHORT) {
-                return has_news;
+                return Received::Kept;
             }
         } else if self.errors != Errors::NONE {
-            self.errors = Errors::NONE;
-            has_news = true;
+            self.end_errors();
+            circumstances.has_news = true;
         }
         if self.deadline.ticks() != 0 {
-            has_news |= self.restart_deadline(now);
+            circumstances.has_news |= self.restart_deadline(now);
         }
         match self.kind {
-            Kind::Event => self.apply(frame.bytes(), dictionary, application),
-            Kind::Synchronous if is_window_over => {}
             Kind::Synchronous => {
-                self.waiting = *frame.bytes();
-                self.is_waiting = true;
+                if !circumstances.is_window_over {
+                    self.waiting = *frame.bytes();
+                    self.is_waiting = true;
+                }
+                Received::Kept
             }
+            Kind::Event => self.apply(frame.bytes(), dictionary, application),
             Kind::Multiplexed(addressing) => {
-                has_news |= self.dispatch(addressing, frame.bytes(), dictionary, application);
+                circumstances.has_news |=
+                    self.dispatch(addressing, frame.bytes(), dictionary, application);
+                Received::Applied
             }
         }
-        has_news
+    }
+
+    /// A good frame has come.
+    #[cold]
+    fn end_errors(&mut self) {
+        self.errors = Errors::NONE;
+        self.find_plain_length();
     }
 
     /// Looks at a frame that is not as long as the mapping. Returns whether an error came or went.
@@ -201,6 +289,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         } else {
             Errors::LONG
         };
+        self.find_plain_length();
         self.errors != before
     }
 
@@ -217,23 +306,23 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         if is_late {
             self.expires_at = NEVER;
             self.errors = self.errors.with(Errors::LATE);
+            self.find_plain_length();
         }
         is_late
     }
 
-    /// A SYNC: the frame that waits is applied. Returns whether there was one.
+    /// A SYNC: the frame that waits is applied.
     #[inline]
     pub(super) fn on_sync<D: Dictionary, A: Application<D>>(
         &mut self,
         dictionary: &mut D,
         application: &mut A,
-    ) -> bool {
-        let is_waiting = self.is_waiting;
-        if is_waiting {
-            self.is_waiting = false;
-            self.apply(&self.waiting, dictionary, application);
+    ) -> Received {
+        if !self.is_waiting {
+            return Received::Nothing;
         }
-        is_waiting
+        self.is_waiting = false;
+        self.apply(&self.waiting, dictionary, application)
     }
 
     /// Writes the object that a frame names. Returns whether there is none, and the sender has to hear of it.
@@ -276,16 +365,22 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
     }
 
     /// Copies the bytes of a frame into the mapped objects.
+    #[inline]
     fn apply<D: Dictionary, A: Application<D>>(
         &self,
         frame: &[u8; 8],
         dictionary: &mut D,
         application: &mut A,
-    ) {
-        let refused = self.refused(frame, dictionary, application);
+    ) -> Received {
+        let refused = if self.mapping.is_limited() {
+            self.beyond_limits(frame, dictionary)
+        } else {
+            0
+        };
+        let refused = self.refused(refused, frame, dictionary, application);
         if refused != 0 {
             self.apply_accepted(refused, frame, dictionary, application);
-            return;
+            return Received::Applied;
         }
         self.mapping.unpack(frame, dictionary);
         for object in self.mapping.objects() {
@@ -293,26 +388,52 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
                 application.written(dictionary, entry);
             }
         }
+        if A::WRITES_BACK || self.is_watched {
+            Received::Applied
+        } else {
+            Received::Kept
+        }
     }
 
-    /// Which objects do not take their value: a bit for each, the first in bit 0.
+    /// Which objects have limits that their values break: a bit for each, the first in bit 0.
+    #[inline(never)]
+    fn beyond_limits<D: Dictionary>(&self, frame: &[u8; 8], _: &D) -> u64 {
+        let mut beyond = 0;
+        let mut bit = 1_u64;
+        for object in self.mapping.objects() {
+            if let Some(entry) = object.entry(D::TABLE) {
+                let mut room = [0; 8];
+                let value = object.value(entry, frame, &mut room);
+                if !object.is_within_limits(D::TABLE, entry, value) {
+                    beyond |= bit;
+                }
+            }
+            bit = bit.wrapping_add(bit);
+        }
+        beyond
+    }
+
+    /// Which objects do not take their value, those that break their limits and those that the application refuses. It is not
+    /// asked about the former.
+    #[inline]
     fn refused<D: Dictionary, A: Application<D>>(
         &self,
+        beyond: u64,
         frame: &[u8; 8],
         dictionary: &D,
         application: &mut A,
     ) -> u64 {
-        let mut refused = 0;
+        let mut refused = beyond;
         let mut bit = 1_u64;
         for object in self.mapping.objects() {
-            let is_accepted = object.entry(D::TABLE).is_some_and(|entry| {
-                object.is_within_limits(D::TABLE, entry, frame)
-                    && application
-                        .validate(dictionary, entry, object.value(entry, frame).bytes())
-                        .is_ok()
-            });
-            if !is_accepted {
-                refused |= bit;
+            if let Some(entry) = object.entry(D::TABLE)
+                && beyond & bit == 0
+            {
+                let mut room = [0; 8];
+                let value = object.value(entry, frame, &mut room);
+                if application.validate(dictionary, entry, value).is_err() {
+                    refused |= bit;
+                }
             }
             bit = bit.wrapping_add(bit);
         }

@@ -32,11 +32,12 @@
 //!   anew; a new one counts from the last transmission on.
 
 use core::marker::PhantomData;
+use core::ops::Range;
 
 use super::NOT_IN_USE;
 use super::mapping::Direction;
 use super::multiplexed::{self, Addressing, Message};
-use super::pack::{Packing, Source};
+use super::pack::{NO_RAM, Packing, Source, around};
 use super::parameters::{Parameters, Record};
 use super::transmit_pdo::TransmitPdo;
 use crate::cia301::sdo::AbortCode;
@@ -65,6 +66,9 @@ pub struct Transmit<S, M> {
     lowest: u16,
     /// The PDO that it belongs to.
     lowest_slot: usize,
+    /// How many look for changes, and how many wait for SYNC.
+    watching: u16,
+    synchronous: u16,
     /// That of the device.
     node_id: u8,
     objects: PhantomData<M>,
@@ -78,6 +82,8 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             is_operational: false,
             lowest: NOT_IN_USE,
             lowest_slot: 0,
+            watching: 0,
+            synchronous: 0,
             node_id: 0,
             objects: PhantomData,
         }
@@ -91,6 +97,23 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
             pdo.configure(dictionary, Parameters::new(Direction::Transmit, number));
         }
+        self.count();
+    }
+
+    /// Counts those that look for changes and those that wait for SYNC.
+    fn count(&mut self) {
+        (self.watching, self.synchronous) = (0, 0);
+        for pdo in self.pdos.as_ref() {
+            self.watching = self.watching.saturating_add(pdo.is_watching().into());
+            let is_synchronous = pdo.is_synchronous();
+            self.synchronous = self.synchronous.saturating_add(is_synchronous.into());
+        }
+    }
+
+    /// The places in RAM that event-driven PDOs look at for changes, as one range.
+    pub fn watched(&self) -> Range<u16> {
+        let pdos = self.pdos.as_ref().iter();
+        pdos.fold(NO_RAM, |range, pdo| around(&range, &pdo.watched()))
     }
 
     /// Operational is entered: counters and timers start, and each PDO of type 254 or 255 is sent once. Nothing happens when
@@ -146,6 +169,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         };
         if record == Record::Communication && entry.sub == 5 {
             pdo.set_event_timer(parameters.event_timer(dictionary), now);
+            self.count();
             return;
         }
         if !pdo.configure(dictionary, parameters) {
@@ -154,23 +178,31 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         if self.is_operational {
             pdo.start(dictionary.ram(), D::TABLE.rom, now);
         }
+        self.count();
         self.find_lowest();
     }
 
     /// A SYNC arrived, with this counter if it has one: the synchronous PDOs that are due take the present values. Called before
     /// [`super::Receive::on_sync`].
     pub fn on_sync<D: Dictionary>(&mut self, counter: Option<u8>, dictionary: &D) {
-        if !self.is_operational {
+        let mut left = self.synchronous;
+        if !self.is_operational || left == 0 {
             return;
         }
-        let mut is_pending = false;
-        for pdo in self.pdos.as_mut() {
-            if pdo.is_synchronous() {
-                is_pending |= pdo.on_sync(counter, dictionary.ram(), D::TABLE.rom);
+        for (slot, pdo) in self.pdos.as_mut().iter_mut().enumerate() {
+            if !pdo.is_synchronous() {
+                continue;
             }
-        }
-        if is_pending {
-            self.find_lowest();
+            let is_sent = pdo.on_sync(counter, dictionary.ram(), D::TABLE.rom);
+            // One that waited before has been counted.
+            if is_sent && pdo.cob_id() < self.lowest {
+                self.lowest = pdo.cob_id();
+                self.lowest_slot = slot;
+            }
+            left = left.saturating_sub(1);
+            if left == 0 {
+                break;
+            }
         }
     }
 
@@ -208,22 +240,23 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     /// called again at the latest.
     pub fn poll<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> Instant {
         let mut deadline = NEVER;
-        if !self.is_operational {
+        let mut left = self.watching;
+        if !self.is_operational || left == 0 {
             return deadline;
         }
         for (slot, pdo) in self.pdos.as_mut().iter_mut().enumerate() {
-            if pdo.is_in_use() {
-                let next = if pdo.addressing() == Some(Addressing::Source) {
-                    pdo.scan(dictionary, self.node_id, now)
-                } else {
-                    pdo.poll(dictionary.ram(), D::TABLE.rom, now)
-                };
-                deadline = earlier(deadline, next);
-                // One that waited before has been counted.
-                if pdo.is_waiting() && pdo.cob_id() < self.lowest {
-                    self.lowest = pdo.cob_id();
-                    self.lowest_slot = slot;
-                }
+            if !pdo.is_watching() {
+                continue;
+            }
+            deadline = earlier(deadline, pdo.look(dictionary, self.node_id, now));
+            // One that waited before has been counted.
+            if pdo.is_waiting() && pdo.cob_id() < self.lowest {
+                self.lowest = pdo.cob_id();
+                self.lowest_slot = slot;
+            }
+            left = left.saturating_sub(1);
+            if left == 0 {
+                break;
             }
         }
         deadline

@@ -1,13 +1,26 @@
 //! One transmit PDO: when it is sent, and with what.
 
+use core::ops::Range;
+
 use super::NOT_IN_USE;
 use super::mapping::Layout;
 use super::multiplexed::{self, Addressing, Message, Scan};
-use super::pack::{Packing, Source};
+use super::pack::{NO_RAM, Packing, Source};
 use super::parameters::{Parameters, TransmissionType};
 use crate::od::{Dictionary, Slots, Unused};
 use crate::time::{Duration, Instant, NEVER, earlier, has_come, with_length};
 use crate::wire::Frame;
+
+/// How a PDO is looked at when values may have changed, or time has passed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Watch {
+    /// Not at all.
+    No,
+    /// It is sent when a value has changed, with no time to look at.
+    Plain,
+    /// There is more to it.
+    Closely,
+}
 
 /// Between two objects of a scan, unless the inhibit time is longer: a scan leaves the bus to others.
 const STEP: Duration = Duration::from_ticks(1000);
@@ -18,6 +31,10 @@ pub struct TransmitPdo<M> {
     /// Its identifier, or [`NOT_IN_USE`].
     cob_id: u16,
     transmission_type: TransmissionType,
+    /// How it is looked at when values may have changed.
+    watch: Watch,
+    /// Of types 1 to 240 the number, of others 0.
+    every: u8,
     /// Whether types other than 252 and 253 answer a request.
     allows_request: bool,
     /// The SYNC counter to begin with, 0 for any.
@@ -47,6 +64,8 @@ impl<M: Slots<Source>> Unused for TransmitPdo<M> {
     const UNUSED: Self = Self {
         cob_id: NOT_IN_USE,
         transmission_type: TransmissionType::Event,
+        watch: Watch::No,
+        every: 0,
         allows_request: false,
         sync_start: 0,
         mapping: Packing::NOTHING,
@@ -106,6 +125,37 @@ impl<M: Slots<Source>> TransmitPdo<M> {
             self.inhibit_time =
                 Duration::from_ticks(u64::from(parameters.inhibit_time(dictionary)) * 100);
             self.event_timer = milliseconds(parameters.event_timer(dictionary));
+            self.every = match transmission_type {
+                TransmissionType::Cyclic(every) => every,
+                _ => 0,
+            };
+            self.find_watch();
+        }
+    }
+
+    fn find_watch(&mut self) {
+        let has_times = self.inhibit_time.ticks() != 0 || self.event_timer.ticks() != 0;
+        self.watch = match self.transmission_type {
+            TransmissionType::Event if !self.is_in_use() => Watch::No,
+            TransmissionType::Event if !has_times => Watch::Plain,
+            TransmissionType::Event
+            | TransmissionType::Acyclic
+            | TransmissionType::Multiplexed(Addressing::Source) => Watch::Closely,
+            _ => Watch::No,
+        };
+    }
+
+    /// Whether it is looked at when values may have changed.
+    #[inline]
+    pub(super) fn is_watching(&self) -> bool {
+        self.watch != Watch::No
+    }
+
+    /// The places in RAM that it looks at for changes.
+    pub(super) fn watched(&self) -> Range<u16> {
+        match self.transmission_type {
+            TransmissionType::Event | TransmissionType::Acyclic => self.mapping.ram_range(),
+            _ => NO_RAM,
         }
     }
 
@@ -147,33 +197,34 @@ impl<M: Slots<Source>> TransmitPdo<M> {
         let event_timer = milliseconds(time);
         if event_timer != self.event_timer {
             self.event_timer = event_timer;
+            self.find_watch();
             self.restart_event_timer(now);
         }
     }
 
     /// A SYNC, for a synchronous PDO: returns whether there is something to send.
+    #[inline]
     pub(super) fn on_sync(&mut self, counter: Option<u8>, ram: &[u8], rom: &[u8]) -> bool {
-        match self.transmission_type {
-            TransmissionType::Event
-            | TransmissionType::Request
-            | TransmissionType::Multiplexed(_) => false,
-            TransmissionType::SampledRequest => {
-                self.content = self.mapping.pack(ram, rom);
-                false
-            }
-            TransmissionType::Acyclic => {
-                let present = self.mapping.pack(ram, rom);
-                self.is_due |= present != self.content;
-                self.is_due && self.give_out(present)
-            }
-            TransmissionType::Cyclic(every) => {
-                self.sync_count = self.sync_count.saturating_add(1);
-                if self.awaits_start {
-                    self.count_to_start(counter, every);
-                }
-                self.sync_count >= every && self.give_out(self.mapping.pack(ram, rom))
-            }
+        if self.every == 0 {
+            return self.on_sync_after_event(ram, rom);
         }
+        self.sync_count = self.sync_count.saturating_add(1);
+        if self.awaits_start {
+            self.count_to_start(counter, self.every);
+        }
+        self.sync_count >= self.every && self.give_out(self.mapping.pack(ram, rom))
+    }
+
+    /// A SYNC, for what is not sent at every n-th of them.
+    #[inline(never)]
+    fn on_sync_after_event(&mut self, ram: &[u8], rom: &[u8]) -> bool {
+        let present = self.mapping.pack(ram, rom);
+        if self.transmission_type == TransmissionType::SampledRequest {
+            self.content = present;
+            return false;
+        }
+        self.is_due |= present != self.content;
+        self.is_due && self.give_out(present)
     }
 
     /// Nothing is counted before the SYNC with the start value, and at that one the PDO is sent. Without a counter there is
@@ -218,8 +269,41 @@ impl<M: Slots<Source>> TransmitPdo<M> {
         }
     }
 
+    /// Looks for a change, and at what else there is to look at, if anything; returns the next deadline.
+    #[inline]
+    pub(super) fn look<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        node_id: u8,
+        now: Instant,
+    ) -> Instant {
+        if self.watch == Watch::Plain {
+            let present = self.mapping.pack(dictionary.ram(), D::TABLE.rom);
+            if self.is_due || present != self.content {
+                self.give_out(present);
+                self.free_at = now;
+            }
+            return NEVER;
+        }
+        self.look_closely(dictionary, node_id, now)
+    }
+
+    #[inline(never)]
+    fn look_closely<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        node_id: u8,
+        now: Instant,
+    ) -> Instant {
+        if self.addressing().is_some() {
+            self.scan(dictionary, node_id, now)
+        } else {
+            self.poll(dictionary.ram(), D::TABLE.rom, now)
+        }
+    }
+
     /// Looks for a change and at the timers, for a PDO in use; returns the next deadline.
-    pub(super) fn poll(&mut self, ram: &[u8], rom: &[u8], now: Instant) -> Instant {
+    fn poll(&mut self, ram: &[u8], rom: &[u8], now: Instant) -> Instant {
         match self.transmission_type {
             TransmissionType::Cyclic(_)
             | TransmissionType::SampledRequest
@@ -265,12 +349,7 @@ impl<M: Slots<Source>> TransmitPdo<M> {
     /// mode. Returns the next deadline.
     #[cold]
     #[inline(never)]
-    pub(super) fn scan<D: Dictionary>(
-        &mut self,
-        dictionary: &D,
-        node_id: u8,
-        now: Instant,
-    ) -> Instant {
+    fn scan<D: Dictionary>(&mut self, dictionary: &D, node_id: u8, now: Instant) -> Instant {
         if has_come(self.event_at, now) {
             self.is_due = true;
             self.restart_event_timer(now);
@@ -323,8 +402,9 @@ impl<M: Slots<Source>> TransmitPdo<M> {
     }
 
     /// Whether it waits for SYNC.
+    #[inline]
     pub(super) const fn is_synchronous(&self) -> bool {
-        self.is_in_use() && self.transmission_type.is_synchronous()
+        self.transmission_type.is_synchronous()
     }
 
     pub(super) const fn is_waiting(&self) -> bool {

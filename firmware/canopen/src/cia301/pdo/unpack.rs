@@ -1,5 +1,7 @@
 //! From a frame into the dictionary: the resolved mapping of a receive PDO.
 
+use core::ops::Range;
+
 use super::bits;
 use super::mapping::{Direction, Layout, MOST_BITS, Target, with_target};
 use super::multiplexed::Addressing;
@@ -24,20 +26,6 @@ impl Unused for Destination {
         position: 0,
         bits: 0,
     };
-}
-
-/// The value of an object in a frame.
-pub(super) struct Value {
-    bytes: [u8; 8],
-    length: usize,
-}
-
-impl Value {
-    /// Its bytes, as many as the object has.
-    #[inline]
-    pub(super) fn bytes(&self) -> &[u8] {
-        self.bytes.get(..self.length).unwrap_or(&self.bytes)
-    }
 }
 
 impl Destination {
@@ -66,29 +54,34 @@ impl Destination {
         table.entries.get(usize::from(self.entry))
     }
 
-    /// Its value in a frame. Bits that are not mapped are 0.
+    /// Its value in a frame, as many bytes as the object has. Bits that are not mapped are 0; `room` is for a value that is not
+    /// whole bytes in the frame.
     #[inline]
-    pub(super) fn value(self, entry: &Entry, frame: &[u8; 8]) -> Value {
-        let bytes = if bits::are_bytes(self.position(), self.bits) {
-            let mut bytes = [0; 8];
-            if let Some(from) = frame.get(usize::from(self.position() / 8)..) {
-                copy_few(&mut bytes, from, usize::from(self.bits / 8));
-            }
-            bytes
-        } else {
-            bits::get(frame, self.position(), self.bits).to_le_bytes()
-        };
-        Value {
-            bytes,
-            length: usize::from(entry.size),
+    pub(super) fn value<'a>(
+        self,
+        entry: &Entry,
+        frame: &'a [u8; 8],
+        room: &'a mut [u8; 8],
+    ) -> &'a [u8] {
+        if bits::are_bytes(self.position(), self.bits) {
+            let begin = usize::from(self.position() / 8);
+            let end = begin.saturating_add(usize::from(self.bits / 8));
+            return frame.get(begin..end).unwrap_or(&[]);
         }
+        *room = self.odd_value(frame);
+        room.get(..usize::from(entry.size)).unwrap_or(&[])
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn odd_value(self, frame: &[u8; 8]) -> [u8; 8] {
+        bits::get(frame, self.position(), self.bits).to_le_bytes()
     }
 
     /// Whether its value in a frame is within the limits of the data sheet.
     #[inline]
-    pub(super) fn is_within_limits(self, table: &Table, entry: &Entry, frame: &[u8; 8]) -> bool {
-        self.position & Self::LIMITED == 0
-            || check(table, entry, self.value(entry, frame).bytes()).is_ok()
+    pub(super) fn is_within_limits(self, table: &Table, entry: &Entry, value: &[u8]) -> bool {
+        self.position & Self::LIMITED == 0 || check(table, entry, value).is_ok()
     }
 
     /// Writes its value in a frame, without any check.
@@ -98,7 +91,7 @@ impl Destination {
             return;
         };
         if !bits::are_bytes(self.position(), self.bits) {
-            put(dictionary, entry, self.value(entry, frame).bytes());
+            put(dictionary, entry, self.value(entry, frame, &mut [0; 8]));
             return;
         }
         // The object lies in RAM: nothing else is mapped to receive.
@@ -121,6 +114,8 @@ pub(super) struct Unpacking<M> {
     /// The offset in RAM that the whole frame is copied to, when its objects lie there as they lie in the frame; [`NO_RUN`]
     /// otherwise.
     run: u16,
+    /// Whether an object refuses some values that fit into its bits.
+    is_limited: bool,
     /// Whose object the frame names, if it does.
     addressing: Option<Addressing>,
 }
@@ -145,6 +140,23 @@ impl<M: Slots<Destination>> Unpacking<M> {
     /// Whose object the frame names; `None` for a mapping of objects.
     pub(super) const fn addressing(&self) -> Option<Addressing> {
         self.addressing
+    }
+
+    /// Whether an object refuses some values that fit into its bits.
+    #[inline]
+    pub(super) const fn is_limited(&self) -> bool {
+        self.is_limited
+    }
+
+    /// Whether one of these places in RAM is written.
+    pub(super) fn writes(&self, table: &Table, watched: &Range<u16>) -> bool {
+        self.addressing.is_some()
+            || self.objects().iter().any(|object| {
+                object.entry(table).is_some_and(|entry| {
+                    let end = entry.offset.saturating_add(entry.size);
+                    entry.offset < watched.end && watched.start < end
+                })
+            })
     }
 
     /// Copies a frame to all its objects, without any check.
@@ -178,6 +190,7 @@ impl<M: Slots<Destination>> Layout for Unpacking<M> {
         count: 0,
         bits: 0,
         run: NO_RUN,
+        is_limited: false,
         addressing: None,
     };
 
@@ -202,8 +215,9 @@ impl<M: Slots<Destination>> Layout for Unpacking<M> {
                 bits,
             } => {
                 let place = self.objects.as_mut().get_mut(usize::from(self.count));
-                *place.ok_or(AbortCode::PdoLengthExceeded)? =
-                    Destination::new(position, entry, self.bits, bits);
+                let object = Destination::new(position, entry, self.bits, bits);
+                *place.ok_or(AbortCode::PdoLengthExceeded)? = object;
+                self.is_limited |= object.position & Destination::LIMITED != 0;
                 self.count = self.count.saturating_add(1);
                 self.run_with(entry, bits)
             }

@@ -6,7 +6,7 @@ use super::objects::Objects;
 use crate::application::Application;
 use crate::cia301::length_error::LengthReport;
 use crate::cia301::pdo::{
-    Destination, Receive, ReceivePdo, Source, Transmit, TransmitPdo, validate_list,
+    Destination, Receive, ReceivePdo, Received, Source, Transmit, TransmitPdo, validate_list,
 };
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, check, find, put, read_u8, set, value, write_u8, write_u32};
@@ -34,7 +34,7 @@ impl Application<Objects> for Recorder {
 }
 
 /// The places for the objects of a mapping to receive.
-pub(super) type Received = [Destination; 64];
+pub(super) type Destinations = [Destination; 64];
 
 /// The places for the objects of a mapping to transmit.
 pub(super) type Sent = [Source; 64];
@@ -42,7 +42,7 @@ pub(super) type Sent = [Source; 64];
 #[derive(Debug)]
 pub(super) struct Device {
     pub(super) objects: Objects,
-    pub(super) receive: Receive<[ReceivePdo<Received>; 4], Received>,
+    pub(super) receive: Receive<[ReceivePdo<Destinations>; 4], Destinations>,
     pub(super) transmit: Transmit<[TransmitPdo<Sent>; 4], Sent>,
     pub(super) recorder: Recorder,
     pub(super) now: Instant,
@@ -116,6 +116,7 @@ impl Device {
             0x1800..=0x1BFF => self.transmit.written(&self.objects, entry, self.now),
             _ => {}
         }
+        self.receive.watch::<Objects>(&self.transmit.watched());
         Ok(())
     }
 
@@ -167,13 +168,14 @@ impl Device {
     /// A frame from the bus; whether it brought a report.
     pub(super) fn frame(&mut self, cob_id: u16, bytes: &[u8]) -> bool {
         let frame = Frame::data_frame(cob_id, bytes);
-        self.receive.receive(
+        let received = self.receive.receive(
             cob_id,
             &frame,
             self.now,
             &mut self.objects,
             &mut self.recorder,
-        )
+        );
+        received != Received::Nothing
     }
 
     /// A remote frame from the bus.

@@ -5,7 +5,7 @@ use std::vec::Vec;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use super::device::{Device, Received, Sent, mapped};
+use super::device::{Destinations, Device, Sent, mapped};
 use super::objects::Objects;
 use crate::cia301::pdo::mapping::{Layout, MappingEntry};
 use crate::cia301::pdo::pack::Packing;
@@ -121,7 +121,7 @@ proptest! {
         frame in any::<[u8; 8]>(),
     ) {
         let mut objects = Objects::new();
-        resolve::<Unpacking<Received>>(&entries).unpack(&frame, &mut objects);
+        resolve::<Unpacking<Destinations>>(&entries).unpack(&frame, &mut objects);
         let packing: Packing<Sent> = resolve(&entries);
         let bits: u32 = entries.iter().map(|entry| entry & 0xFF).sum();
         prop_assert_eq!(u32::from(packing.length()), bits.div_ceil(8));
@@ -137,7 +137,7 @@ proptest! {
         let (mut planned, mut plain) = (Objects::new(), Objects::new());
         planned.ram_mut().fill(0xA5);
         plain.ram_mut().fill(0xA5);
-        resolve::<Unpacking<Received>>(&entries).unpack(&frame, &mut planned);
+        resolve::<Unpacking<Destinations>>(&entries).unpack(&frame, &mut planned);
         let mut rest = u128::from(u64::from_le_bytes(frame));
         for entry in &entries {
             let [bits, sub, low, high] = entry.to_le_bytes();

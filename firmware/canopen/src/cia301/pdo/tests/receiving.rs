@@ -1,7 +1,6 @@
 //! Receive PDOs at work.
 
 use super::device::{Device, mapped};
-use crate::wire::Frame;
 
 const U8: u32 = mapped(0x2000, 0, 8);
 const U16: u32 = mapped(0x2001, 0, 16);
@@ -113,21 +112,6 @@ fn p23_outside_of_operational_nothing_is_received() {
     device.leave_operational();
     assert_eq!(device.writes(0x204, &[5]), 0);
     assert_eq!(device.u8(0x2000), 0);
-    assert_eq!(device.reports(), []);
-}
-
-#[test]
-fn p23_a_remote_frame_is_ignored() {
-    let mut device = operational(255, &[U8]);
-    let frame = Frame::remote_frame(0x204, 1);
-    assert!(!device.receive.receive(
-        0x204,
-        &frame,
-        device.now,
-        &mut device.objects,
-        &mut device.recorder
-    ));
-    assert!(device.recorder.written.is_empty());
     assert_eq!(device.reports(), []);
 }
 
