@@ -28,13 +28,19 @@ impl Report {
     /// # Errors
     /// The file cannot be read from its disk.
     pub fn read(path: &Path) -> io::Result<Self> {
-        let file = path.display().to_string();
-        let bytes = fs::read(path)?;
-        let mut findings = Findings::new(&file);
-        Ok(match Source::decode(&file, &bytes, &mut findings) {
+        Ok(Self::of_bytes(
+            &path.display().to_string(),
+            &fs::read(path)?,
+        ))
+    }
+
+    /// Checks what a file holds, in whatever encoding and with whatever line ends. `file` is its name, for the findings.
+    pub fn of_bytes(file: &str, bytes: &[u8]) -> Self {
+        let mut findings = Findings::new(file);
+        match Source::decode(file, bytes, &mut findings) {
             Some(source) => Self::of(source, findings),
-            None => Self::unreadable(Source::default(), findings),
-        })
+            None => Self::unreadable(Source::new(file, "", &mut Findings::new(file)), findings),
+        }
     }
 
     /// Checks a text that is at hand. `file` is its name, for the findings.

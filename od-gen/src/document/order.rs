@@ -9,7 +9,7 @@ use std::mem;
 use super::{Comment, Document, Key, Section};
 use crate::model::Field;
 use crate::number::Number;
-use crate::parse::{COMMISSIONING_KEYS, DEVICE_INFO_KEYS, FILE_INFO_KEYS};
+use crate::parse::{COMMISSIONING_KEYS, DEVICE_INFO_KEYS, FILE_INFO_KEYS, module_name};
 
 /// Sections that are no objects, in the order in which they are written; objects stand below the list they belong in.
 const SECTIONS: [&str; 13] = [
@@ -39,11 +39,22 @@ const KEYS: [&[&str]; 4] = [
     &["SupportedObjects", "NrOfEntries", "Lines"],
 ];
 
-/// Where a section stands: twice its place among [`SECTIONS`] (one more for an object below its list), index, sub-index, list.
-type Rank = (usize, u16, u16, u8);
+/// Where a section stands: twice its place among [`SECTIONS`] (one more for what stands below it), module, kind of its section,
+/// index, sub-index, kind of list.
+type Rank = (usize, u8, u8, u16, u16, u8);
 
 /// Behind everything that is known.
-const UNKNOWN: Rank = (usize::MAX, 0, 0, 0);
+const UNKNOWN: Rank = (usize::MAX, 0, 0, 0, 0, 0);
+
+/// The sections of a module, in the order in which they are written; its objects stand below their list.
+const MODULE: [&str; 6] = [
+    "ModuleInfo",
+    "Comments",
+    "FixedObjects",
+    "Fixed",
+    "SubExtends",
+    "SubExt",
+];
 
 /// Brings about the canonical form.
 pub(crate) fn canonical(mut document: Document<'_>) -> Document<'_> {
@@ -61,47 +72,75 @@ pub(crate) fn canonical(mut document: Document<'_>) -> Document<'_> {
 
 /// Spells the name of a section, and says where it stands.
 fn name(section: &mut Section<'_>) -> Rank {
-    let is_own = |own: &&str| own.eq_ignore_ascii_case(&section.name);
-    if let Some(place) = SECTIONS.iter().position(is_own) {
+    let lower = section.name.to_ascii_lowercase();
+    if let Some(place) = SECTIONS
+        .iter()
+        .position(|own| own.eq_ignore_ascii_case(&lower))
+    {
         section.name = SECTIONS.get(place).copied().unwrap_or_default().into();
-        return (2 * place, 0, 0, 0);
+        return (2 * place, 0, 0, 0, 0, 0);
     }
-    let Some((index, rest)) = object(&section.name) else {
+    if let Some((number, rest)) = module_name(&lower) {
+        return module(section, number, rest).unwrap_or(UNKNOWN);
+    }
+    let Some((name, index, sub, list)) = object(&lower) else {
         return UNKNOWN;
     };
-    let (sub, kind, rest) = match rest.as_str() {
+    section.name = name.into();
+    // Data types are defined above the first list.
+    let (above, below) = match index {
+        0..=0x0FFF => (MANDATORY, -1),
+        0x1000 | 0x1001 | 0x1018 => (MANDATORY, 1),
+        0x2000..=0x5FFF => (MANUFACTURER, 1),
+        _ => (OPTIONAL, 1),
+    };
+    let place = SECTIONS.iter().position(|own| *own == above);
+    let place = place.map_or(usize::MAX, |place| (2 * place).saturating_add_signed(below));
+    (place, 0, 0, index, sub, list)
+}
+
+/// Spells the name of a section of a module, and says where it stands.
+fn module(section: &mut Section<'_>, number: u8, rest: &str) -> Option<Rank> {
+    let place = SECTIONS.iter().position(|own| *own == "SupportedModules");
+    let place = 2 * place? + 1;
+    let kind = |name: &str| {
+        let kind = MODULE
+            .iter()
+            .position(|own| own.eq_ignore_ascii_case(name))?;
+        u8::try_from(kind).ok()
+    };
+    if let Some((kind, name)) =
+        kind(rest).zip(MODULE.iter().find(|own| own.eq_ignore_ascii_case(rest)))
+    {
+        section.name = format!("M{number}{name}").into();
+        return Some((place, number, kind, 0, 0, 0));
+    }
+    let (prefix, rest) = match rest.strip_prefix("fixed") {
+        Some(rest) => ("Fixed", rest),
+        None => ("SubExt", rest.strip_prefix("subext")?),
+    };
+    let (name, index, sub, list) = object(rest)?;
+    section.name = format!("M{number}{prefix}{name}").into();
+    Some((place, number, kind(prefix)?, index, sub, list))
+}
+
+/// The name of an object's section, spelled, with index, sub-index and kind of list.
+fn object(name: &str) -> Option<(String, u16, u16, u8)> {
+    let (digits, rest) = name.split_at_checked(4)?;
+    let index = is_hexadecimal(digits).then(|| u16::from_str_radix(digits, 16).ok())??;
+    let (sub, list, rest) = match rest {
         "" => (0, 0, String::new()),
         "name" => (u16::MAX, 0, "Name".into()),
         "value" => (u16::MAX, 1, "Value".into()),
         "denotation" => (u16::MAX, 2, "Denotation".into()),
         _ => {
-            let digits = rest
-                .strip_prefix("sub")
-                .filter(|digits| is_hexadecimal(digits));
-            let sub = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok());
-            let Some(sub) = sub else {
-                return UNKNOWN;
-            };
+            let digits = rest.strip_prefix("sub");
+            let digits = digits.filter(|digits| is_hexadecimal(digits))?;
+            let sub = u8::from_str_radix(digits, 16).ok()?;
             (u16::from(sub) + 1, 0, format!("sub{sub:X}"))
         }
     };
-    section.name = format!("{index:04X}{rest}").into();
-    let list = |name: &str| SECTIONS.iter().position(|own| *own == name);
-    let place = match index {
-        // Data types are defined above the first list.
-        0..=0x0FFF => list(MANDATORY).map(|place| 2 * place - 1),
-        0x1000 | 0x1001 | 0x1018 => list(MANDATORY).map(|place| 2 * place + 1),
-        0x2000..=0x5FFF => list(MANUFACTURER).map(|place| 2 * place + 1),
-        _ => list(OPTIONAL).map(|place| 2 * place + 1),
-    };
-    (place.unwrap_or(usize::MAX), index, sub, kind)
-}
-
-/// The index in the name of a section, and what follows it in lower case.
-fn object(name: &str) -> Option<(u16, String)> {
-    let (digits, rest) = name.split_at_checked(4)?;
-    let index = is_hexadecimal(digits).then(|| u16::from_str_radix(digits, 16).ok())??;
-    Some((index, rest.to_ascii_lowercase()))
+    Some((format!("{index:04X}{rest}"), index, sub, list))
 }
 
 fn is_hexadecimal(text: &str) -> bool {
@@ -111,8 +150,14 @@ fn is_hexadecimal(text: &str) -> bool {
 /// Spells the keys of a section and puts them in order; comments go with the key below them.
 fn sort_keys<'a>(section: &mut Section<'a>) {
     let is_list = [MANDATORY, OPTIONAL, MANUFACTURER].contains(&&*section.name);
-    let is_object =
-        object(&section.name).is_some_and(|(_, rest)| rest.is_empty() || rest.starts_with("sub"));
+    let lower = section.name.to_ascii_lowercase();
+    let own = match module_name(&lower) {
+        Some((_, rest)) => rest.strip_prefix("fixed").or(rest.strip_prefix("subext")),
+        None => Some(lower.as_str()),
+    };
+    let is_object = own
+        .and_then(object)
+        .is_some_and(|(_, _, sub, _)| sub != u16::MAX);
     let comments = mem::take(&mut section.comments);
     let (top, comments): (Vec<_>, Vec<_>) = comments
         .into_iter()

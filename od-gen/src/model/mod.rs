@@ -5,6 +5,7 @@
 
 mod device;
 mod entry;
+mod module;
 mod places;
 mod remarks;
 mod value;
@@ -13,6 +14,7 @@ use std::ops::RangeInclusive;
 
 pub use device::{Commissioning, DeviceInfo, FileInfo, FileKind};
 pub use entry::{Access, Entry, Note, StorageGroup};
+pub use module::{DynamicChannel, Extension, Module};
 pub use places::{Field, KeyPlaces, Places};
 pub use remarks::Remarks;
 pub use value::{DefaultValue, Limit};
@@ -40,6 +42,12 @@ pub struct Model {
     pub types: Vec<Object>,
     /// The objects by index, 1000h to FFFFh.
     pub objects: Vec<Object>,
+    /// The modules that a modular device knows, by their number.
+    pub modules: Vec<Module>,
+    /// The modules that are plugged, in their order, by number (DCF, ConnectedModules).
+    pub connected: Vec<u8>,
+    /// DynamicChannels.
+    pub dynamic_channels: Vec<DynamicChannel>,
 }
 
 impl Model {

@@ -25,11 +25,13 @@ pub enum Field {
     UploadFile,
     DownloadFile,
     ParamRefd,
+    Count,
+    ObjExtend,
 }
 
 impl Field {
     /// All of them, in the order in which they are written.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 18] = [
         Self::ParameterName,
         Self::Denotation,
         Self::ObjectType,
@@ -46,6 +48,8 @@ impl Field {
         Self::UploadFile,
         Self::DownloadFile,
         Self::ParamRefd,
+        Self::Count,
+        Self::ObjExtend,
     ];
 
     /// The key as CiA 306 spells it.
@@ -67,6 +71,8 @@ impl Field {
             Self::UploadFile => "UploadFile",
             Self::DownloadFile => "DownloadFile",
             Self::ParamRefd => "ParamRefd",
+            Self::Count => "Count",
+            Self::ObjExtend => "ObjExtend",
         }
     }
 
@@ -80,6 +86,11 @@ impl Field {
                 | Self::DownloadFile
                 | Self::ParamRefd
         )
+    }
+
+    /// Whether it says how a module extends an object.
+    pub(crate) fn is_of_module(self) -> bool {
+        matches!(self, Self::Count | Self::ObjExtend)
     }
 
     /// The key with this name.

@@ -30,6 +30,7 @@ pub(super) fn expand(
         sub: 1,
         is_dcf: sections.is_dcf,
         is_domain: false,
+        is_extension: false,
     };
     let Some(model) = entry::read(section, context, findings) else {
         broken.objects.insert(object.index);

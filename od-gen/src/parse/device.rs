@@ -4,7 +4,8 @@ use super::sections::{Sections, check_keys, number, text};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
 use crate::document::Section;
-use crate::model::{Commissioning, DeviceInfo, FileInfo, KeyPlaces};
+use crate::model::{Access, Commissioning, DeviceInfo, DynamicChannel, FileInfo, KeyPlaces};
+use crate::number::Number;
 use crate::rules::reading;
 
 /// Bit rates that DeviceInfo can name, in kbit/s.
@@ -189,10 +190,10 @@ pub(super) fn dummies(sections: &Sections<'_>, findings: &mut Findings) -> Vec<u
     dummies
 }
 
-/// The lines of the section Comments, in the order of their numbers.
-pub(super) fn comments(sections: &Sections<'_>) -> Vec<String> {
+/// The lines of a section Comments, in the order of their numbers.
+pub(super) fn lines(section: Option<&Section<'_>>) -> Vec<String> {
     let mut lines: Vec<(u32, String)> = Vec::new();
-    for key in sections.comments.iter().flat_map(|section| &section.keys) {
+    for key in section.iter().flat_map(|section| &section.keys) {
         let name = key.name.to_ascii_lowercase();
         if let Some(number) = name
             .strip_prefix("line")
@@ -203,4 +204,33 @@ pub(super) fn comments(sections: &Sections<'_>) -> Vec<String> {
     }
     lines.sort_by_key(|(number, _)| *number);
     lines.into_iter().map(|(_, text)| text).collect()
+}
+
+/// The ranges of indices that DynamicChannels gives to variables.
+pub(super) fn dynamic_channels(
+    sections: &Sections<'_>,
+    findings: &mut Findings,
+) -> Vec<DynamicChannel> {
+    let Some(section) = sections.dynamic_channels else {
+        return Vec::new();
+    };
+    let count = number(section, "NrOfSeg", (0, 255), findings).unwrap_or_default();
+    let numbers = (1..=count).map(|segment| {
+        let mut of = |name: &str, high| {
+            let value = number(section, &format!("{name}{segment}"), (0, high), findings);
+            value.unwrap_or_default()
+        };
+        let (data_type, offset) = (of("Type", 0xFFFF), of("PPOffset", u32::MAX.into()));
+        let range = text(section, &format!("Range{segment}"));
+        let (first, last) = range.split_once('-').unwrap_or((&range, &range));
+        let index = |text: &str| Number::parse(text.trim()).map_or(0, |number| number.value);
+        DynamicChannel {
+            data_type: narrow(data_type),
+            access: Access::from_name(&text(section, &format!("Dir{segment}"))),
+            first: narrow(index(first)),
+            last: narrow(index(last)),
+            offset: narrow(offset),
+        }
+    });
+    numbers.collect()
 }

@@ -24,6 +24,8 @@ pub(super) struct Context {
     pub(super) is_dcf: bool,
     /// Whether its object is a DOMAIN: its data type then goes without saying.
     pub(super) is_domain: bool,
+    /// Whether it says how a module extends an object.
+    pub(super) is_extension: bool,
 }
 
 /// Reads a section; `None` when it leaves no value, which has then been reported.
@@ -32,7 +34,7 @@ pub(super) fn read(
     context: Context,
     findings: &mut Findings,
 ) -> Option<Entry> {
-    let places = places(section, context.is_dcf, findings);
+    let places = places(section, (context.is_dcf, context.is_extension), findings);
     let name = parameter_name(section, (context.index, context.sub), findings);
     let data_type = data_type(section, context, findings);
     let access = access(section, context, findings);
@@ -91,10 +93,15 @@ fn written<'a>(key: &'a Key<'a>) -> Written<'a> {
 }
 
 /// Where the keys of a section stand; keys that mean nothing are reported.
-pub(super) fn places(section: &Section<'_>, is_dcf: bool, findings: &mut Findings) -> Places {
+pub(super) fn places(
+    section: &Section<'_>,
+    (is_dcf, is_extension): (bool, bool),
+    findings: &mut Findings,
+) -> Places {
     let mut places = Places::new(section.span);
     for key in &section.keys {
-        let Some(field) = Field::from_name(&key.name) else {
+        let field = Field::from_name(&key.name);
+        let Some(field) = field.filter(|field| is_extension || !field.is_of_module()) else {
             unknown_key(&key.name, section, key.name_span, findings);
             continue;
         };

@@ -46,7 +46,8 @@ pub(super) fn check(sections: &Sections<'_>, findings: &mut Findings) {
         (List::Manufacturer, sections.manufacturer),
     ] {
         if let Some(section) = section {
-            read(list, section, &mut listed, findings);
+            let count_key = "SupportedObjects";
+            read(Some(list), section, count_key, &mut listed, findings);
         }
     }
     for (index, span) in &listed {
@@ -72,16 +73,28 @@ pub(super) fn check(sections: &Sections<'_>, findings: &mut Findings) {
     }
 }
 
+/// The indices of a list with their places.
+pub(super) fn indices(
+    section: &Section<'_>,
+    count_key: &str,
+    findings: &mut Findings,
+) -> BTreeMap<u16, Span> {
+    let mut listed = BTreeMap::new();
+    read(None, section, count_key, &mut listed, findings);
+    listed
+}
+
 /// Reads one list into `listed`: index and place.
 fn read(
-    list: List,
+    list: Option<List>,
     section: &Section<'_>,
+    count_key: &str,
     listed: &mut BTreeMap<u16, Span>,
     findings: &mut Findings,
 ) {
     let (mut count, mut next) = (0, 1);
     for key in &section.keys {
-        if key.name.eq_ignore_ascii_case("SupportedObjects") {
+        if key.name.eq_ignore_ascii_case(count_key) {
             continue;
         }
         let number = Number::parse(&key.name).map(|number| number.value).ok();
@@ -105,12 +118,12 @@ fn read(
         if let Some(first) = listed.insert(index, key.span) {
             let message = format!("{index:04X}h is already listed on line {}", first.line);
             findings.report(&rule::LISTED_TWICE, key.span, message);
-        } else if List::of(index) != list {
+        } else if list.is_some_and(|list| List::of(index) != list) {
             let message = format!("{index:04X}h belongs in [{}]", List::of(index).name());
             findings.report(&rule::WRONG_LIST, key.span, message);
         }
     }
-    check_count(section, "SupportedObjects", count, findings);
+    check_count(section, count_key, count, findings);
 }
 
 /// A list has as many entries as its key says.

@@ -7,6 +7,7 @@ mod compact;
 mod device;
 mod entry;
 mod lists;
+mod modules;
 mod objects;
 mod sections;
 pub(crate) mod value;
@@ -20,6 +21,7 @@ use crate::rules::value as rule;
 use crate::source::Span;
 pub(crate) use device::{COMMISSIONING_KEYS, DEVICE_INFO_KEYS, FILE_INFO_KEYS};
 pub(crate) use entry::LEAST_CAPACITY;
+pub(crate) use modules::module_name;
 use sections::Sections;
 
 /// The longest value that an SDO transfer of the firmware keeps, in bytes: its staging buffer, `SDO_BUFFER` of the crate `canopen`.
@@ -62,11 +64,13 @@ pub(crate) fn parse(
         device: device::device_info(&sections, findings),
         commissioning: device::commissioning(&sections, findings),
         dummies: device::dummies(&sections, findings),
-        comments: device::comments(&sections),
+        comments: device::lines(sections.comments),
+        dynamic_channels: device::dynamic_channels(&sections, findings),
         remarks: entry::remarks(document.head.iter()),
         ..Model::default()
     };
     objects::read(&sections, &mut model, &mut broken, findings);
+    modules::read(&sections, &mut model, findings);
     lists::check(&sections, findings);
 
     let kept = model

@@ -92,7 +92,7 @@ fn read_object(
         );
         object.places = quiet_places(section);
     } else {
-        object.places = entry::places(section, sections.is_dcf, findings);
+        object.places = entry::places(section, (sections.is_dcf, false), findings);
         object.name = entry::parameter_name(section, (index, 0), findings);
         object.flags = entry::object_flags(section, findings);
         object.notes = entry::notes(section);
@@ -121,6 +121,7 @@ fn read_object(
                     sub: 0,
                     is_dcf: sections.is_dcf,
                     is_domain: object_type == ObjectType::Domain,
+                    is_extension: false,
                 };
                 match entry::read(section, context, findings) {
                     Some(entry) => object.entries.push(entry),
@@ -200,6 +201,7 @@ fn read_subs(
             sub: *sub,
             is_dcf: sections.is_dcf,
             is_domain: kind == Some(ObjectType::Domain),
+            is_extension: false,
         };
         let Some(mut entry) = entry::read(section, context, findings) else {
             broken.entries.insert((index, *sub));

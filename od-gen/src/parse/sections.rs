@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::modules::{ModuleSections, module_name};
 use crate::diagnostic::Findings;
 use crate::document::{Document, Section};
 use crate::number::Number;
@@ -18,6 +19,11 @@ pub(super) struct Sections<'a> {
     pub(super) commissioning: Option<&'a Section<'a>>,
     pub(super) dummy_usage: Option<&'a Section<'a>>,
     pub(super) comments: Option<&'a Section<'a>>,
+    pub(super) dynamic_channels: Option<&'a Section<'a>>,
+    pub(super) supported_modules: Option<&'a Section<'a>>,
+    pub(super) connected_modules: Option<&'a Section<'a>>,
+    /// `[M1ModuleInfo]` and its like by the module's number.
+    pub(super) modules: BTreeMap<u8, ModuleSections<'a>>,
     pub(super) mandatory: Option<&'a Section<'a>>,
     pub(super) optional: Option<&'a Section<'a>>,
     pub(super) manufacturer: Option<&'a Section<'a>>,
@@ -52,17 +58,28 @@ impl<'a> Sections<'a> {
                 "devicecomissioning" | "devicecommissioning" => &mut sorted.commissioning,
                 "dummyusage" => &mut sorted.dummy_usage,
                 "comments" => &mut sorted.comments,
+                "dynamicchannels" => &mut sorted.dynamic_channels,
+                "supportedmodules" => &mut sorted.supported_modules,
+                "connectedmodules" => &mut sorted.connected_modules,
+                // What tools there are, and which data types they know: nothing about the device.
+                name if is_of_tools(name) => continue,
                 "mandatoryobjects" => &mut sorted.mandatory,
                 "optionalobjects" => &mut sorted.optional,
                 "manufacturerobjects" => &mut sorted.manufacturer,
                 name => {
-                    sorted.sort_object(name, section, findings);
+                    if !sorted.take(name, section) {
+                        let message = format!("the section [{}] is not known", section.name);
+                        findings.report(&reading::UNKNOWN_SECTION, section.span, message);
+                    }
                     continue;
                 }
             };
             *place = Some(section);
         }
         sorted.is_dcf |= sorted.commissioning.is_some();
+        for module in sorted.modules.values_mut() {
+            module.objects.is_dcf = sorted.is_dcf;
+        }
         for (name, section) in [
             ("FileInfo", sorted.file_info),
             ("DeviceInfo", sorted.device_info),
@@ -76,23 +93,35 @@ impl<'a> Sections<'a> {
         sorted
     }
 
-    fn sort_object(&mut self, name: &str, section: &'a Section<'a>, findings: &mut Findings) {
+    /// Takes a section of an object or a module by its name in lower case; `false` when it is none.
+    fn take(&mut self, name: &str, section: &'a Section<'a>) -> bool {
+        match module_name(name) {
+            Some((number, rest)) => self.modules.entry(number).or_default().take(rest, section),
+            None => self.take_object(name, section),
+        }
+    }
+
+    /// Takes a section of an object by its name in lower case; `false` when it is none.
+    pub(super) fn take_object(&mut self, name: &str, section: &'a Section<'a>) -> bool {
         match ObjectName::parse(name) {
-            Some(ObjectName::Object(index)) => {
-                self.objects.entry(index).or_insert(section);
-            }
+            Some(ObjectName::Object(index)) => _ = self.objects.entry(index).or_insert(section),
             Some(ObjectName::Sub(index, sub)) => {
                 self.subs.entry((index, sub)).or_insert(section);
             }
             Some(ObjectName::Compact(index, list)) => {
                 self.compact.entry((index, list)).or_insert(section);
             }
-            None => {
-                let message = format!("the section [{}] is not known", section.name);
-                findings.report(&reading::UNKNOWN_SECTION, section.span, message);
-            }
+            None => return false,
         }
+        true
     }
+}
+
+/// `tools`, `tool1`, `standarddatatypes`.
+fn is_of_tools(name: &str) -> bool {
+    let number = name.strip_prefix("tool").unwrap_or("?");
+    let is_number = !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit());
+    is_number || matches!(name, "tools" | "standarddatatypes")
 }
 
 enum ObjectName {

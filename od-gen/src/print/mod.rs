@@ -3,6 +3,7 @@
 //! What is read again is the same model. Compact notations are written out, comments stand at the top of their sections.
 
 mod device;
+mod modules;
 mod object;
 pub(crate) mod value;
 
@@ -14,6 +15,7 @@ use crate::source::Source;
 /// Writes a model as an EDS; as a DCF when it is the configuration of one device.
 pub fn print(model: &Model) -> String {
     let mut sections = device::sections(model);
+    modules::write(model, &mut sections);
     sections.extend(lists(model));
     for object in model.types.iter().chain(&model.objects) {
         object::write(object, &mut sections);

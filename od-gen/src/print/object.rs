@@ -12,7 +12,12 @@ pub(super) fn write<'a>(object: &'a Object, sections: &mut Vec<Section<'a>>) {
     if !object.object_type.has_subs() {
         let mut section = Section::new(format!("{index:04X}"));
         match object.entries.first() {
-            Some(entry) => write_entry(object, entry, object.object_type, &mut section),
+            Some(entry) => write_entry(
+                (index, Some(object)),
+                entry,
+                object.object_type,
+                &mut section,
+            ),
             None => write_head(object, &mut section),
         }
         sections.push(section);
@@ -31,12 +36,12 @@ pub(super) fn write<'a>(object: &'a Object, sections: &mut Vec<Section<'a>>) {
     sections.push(section);
     for entry in &object.entries {
         let mut section = Section::new(format!("{index:04X}sub{:X}", entry.sub));
-        write_entry(object, entry, ObjectType::Var, &mut section);
+        write_entry((index, Some(object)), entry, ObjectType::Var, &mut section);
         sections.push(section);
     }
 }
 
-fn put(section: &mut Section<'_>, field: Field, value: String) {
+pub(super) fn put(section: &mut Section<'_>, field: Field, value: String) {
     section.put(field.name(), value);
 }
 
@@ -74,8 +79,9 @@ fn notes<'a>(notes: &'a [Note], section: &mut Section<'a>) {
     }
 }
 
-fn write_entry<'a>(
-    object: &'a Object,
+/// Writes a value at an index; the object it belongs to may say what stores it.
+pub(super) fn write_entry<'a>(
+    (index, object): (u16, Option<&'a Object>),
     entry: &'a Entry,
     object_type: ObjectType,
     section: &mut Section<'a>,
@@ -87,7 +93,7 @@ fn write_entry<'a>(
     {
         section.remark(format!("Capacity={capacity}"));
     }
-    if entry.note("Storage").is_none() && entry.storage != implied_storage(object, entry) {
+    if entry.note("Storage").is_none() && entry.storage != implied_storage((index, object), entry) {
         let name = entry.storage.map_or("none", StorageGroup::name);
         section.remark(format!("Storage={name}"));
     }
@@ -147,13 +153,11 @@ fn capacity(entry: &Entry) -> Option<u16> {
 }
 
 /// What stores a value of whose section says nothing about it.
-fn implied_storage(object: &Object, entry: &Entry) -> Option<StorageGroup> {
-    let stated = object
-        .notes
-        .iter()
-        .find(|note| note.name.eq_ignore_ascii_case("Storage"));
-    match stated {
+fn implied_storage((index, object): (u16, Option<&Object>), entry: &Entry) -> Option<StorageGroup> {
+    let notes = object.into_iter().flat_map(|object| &object.notes);
+    let mut stated = notes.filter(|note| note.name.eq_ignore_ascii_case("Storage"));
+    match stated.next() {
         Some(note) if entry.access.is_writable() => StorageGroup::from_name(&note.value),
-        _ => StorageGroup::default_of(object.index, entry.access),
+        _ => StorageGroup::default_of(index, entry.access),
     }
 }

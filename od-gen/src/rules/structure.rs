@@ -27,6 +27,7 @@ pub(crate) const RULES: &[&Rule] = &[
     &COMPACT_AND_SUBS,
     &COMPACT_LIST,
     &NO_NAME,
+    &NO_MODULE,
 ];
 
 pub(crate) static MISSING_SECTION: Rule = Rule::error(
@@ -178,4 +179,10 @@ pub(crate) static NO_NAME: Rule = Rule::error(
     "no-name",
     "An object and a sub-index have a ParameterName.",
     "When this is silenced, the index is the name.",
+);
+
+pub(crate) static NO_MODULE: Rule = Rule::error(
+    "no-module",
+    "A plugged module is one that the device knows.",
+    "ConnectedModules names modules by their number in SupportedModules. When this is silenced, the module is left out.",
 );

@@ -9,6 +9,7 @@ use crate::report::{Report, parse};
 mod cob_ids;
 mod dictionary;
 mod entries;
+mod modules;
 mod types;
 
 const SMALL: &str = include_str!("../../../tests/data/small.eds");
