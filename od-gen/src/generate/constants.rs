@@ -5,9 +5,9 @@ use super::layout::Layout;
 use super::{ALLOW_UNUSED, names};
 use crate::model::Model;
 
-pub(super) fn write(model: &Model) -> String {
+pub(super) fn write(model: &Model, layout: &Layout<'_>) -> String {
     let mut out = String::new();
-    out += &counts(model);
+    out += &counts(model, layout);
     out += "/// The index of each object.\n";
     out += ALLOW_UNUSED;
     out += "pub mod index {\n";
@@ -25,13 +25,14 @@ pub(super) fn write(model: &Model) -> String {
 }
 
 /// The places that the services of the device need.
-fn counts(model: &Model) -> String {
+fn counts(model: &Model, layout: &Layout<'_>) -> String {
     let (rpdos, tpdos) = (model.rpdo_count(), model.tpdo_count());
     let (servers, consumers) = (model.sdo_server_count(), model.heartbeat_consumer_count());
     let mapped = model.mapped_object_count();
+    let longest = layout.longest_in_ram();
     format!(
-        "/// Receive PDOs, transmit PDOs, SDO servers, heartbeat consumers, objects in a PDO.\n\
-         pub type Counts = ::canopen::od::Count<{rpdos}, {tpdos}, {servers}, {consumers}, {mapped}>;\n\n"
+        "/// Receive PDOs, transmit PDOs, SDO servers, heartbeat consumers, objects in a PDO, bytes of the longest value in RAM.\n\
+         pub type Counts = ::canopen::od::Count<{rpdos}, {tpdos}, {servers}, {consumers}, {mapped}, {longest}>;\n\n"
     )
 }
 

@@ -123,6 +123,13 @@ impl<'a> Layout<'a> {
         self.rows.get(position)
     }
 
+    /// Bytes of the longest value in RAM: an SDO server keeps one whole while it travels in segments.
+    pub(super) fn longest_in_ram(&self) -> u16 {
+        let in_ram = |row: &&Row<'_>| matches!(row.place, Place::Ram(_));
+        let sizes = self.rows.iter().filter(in_ram).map(|row| row.entry.size);
+        sizes.max().unwrap_or(0)
+    }
+
     fn place_in_rom(&mut self, entry: &Entry) -> Place {
         let bytes = default_bytes(entry);
         // Equal bytes need to be there only once: most sub-indices 0 are small numbers.

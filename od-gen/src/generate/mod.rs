@@ -56,7 +56,7 @@ pub fn generate(model: &Model, options: Options<'_>) -> String {
     if options.cia402 {
         out += &drive::write(&layout, options.bindings);
     }
-    out += &constants::write(model);
+    out += &constants::write(model, &layout);
     if options.names {
         out += &constants::names(&layout);
     }

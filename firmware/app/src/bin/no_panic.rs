@@ -8,6 +8,7 @@
 
 use canopen::cia301::emergency::Emergency;
 use canopen::cia301::nmt::Reset;
+use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::cia301::time_stamp::TimeOfDay;
 use canopen::cia303::{Indicators, Signal};
 use canopen::node::StoreError;
@@ -159,13 +160,68 @@ impl<D: canopen::od::Dictionary> Application<D> for Objects {
         _: &D,
         entry: &canopen::od::Entry,
         value: &[u8],
-    ) -> Result<(), canopen::cia301::sdo::AbortCode> {
+    ) -> Result<(), AbortCode> {
         look(entry.key() + value.len() as u32);
-        if any() == 0 {
-            Ok(())
+        any_refusal(())
+    }
+
+    fn size(&mut self, _: &D, _: &canopen::od::Entry) -> Result<Option<u32>, AbortCode> {
+        any_refusal((any() == 0).then_some(any()))
+    }
+
+    fn read_at(
+        &mut self,
+        _: &D,
+        _: &canopen::od::Entry,
+        position: u32,
+        into: &mut [u8],
+    ) -> Result<usize, AbortCode> {
+        look(position + into.len() as u32);
+        any_refusal(any() as usize)
+    }
+
+    fn begin_write(
+        &mut self,
+        _: &D,
+        _: &canopen::od::Entry,
+        size: Option<u32>,
+    ) -> Result<(), AbortCode> {
+        look(size.unwrap_or(0));
+        any_refusal(())
+    }
+
+    fn write_at(
+        &mut self,
+        _: &D,
+        _: &canopen::od::Entry,
+        position: u32,
+        data: &[u8],
+    ) -> Result<(), AbortCode> {
+        look(position + data.len() as u32);
+        any_refusal(())
+    }
+
+    fn end_write(
+        &mut self,
+        _: &mut D,
+        _: &canopen::od::Entry,
+        length: u32,
+    ) -> Result<Completion, AbortCode> {
+        look(length);
+        any_refusal(if any() == 0 {
+            Completion::Now
         } else {
-            Err(canopen::cia301::sdo::AbortCode::General)
-        }
+            Completion::Later
+        })
+    }
+}
+
+/// This, or a refusal.
+fn any_refusal<T>(value: T) -> Result<T, AbortCode> {
+    if any() == 0 {
+        Ok(value)
+    } else {
+        Err(AbortCode::General)
     }
 }
 
@@ -202,7 +258,7 @@ fn node(node: &mut Node<Dictionary>) {
         7 => {
             look(node.overflows() + u32::from(node.settings().node_id.get()) + node.state() as u32);
         }
-        8 => look(
+        10 => look(
             node.announce(any() as u16, any() as u8, any_time())
                 .is_ok()
                 .into(),
@@ -212,6 +268,7 @@ fn node(node: &mut Node<Dictionary>) {
             let sent = node.send_to(any() as u8, any() as u16, any() as u8, value, any_time());
             look(sent.is_ok().into());
         }
+        11 => node.complete_write(any() as u16, any() as u8, any_refusal(())),
         _ => node.receive(&any_frame(), any_time(), &mut Objects),
     }
 }
@@ -389,7 +446,7 @@ fn main() -> ! {
         let mut stepper = Axis::new(config);
         let mut driver = Drive::new(DriveConfig {
             axis: config,
-            tick: canopen::Duration::from_ticks(any_u64()),
+            tick: Duration::from_ticks(any_u64()),
         });
         while any() != 0 {
             node(&mut plain);

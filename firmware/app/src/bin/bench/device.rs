@@ -6,7 +6,8 @@ use canopen::{BitRate, Duration, Frame, Instant, Node, NodeId, Settings};
 use core::mem::size_of;
 use heapless::Vec;
 
-use crate::{count, row};
+use crate::block::Domain;
+use crate::{block, count, row};
 
 mod test_device {
     include!(concat!(env!("OUT_DIR"), "/test_device.rs"));
@@ -15,32 +16,40 @@ mod test_device {
 pub use test_device::Dictionary;
 
 const NODE_ID: u16 = 10;
-const REQUEST: u16 = 0x600 + NODE_ID;
-const ANSWER: u16 = 0x580 + NODE_ID;
+pub const REQUEST: u16 = 0x600 + NODE_ID;
+pub const ANSWER: u16 = 0x580 + NODE_ID;
 
 /// A transmit mailbox that always has room.
-type Mailbox = Vec<Frame, 16>;
+type Mailbox = Vec<Frame, 128>;
 
-struct Device {
+/// The device and what is around it.
+pub struct Device {
     node: Node<Dictionary>,
+    pub application: Domain,
     now: Instant,
-    sent: Mailbox,
+    pub sent: Mailbox,
     /// Instructions in all regions since the last row.
     total: u32,
 }
 
 /// One pass of the node task with a frame.
 #[inline(never)]
-fn serve(node: &mut Node<Dictionary>, frame: &Frame, now: Instant, sent: &mut Mailbox) {
-    node.receive(frame, now, &mut ());
-    pass(node, now, sent);
+fn serve(
+    node: &mut Node<Dictionary>,
+    frame: &Frame,
+    now: Instant,
+    application: &mut Domain,
+    sent: &mut Mailbox,
+) {
+    node.receive(frame, now, application);
+    pass(node, now, application, sent);
 }
 
 /// One pass of the node task without.
 #[inline(never)]
-fn pass(node: &mut Node<Dictionary>, now: Instant, sent: &mut Mailbox) {
-    node.poll(now, &mut ());
-    while let Some(frame) = node.transmit(&mut ()) {
+fn pass(node: &mut Node<Dictionary>, now: Instant, application: &mut Domain, sent: &mut Mailbox) {
+    node.poll(now, application);
+    while let Some(frame) = node.transmit(application) {
         let _ = sent.push(frame);
     }
 }
@@ -53,20 +62,31 @@ impl Device {
         };
         let mut device = Self {
             node: Node::new(Dictionary::new(), settings),
+            application: Domain::new(),
             now: Instant::from_ticks(0),
             sent: Mailbox::new(),
             total: 0,
         };
-        device.node.boot(Reset::Node, device.now, &mut ());
+        device
+            .node
+            .boot(Reset::Node, device.now, &mut device.application);
         device
     }
 
     /// A millisecond passes, then a frame comes.
-    fn receive(&mut self, cob_id: u16, data: &[u8]) {
+    pub fn receive(&mut self, cob_id: u16, data: &[u8]) {
         self.now += Duration::millis(1);
         self.sent.clear();
         let frame = Frame::data_frame(cob_id, data);
-        let (count, ()) = count(|| serve(&mut self.node, &frame, self.now, &mut self.sent));
+        let (count, ()) = count(|| {
+            serve(
+                &mut self.node,
+                &frame,
+                self.now,
+                &mut self.application,
+                &mut self.sent,
+            );
+        });
         self.total += count;
     }
 
@@ -74,13 +94,20 @@ impl Device {
     fn idle(&mut self) {
         self.now += Duration::millis(1);
         self.sent.clear();
-        let (count, ()) = count(|| pass(&mut self.node, self.now, &mut self.sent));
+        let (count, ()) = count(|| {
+            pass(
+                &mut self.node,
+                self.now,
+                &mut self.application,
+                &mut self.sent,
+            );
+        });
         self.total += count;
     }
 
     /// Exactly this frame was sent.
     #[track_caller]
-    fn expect(&self, cob_id: u16, data: &[u8]) {
+    pub fn expect(&self, cob_id: u16, data: &[u8]) {
         assert_eq!(self.sent.len(), 1, "one frame: {:?}", self.sent);
         let frame = &self.sent[0];
         assert_eq!(frame.standard_id(), Some(cob_id));
@@ -88,13 +115,13 @@ impl Device {
     }
 
     #[track_caller]
-    fn expect_nothing(&self) {
+    pub fn expect_nothing(&self) {
         assert!(self.sent.is_empty(), "nothing: {:?}", self.sent);
     }
 
     /// An SDO request and its answer.
     #[track_caller]
-    fn sdo(&mut self, request: [u8; 8], answer: [u8; 8]) {
+    pub fn sdo(&mut self, request: [u8; 8], answer: [u8; 8]) {
         self.receive(REQUEST, &request);
         self.expect(ANSWER, &answer);
     }
@@ -126,7 +153,7 @@ impl Device {
     }
 
     /// Ends a workload.
-    fn row(&mut self, name: &str) {
+    pub fn row(&mut self, name: &str) {
         row(name, self.total);
         self.total = 0;
     }
@@ -144,6 +171,7 @@ pub fn run() {
     device.expect(0x700 + NODE_ID, &[0]);
     device.ready();
     sdo(&mut device);
+    block::run(&mut device);
     pdo(&mut device);
     rest(&mut device);
 }
@@ -314,7 +342,12 @@ fn rest(device: &mut Device) {
     device.sent.clear();
     let (count, ()) = count(|| {
         device.node.report(emergency, device.now);
-        pass(&mut device.node, device.now, &mut device.sent);
+        pass(
+            &mut device.node,
+            device.now,
+            &mut device.application,
+            &mut device.sent,
+        );
     });
     device.total = count;
     device.expect(0x080 + NODE_ID, &[0x10, 0x23, 0x03, 1, 2, 3, 4, 5]);

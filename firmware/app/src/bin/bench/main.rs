@@ -13,6 +13,7 @@
     reason = "nothing here is ever printed but counts"
 )]
 
+mod block;
 mod device;
 mod drive;
 mod longest;

@@ -17,6 +17,8 @@ pub(super) struct Block {
     pub(super) base: u32,
     /// Upload: the last segment sent is the last of all, with so many bytes that hold nothing.
     pub(super) last: Option<u8>,
+    /// Download: the newest segment behind a gap, which was not taken; 0 for none.
+    pub(super) ahead: u8,
     /// Download: byte 0 of the segment that closed the sub-block before, 0 for none.
     pub(super) closing: u8,
     /// Download: the last segment of all. How many of its bytes count is told at the end of the transfer.
@@ -35,6 +37,7 @@ impl Block {
             size: 0,
             base: 0,
             last: None,
+            ahead: 0,
             closing: 0,
             held: [0; 7],
             is_reminded: false,

@@ -54,6 +54,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         self.block.has_crc = has_crc;
         self.block.crc = 0;
         self.block.seqno = 0;
+        self.block.ahead = 0;
         self.block.closing = 0;
         self.wait_for_segment(now);
         BlockResponse::InitiateDownload {
@@ -110,7 +111,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             return None;
         }
         if self.is_too_late(now) {
-            return Some(self.abort(self.object, AbortCode::TimedOut, objects));
+            return Some(self.abort_in_sub_block(AbortCode::TimedOut, now, objects));
         }
         let segment = BlockSegment::parse(frame);
         if segment.seqno == 0 {
@@ -125,6 +126,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         if let Some((empty, crc)) = self.early_end(frame, segment.seqno) {
             return self.end_block_download(empty, crc, now, objects);
         }
+        self.block.ahead = segment.seqno;
         self.wait_for_segment(now);
         (segment.last || segment.seqno == MOST_SEGMENTS).then(|| self.confirm(command))
     }
@@ -150,6 +152,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     fn confirm(&mut self, closing: u8) -> [u8; 8] {
         let seqno = self.block.seqno;
         self.block.seqno = 0;
+        self.block.ahead = 0;
         self.block.closing = closing;
         BlockResponse::Acknowledge {
             seqno,
@@ -185,13 +188,14 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// Ends the transfer with this code; the rest of the sub-block is to be ignored.
     #[cold]
     #[inline(never)]
-    fn abort_in_sub_block<S: Streams>(
+    pub(super) fn abort_in_sub_block<S: Streams>(
         &mut self,
         code: AbortCode,
         now: Instant,
         streams: &mut S,
     ) -> [u8; 8] {
         let answer = self.abort(self.object, code, streams);
+        self.block.seqno = self.block.seqno.max(self.block.ahead);
         if self.block.seqno < MOST_SEGMENTS {
             self.step = Step::Ignoring;
             self.wait(now);
@@ -203,13 +207,16 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// is ignored.
     #[cold]
     #[inline(never)]
-    pub(super) fn is_rest_of_block(&mut self, frame: &[u8; 8]) -> bool {
+    pub(super) fn is_rest_of_block(&mut self, frame: &[u8; 8], now: Instant) -> bool {
         let [command, ..] = *frame;
-        if self.step == Step::BlockDownloadEnd {
-            return command == self.block.closing;
-        }
         let segment = BlockSegment::parse(frame);
-        if command == ABORT_COMMAND || segment.seqno != self.block.seqno.wrapping_add(1) {
+        if self.step == Step::BlockDownloadEnd {
+            let is_equal = command == self.block.closing && segment.data == self.block.held;
+            // The last segment may look like the end frame that follows it, to the last byte if all data is zero.
+            return is_equal && !self.is_end(frame);
+        }
+        let is_next = matches!(segment.seqno.wrapping_sub(self.block.seqno), 0 | 1);
+        if segment.seqno == 0 || !is_next || self.is_too_late(now) {
             self.idle();
             return false;
         }
@@ -241,16 +248,21 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         }
     }
 
-    /// The bytes that count of the last segment.
-    fn take_last_segment<O: Objects>(
-        &mut self,
-        empty: u8,
-        crc: u16,
-        objects: &mut O,
-    ) -> Result<(), AbortCode> {
-        let held = self.block.held;
+    /// Whether this is the end frame that belongs to the data.
+    fn is_end(&self, frame: &[u8; 8]) -> bool {
+        match Request::parse(frame) {
+            Request::Block(BlockRequest::EndDownload { empty, crc }) => {
+                self.check_end(empty, crc).is_ok()
+            }
+            _ => false,
+        }
+    }
+
+    /// The bytes of the last segment that count, if size and checksum are right with them.
+    fn check_end(&self, empty: u8, crc: u16) -> Result<&[u8], AbortCode> {
+        let held = &self.block.held;
         let length = held.len().saturating_sub(empty.into());
-        let data = held.get(..length).unwrap_or(&held);
+        let data = held.get(..length).unwrap_or(held);
         let total = self.position.saturating_add(length as u32);
         if self.size.is_some_and(|size| size != total) {
             return Err(AbortCode::LengthMismatch);
@@ -258,9 +270,20 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         if self.block.has_crc && crc::add(self.block.crc, data) != crc {
             return Err(AbortCode::CrcError);
         }
-        if data.is_empty() {
+        Ok(data)
+    }
+
+    fn take_last_segment<O: Objects>(
+        &mut self,
+        empty: u8,
+        crc: u16,
+        objects: &mut O,
+    ) -> Result<(), AbortCode> {
+        let length = self.check_end(empty, crc)?.len();
+        if length == 0 {
             return Ok(());
         }
-        self.append(data, objects)
+        let held = self.block.held;
+        self.append(held.get(..length).unwrap_or(&held), objects)
     }
 }

@@ -50,3 +50,6 @@ pub const TIME_OUT: Duration = Duration::from_ticks(1_000_000);
 
 /// Stands for "no identifier": no 11-bit identifier is equal to it.
 const NO_COB_ID: u16 = u16::MAX;
+
+#[cfg(test)]
+mod tests;

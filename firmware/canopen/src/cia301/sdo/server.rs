@@ -116,7 +116,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             return self.take_block_segment(request, now, objects);
         }
         if matches!(self.step, Step::BlockDownloadEnd | Step::Ignoring)
-            && self.is_rest_of_block(request)
+            && self.is_rest_of_block(request, now)
         {
             return None;
         }
@@ -247,6 +247,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
                 None
             }
             Step::BlockDownload if !has_come(self.end_of_patience(), now) => self.remind(),
+            Step::BlockDownload => Some(self.abort_in_sub_block(AbortCode::TimedOut, now, streams)),
             _ => Some(self.abort(self.object, AbortCode::TimedOut, streams)),
         }
     }
