@@ -49,7 +49,8 @@ static MAPPED_DIRECTION: Rule = Rule::error(
 static MAPPED_LENGTH: Rule = Rule::error(
     "mapped-length",
     "A mapping entry has the length of its object.",
-    "The last byte of the entry is the length in bits, 0x10 for 16 bits.",
+    "The last byte of the entry is the length in bits, 0x10 for 16 bits, 1 for a BOOLEAN. Of an unsigned number the low bits can \
+     be mapped, unless they are whole bytes: the length of another type is most often a mistake.",
 );
 
 static MAPPED_TWICE: Rule = Rule::warning(
@@ -209,9 +210,9 @@ fn check_mapped(
         bits,
     } = *mapped;
     let what = format!("{place} maps {value:08X}h");
-    let length = if index < 0x1000 {
-        match dummy_length(model, mapped, direction) {
-            Ok(length) => length,
+    let (data_type, size) = if index < 0x1000 {
+        match dummy(model, mapped, direction) {
+            Ok(dummy) => dummy,
             Err(why) => {
                 findings.report(&DUMMY, span, format!("{what}: {why}"));
                 return;
@@ -228,9 +229,10 @@ fn check_mapped(
         if !check_direction(entry, index, direction, &what, span, findings) {
             return;
         }
-        length_of(entry.data_type, entry.size)
+        (entry.data_type, entry.size)
     };
-    if u32::from(bits) != length {
+    if !is_length_right(data_type, size, bits) {
+        let length = length_of(data_type, size);
         let message = format!("{what}: {index:04X}h:{sub:X} has {length} bits, not {bits}");
         let finding = findings.report(&MAPPED_LENGTH, span, message);
         finding.help(format!("write 0x{:08X}", value & !0xFF | length & 0xFF));
@@ -293,18 +295,34 @@ fn length_of(data_type: DataType, size: u16) -> u32 {
     }
 }
 
-/// The bits of a gap in a receive PDO, named by a data type.
-fn dummy_length(model: &Subject<'_>, mapped: &Mapped, direction: Direction) -> Result<u32, String> {
+/// Whether a value can be mapped with this length: whole, a BOOLEAN as the byte that it is in the dictionary, an unsigned number
+/// with its low bits. The length in whole bytes of another type is a mistake.
+fn is_length_right(data_type: DataType, size: u16, bits: u8) -> bool {
+    let (whole, length) = (u32::from(size) * 8, u32::from(bits));
+    let is_part = length < whole && !length.is_multiple_of(8);
+    match data_type {
+        DataType::Boolean => matches!(length, 1 | 8),
+        _ if data_type.is_signed() || data_type.is_real() => length == whole,
+        _ => length == whole || is_part,
+    }
+}
+
+/// A gap in a receive PDO: the data type that names it, and its bytes.
+fn dummy(
+    model: &Subject<'_>,
+    mapped: &Mapped,
+    direction: Direction,
+) -> Result<(DataType, u16), String> {
     let Mapped { index, sub, .. } = *mapped;
-    let length = DataType::from_code(index.into())
-        .and_then(|data_type| Some(length_of(data_type, data_type.size()?)))
+    let dummy = DataType::from_code(index.into())
+        .and_then(|data_type| Some((data_type, data_type.size()?)))
         .filter(|_| sub == 0);
-    let length = length.ok_or_else(|| format!("{index:04X}h:{sub:X} is no data type of a gap"))?;
+    let dummy = dummy.ok_or_else(|| format!("{index:04X}h:{sub:X} is no data type of a gap"))?;
     if direction == Direction::Transmit {
         return Err("a gap is for receive PDOs".into());
     }
     if model.dummies.contains(&index) {
-        Ok(length)
+        Ok(dummy)
     } else {
         Err(format!("[DummyUsage] does not allow Dummy{index:04X}"))
     }

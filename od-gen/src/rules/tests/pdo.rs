@@ -281,6 +281,25 @@ pub(super) const CASES: &[Case] = &[
         ],
     },
     Case {
+        rule: "mapped-length",
+        bad: &[
+            "@Granularity=1",
+            "1400:1 U32 rw $NODEID+0x200",
+            "1400:2 U8 rw 255",
+            "1600:0 U8 rw 1",
+            "1600:1 U32 rw 0x20000007",
+            "2000 I16 rw 0 map",
+        ],
+        good: &[
+            "@Granularity=1",
+            "1400:1 U32 rw $NODEID+0x200",
+            "1400:2 U8 rw 255",
+            "1600:0 U8 rw 1",
+            "1600:1 U32 rw 0x20000007",
+            "2000 U16 rw 0 map",
+        ],
+    },
+    Case {
         rule: "mapped-twice",
         bad: &[
             "1800:1 U32 rw $NODEID+0x180",
