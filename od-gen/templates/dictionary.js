@@ -7,7 +7,7 @@ const objects = Array.from(document.querySelectorAll(".object"), (article) => ({
   text: article.textContent.toLowerCase().replace(/\s+/g, " "),
 }));
 const groups = Array.from(document.querySelectorAll(".group"));
-const pdos = document.getElementById("pdos");
+const others = ["device", "pdos"].map((id) => document.getElementById(id)).filter(Boolean);
 
 function show() {
   const words = search.value.toLowerCase().split(/\s+/).filter(Boolean)
@@ -23,7 +23,7 @@ function show() {
     group.hidden = !group.querySelector(".object:not([hidden])");
     document.querySelector(`nav a[href="#${group.id}"]`).parentElement.hidden = group.hidden;
   }
-  if (pdos) pdos.hidden = words.length > 0;
+  for (const other of others) other.hidden = words.length > 0;
   found.textContent = words.length === 0 ? "" : `${count} of ${objects.length} objects`;
 }
 

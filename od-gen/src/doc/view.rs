@@ -1,7 +1,7 @@
 //! What the reference shows, as text: the templates only lay it out.
 
 use super::{pdo, value};
-use crate::model::{Access, Entry, Model, Object, StorageGroup};
+use crate::model::{Entry, Model, Note, Object, Remarks, StorageGroup};
 
 /// The whole reference.
 pub(super) struct View {
@@ -35,7 +35,8 @@ pub(super) struct ObjectView {
     pub(super) anchor: String,
     pub(super) index: String,
     pub(super) name: String,
-    pub(super) kind: &'static str,
+    /// Kind, and what else there is to say in a word.
+    pub(super) kind: String,
     pub(super) has_subs: bool,
     pub(super) remarks: Vec<String>,
     pub(super) rows: Vec<Row>,
@@ -107,10 +108,12 @@ fn facts(model: &Model) -> Vec<Fact> {
     let counted = |count: usize| Some(count.to_string());
     [
         ("Vendor", text(&device.vendor_name)),
+        ("Order code", text(&device.order_code)),
         ("Vendor-ID", identity(1)),
         ("Product code", identity(2)),
         ("Revision number", identity(3)),
         ("Device type", device_type(model)),
+        ("Node", node(model)),
         ("Bit rates", rates),
         (
             "Receive PDOs",
@@ -130,6 +133,17 @@ fn facts(model: &Model) -> Vec<Fact> {
         })
     })
     .collect()
+}
+
+/// The node that a DCF configures.
+fn node(model: &Model) -> Option<String> {
+    let node = model.commissioning.as_ref()?;
+    let name = if node.node_name.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", node.node_name)
+    };
+    Some(format!("{}{name}, {} kbit/s", node.node_id, node.bit_rate))
 }
 
 fn device_type(model: &Model) -> Option<String> {
@@ -161,16 +175,49 @@ fn groups(model: &Model) -> Vec<Group> {
 }
 
 fn object(object: &Object) -> ObjectView {
+    let mut kind = object.object_type.name().to_owned();
+    if let Some(name) = &object.denotation {
+        kind = format!("{kind}, {name}");
+    }
+    let own = remarks(&object.remarks, &object.notes);
+    // A VAR has its comments at its only value.
+    let of_entries = object
+        .entries
+        .iter()
+        .flat_map(|entry| remarks(&entry.remarks, &entry.notes));
+    let mut all: Vec<String> = Vec::new();
+    for remark in own.into_iter().chain(of_entries) {
+        if !all.contains(&remark) {
+            all.push(remark);
+        }
+    }
     let rows = object.entries.iter();
     ObjectView {
         anchor: anchor(object.index),
         index: format!("{:04X}h", object.index),
         name: object.name.clone(),
-        kind: object.object_type.name(),
+        kind,
         has_subs: object.object_type.has_subs(),
-        remarks: Vec::new(),
+        remarks: all,
         rows: rows.map(|entry| row(object, entry)).collect(),
     }
+}
+
+/// What a comment says to a reader of the dictionary: not what it says to tools.
+fn remarks(remarks: &Remarks, notes: &[Note]) -> Vec<String> {
+    let is_for_people = |text: &&String| {
+        let text = text.trim().to_ascii_lowercase();
+        !text.is_empty() && !text.starts_with("od-gen")
+    };
+    let texts = remarks.0.iter().filter(is_for_people);
+    let texts = texts.map(|text| text.trim().to_owned());
+    let known = ["Unit", "Storage", "Capacity"];
+    let notes = notes.iter().filter(|note| {
+        let is_known = |name: &&str| name.eq_ignore_ascii_case(&note.name);
+        !known.iter().any(is_known)
+    });
+    let notes = notes.map(|note| format!("{}: {}", note.name, note.value));
+    texts.chain(notes).collect()
 }
 
 /// The place of an object on the page.
@@ -184,27 +231,16 @@ fn row(object: &Object, entry: &Entry) -> Row {
         sub: format!("{:02X}h", entry.sub),
         name: entry.name.clone(),
         data_type: value::data_type(entry),
-        access: access(entry.access),
+        access: entry.access.name(),
         pdo: match (entry.is_rpdo_mappable(), entry.is_tpdo_mappable()) {
             (false, false) => "no",
             (true, false) => "receive",
             (false, true) => "transmit",
             (true, true) => "both",
         },
-        default: value::default(entry),
+        default: value::default(object.index, entry),
         range: value::range(entry),
         unit: entry.unit().unwrap_or_default().into(),
         storage: entry.storage.map_or("", StorageGroup::name),
-    }
-}
-
-fn access(access: Access) -> &'static str {
-    match access {
-        Access::ReadOnly => "ro",
-        Access::WriteOnly => "wo",
-        Access::ReadWrite => "rw",
-        Access::ReadWriteInput => "rwr",
-        Access::ReadWriteOutput => "rww",
-        Access::Constant => "const",
     }
 }
