@@ -43,49 +43,6 @@ pub(super) fn constant(indent: usize, start: &str, value: &str) -> String {
     }
 }
 
-/// A statement or an expression that is one call: its arguments on lines of their own where it is too long.
-pub(super) fn call(indent: usize, start: &str, arguments: &[&str], end: &str) -> String {
-    /// rustfmt's own limit for the arguments of a call (`fn_call_width`).
-    const ARGUMENTS: usize = 60;
-    let space = " ".repeat(indent);
-    let list = arguments.join(", ");
-    let line = format!("{space}{start}({list}){end}");
-    if columns(&line) <= WIDTH && columns(&list) <= ARGUMENTS {
-        return line + "\n";
-    }
-    let lines: String = arguments
-        .iter()
-        .map(|argument| format!("{space}    {argument},\n"))
-        .collect();
-    format!("{space}{start}(\n{lines}{space}){end}\n")
-}
-
-/// One arm of a `match` whose body is a call. `block_end` is what follows the call where it needs a block of its own: a
-/// semicolon if the call gives nothing.
-pub(super) fn arm(
-    indent: usize,
-    pattern: &str,
-    call_start: &str,
-    arguments: &[&str],
-    block_end: &str,
-) -> String {
-    let space = " ".repeat(indent);
-    let one = call(
-        indent,
-        &format!("{pattern} => {call_start}"),
-        arguments,
-        ",",
-    );
-    if one.lines().count() == 1 {
-        return one;
-    }
-    let inner = call(indent + 4, call_start, arguments, block_end);
-    if inner.lines().count() == 1 {
-        return format!("{space}{pattern} => {{\n{inner}{space}}}\n");
-    }
-    one
-}
-
 fn columns(line: &str) -> usize {
     line.chars().count()
 }

@@ -6,7 +6,7 @@
 
 use super::accessors::value_type;
 use super::documentation::{facts, title};
-use super::format::{arm, head, signature};
+use super::format::{head, signature};
 use super::layout::{Layout, Place, Row};
 use super::{ABORT_CODE, ALLOW_UNUSED, names};
 
@@ -172,6 +172,8 @@ fn adapter(hooked: &[&Row<'_>], streamed: &[&Row<'_>]) -> String {
         String::from("/// An application with hooks, as the node takes it.\n#[derive(Debug)]\n");
     out += ALLOW_UNUSED;
     out += "pub struct Hooked<A>(pub A);\n\n";
+    // One line for each object, however long its name is.
+    out += "#[rustfmt::skip]\n";
     out += &format!("impl<A: {bounds}> ::canopen::Application<Dictionary> for Hooked<A> {{\n");
     if !hooked.is_empty() {
         out += &validate(hooked);
@@ -221,7 +223,7 @@ fn validate(rows: &[&Row<'_>]) -> String {
             "::canopen::od::Value::of(value)"
         };
         let start = format!("Hooks::check_{}", row.name);
-        out += &arm(12, &key(row), &start, &["hooks", "dictionary", value], "");
+        out += &arm(row, &start, &["hooks", "dictionary", value]);
     }
     out += "            _ => Ok(()),\n        }\n    }\n";
     out
@@ -242,7 +244,7 @@ fn written(rows: &[&Row<'_>]) -> String {
     out += "        let Self(hooks) = self;\n        match (entry.index, entry.sub) {\n";
     for row in rows {
         let start = format!("Hooks::apply_{}", row.name);
-        out += &arm(12, &key(row), &start, &["hooks", "dictionary"], ";");
+        out += &arm(row, &start, &["hooks", "dictionary"]);
     }
     out += "            _ => {}\n        }\n    }\n";
     out
@@ -269,7 +271,7 @@ fn stream(call: &StreamCall, rows: &[&Row<'_>]) -> String {
         let stream = format!("streams.{}()", row.name);
         let mut values = vec![stream.as_str(), "dictionary"];
         values.extend(call.arguments.iter().map(|(name, _)| *name));
-        out += &arm(12, &key(row), call.method, &values, "");
+        out += &arm(row, call.method, &values);
     }
     let end = if call.otherwise == "{}" { "" } else { "," };
     out += &format!(
@@ -290,4 +292,13 @@ fn allow_single(rows: &[&Row<'_>], is_unit: bool) -> String {
 
 fn key(row: &Row<'_>) -> String {
     format!("(0x{:04X}, {})", row.object.index, row.entry.sub)
+}
+
+/// One arm of a `match` whose body is a call.
+fn arm(row: &Row<'_>, function: &str, arguments: &[&str]) -> String {
+    format!(
+        "            {} => {function}({}),\n",
+        key(row),
+        arguments.join(", ")
+    )
 }

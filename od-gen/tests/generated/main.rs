@@ -1,0 +1,177 @@
+//! What is generated compiles, does what the data sheet says, and does not compile when it is used wrongly.
+//!
+//! Each file in `compile/` is a program with a dictionary beside it (`DICTIONARY.rs`). Those in `compile/wrong` have to fail, with
+//! the message that lies beside them.
+
+mod random;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use od_gen::bind::Binding;
+use od_gen::{BindingReport, Model, Options, generate, parse};
+
+/// A dictionary for the programs: its name, its data sheet with what is changed in it, and whether it is one of a drive.
+const DICTIONARIES: [(&str, &str, (&str, &str), bool); 4] = [
+    ("types", include_str!("../data/types.eds"), ("", ""), false),
+    (
+        "foreign",
+        include_str!("../data/foreign.eds"),
+        ("", ""),
+        true,
+    ),
+    ("small", include_str!("../data/small.eds"), ("", ""), false),
+    // 6040h is an UNSIGNED32, which it is not to the firmware.
+    (
+        "wide_controlword",
+        include_str!("../data/foreign.eds"),
+        (
+            "ParameterName=Controlword\nDataType=0x0006",
+            "ParameterName=Controlword\nDataType=0x0007",
+        ),
+        true,
+    ),
+];
+
+/// Stands for the folder in messages of the compiler.
+const FOLDER: &str = "$FOLDER";
+
+/// The folder that the programs are compiled in, with all dictionaries and the programs of `from`.
+fn prepare(from: &str) -> PathBuf {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests")
+        .join(from);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(from);
+    // What an earlier run has left behind.
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    for (name, text, (old, new), is_drive) in DICTIONARIES {
+        assert!(text.contains(old), "{name}");
+        let model = parse(name, &text.replace(old, new)).unwrap();
+        let text = include_str!("../data/foreign.bind.toml");
+        let report = BindingReport::new("foreign.bind.toml", text, &model);
+        assert!(!is_drive || !report.has_errors());
+        write(
+            &folder,
+            name,
+            &model,
+            is_drive.then_some(&report.bindings[..]),
+        );
+    }
+    for (name, path) in data_sheets() {
+        let model = od_gen::read(&path).unwrap();
+        let report = BindingReport::beside(&path, &model).unwrap();
+        let bindings = report.map(|report| report.bindings).unwrap_or_default();
+        write(&folder, &name, &model, Some(&bindings));
+    }
+    for entry in fs::read_dir(own).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            let text = fs::read_to_string(&path).unwrap();
+            let text = text.replace(FOLDER, &folder.display().to_string());
+            fs::write(folder.join(path.file_name().unwrap()), text).unwrap();
+        }
+    }
+    folder
+}
+
+/// Writes a dictionary, with `cia402::Objects` where it has bindings.
+fn write(folder: &Path, name: &str, model: &Model, bindings: Option<&[Binding]>) {
+    let options = Options {
+        cia402: bindings.is_some(),
+        bindings: bindings.unwrap_or_default(),
+        names: true,
+    };
+    // In a folder of its own: what lies beside the programs is taken for one.
+    let place = folder.join("dictionaries");
+    fs::create_dir_all(&place).unwrap();
+    fs::write(place.join(format!("{name}.rs")), generate(model, options)).unwrap();
+}
+
+/// The data sheets of the repository: name and path.
+fn data_sheets() -> Vec<(String, PathBuf)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../eds");
+    let files = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let files = files.filter(|path| path.extension().is_some_and(|extension| extension == "eds"));
+    let name = |path: &Path| {
+        path.file_stem()
+            .unwrap()
+            .to_string_lossy()
+            .replace('-', "_")
+    };
+    let mut named: Vec<(String, PathBuf)> = files.map(|path| (name(&path), path)).collect();
+    named.sort();
+    named
+}
+
+#[test]
+fn generated_dictionaries_do_what_their_data_sheets_say() {
+    let folder = prepare("compile");
+    random::write(&folder);
+    for (name, _) in data_sheets() {
+        let program = PROGRAM.replace("NAME", &name);
+        fs::write(folder.join(format!("data_sheet_{name}.rs")), program).unwrap();
+    }
+    let cases = trybuild::TestCases::new();
+    cases.pass(folder.join("*.rs"));
+}
+
+/// A data sheet of the repository: it compiles without a warning.
+const PROGRAM: &str = r#"#![deny(warnings)]
+#![forbid(unsafe_code)]
+
+mod dictionary {
+    include!("dictionaries/NAME.rs");
+}
+
+fn main() {
+    let _ = dictionary::Dictionary::new();
+}
+"#;
+
+#[test]
+fn generated_code_is_as_rustfmt_would_write_it() {
+    let folder = prepare("compile");
+    random::write(&folder);
+    for file in fs::read_dir(folder.join("dictionaries")).unwrap() {
+        let file = file.unwrap().path();
+        let check = std::process::Command::new("rustfmt")
+            .args(["--edition", "2024", "--check"])
+            .arg(&file)
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&check.stdout);
+        assert!(check.status.success(), "{}\n{said}", file.display());
+    }
+}
+
+/// Run with `TRYBUILD=overwrite` to take over the messages.
+#[test]
+fn o01_wrong_use_does_not_compile() {
+    let folder = prepare("compile/wrong");
+    let cases = trybuild::TestCases::new();
+    cases.compile_fail(folder.join("*.rs"));
+    // This runs them.
+    drop(cases);
+    if std::env::var_os("TRYBUILD").is_some_and(|what| what == "overwrite") {
+        take_over(&folder);
+    }
+}
+
+/// Puts the messages of a run beside their programs.
+fn take_over(folder: &Path) {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/compile/wrong");
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "stderr")
+        {
+            let text = fs::read_to_string(&path).unwrap();
+            let text = text.replace(&folder.display().to_string(), FOLDER);
+            fs::write(own.join(path.file_name().unwrap()), text).unwrap();
+        }
+    }
+}
