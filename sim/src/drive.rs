@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use canopen::node::StoreError;
 use canopen::od::Dictionary;
 use canopen::time::NEVER;
-use canopen::{BitRate, Duration, Event, Frame, Instant, NodeId, Settings};
+use canopen::{BitRate, ControllerState, Duration, Event, Frame, Instant, NodeId, Settings};
 use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects};
 use motion::{AxisConfig, Clock, DriverTiming};
 
@@ -88,6 +88,7 @@ pub struct VirtualDrive<D: Dictionary> {
     next_tick: Instant,
     bit_rate: BitRate,
     switch_bit_rate: Option<(Instant, BitRate)>,
+    restarts_controller: bool,
     events: VecDeque<Event>,
     samples: Option<Vec<MotionSample>>,
 }
@@ -106,6 +107,7 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
             next_tick: Instant::from_ticks(0),
             bit_rate: settings.bit_rate,
             switch_bit_rate: None,
+            restarts_controller: false,
             events: VecDeque::new(),
             samples: None,
             setup,
@@ -121,6 +123,7 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
         self.exchange = Exchange::new();
         self.bit_rate = settings.bit_rate;
         self.switch_bit_rate = None;
+        self.restarts_controller = false;
         self.events.clear();
         self.powered = false;
         self.was_reset = true;
@@ -234,6 +237,7 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
                 Event::SwitchBitRate { bit_rate, at } => {
                     self.switch_bit_rate = Some((at, bit_rate));
                 }
+                Event::RestartController => self.restarts_controller = true,
                 _ => {}
             }
             if self.events.len() == EVENTS {
@@ -273,6 +277,21 @@ where
 
     fn was_reset(&mut self) -> bool {
         std::mem::take(&mut self.was_reset)
+    }
+
+    fn controller_changed(&mut self, state: ControllerState, now: Instant) {
+        self.run_until(now);
+        self.device
+            .controller_changed(state, now, &mut self.exchange);
+    }
+
+    fn frames_lost(&mut self, count: u32, now: Instant) {
+        self.run_until(now);
+        self.device.frames_lost(count, now);
+    }
+
+    fn restarts_controller(&mut self) -> bool {
+        std::mem::take(&mut self.restarts_controller)
     }
 }
 

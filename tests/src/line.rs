@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use canopen::od::Table;
 use canopen::time::NEVER;
-use canopen::{BitRate, Duration, Frame, Instant};
+use canopen::{BitRate, ControllerState, Duration, Frame, Instant};
 use sim::bus::Station;
 use sim::bus::simulated::{Bus, Handle, Interference, Logged};
 use sim::trace::candump;
@@ -212,6 +212,16 @@ impl<S: Station> Line<S> {
             .iter()
             .map(|logged| candump::line(logged.at, &logged.frame));
         lines.collect::<Vec<_>>().join("\n")
+    }
+
+    /// Brings the device's CAN controller into a state, as many errors on the bus do.
+    pub fn set_controller(&mut self, state: ControllerState) {
+        self.bus.set_controller(self.device, state);
+    }
+
+    /// The next `count` frames for the device get lost in its controller.
+    pub fn lose_frames(&mut self, count: u32) {
+        self.bus.lose_frames(self.device, count);
     }
 
     /// The identifiers of all frames the device has sent, oldest first; 29-bit ones as FFFFh.

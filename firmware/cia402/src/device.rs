@@ -12,13 +12,16 @@
 //! makes that; the device is silent meanwhile. Reset node also resets a fault; reset communication leaves it, and 1001h
 //! shows it.
 
+mod controller;
 mod storage;
+
+pub(crate) use controller::RESTART_DELAY;
 
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
 use canopen::node::StoreError;
 use canopen::od::Dictionary;
-use canopen::{ControllerState, Duration, Event, Frame, Instant, Node, Settings};
+use canopen::{Counters, Duration, Event, Frame, Instant, Node, Settings};
 
 use crate::exchange::{Actuals, Share};
 use crate::faults::{FaultNotice, emergency};
@@ -49,6 +52,8 @@ pub struct Device<D: Dictionary> {
     remote: bool,
     /// The network was lost, and the motor is not safe yet.
     is_abandoned: bool,
+    /// The counters that the dictionary shows.
+    counters: Counters,
     /// Parameters are to be stored, and since then the motor is not safe.
     unsafe_since: Option<Instant>,
 }
@@ -62,6 +67,7 @@ impl<D: Dictionary + Objects> Device<D> {
             phase: Phase::Off,
             remote: false,
             is_abandoned: false,
+            counters: Counters::default(),
             unsafe_since: None,
         }
     }
@@ -105,6 +111,7 @@ impl<D: Dictionary + Objects> Device<D> {
         let deadline = self.node.poll(now, &mut self.hooks);
         self.take_reset();
         self.post(exchange);
+        self.serve_controller();
         deadline
     }
 
@@ -131,29 +138,6 @@ impl<D: Dictionary + Objects> Device<D> {
         self.node.complete_write(index, sub, result);
     }
 
-    /// The state of the CAN controller ([`Node::controller_changed`]); bus-off brings the motor to rest.
-    pub fn controller_changed<X: Share>(
-        &mut self,
-        state: ControllerState,
-        now: Instant,
-        exchange: &mut X,
-    ) {
-        self.node.controller_changed(state, now);
-        if self.phase == Phase::Running {
-            self.post(exchange);
-        }
-    }
-
-    /// So many received frames were lost ([`Node::frames_lost`]).
-    pub fn frames_lost(&mut self, count: u32, now: Instant) {
-        self.node.frames_lost(count, now);
-    }
-
-    /// How long the controller stays off the bus after bus-off ([`Node::set_restart_delay`]).
-    pub fn set_restart_delay(&mut self, delay: Option<Duration>) {
-        self.node.set_restart_delay(delay);
-    }
-
     /// The node, for its dictionary and state.
     pub fn node(&self) -> &Node<D> {
         &self.node
@@ -164,6 +148,7 @@ impl<D: Dictionary + Objects> Device<D> {
         self.node.boot(reset, now, &mut self.hooks);
         self.take_reset();
         self.refresh(now, exchange);
+        self.start_controller();
         self.hooks.touch();
         self.post(exchange);
     }

@@ -17,6 +17,7 @@ use canopen::cia301::sdo::AbortCode;
 use canopen::od::{self, Dictionary, Entry, write_u32};
 
 use crate::controlword::ControlwordHistory;
+use crate::device::RESTART_DELAY;
 use crate::exchange::Commands;
 use crate::modes::Mode;
 use crate::objects::Objects;
@@ -32,6 +33,7 @@ pub(crate) struct Hooks {
     serial_number: u32,
     history: ControlwordHistory,
     written: bool,
+    delay_written: bool,
 }
 
 impl Hooks {
@@ -40,7 +42,15 @@ impl Hooks {
             serial_number,
             history: ControlwordHistory::new(0),
             written: true,
+            delay_written: false,
         }
+    }
+
+    /// Whether 2011h was written since the last call.
+    pub(crate) const fn take_delay_written(&mut self) -> bool {
+        let written = self.delay_written;
+        self.delay_written = false;
+        written
     }
 
     /// The commands are to be posted even if no drive object was written.
@@ -107,6 +117,7 @@ impl<D: Dictionary + Objects> Application<D> for Hooks {
             self.history.write(dictionary.controlword());
         }
         self.written |= parameter.is_some();
+        self.delay_written |= entry.index == RESTART_DELAY;
     }
 
     fn power_on(&mut self, dictionary: &mut D) {

@@ -14,7 +14,7 @@ pub mod timing;
 use std::any::Any;
 use std::fmt::Debug;
 
-use canopen::{BitRate, Frame, Instant};
+use canopen::{BitRate, ControllerState, Frame, Instant};
 
 /// A participant of a CAN bus. Frames and time go in, frames and the next deadline come out; it never waits.
 ///
@@ -38,6 +38,21 @@ pub trait Station: Any + Debug {
 
     /// Whether the controller was reset since the last call (a power cycle): frames it had taken are lost.
     fn was_reset(&mut self) -> bool {
+        false
+    }
+
+    /// Its controller is in another state: bus-off, error passive, or well again.
+    fn controller_changed(&mut self, state: ControllerState, now: Instant) {
+        let _ = (state, now);
+    }
+
+    /// So many frames were lost in its controller, because the station did not fetch them in time.
+    fn frames_lost(&mut self, count: u32, now: Instant) {
+        let _ = (count, now);
+    }
+
+    /// Whether it has ordered its controller to go on the bus again since the last call. Only bus-off needs it.
+    fn restarts_controller(&mut self) -> bool {
         false
     }
 }

@@ -8,6 +8,7 @@
 //!
 //! The same stations, calls and interference always give the same trace: nothing here is random or reads a clock.
 
+mod controller;
 mod handle;
 
 use std::any::Any;
@@ -20,6 +21,7 @@ use canopen::{BitRate, Duration, Frame, Instant};
 use super::Station;
 use super::timing::{ERROR_FRAME_BITS, INTERMISSION_BITS, arbitration, bit_time, frame_bits};
 
+use controller::Controller;
 pub use handle::Handle;
 
 /// Frames a controller holds for sending, as many as a bxCAN has. One is taken from the station at each arbitration, so
@@ -72,6 +74,7 @@ struct Slot {
     wake: Instant,
     mailboxes: VecDeque<Frame>,
     refused: bool,
+    controller: Controller,
 }
 
 struct Flight {
@@ -112,6 +115,7 @@ impl Bus {
             wake: self.now,
             mailboxes: VecDeque::new(),
             refused: false,
+            controller: Controller::new(),
         });
         Handle::new(self.slots.len() - 1)
     }
@@ -246,7 +250,8 @@ impl Bus {
             None if self.idle_from > self.now => self.idle_from,
             None => NEVER,
         };
-        wake.min(bus)
+        let back = self.slots.iter().map(|slot| slot.controller.back_at);
+        wake.min(bus).min(back.min().unwrap_or(NEVER))
     }
 
     fn poll_stations(&mut self) {
@@ -267,6 +272,7 @@ impl Bus {
                 self.flight = self.flight.take().and_then(|flight| flight.without(number));
             }
         }
+        self.serve_controllers();
     }
 
     /// Arbitration, when the bus is idle.
@@ -278,6 +284,9 @@ impl Bus {
             let Some(station) = &mut slot.station else {
                 continue;
             };
+            if slot.controller.is_off() {
+                continue;
+            }
             let room = if slot.refused { 1 } else { MAILBOXES };
             if slot.mailboxes.len() < room {
                 slot.mailboxes.extend(station.transmit());
@@ -317,7 +326,9 @@ impl Bus {
     /// The station that wins arbitration, with its frame. One that was not acknowledged lets others go first, so that a
     /// station at a wrong bit rate does not keep the bus.
     fn winner(&self) -> Option<(usize, Frame)> {
-        let waiting = self.slots.iter().enumerate().filter_map(|(number, slot)| {
+        let on_the_bus = self.slots.iter().enumerate();
+        let on_the_bus = on_the_bus.filter(|(_, slot)| !slot.controller.is_off());
+        let waiting = on_the_bus.filter_map(|(number, slot)| {
             let frame = slot
                 .mailboxes
                 .iter()
@@ -363,6 +374,11 @@ impl Bus {
         for receiver in receivers {
             let slot = &mut self.slots[receiver];
             if let Some(station) = &mut slot.station {
+                if slot.controller.loses_a_frame() {
+                    station.frames_lost(1, self.now);
+                    slot.wake = self.now;
+                    continue;
+                }
                 station.receive(&flight.logged.frame, self.now);
                 slot.wake = self.now;
             }
@@ -382,6 +398,7 @@ impl Bus {
 
     fn hears(&self, number: usize, bit_rate: BitRate) -> bool {
         self.slots[number].station.is_some()
+            && !self.slots[number].controller.is_off()
             && self.rate_of(number).is_none_or(|own| own == bit_rate)
     }
 }

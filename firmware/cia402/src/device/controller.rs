@@ -1,0 +1,88 @@
+//! The CAN controller of the drive: its state and what it has lost, and two objects of the manufacturer.
+//!
+//! | object | holds |
+//! |---|---|
+//! | 2010h | counters since power-on: error passive, bus-off, restarts, received frames lost, queue overflows |
+//! | 2011h | how long the controller stays off the bus after bus-off, in ms; FFFFh: until the next power-on |
+//!
+//! A dictionary may leave them out.
+
+use canopen::od::{self, Dictionary};
+use canopen::{ControllerState, Duration, Instant};
+
+use super::{Device, Phase};
+use crate::exchange::Share;
+use crate::objects::Objects;
+
+const COUNTERS: u16 = 0x2010;
+pub(crate) const RESTART_DELAY: u16 = 0x2011;
+
+/// The value of 2011h that stands for "never".
+const STAY_OFF: u16 = u16::MAX;
+
+impl<D: Dictionary + Objects> Device<D> {
+    /// The state of the CAN controller ([`Node::controller_changed`]); bus-off brings the motor to rest.
+    pub fn controller_changed<X: Share>(
+        &mut self,
+        state: ControllerState,
+        now: Instant,
+        exchange: &mut X,
+    ) {
+        self.node.controller_changed(state, now);
+        if self.phase == Phase::Running {
+            self.post(exchange);
+        }
+    }
+
+    /// So many received frames were lost ([`Node::frames_lost`]).
+    pub fn frames_lost(&mut self, count: u32, now: Instant) {
+        self.node.frames_lost(count, now);
+    }
+
+    /// How long the controller stays off the bus after bus-off ([`Node::set_restart_delay`]).
+    pub fn set_restart_delay(&mut self, delay: Option<Duration>) {
+        self.node.set_restart_delay(delay);
+    }
+
+    /// Boot: the objects are at their power-on values.
+    pub(super) fn start_controller(&mut self) {
+        self.read_restart_delay();
+        self.show_counters();
+    }
+
+    /// Shows what was counted, and takes a new delay.
+    pub(super) fn serve_controller(&mut self) {
+        if self.hooks.take_delay_written() {
+            self.read_restart_delay();
+        }
+        if self.node.counters() != self.counters {
+            self.show_counters();
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn read_restart_delay(&mut self) {
+        if let Some(milliseconds) = od::read_u16(self.node.dictionary(), RESTART_DELAY, 0) {
+            let delay = (milliseconds != STAY_OFF).then(|| Duration::millis(milliseconds.into()));
+            self.node.set_restart_delay(delay);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn show_counters(&mut self) {
+        self.counters = self.node.counters();
+        let counts = [
+            self.counters.error_passive,
+            self.counters.bus_off,
+            self.counters.restarts,
+            self.counters.lost_frames,
+            self.counters.overflows,
+        ];
+        for (sub, count) in (1..).zip(counts) {
+            // A dictionary without the object has no place for it.
+            let _ = od::write_u32(self.node.dictionary_mut(), COUNTERS, sub, count);
+        }
+    }
+}
