@@ -288,8 +288,12 @@ impl Bus {
                 continue;
             }
             let room = if slot.refused { 1 } else { MAILBOXES };
-            if slot.mailboxes.len() < room {
-                slot.mailboxes.extend(station.transmit());
+            if slot.mailboxes.len() < room
+                && let Some(frame) = station.transmit()
+            {
+                slot.mailboxes.push_back(frame);
+                // What has left may start a time.
+                slot.wake = self.now;
             }
         }
         let Some((first, frame)) = self.winner() else {
