@@ -58,7 +58,7 @@ fn b05_block_sizes_beyond_1_to_127_are_refused() {
 }
 
 #[test]
-fn b06_and_b07_more_segments_than_were_sent_cannot_be_acknowledged() {
+fn b06_more_segments_than_were_sent_cannot_be_acknowledged() {
     for ack in ["604: A2 80 14", "604: A2 02 14", "604: A2 7F 14"] {
         let mut bench = Bench::node(4);
         begun(&mut bench);
