@@ -1,4 +1,4 @@
-//! A CANopen device: CiA 301 (communication profile), CiA 303-3 (indicators) and CiA 305 (layer setting services).
+//! A CANopen device: CiA 301 (communication profile), CiA 302-2 (NMT start-up), CiA 303-3 (indicators) and CiA 305 (layer setting services).
 //!
 //! The device is a value. Frames and time go in, frames and the next deadline come out ([`Node::receive`],
 //! [`Node::poll`], [`Node::transmit`]); it never waits, allocates or reads a clock. The same code runs in the

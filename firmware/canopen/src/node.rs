@@ -102,6 +102,8 @@ pub struct Node<D: Dictionary> {
     state: NmtState,
     /// The node-ID in force.
     node_id: NodeId,
+    /// No timer other than a heartbeat ends before this moment, unless the services say that one has changed.
+    next_rare: Instant,
     /// No timer ends before this moment, unless the services say that one has changed.
     next_timer: Instant,
     /// No transmit PDO is due before this moment, unless the services say that a value has changed.
@@ -128,6 +130,7 @@ impl<D: Dictionary> Node<D> {
             controller: Controller::new(),
             state: NmtState::Initialisation,
             node_id: settings.node_id,
+            next_rare: NEVER,
             next_timer: NEVER,
             next_pdo: NEVER,
             next_call: NEVER,
@@ -354,11 +357,36 @@ impl<D: Dictionary> Node<D> {
         self.events.request_reset(reset);
     }
 
-    /// Everything that waits for a time, beside transmit PDOs; returns the next of these times.
+    /// Everything that waits for a time, beside transmit PDOs; returns the next of these times. Heartbeats come again and again,
+    /// the other timers hardly ever: those are looked at together, when the first of them ends or one of them has changed.
     #[inline(never)]
     fn serve_timers<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
-        // The inhibit time of an emergency message that waits begins when it has left: it is looked at every time.
-        self.services.timers_changed = self.services.emergency.needs_time();
+        let has_changed = core::mem::take(&mut self.services.timers_changed);
+        if has_changed || has_come(self.next_rare, now) {
+            self.next_rare = self.serve_rare_timers(now, application);
+        }
+        let mut deadline = self.next_rare;
+        if self.state != NmtState::Initialisation {
+            if self.services.heartbeat.poll(now) {
+                self.queue.push_heartbeat();
+            }
+            deadline = earlier(deadline, self.services.heartbeat.deadline());
+        }
+        if self.services.emergency.needs_time() {
+            // The inhibit time of a message that waits begins when it has left: it is looked at every time.
+            self.services.timers_changed = true;
+            deadline = earlier(deadline, self.services.emergency.poll(now));
+        }
+        deadline
+    }
+
+    /// The timers of the controller, LSS, SDO, SYNC, of watched nodes and of receive PDOs.
+    #[inline(never)]
+    fn serve_rare_timers<A: Application<D>>(
+        &mut self,
+        now: Instant,
+        application: &mut A,
+    ) -> Instant {
         let deadline = self.serve_controller(now, NEVER);
         let sdo_deadline = self.serve_sdo(now, application);
         if self.is_resetting {
@@ -369,22 +397,27 @@ impl<D: Dictionary> Node<D> {
         if !self.node_id.is_configured() {
             return deadline;
         }
-        if self.services.heartbeat.poll(now) {
-            self.queue.push_heartbeat();
-        }
         if has_come(self.services.sync.deadline(), now) {
             self.serve_sync(now, application);
         }
         if has_come(self.services.supervision_deadline(), now) {
             self.supervise(now);
         }
+        let deadline = earlier(deadline, self.services.rpdos.poll(now));
+        self.services.report_errors(&mut self.dictionary, now);
         let deadline = earlier(deadline, self.services.sync.deadline());
         let deadline = earlier(deadline, self.services.supervision_deadline());
-        let deadline = earlier(deadline, sdo_deadline);
-        let deadline = earlier(deadline, self.services.heartbeat.deadline());
-        let deadline = earlier(deadline, self.services.rpdos.poll(now));
-        self.services.report_lengths(&mut self.dictionary, now);
-        earlier(deadline, self.services.emergency.poll(now))
+        earlier(deadline, sdo_deadline)
+    }
+
+    /// A timer that is not a heartbeat has begun, and ends at this moment.
+    #[inline]
+    fn wake_at(&mut self, deadline: Instant) {
+        if deadline.ticks() < self.next_rare.ticks() {
+            self.next_rare = deadline;
+            self.next_timer = earlier(self.next_timer, deadline);
+            self.next_call = earlier(self.next_call, deadline);
+        }
     }
 
     /// The time-outs of SDO transfers, and what the application has to learn of them; returns the next one.

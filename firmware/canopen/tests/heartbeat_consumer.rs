@@ -7,6 +7,7 @@ use canopen::cia301::heartbeat::HeartbeatError;
 use canopen::cia301::nmt::NmtState;
 use canopen::{Event, NodeId};
 use device::{Device, abort};
+use proptest::prelude::*;
 
 fn five() -> NodeId {
     NodeId::new(5).unwrap()
@@ -263,5 +264,77 @@ fn n17_reserved_values_are_refused() {
             device.ask(&format!("604#2F291001{value:02X}000000")),
             [abort(0x1029, 1, 0x0609_0030)]
         );
+    }
+}
+
+/// What may happen between a device and the three nodes that it watches.
+#[derive(Clone, Debug)]
+enum Step {
+    /// The byte of an error control message of node 5, 6 or 7.
+    Heard(u8, u8),
+    /// Milliseconds.
+    Pass(u64),
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    let state = prop::sample::select(vec![0x00, 0x04, 0x05, 0x7F]);
+    prop_oneof![
+        (5..8_u8, state).prop_map(|(node, state)| Step::Heard(node, state)),
+        (0..150_u64).prop_map(Step::Pass),
+    ]
+}
+
+/// A watched node as the standard describes it.
+#[derive(Clone, Copy, Default)]
+struct Model {
+    /// When it is lost; `None` while nobody waits for it.
+    deadline: Option<u64>,
+    has_error: bool,
+}
+
+proptest! {
+    #[test]
+    fn h05_a_node_is_lost_exactly_when_it_was_silent_for_its_time(
+        steps in prop::collection::vec(step(), 1..60),
+        times in prop::array::uniform3(1..200_u16),
+    ) {
+        let mut device = Device::new();
+        for (place, time) in times.iter().enumerate() {
+            let [low, high] = time.to_le_bytes();
+            let request = format!("604#231610{:02X}{low:02X}{high:02X}{:02X}00", place + 1, place + 5);
+            prop_assert_eq!(device.ask(&request).len(), 1);
+        }
+        let mut models = [Model::default(); 3];
+        let mut now = 0;
+        for step in &steps {
+            match *step {
+                Step::Heard(node, state) => {
+                    device.send(&format!("7{node:02X}#{state:02X}"));
+                    let place = usize::from(node - 5);
+                    let model = &mut models[place];
+                    if state != 0 {
+                        *model = Model { deadline: Some(now + u64::from(times[place])), has_error: false };
+                    } else if model.deadline.take().is_some() {
+                        model.has_error = true;
+                    }
+                }
+                Step::Pass(milliseconds) => {
+                    now += milliseconds;
+                    device.pass(milliseconds);
+                    device.poll();
+                    for model in &mut models {
+                        if model.deadline.is_some_and(|deadline| deadline <= now) {
+                            *model = Model { deadline: None, has_error: true };
+                        }
+                    }
+                }
+            }
+            for (node, model) in (5..8).zip(&models) {
+                let alive = device.node.remote_state(NodeId::new(node).unwrap()).is_some();
+                prop_assert_eq!(alive, model.deadline.is_some(), "node {}", node);
+            }
+            let has_error = models.iter().any(|model| model.has_error);
+            prop_assert_eq!(device.value(0x1001, 0), [if has_error { 0x11 } else { 0 }]);
+        }
     }
 }

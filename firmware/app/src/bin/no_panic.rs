@@ -254,7 +254,7 @@ fn node(node: &mut Node<Dictionary>) {
             }
         }
         6 => look(node.event().is_some().into()),
-        8 => network(node),
+        10 => network(node),
         7 => {
             look(node.overflows() + u32::from(node.settings().node_id.get()) + node.state() as u32);
         }

@@ -2,14 +2,15 @@
 //!
 //! Everything about a device is an object, and services reach it: a master reads and writes single objects by service data
 //! ([`sdo`]), process data carry mapped objects without a question ([`pdo`]), all devices at the same moment if a [`sync`]
-//! object says so. Network management ([`nmt`]) decides which services there are; a [`heartbeat`] shows that the device
-//! is alive, an [`emergency`] message that it has an error.
+//! object says so, and [`time_stamp`] tells them what time it is. Network management ([`nmt`]) decides which services there are; a
+//! [`heartbeat`] or the answers of [`guarding`] show that the device is alive, an [`emergency`] message that it has an error. What a device
+//! does when it loses the network is its [`error_behaviour`]; [`parameters`] outlive power-off.
 //!
 //! ```text
-//!                    NMT  heartbeat  SDO  EMCY  SYNC  PDO
-//!  Pre-operational    x       x       x     x     x
-//!  Operational        x       x       x     x     x    x
-//!  Stopped            x       x
+//!                    NMT  error control  SDO  EMCY  SYNC, TIME  PDO
+//!  Pre-operational    x         x         x     x        x
+//!  Operational        x         x         x     x        x       x
+//!  Stopped            x         x
 //! ```
 //!
 //! The contract every service keeps:
@@ -21,9 +22,9 @@
 
 pub mod emergency;
 pub mod error_behaviour;
+pub mod error_report;
 pub mod guarding;
 pub mod heartbeat;
-pub mod length_error;
 pub mod nmt;
 pub mod parameters;
 pub mod pdo;

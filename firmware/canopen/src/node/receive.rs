@@ -8,9 +8,10 @@ use super::objects::Objects;
 use crate::application::Application;
 use crate::cia301::nmt::{Command, NmtState};
 use crate::cia301::pdo::Received;
+use crate::cia301::sync::Beat;
 use crate::cia305::{self, Identity};
 use crate::od::Dictionary;
-use crate::time::{Instant, earlier};
+use crate::time::Instant;
 use crate::wire::{Frame, cob_id};
 
 impl<D: Dictionary> Node<D> {
@@ -76,8 +77,7 @@ impl<D: Dictionary> Node<D> {
             self.listen();
         }
         self.queue.set_answers(self.sdo.pending().is_some());
-        self.next_timer = earlier(self.next_timer, deadline);
-        self.next_call = earlier(self.next_call, deadline);
+        self.wake_at(deadline);
     }
 
     #[cold]
@@ -114,6 +114,22 @@ impl<D: Dictionary> Node<D> {
         now: Instant,
         application: &mut A,
     ) {
+        if !self.services.sync.is_plain() || frame.length() != 0 {
+            self.receive_timed_sync(frame, now, application);
+        } else if self.state == NmtState::Operational {
+            self.services
+                .synchronise(Beat::PLAIN, &mut self.dictionary, application);
+        }
+    }
+
+    /// A SYNC with a counter, a period or a window, one of another length, or one that another device must not send.
+    #[inline(never)]
+    fn receive_timed_sync<A: Application<D>>(
+        &mut self,
+        frame: &Frame,
+        now: Instant,
+        application: &mut A,
+    ) {
         if self.services.sync.is_producer() {
             self.receive_other(self.services.sync.cob_id(), frame, now);
             return;
@@ -124,11 +140,9 @@ impl<D: Dictionary> Node<D> {
                 self.services
                     .synchronise(beat, &mut self.dictionary, application);
             }
-            let deadline = self.services.sync.deadline();
-            self.next_timer = earlier(self.next_timer, deadline);
-            self.next_call = earlier(self.next_call, deadline);
+            self.wake_at(self.services.sync.deadline());
         }
-        self.services.report_lengths(&mut self.dictionary, now);
+        self.services.report_errors(&mut self.dictionary, now);
     }
 
     /// Returns whether the frame was for a PDO.
@@ -148,7 +162,7 @@ impl<D: Dictionary> Node<D> {
             return false;
         }
         self.services.values_changed |= received == Received::Applied;
-        self.services.report_lengths(&mut self.dictionary, now);
+        self.services.report_errors(&mut self.dictionary, now);
         true
     }
 }

@@ -4,9 +4,9 @@
 use crate::application::Application;
 use crate::cia301::emergency::{self, Emergency};
 use crate::cia301::error_behaviour::{self, CommunicationError};
+use crate::cia301::error_report::ErrorReport;
 use crate::cia301::guarding::{self, Guarding};
 use crate::cia301::heartbeat;
-use crate::cia301::length_error::LengthReport;
 use crate::cia301::nmt::NmtState;
 use crate::cia301::parameters::{self, Parameters};
 use crate::cia301::pdo;
@@ -80,7 +80,7 @@ impl<C: Counts> Services<C> {
         self.rpdos.configure_all(dictionary, node_id.get());
         self.tpdos.configure_all(dictionary, node_id.get());
         self.rpdos.watch::<D>(&self.tpdos.watched());
-        self.report_lengths(dictionary, now);
+        self.report_errors(dictionary, now);
         self.emergency.show_register(dictionary);
     }
 
@@ -126,7 +126,7 @@ impl<C: Counts> Services<C> {
             sync::COB_ID | sync::PERIOD | sync::WINDOW | sync::COUNTER_OVERFLOW => {
                 self.sync.written(dictionary, now);
                 self.timers_changed = true;
-                self.report_lengths(dictionary, now);
+                self.report_errors(dictionary, now);
             }
             time_stamp::COB_ID => self.time.configure(dictionary),
             parameters::VERIFY_CONFIGURATION => self.parameters.read_date(dictionary),
@@ -152,7 +152,7 @@ impl<C: Counts> Services<C> {
             0x1400..=0x17FF => {
                 self.rpdos.written(dictionary, entry);
                 self.rpdos.watch::<D>(&self.tpdos.watched());
-                self.report_lengths(dictionary, now);
+                self.report_errors(dictionary, now);
             }
             0x1800..=0x1BFF => {
                 self.tpdos.written(dictionary, entry, now);
@@ -267,21 +267,21 @@ impl<C: Counts> Services<C> {
 
     /// Passes on what SYNC and receive PDOs have found wrong with the length of frames, or right again.
     #[inline]
-    pub(super) fn report_lengths<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
+    pub(super) fn report_errors<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
         if self.sync.has_report() || self.rpdos.has_report() {
-            self.report_changed_lengths(dictionary, now);
+            self.report_changed_errors(dictionary, now);
         }
     }
 
     #[cold]
     #[inline(never)]
-    fn report_changed_lengths<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
+    fn report_changed_errors<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
         // The deadline of a receive PDO may have begun.
         self.timers_changed = true;
         while let Some(report) = self.sync.report().or_else(|| self.rpdos.report()) {
             match report {
-                LengthReport::Appeared(emergency) => self.report(dictionary, &emergency, now),
-                LengthReport::Gone(emergency) => self.clear_one(dictionary, &emergency, now),
+                ErrorReport::Appeared(emergency) => self.report(dictionary, &emergency, now),
+                ErrorReport::Gone(emergency) => self.clear_one(dictionary, &emergency, now),
             }
         }
     }

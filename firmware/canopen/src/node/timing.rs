@@ -22,7 +22,7 @@ impl<D: Dictionary> Node<D> {
                     }
                 }
                 Due::WindowOver => self.services.window_over(),
-                Due::Missed => self.services.report_lengths(&mut self.dictionary, now),
+                Due::Missed => self.services.report_errors(&mut self.dictionary, now),
             }
         }
     }

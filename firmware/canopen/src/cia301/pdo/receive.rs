@@ -23,7 +23,7 @@ use super::parameters::{Parameters, Record};
 use super::receive_pdo::{Circumstances, ReceivePdo, Received};
 use super::unpack::{Destination, Unpacking};
 use crate::application::Application;
-use crate::cia301::length_error::LengthReport;
+use crate::cia301::error_report::ErrorReport;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, Slots};
 use crate::time::{Instant, NEVER, earlier};
@@ -233,7 +233,7 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
 
     /// What the emergency producer has to hear, one at a time until `None`: the end of an error, then the error that has
     /// taken its place. The number of the PDO, from 1, is the info.
-    pub fn report(&mut self) -> Option<LengthReport> {
+    pub fn report(&mut self) -> Option<ErrorReport> {
         if !self.circumstances.has_news {
             return None;
         }

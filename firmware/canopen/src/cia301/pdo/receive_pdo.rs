@@ -9,7 +9,7 @@ use super::multiplexed::{self, Addressing, Message};
 use super::parameters::{Parameters, TransmissionType};
 use super::unpack::{Destination, Unpacking};
 use crate::application::Application;
-use crate::cia301::length_error::LengthReport;
+use crate::cia301::error_report::ErrorReport;
 use crate::od::{Dictionary, Slots, Table, Unused, check, put};
 use crate::time::{Duration, Instant, NEVER, has_come};
 use crate::wire::Frame;
@@ -466,14 +466,14 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
     }
 
     /// What the emergency producer has to hear, one at a time: what is gone first. `number` is that of the PDO, from 1.
-    pub(super) fn report(&mut self, number: u16) -> Option<LengthReport> {
+    pub(super) fn report(&mut self, number: u16) -> Option<ErrorReport> {
         if let Some(error) = self.reported.without(self.errors).first() {
             self.reported = self.reported.without(error);
-            return Some(LengthReport::Gone(error.emergency(number)));
+            return Some(ErrorReport::Gone(error.emergency(number)));
         }
         let error = self.errors.without(self.reported).first()?;
         self.reported = self.reported.with(error);
-        Some(LengthReport::Appeared(error.emergency(number)))
+        Some(ErrorReport::Appeared(error.emergency(number)))
     }
 }
 

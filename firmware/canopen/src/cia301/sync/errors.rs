@@ -1,7 +1,7 @@
 //! What can be wrong with SYNC, as it is and as the emergency producer knows it.
 
 use crate::cia301::emergency::{Emergency, ErrorRegister, code};
-use crate::cia301::length_error::LengthReport;
+use crate::cia301::error_report::ErrorReport;
 
 /// The two errors of SYNC.
 #[derive(Debug)]
@@ -46,13 +46,18 @@ impl Errors {
         self.is_missed = false;
     }
 
+    /// Whether one stands, or has been told and is over.
+    pub(super) const fn stand(&self) -> bool {
+        self.has_wrong_length || self.is_missed || self.told_wrong_length || self.told_missed
+    }
+
     #[inline]
     pub(super) const fn have_changed(&self) -> bool {
         self.has_wrong_length != self.told_wrong_length || self.is_missed != self.told_missed
     }
 
     /// What the emergency producer has to hear, one at a time.
-    pub(super) fn report(&mut self) -> Option<LengthReport> {
+    pub(super) fn report(&mut self) -> Option<ErrorReport> {
         if self.has_wrong_length != self.told_wrong_length {
             self.told_wrong_length = self.has_wrong_length;
             if self.has_wrong_length {
@@ -71,15 +76,15 @@ impl Errors {
     }
 }
 
-fn told(has_appeared: bool, code: u16, info: [u8; 5]) -> LengthReport {
+fn told(has_appeared: bool, code: u16, info: [u8; 5]) -> ErrorReport {
     let emergency = Emergency {
         code,
         register: ErrorRegister::COMMUNICATION,
         info,
     };
     if has_appeared {
-        LengthReport::Appeared(emergency)
+        ErrorReport::Appeared(emergency)
     } else {
-        LengthReport::Gone(emergency)
+        ErrorReport::Gone(emergency)
     }
 }

@@ -18,7 +18,7 @@ mod parameters;
 
 use errors::Errors;
 
-use super::length_error::LengthReport;
+use super::error_report::ErrorReport;
 use crate::time::{Duration, Instant, NEVER, earlier, has_come};
 
 /// Index of the object COB-ID SYNC.
@@ -43,6 +43,11 @@ pub struct Beat {
     pub counter: Option<u8>,
 }
 
+impl Beat {
+    /// A SYNC without data.
+    pub const PLAIN: Self = Self { counter: None };
+}
+
 /// What time has brought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Due {
@@ -61,6 +66,8 @@ pub struct Sync {
     is_producer: bool,
     /// The NMT state has SYNC.
     is_running: bool,
+    /// Nothing but the frame matters: see [`Sync::is_plain`].
+    is_plain: bool,
     /// A SYNC has been received since the device has left Stopped.
     is_followed: bool,
     /// 1019h; 0 without a counter.
@@ -84,6 +91,7 @@ impl Sync {
             cob_id: NOT_IN_USE,
             is_producer: false,
             is_running: false,
+            is_plain: false,
             is_followed: false,
             overflow: 0,
             counter: 0,
@@ -105,6 +113,22 @@ impl Sync {
         self.is_producer
     }
 
+    /// Whether a frame without data is a SYNC and nothing more: the device consumes it, without a counter, a period or a window, and
+    /// no error stands. [`Sync::receive`] need not be called for it.
+    #[inline]
+    pub const fn is_plain(&self) -> bool {
+        self.is_plain
+    }
+
+    fn find_plain(&mut self) {
+        self.is_plain = self.is_running
+            && !self.is_producer
+            && self.overflow == 0
+            && self.period.ticks() == 0
+            && self.window.ticks() == 0
+            && !self.errors.stand();
+    }
+
     /// The NMT state changed; `has_sync` says whether the new one has SYNC.
     pub fn enter(&mut self, has_sync: bool, now: Instant) {
         if has_sync != self.is_running {
@@ -113,6 +137,7 @@ impl Sync {
             self.counter = 0;
             self.window_end = NEVER;
             self.restart(now);
+            self.find_plain();
         }
     }
 
@@ -124,6 +149,7 @@ impl Sync {
         }
         let expected = u8::from(self.overflow != 0);
         self.errors.length(length, length != expected);
+        self.find_plain();
         if length != expected {
             return None;
         }
@@ -183,7 +209,7 @@ impl Sync {
     }
 
     /// What the emergency producer has to hear, one at a time; `None` when it knows everything.
-    pub fn report(&mut self) -> Option<LengthReport> {
+    pub fn report(&mut self) -> Option<ErrorReport> {
         self.errors.report()
     }
 

@@ -79,6 +79,7 @@ impl Sync {
             self.errors.missed(false);
         }
         self.restart(now);
+        self.find_plain();
     }
 }
 

@@ -1,7 +1,7 @@
 use std::vec::Vec;
 
 use super::{Beat, Sync};
-use crate::cia301::length_error::LengthReport;
+use crate::cia301::error_report::ErrorReport;
 use crate::cia301::pdo::tests::objects::Objects;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, write_u32};
@@ -30,11 +30,11 @@ fn consumer(cob_id: u32) -> Sync {
 fn reports(sync: &mut Sync) -> Vec<(u16, bool)> {
     core::iter::from_fn(|| sync.report())
         .map(|report| match report {
-            LengthReport::Appeared(emergency) => {
+            ErrorReport::Appeared(emergency) => {
                 assert_eq!(emergency.register, 0x10);
                 (emergency.code, true)
             }
-            LengthReport::Gone(emergency) => (emergency.code, false),
+            ErrorReport::Gone(emergency) => (emergency.code, false),
         })
         .collect()
 }

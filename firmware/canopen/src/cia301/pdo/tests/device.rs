@@ -4,7 +4,7 @@ use std::vec::Vec;
 
 use super::objects::Objects;
 use crate::application::Application;
-use crate::cia301::length_error::LengthReport;
+use crate::cia301::error_report::ErrorReport;
 use crate::cia301::pdo::{
     Destination, Receive, ReceivePdo, Received, Source, Transmit, TransmitPdo, validate_list,
 };
@@ -237,11 +237,11 @@ impl Device {
     pub(super) fn reports(&mut self) -> Vec<(u16, u8, bool)> {
         core::iter::from_fn(|| self.receive.report())
             .map(|report| match report {
-                LengthReport::Appeared(emergency) => {
+                ErrorReport::Appeared(emergency) => {
                     assert_eq!(emergency.register, 0x10);
                     (emergency.code, emergency.info[0], true)
                 }
-                LengthReport::Gone(emergency) => (emergency.code, emergency.info[0], false),
+                ErrorReport::Gone(emergency) => (emergency.code, emergency.info[0], false),
             })
             .collect()
     }

@@ -1,13 +1,13 @@
-//! Frames of a wrong length: a receive PDO shorter or longer than its mapping, a SYNC with bytes that nobody asked for.
+//! Errors that a service sees come and go: a SYNC or a receive PDO of a wrong length, one that is missed.
 //!
-//! The consumer of such a frame knows best when an error begins and ends. It tells each change once, and the emergency
+//! The consumer of a frame knows best when an error begins and ends. It tells each change once, and the emergency
 //! producer turns it into a message.
 
 use super::emergency::Emergency;
 
 /// A change that the emergency producer has to hear of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LengthReport {
+pub enum ErrorReport {
     /// This error has appeared.
     Appeared(Emergency),
     /// This error, as it was told, is gone.
