@@ -55,6 +55,10 @@ fn a_wrong_command_line_or_file_is_one_line_with_exit_code_2() {
             "error: unexpected argument '--fast' found",
         ),
         (
+            &["fmt", "tests/data/sensor.xdd"],
+            "tests/data/sensor.xdd: error: this is XML: only EDS and DCF files have a canonical form",
+        ),
+        (
             &["dcf", "x.eds", "--node-id", "128"],
             "error: invalid value '128' for '--node-id <NODE_ID>': 128 is not in 1..=127",
         ),
@@ -287,4 +291,20 @@ fn dcf_refuses_what_the_device_would_refuse() {
             text(&output.stderr)
         );
     }
+}
+
+#[test]
+fn dcf_is_made_of_xml_too() {
+    let output = od_gen(&[
+        "dcf",
+        "tests/data/sensor.xdd",
+        "--node-id",
+        "7",
+        "--set",
+        "2000=50",
+    ]);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
+    let made = text(&output.stdout);
+    assert!(made.contains("[DeviceComissioning]\nNodeID=7\n"));
+    assert!(made.contains("ParameterValue=50\n"));
 }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use od_gen::dcf::{self, Values};
 use od_gen::model::Commissioning;
-use od_gen::{Report, Severity};
+use od_gen::{Diagnostic, Report, Severity};
 
 use crate::Failure;
 use crate::arguments::Dcf;
@@ -24,6 +24,7 @@ pub(crate) fn run(arguments: &Dcf) -> Result<ExitCode, Failure> {
     };
     let file = name(arguments);
     dcf::commission(&mut model, node, &file);
+    let before = Report::new(&file, &od_gen::print(&model));
 
     let mut values = Vec::new();
     for file in &arguments.values {
@@ -47,13 +48,20 @@ pub(crate) fn run(arguments: &Dcf) -> Result<ExitCode, Failure> {
 
     // What each value is on its own may be wrong for all of them together, such as one COB-ID twice.
     let text = od_gen::print(&model);
-    let report = Report::new(&file, &text);
+    let mut report = Report::new(&file, &text);
+    report.findings.retain(|finding| is_new(finding, &before));
     if report.has_errors() {
         output::tell(report.render(output::colour_of_errors()).trim_end());
         return Ok(ExitCode::FAILURE);
     }
     output::write(&text, arguments.output.as_deref())?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Whether a finding comes from the values: what the data sheet has without them, it was found to be usable with.
+fn is_new(finding: &Diagnostic, before: &Report) -> bool {
+    let is_same = |own: &Diagnostic| own.rule == finding.rule && own.message == finding.message;
+    !before.findings.iter().any(is_same)
 }
 
 /// The name of the configuration: that of the output, or that of the data sheet with another ending.

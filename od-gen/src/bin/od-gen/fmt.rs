@@ -35,6 +35,12 @@ pub(crate) fn run(arguments: &Fmt) -> Result<ExitCode, Failure> {
 fn formatted(file: &Path) -> Result<Option<(Vec<u8>, String)>, Failure> {
     let before = std::fs::read(file).map_err(|error| input::unreadable(file, &error))?;
     let report = input::report(file)?;
+    if report.source.text().trim_start().starts_with('<') {
+        let file = file.display();
+        let line =
+            format!("{file}: error: this is XML: only EDS and DCF files have a canonical form");
+        return Err(Failure::Refused(line));
+    }
     match od_gen::format(&report.source.file, report.source.text()) {
         Ok(after) => Ok(Some((before, after))),
         Err(findings) => {
