@@ -375,8 +375,15 @@ pub fn load() {
             device.now += Duration::from_ticks(111);
             device.sent.clear();
             let frame = Frame::full(cob_id, [number; 8]);
-            let (count, ()) =
-                count(|| serve(&mut device.node, &frame, device.now, &mut device.sent));
+            let (count, ()) = count(|| {
+                serve(
+                    &mut device.node,
+                    &frame,
+                    device.now,
+                    &mut device.application,
+                    &mut device.sent,
+                );
+            });
             device.total += count;
         }
         let each = device.total / 100;
