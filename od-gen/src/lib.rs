@@ -2,15 +2,16 @@
 //!
 //! A data sheet is the only source of an object dictionary: names, types, access, defaults, limits and PDO mapping flags come
 //! from it, and wrong use is a compile error. [`parse()`] reads and checks, [`generate()`] writes Rust, and [`build`] does both for a
-//! build script. Everything that is wrong with a data sheet is reported in one run, with file and line; what this reader does
-//! not know is an error too, never dropped in silence.
+//! build script. Everything that is wrong with a data sheet is reported in one run, each with its line; what this reader does
+//! not know is a warning, never dropped in silence.
 //!
 //! ```
 //! let text = "[FileInfo]\nFileName=empty.eds\n[DeviceInfo]\n[MandatoryObjects]\nSupportedObjects=0\n";
 //! let findings = od_gen::parse("empty.eds", text).unwrap_err();
 //! assert_eq!(
 //!     findings[0].to_string(),
-//!     "empty.eds:1:1: error[missing-mandatory-object]: the mandatory object 1000h is missing");
+//!     "empty.eds:1:1: error[missing-mandatory-object]: the mandatory object 1000h is missing"
+//! );
 //! ```
 #![forbid(unsafe_code)]
 

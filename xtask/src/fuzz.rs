@@ -25,13 +25,16 @@ const COVERAGE: &str = "--cfg fuzzing -Ccodegen-units=1 -Cpasses=sancov-module \
 /// The longest input in bytes: about fifty frames.
 const LONGEST: u32 = 600;
 
+/// The longest data sheet in bytes.
+const LONGEST_DATA_SHEET: u32 = 3000;
+
 /// Inputs of each target in a test run.
 const INPUTS: u32 = 30_000;
 
 /// How long and what to fuzz.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Fuzz only these targets (node, sdo, lss)
+    /// Fuzz only these targets (data_sheet, node, sdo, lss)
     targets: Vec<String>,
 
     /// Fuzz each target for so many seconds
@@ -129,10 +132,14 @@ fn short_run(target: &str) -> Result<bool> {
 fn run_command(target: &str, corpus: &Path) -> Result<Command> {
     let artifacts = folder().join("found");
     fs::create_dir_all(&artifacts).with_context(|| format!("making {}", artifacts.display()))?;
+    let longest = match target {
+        "data_sheet" => LONGEST_DATA_SHEET,
+        _ => LONGEST,
+    };
     let mut command = Command::new(program(target)?);
     command
         .arg(corpus)
-        .args([format!("-max_len={LONGEST}")])
+        .args([format!("-max_len={longest}")])
         .args(["-len_control=0", "-timeout=10", "-verbosity=0"])
         .arg(format!(
             "-artifact_prefix={}",

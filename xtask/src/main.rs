@@ -6,7 +6,7 @@
 //! | `qemu`  | builds the firmware and runs it in QEMU, its CAN bus served as SLCAN on TCP |
 //! | `size`  | flash and RAM of the firmware by crate |
 //! | `bench` | instruction counts in the emulator, compared with the committed table |
-//! | `fuzz`  | random inputs for the node, the SDO server and the LSS slave, as long as you like |
+//! | `fuzz`  | random inputs for the node, the SDO server, the LSS slave and od-gen, as long as you like |
 //!
 //! Exit codes: 0 all is well; 1 something was tried and failed (a test, a build, a changed benchmark); 2 it could not
 //! be tried (a bad argument, a busy port, a tool that may not be installed), with one line that says why.
@@ -52,7 +52,7 @@ enum Task {
     Size,
     /// Count instructions in the emulator and compare them with docs/benchmarks.md
     Bench(bench::Arguments),
-    /// Fuzz the node, the SDO server and the LSS slave; what is found is kept in the build folder
+    /// Fuzz the node, the SDO server, the LSS slave and the reader of data sheets; what is found is kept in the build folder
     Fuzz(fuzz::Arguments),
     /// The first process inside user-mode Linux: bring up vcan0 and run a command
     #[command(hide = true)]

@@ -107,4 +107,12 @@ impl<'a> Comment<'a> {
             position,
         }
     }
+
+    /// What a comment of the form `;Name=value` says: CiA 306 has no keys for it, and tools complain about keys that are not in it.
+    pub(crate) fn note(&self) -> Option<(&str, &str)> {
+        let (name, value) = self.text.split_once('=')?;
+        let (name, value) = (name.trim(), value.trim());
+        let is_name = !name.is_empty() && name.bytes().all(|letter| letter.is_ascii_alphanumeric());
+        is_name.then_some((name, value))
+    }
 }

@@ -147,7 +147,7 @@ fn is_hexadecimal(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|digit| digit.is_ascii_hexdigit())
 }
 
-/// Spells the keys of a section and puts them in order; comments go with the key below them.
+/// Spells the keys of a section and puts them in order; comments go with the key below them, notes such as `;Unit=mm` to the top.
 fn sort_keys<'a>(section: &mut Section<'a>) {
     let is_list = [MANDATORY, OPTIONAL, MANUFACTURER].contains(&&*section.name);
     let lower = section.name.to_ascii_lowercase();
@@ -161,7 +161,7 @@ fn sort_keys<'a>(section: &mut Section<'a>) {
     let comments = mem::take(&mut section.comments);
     let (top, comments): (Vec<_>, Vec<_>) = comments
         .into_iter()
-        .partition(|comment| comment.position == 0);
+        .partition(|comment| comment.position == 0 || comment.note().is_some());
     let mut comments = comments.into_iter().peekable();
 
     let mut keys: Vec<(usize, Vec<Comment<'a>>, Key<'a>)> = Vec::new();

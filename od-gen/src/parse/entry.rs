@@ -345,7 +345,7 @@ pub(super) fn storage_note(
 /// The comments of the form `;Name=value`: CiA 306 has no keys for them, and tools complain about keys that are not in it.
 pub(super) fn notes(section: &Section<'_>) -> Vec<Note> {
     let comments = section.comments.iter();
-    let pairs = comments.filter_map(|comment| note(&comment.text));
+    let pairs = comments.filter_map(Comment::note);
     pairs
         .map(|(name, value)| Note {
             name: name.into(),
@@ -356,20 +356,13 @@ pub(super) fn notes(section: &Section<'_>) -> Vec<Note> {
 
 /// All other comments.
 pub(super) fn remarks<'a>(comments: impl Iterator<Item = &'a Comment<'a>>) -> Remarks {
-    let remarks = comments.filter(|comment| note(&comment.text).is_none());
+    let remarks = comments.filter(|comment| comment.note().is_none());
     Remarks(remarks.map(|comment| comment.text.to_string()).collect())
-}
-
-fn note(comment: &str) -> Option<(&str, &str)> {
-    let (name, value) = comment.split_once('=')?;
-    let (name, value) = (name.trim(), value.trim());
-    let is_name = !name.is_empty() && name.bytes().all(|letter| letter.is_ascii_alphanumeric());
-    is_name.then_some((name, value))
 }
 
 fn note_place<'a>(section: &'a Section<'a>, name: &str) -> Option<(Span, &'a str)> {
     section.comments.iter().find_map(|comment| {
-        let (own, value) = note(&comment.text)?;
+        let (own, value) = comment.note()?;
         own.eq_ignore_ascii_case(name)
             .then_some((comment.span, value))
     })

@@ -82,6 +82,17 @@ a=1
 }
 
 #[test]
+fn of_two_notes_the_first_one_stays_the_first() {
+    let text = "[2000]\nMaker=1\n;Capacity=5\nX=1\n;Capacity=6\nDataType=9\n";
+    let formatted = format("x.eds", text).unwrap();
+    assert!(
+        formatted.starts_with("[2000]\n;Capacity=5\n;Capacity=6\nDataType"),
+        "{formatted}"
+    );
+    assert_eq!(format("x.eds", &formatted).unwrap(), formatted);
+}
+
+#[test]
 fn what_formatting_would_lose_is_refused() {
     for text in [
         "[1000]\n[1000]\n",

@@ -51,6 +51,13 @@ fn write(folder: &Path) -> io::Result<()> {
             fs::write(folder.join(format!("case-{}", number + 1)), encode(&lines))?;
         }
     }
+    // Data sheets are what they are.
+    let folder = folder.join("data_sheet");
+    fs::create_dir_all(&folder)?;
+    let cases = include_str!("../../../fuzz/cases/data_sheet.txt");
+    for (number, case) in cases.split("\n-\n").enumerate() {
+        fs::write(folder.join(format!("case-{}", number + 1)), case)?;
+    }
     Ok(())
 }
 
