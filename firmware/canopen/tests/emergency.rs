@@ -411,3 +411,26 @@ fn e04_an_error_beyond_the_list_is_told_once_and_its_end_once() {
     assert!(clear(&mut device, 0xFF14).is_empty());
     assert_eq!(report(&mut device, error(20)).len(), 1, "it may come again");
 }
+
+#[test]
+fn a_mapped_error_register_is_sent_when_it_changes() {
+    let mut device = Device::new();
+    device.ask("604#23001801840100C0");
+    device.ask("604#2F001A0000000000");
+    device.ask("604#23001A0108000110");
+    device.ask("604#2F001A0001000000");
+    device.ask("604#2300180184010040");
+    device.send("000#0104");
+    assert_eq!(device.sent(), ["184#00"]);
+    let emergency = Emergency {
+        code: 0xFF01,
+        register: 0x80,
+        info: [0; 5],
+    };
+    device.node.report(emergency, device.now);
+    device.poll();
+    assert_eq!(device.sent(), ["084#01FF810000000000", "184#81"]);
+    device.node.clear(0xFF01, device.now);
+    device.poll();
+    assert_eq!(device.sent(), ["084#0000000000000000", "184#00"]);
+}

@@ -37,6 +37,8 @@ pub(super) struct Services<C: Counts> {
     pub(super) timers_changed: bool,
     /// Whether a value of the dictionary may have changed since transmit PDOs were compared with it.
     pub(super) values_changed: bool,
+    /// Whether an event-driven transmit PDO may look at the error register or the history.
+    errors_are_watched: bool,
     /// Whether the set of identifiers that concern this device may have changed.
     pub(super) identifiers_changed: bool,
 }
@@ -56,6 +58,7 @@ impl<C: Counts> Services<C> {
             may_send_emergency: false,
             timers_changed: true,
             values_changed: true,
+            errors_are_watched: true,
             identifiers_changed: true,
         }
     }
@@ -79,7 +82,7 @@ impl<C: Counts> Services<C> {
         self.parameters.configure(dictionary);
         self.rpdos.configure_all(dictionary, node_id.get());
         self.tpdos.configure_all(dictionary, node_id.get());
-        self.rpdos.watch::<D>(&self.tpdos.watched());
+        self.watch_values::<D>();
         self.report_errors(dictionary, now);
         self.emergency.show_register(dictionary);
     }
@@ -151,12 +154,12 @@ impl<C: Counts> Services<C> {
             }
             0x1400..=0x17FF => {
                 self.rpdos.written(dictionary, entry);
-                self.rpdos.watch::<D>(&self.tpdos.watched());
+                self.watch_values::<D>();
                 self.report_errors(dictionary, now);
             }
             0x1800..=0x1BFF => {
                 self.tpdos.written(dictionary, entry, now);
-                self.rpdos.watch::<D>(&self.tpdos.watched());
+                self.watch_values::<D>();
             }
             _ => {}
         }
@@ -253,10 +256,17 @@ impl<C: Counts> Services<C> {
             || self.tpdos.cob_ids().any(|sent| sent == cob_id)
     }
 
-    /// A message may wait, and the error register may be mapped.
+    /// A message may wait, and the errors may be mapped.
     fn errors_changed(&mut self) {
         self.timers_changed |= self.emergency.needs_time();
-        self.values_changed = true;
+        self.values_changed |= self.errors_are_watched;
+    }
+
+    /// Finds out whose changes the event-driven transmit PDOs look at.
+    fn watch_values<D: Dictionary>(&mut self) {
+        let watched = self.tpdos.watched();
+        self.rpdos.watch::<D>(&watched);
+        self.errors_are_watched = self.emergency.shows_in(&watched);
     }
 
     /// The synchronous window is over.

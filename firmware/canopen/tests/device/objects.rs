@@ -100,7 +100,7 @@ macro_rules! mapping_parameter {
 const LISTS: &[&[Line]] = &[
     &[
         u32_(0x1000, 0, CONST, &[0x92, 0x01, 0x02, 0x00]),
-        u8_(0x1001, 0, RO, &[0]),
+        u8_(0x1001, 0, RO | Attributes::TPDO, &[0]),
         u8_(0x1003, 0, RW, &[0]),
         u32_(0x1003, 1, RO, &[0; 4]),
         u32_(0x1003, 2, RO, &[0; 4]),

@@ -1,6 +1,7 @@
 //! The pre-defined error field 1003h: the last errors, the newest at sub-index 1.
 
 use core::mem::swap;
+use core::ops::Range;
 
 use crate::cia301::sdo::AbortCode;
 use crate::od::{self, Dictionary, Entry, Location};
@@ -54,6 +55,16 @@ impl History {
                 })
                 .count();
         }
+    }
+
+    /// Whether a part of it lies in these places of RAM.
+    pub(super) fn lies_in(&self, places: &Range<u16>) -> bool {
+        let (start, end) = (usize::from(places.start), usize::from(places.end));
+        let field_end = self
+            .first
+            .saturating_add(self.capacity.saturating_mul(WORD));
+        let has_count = self.capacity > 0 && (start..end).contains(&self.count);
+        has_count || self.first.max(start) < field_end.min(end)
     }
 
     /// Puts an error at sub-index 1 and moves the others down; the oldest falls out of a full field.

@@ -1,10 +1,12 @@
 //! The emergency producer: from errors that come and go to the error register, the history and the messages.
 
+use core::ops::Range;
+
 use super::Emergency;
 use super::active::ActiveErrors;
 use super::history::History;
 use super::queue::EmergencyQueue;
-use crate::od::{self, Dictionary, Entry};
+use crate::od::{self, Dictionary, Entry, Location};
 use crate::time::Instant;
 use crate::wire::Frame;
 
@@ -100,6 +102,14 @@ impl Producer {
             od::put(dictionary, entry, &[register]);
         }
         register
+    }
+
+    /// Whether the error register or the history may lie in these places of RAM.
+    pub fn shows_in(&self, places: &Range<u16>) -> bool {
+        let register = self.register.map(Entry::location);
+        let has_register =
+            matches!(register, Some(Location::Ram(offset)) if places.contains(&offset));
+        has_register || self.history.lies_in(places)
     }
 
     /// Whether [`Producer::poll`] has something to do: a message is held back, or one that the inhibit time follows has
