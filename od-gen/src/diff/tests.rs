@@ -131,3 +131,17 @@ fn two_drives() {
         .collect();
     insta::assert_snapshot!(found.join("\n"));
 }
+
+#[test]
+fn printing_makes_no_difference() {
+    for (file, text) in [
+        ("small.eds", SMALL),
+        ("axis402.eds", include_str!("../../../eds/axis402.eds")),
+        ("lmd.eds", include_str!("../../../eds/lmd.eds")),
+        ("every.dcf", include_str!("../../tests/data/every.dcf")),
+    ] {
+        let model = parse(file, text).unwrap();
+        let printed = crate::report::Report::new(file, &crate::print::print(&model)).model;
+        assert_eq!(diff(&model, &printed), [], "{file}");
+    }
+}
