@@ -269,7 +269,7 @@ impl<D: Dictionary> Node<D> {
     /// The object dictionary, for the firmware to put in actual values. A communication object (1000h to 1FFFh) that is
     /// written here takes effect at the next boot. The next [`Node::poll`] looks for transmit PDOs that have changed.
     pub fn dictionary_mut(&mut self) -> &mut D {
-        self.services.values_changed = true;
+        self.services.values_changed |= self.services.tpdos.is_watching();
         &mut self.dictionary
     }
 

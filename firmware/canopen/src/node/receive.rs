@@ -44,8 +44,8 @@ impl<D: Dictionary> Node<D> {
             self.receive_nmt(frame.payload(), stamp);
         } else if cob_id == self.services.sync.cob_id() {
             self.receive_sync(frame, stamp, application);
-        } else if !self.receive_pdo(cob_id, frame, stamp, application) {
-            self.receive_other(cob_id, frame, stamp);
+        } else {
+            self.receive_pdo(frame, stamp, application);
         }
     }
 
@@ -145,24 +145,23 @@ impl<D: Dictionary> Node<D> {
         self.services.report_errors(&mut self.dictionary, now);
     }
 
-    /// Returns whether the frame was for a PDO.
+    /// A frame for a receive PDO, or for one of the services that are not used all the time.
     #[inline(never)]
-    fn receive_pdo<A: Application<D>>(
-        &mut self,
-        cob_id: u16,
-        frame: &Frame,
-        now: Instant,
-        application: &mut A,
-    ) -> bool {
-        let received =
-            self.services
-                .rpdos
-                .receive(cob_id, frame, now, &mut self.dictionary, application);
-        if received == Received::Nothing {
-            return false;
+    fn receive_pdo<A: Application<D>>(&mut self, frame: &Frame, now: Instant, application: &mut A) {
+        let Some(cob_id) = frame.standard_id() else {
+            return;
+        };
+        match self
+            .services
+            .rpdos
+            .receive(cob_id, frame, now, &mut self.dictionary, application)
+        {
+            Received::Nothing => return self.receive_other(cob_id, frame, now),
+            Received::Kept => {}
+            Received::Applied => self.services.values_changed = true,
         }
-        self.services.values_changed |= received == Received::Applied;
-        self.services.report_errors(&mut self.dictionary, now);
-        true
+        if self.services.rpdos.has_report() {
+            self.services.report_errors(&mut self.dictionary, now);
+        }
     }
 }

@@ -67,6 +67,9 @@ impl Source {
     }
 }
 
+/// No dictionary has eight bytes behind this offset.
+const NOT_WHOLE: u16 = u16::MAX;
+
 /// No place in RAM.
 pub(super) const NO_RAM: Range<u16> = 0..0;
 
@@ -86,6 +89,10 @@ pub(super) struct Packing<M> {
     count: u8,
     /// Bits of the frame; 0 when nothing is mapped.
     bits: u8,
+    /// The bytes that they take.
+    length: u8,
+    /// The offset in RAM of a frame that lies there as a whole, eight bytes; [`NOT_WHOLE`] otherwise.
+    whole: u16,
     /// Whose object the frame names, if it does.
     addressing: Option<Addressing>,
 }
@@ -94,7 +101,7 @@ impl<M: Slots<Source>> Packing<M> {
     /// Bytes of the frame.
     #[inline]
     pub(super) const fn length(&self) -> u8 {
-        self.bits.div_ceil(8)
+        self.length
     }
 
     #[inline]
@@ -127,13 +134,12 @@ impl<M: Slots<Source>> Packing<M> {
     #[inline]
     pub(super) fn pack(&self, ram: &[u8], rom: &[u8]) -> [u8; 8] {
         // Mostly a frame is one copy of eight bytes.
-        if let [source] = self.sources()
-            && source.bits == 64
-            && let Some(frame) = source.memory(ram, rom).first_chunk()
-        {
-            return *frame;
+        let begin = usize::from(self.whole);
+        let frame = ram.get(begin..begin.saturating_add(8));
+        match frame.and_then(<[u8]>::first_chunk) {
+            Some(frame) => *frame,
+            None => self.pack_sources(ram, rom),
         }
-        self.pack_sources(ram, rom)
     }
 
     #[inline(never)]
@@ -179,12 +185,15 @@ impl<M: Slots<Source>> Layout for Packing<M> {
         sources: M::UNUSED,
         count: 0,
         bits: 0,
+        length: 0,
+        whole: NOT_WHOLE,
         addressing: None,
     };
 
     fn addressed(addressing: Addressing) -> Self {
         Self {
             bits: MOST_BITS,
+            length: MOST_BITS / 8,
             addressing: Some(addressing),
             ..Self::NOTHING
         }
@@ -212,6 +221,12 @@ impl<M: Slots<Source>> Layout for Packing<M> {
             }
         }
         self.bits = bits;
+        self.length = bits.div_ceil(8);
+        self.whole = match self.sources() {
+            // All bits, and the flag of flash is not among them.
+            [source] if source.bits == MOST_BITS => source.offset,
+            _ => NOT_WHOLE,
+        };
         Ok(())
     }
 }

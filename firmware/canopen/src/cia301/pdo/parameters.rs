@@ -95,7 +95,7 @@ pub(super) enum Record {
 pub(super) struct Parameters {
     direction: Direction,
     /// 0 for the first PDO.
-    number: u16,
+    pub(super) number: u16,
 }
 
 impl Parameters {

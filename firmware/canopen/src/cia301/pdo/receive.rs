@@ -164,24 +164,44 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
         dictionary: &mut D,
         application: &mut A,
     ) -> Received {
-        let mut received = Received::Nothing;
         if !self.is_operational {
-            return received;
+            return Received::Nothing;
         }
-        for pdo in self.pdos.as_mut() {
-            if pdo.cob_id() != cob_id {
-                continue;
-            }
-            let this = match pdo.receive_plain(frame, dictionary, application) {
-                Some(received) => received,
-                None => pdo.receive(frame, now, &mut self.circumstances, dictionary, application),
-            };
-            if !self.has_twins {
-                return this;
-            }
-            received = received.and(this);
+        if self.has_twins {
+            return self.receive_by_twins(cob_id, frame, now, dictionary, application);
         }
-        received
+        let mut pdos = self.pdos.as_mut().iter_mut();
+        let Some(pdo) = pdos.find(|pdo| pdo.cob_id() == cob_id) else {
+            return Received::Nothing;
+        };
+        match pdo.receive_plain(frame, dictionary, application) {
+            Some(received) => received,
+            None => pdo.receive(frame, now, &mut self.circumstances, dictionary, application),
+        }
+    }
+
+    /// Several PDOs may want the frame.
+    #[cold]
+    #[inline(never)]
+    fn receive_by_twins<D: Dictionary, A: Application<D>>(
+        &mut self,
+        cob_id: u16,
+        frame: &Frame,
+        now: Instant,
+        dictionary: &mut D,
+        application: &mut A,
+    ) -> Received {
+        let pdos = self.pdos.as_mut().iter_mut();
+        pdos.filter(|pdo| pdo.cob_id() == cob_id)
+            .fold(Received::Nothing, |received, pdo| {
+                received.and(pdo.receive(
+                    frame,
+                    now,
+                    &mut self.circumstances,
+                    dictionary,
+                    application,
+                ))
+            })
     }
 
     /// A SYNC arrived: what waited for it is applied. Returns whether transmit PDOs have to look for changes. Called after

@@ -227,8 +227,16 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         dictionary: &mut D,
         application: &mut A,
     ) -> Option<Received> {
-        (frame.length() == self.plain_length)
-            .then(|| self.apply(frame.bytes(), dictionary, application))
+        if frame.length() != self.plain_length {
+            return None;
+        }
+        let frame = frame.bytes();
+        let refused = self.refused(0, frame, dictionary, application);
+        Some(if refused == 0 {
+            self.apply_all(frame, dictionary, application)
+        } else {
+            self.apply_accepted(refused, frame, dictionary, application)
+        })
     }
 
     /// Takes a frame; after the SYNC window a synchronous PDO only notes that it came. Sets `has_news` when an error came or went,
@@ -364,8 +372,8 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         addressing == Addressing::Destination
     }
 
-    /// Copies the bytes of a frame into the mapped objects.
-    #[inline]
+    /// Copies the bytes of a frame into the mapped objects that take them.
+    #[inline(never)]
     fn apply<D: Dictionary, A: Application<D>>(
         &self,
         frame: &[u8; 8],
@@ -373,15 +381,26 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         application: &mut A,
     ) -> Received {
         let refused = if self.mapping.is_limited() {
-            self.beyond_limits(frame, dictionary)
+            let beyond = self.beyond_limits(frame, dictionary);
+            self.refused(beyond, frame, dictionary, application)
         } else {
-            0
+            self.refused(0, frame, dictionary, application)
         };
-        let refused = self.refused(refused, frame, dictionary, application);
-        if refused != 0 {
-            self.apply_accepted(refused, frame, dictionary, application);
-            return Received::Applied;
+        if refused == 0 {
+            self.apply_all(frame, dictionary, application)
+        } else {
+            self.apply_accepted(refused, frame, dictionary, application)
         }
+    }
+
+    /// Copies the bytes of a frame into all mapped objects.
+    #[inline(always)]
+    fn apply_all<D: Dictionary, A: Application<D>>(
+        &self,
+        frame: &[u8; 8],
+        dictionary: &mut D,
+        application: &mut A,
+    ) -> Received {
         self.mapping.unpack(frame, dictionary);
         for object in self.mapping.objects() {
             if let Some(entry) = object.entry(D::TABLE) {
@@ -449,7 +468,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         frame: &[u8; 8],
         dictionary: &mut D,
         application: &mut A,
-    ) {
+    ) -> Received {
         let accepted = |number: u32| refused.wrapping_shr(number) & 1 == 0;
         for (number, object) in (0..).zip(self.mapping.objects()) {
             if accepted(number) {
@@ -463,6 +482,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
                 application.written(dictionary, entry);
             }
         }
+        Received::Applied
     }
 
     /// What the emergency producer has to hear, one at a time: what is gone first. `number` is that of the PDO, from 1.

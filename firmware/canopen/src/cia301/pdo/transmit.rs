@@ -64,11 +64,13 @@ pub struct Transmit<S, M> {
     is_operational: bool,
     /// The lowest identifier that waits to be taken; [`NOT_IN_USE`] when none does.
     lowest: u16,
-    /// The PDO that it belongs to.
-    lowest_slot: usize,
-    /// How many look for changes, and how many wait for SYNC.
-    watching: u16,
+    /// The PDO that it belongs to, 0 for the first.
+    lowest_number: u16,
+    /// How many look for changes and nothing else, and how many wait for SYNC.
+    plain: u16,
     synchronous: u16,
+    /// Whether there are PDOs with times to look at.
+    has_times: bool,
     /// That of the device.
     node_id: u8,
     objects: PhantomData<M>,
@@ -81,9 +83,10 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             pdos: S::UNUSED,
             is_operational: false,
             lowest: NOT_IN_USE,
-            lowest_slot: 0,
-            watching: 0,
+            lowest_number: 0,
+            plain: 0,
             synchronous: 0,
+            has_times: false,
             node_id: 0,
             objects: PhantomData,
         }
@@ -100,13 +103,14 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         self.count();
     }
 
-    /// Counts those that look for changes and those that wait for SYNC.
+    /// Counts who looks at what.
     fn count(&mut self) {
-        (self.watching, self.synchronous) = (0, 0);
+        (self.plain, self.synchronous, self.has_times) = (0, 0, false);
         for pdo in self.pdos.as_ref() {
-            self.watching = self.watching.saturating_add(pdo.is_watching().into());
+            self.plain = self.plain.saturating_add(pdo.is_plain().into());
             let is_synchronous = pdo.is_synchronous();
             self.synchronous = self.synchronous.saturating_add(is_synchronous.into());
+            self.has_times |= pdo.is_looked_at_closely();
         }
     }
 
@@ -189,7 +193,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         if !self.is_operational || left == 0 {
             return;
         }
-        for (slot, pdo) in self.pdos.as_mut().iter_mut().enumerate() {
+        for pdo in self.pdos.as_mut() {
             if !pdo.is_synchronous() {
                 continue;
             }
@@ -197,7 +201,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             // One that waited before has been counted.
             if is_sent && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
-                self.lowest_slot = slot;
+                self.lowest_number = pdo.number();
             }
             left = left.saturating_sub(1);
             if left == 0 {
@@ -236,27 +240,55 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         in_use.filter(|cob_id| *cob_id != NOT_IN_USE)
     }
 
+    /// Whether a change of a value, or time, may cause one to be sent.
+    #[inline]
+    pub const fn is_watching(&self) -> bool {
+        self.is_operational && (self.plain != 0 || self.has_times)
+    }
+
     /// Looks for changes and timers that have run out. Called whenever values may have changed; returns when it wants to be
     /// called again at the latest.
     pub fn poll<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> Instant {
-        let mut deadline = NEVER;
-        let mut left = self.watching;
-        if !self.is_operational || left == 0 {
-            return deadline;
+        if !self.is_operational {
+            return NEVER;
         }
-        for (slot, pdo) in self.pdos.as_mut().iter_mut().enumerate() {
-            if !pdo.is_watching() {
+        let mut left = self.plain;
+        if left != 0 {
+            for pdo in self.pdos.as_mut() {
+                if !pdo.is_plain() {
+                    continue;
+                }
+                let is_sent = pdo.look(dictionary.ram(), D::TABLE.rom, now);
+                // One that waited before has been counted.
+                if is_sent && pdo.cob_id() < self.lowest {
+                    self.lowest = pdo.cob_id();
+                    self.lowest_number = pdo.number();
+                }
+                left = left.saturating_sub(1);
+                if left == 0 {
+                    break;
+                }
+            }
+        }
+        if self.has_times {
+            self.look_at_times(dictionary, now)
+        } else {
+            NEVER
+        }
+    }
+
+    #[inline(never)]
+    fn look_at_times<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> Instant {
+        let mut deadline = NEVER;
+        for pdo in self.pdos.as_mut() {
+            if !pdo.is_looked_at_closely() {
                 continue;
             }
-            deadline = earlier(deadline, pdo.look(dictionary, self.node_id, now));
+            deadline = earlier(deadline, pdo.look_closely(dictionary, self.node_id, now));
             // One that waited before has been counted.
             if pdo.is_waiting() && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
-                self.lowest_slot = slot;
-            }
-            left = left.saturating_sub(1);
-            if left == 0 {
-                break;
+                self.lowest_number = pdo.number();
             }
         }
         deadline
@@ -340,7 +372,11 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         if !self.is_pending() {
             return None;
         }
-        let frame = self.pdos.as_mut().get_mut(self.lowest_slot)?.take();
+        let frame = self
+            .pdos
+            .as_mut()
+            .get_mut(usize::from(self.lowest_number))?
+            .take();
         self.find_lowest();
         frame
     }
@@ -349,10 +385,10 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     /// ceased to wait.
     fn find_lowest(&mut self) {
         self.lowest = NOT_IN_USE;
-        for (slot, pdo) in self.pdos.as_ref().iter().enumerate() {
+        for pdo in self.pdos.as_ref() {
             if pdo.is_waiting() && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
-                self.lowest_slot = slot;
+                self.lowest_number = pdo.number();
             }
         }
     }

@@ -33,6 +33,8 @@ pub struct TransmitPdo<M> {
     transmission_type: TransmissionType,
     /// How it is looked at when values may have changed.
     watch: Watch,
+    /// Which one it is, 0 for the first.
+    number: u16,
     /// Of types 1 to 240 the number, of others 0.
     every: u8,
     /// Whether types other than 252 and 253 answer a request.
@@ -65,6 +67,7 @@ impl<M: Slots<Source>> Unused for TransmitPdo<M> {
         cob_id: NOT_IN_USE,
         transmission_type: TransmissionType::Event,
         watch: Watch::No,
+        number: 0,
         every: 0,
         allows_request: false,
         sync_start: 0,
@@ -118,6 +121,7 @@ impl<M: Slots<Source>> TransmitPdo<M> {
             && let Some(transmission_type) = transmission_type.with(mapping.addressing())
         {
             self.cob_id = cob_id;
+            self.number = parameters.number;
             self.transmission_type = transmission_type;
             self.allows_request = parameters.allows_request(dictionary);
             self.sync_start = parameters.sync_start(dictionary);
@@ -145,10 +149,15 @@ impl<M: Slots<Source>> TransmitPdo<M> {
         };
     }
 
-    /// Whether it is looked at when values may have changed.
+    /// Whether a change is all that is looked for.
     #[inline]
-    pub(super) fn is_watching(&self) -> bool {
-        self.watch != Watch::No
+    pub(super) fn is_plain(&self) -> bool {
+        self.watch == Watch::Plain
+    }
+
+    /// Whether there are times to look at, or more.
+    pub(super) fn is_looked_at_closely(&self) -> bool {
+        self.watch == Watch::Closely
     }
 
     /// The places in RAM that it looks at for changes.
@@ -269,27 +278,20 @@ impl<M: Slots<Source>> TransmitPdo<M> {
         }
     }
 
-    /// Looks for a change, and at what else there is to look at, if anything; returns the next deadline.
+    /// Looks for a change, for a plain PDO; returns whether it is sent.
     #[inline]
-    pub(super) fn look<D: Dictionary>(
-        &mut self,
-        dictionary: &D,
-        node_id: u8,
-        now: Instant,
-    ) -> Instant {
-        if self.watch == Watch::Plain {
-            let present = self.mapping.pack(dictionary.ram(), D::TABLE.rom);
-            if self.is_due || present != self.content {
-                self.give_out(present);
-                self.free_at = now;
-            }
-            return NEVER;
+    pub(super) fn look(&mut self, ram: &[u8], rom: &[u8], now: Instant) -> bool {
+        let present = self.mapping.pack(ram, rom);
+        if !self.is_due && present == self.content {
+            return false;
         }
-        self.look_closely(dictionary, node_id, now)
+        // A new inhibit time counts from here.
+        self.free_at = now;
+        self.give_out(present)
     }
 
-    #[inline(never)]
-    fn look_closely<D: Dictionary>(
+    /// Looks for a change, and at the times; returns the next deadline.
+    pub(super) fn look_closely<D: Dictionary>(
         &mut self,
         dictionary: &D,
         node_id: u8,
@@ -409,6 +411,12 @@ impl<M: Slots<Source>> TransmitPdo<M> {
 
     pub(super) const fn is_waiting(&self) -> bool {
         self.is_waiting
+    }
+
+    /// Which one it is, 0 for the first; of a PDO in use.
+    #[inline]
+    pub(super) const fn number(&self) -> u16 {
+        self.number
     }
 
     pub(super) const fn cob_id(&self) -> u16 {

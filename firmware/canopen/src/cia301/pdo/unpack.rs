@@ -111,6 +111,8 @@ pub(super) struct Unpacking<M> {
     count: u8,
     /// Bits of the frame, dummies included; 0 when nothing is mapped.
     bits: u8,
+    /// The bytes that they take.
+    length: u8,
     /// The offset in RAM that the whole frame is copied to, when its objects lie there as they lie in the frame; [`NO_RUN`]
     /// otherwise.
     run: u16,
@@ -127,7 +129,7 @@ impl<M: Slots<Destination>> Unpacking<M> {
     /// Bytes of the frame.
     #[inline]
     pub(super) const fn length(&self) -> u8 {
-        self.bits.div_ceil(8)
+        self.length
     }
 
     /// The objects in their order.
@@ -162,12 +164,18 @@ impl<M: Slots<Destination>> Unpacking<M> {
     /// Copies a frame to all its objects, without any check.
     #[inline]
     pub(super) fn unpack<D: Dictionary>(&self, frame: &[u8; 8], dictionary: &mut D) {
-        if self.run == NO_RUN {
-            for object in self.objects() {
-                object.put(frame, dictionary);
-            }
-        } else if let Some(to) = dictionary.ram_mut().get_mut(usize::from(self.run)..) {
-            copy_few(to, frame, usize::from(self.length()));
+        // Mostly a frame is one copy of eight bytes.
+        let begin = usize::from(self.run);
+        match dictionary.ram_mut().get_mut(begin..begin.saturating_add(8)) {
+            Some(to) if self.length == 8 => copy_few(to, frame, 8),
+            _ => self.unpack_objects(frame, dictionary),
+        }
+    }
+
+    #[inline(never)]
+    fn unpack_objects<D: Dictionary>(&self, frame: &[u8; 8], dictionary: &mut D) {
+        for object in self.objects() {
+            object.put(frame, dictionary);
         }
     }
 
@@ -189,6 +197,7 @@ impl<M: Slots<Destination>> Layout for Unpacking<M> {
         objects: M::UNUSED,
         count: 0,
         bits: 0,
+        length: 0,
         run: NO_RUN,
         is_limited: false,
         addressing: None,
@@ -197,6 +206,7 @@ impl<M: Slots<Destination>> Layout for Unpacking<M> {
     fn addressed(addressing: Addressing) -> Self {
         Self {
             bits: MOST_BITS,
+            length: MOST_BITS / 8,
             addressing: Some(addressing),
             ..Self::NOTHING
         }
@@ -224,6 +234,7 @@ impl<M: Slots<Destination>> Layout for Unpacking<M> {
             Target::Dummy(_) => NO_RUN,
         };
         self.bits = bits;
+        self.length = bits.div_ceil(8);
         Ok(())
     }
 }
