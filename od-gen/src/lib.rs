@@ -38,7 +38,7 @@ pub use bind::BindingReport;
 pub use build_script::build;
 pub use data_type::DataType;
 pub use diagnostic::{Colour, Diagnostic, Severity, render};
-pub use generate::{Options, generate};
+pub use generate::{Figures, Options, generate};
 pub use json::json;
 pub use model::Model;
 pub use parse::LARGEST_VALUE;

@@ -8,6 +8,7 @@ mod bindings;
 mod constants;
 mod documentation;
 mod drive;
+mod figures;
 mod format;
 mod hooks;
 mod layout;
@@ -19,6 +20,7 @@ use std::path::Path;
 
 use crate::bind::Binding;
 use crate::model::Model;
+pub use figures::Figures;
 use layout::Layout;
 
 /// What is generated beside the dictionary itself.

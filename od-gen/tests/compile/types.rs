@@ -6,6 +6,7 @@ mod dictionary {
     include!("dictionaries/types.rs");
 }
 
+use canopen::Application as _;
 use canopen::cia301::nmt::Reset;
 use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{DayTime, OutOfRange};
@@ -177,13 +178,20 @@ fn over_the_bus() {
     assert_eq!(station.request(&[0x23, 0x0B, 0x20, 0, 0, 0, 0x20, 0x40])[0], 0x60);
     assert_eq!(station.request(&[0x23, 0x0B, 0x20, 0, 1, 0, 0x20, 0x40])[4..], [0x31, 0, 0x09, 0x06]);
     assert_eq!(station.node.dictionary().real32(), 2.5);
+    // A DOMAIN, both ways.
+    assert_eq!(station.request(&[0x27, 0x18, 0x20, 0, 7, 8, 9, 0])[0], 0x60);
+    assert_eq!(station.application.0.scratch.0, [7, 8, 9]);
+    assert_eq!(station.request(&[0x40, 0x18, 0x20, 0, 0, 0, 0, 0])[4..], [7, 8, 9, 0]);
+    // Its access is that of the data sheet.
+    assert_eq!(station.request(&[0x40, 0x16, 0x20, 0, 0, 0, 0, 0])[4..], [1, 0, 1, 6]);
+    assert_eq!(station.request(&[0x2F, 0x17, 0x20, 0, 1, 0, 0, 0])[4..], [2, 0, 1, 6]);
 }
 
 /// What the SDO server does with a streamed object, in its place.
 fn streams() {
     let dictionary = &mut Dictionary::new();
     let mut application = Hooked(Application::default());
-    let node: &mut dyn canopen::Application<Dictionary> = &mut application;
+    let node = &mut application;
     let entry = |index| canopen::od::find::<Dictionary>(index, 0).unwrap();
     let scratch = entry(0x2018);
     assert_eq!(node.begin_write(dictionary, scratch, Some(1001)), Err(AbortCode::OutOfMemory));

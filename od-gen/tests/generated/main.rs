@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use od_gen::bind::Binding;
-use od_gen::{BindingReport, Model, Options, generate, parse};
+use od_gen::{BindingReport, Figures, Model, Options, generate, parse};
 
 /// A dictionary for the programs: its name, its data sheet with what is changed in it, and whether it is one of a drive.
 const DICTIONARIES: [(&str, &str, (&str, &str), bool); 4] = [
@@ -110,15 +110,19 @@ fn data_sheets() -> Vec<(String, PathBuf)> {
 fn generated_dictionaries_do_what_their_data_sheets_say() {
     let folder = prepare("compile");
     random::write(&folder);
-    for (name, _) in data_sheets() {
-        let program = PROGRAM.replace("NAME", &name);
+    for (name, path) in data_sheets() {
+        let figures = Figures::of(&od_gen::read(&path).unwrap());
+        let program = PROGRAM
+            .replace("NAME", &name)
+            .replace("FLASH", &figures.flash().to_string())
+            .replace("RAM", &figures.ram.to_string());
         fs::write(folder.join(format!("data_sheet_{name}.rs")), program).unwrap();
     }
     let cases = trybuild::TestCases::new();
     cases.pass(folder.join("*.rs"));
 }
 
-/// A data sheet of the repository: it compiles without a warning.
+/// A data sheet of the repository: it compiles without a warning, and takes what is said of it.
 const PROGRAM: &str = r#"#![deny(warnings)]
 #![forbid(unsafe_code)]
 
@@ -127,7 +131,14 @@ mod dictionary {
 }
 
 fn main() {
-    let _ = dictionary::Dictionary::new();
+    use canopen::od::Dictionary;
+    let table = dictionary::Dictionary::TABLE;
+    let flash = size_of_val(table.entries)
+        + size_of_val(table.limits)
+        + size_of_val(table.rom)
+        + size_of_val(table.defaults);
+    assert_eq!(flash, FLASH);
+    assert_eq!(size_of::<dictionary::Dictionary>(), RAM);
 }
 "#;
 

@@ -5,6 +5,7 @@
 //! `# heading`, then one row per workload, `name<TAB>count`. It runs twice, built for speed and for size. The figures are
 //! compared with the committed ones of `docs/benchmarks.md`.
 
+mod data_sheets;
 mod image;
 mod table;
 
@@ -43,6 +44,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mut tables = image::count()?;
     tables.push(sizes()?);
+    tables.push(data_sheets::dictionaries()?);
+    tables.push(data_sheets::generator()?);
 
     let file = place::root().join(DOCUMENT);
     let mut document =

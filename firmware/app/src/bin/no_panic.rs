@@ -12,9 +12,11 @@ use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::cia301::time_stamp::TimeOfDay;
 use canopen::cia303::{Indicators, Signal};
 use canopen::node::StoreError;
+use canopen::od::{self, DayTime, StorageGroup, Value};
 use canopen::{
     Application, BitRate, ControllerState, Duration, Frame, Instant, Node, NodeId, Settings,
 };
+use cia402::binding::{self, Conversion, Number};
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
@@ -433,6 +435,27 @@ fn indicators(indicators: &mut Indicators, node: &Node<Dictionary>) {
     look(u32::from(lit.run) + u32::from(lit.error));
 }
 
+/// The getters and setters of dictionaries, and what bindings calculate.
+fn values() {
+    let bytes = any_bytes();
+    let all = bytes.get(..any() as usize).unwrap_or(&bytes);
+    look(i32::of(all) as u32 ^ u64::of(all) as u32 ^ u32::from(bool::of(all)));
+    look(DayTime::of(all).milliseconds ^ f64::of(all).to_bits() as u32);
+    look(od::signed_bytes::<5>(any_u64() as i64).is_ok() as u32);
+    look(od::unsigned_bytes::<7>(any_u64()).is_ok() as u32);
+    let conversion = Conversion::new(8, -5, 7);
+    let number = conversion.to_parameter(any_u64() as i64);
+    look(u32::nearest(number) ^ i8::nearest(conversion.to_object(number)) as u32);
+    look(binding::within(Some(number), -5, 7).is_ok() as u32);
+    for group in [
+        StorageGroup::Communication,
+        StorageGroup::Application,
+        StorageGroup::Manufacturer,
+    ] {
+        look(<Dictionary as od::Dictionary>::TABLE.stored(group).len() as u32);
+    }
+}
+
 #[entry]
 fn main() -> ! {
     let mut exchange = Exchange::new();
@@ -454,6 +477,7 @@ fn main() -> ! {
             drive(&mut device, &mut driver, &mut exchange);
             axis(&mut stepper);
             plan(config.clock);
+            values();
             pulses(&mut queue, &mut player);
         }
     }

@@ -17,6 +17,7 @@ mod block;
 mod device;
 mod drive;
 mod longest;
+mod lookup;
 mod steps;
 
 use cortex_m_rt::{entry, exception, ExceptionFrame};
@@ -64,6 +65,8 @@ fn main() -> ! {
     device::load();
     heading("Longest paths");
     longest::run();
+    heading("Look-up");
+    lookup::run();
     heading("Memory of the device");
     device::memory();
     loop {

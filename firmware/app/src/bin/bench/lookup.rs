@@ -1,0 +1,66 @@
+//! Finding an entry by index and sub-index, in dictionaries of three sizes.
+
+use canopen::od::{Attributes, DataType, Entry, Table};
+use core::hint::black_box;
+
+use crate::{count, row};
+
+/// `N` entries: records with eight sub-indices each, as in the manufacturer's area.
+const fn entries<const N: usize>() -> [Entry; N] {
+    let mut entries = [Entry {
+        index: 0x2000,
+        sub: 0,
+        data_type: DataType::Unsigned8,
+        offset: 0,
+        size: 1,
+        attributes: Attributes(Attributes::READ | Attributes::ROM),
+        limits: Entry::NO_LIMITS,
+    }; N];
+    let mut at = 0;
+    while at < N {
+        entries[at].index = 0x2000 + (at / 8) as u16;
+        entries[at].sub = (at % 8) as u8;
+        at += 1;
+    }
+    entries
+}
+
+const fn table(entries: &'static [Entry]) -> Table {
+    Table {
+        entries,
+        rom: &[0],
+        defaults: &[],
+        limits: &[],
+        storage: Table::NO_STORAGE,
+    }
+}
+
+static SMALL_ENTRIES: [Entry; 100] = entries();
+static MIDDLE_ENTRIES: [Entry; 400] = entries();
+static LARGE_ENTRIES: [Entry; 2000] = entries();
+
+static SMALL: Table = table(&SMALL_ENTRIES);
+static MIDDLE: Table = table(&MIDDLE_ENTRIES);
+static LARGE: Table = table(&LARGE_ENTRIES);
+
+pub fn run() {
+    for (name, table) in [
+        ("100 entries", &SMALL),
+        ("400 entries", &MIDDLE),
+        ("2,000 entries", &LARGE),
+    ] {
+        row(name, mean(table));
+    }
+}
+
+/// The mean of all entries, each of which is found.
+fn mean(table: &'static Table) -> u32 {
+    let table = black_box(table);
+    let mut sum = 0;
+    for entry in table.entries {
+        let (cost, found) = count(|| table.find(black_box(entry.index), black_box(entry.sub)));
+        assert!(found == Ok(entry));
+        sum += cost;
+    }
+    sum / table.entries.len() as u32
+}
