@@ -160,7 +160,7 @@ fn a_domain_of_every_length_goes_down_and_up_by_blocks() {
         let value = data(length);
         bench.block_download(0x2002, 0, &value).unwrap();
         assert_eq!(bench.device().firmware.domains[&0x2002], value, "{length}");
-        let sizes: &[u8] = if length < 30 || length > 800 {
+        let sizes: &[u8] = if !(30..=800).contains(&length) {
             &[1, 2, 126, 127]
         } else {
             &[127]

@@ -1,7 +1,8 @@
 """What the tests share: the programs, a fresh device for every test, and a master connected to it.
 
 `--target virtual` is a virtual drive that serves SLCAN, `--target firmware` the firmware image in QEMU, and
-`--target socketcan` a virtual drive on `vcan0`. Without it the virtual drive is tested.
+`--target socketcan` a virtual drive on `vcan0`. Without it the virtual drive is tested. What the drive has no object for is
+put to the plain test device in its place, which is no firmware.
 """
 
 import pathlib
@@ -24,6 +25,9 @@ NODE_ID = 10
 def pytest_addoption(parser):
     parser.addoption("--target", action="append", choices=["virtual", "firmware", "socketcan"])
     parser.addoption("--sim", default=ROOT / "target" / "debug" / "sim", help="the virtual drive's program")
+    parser.addoption(
+        "--test-device", default=ROOT / "target" / "debug" / "serve_test_device", help="the plain test device's program"
+    )
     parser.addoption("--xtask", default=ROOT / "target" / "debug" / "xtask", help="the program that runs the emulator")
     parser.addoption("--image", help="the firmware's ELF file; without it, it is built")
 
@@ -72,7 +76,7 @@ def patience():
 
 @pytest.fixture(scope="session")
 def programs(pytestconfig):
-    return Programs(pytestconfig.getoption("--sim"), pytestconfig.getoption("--xtask"), pytestconfig.getoption("--image"))
+    return Programs(*[pytestconfig.getoption(name) for name in ("--sim", "--test-device", "--xtask", "--image")])
 
 
 @pytest.fixture
@@ -83,18 +87,34 @@ def tmp_path():
 
 
 @pytest.fixture
-def start(programs, kind, tmp_path):
-    """Starts devices, each with its store and its other arguments. All of them are stopped at the end of the test, before
-    the test's folder is removed."""
+def started(tmp_path):
+    """The devices of the test. All of them are stopped at its end, before the test's folder is removed."""
     started = []
+    yield started
+    codes = [bus.server.stop() for bus in started]
+    assert codes == [0] * len(codes), [bus.server.words() for bus in started]
+
+
+@pytest.fixture
+def start(programs, kind, started):
+    """Starts devices, each with its store and its other arguments."""
 
     def start(store=None, arguments=()):
         started.append(programs.start(kind, store, arguments))
         return started[-1]
 
-    yield start
-    codes = [bus.server.stop() for bus in started]
-    assert codes == [0] * len(codes), [bus.server.words() for bus in started]
+    return start
+
+
+@pytest.fixture
+def start_test_device(programs, kind, started):
+    """Starts a plain test device."""
+
+    def start():
+        started.append(programs.start_test_device(kind))
+        return started[-1]
+
+    return start
 
 
 @pytest.fixture

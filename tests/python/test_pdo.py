@@ -2,13 +2,17 @@
 
 import time
 
+import can
 import pytest
 from canopen.sdo import SdoAbortedError
 
 from conftest import NODE_ID
 from frames import Frames, wait_until
 
-SYNC_DRIVEN, EVENT_DRIVEN = 1, 255
+SYNC_DRIVEN, ON_REQUEST, EVENT_DRIVEN = 1, 253, 255
+
+#: In the COB-ID of SYNC: the drive sends it.
+PRODUCES = 1 << 30
 
 
 def map_tpdo(node, number, objects, trans_type, **settings):
@@ -127,3 +131,51 @@ def test_a_synchronous_rpdo_waits_for_sync(network, node):
     assert node.sdo[0x607A].raw == 0
     network.sync.transmit()
     wait_until(lambda: node.sdo[0x607A].raw == 777, "607Ah at SYNC")
+
+
+def test_a_remote_request_drives_a_tpdo(network, node):
+    frames = map_tpdo(node, 1, [0x6083], ON_REQUEST, rtr_allowed=True)
+    node.nmt.state = "OPERATIONAL"
+    assert frames.none()
+    request = can.Message(arbitration_id=0x180 + NODE_ID, is_remote_frame=True, is_extended_id=False, dlc=4)
+    for acceleration in (1, 2, 12_345_678):
+        node.sdo[0x6083].raw = acceleration
+        network.bus.send(request)
+        assert frames.next() == acceleration.to_bytes(4, "little")
+    assert frames.none()
+
+
+def test_a_tpdo_begins_with_its_start_value(network, node):
+    node.sdo[0x1019].raw = 10
+    frames = map_tpdo(node, 4, [0x6041], 2, sync_start_value=3)
+    node.nmt.state = "OPERATIONAL"
+    for count in (9, 10, 1, 2):
+        network.sync.transmit(count)
+    assert frames.none()
+    # From number 3 on it is every second.
+    for count in (3, 5):
+        network.sync.transmit(count)
+        frames.next()
+        network.sync.transmit(count + 1)
+        assert frames.none()
+
+
+def test_the_drive_produces_sync_and_keeps_to_it(network, node):
+    period = 0.05
+    syncs = Frames(network, 0x80)
+    frames = map_tpdo(node, 4, [0x6041], SYNC_DRIVEN)
+    node.sdo[0x1019].raw = 4
+    node.sdo[0x1006].raw = int(period * 1_000_000)
+    node.sdo[0x1005].raw = 0x80 | PRODUCES
+    node.nmt.state = "OPERATIONAL"
+    syncs.until(lambda frame: frame == b"\x04")
+    started = time.monotonic()
+    for count in (1, 2, 3, 4) * 4:
+        assert syncs.next() == bytes([count])
+        frames.next()
+    assert time.monotonic() - started > 0.8 * 16 * period
+    node.sdo[0x1005].raw = 0x80
+    # What was sent before the answer is here.
+    for _ in range(syncs.queue.qsize()):
+        syncs.next()
+    assert syncs.none()

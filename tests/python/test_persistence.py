@@ -2,6 +2,9 @@
 
 from conftest import EDS, NODE_ID, give_node_id
 
+#: Sub-indices of 1010h and 1011h.
+COMMUNICATION, APPLICATION = 2, 3
+
 
 def node_id_after_restart(start, connect, tmp_path):
     """Restarts the drive with the same parameter store and asks it by LSS."""
@@ -107,3 +110,29 @@ def test_a_new_node_id_moves_the_identifiers_of_the_data_sheet_only(start, conne
     drive = network.add_node(NODE_ID + 1, str(EDS))
     assert drive.sdo[0x1400][1].raw == 0x200 + NODE_ID + 1
     assert drive.sdo[0x1401][1].raw == 0x233
+
+
+def test_groups_of_parameters_are_stored_and_restored_apart(start, connect, tmp_path):
+    bus, network, drive = with_stored_node_id(start, connect, tmp_path)
+
+    def cycle_power():
+        nonlocal bus, network, drive
+        network.disconnect()
+        assert bus.server.stop() == 0
+        bus = start(tmp_path)
+        network = connect(bus)
+        drive = network.add_node(NODE_ID, str(EDS))
+        return drive.sdo[0x1017].raw, drive.sdo[0x6081].raw
+
+    drive.sdo[0x1017].raw = 250
+    drive.sdo[0x6081].raw = 4321
+    drive.store(COMMUNICATION)
+    assert cycle_power() == (250, 10_000)
+    drive.sdo[0x1017].raw = 500
+    drive.sdo[0x6081].raw = 4321
+    drive.store(APPLICATION)
+    assert cycle_power() == (250, 4321)
+    drive.restore(COMMUNICATION)
+    assert cycle_power() == (0, 4321)
+    drive.restore()
+    assert cycle_power() == (0, 10_000)

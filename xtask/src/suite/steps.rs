@@ -164,7 +164,7 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
         }
         Step::Firmware => images()?,
         Step::Python => {
-            let built = checks([cargo(&["build", "--package", "sim"])])?;
+            let built = checks([devices()])?;
             if built.failed > 0 {
                 built
             } else {
@@ -183,7 +183,7 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
         Step::Socketcan => match &ready.socketcan {
             Err(why) => return Ok(Run::Skipped(why.clone())),
             Ok(socketcan) => {
-                let built = checks([cargo(&["build", "--package", "sim"])])?;
+                let built = checks([devices()])?;
                 if built.failed > 0 {
                     built
                 } else {
@@ -199,6 +199,21 @@ fn cargo(arguments: &[&str]) -> Command {
     let mut command = place::cargo();
     command.args(arguments);
     command
+}
+
+/// Builds the programs that the Python tests serve: the virtual drive and the plain test device.
+fn devices() -> Command {
+    cargo(&[
+        "build",
+        "--package",
+        "sim",
+        "--package",
+        "tests",
+        "--bin",
+        "sim",
+        "--bin",
+        "serve_test_device",
+    ])
 }
 
 fn lints() -> [Command; 3] {
@@ -276,6 +291,8 @@ fn pytest(python: &Path, target: &str) -> Command {
     command
         .arg("--sim")
         .arg(place::built("sim"))
+        .arg("--test-device")
+        .arg(place::built("serve_test_device"))
         .arg("--xtask")
         .arg(place::built("xtask"));
     command
