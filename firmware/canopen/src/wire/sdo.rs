@@ -144,8 +144,15 @@ const fn specifier(command: u8) -> u8 {
 }
 
 impl<'a> Request<'a> {
-    /// Reads a request.
+    /// Whether a frame is an abort.
     #[inline]
+    pub(crate) const fn is_abort(frame: &[u8; 8]) -> bool {
+        let [command, ..] = *frame;
+        specifier(command) == ABORT
+    }
+
+    /// Reads a request.
+    #[inline(always)] // The server, which takes it apart at once, is the only hot caller.
     pub fn parse(frame: &'a [u8; 8]) -> Self {
         let [command, ..] = *frame;
         let toggle = command & TOGGLE != 0;
@@ -220,7 +227,7 @@ impl<'a> Response<'a> {
     }
 
     /// The eight bytes.
-    #[inline]
+    #[inline(always)] // Where it is called the variant is known: one of the arms remains.
     pub fn emit(&self) -> [u8; 8] {
         match *self {
             Self::InitiateDownload(object) => emit_long(server::INITIATE_DOWNLOAD, object, 0),

@@ -26,7 +26,7 @@ use super::server::{Server, Step};
 use super::{AbortCode, TIME_OUT, crc};
 use crate::time::{Duration, Instant};
 use crate::wire::sdo::{
-    ABORT_COMMAND, BlockRequest, BlockResponse, BlockSegment, MOST_SEGMENTS, Multiplexer, Request,
+    ABORT_COMMAND, BlockRequest, BlockResponse, BlockSegment, MOST_SEGMENTS, Multiplexer,
 };
 
 /// From the last segment to the server's own confirmation, and from there to the abort.
@@ -134,9 +134,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// The content of a frame that ends the transfer before its last segment has come. It looks like a last segment behind a
     /// gap; it is none if the rest of it is empty and the size that was announced does not end there.
     fn early_end(&self, frame: &[u8; 8], seqno: u8) -> Option<(u8, u16)> {
-        let Request::Block(BlockRequest::EndDownload { empty, crc }) = Request::parse(frame) else {
-            return None;
-        };
+        let (empty, crc) = BlockRequest::end_download(frame)?;
         let [_, _, _, 0, 0, 0, 0, 0] = *frame else {
             return None;
         };
@@ -250,12 +248,8 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
 
     /// Whether this is the end frame that belongs to the data.
     fn is_end(&self, frame: &[u8; 8]) -> bool {
-        match Request::parse(frame) {
-            Request::Block(BlockRequest::EndDownload { empty, crc }) => {
-                self.check_end(empty, crc).is_ok()
-            }
-            _ => false,
-        }
+        BlockRequest::end_download(frame)
+            .is_some_and(|(empty, crc)| self.check_end(empty, crc).is_ok())
     }
 
     /// The bytes of the last segment that count, if size and checksum are right with them.

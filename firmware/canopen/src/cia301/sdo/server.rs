@@ -171,7 +171,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// Takes a request that can have no answer now: an abort ends the open transfer. Returns whether it was one; anything
     /// else does nothing.
     pub(super) fn receive_abort<S: Streams>(&mut self, request: &[u8; 8], streams: &mut S) -> bool {
-        let is_abort = matches!(Request::parse(request), Request::Abort { .. });
+        let is_abort = Request::is_abort(request);
         if is_abort {
             self.drop_transfer(streams);
         }

@@ -187,19 +187,25 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         entry: &'static Entry,
         streams: &mut S,
     ) -> Result<Piece, AbortCode> {
-        let left = self.size.map(|size| size.saturating_sub(self.position));
-        let mut bytes = [0; 8];
-        let wanted = left.map_or(8, |left| left.min(SEGMENT)) as usize;
-        let room = bytes.get_mut(..wanted).unwrap_or(&mut []);
-        let got = streams.read_at(entry, self.position, room)?.min(wanted);
-        if left.is_some() && got < wanted {
+        let position = self.position;
+        let Some(size) = self.size else {
+            let mut bytes = [0; 8];
+            let got = streams.read_at(entry, position, &mut bytes)?;
+            return Ok(Piece::of(bytes.get(..got).unwrap_or(&bytes)));
+        };
+        let left = size.saturating_sub(position);
+        let wanted = left.min(SEGMENT) as u8;
+        let mut frame = [0; 8];
+        let [_, data @ ..] = &mut frame;
+        let room = data.get_mut(..usize::from(wanted)).unwrap_or(&mut []);
+        if streams.read_at(entry, position, room)? < usize::from(wanted) {
             // The application has announced more.
             return Err(AbortCode::NotTransferable);
         }
-        let mut piece = Piece::of(bytes.get(..got).unwrap_or(&[]));
-        if let Some(left) = left {
-            piece.is_last = left <= SEGMENT;
-        }
-        Ok(piece)
+        Ok(Piece {
+            frame,
+            empty: 7_u8.saturating_sub(wanted),
+            is_last: left <= SEGMENT,
+        })
     }
 }

@@ -114,6 +114,13 @@ const ACKNOWLEDGE: u8 = 2;
 const START: u8 = 3;
 
 impl BlockRequest {
+    /// The unused bytes and the checksum of a frame that ends a download; `None` for any other frame.
+    pub(crate) fn end_download(frame: &[u8; 8]) -> Option<(u8, u16)> {
+        let [command, low, high, ..] = *frame;
+        let is_end = command & (0xE0 | END) == specifier::DOWNLOAD_REQUEST | END;
+        is_end.then(|| (command >> 2 & 7, u16::from_le_bytes([low, high])))
+    }
+
     /// Reads a request whose command specifier is one of block transfer.
     pub(super) fn parse(frame: &[u8; 8]) -> Self {
         let [command, first, second, _, data @ ..] = *frame;
