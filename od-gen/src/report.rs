@@ -81,9 +81,13 @@ impl Report {
     }
 
     fn unreadable(source: Source, findings: Findings) -> Self {
+        let model = Model {
+            file: source.file.clone(),
+            ..Model::default()
+        };
         Self {
             source,
-            model: Model::default(),
+            model,
             findings: findings.into_sorted(),
             silenced: Vec::new(),
         }

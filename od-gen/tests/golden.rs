@@ -101,7 +101,8 @@ fn utf_16_is_refused() {
         .chain(text.encode_utf16())
         .flat_map(u16::to_le_bytes)
         .collect();
-    let (said, _) = said_about("utf16.eds", &little);
+    let (said, model) = said_about("utf16.eds", &little);
+    assert!(model.file.ends_with("utf16.eds"), "{}", model.file);
     assert_eq!(said, ["1:1: error[not-text]: this is UTF-16"]);
 }
 
