@@ -6,15 +6,15 @@
 //!
 //! The contract:
 //! - One tick is one call of [`Drive::tick`], whatever the bus does. The exchange is locked for the copies only.
-//! - A fault of the stage goes before bus-off, bus-off before lost frames: a drive has one cause at a time.
-//! - Lost frames are a fault only while the motor has current. Storing settings stops the processor, so on a busy bus
-//!   frames are lost then; a master gets a message, and no fault it would have to reset.
+//! - A fault of the stage goes before lost frames: a drive has one cause at a time. Bus-off is for the device to see: it
+//!   stops the motor as every communication error does.
+//! - Lost frames are a fault only while the motor has current. Storing stops the processor, so on a busy bus frames are lost
+//!   then; a master gets the device's message, and no fault it would have to reset.
 //! - Pulses the drive gives up are dropped in the same tick.
 //! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
 //!   starts anew.
 
 use canopen::Duration;
-use cia402::faults::FaultNotice;
 use cia402::{Drive, DriveConfig, Exchange, Inputs, State};
 use motion::step_interrupt::RecordQueue;
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
@@ -31,9 +31,6 @@ pub const RATE_HZ: u32 = 1_000;
 /// Error code 8110h of CiA 301: frames were lost, a command may have been among them. A fault while the drive is enabled;
 /// with no current in the motor there is nothing to stop, and it is a message alone.
 const CAN_OVERRUN: u16 = 0x8110;
-
-/// Error code 8140h of CiA 301, "recovered from bus-off": it can only be sent once the bus is back.
-const BUS_OFF: u16 = 0x8140;
 
 /// What a driver may ask for: pulses of 2.5 µs with as much between them, and 5 µs around a change of direction. Most
 /// step/direction drivers are faster.
@@ -71,9 +68,8 @@ impl Control {
         }
     }
 
-    /// One tick. `bus_off` is whether the CAN controller has left the bus; `alive` whether the node task ran since the last
-    /// tick.
-    pub fn tick(&mut self, mut exchange: impl Mutex<T = Exchange>, bus_off: bool, alive: bool) {
+    /// One tick. `alive` is whether the node task ran since the last tick.
+    pub fn tick(&mut self, mut exchange: impl Mutex<T = Exchange>, alive: bool) {
         let lost = self.lost.count();
         let overrun = lost != self.lost_before;
         self.lost_before = lost;
@@ -82,12 +78,6 @@ impl Control {
                 self.drive.state(),
                 State::Fault | State::FaultReactionActive
             );
-        if overrun && harmless {
-            exchange.lock(|exchange| {
-                exchange.notify(FaultNotice::Raised(CAN_OVERRUN));
-                exchange.notify(FaultNotice::Cleared(CAN_OVERRUN));
-            });
-        }
 
         let inputs = Inputs {
             supply: self.stage.supply(),
@@ -95,7 +85,6 @@ impl Control {
             fault: self
                 .stage
                 .fault()
-                .or(bus_off.then_some(BUS_OFF))
                 .or((overrun && !harmless).then_some(CAN_OVERRUN)),
         };
         let outputs = self.drive.tick(

@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | `step` | 5 | step timer | step pulses, counted |
 //! | `can_received`, `serial` | 4 | CAN controller | stamps frames and queues them |
-//! | `can_sent`, `can_error` | 4 | CAN controller | room for the next frame; bus-off |
+//! | `can_sent`, `can_error` | 4 | CAN controller | room for the next frame; errors |
 //! | `control` | 3 | system timer, 1 kHz | state machine, mode, planner |
 //! | `node` | 2 | a frame, room to send, every control tick | CANopen; writes the parameter sectors |
 //! | `lights` | 1 | `node`, every 50 ms | green and red light |
@@ -93,7 +93,7 @@ mod app {
         let (pulses, player) = step_interrupt::split(cx.local.steps, steps, TIMING);
         let (inbox, received) = Inbox::new(cx.local.frames, cx.local.lost);
         let mut exchange = Exchange::new();
-        let mut node = Node::new(settings, serial_number, received, store);
+        let mut node = Node::new(settings, serial_number, received, cx.local.lost, store);
         node.power_on(&mut exchange);
         board::start_control_tick::<Selected>(cx.core.SYST, RATE_HZ);
 
@@ -148,13 +148,13 @@ mod app {
     #[task(binds = CAN1_SCE, priority = 4, shared = [bus])]
     fn can_error(mut cx: can_error::Context) {
         cx.shared.bus.lock(|bus| bus.on_error());
+        node::spawn().ok();
     }
 
-    #[task(binds = SysTick, priority = 3, shared = [exchange, bus, alive], local = [control])]
+    #[task(binds = SysTick, priority = 3, shared = [exchange, alive], local = [control])]
     fn control(mut cx: control::Context) {
-        let bus_off = cx.shared.bus.lock(|bus| bus.is_off());
         let alive = cx.shared.alive.lock(core::mem::take);
-        cx.local.control.tick(cx.shared.exchange, bus_off, alive);
+        cx.local.control.tick(cx.shared.exchange, alive);
         node::spawn().ok();
     }
 

@@ -23,7 +23,7 @@ use rtic::Mutex;
 use crate::board::{Board, Bus, Receive, Selected};
 use crate::clock;
 use crate::dictionary::Dictionary;
-use crate::inbox::{Received, Stamped};
+use crate::inbox::{Lost, Received, Stamped};
 use crate::outbox::Outbox;
 use crate::settings::{self, Parameters};
 use crate::share::Locked;
@@ -42,6 +42,10 @@ type Receiver = <Selected as Board>::Receiver;
 pub struct Node {
     device: Device<Dictionary>,
     received: Received,
+    lost: &'static Lost,
+    lost_before: u32,
+    /// The controller is to start again after bus-off.
+    restarts: bool,
     /// Frames the controller had no room for.
     outbox: Outbox,
     store: Parameters<<Selected as Board>::Parameters>,
@@ -49,6 +53,8 @@ pub struct Node {
     to_store: Option<(Settings, Instant)>,
     /// A bit rate that the layer setting services have ordered, and when to change to it.
     switch: Option<(BitRate, Instant)>,
+    /// What the controller is set to.
+    bit_rate: BitRate,
     state: NmtState,
     /// When the lights want the next signal.
     next_signal: Instant,
@@ -60,6 +66,7 @@ impl Node {
         settings: Settings,
         serial_number: u32,
         received: Received,
+        lost: &'static Lost,
         store: Parameters<<Selected as Board>::Parameters>,
     ) -> Self {
         let device =
@@ -70,11 +77,15 @@ impl Node {
         };
         Self {
             device,
+            lost,
+            lost_before: lost.count(),
+            restarts: false,
             store,
             received,
             outbox: Outbox::new(),
             to_store: None,
             switch: None,
+            bit_rate: settings.bit_rate,
             state: NmtState::Initialisation,
             next_signal: Instant::from_ticks(0),
         }
@@ -100,6 +111,7 @@ impl Node {
         bus.lock(Receiver::resume);
 
         let now = clock::now();
+        self.watch_controller(now, &mut bus, &mut exchange);
         // The deadline it gives is never sooner than the next control tick, after which this runs anyway.
         self.device.poll(now, &mut Locked(&mut exchange));
         while let Some(event) = self.device.event() {
@@ -113,15 +125,44 @@ impl Node {
                 Event::ResetRequested(_) => {}
                 // The device has stopped the drive already.
                 Event::CommunicationError(_) | Event::EmergencyReceived(_) => {}
-                // The controller starts again by itself.
-                Event::RestartController => {}
+                Event::RestartController => self.restarts = true,
             }
         }
         self.switch_bit_rate(now, &mut bus);
+        self.restart_controller(&mut bus);
         self.send(&mut bus);
         self.store_settings(now, &mut exchange);
         self.serve_store(now, &mut Locked(&mut exchange));
         self.send(&mut bus);
+    }
+
+    /// Tells the device how its controller is, and what it lost.
+    fn watch_controller(
+        &mut self,
+        now: Instant,
+        bus: &mut impl Mutex<T = CanBus>,
+        exchange: &mut impl Mutex<T = Exchange>,
+    ) {
+        let state = bus.lock(|bus| bus.state());
+        self.device
+            .controller_changed(state, now, &mut Locked(exchange));
+        let lost = self.lost.count();
+        if lost != self.lost_before {
+            self.device
+                .frames_lost(lost.wrapping_sub(self.lost_before), now);
+            self.lost_before = lost;
+        }
+    }
+
+    /// Starts the controller again after bus-off.
+    fn restart_controller(&mut self, bus: &mut impl Mutex<T = CanBus>) {
+        if self.restarts && bus.lock(|bus| bus.leave()) {
+            self.restarts = false;
+            let bit_rate = self.bit_rate;
+            if bus.lock(|bus| bus.start(bit_rate)).is_err() {
+                defmt::error!("no {=u32} kbit/s on this board", bit_rate.kbit_per_second());
+            }
+        }
     }
 
     /// Stores what the layer setting services have ordered.
@@ -165,6 +206,7 @@ impl Node {
                 return;
             }
             self.switch = None;
+            self.bit_rate = bit_rate;
             if bus.lock(|bus| bus.start(bit_rate)).is_err() {
                 defmt::error!("no {=u32} kbit/s on this board", bit_rate.kbit_per_second());
             }

@@ -106,8 +106,9 @@ impl<D: Dictionary + Objects> Device<D> {
                 self.boot(reset, now, exchange);
             }
         }
-        self.refresh(now, exchange);
+        let actuals = self.refresh(now, exchange);
         self.report_faults(now, exchange);
+        self.keep_overrun(&actuals, now);
         let deadline = self.node.poll(now, &mut self.hooks);
         self.take_reset();
         self.post(exchange);
@@ -154,9 +155,10 @@ impl<D: Dictionary + Objects> Device<D> {
     }
 
     /// Puts the actual values of a moment in the dictionary.
-    fn refresh<X: Share>(&mut self, stamp: Instant, exchange: &mut X) {
+    fn refresh<X: Share>(&mut self, stamp: Instant, exchange: &mut X) -> Actuals {
         let actuals = exchange.lock(|exchange| exchange.actuals_at(stamp));
         show(self.node.dictionary_mut(), &actuals);
+        actuals
     }
 
     fn report_faults<X: Share>(&mut self, now: Instant, exchange: &mut X) {

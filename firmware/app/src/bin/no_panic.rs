@@ -8,6 +8,7 @@
 
 use canopen::cia301::emergency::Emergency;
 use canopen::cia301::nmt::Reset;
+use canopen::cia301::parameters::{ParameterSet, ParameterSets, ParameterStore, CHUNK};
 use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::cia301::time_stamp::TimeOfDay;
 use canopen::cia303::{Indicators, Signal};
@@ -301,7 +302,11 @@ fn network(node: &mut Node<Dictionary>) {
             node.time_of_day(any_time())
                 .map_or(0, |time| time.milliseconds() + u32::from(time.days())),
         ),
-        _ => look(node.send_time_of_day(any_time()).into()),
+        8 => look(node.send_time_of_day(any_time()).into()),
+        9 => node.load_parameters(&mut AnyStore, any_time(), &mut Objects),
+        10 => node.store_parameters(&mut AnyStore, any_time()),
+        11 => node.refuse_storing(AbortCode::DeviceState),
+        _ => look(u32::from(node.is_loading()) + u32::from(node.is_storing())),
     }
 }
 
@@ -310,6 +315,44 @@ fn any_controller_state() -> ControllerState {
         0 => ControllerState::ErrorActive,
         1 => ControllerState::ErrorPassive,
         _ => ControllerState::BusOff,
+    }
+}
+
+/// A parameter store that may say anything.
+struct AnyStore;
+
+impl ParameterStore for AnyStore {
+    fn begin(&mut self, sets: ParameterSets) -> Result<(), StoreError> {
+        look(sets.has(ParameterSet::Communication).into());
+        any_result()
+    }
+
+    fn append(&mut self, set: ParameterSet, chunk: &[u8]) -> Result<(), StoreError> {
+        look(set as u32 + chunk.len() as u32);
+        chunk.iter().for_each(|byte| look((*byte).into()));
+        any_result()
+    }
+
+    fn commit(&mut self) -> Result<(), StoreError> {
+        any_result()
+    }
+
+    fn open(&mut self, set: ParameterSet) -> Result<u16, StoreError> {
+        look(set as u32);
+        any_result().map(|()| any() as u16)
+    }
+
+    fn read(
+        &mut self,
+        set: ParameterSet,
+        number: u16,
+        chunk: &mut [u8; CHUNK],
+    ) -> Result<usize, StoreError> {
+        look(set as u32 + u32::from(number));
+        for byte in chunk.iter_mut() {
+            *byte = any() as u8;
+        }
+        any_result().map(|()| any() as usize)
     }
 }
 
@@ -338,6 +381,7 @@ fn drive(device: &mut Device<Dictionary>, drive: &mut Drive, exchange: &mut impl
         7 => device.controller_changed(any_controller_state(), any_time(), exchange),
         8 => device.frames_lost(any(), any_time()),
         9 => device.set_restart_delay((any() == 0).then_some(Duration::from_ticks(any_u64()))),
+        10 => device.serve_store(&mut AnyStore, any_time(), exchange),
         _ => device.receive(&any_frame(), any_time(), exchange),
     }
 }
@@ -459,8 +503,8 @@ fn values() {
 #[entry]
 fn main() -> ! {
     let mut exchange = Exchange::new();
-    let mut device = Device::new(Dictionary::new(), any_settings(), any());
-    let mut plain = Node::new(Dictionary::new(), any_settings());
+    let mut device = Device::new(Dictionary::new(), any_settings(), any()).with_parameter_store();
+    let mut plain = Node::new(Dictionary::new(), any_settings()).with_parameter_store();
     let mut lights = Indicators::new();
     let mut shared = step_interrupt::Shared::new();
     let (mut queue, mut player) = step_interrupt::split(&mut shared, Timer, any_timing());

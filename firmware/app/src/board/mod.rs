@@ -9,7 +9,7 @@
 //! reads the timer that counts and handles the hard fault, `bin/no_panic.rs` has cells the compiler cannot see through
 //! and the function that does not exist.
 
-use canopen::{BitRate, Frame};
+use canopen::{BitRate, ControllerState, Frame};
 use cortex_m::peripheral::SYST;
 use embedded_storage::nor_flash::NorFlash;
 use stm32f4xx_hal::pac;
@@ -113,8 +113,9 @@ pub trait Bus {
     /// The error interrupt.
     fn on_error(&mut self);
 
-    /// Whether the controller has left the bus after too many errors; it returns by itself.
-    fn is_off(&self) -> bool;
+    /// How well the controller gets on with the bus. After bus-off it returns when [`Bus::leave`] and [`Bus::start`] have
+    /// started it again.
+    fn state(&self) -> ControllerState;
 }
 
 /// The bit rate cannot be made from the clock of the controller.

@@ -11,11 +11,17 @@ use canopen::od::{self, Dictionary};
 use canopen::{ControllerState, Duration, Instant};
 
 use super::{Device, Phase};
-use crate::exchange::Share;
+use crate::exchange::{Actuals, Share};
 use crate::objects::Objects;
 
 const COUNTERS: u16 = 0x2010;
 pub(crate) const RESTART_DELAY: u16 = 0x2011;
+
+/// Emergency error code "CAN overrun" (CiA 301, table 26).
+const OVERRUN: u16 = 0x8110;
+
+/// Statusword bit 3, which is 1 in fault and in fault reaction active.
+const FAULT: u16 = 1 << 3;
 
 /// The value of 2011h that stands for "never".
 const STAY_OFF: u16 = u16::MAX;
@@ -48,6 +54,14 @@ impl<D: Dictionary + Objects> Device<D> {
     pub(super) fn start_controller(&mut self) {
         self.read_restart_delay();
         self.show_counters();
+    }
+
+    /// A drive that stopped because frames were lost has the error of the controller for a cause: it stands as long as the
+    /// fault does.
+    pub(super) fn keep_overrun(&mut self, actuals: &Actuals, now: Instant) {
+        if actuals.error_code == OVERRUN && actuals.statusword & FAULT != 0 {
+            self.node.frames_lost(0, now);
+        }
     }
 
     /// Shows what was counted, and takes a new delay.

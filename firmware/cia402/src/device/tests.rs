@@ -462,3 +462,22 @@ fn a_reset_shows_as_a_change_of_state_and_not_as_a_task() {
         ]
     );
 }
+
+#[test]
+fn c02_lost_frames_that_stop_the_motor_are_one_error_until_the_fault_is_reset() {
+    let mut station = Station::enabled();
+    station.device.frames_lost(1, station.now);
+    station.fault = Some(0x8110);
+    station.milliseconds(1);
+    station.fault = None;
+    station.milliseconds(2_500);
+    let emergencies = |station: &mut Station| {
+        let mut frames = station.take();
+        frames.retain(|frame| frame.starts_with("084"));
+        frames
+    };
+    assert_eq!(emergencies(&mut station), ["084 10 81 11 00 00 00 00 00"]);
+    station.send(0x204, &[0x80, 0x00, 0x01]);
+    station.milliseconds(3_000);
+    assert_eq!(emergencies(&mut station), ["084 00 00 00 00 00 00 00 00"]);
+}

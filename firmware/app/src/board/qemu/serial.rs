@@ -4,7 +4,7 @@
 //! fast as the host can send; when the inbox is full the receive interrupt is switched off and the byte stays where it
 //! is, which holds up the sender.
 
-use canopen::{BitRate, Frame};
+use canopen::{BitRate, ControllerState, Frame};
 use cortex_m::peripheral::NVIC;
 use slcan::{Channel, Decoder};
 use stm32f4xx_hal::pac;
@@ -63,8 +63,8 @@ impl Bus for SerialBus {
 
     fn on_error(&mut self) {}
 
-    fn is_off(&self) -> bool {
-        false
+    fn state(&self) -> ControllerState {
+        ControllerState::ErrorActive
     }
 }
 

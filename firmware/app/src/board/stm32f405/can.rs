@@ -5,15 +5,14 @@
 //!   with the same identifier leave in the order they came. With all three full, the lowest priority gives way: it is
 //!   taken back and returned to be offered again. So nothing is lost, and an urgent frame never waits behind three
 //!   others.
-//! - Receiving: every frame passes the filter. A frame that finds the FIFO full is lost and counted; the control task
-//!   makes it a fault.
-//! - Bus-off: after 256 transmit errors the controller leaves the bus, raises the error interrupt and comes back by itself
-//!   after 128 times 11 recessive bits (ABOM). [`Bus::is_off`] is true until then; the control task makes it a fault, so the
-//!   motor stops without a master.
+//! - Receiving: every frame passes the filter. A frame that finds the FIFO full is lost and counted.
+//! - Errors: the controller is error passive from 128 errors on, and bus-off after 256 transmit errors; each raises the error
+//!   interrupt. It stays bus-off until it is started again, when the device says so, and 128 times 11 recessive bits have
+//!   passed. What its mailboxes hold waits.
 
 use bxcan::filter::Mask32;
 use bxcan::{Fifo, Interrupts};
-use canopen::{BitRate, Frame};
+use canopen::{BitRate, ControllerState, Frame};
 use embedded_can::{ExtendedId, Frame as _, Id, StandardId};
 use stm32f4xx_hal::can::Can;
 use stm32f4xx_hal::pac;
@@ -40,7 +39,9 @@ impl Controller {
                 | Interrupts::TRANSMIT_MAILBOX_EMPTY
                 | Interrupts::ERROR,
         );
-        registers().ier().modify(|_, w| w.bofie().set_bit());
+        registers()
+            .ier()
+            .modify(|_, w| w.bofie().set_bit().epvie().set_bit());
         Self { can }
     }
 }
@@ -63,9 +64,10 @@ impl Bus for Controller {
             .modify_config()
             .set_bit_timing(timing)
             .leave_disabled();
-        // Not waiting: the controller goes on the bus by itself after 11 recessive bits, and leaving the bus after too many
-        // errors it returns by itself (ABOM). `WouldBlock` says just that.
+        // Not waiting: the controller goes on the bus by itself after 11 recessive bits; `WouldBlock` says just that. `bxcan`
+        // also lets it return by itself from bus-off (ABOM), which is for the device to order.
         let _ = self.can.enable_non_blocking();
+        registers().mcr().modify(|_, w| w.abom().clear_bit());
         Ok(())
     }
 
@@ -82,13 +84,20 @@ impl Bus for Controller {
 
     fn on_error(&mut self) {
         registers().msr().write(|w| w.erri().set_bit());
-        if self.is_off() {
+        if self.state() == ControllerState::BusOff {
             defmt::warn!("bus-off: the controller left the bus after too many errors");
         }
     }
 
-    fn is_off(&self) -> bool {
-        registers().esr().read().boff().bit_is_set()
+    fn state(&self) -> ControllerState {
+        let status = registers().esr().read();
+        if status.boff().bit_is_set() {
+            ControllerState::BusOff
+        } else if status.epvf().bit_is_set() {
+            ControllerState::ErrorPassive
+        } else {
+            ControllerState::ErrorActive
+        }
     }
 }
 
@@ -116,8 +125,8 @@ impl Receive<Controller> for Receiver {
 /// The registers, for what `bxcan` leaves out.
 fn registers() -> &'static pac::can1::RegisterBlock {
     // SAFETY: `Controller` owns CAN1, and its methods touch one register after the other. What is touched here, `bxcan` does
-    // not use: the bus-off interrupt enable, once at the start, the error flag, and the read-only status; or it uses it the
-    // same way: the request to leave the bus.
+    // not use: the interrupt enables of bus-off and error passive, once at the start, the error flag, and the read-only status;
+    // or it uses it the same way: the request to leave the bus, and the return from bus-off, which it only sets.
     unsafe { &*pac::CAN1::ptr() }
 }
 

@@ -102,11 +102,13 @@ impl Walk {
                 }
                 continue;
             };
-            let (header, room) = record.split_at_mut(HEADER.min(size));
+            let Some((header, room)) = record.split_first_chunk_mut::<HEADER>() else {
+                continue;
+            };
             let [low, high] = entry.index.to_le_bytes();
             // A value that fits is shorter than 256 bytes.
             let count = u8::try_from(value.len()).unwrap_or(0);
-            copy(header, &[low, high, entry.sub, count]);
+            *header = [low, high, entry.sub, count];
             copy(room, value);
             length = length.saturating_add(size);
         }

@@ -15,7 +15,7 @@ use crate::{Device, Drive, DriveConfig, Exchange, Inputs};
 const TICK: Duration = Duration::from_ticks(1_000);
 
 pub(super) struct Station {
-    device: Device<DriveDictionary>,
+    pub(super) device: Device<DriveDictionary>,
     drive: Drive,
     pub(super) exchange: Exchange,
     pub(super) motor: Player,
