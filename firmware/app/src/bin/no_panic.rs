@@ -157,25 +157,20 @@ impl PulseSink for Sink {
 /// An application that accepts and refuses at will.
 struct Objects;
 
-impl<D: canopen::od::Dictionary> Application<D> for Objects {
-    fn validate(
-        &mut self,
-        _: &D,
-        entry: &canopen::od::Entry,
-        value: &[u8],
-    ) -> Result<(), AbortCode> {
+impl<D: od::Dictionary> Application<D> for Objects {
+    fn validate(&mut self, _: &D, entry: &od::Entry, value: &[u8]) -> Result<(), AbortCode> {
         look(entry.key() + value.len() as u32);
         any_refusal(())
     }
 
-    fn size(&mut self, _: &D, _: &canopen::od::Entry) -> Result<Option<u32>, AbortCode> {
+    fn size(&mut self, _: &D, _: &od::Entry) -> Result<Option<u32>, AbortCode> {
         any_refusal((any() == 0).then_some(any()))
     }
 
     fn read_at(
         &mut self,
         _: &D,
-        _: &canopen::od::Entry,
+        _: &od::Entry,
         position: u32,
         into: &mut [u8],
     ) -> Result<usize, AbortCode> {
@@ -183,12 +178,7 @@ impl<D: canopen::od::Dictionary> Application<D> for Objects {
         any_refusal(any() as usize)
     }
 
-    fn begin_write(
-        &mut self,
-        _: &D,
-        _: &canopen::od::Entry,
-        size: Option<u32>,
-    ) -> Result<(), AbortCode> {
+    fn begin_write(&mut self, _: &D, _: &od::Entry, size: Option<u32>) -> Result<(), AbortCode> {
         look(size.unwrap_or(0));
         any_refusal(())
     }
@@ -196,7 +186,7 @@ impl<D: canopen::od::Dictionary> Application<D> for Objects {
     fn write_at(
         &mut self,
         _: &D,
-        _: &canopen::od::Entry,
+        _: &od::Entry,
         position: u32,
         data: &[u8],
     ) -> Result<(), AbortCode> {
@@ -207,7 +197,7 @@ impl<D: canopen::od::Dictionary> Application<D> for Objects {
     fn end_write(
         &mut self,
         _: &mut D,
-        _: &canopen::od::Entry,
+        _: &od::Entry,
         length: u32,
     ) -> Result<Completion, AbortCode> {
         look(length);
@@ -261,7 +251,7 @@ fn node(node: &mut Node<Dictionary>) {
         7 => {
             look(node.overflows() + u32::from(node.settings().node_id.get()) + node.state() as u32);
         }
-        10 => look(
+        12 => look(
             node.announce(any() as u16, any() as u8, any_time())
                 .is_ok()
                 .into(),
