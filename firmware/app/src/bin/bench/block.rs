@@ -23,6 +23,9 @@ impl Domain {
 }
 
 impl Application<Dictionary> for Domain {
+    // Nothing is done when an object has been written.
+    const WRITES_BACK: bool = false;
+
     fn size(&mut self, _: &Dictionary, _: &Entry) -> Result<Option<u32>, AbortCode> {
         Ok(Some(LENGTH as u32))
     }
