@@ -62,7 +62,7 @@ pub fn generator() -> Result<Table> {
         let file = folder.path().join(format!("synthetic_{entries}.eds"));
         fs::write(&file, synthetic(entries)?).context("writing a data sheet")?;
         // The first run warms the file cache.
-        let runs = (0..4).map(|_| measure(&program, &file));
+        let runs = (0..8).map(|_| measure(&program, &file));
         let runs = runs.collect::<Result<Vec<_>>>()?;
         let time = runs
             .iter()
@@ -97,6 +97,7 @@ fn measure(program: &Path, file: &Path) -> Result<(Duration, u64)> {
         .arg("rust")
         .arg(file)
         .stdout(Stdio::null())
+        .stderr(Stdio::null())
         .spawn()
         .context("starting od-gen")?;
     let mut memory = 0;
@@ -124,7 +125,7 @@ fn peak(status: &str) -> Option<u64> {
     line.trim().strip_suffix(" kB")?.trim().parse().ok()
 }
 
-/// A data sheet with so many values: records of a hundred numbers of 16 bits, with limits and comments.
+/// A data sheet with so many values: records of a hundred numbers of 8 bits, with limits.
 fn synthetic(entries: usize) -> Result<String> {
     let mut text = String::from(
         "[FileInfo]\nFileName=synthetic.eds\nFileVersion=1\nFileRevision=0\nEDSVersion=4.0\n\n[DeviceInfo]\nVendorName=Nobody\n\
@@ -149,8 +150,10 @@ fn synthetic(entries: usize) -> Result<String> {
         for sub in 1..100 {
             writeln!(
                 text,
-                "\n[{index:04X}sub{sub:X}]\nParameterName=Value {sub}\nDataType=3\nAccessType=rw\nLowLimit=-{sub}\n\
-                 HighLimit={index}\nDefaultValue={sub}"
+                "\n[{index:04X}sub{sub:X}]\nParameterName=Value {sub}\nDataType=5\nAccessType=rw\nLowLimit={}\n\
+                 HighLimit={}\nDefaultValue={sub}",
+                sub / 2,
+                sub + 100
             )?;
         }
     }
@@ -163,9 +166,9 @@ mod tests {
 
     #[test]
     fn the_synthetic_data_sheet_is_right_and_has_as_many_entries_as_it_says() {
-        let model = od_gen::parse("synthetic.eds", &synthetic(1000).unwrap()).unwrap();
+        let model = od_gen::parse("synthetic.eds", &synthetic(20_000).unwrap()).unwrap();
         // Beside those of the mandatory objects.
-        assert_eq!(Figures::of(&model).entries, 1004);
+        assert_eq!(Figures::of(&model).entries, 20_004);
     }
 
     #[test]
