@@ -73,27 +73,26 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         now: Instant,
         objects: &mut O,
     ) -> Option<[u8; 8]> {
-        let [command, ..] = *frame;
-        let segment = BlockSegment::parse(frame);
+        let [command, data @ ..] = frame;
         let expected = self.block.seqno.wrapping_add(1);
-        if segment.seqno != expected || self.is_too_late(now) {
+        if command & !BlockSegment::LAST != expected || self.is_too_late(now) {
             return self.take_unexpected(frame, now, objects);
         }
         self.block.seqno = expected;
-        if segment.last {
-            self.block.held = segment.data;
+        if command & BlockSegment::LAST != 0 {
+            self.block.held = *data;
             self.step = Step::BlockDownloadEnd;
             self.wait(now);
-            return Some(self.confirm(command));
+            return Some(self.confirm(*command));
         }
-        if let Err(code) = self.append(&segment.data, objects) {
+        if let Err(code) = self.append(data, objects) {
             return Some(self.abort_in_sub_block(code, now, objects));
         }
         if self.block.has_crc {
-            self.block.crc = crc::add(self.block.crc, &segment.data);
+            self.block.crc = crc::add_segment(self.block.crc, frame);
         }
         self.wait_for_segment(now);
-        (expected == MOST_SEGMENTS).then(|| self.confirm(command))
+        (expected == MOST_SEGMENTS).then(|| self.confirm(*command))
     }
 
     /// Takes a frame that is not the next segment: an abort, a repetition, what follows a gap, or nonsense.

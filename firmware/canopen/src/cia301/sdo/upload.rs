@@ -11,10 +11,9 @@ use crate::wire::sdo::{Multiplexer, Payload, Response};
 /// Data bytes of one segment.
 const SEGMENT: u32 = 7;
 
-/// The next bytes of a value, in the place that they have in a frame.
+/// The next bytes of a value, but for the bytes themselves: those are in the frame that they travel in, behind byte 0.
+#[derive(Clone, Copy)]
 pub(super) struct Piece {
-    /// Byte 0 is 0, for the command.
-    pub(super) frame: [u8; 8],
     /// Bytes at the end that hold nothing, 0 to 7.
     pub(super) empty: u8,
     /// The value ends here.
@@ -24,9 +23,8 @@ pub(super) struct Piece {
 impl Piece {
     /// Up to seven bytes from the start of what is left.
     #[inline]
-    fn of(rest: &[u8]) -> Self {
-        let mut frame = [0; 8];
-        let [_, data @ ..] = &mut frame;
+    fn of(rest: &[u8], frame: &mut [u8; 8]) -> Self {
+        let [_, data @ ..] = frame;
         let empty = match rest.first_chunk::<7>() {
             Some(seven) => {
                 *data = *seven;
@@ -38,17 +36,16 @@ impl Piece {
             }
         };
         Self {
-            frame,
             empty,
             is_last: rest.len() <= SEGMENT as usize,
         }
     }
+}
 
-    /// The frame with its command.
-    #[inline]
-    pub(super) fn with_command(self, command: u8) -> [u8; 8] {
-        (u64::from_le_bytes(self.frame) | u64::from(command)).to_le_bytes()
-    }
+/// The frame with its command, which goes where a 0 is.
+#[inline]
+pub(super) fn with_command(frame: [u8; 8], command: u8) -> [u8; 8] {
+    (u64::from_le_bytes(frame) | u64::from(command)).to_le_bytes()
 }
 
 impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
@@ -102,10 +99,11 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         let object = self.object;
         // Only what the application serves can turn out to be short here; of the other values the length was known.
         if self.size.is_none_or(|size| size <= 4) {
-            match self.next_piece(streams) {
+            let mut frame = [0; 8];
+            match self.next_piece(streams, &mut frame) {
                 Ok(piece) if piece.is_last && matches!(piece.empty, 3..=6) => {
                     self.idle();
-                    let [_, a, b, c, d, ..] = piece.frame;
+                    let [_, a, b, c, d, ..] = frame;
                     let bytes = [a, b, c, d];
                     let length = usize::from(7_u8.saturating_sub(piece.empty));
                     let payload = Payload::Expedited(bytes.get(..length).unwrap_or(&bytes));
@@ -129,7 +127,8 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         now: Instant,
         streams: &mut S,
     ) -> [u8; 8] {
-        let piece = match self.take_upload_request(toggle, now, streams) {
+        let mut frame = [0; 8];
+        let piece = match self.take_upload_request(toggle, now, streams, &mut frame) {
             Ok(piece) => piece,
             Err(code) => return self.abort(self.object, code, streams),
         };
@@ -141,7 +140,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             self.toggle = !toggle;
             self.wait(now);
         }
-        piece.with_command(command)
+        with_command(frame, command)
     }
 
     #[inline]
@@ -150,6 +149,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         toggle: bool,
         now: Instant,
         streams: &mut S,
+        frame: &mut [u8; 8],
     ) -> Result<Piece, AbortCode> {
         if self.step != Step::Upload {
             return Err(self.stray());
@@ -160,23 +160,30 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         if toggle != self.toggle {
             return Err(AbortCode::ToggleNotAlternated);
         }
-        self.next_piece(streams)
+        self.next_piece(streams, frame)
     }
 
     /// The bytes at the present position, which stays.
+    ///
+    /// # Errors
+    /// The application cannot give them.
     #[inline]
-    pub(super) fn next_piece<S: Streams>(&mut self, streams: &mut S) -> Result<Piece, AbortCode> {
+    pub(super) fn next_piece<S: Streams>(
+        &mut self,
+        streams: &mut S,
+        frame: &mut [u8; 8],
+    ) -> Result<Piece, AbortCode> {
         let value = match self.place {
             Place::Snapshot => {
                 let end = self.size.unwrap_or(0) as usize;
                 self.buffer.as_ref().get(..end).unwrap_or(&[])
             }
             Place::Constant(value) => value,
-            Place::Source(entry) => return self.streamed_piece(entry, streams),
+            Place::Source(entry) => return self.streamed_piece(entry, streams, frame),
             _ => &[],
         };
         let rest = value.get(self.position as usize..).unwrap_or(&[]);
-        Ok(Piece::of(rest))
+        Ok(Piece::of(rest, frame))
     }
 
     /// The next bytes from the application. One more than a segment has is asked for where only that tells whether it is the
@@ -186,24 +193,23 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         &mut self,
         entry: &'static Entry,
         streams: &mut S,
+        frame: &mut [u8; 8],
     ) -> Result<Piece, AbortCode> {
         let position = self.position;
         let Some(size) = self.size else {
             let mut bytes = [0; 8];
             let got = streams.read_at(entry, position, &mut bytes)?;
-            return Ok(Piece::of(bytes.get(..got).unwrap_or(&bytes)));
+            return Ok(Piece::of(bytes.get(..got).unwrap_or(&bytes), frame));
         };
         let left = size.saturating_sub(position);
         let wanted = left.min(SEGMENT) as u8;
-        let mut frame = [0; 8];
-        let [_, data @ ..] = &mut frame;
+        let [_, data @ ..] = frame;
         let room = data.get_mut(..usize::from(wanted)).unwrap_or(&mut []);
         if streams.read_at(entry, position, room)? < usize::from(wanted) {
             // The application has announced more.
             return Err(AbortCode::NotTransferable);
         }
         Ok(Piece {
-            frame,
             empty: 7_u8.saturating_sub(wanted),
             is_last: left <= SEGMENT,
         })
