@@ -507,6 +507,19 @@ fn b24_an_abort_stops_the_segments() {
 }
 
 #[test]
+fn b24_an_abort_lets_heartbeats_go_on() {
+    let mut device = Device::new();
+    device.firmware.stream.value = vec![1; 500];
+    device.ask(&request("2B 17 10 00 64"));
+    exchange(&mut device, "A4 14 20 00 7F", &["C6 14 20 00 F4 01"]);
+    device.send(&request("A3"));
+    assert!(device.node.transmit(&mut device.firmware).is_some());
+    exchange(&mut device, "80 14 20 00 00 00 00 08", &[]);
+    let sent = device.pass(350);
+    assert_eq!(sent.len(), 3, "{sent:?}");
+}
+
+#[test]
 fn b24_process_data_goes_between_the_segments() {
     let mut device = Device::operational();
     device.firmware.stream.value = vec![1; 70];

@@ -73,6 +73,7 @@ impl<D: Dictionary> Node<D> {
             self.queue.count_lost_request();
             return;
         };
+        self.sdo.sort();
         if self.services.identifiers_changed {
             self.listen();
         }

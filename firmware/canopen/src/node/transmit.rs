@@ -184,10 +184,11 @@ impl<D: Dictionary> Node<D> {
         let is_pdo = self.services.tpdos.is_pending();
         let is_emergency = self.services.emergency.is_pending();
         // Mostly one thing waits.
-        match (is_emergency, is_pdo, self.queue.waiting != 0) {
-            (false, true, false) => self.services.tpdos.take(),
-            (false, false, true) => self.take_fixed(application),
-            (true, false, false) => self.services.emergency.take(),
+        match (is_emergency, is_pdo, self.queue.waiting) {
+            (false, false, waiting::ANSWER) => self.take_answer(application),
+            (false, true, 0) => self.services.tpdos.take(),
+            (false, false, _) => self.take_fixed(application),
+            (true, false, 0) => self.services.emergency.take(),
             _ => self.take_lowest(application),
         }
     }
@@ -264,6 +265,23 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
+    /// What an SDO server has to send.
+    #[inline]
+    fn take_answer<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
+        let mut streams = Streams {
+            dictionary: &self.dictionary,
+            application,
+        };
+        let frame = self.sdo.transmit(&mut streams);
+        if self.sdo.pending().is_none() {
+            self.queue.set_answers(false);
+        }
+        if self.sdo.needs_time() {
+            self.services.timers_changed = true;
+        }
+        frame
+    }
+
     /// SDO, heartbeats and LSS answers, in the order of their identifiers: those above 700h are restricted to error control
     /// and LSS.
     fn take_answer_or_error_control<A: Application<D>>(
@@ -271,14 +289,7 @@ impl<D: Dictionary> Node<D> {
         application: &mut A,
     ) -> Option<Frame> {
         if self.queue.has(waiting::ANSWER) {
-            let mut streams = Streams {
-                dictionary: &self.dictionary,
-                application,
-            };
-            let frame = self.sdo.transmit(&mut streams);
-            self.queue.set_answers(self.sdo.pending().is_some());
-            self.services.timers_changed |= self.sdo.needs_time();
-            frame
+            self.take_answer(application)
         } else if self.queue.has(waiting::HEARTBEAT) {
             self.queue.waiting &= !waiting::HEARTBEAT;
             Some(self.error_control(self.state))

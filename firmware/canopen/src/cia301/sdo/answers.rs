@@ -48,8 +48,10 @@ impl Answers {
             return None;
         }
         let answer = self.first;
-        self.first = self.second;
         self.count = self.count.wrapping_sub(1);
+        if self.count != 0 {
+            self.first = self.second;
+        }
         Some(answer)
     }
 

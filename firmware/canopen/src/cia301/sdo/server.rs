@@ -179,15 +179,19 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     }
 
     /// The next frame that is to be sent: an answer that waits, or a segment of a block upload.
+    #[cfg(test)]
+    pub(super) fn transmit<S: Streams>(&mut self, streams: &mut S) -> Option<[u8; 8]> {
+        let answer = self.answers.pop();
+        answer.or_else(|| self.transmit_segment(streams))
+    }
+
+    /// The next segment of a block upload, when no answer waits.
     #[inline]
-    pub fn transmit<S: Streams>(&mut self, streams: &mut S) -> Option<[u8; 8]> {
-        if let Some(answer) = self.answers.pop() {
-            return Some(answer);
-        }
+    pub(super) fn transmit_segment<S: Streams>(&mut self, streams: &mut S) -> Option<[u8; 8]> {
         (self.step == Step::BlockUpload).then(|| self.send_block_segment(streams))
     }
 
-    /// Whether [`Server::transmit`] has something.
+    /// Whether something is to be sent.
     #[inline]
     pub(super) fn is_pending(&self) -> bool {
         !self.answers.is_empty() || self.step == Step::BlockUpload

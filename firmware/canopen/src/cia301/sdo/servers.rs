@@ -17,6 +17,12 @@ pub struct Servers<C: Counts> {
     servers: C::SdoServers,
     /// The lowest identifier that waits for the bus; [`NO_COB_ID`] for none.
     lowest: u16,
+    /// The number of the server that it belongs to.
+    next: u16,
+    /// Whether another server waits as well.
+    has_others: bool,
+    /// Whether [`Servers::lowest`] is to be found anew.
+    is_unsorted: bool,
     /// The time-out of a server begins with the next [`Servers::poll`].
     needs_time: bool,
 }
@@ -52,6 +58,9 @@ impl<C: Counts> Servers<C> {
         Self {
             servers: C::SdoServers::unused(),
             lowest: NO_COB_ID,
+            next: 0,
+            has_others: false,
+            is_unsorted: false,
             needs_time: false,
         }
     }
@@ -88,6 +97,7 @@ impl<C: Counts> Servers<C> {
             server.request = NO_COB_ID;
         }
         self.lowest = NO_COB_ID;
+        self.has_others = false;
     }
 
     /// The number of the server that hears this identifier.
@@ -118,10 +128,23 @@ impl<C: Counts> Servers<C> {
         if let Some(answer) = server.receive(request, now, &mut objects) {
             server.answers.push(answer);
         }
-        if server.is_pending() {
-            self.lowest = self.lowest.min(server.response);
+        // Mostly nothing else waits.
+        let is_pending = server.is_pending();
+        if self.lowest != NO_COB_ID {
+            self.is_unsorted = !is_pending || number != usize::from(self.next);
+        } else if is_pending {
+            self.lowest = server.response;
+            self.next = number as u16;
         }
         Some(server.deadline())
+    }
+
+    /// To be called after [`Servers::receive`]: another server may come first now, or the one that did has dropped what it had.
+    #[inline]
+    pub(crate) fn sort(&mut self) {
+        if self.is_unsorted {
+            self.find_lowest();
+        }
     }
 
     /// The owner of an object has finished a write: the answer to those that still wait for it.
@@ -138,12 +161,16 @@ impl<C: Counts> Servers<C> {
     pub(crate) fn poll<S: Streams>(&mut self, now: Instant, streams: &mut S) -> Instant {
         self.needs_time = false;
         let mut deadline = NEVER;
+        let mut has_answer = false;
         for server in self.servers.as_mut() {
             if let Some(answer) = server.poll(now, streams) {
                 server.answers.push(answer);
-                self.lowest = self.lowest.min(server.response);
+                has_answer = true;
             }
             deadline = earlier(deadline, server.deadline());
+        }
+        if has_answer {
+            self.find_lowest();
         }
         deadline
     }
@@ -164,20 +191,42 @@ impl<C: Counts> Servers<C> {
     #[inline]
     pub(crate) fn transmit<S: Streams>(&mut self, streams: &mut S) -> Option<Frame> {
         let lowest = self.lowest;
-        let waiting = |server: &&mut Server<_>| server.response == lowest && server.is_pending();
-        let server = self.servers.as_mut().iter_mut().find(waiting)?;
-        let frame = server.transmit(streams);
-        if !server.is_pending() {
+        let server = self.servers.as_mut().get_mut(usize::from(self.next))?;
+        let answer = server.answers.pop();
+        let frame = if answer.is_some() {
+            answer
+        } else {
+            let segment = server.transmit_segment(streams);
             self.needs_time |= server.has_sent_sub_block();
-            self.find_lowest();
+            segment
+        };
+        if !server.is_pending() {
+            self.lowest = NO_COB_ID;
+            if self.has_others {
+                self.find_lowest();
+            }
         }
         frame.map(|frame| Frame::full(lowest, frame))
     }
 
+    #[cold]
+    #[inline(never)]
     fn find_lowest(&mut self) {
-        let servers = self.servers.as_ref().iter();
-        let waiting = servers.filter(|server| server.is_pending());
-        self.lowest = waiting.fold(NO_COB_ID, |lowest, server| lowest.min(server.response));
+        self.lowest = NO_COB_ID;
+        self.has_others = false;
+        self.is_unsorted = false;
+        let mut has_one = false;
+        for (number, server) in (0..).zip(self.servers.as_ref()) {
+            if !server.is_pending() {
+                continue;
+            }
+            self.has_others = has_one;
+            has_one = true;
+            if server.response < self.lowest {
+                self.lowest = server.response;
+                self.next = number;
+            }
+        }
     }
 }
 
