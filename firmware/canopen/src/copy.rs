@@ -5,7 +5,19 @@
 pub(crate) fn copy(to: &mut [u8], from: &[u8]) {
     let length = to.len().min(from.len());
     if length <= 8 {
-        copy_few(to, from, length);
+        // Most are numbers and full segments.
+        match length {
+            1 => {
+                copy_chunk::<1>(to, from);
+            }
+            4 => {
+                copy_chunk::<4>(to, from);
+            }
+            7 => {
+                copy_chunk::<7>(to, from);
+            }
+            _ => copy_few(to, from, length),
+        }
         return;
     }
     for (to, from) in to.iter_mut().zip(from) {

@@ -83,6 +83,52 @@ impl<D: Dictionary, A: Application<D>> sdo::Streams for Objects<'_, D, A> {
     }
 }
 
+impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
+    /// Writes an object whose owner is a service.
+    #[inline(never)]
+    fn write_communication_object(
+        &mut self,
+        entry: &'static Entry,
+        value: &[u8],
+    ) -> Result<Completion, AbortCode> {
+        let is_changed = self.changes_configuration(entry, value);
+        let checked = od::check(D::TABLE, entry, value);
+        // To a value out of range the owner's answer is the more exact one: nine entries of a mapping are "too long
+        // for a PDO", not "too high".
+        if !matches!(
+            checked,
+            Err(AbortCode::ValueTooHigh | AbortCode::ValueTooLow)
+        ) {
+            checked?;
+        }
+        self.services.validate(self.dictionary, entry, value)?;
+        checked?;
+        if self.services.parameters.is_order(entry) {
+            self.services.parameters.begin(entry);
+            return Ok(Completion::Later);
+        }
+        od::put(self.dictionary, entry, value);
+        self.services.written(self.dictionary, entry, self.now);
+        self.end_write_of_value(is_changed);
+        Ok(Completion::Now)
+    }
+
+    /// Whether this value would make the configuration another one than that of 1020h.
+    #[inline]
+    fn changes_configuration(&self, entry: &Entry, value: &[u8]) -> bool {
+        self.services.parameters.is_dated(entry) && od::value(self.dictionary, entry) != value
+    }
+
+    /// A value was written: transmit PDOs may have to look at it, and the date of the configuration may be void.
+    #[inline]
+    fn end_write_of_value(&mut self, is_changed: bool) {
+        self.services.values_changed |= self.services.tpdos.is_watching();
+        if is_changed {
+            self.services.parameters.forget_date(self.dictionary);
+        }
+    }
+}
+
 /// Whether an object belongs to the communication profile, whose objects this crate owns (CiA 301, table 39).
 const fn is_communication_object(entry: &Entry) -> bool {
     entry.index >> 12 == 1
@@ -116,36 +162,15 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
     }
 
     fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<Completion, AbortCode> {
-        let is_changed =
-            self.services.parameters.is_dated(entry) && od::value(self.dictionary, entry) != value;
-        let checked = od::check(D::TABLE, entry, value);
         if is_communication_object(entry) {
-            // To a value out of range the owner's answer is the more exact one: nine entries of a mapping are "too long
-            // for a PDO", not "too high".
-            if !matches!(
-                checked,
-                Err(AbortCode::ValueTooHigh | AbortCode::ValueTooLow)
-            ) {
-                checked?;
-            }
-            self.services.validate(self.dictionary, entry, value)?;
-            checked?;
-            if self.services.parameters.is_order(entry) {
-                self.services.parameters.begin(entry);
-                return Ok(Completion::Later);
-            }
-            od::put(self.dictionary, entry, value);
-            self.services.written(self.dictionary, entry, self.now);
-        } else {
-            checked?;
-            self.application.validate(self.dictionary, entry, value)?;
-            od::put(self.dictionary, entry, value);
-            self.application.written(self.dictionary, entry);
+            return self.write_communication_object(entry, value);
         }
-        self.services.values_changed = true;
-        if is_changed {
-            self.services.parameters.forget_date(self.dictionary);
-        }
+        let is_changed = self.changes_configuration(entry, value);
+        od::check(D::TABLE, entry, value)?;
+        self.application.validate(self.dictionary, entry, value)?;
+        od::put(self.dictionary, entry, value);
+        self.application.written(self.dictionary, entry);
+        self.end_write_of_value(is_changed);
         Ok(Completion::Now)
     }
 
@@ -157,7 +182,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
     }
 
     fn end_write(&mut self, entry: &'static Entry, length: u32) -> Result<Completion, AbortCode> {
-        self.services.values_changed = true;
+        self.services.values_changed |= self.services.tpdos.is_watching();
         self.application.end_write(self.dictionary, entry, length)
     }
 }
