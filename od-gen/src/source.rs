@@ -1,9 +1,10 @@
 //! The text of a file, and places in it.
 //!
-//! Vendors ship files in UTF-8 with and without byte order mark and in Latin-1, with any line ends. All of them are read; what is
-//! not plain UTF-8 is reported, so that nobody wonders later where a letter went.
+//! Vendors ship files in UTF-8 with and without byte order mark, in Latin-1 and in Windows-1252, with any line ends. All of them
+//! are read; what is not plain UTF-8 is reported, so that nobody wonders later where a letter went.
 
 use std::borrow::Cow;
+use std::mem;
 
 use crate::diagnostic::Findings;
 use crate::rules::reading;
@@ -58,7 +59,7 @@ impl Source {
     pub(crate) fn new(file: &str, text: &str, findings: &mut Findings) -> Self {
         // Editors on Windows like to put a byte order mark first.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let text = visible(text, findings).into_owned();
+        let text = visible(&line_ends(text), findings).into_owned();
         let starts = text.match_indices('\n').map(|(at, _)| at + 1);
         let lines = std::iter::once(0).chain(starts).collect();
         let file = file.into();
@@ -76,20 +77,21 @@ impl Source {
             Ok(text) => Self::new(file, text, findings),
             Err(error) => {
                 let before = bytes.get(..error.valid_up_to()).unwrap_or_default();
-                let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
-                let at = before.rsplit(|byte| *byte == b'\n').next();
+                let before = String::from_utf8_lossy(before);
+                let before = line_ends(&before);
+                let at = before.rsplit('\n').next().unwrap_or_default();
                 let span = Span {
-                    line: u32::try_from(line).unwrap_or(u32::MAX),
-                    column: count(&String::from_utf8_lossy(at.unwrap_or_default())) + 1,
+                    line: u32::try_from(before.split('\n').count()).unwrap_or(u32::MAX),
+                    column: count(at).saturating_add(1),
                     length: 1,
                 };
                 let finding = findings.report(
                     &reading::LATIN_1,
                     span,
-                    "this is not UTF-8: the file is read as Latin-1",
+                    "this is not UTF-8: the file is read as Windows-1252",
                 );
                 finding.help("save the file in UTF-8");
-                let text: String = bytes.iter().map(|byte| char::from(*byte)).collect();
+                let text: String = bytes.iter().map(|byte| windows_1252(*byte)).collect();
                 Self::new(file, &text, findings)
             }
         })
@@ -128,8 +130,47 @@ impl Source {
     }
 }
 
+/// What Windows-1252 has in place of the control characters 80h to 9Fh of Latin-1; where it has nothing, they stay.
+const WINDOWS_1252: [char; 32] = [
+    '\u{20AC}', '\u{81}', '\u{201A}', '\u{192}', '\u{201E}', '\u{2026}', '\u{2020}', '\u{2021}',
+    '\u{2C6}', '\u{2030}', '\u{160}', '\u{2039}', '\u{152}', '\u{8D}', '\u{17D}', '\u{8F}',
+    '\u{90}', '\u{2018}', '\u{2019}', '\u{201C}', '\u{201D}', '\u{2022}', '\u{2013}', '\u{2014}',
+    '\u{2DC}', '\u{2122}', '\u{161}', '\u{203A}', '\u{153}', '\u{9D}', '\u{17E}', '\u{178}',
+];
+
+/// A letter of Windows-1252, which is Latin-1 but for its control characters.
+fn windows_1252(byte: u8) -> char {
+    let own = byte.checked_sub(0x80);
+    let own = own.and_then(|at| WINDOWS_1252.get(usize::from(at)));
+    own.copied().unwrap_or_else(|| char::from(byte))
+}
+
+/// A text whose lines all end in `\n`: old editors end them in `\r`, and copying in the wrong mode in `\r\r\n`.
+fn line_ends(text: &str) -> Cow<'_, str> {
+    if !text.contains('\r') {
+        return text.into();
+    }
+    let mut lines = String::with_capacity(text.len());
+    let mut returns = 0;
+    for letter in text.chars() {
+        match letter {
+            '\r' => returns += 1,
+            '\n' => {
+                returns = 0;
+                lines.push('\n');
+            }
+            _ => {
+                lines.extend(std::iter::repeat_n('\n', mem::take(&mut returns)));
+                lines.push(letter);
+            }
+        }
+    }
+    lines.extend(std::iter::repeat_n('\n', returns));
+    lines.into()
+}
+
 /// Whether a character only controls how others are shown: NUL and its like but for the tab, and marks of direction.
-fn is_control(letter: char) -> bool {
+pub(crate) fn is_control(letter: char) -> bool {
     let is_direction = matches!(letter, '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}');
     is_direction || (letter.is_control() && letter != '\t')
 }
@@ -146,7 +187,6 @@ fn visible<'a>(text: &'a str, findings: &mut Findings) -> Cow<'a, str> {
     let mut kept = String::with_capacity(text.len());
     for (number, line) in (1..).zip(text.split_inclusive('\n')) {
         let body = line.strip_suffix('\n').unwrap_or(line);
-        let body = body.strip_suffix('\r').unwrap_or(body);
         let first = body
             .chars()
             .enumerate()

@@ -63,7 +63,7 @@ fn said_about(name: &str, bytes: &[u8]) -> (Vec<String>, Model) {
     (findings.map(line).collect(), report.model)
 }
 
-const NOT_UTF_8: &str = "warning[not-utf-8]: this is not UTF-8: the file is read as Latin-1";
+const NOT_UTF_8: &str = "warning[not-utf-8]: this is not UTF-8: the file is read as Windows-1252";
 
 #[test]
 fn o04_a_file_in_latin_1_is_read_with_a_warning() {

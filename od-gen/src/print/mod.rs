@@ -10,6 +10,7 @@ pub(crate) mod value;
 use crate::diagnostic::{Diagnostic, Findings, Severity};
 use crate::document::{self, Comment, Document, Section};
 use crate::model::Model;
+use crate::rules::reading;
 use crate::source::Source;
 
 /// Writes a model as an EDS; as a DCF when it is the configuration of one device.
@@ -71,9 +72,12 @@ pub(crate) fn formatted(
 ) -> Result<String, Vec<Diagnostic>> {
     let document = document::read(source, &mut findings);
     let findings = findings.into_sorted();
-    let is_error = |finding: &Diagnostic| finding.severity == Severity::Error;
-    if findings.iter().any(is_error) {
-        return Err(findings.into_iter().filter(is_error).collect());
+    // Control characters are gone by now: a file without them would come out shorter than it went in.
+    let is_loss = |finding: &Diagnostic| {
+        finding.severity == Severity::Error || finding.rule == &reading::CONTROL_CHARACTER
+    };
+    if findings.iter().any(is_loss) {
+        return Err(findings.into_iter().filter(is_loss).collect());
     }
     Ok(document::write(&document::canonical(document)))
 }

@@ -297,3 +297,13 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn formatting_refuses_what_it_would_lose() {
+    for text in [
+        "[2000]\nParameterName=A\u{7}B\n",
+    ] {
+        let findings = format("x.eds", text).unwrap_err();
+        assert_eq!(findings.len(), 1, "{findings:?}");
+    }
+}

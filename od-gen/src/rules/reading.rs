@@ -25,7 +25,7 @@ pub(crate) const RULES: &[&Rule] = &[
 
 pub(crate) static NOT_TEXT: Rule = Rule::fatal(
     "not-text",
-    "The file is a text in UTF-8 or Latin-1.",
+    "The file is a text in UTF-8 or Windows-1252.",
     "UTF-16 is not read. Save the file in UTF-8.",
 );
 
@@ -38,14 +38,15 @@ pub(crate) static NOT_XML: Rule = Rule::fatal(
 pub(crate) static LATIN_1: Rule = Rule::warning(
     "not-utf-8",
     "The file is in UTF-8.",
-    "Bytes that are not UTF-8 are taken for Latin-1, as older tools write it; letters of other code pages come out \
-     wrong. Save the file in UTF-8.",
+    "Bytes that are not UTF-8 are taken for Windows-1252 (Latin-1 with quotes and a euro sign), as older tools write \
+     it; letters of other code pages come out wrong. Save the file in UTF-8.",
 );
 
 pub(crate) static CONTROL_CHARACTER: Rule = Rule::warning(
     "control-character",
     "There are no control characters in the file.",
-    "Nobody sees NUL, a lone carriage return or a mark of direction in an editor. They are left out while reading.",
+    "Nobody sees NUL or a mark of direction in an editor. They are left out while reading, and a file that has them \
+     is not formatted.",
 );
 
 pub(crate) static STRAY_LINE: Rule = Rule::error(
@@ -76,8 +77,8 @@ pub(crate) static TRAILING_COMMENT: Rule = Rule::warning(
 
 pub(crate) static REPEATED_SECTION: Rule = Rule::error(
     "repeated-section",
-    "Each section is there once.",
-    "Readers differ in which of two sections counts. Here the first one does when this is silenced.",
+    "Each section is there once, however its name is spelled.",
+    "[2000sub1] and [2000sub01] are the same section. Readers differ in which of two sections counts. Here the first one does when this is silenced.",
 );
 
 pub(crate) static REPEATED_KEY: Rule = Rule::warning(

@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use od_gen::Diagnostic;
+
 use crate::Failure;
 use crate::arguments::Fmt;
 use crate::{input, output};
@@ -40,6 +42,16 @@ fn formatted(file: &Path) -> Result<Option<(Vec<u8>, String)>, Failure> {
         let line =
             format!("{file}: error: this is XML: only EDS and DCF files have a canonical form");
         return Err(Failure::Refused(line));
+    }
+    // They are left out while reading: to write the text back would delete them.
+    let is_lost = |finding: &&Diagnostic| finding.rule.name == "control-character";
+    let mut lost = report.findings.iter().filter(is_lost).peekable();
+    if lost.peek().is_some() {
+        for finding in lost {
+            let shown = od_gen::render(finding, &report.source, output::colour_of_errors());
+            output::tell(&shown);
+        }
+        return Ok(None);
     }
     match od_gen::format(&report.source.file, report.source.text()) {
         Ok(after) => Ok(Some((before, after))),
