@@ -8,8 +8,12 @@ mod read;
 mod write;
 
 use std::borrow::Cow;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::ops::Range;
 
+use crate::diagnostic::Findings;
+use crate::rules::reading;
 use crate::source::Span;
 
 pub(crate) use order::canonical;
@@ -37,6 +41,27 @@ pub(crate) struct Section<'a> {
     pub(crate) lines: Range<u32>,
     pub(crate) keys: Vec<Key<'a>>,
     pub(crate) comments: Vec<Comment<'a>>,
+}
+
+impl Document<'_> {
+    /// Of a section that is there twice, however its name is spelled, the first one stays; the others are reported.
+    pub(crate) fn keep_first(&mut self, findings: &mut Findings) {
+        let mut first = HashMap::new();
+        self.sections.retain(|section| {
+            let (name, span) = (&section.name, section.span);
+            let line = match first.entry(order::identity(name)) {
+                Entry::Vacant(place) => {
+                    place.insert(span.line);
+                    return true;
+                }
+                Entry::Occupied(place) => *place.get(),
+            };
+            let message = format!("the section [{name}] is already on line {line}");
+            let finding = findings.report(&reading::REPEATED_SECTION, span, message);
+            finding.help("only the first one counts: remove one of them");
+            false
+        });
+    }
 }
 
 impl<'a> Section<'a> {

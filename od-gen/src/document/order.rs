@@ -70,9 +70,20 @@ pub(crate) fn canonical(mut document: Document<'_>) -> Document<'_> {
     document
 }
 
+/// A name as the canonical form spells it, in lower case: equal for two names of the same section.
+pub(super) fn identity(section: &str) -> String {
+    let mut section = Section::new(section);
+    name(&mut section);
+    section.name.to_ascii_lowercase()
+}
+
 /// Spells the name of a section, and says where it stands.
 fn name(section: &mut Section<'_>) -> Rank {
-    let lower = section.name.to_ascii_lowercase();
+    let mut lower = section.name.to_ascii_lowercase();
+    if lower == "devicecommissioning" {
+        // CiA 306 spells it with one `m`.
+        lower = "devicecomissioning".into();
+    }
     if let Some(place) = SECTIONS
         .iter()
         .position(|own| own.eq_ignore_ascii_case(&lower))

@@ -14,7 +14,6 @@ pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Document<
         document: Document::default(),
         lead: Vec::new(),
         after_blank: true,
-        sections: HashMap::new(),
         keys: HashMap::new(),
         findings,
     };
@@ -31,8 +30,6 @@ struct Reader<'a, 'f> {
     /// Comments after a blank line: they belong to the next section, if that comes before the next key.
     lead: Vec<Comment<'a>>,
     after_blank: bool,
-    /// Where each name is, in lower case.
-    sections: HashMap<String, u32>,
     /// Where each key of the present section is, in lower case.
     keys: HashMap<String, usize>,
     findings: &'f mut Findings,
@@ -95,17 +92,6 @@ impl<'a> Reader<'a, '_> {
                 .report(&reading::UNCLOSED_SECTION, span, message);
         }
         let name = name.trim();
-        let first = *self
-            .sections
-            .entry(name.to_ascii_lowercase())
-            .or_insert(span.line);
-        if first != span.line {
-            let message = format!("the section [{name}] is already on line {first}");
-            let finding = self
-                .findings
-                .report(&reading::REPEATED_SECTION, span, message);
-            finding.help("only the first one counts: remove one of them");
-        }
         self.keys.clear();
         let lead = mem::take(&mut self.lead);
         let start = lead.first().map_or(span.line, |comment| comment.span.line);
@@ -178,11 +164,7 @@ impl<'a> Reader<'a, '_> {
         if let Some(section) = self.document.sections.last_mut() {
             section.comments.extend(lead);
         }
-        // Of a name that is there twice, the first one counts.
-        let mut seen = std::collections::HashSet::new();
-        self.document
-            .sections
-            .retain(|section| seen.insert(section.name.to_ascii_lowercase()));
+        self.document.keep_first(self.findings);
         self.document
     }
 }

@@ -302,6 +302,7 @@ proptest! {
 fn formatting_refuses_what_it_would_lose() {
     for text in [
         "[2000]\nParameterName=A\u{7}B\n",
+        "[2000sub1]\nDataType=5\n[2000sub01]\nDataType=6\n",
     ] {
         let findings = format("x.eds", text).unwrap_err();
         assert_eq!(findings.len(), 1, "{findings:?}");

@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::{Reader, find, flag, is, text};
+use super::{Reader, find, flag, is, one_line, text};
 use crate::document::{Key, Section};
 use crate::number::Number;
 
@@ -19,12 +19,12 @@ impl<'a, 'x> Reader<'a, 'x> {
     /// Adds `key=value` with the text of an element.
     fn put_text(&self, section: &mut Section<'a>, key: &'static str, node: Option<Node<'_, '_>>) {
         let Some(node) = node else { return };
-        let text = node.text().unwrap_or_default().trim();
+        let text = one_line(node.text().unwrap_or_default());
         if !text.is_empty() {
             let span = self.source.span(node.range());
             section.keys.push(Key {
                 name: key.into(),
-                value: text.to_owned().into(),
+                value: text.into(),
                 name_span: span,
                 span,
             });
@@ -128,8 +128,8 @@ impl<'a, 'x> Reader<'a, 'x> {
     fn dummy_usage(&self, node: Node<'_, '_>) -> Section<'a> {
         let mut section = self.section("DummyUsage".into(), node);
         for dummy in node.children().filter(|node| is(*node, "dummy")) {
-            let entry = dummy.attribute("entry").unwrap_or_default();
-            let (name, value) = entry.split_once('=').unwrap_or((entry, ""));
+            let entry = one_line(dummy.attribute("entry").unwrap_or_default());
+            let (name, value) = entry.split_once('=').unwrap_or((&entry, ""));
             let (name, value) = (name.trim().to_owned(), value.trim().to_owned());
             self.put(&mut section, "", (dummy, "entry"), |_| value.clone());
             if let Some(key) = section.keys.last_mut() {

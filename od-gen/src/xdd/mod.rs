@@ -16,7 +16,7 @@ use roxmltree::{Document as Xml, Node};
 use crate::diagnostic::Findings;
 use crate::document::{Comment, Document, Key, Section};
 use crate::rules::reading;
-use crate::source::{Source, Span};
+use crate::source::{Source, Span, is_control};
 
 /// Whether a text is XML rather than a list of keys.
 pub(crate) fn is_xml(text: &str) -> bool {
@@ -56,6 +56,7 @@ pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Option<Do
         sections: reader.device(root),
     };
     document.sections.extend(reader.objects(list));
+    document.keep_first(findings);
     Some(document)
 }
 
@@ -91,7 +92,7 @@ impl<'a> Reader<'a, '_> {
         });
         comments
             .map(|node| Comment {
-                text: node.text().unwrap_or_default().trim().to_owned().into(),
+                text: one_line(node.text().unwrap_or_default()).into(),
                 span: self.source.span(node.range()),
                 position: 0,
             })
@@ -118,17 +119,27 @@ impl<'a> Reader<'a, '_> {
         spell: impl Fn(&str) -> String,
     ) {
         let found = node.attributes().find(|found| found.name() == attribute);
-        let Some(found) = found.filter(|found| !found.value().trim().is_empty()) else {
+        let Some(found) = found else { return };
+        let value = one_line(found.value());
+        if value.is_empty() {
             return;
-        };
+        }
         let span = self.source.span(found.range_value());
         section.keys.push(Key {
             name: key.into(),
-            value: spell(found.value().trim()).into(),
+            value: spell(&value).into(),
             name_span: span,
             span,
         });
     }
+}
+
+/// A text of XML, where an EDS has one line: all white space, and what cannot be seen, is one space. References such as `&#10;`
+/// are characters by now; a line end among them would go on into the lines of what is generated.
+fn one_line(text: &str) -> String {
+    let words = text.split(|letter: char| letter.is_whitespace() || is_control(letter));
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    words.join(" ")
 }
 
 /// As it is.

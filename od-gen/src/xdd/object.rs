@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::{Reader, find, hexadecimal, is, text};
+use super::{Reader, find, hexadecimal, is, one_line, text};
 use crate::document::{Comment, Key, Section};
 
 impl<'a, 'x> Reader<'a, 'x> {
@@ -19,8 +19,8 @@ impl<'a, 'x> Reader<'a, 'x> {
         }
         let mut sections = Vec::new();
         for object in list.children().filter(|node| is(*node, "CANopenObject")) {
-            let index = object.attribute("index").unwrap_or_default().trim();
-            let number = u16::from_str_radix(index, 16).ok();
+            let index = one_line(object.attribute("index").unwrap_or_default());
+            let number = u16::from_str_radix(&index, 16).ok();
             let [mandatory, optional, manufacturer] = &mut lists;
             let list = match number {
                 Some(0x1000 | 0x1001 | 0x1018) => Some(mandatory),
@@ -31,7 +31,7 @@ impl<'a, 'x> Reader<'a, 'x> {
             if let Some(list) = list {
                 self.list(list, object);
             }
-            let name = number.map_or_else(|| index.into(), |number| format!("{number:04X}"));
+            let name = number.map_or(index, |number| format!("{number:04X}"));
             let mut section = self.section(name.clone(), object);
             section.comments = self.comments(object, None);
             self.put(&mut section, "SubNumber", (object, "subNumber"), text);
@@ -39,7 +39,7 @@ impl<'a, 'x> Reader<'a, 'x> {
             sections.push(section);
             let subs = object.children();
             for sub in subs.filter(|node| is(*node, "CANopenSubObject")) {
-                let digits = sub.attribute("subIndex").unwrap_or_default().trim();
+                let digits = one_line(sub.attribute("subIndex").unwrap_or_default());
                 let mut section = self.section(format!("{name}sub{digits}"), sub);
                 self.value(&mut section, sub);
                 sections.push(section);
@@ -119,7 +119,8 @@ impl<'a, 'x> Reader<'a, 'x> {
             }
         }
         let unit = child(parameter, "unit").and_then(|unit| find(unit, "label"));
-        if let Some(unit) = unit.and_then(|label| label.text().map(|text| (label, text.trim()))) {
+        if let Some(unit) = unit.and_then(|label| label.text().map(|text| (label, one_line(text))))
+        {
             section.comments.push(Comment {
                 text: format!("Unit={}", unit.1).into(),
                 span: self.source.span(unit.0.range()),

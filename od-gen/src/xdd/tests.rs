@@ -101,3 +101,48 @@ fn a_device_with_a_node_id_is_a_configured_one() {
     assert_eq!(rate.configured, Some(DefaultValue::number(50)));
     assert_eq!(rate.default, DefaultValue::number(100));
 }
+
+#[test]
+fn a_text_of_several_lines_stays_one_line() {
+    let text = XDD
+        .replace(
+            "<productName>Sensor</productName>",
+            "<productName>\n  Sensor\n  pub fn evil() {}\n</productName>",
+        )
+        .replace(
+            "name=\"Rate\"",
+            "name=\"Rate&#10;}} pub fn evil() {} &#x202E;mod x {{//\"",
+        )
+        .replace(">Hz<", ">H&#13;z<")
+        .replace("A made-up sensor;", "A made-up\n[2000]\nsensor;");
+    assert!(text.contains("evil() {} &#x202E;mod"));
+    let model = model(&text);
+    assert_eq!(model.device.product_name, "Sensor pub fn evil() {}");
+    let rate = model.entry(0x2000, 0).unwrap();
+    assert_eq!(rate.name, "Rate }} pub fn evil() {} mod x {{//");
+    assert_eq!(rate.unit(), Some("H z"));
+    let as_eds = Model {
+        kind: FileKind::Eds,
+        ..model.clone()
+    };
+    assert_eq!(Report::new("sensor", &print(&model)).model, as_eds);
+    let code = crate::generate(&model, crate::Options::DEVICE);
+    for line in code.lines().filter(|line| line.contains("pub fn evil")) {
+        assert!(
+            line.trim_start().starts_with("//") || line.contains('"'),
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn an_object_that_is_there_twice_is_found() {
+    let object = "<CANopenObject index=\"2000\" name=\"Other\" objectType=\"7\" dataType=\"0007\" accessType=\"rw\"/>";
+    let end = "</CANopenObjectList>";
+    let found = findings(end, &format!("{object}{end}"));
+    assert!(
+        found.iter().any(|found| found
+            .contains("error[repeated-section]: the section [2000] is already on line")),
+        "{found:?}"
+    );
+}

@@ -346,6 +346,30 @@ fn letters_of_windows_1252_are_read() {
 }
 
 #[test]
+fn a_section_that_is_spelled_in_two_ways_is_there_twice() {
+    let at = "[ManufacturerObjects]";
+    for (again, first) in [("[1018sub01]", "[1018sub1]"), ("[1018SUB1]", "[1018sub1]")] {
+        let first = line_of(first);
+        finds(
+            at,
+            &format!("{again}\n{at}"),
+            at,
+            &format!("the section {again} is already on line {first}"),
+        );
+    }
+    let twice = "[DeviceComissioning]\nNodeID=1\nBaudrate=125\n[DeviceCommissioning]\nNodeID=2\n";
+    let said = findings(at, &format!("{twice}{at}"));
+    let first = line_of(at);
+    assert!(
+        said.contains(&format!(
+            "{}: the section [DeviceCommissioning] is already on line {first}",
+            first + 3
+        )),
+        "{said}"
+    );
+}
+
+#[test]
 fn nothing_may_be_there_twice() {
     finds(
         "[ManufacturerObjects]",
