@@ -104,6 +104,16 @@ fn a_reader_of_the_errors_that_goes_away_changes_nothing() {
 }
 
 #[test]
+fn our_own_data_sheets_are_in_canonical_form() {
+    for name in ["axis402", "lmd", "nanotec", "s200", "tc1"] {
+        let output = od_gen(&["fmt", "--check", &format!("../eds/{name}.eds")]);
+        assert!(output.status.success(), "{name}: {output:?}");
+    }
+    let output = od_gen(&["fmt", "--check", "../tests/eds/test-device.eds"]);
+    assert!(output.status.success(), "{output:?}");
+}
+
+#[test]
 fn check_says_nothing_about_a_correct_data_sheet() {
     let output = od_gen(&["check", "../eds/axis402.eds", "--deny-warnings"]);
     assert_eq!(output.status.code(), Some(0));

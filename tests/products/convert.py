@@ -183,7 +183,7 @@ class Sheet:
         added = dict.fromkeys(rows[0], "") | {"index": rows[0]["index"], "sub": "0", "data_type": "UNSIGNED8", "access": "const", "pdo_mappable": "no"}  # fmt: skip
         if 0 not in present:
             present = {0: added} | present
-        self.put(f"[{index:04X}]", f"SubNumber={len(present)}", f"ParameterName={name}", f"ObjectType=0x{KINDS[kind]}", "")
+        self.put(f"[{index:04X}]", f"ParameterName={name}", f"ObjectType=0x{KINDS[kind]}", f"SubNumber={len(present)}", "")
         for sub, row in present.items():
             if sub == 0 and index >> 8 not in (0x16, 0x1A) and index != 0x1003:
                 row = self.highest(row, max(present))
@@ -208,21 +208,22 @@ class Sheet:
         index, sub = place or (int(row["index"], 16), 0)
         data_type = row["data_type"] or "UNSIGNED8"
         access, mappable = self.access(index, row)
-        self.put(*self.remark((index, sub) if place else index), f"[{title}]", f"ParameterName={name}", f"ObjectType=0x{KINDS[kind]}")
-        self.put(f"DataType=0x{CODES[data_type]:04X}", f"AccessType={access}")
         text = []
         if data_type in STRINGS:
             if row["default"]:
                 text.append(f"DefaultValue={row['default']}")
         elif data_type in SIZES:
             text += self.numbers(data_type, row)
-        self.put(*text, f"PDOMapping={int(mappable)}")
+        is_parameter = access == "rw" and index not in (0x1003, 0x1010, 0x1011)
+        # In the order of `od-gen fmt`: comments, then keys.
+        self.put(*self.remark((index, sub) if place else index), f"[{title}]")
+        self.put(*(line for line in text if line.startswith(";")))
         if row["unit"]:
             self.put(f";Unit={row['unit']}")
-        is_parameter = access == "rw" and index not in (0x1003, 0x1010, 0x1011)
         if row["persistent"] == "no" and is_parameter:
             self.put(";Storage=none")
-        self.put("")
+        self.put(f"ParameterName={name}", f"ObjectType=0x{KINDS[kind]}", f"DataType=0x{CODES[data_type]:04X}", f"AccessType={access}")
+        self.put(*(line for line in text if not line.startswith(";")), f"PDOMapping={int(mappable)}", "")
 
     def access(self, index, row):
         access, told = row["access"] or "ro", row["pdo_mappable"]

@@ -1,6 +1,6 @@
 //! The dictionary reference that a user prints: one HTML page that needs nothing else, or Markdown.
 //!
-//! Both are made from the same [`view`], so that they say the same.
+//! Both are made from the same `view`, so that they say the same.
 
 mod pdo;
 mod value;

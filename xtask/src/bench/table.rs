@@ -35,8 +35,9 @@ impl Row {
     }
 }
 
-/// The column with the figure that we aim at. The first figure is held against it.
+/// The columns with the figure that we aim at, and which column is held against it: the first figure, or the last.
 const GOAL: &str = "goal";
+const GOAL_FOR_SIZE: &str = "goal for size";
 
 /// The column that tells how far the goal is.
 const MISSED: &str = "missed by";
@@ -92,11 +93,14 @@ pub fn write(document: &str, table: &Table) -> Result<String> {
 /// Fills the column that tells how far the goal is.
 fn tell_missed(titles: &[&str], cells: &mut [String]) {
     let column = |title| titles.iter().position(|other| *other == title);
-    let (Some(goal), Some(missed)) = (column(GOAL), column(MISSED)) else {
+    let goal = column(GOAL).map(|goal| (1, goal));
+    // The figures stand before the goal.
+    let goal = goal.or_else(|| column(GOAL_FOR_SIZE).map(|goal| (goal.saturating_sub(1), goal)));
+    let (Some((held, goal)), Some(missed)) = (goal, column(MISSED)) else {
         return;
     };
     let figure = |column: usize| cells.get(column).and_then(|cell| cell.parse::<u64>().ok());
-    let text = match (figure(1), figure(goal)) {
+    let text = match (figure(held), figure(goal)) {
         (Some(now), Some(goal)) if now > goal && goal > 0 => {
             format!("{} %", (now - goal) * 100 / goal)
         }
@@ -222,6 +226,22 @@ The end.
                 "| far | 150 | 100 | 50 % |",
                 "| free | 9 |  |  |"
             ]
+        );
+    }
+
+    #[test]
+    fn a_goal_for_size_is_held_against_the_figure_before_it() {
+        let document = "\
+## Goals
+| crate | flash | for size | goal for size | missed by |
+|---|---|---|---|---|
+| canopen | 1 | 1 | 20 |  |
+";
+        let rows = [Row::new("canopen", &[90, 30])];
+        let new = write(document, &table("Goals", &rows)).unwrap();
+        assert_eq!(
+            new.lines().nth(3),
+            Some("| canopen | 90 | 30 | 20 | 50 % |")
         );
     }
 

@@ -27,7 +27,7 @@ const FAULT: u16 = 1 << 3;
 const STAY_OFF: u16 = u16::MAX;
 
 impl<D: Dictionary + Objects> Device<D> {
-    /// The state of the CAN controller ([`Node::controller_changed`]); bus-off brings the motor to rest.
+    /// The state of the CAN controller ([`canopen::Node::controller_changed`]); bus-off brings the motor to rest.
     pub fn controller_changed<X: Share>(
         &mut self,
         state: ControllerState,
@@ -40,12 +40,12 @@ impl<D: Dictionary + Objects> Device<D> {
         }
     }
 
-    /// So many received frames were lost ([`Node::frames_lost`]).
+    /// So many received frames were lost ([`canopen::Node::frames_lost`]).
     pub fn frames_lost(&mut self, count: u32, now: Instant) {
         self.node.frames_lost(count, now);
     }
 
-    /// How long the controller stays off the bus after bus-off ([`Node::set_restart_delay`]).
+    /// How long the controller stays off the bus after bus-off ([`canopen::Node::set_restart_delay`]).
     pub fn set_restart_delay(&mut self, delay: Option<Duration>) {
         self.node.set_restart_delay(delay);
     }
