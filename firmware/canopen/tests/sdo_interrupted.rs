@@ -1,0 +1,45 @@
+//! SDO block transfers that end early, and what the device does after them.
+
+mod device;
+
+use device::Device;
+
+/// Aborts a transfer of 2014h.
+const ABORT: &str = "604#8014200000000008";
+const READ: &str = "604#4000100000000000";
+const VALUE: &str = "584#4300100092010200";
+
+/// The first segments of a sub-block of 500 bytes from 2014h have been sent.
+fn in_sub_block(device: &mut Device) {
+    device.firmware.stream.value = vec![1; 500];
+    assert_eq!(device.ask("604#A41420007F000000"), ["584#C6142000F4010000"]);
+    device.send("604#A300000000000000");
+    for _ in 0..5 {
+        let segment = device.node.transmit(&mut device.firmware).unwrap();
+        assert_eq!(segment.standard_id(), Some(0x584));
+    }
+}
+
+#[test]
+fn b24_heartbeats_go_on_after_an_abort_within_a_sub_block() {
+    let mut device = Device::new();
+    let answered = ["584#6017100000000000", "704#7F"];
+    assert_eq!(device.ask("604#2B17100064000000"), answered);
+    in_sub_block(&mut device);
+    assert!(device.ask(ABORT).is_empty());
+    let expected = [100, 200, 300].map(|moment| (moment, "704#7F".to_owned()));
+    assert_eq!(device.pass(350), expected);
+}
+
+#[test]
+fn b24_other_servers_go_on_after_an_abort_within_a_sub_block() {
+    let mut device = Device::new();
+    for write in ["604#23011201A4060000", "604#2301120284060000"] {
+        assert_eq!(device.ask(write).len(), 1);
+    }
+    in_sub_block(&mut device);
+    device.put("6A4#4000100000000000");
+    device.put(ABORT);
+    assert_eq!(device.sent(), [VALUE.replacen("584", "684", 1)]);
+    assert_eq!(device.ask(READ), [VALUE]);
+}
