@@ -2,8 +2,12 @@
 
 mod device;
 
-use device::Device;
+use device::{Device, abort};
 
+const TIMED_OUT: u32 = 0x0504_0000;
+/// Opens a block download of 2014h, and the answer.
+const OPEN_DOWNLOAD: &str = "604#C014200000000000";
+const READY: &str = "584#A41420007F000000";
 /// Aborts a transfer of 2014h.
 const ABORT: &str = "604#8014200000000008";
 const READ: &str = "604#4000100000000000";
@@ -17,6 +21,17 @@ fn in_sub_block(device: &mut Device) {
     for _ in 0..5 {
         let segment = device.node.transmit(&mut device.firmware).unwrap();
         assert_eq!(segment.standard_id(), Some(0x584));
+    }
+}
+
+/// Segments 1 to `last`, of ones.
+fn send_segments(device: &mut Device, last: u8) {
+    for seqno in 1..=last {
+        assert!(
+            device
+                .ask(&format!("604#{seqno:02X}01010101010101"))
+                .is_empty()
+        );
     }
 }
 
@@ -41,5 +56,17 @@ fn b24_other_servers_go_on_after_an_abort_within_a_sub_block() {
     device.put("6A4#4000100000000000");
     device.put(ABORT);
     assert_eq!(device.sent(), [VALUE.replacen("584", "684", 1)]);
+    assert_eq!(device.ask(READ), [VALUE]);
+}
+
+#[test]
+fn b26_a_request_right_after_the_time_out_of_a_sub_block() {
+    let mut device = Device::new();
+    assert_eq!(device.ask(OPEN_DOWNLOAD), [READY]);
+    // The command of the request looks like the next segment.
+    send_segments(&mut device, 0x3F);
+    device.now += canopen::Duration::millis(1000);
+    device.poll();
+    assert_eq!(device.sent(), [abort(0x2014, 0, TIMED_OUT)]);
     assert_eq!(device.ask(READ), [VALUE]);
 }

@@ -251,7 +251,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
                 None
             }
             Step::BlockDownload if !has_come(self.end_of_patience(), now) => self.remind(),
-            Step::BlockDownload => Some(self.abort_in_sub_block(AbortCode::TimedOut, now, streams)),
+            // After so long a silence nothing of a sub-block is under way: what comes next is a request.
             _ => Some(self.abort(self.object, AbortCode::TimedOut, streams)),
         }
     }
