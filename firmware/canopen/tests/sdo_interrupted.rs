@@ -70,3 +70,23 @@ fn b26_a_request_right_after_the_time_out_of_a_sub_block() {
     assert_eq!(device.sent(), [abort(0x2014, 0, TIMED_OUT)]);
     assert_eq!(device.ask(READ), [VALUE]);
 }
+
+#[test]
+fn b10_nothing_is_confirmed_before_a_segment_has_come() {
+    let mut device = Device::new();
+    assert_eq!(device.ask(OPEN_DOWNLOAD), [READY]);
+    let expected = [(1000, abort(0x2014, 0, TIMED_OUT))];
+    assert_eq!(device.pass(2000), expected);
+}
+
+#[test]
+fn b10_a_sub_block_without_its_first_and_its_last_segment() {
+    let mut device = Device::new();
+    assert_eq!(device.ask(OPEN_DOWNLOAD), [READY]);
+    assert!(device.ask("604#0202020202020202").is_empty());
+    let expected = [(500, "584#A2007F0000000000".to_owned())];
+    assert_eq!(device.pass(600), expected);
+    assert!(device.ask("604#0101010101010101").is_empty());
+    assert!(device.ask("604#0202020202020202").is_empty());
+    assert_eq!(device.ask("604#8303030303030303"), ["584#A2037F0000000000"]);
+}

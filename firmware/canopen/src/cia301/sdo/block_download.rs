@@ -159,12 +159,13 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     }
 
     /// The client has been silent for half of the server's patience. Perhaps the end of its sub-block was lost, and it waits:
-    /// confirms what has come. If nothing has come since a confirmation, that may have been lost itself. Then the
-    /// client would take another number for something else, so it gets none.
+    /// confirms what has come. If nothing has come since the last answer, that may have been lost itself, or the client is just
+    /// slow. It would take a number for the answer to what it sends next, so it gets none.
     pub(super) fn remind(&mut self) -> Option<[u8; 8]> {
         self.deadline += HALF;
         self.block.is_reminded = true;
-        (self.block.seqno != 0 || self.position == 0).then(|| self.confirm(0))
+        let has_come = self.block.seqno != 0 || self.block.ahead != 0;
+        has_come.then(|| self.confirm(0))
     }
 
     /// When the client of a block download has been silent for too long.
