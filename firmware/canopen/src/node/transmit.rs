@@ -265,8 +265,8 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
-    /// What an SDO server has to send.
-    #[inline]
+    /// What an SDO server has to send. Out of line, so that process data leaves by a short way.
+    #[inline(never)]
     fn take_answer<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
         let mut streams = Streams {
             dictionary: &self.dictionary,

@@ -4,8 +4,8 @@
 //! The polynomial has so few terms that up to four bytes are divided by it at once, in a dozen instructions and without a table:
 //! its inverse is a product of three short ones.
 
-/// The checksum of what came before (`crc`) and these bytes.
-#[inline]
+/// The checksum of what came before (`crc`) and these bytes. Only the last segment needs it, once.
+#[inline(never)]
 pub(super) fn add(crc: u16, bytes: &[u8]) -> u16 {
     let (words, rest) = bytes.as_chunks::<4>();
     let crc = words.iter().fold(crc, |crc, word| {
