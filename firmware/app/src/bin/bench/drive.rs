@@ -1,7 +1,7 @@
 //! The drive: a control tick at rest and one in motion.
 
 use canopen::{BitRate, Duration, Frame, Instant, NodeId, Settings};
-use cia402::{Device, Drive, DriveConfig, Exchange, Inputs};
+use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink, Record, Ticks};
 
 use crate::{count, row};
@@ -38,16 +38,31 @@ impl PulseSink for Motor {
     }
 }
 
-struct Bench {
+/// An exchange that counts how long it is locked.
+struct Timed {
+    exchange: Exchange,
+    /// Most instructions in one lock.
+    longest: u32,
+}
+
+impl Share for Timed {
+    fn lock<R>(&mut self, f: impl FnOnce(&mut Exchange) -> R) -> R {
+        let (cost, result) = count(|| f(&mut self.exchange));
+        self.longest = self.longest.max(cost);
+        result
+    }
+}
+
+struct Bench<X> {
     device: Device<Dictionary>,
     drive: Drive,
-    exchange: Exchange,
+    exchange: X,
     motor: Motor,
     now: Instant,
 }
 
 #[inline(never)]
-fn tick(drive: &mut Drive, now: Instant, motor: &mut Motor, exchange: &mut Exchange) {
+fn tick(drive: &mut Drive, now: Instant, motor: &mut Motor, exchange: &mut impl Share) {
     let inputs = Inputs {
         supply: true,
         position: motor.position,
@@ -56,7 +71,7 @@ fn tick(drive: &mut Drive, now: Instant, motor: &mut Motor, exchange: &mut Excha
     drive.tick(now, &inputs, motor, exchange);
 }
 
-impl Bench {
+impl<X: Share> Bench<X> {
     /// A millisecond: the node task, then a control tick, whose instructions it gives.
     fn millisecond(&mut self) -> u32 {
         self.now += TICK;
@@ -96,6 +111,18 @@ impl Bench {
 
 /// All workloads of the drive.
 pub fn run() {
+    let (at_rest, cruising, _) = drive_there(Exchange::new());
+    row("drive: control tick, enabled, at rest", at_rest);
+    row("drive: control tick, cruising at 20 kHz", cruising);
+    let (_, _, timed) = drive_there(Timed {
+        exchange: Exchange::new(),
+        longest: 0,
+    });
+    row("drive: longest lock of the exchange", timed.longest);
+}
+
+/// Enables the drive and moves it by 20,000 steps. What a control tick costs at rest and cruising, and the exchange.
+fn drive_there<X: Share>(exchange: X) -> (u32, u32, X) {
     let settings = Settings {
         node_id: NodeId::new(10).unwrap(),
         bit_rate: BitRate::Kbit1000,
@@ -116,7 +143,7 @@ pub fn run() {
     let mut bench = Bench {
         device: Device::new(Dictionary::new(), settings, 1),
         drive: Drive::new(config),
-        exchange: Exchange::new(),
+        exchange,
         motor: Motor::default(),
         now: Instant::from_ticks(0),
     };
@@ -130,7 +157,7 @@ pub fn run() {
     for _ in 0..100 {
         bench.millisecond();
     }
-    row("drive: control tick, enabled, at rest", bench.millisecond());
+    let at_rest = bench.millisecond();
 
     bench.download(0x607A, 4, 20_000);
     bench.download(0x6081, 4, 20_000);
@@ -138,12 +165,10 @@ pub fn run() {
     for _ in 0..500 {
         bench.millisecond();
     }
-    row(
-        "drive: control tick, cruising at 20 kHz",
-        bench.millisecond(),
-    );
+    let cruising = bench.millisecond();
     while bench.motor.pending > 0 {
         bench.millisecond();
     }
     assert_eq!(bench.motor.position, 20_000);
+    (at_rest, cruising, bench.exchange)
 }
