@@ -106,7 +106,8 @@ impl Entry {
         };
         let narrower = |limit: Option<Limit>, own: i128| {
             let value = limit?.integer().filter(|value| *value != own)?;
-            i64::try_from(value).ok()
+            // The largest means none in the firmware.
+            i64::try_from(value).ok().filter(|value| *value < i64::MAX)
         };
         (
             narrower(self.low_limit, low),

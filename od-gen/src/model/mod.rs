@@ -16,7 +16,7 @@ pub use device::{Commissioning, DeviceInfo, FileInfo, FileKind};
 pub use entry::{Access, Entry, Note, StorageGroup};
 pub use module::{DynamicChannel, Extension, Module};
 pub use places::{Field, KeyPlaces, Places};
-pub use remarks::Remarks;
+pub use remarks::{Remarks, Tools};
 pub use value::{DefaultValue, Limit};
 
 /// A device: who it is, and its object dictionary.
@@ -36,6 +36,8 @@ pub struct Model {
     pub dummies: Vec<u16>,
     /// The lines of the section Comments.
     pub comments: Vec<String>,
+    /// What the file says to tools.
+    pub tools: Tools,
     /// Comments above the first section.
     pub remarks: Remarks,
     /// Data types that the file defines, 0001h to 0FFFh, by index.

@@ -31,6 +31,7 @@ pub(super) fn expand(
         is_dcf: sections.is_dcf,
         is_domain: false,
         is_extension: false,
+        types: &sections.types,
     };
     let Some(model) = entry::read(section, context, findings) else {
         broken.objects.insert(object.index);

@@ -4,7 +4,7 @@ use super::sections::{Sections, check_keys, number, text};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
 use crate::document::Section;
-use crate::model::{Access, Commissioning, DeviceInfo, DynamicChannel, FileInfo, KeyPlaces};
+use crate::model::{Access, Commissioning, DeviceInfo, DynamicChannel, FileInfo, KeyPlaces, Tools};
 use crate::number::Number;
 use crate::rules::reading;
 
@@ -188,6 +188,21 @@ pub(super) fn dummies(sections: &Sections<'_>, findings: &mut Findings) -> Vec<u
     dummies.sort_unstable();
     dummies.dedup();
     dummies
+}
+
+/// The sections that are for tools.
+pub(super) fn tools(sections: &Sections<'_>) -> Tools {
+    let keys = |section: &Section<'_>| {
+        let keys = section.keys.iter();
+        let pairs = keys.map(|key| (key.name.to_string(), key.value.to_string()));
+        pairs.collect()
+    };
+    let sections = sections.tools.iter();
+    Tools(
+        sections
+            .map(|section| (section.name.to_string(), keys(section)))
+            .collect(),
+    )
 }
 
 /// The lines of a section Comments, in the order of their numbers.

@@ -1,5 +1,7 @@
 //! One value: type, access, limits, default.
 
+use std::collections::BTreeMap;
+
 use super::sections::{number, unknown_key};
 use super::value::{self, LARGEST_NODE_ID, Written};
 use crate::data_type::DataType;
@@ -17,7 +19,7 @@ pub(crate) const LEAST_CAPACITY: u16 = 32;
 
 /// What is known of a value before its section is read.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Context {
+pub(super) struct Context<'a> {
     pub(super) index: u16,
     pub(super) sub: u8,
     /// Whether the file is the configuration of one device.
@@ -26,12 +28,14 @@ pub(super) struct Context {
     pub(super) is_domain: bool,
     /// Whether it says how a module extends an object.
     pub(super) is_extension: bool,
+    /// The types that the file defines, by index.
+    pub(super) types: &'a BTreeMap<u16, DataType>,
 }
 
 /// Reads a section; `None` when it leaves no value, which has then been reported.
 pub(super) fn read(
     section: &Section<'_>,
-    context: Context,
+    context: Context<'_>,
     findings: &mut Findings,
 ) -> Option<Entry> {
     let places = places(section, (context.is_dcf, context.is_extension), findings);
@@ -173,13 +177,18 @@ fn required<'a>(
     key
 }
 
-fn data_type(section: &Section<'_>, context: Context, findings: &mut Findings) -> Option<DataType> {
+fn data_type(
+    section: &Section<'_>,
+    context: Context<'_>,
+    findings: &mut Findings,
+) -> Option<DataType> {
     if context.is_domain && section.key("DataType").is_none() {
         return Some(DataType::Domain);
     }
     let key = required(section, "DataType", &rule::NO_DATA_TYPE, findings)?;
     let code = findings.take(&rule::NOT_A_NUMBER, key.span, Number::parse(&key.value))?;
-    let data_type = DataType::from_code(code.value);
+    let defined = || context.types.get(&u16::try_from(code.value).ok()?).copied();
+    let data_type = DataType::from_code(code.value).or_else(defined);
     if data_type.is_none() {
         let message = format!("DataType {} is no type of a value", key.value);
         let finding = findings.report(&rule::DATA_TYPE, key.span, message);
@@ -191,7 +200,7 @@ fn data_type(section: &Section<'_>, context: Context, findings: &mut Findings) -
     data_type
 }
 
-fn access(section: &Section<'_>, context: Context, findings: &mut Findings) -> Option<Access> {
+fn access(section: &Section<'_>, context: Context<'_>, findings: &mut Findings) -> Option<Access> {
     if context.is_domain && section.key("AccessType").is_none() {
         return Some(Access::ReadWrite);
     }

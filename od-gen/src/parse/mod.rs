@@ -66,6 +66,7 @@ pub(crate) fn parse(
         dummies: device::dummies(&sections, findings),
         comments: device::lines(sections.comments),
         dynamic_channels: device::dynamic_channels(&sections, findings),
+        tools: device::tools(&sections),
         remarks: entry::remarks(document.head.iter()),
         ..Model::default()
     };

@@ -150,6 +150,7 @@ fn read_module(
             is_dcf,
             is_domain: false,
             is_extension: true,
+            types: &sections.objects.types,
         };
         let count = number(section, "Count", (0, 254), findings);
         let continues = number(section, "ObjExtend", (0, 1), findings) == Some(1);

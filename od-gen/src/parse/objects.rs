@@ -122,6 +122,7 @@ fn read_object(
                     is_dcf: sections.is_dcf,
                     is_domain: object_type == ObjectType::Domain,
                     is_extension: false,
+                    types: &sections.types,
                 };
                 match entry::read(section, context, findings) {
                     Some(entry) => object.entries.push(entry),
@@ -202,6 +203,7 @@ fn read_subs(
             is_dcf: sections.is_dcf,
             is_domain: kind == Some(ObjectType::Domain),
             is_extension: false,
+            types: &sections.types,
         };
         let Some(mut entry) = entry::read(section, context, findings) else {
             broken.entries.insert((index, *sub));
@@ -257,7 +259,8 @@ fn check_no_subs(
 ) {
     let (index, kind) = (object.index, object.object_type.name());
     let mut subs = sections.subs.range((index, 0)..=(index, u8::MAX));
-    let stated = section.key("SubNumber").filter(|key| {
+    let counts = ["SubNumber", "CompactSubObj"].into_iter();
+    let stated = counts.filter_map(|name| section.key(name)).find(|key| {
         let number = Number::parse(&key.value);
         number.is_ok_and(|number| number.value != 0)
     });

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::modules::{ModuleSections, module_name};
+use crate::data_type::DataType;
 use crate::diagnostic::Findings;
 use crate::document::{Document, Section};
+use crate::model::ObjectType;
 use crate::number::Number;
 use crate::rules::{reading, structure, value};
 use crate::source::Span;
@@ -33,6 +35,10 @@ pub(super) struct Sections<'a> {
     pub(super) subs: BTreeMap<(u16, u8), &'a Section<'a>>,
     /// `[1003Name]`, `[1003Value]`, `[1003Denotation]` by index.
     pub(super) compact: BTreeMap<(u16, CompactList), &'a Section<'a>>,
+    /// `[Tools]`, `[Tool1]` and their like, and `[StandardDataTypes]`.
+    pub(super) tools: Vec<&'a Section<'a>>,
+    /// What the types that the file defines (DEFTYPE) are made of, by index.
+    pub(super) types: BTreeMap<u16, DataType>,
 }
 
 /// The lists that go with CompactSubObj.
@@ -62,7 +68,10 @@ impl<'a> Sections<'a> {
                 "supportedmodules" => &mut sorted.supported_modules,
                 "connectedmodules" => &mut sorted.connected_modules,
                 // What tools there are, and which data types they know: nothing about the device.
-                name if is_of_tools(name) => continue,
+                name if is_of_tools(name) => {
+                    sorted.tools.push(section);
+                    continue;
+                }
                 "mandatoryobjects" => &mut sorted.mandatory,
                 "optionalobjects" => &mut sorted.optional,
                 "manufacturerobjects" => &mut sorted.manufacturer,
@@ -77,8 +86,13 @@ impl<'a> Sections<'a> {
             *place = Some(section);
         }
         sorted.is_dcf |= sorted.commissioning.is_some();
+        let definitions = sorted.objects.range(..0x1000);
+        sorted.types = definitions
+            .filter_map(|(index, section)| Some((*index, base_type(section)?)))
+            .collect();
         for module in sorted.modules.values_mut() {
             module.objects.is_dcf = sorted.is_dcf;
+            module.objects.types = sorted.types.clone();
         }
         for (name, section) in [
             ("FileInfo", sorted.file_info),
@@ -115,6 +129,13 @@ impl<'a> Sections<'a> {
         }
         true
     }
+}
+
+/// What a DEFTYPE is made of; `None` for what is no DEFTYPE, and for one that does not say it.
+fn base_type(section: &Section<'_>) -> Option<DataType> {
+    let code = |name: &str| Number::parse(&section.key(name)?.value).ok();
+    let kind = ObjectType::from_code(code("ObjectType")?.value)?;
+    (kind == ObjectType::DefType).then(|| DataType::from_code(code("DataType")?.value))?
 }
 
 /// `tools`, `tool1`, `standarddatatypes`.

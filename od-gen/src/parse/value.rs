@@ -40,9 +40,9 @@ pub(super) fn limit(
     // The firmware keeps limits in 64 signed bits, of which the largest means none.
     if value >= i64::MAX.into() && !own {
         let Written { key, text, .. } = written;
-        let message = format!("{key} {text} is not supported: limits stay below 2^63-1");
+        let message =
+            format!("the device does not check {key} {text}: it keeps limits below 2^63-1");
         findings.report(&rule::LIMIT_TOO_LARGE, written.span, message);
-        return Some(None);
     }
     Some(Some(Limit::Integer(value)))
 }
@@ -54,7 +54,11 @@ pub(crate) fn value(
     findings: &mut Findings,
 ) -> Option<DefaultValue> {
     match data_type {
-        DataType::Domain => Some(DefaultValue::Text(Vec::new())),
+        DataType::Domain => {
+            let message = format!("{} of a DOMAIN means nothing", written.key);
+            findings.report(&rule::VALUE_OF_A_DOMAIN, written.span, message);
+            Some(DefaultValue::Text(Vec::new()))
+        }
         DataType::Real32 | DataType::Real64 => {
             Some(DefaultValue::Real(real(written, data_type, findings)?))
         }

@@ -22,6 +22,13 @@ pub(super) fn sections(model: &Model) -> Vec<Section<'_>> {
         }
         sections.push(section);
     }
+    for (name, keys) in &model.tools.0 {
+        let mut section = Section::new(name);
+        for (key, value) in keys {
+            section.put(key, value);
+        }
+        sections.push(section);
+    }
     sections
 }
 

@@ -308,3 +308,15 @@ fn formatting_refuses_what_it_would_lose() {
         assert_eq!(findings.len(), 1, "{findings:?}");
     }
 }
+
+#[test]
+fn sections_of_tools_are_printed_as_they_are() {
+    let tools = "[StandardDataTypes]\n0x0001=1\n\n[Tools]\nItems=1\n\n[Tool1]\nName=Editor\nCommand=edit $DCF\n";
+    let text = format!("{}\n{}", FILES[0].1, tools.replace("[Tools]", "[TOOLS]"));
+    let report = Report::new("small.eds", &text);
+    assert!(report.findings.is_empty(), "{:?}", report.findings);
+    let printed = print(&report.model);
+    for section in tools.split("\n\n") {
+        assert!(printed.contains(section), "{printed}");
+    }
+}

@@ -14,6 +14,7 @@ pub(crate) const RULES: &[&Rule] = &[
     &LIMIT_TYPE,
     &LIMIT_OF_NO_NUMBER,
     &LIMIT_TOO_LARGE,
+    &VALUE_OF_A_DOMAIN,
     &LOW_ABOVE_HIGH,
     &DEFAULT_OUTSIDE_LIMITS,
     &CONST_WITHOUT_DEFAULT,
@@ -91,10 +92,17 @@ pub(crate) static LIMIT_OF_NO_NUMBER: Rule = Rule::warning(
     "A limit of a string or a domain means nothing, and is left out.",
 );
 
-pub(crate) static LIMIT_TOO_LARGE: Rule = Rule::error(
+pub(crate) static LIMIT_TOO_LARGE: Rule = Rule::warning(
     "limit-too-large",
     "Limits stay below 2^63-1.",
-    "The firmware keeps limits in 64 signed bits. When this is silenced, there is no such limit.",
+    "The firmware keeps limits in 64 signed bits. Such a limit of an UNSIGNED64 stays in the data sheet, and the device \
+     does not check it.",
+);
+
+pub(crate) static VALUE_OF_A_DOMAIN: Rule = Rule::warning(
+    "value-of-a-domain",
+    "A DOMAIN has no DefaultValue and no ParameterValue.",
+    "Its bytes come from the application, and in a DCF from the file that DownloadFile names. The value is left out.",
 );
 
 pub(crate) static LOW_ABOVE_HIGH: Rule = Rule::error(

@@ -3,6 +3,7 @@
 use roxmltree::Node;
 
 use super::{Reader, find, hexadecimal, is, one_line, text};
+use crate::data_type::DataType;
 use crate::document::{Comment, Key, Section};
 
 impl<'a, 'x> Reader<'a, 'x> {
@@ -80,6 +81,9 @@ impl<'a, 'x> Reader<'a, 'x> {
         let parameter = node.attribute("uniqueIDRef");
         if let Some(parameter) = parameter.and_then(|id| self.parameters.get(id)) {
             self.parameter(section, *parameter);
+            if section.key("DataType").is_none() && !has_subs(node) {
+                self.parameter_type(section, *parameter);
+            }
         }
         self.mapping(section, node);
         if !self.is_configured {
@@ -129,6 +133,22 @@ impl<'a, 'x> Reader<'a, 'x> {
         }
     }
 
+    /// The type that a parameter names by an element, such as `<UINT/>`.
+    fn parameter_type(&self, section: &mut Section<'a>, parameter: Node<'x, 'x>) {
+        let found = parameter
+            .children()
+            .find_map(|node| Some((node, data_type(node.tag_name().name())?)));
+        if let Some((node, data_type)) = found {
+            let span = self.source.span(node.range());
+            section.keys.push(Key {
+                name: "DataType".into(),
+                value: format!("0x{:04X}", data_type.code()).into(),
+                name_span: span,
+                span,
+            });
+        }
+    }
+
     /// PDOmapping names directions; in an EDS the access does.
     fn mapping(&self, section: &mut Section<'a>, node: Node<'_, '_>) {
         let mapping = node.attribute("PDOmapping").unwrap_or_default();
@@ -157,6 +177,34 @@ impl<'a, 'x> Reader<'a, 'x> {
 
 fn child<'x>(node: Node<'x, 'x>, name: &str) -> Option<Node<'x, 'x>> {
     node.children().find(|node| is(*node, name))
+}
+
+/// Whether an object is an ARRAY or a RECORD: its sub-indices have types, it has none.
+fn has_subs(node: Node<'_, '_>) -> bool {
+    matches!(
+        node.attribute("objectType").map(str::trim),
+        Some("8" | "9" | "08" | "09")
+    )
+}
+
+/// The type of a value by the name that a parameter has for it (IEC 61131-3). What BITSTRING and CHAR are, vendors do not agree on.
+fn data_type(name: &str) -> Option<DataType> {
+    Some(match name {
+        "BOOL" => DataType::Boolean,
+        "SINT" => DataType::Integer8,
+        "INT" => DataType::Integer16,
+        "DINT" => DataType::Integer32,
+        "LINT" => DataType::Integer64,
+        "USINT" | "BYTE" => DataType::Unsigned8,
+        "UINT" | "WORD" => DataType::Unsigned16,
+        "UDINT" | "DWORD" => DataType::Unsigned32,
+        "ULINT" | "LWORD" => DataType::Unsigned64,
+        "REAL" => DataType::Real32,
+        "LREAL" => DataType::Real64,
+        "STRING" => DataType::VisibleString,
+        "WSTRING" => DataType::UnicodeString,
+        _ => return None,
+    })
 }
 
 /// The access of a parameter as that of an object.

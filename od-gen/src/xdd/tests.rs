@@ -1,5 +1,6 @@
 //! An XDD means what the EDS beside it means.
 
+use crate::data_type::DataType;
 use crate::model::{DefaultValue, FileKind, Model};
 use crate::print;
 use crate::report::Report;
@@ -145,4 +146,37 @@ fn an_object_that_is_there_twice_is_found() {
             .contains("error[repeated-section]: the section [2000] is already on line")),
         "{found:?}"
     );
+}
+
+#[test]
+fn a_parameter_says_the_type_of_an_object_that_does_not() {
+    let own = " dataType=\"0006\" PDOmapping";
+    assert_eq!(XDD.matches(own).count(), 1);
+    let without = XDD.replace(own, " PDOmapping");
+    assert_eq!(model(&without), model(XDD));
+    for (name, data_type) in [
+        ("BOOL", DataType::Boolean),
+        ("SINT", DataType::Integer8),
+        ("INT", DataType::Integer16),
+        ("DINT", DataType::Integer32),
+        ("LINT", DataType::Integer64),
+        ("BYTE", DataType::Unsigned8),
+        ("WORD", DataType::Unsigned16),
+        ("UDINT", DataType::Unsigned32),
+        ("LWORD", DataType::Unsigned64),
+        ("REAL", DataType::Real32),
+        ("LREAL", DataType::Real64),
+    ] {
+        let text = without.replacen("<UINT/>", &format!("<{name}/>"), 1);
+        let model = Report::new("sensor.xdd", &text).model;
+        let known = model.entry(0x2000, 0).map(|entry| entry.data_type);
+        // The limits of the parameter do not fit the small types, which leaves no value.
+        assert!(
+            known == Some(data_type) || data_type.size() == Some(1),
+            "{name}: {known:?}"
+        );
+    }
+    // What the object says itself is what counts.
+    let other = XDD.replacen("<UINT/>", "<UDINT/>", 1);
+    assert_eq!(model(&other), model(XDD));
 }

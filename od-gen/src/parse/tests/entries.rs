@@ -1,6 +1,7 @@
 //! Mistakes in one value.
 
-use super::finds;
+use super::{SMALL, findings, finds};
+use crate::report::Report;
 
 #[test]
 fn keys_that_must_be_there_are_missed() {
@@ -149,8 +150,13 @@ fn s30_limits_fit_their_type_and_leave_room() {
         "LowLimit -5 is above HighLimit -6",
     );
     let old = "HighLimit=0xFFFFFFFFFFFFFFFF";
-    let message = "HighLimit 0x7FFFFFFFFFFFFFFF is not supported: limits stay below 2^63-1";
-    finds(old, "HighLimit=0x7FFFFFFFFFFFFFFF", old, message);
+    let message =
+        "the device does not check HighLimit 0x7FFFFFFFFFFFFFFF: it keeps limits below 2^63-1";
+    let (old, new) = (
+        format!("{old}\nDefaultValue=18446744073709551615"),
+        "HighLimit=0x7FFFFFFFFFFFFFFF\nDefaultValue=1",
+    );
+    finds(&old, new, &old, message);
     finds(
         "DefaultValue=hello",
         "LowLimit=1\nDefaultValue=hello",
@@ -288,7 +294,52 @@ fn a_name_has_something_to_make_a_name_of() {
             finds(old, &format!("ParameterName={name}"), old, &message);
         }
         for name in ["7", "*x*"] {
-            assert_eq!(super::findings(old, &format!("ParameterName={name}")), "");
+            assert_eq!(findings(old, &format!("ParameterName={name}")), "");
         }
     }
+}
+
+#[test]
+fn a_limit_that_the_device_cannot_keep_stays_in_the_model() {
+    let old = "HighLimit=0xFFFFFFFFFFFFFFFF";
+    for high in [i64::MAX.into(), 1_i128 << 63, (1_i128 << 64) - 2] {
+        let new = format!("HighLimit=0x{high:X}");
+        let report = Report::new(
+            "small.eds",
+            &SMALL
+                .replace(old, &new)
+                .replace("=18446744073709551615", "=1"),
+        );
+        let found = report
+            .findings
+            .iter()
+            .filter(|found| found.rule.name == "limit-too-large");
+        assert_eq!(found.count(), 1);
+        let entry = report.model.entry(0x2005, 0).unwrap();
+        assert_eq!(entry.high_limit, Some(crate::model::Limit::Integer(high)));
+        assert_eq!(entry.integer_limits(), (Some(1), None));
+        let printed = crate::print(&report.model);
+        assert_eq!(Report::new("small.eds", &printed).model, report.model);
+    }
+}
+
+#[test]
+fn what_a_variable_and_a_domain_cannot_have_is_found() {
+    finds(
+        "ParameterName=Flag",
+        "CompactSubObj=8\nParameterName=Flag",
+        "ParameterName=Flag",
+        "200Bh is a VAR: it has no sub-indices",
+    );
+    assert_eq!(
+        findings("ParameterName=Flag", "CompactSubObj=0\nParameterName=Flag"),
+        ""
+    );
+    let old = "ParameterName=Flag\nDataType=0x0001\nAccessType=const\nDefaultValue=1";
+    finds(
+        old,
+        "ParameterName=Flag\nObjectType=2\nAccessType=rw\nDefaultValue=hello",
+        old,
+        "DefaultValue of a DOMAIN means nothing",
+    );
 }

@@ -192,3 +192,27 @@ fn values_of_every_type_are_checked() {
         assert_eq!(rules, [rule], "{new}");
     }
 }
+
+#[test]
+fn a_type_of_the_file_stands_for_its_base_type() {
+    let small = include_str!("../../../tests/data/small.eds");
+    let defined = "[0060]\nParameterName=Count\nObjectType=5\nDataType=7\nAccessType=ro\n";
+    let object = "[2005]";
+    let (before, behind) = small.split_once(object).unwrap();
+    let behind = behind.replacen("DataType=0x001B", "DataType=0x60", 1);
+    let behind = behind.replacen("=0xFFFFFFFFFFFFFFFF", "=0xFFFFFFFF", 1);
+    let behind = behind.replacen("=18446744073709551615", "=1", 1);
+    let said = |text: &str| {
+        let report = Report::new("small.eds", text);
+        let lines = report.findings.iter().map(|found| found.message.clone());
+        (lines.collect::<Vec<_>>(), report.model)
+    };
+    let (findings, model) = said(&format!("{before}{defined}{object}{behind}"));
+    assert_eq!(findings, Vec::<String>::new());
+    assert_eq!(
+        model.entry(0x2005, 0).unwrap().data_type,
+        DataType::Unsigned32
+    );
+    let (findings, _) = said(&format!("{before}{object}{behind}"));
+    assert_eq!(findings, ["DataType 0x60 is no type of a value"]);
+}
