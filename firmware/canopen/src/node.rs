@@ -11,7 +11,8 @@
 //! - The first frame after a boot is the boot-up message, once.
 //! - Without a node-ID the device stays in [`NmtState::Initialisation`] and serves LSS only.
 //! - A command is executed before [`Node::receive`] returns, so that none is lost between two calls of [`Node::poll`].
-//! - While the bit rate is switched nothing is sent, and SDO requests are not executed: no answer could tell of them.
+//! - While the bit rate is switched nothing is sent, and SDO requests other than aborts are not executed: no answer could tell of
+//!   them.
 //! - Settings to store, a switch of the bit rate and a reset are told whatever else waits to be told.
 //! - Time is the stamp of a frame and the moment given to [`Node::poll`]. Give every frame that has arrived before calling
 //!   it: what is silent at that moment has timed out.

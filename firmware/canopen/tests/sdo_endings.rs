@@ -1,4 +1,5 @@
-//! How a transfer ends beside its last segment: by the client's abort on a busy bus, and by the time of its frames.
+//! How a transfer ends beside its last segment: by the client's abort on a busy bus or in silence, and by the time of
+//! its frames. What comes after it is served at once.
 
 mod device;
 
@@ -7,10 +8,50 @@ use device::{Device, abort};
 
 const OPEN_DOWNLOAD: &str = "604#2101200005000000";
 const TIMED_OUT: u32 = 0x0504_0000;
+/// Opens a block download of 2014h, and the answer.
+const OPEN_BLOCK: &str = "604#C014200000000000";
+const READY: &str = "584#A41420007F000000";
+/// Aborts a transfer of 2014h.
+const ABORT: &str = "604#8014200000000008";
+const READ: &str = "604#4000100000000000";
+const VALUE: &str = "584#4300100092010200";
 
 /// Time passes; the device is not called.
 fn wait(device: &mut Device, milliseconds: u64) {
     device.now += Duration::millis(milliseconds);
+}
+
+/// The first segments of a sub-block of 500 bytes from 2014h have been sent.
+fn in_sub_block(device: &mut Device) {
+    device.firmware.stream.value = vec![1; 500];
+    assert_eq!(device.ask("604#A41420007F000000"), ["584#C6142000F4010000"]);
+    device.send("604#A300000000000000");
+    for _ in 0..5 {
+        let segment = device.node.transmit(&mut device.firmware).unwrap();
+        assert_eq!(segment.standard_id(), Some(0x584));
+    }
+}
+
+/// Segments 1 to `last`, of ones.
+fn send_segments(device: &mut Device, last: u8) {
+    for seqno in 1..=last {
+        assert!(
+            device
+                .ask(&format!("604#{seqno:02X}01010101010101"))
+                .is_empty()
+        );
+    }
+}
+
+/// Orders another bit rate by LSS: 600 ms of silence.
+fn switch_bit_rate(device: &mut Device) {
+    for request in [
+        "7E5#0401000000000000",
+        "7E5#1300020000000000",
+        "7E5#152C010000000000",
+    ] {
+        device.send(request);
+    }
 }
 
 #[test]
@@ -55,4 +96,90 @@ fn s27_a_segment_just_in_time_is_taken() {
     device.now += Duration::micros(999_999);
     device.put("604#0561626364650000");
     assert_eq!(device.sent(), ["584#2000000000000000"]);
+}
+
+#[test]
+fn b24_heartbeats_go_on_after_an_abort_within_a_sub_block() {
+    let mut device = Device::new();
+    let answered = ["584#6017100000000000", "704#7F"];
+    assert_eq!(device.ask("604#2B17100064000000"), answered);
+    in_sub_block(&mut device);
+    assert!(device.ask(ABORT).is_empty());
+    let expected = [100, 200, 300].map(|moment| (moment, "704#7F".to_owned()));
+    assert_eq!(device.pass(350), expected);
+}
+
+#[test]
+fn b24_other_servers_go_on_after_an_abort_within_a_sub_block() {
+    let mut device = Device::new();
+    for write in ["604#23011201A4060000", "604#2301120284060000"] {
+        assert_eq!(device.ask(write).len(), 1);
+    }
+    in_sub_block(&mut device);
+    device.put("6A4#4000100000000000");
+    device.put(ABORT);
+    assert_eq!(device.sent(), [VALUE.replacen("584", "684", 1)]);
+    assert_eq!(device.ask(READ), [VALUE]);
+}
+
+#[test]
+fn b26_a_request_right_after_the_time_out_of_a_sub_block() {
+    let mut device = Device::new();
+    assert_eq!(device.ask(OPEN_BLOCK), [READY]);
+    // The command of the request looks like the next segment.
+    send_segments(&mut device, 0x3F);
+    wait(&mut device, 1000);
+    device.poll();
+    assert_eq!(device.sent(), [abort(0x2014, 0, TIMED_OUT)]);
+    assert_eq!(device.ask(READ), [VALUE]);
+}
+
+#[test]
+fn b10_nothing_is_confirmed_before_a_segment_has_come() {
+    let mut device = Device::new();
+    assert_eq!(device.ask(OPEN_BLOCK), [READY]);
+    let expected = [(1000, abort(0x2014, 0, TIMED_OUT))];
+    assert_eq!(device.pass(2000), expected);
+}
+
+#[test]
+fn b10_a_sub_block_without_its_first_and_its_last_segment() {
+    let mut device = Device::new();
+    assert_eq!(device.ask(OPEN_BLOCK), [READY]);
+    assert!(device.ask("604#0202020202020202").is_empty());
+    let expected = [(500, "584#A2007F0000000000".to_owned())];
+    assert_eq!(device.pass(600), expected);
+    assert!(device.ask("604#0101010101010101").is_empty());
+    assert!(device.ask("604#0202020202020202").is_empty());
+    assert_eq!(device.ask("604#8303030303030303"), ["584#A2037F0000000000"]);
+}
+
+#[test]
+fn an_abort_counts_in_the_silence_around_a_switch_of_the_bit_rate() {
+    let mut device = Device::new();
+    in_sub_block(&mut device);
+    switch_bit_rate(&mut device);
+    device.put(ABORT);
+    assert!(device.pass(590).is_empty());
+    assert_eq!(
+        device.pass(20),
+        [(10, "7E4#1300000000000000".to_owned())],
+        "the answer that waited, and no segment"
+    );
+}
+
+#[test]
+fn a_streamed_object_is_free_after_an_abort_in_silence() {
+    let mut device = Device::new();
+    assert_eq!(device.ask(OPEN_BLOCK), [READY]);
+    switch_bit_rate(&mut device);
+    device.put(ABORT);
+    assert_eq!(device.firmware.stream.abandoned, 1);
+    // Anything else has no effect: no heartbeat comes.
+    device.put("604#2B17100064000000");
+    assert_eq!(
+        device.pass(1000),
+        [(600, "7E4#1300000000000000".to_owned())]
+    );
+    assert_eq!(device.ask(OPEN_BLOCK), [READY]);
 }

@@ -4,7 +4,7 @@
 //! line, the services that are used all the time first.
 
 use super::Node;
-use super::objects::Objects;
+use super::objects::{Objects, Streams};
 use crate::application::Application;
 use crate::cia301::nmt::{Command, NmtState};
 use crate::cia301::pdo::Received;
@@ -57,8 +57,8 @@ impl<D: Dictionary> Node<D> {
         now: Instant,
         application: &mut A,
     ) {
-        // In the silence of a bit rate switch no answer could tell of what was done.
         if self.is_mute && self.lss.is_silent(now) {
+            self.receive_sdo_in_silence(server, request, application);
             return;
         }
         let (dictionary, services) = (&mut self.dictionary, &mut self.services);
@@ -79,6 +79,24 @@ impl<D: Dictionary> Node<D> {
         }
         self.queue.set_answers(self.sdo.pending().is_some());
         self.wake_at(deadline);
+    }
+
+    /// In the silence of a bit rate switch no answer could tell of what was done. An abort needs none, and nothing of its
+    /// transfer may be sent afterwards.
+    #[cold]
+    #[inline(never)]
+    fn receive_sdo_in_silence<A: Application<D>>(
+        &mut self,
+        server: usize,
+        request: &[u8; 8],
+        application: &mut A,
+    ) {
+        let mut streams = Streams {
+            dictionary: &self.dictionary,
+            application,
+        };
+        self.sdo.receive_abort(server, request, &mut streams);
+        self.queue.set_answers(self.sdo.pending().is_some());
     }
 
     #[cold]
