@@ -161,7 +161,8 @@ impl<D: Dictionary> Node<D> {
     /// The next frame to send, lowest identifier first; `None` when there is nothing.
     ///
     /// The segments of a block upload come from here one by one, so the application is asked for the next piece of an object
-    /// that it streams. Call it when the CAN controller can take a frame. A frame that the controller gives back (it was not sent, and
+    /// that it streams. Call it when the CAN controller can take a frame, and [`Node::poll`] after it: the time for the answer to a
+    /// sub-block begins there. A frame that the controller gives back (it was not sent, and
     /// one of higher priority shall go first) cannot be put back here.
     #[inline]
     pub fn transmit<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
