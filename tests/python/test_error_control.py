@@ -78,6 +78,8 @@ def test_the_drive_answers_a_guarding_master(network, node, error_control):
     assert error_control.none()
 
 
+# On SocketCAN python-canopen lets the kernel's broadcast manager ask, which the test's small kernel has not.
+@pytest.mark.only("virtual", "firmware")
 def test_python_canopen_guards_the_drive(node, error_control):
     node.nmt.start_node_guarding(0.05)
     answers = [error_control.next()[0] for _ in range(6)]
