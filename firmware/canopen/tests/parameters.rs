@@ -313,7 +313,11 @@ fn r08_a_new_firmware_keeps_what_fits_and_reports_the_rest_once() {
 impl Storing {
     /// Node 4 just booted, with what it has to say.
     fn with_node_id_and_messages(store: RamStore) -> Self {
-        let off = Device::off();
+        Self::just_booted(Device::off(), store)
+    }
+
+    /// Just booted, with what it has to say.
+    fn just_booted(off: Device, store: RamStore) -> Self {
         let mut storing = Self {
             device: Device {
                 node: off.node.with_parameter_store(),
@@ -397,6 +401,118 @@ fn r09_a_changed_parameter_makes_the_configuration_date_zero() {
     // Nothing was saved, so the configuration of the next start is the dated one.
     let storing = storing.power_cycle();
     assert_eq!(storing.value(0x1020, 1), [0xD5, 0x3C, 0, 0]);
+}
+
+#[test]
+fn r09_a_reset_of_the_communication_does_not_bring_back_the_date_of_another_configuration() {
+    const DATE: [u8; 4] = [0xD5, 0x3C, 0, 0];
+    let dated = || {
+        let mut storing = Storing::new(RamStore::default());
+        storing.write(0x2000, 0, &[1, 2, 3, 4]);
+        storing.write(0x1020, 1, &DATE);
+        storing.ask(SAVE_ALL);
+        storing
+    };
+    // What this reset loads is the dated configuration again.
+    let mut storing = dated();
+    storing.write(0x1015, 0, &[5, 0]);
+    assert_eq!(storing.value(0x1020, 1), [0; 4]);
+    storing.boot(Reset::Communication);
+    assert_eq!(storing.value(0x1020, 1), DATE);
+    // What it leaves alone is not, whatever date a master has written without saving.
+    for unsaved in [None, Some([0; 4]), Some([9, 9, 0, 0])] {
+        let mut storing = dated();
+        if unsaved == Some([0; 4]) {
+            storing.write(0x1020, 1, &[0; 4]);
+        }
+        storing.write(0x2000, 0, &[4, 3, 2, 1]);
+        if let Some(date) = unsaved {
+            storing.write(0x1020, 1, &date);
+        }
+        for _ in 0..2 {
+            storing.boot(Reset::Communication);
+            assert_eq!(storing.value(0x2000, 0), [4, 3, 2, 1]);
+            assert_eq!(storing.value(0x1020, 1), [0; 4], "{unsaved:?}");
+        }
+        storing.boot(Reset::Node);
+        storing.device.sent();
+        assert_eq!(storing.value(0x1020, 1), DATE);
+        // Saved with its own date it is the configuration.
+        storing.write(0x2000, 0, &[4, 3, 2, 1]);
+        storing.write(0x1020, 1, &[8, 8, 0, 0]);
+        storing.ask(SAVE_ALL);
+        storing.boot(Reset::Communication);
+        assert_eq!(storing.value(0x1020, 1), [8, 8, 0, 0]);
+    }
+}
+
+#[test]
+fn r08_a_device_without_a_node_id_tells_what_does_not_fit_when_it_has_one() {
+    let mut store = RamStore::default();
+    store.put(
+        ParameterSet::Manufacturer,
+        &[(0x2000, 0, &[1, 2, 3, 4]), (0x2008, 0, &[99])],
+    );
+    let mut storing = Storing::just_booted(Device::off_with(255), store);
+    assert_eq!(storing.value(0x2000, 0), [1, 2, 3, 4]);
+    assert_eq!(storing.value(0x1001, 0), [0]);
+    assert_eq!(storing.device.sent(), [""; 0]);
+    for request in [
+        "7E5#0401000000000000",
+        "7E5#1104000000000000",
+        "7E5#0400000000000000",
+    ] {
+        storing.device.ask(request);
+    }
+    storing.boot(Reset::Communication);
+    storing.device.poll();
+    assert_eq!(storing.device.sent(), ["704#00", "084#2063010820000100"]);
+    // Another reset changes nothing: the value is still not the stored one.
+    storing.boot(Reset::Communication);
+    storing.device.poll();
+    assert_eq!(storing.device.sent(), ["704#00", "084#2063010820000100"]);
+}
+
+#[test]
+fn r08_an_error_of_the_last_loading_does_not_outlive_it() {
+    let mut storing = Storing::new(RamStore::default());
+    storing.ask(SAVE_ALL);
+    let good = storing.store.clone();
+    storing.store.put(
+        ParameterSet::Communication,
+        &[(0x1014, 0, &[0x84, 0, 0, 0]), (0x1029, 1, &[77])],
+    );
+    storing.boot(Reset::Communication);
+    assert_eq!(storing.value(0x1001, 0), [1]);
+    storing.store = good.clone();
+    storing.store.damaged = Some(ParameterSet::Manufacturer);
+    storing.boot(Reset::Communication);
+    assert_eq!(storing.value(0x1001, 0), [1]);
+    storing.store = good;
+    storing.boot(Reset::Communication);
+    assert_eq!(storing.value(0x1001, 0), [0]);
+}
+
+#[test]
+fn h03_watched_nodes_change_places_behind_one_that_stays() {
+    let watched = [0x0005_03E8, 0x0006_03E8, 0x0007_03E8];
+    let [first, second, third] = watched.map(u32::to_le_bytes);
+    let mut store = RamStore::default();
+    store.put(
+        ParameterSet::Communication,
+        &[
+            (0x1016, 1, &first),
+            (0x1016, 2, &third),
+            (0x1016, 3, &second),
+        ],
+    );
+    let mut off = Device::off();
+    off.firmware.watched = watched;
+    let mut storing = Storing::just_booted(off, store);
+    assert_eq!(storing.device.sent(), ["704#00"]);
+    assert_eq!(storing.value(0x1016, 1), first);
+    assert_eq!(storing.value(0x1016, 2), third);
+    assert_eq!(storing.value(0x1016, 3), second);
 }
 
 #[test]

@@ -109,7 +109,7 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
         }
         od::put(self.dictionary, entry, value);
         self.services.written(self.dictionary, entry, self.now);
-        self.end_write_of_value(is_changed);
+        self.end_write_of_value(entry, is_changed);
         Ok(Completion::Now)
     }
 
@@ -121,10 +121,10 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
 
     /// A value was written: transmit PDOs may have to look at it, and the date of the configuration may be void.
     #[inline]
-    fn end_write_of_value(&mut self, is_changed: bool) {
+    fn end_write_of_value(&mut self, entry: &Entry, is_changed: bool) {
         self.services.values_changed |= self.services.tpdos.is_watching();
         if is_changed {
-            self.services.parameters.forget_date(self.dictionary);
+            self.services.parameters.changed(self.dictionary, entry);
         }
     }
 }
@@ -170,7 +170,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         self.application.validate(self.dictionary, entry, value)?;
         od::put(self.dictionary, entry, value);
         self.application.written(self.dictionary, entry);
-        self.end_write_of_value(is_changed);
+        self.end_write_of_value(entry, is_changed);
         Ok(Completion::Now)
     }
 

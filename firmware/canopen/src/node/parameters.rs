@@ -53,6 +53,10 @@ impl<D: Dictionary> Node<D> {
             return;
         };
         self.services.parameters.set_job(None);
+        // What the last loading has found is void: that of a device without a node-ID is nobody's business, and it cannot send.
+        self.clear(PARAMETERS_REFUSED, now);
+        self.clear(PARAMETERS_LOST, now);
+        let is_stale = matches!(reset, Reset::Communication) && self.services.parameters.is_stale();
         let mut replay = Replay::new(self.node_id.get(), loaded_at(reset));
         let mut lost = None;
         for set in ParameterSet::ALL {
@@ -75,9 +79,10 @@ impl<D: Dictionary> Node<D> {
             now,
         };
         let refused = replay.end(&mut objects);
+        let refused = self.services.parameters.loaded(reset, is_stale, refused);
         self.services
             .configure(&mut self.dictionary, self.node_id, now);
-        if refused.count > 0 || lost.is_some() {
+        if refused.count > 0 || lost.is_some() || is_stale {
             // What the device has now is not what was dated.
             self.services.parameters.forget_date(&mut self.dictionary);
         }
@@ -85,7 +90,8 @@ impl<D: Dictionary> Node<D> {
         if let Some(set) = lost {
             self.report(loss(set), now);
         }
-        if refused.count > 0 {
+        // Identifiers that follow the node-ID are not legal without one, and the next reset loads them again.
+        if refused.count > 0 && self.node_id.is_configured() {
             self.report(refusal(&refused), now);
         }
     }
@@ -107,6 +113,7 @@ impl<D: Dictionary> Node<D> {
                 }
             }
             Some(Job::Commit(sets)) => store.commit().map(|()| {
+                self.services.parameters.saved(sets == ParameterSets::ALL);
                 if sets == ParameterSets::ALL {
                     self.clear(PARAMETERS_LOST, now);
                     self.clear(PARAMETERS_REFUSED, now);

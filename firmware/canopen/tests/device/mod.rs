@@ -22,6 +22,8 @@ pub struct Firmware {
     pub power_ons: usize,
     /// What the power-on value of 1F80h is, if it is not the one of the data sheet.
     pub startup: Option<u32>,
+    /// What the power-on values of 1016h are, if they are not those of the data sheet.
+    pub watched: [u32; 3],
     /// What objects 2014h and 2015h are.
     pub stream: Stream,
 }
@@ -84,6 +86,9 @@ impl Application<Objects> for Firmware {
         assert!(od::write_u32(dictionary, 0x1018, 4, 0x1234_5678));
         if let Some(startup) = self.startup {
             assert!(od::write_u32(dictionary, 0x1F80, 0, startup));
+        }
+        for (sub, watched) in (1..).zip(self.watched) {
+            assert!(od::write_u32(dictionary, 0x1016, sub, watched));
         }
     }
 }

@@ -19,7 +19,7 @@ pub(crate) trait Writer {
 }
 
 /// What could not be loaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Refused {
     /// How many records.
     pub(crate) count: u16,
@@ -27,6 +27,31 @@ pub(crate) struct Refused {
     pub(crate) index: u16,
     /// Its sub-index.
     pub(crate) sub: u8,
+}
+
+impl Refused {
+    pub(crate) const NOTHING: Self = Self {
+        count: 0,
+        index: 0,
+        sub: 0,
+    };
+
+    fn add(&mut self, index: u16, sub: u8) {
+        if self.count == 0 {
+            self.index = index;
+            self.sub = sub;
+        }
+        self.count = self.count.saturating_add(1);
+    }
+
+    /// Together with what was refused after it.
+    pub(crate) fn and(self, later: Self) -> Self {
+        let first = if self.count == 0 { later } else { self };
+        Self {
+            count: self.count.saturating_add(later.count),
+            ..first
+        }
+    }
 }
 
 /// The PDO that is being loaded.
@@ -67,7 +92,10 @@ pub(crate) struct Replay {
     /// Only these objects are loaded.
     indices: RangeInclusive<u16>,
     pdo: Option<Pdo>,
+    /// Communication objects that were refused.
     refused: Refused,
+    /// Objects of the other groups that were refused.
+    refused_elsewhere: Refused,
 }
 
 impl Replay {
@@ -76,11 +104,8 @@ impl Replay {
             node_id,
             indices,
             pdo: None,
-            refused: Refused {
-                count: 0,
-                index: 0,
-                sub: 0,
-            },
+            refused: Refused::NOTHING,
+            refused_elsewhere: Refused::NOTHING,
         }
     }
 
@@ -97,18 +122,18 @@ impl Replay {
         }
     }
 
-    /// Ends the loading: what was refused.
-    pub(crate) fn end<W: Writer>(mut self, writer: &mut W) -> Refused {
+    /// Ends the loading: what was refused of the communication objects, and of the others.
+    pub(crate) fn end<W: Writer>(mut self, writer: &mut W) -> (Refused, Refused) {
         self.end_pdo(writer);
-        self.refused
+        (self.refused, self.refused_elsewhere)
     }
 
     fn refuse(&mut self, index: u16, sub: u8) {
-        if self.refused.count == 0 {
-            self.refused.index = index;
-            self.refused.sub = sub;
+        if is_communication(index) {
+            self.refused.add(index, sub);
+        } else {
+            self.refused_elsewhere.add(index, sub);
         }
-        self.refused.count = self.refused.count.saturating_add(1);
     }
 
     fn record<W: Writer>(
@@ -177,6 +202,11 @@ fn begin_pdo<W: Writer>(communication: u16, writer: &mut W) -> Pdo {
     }
 }
 
+/// Whether an object is loaded at a reset of the communication as well.
+const fn is_communication(index: u16) -> bool {
+    index >> 12 == 1
+}
+
 /// Writes one record.
 fn write<W: Writer>(
     index: u16,
@@ -198,6 +228,14 @@ fn write<W: Writer>(
     } else {
         value
     };
+    if entry.index == HEARTBEAT_CONSUMERS && sub == 1 {
+        // Before anything else, and even if the first one is as it is stored: the others may change places.
+        for consumer in W::Dictionary::TABLE.range(HEARTBEAT_CONSUMERS..=HEARTBEAT_CONSUMERS) {
+            if consumer.sub > 0 {
+                let _ = writer.write(consumer, &[0; 4]);
+            }
+        }
+    }
     if od::value(writer.dictionary(), entry) == value {
         return Ok(());
     }
@@ -211,14 +249,6 @@ fn write<W: Writer>(
     }
     match entry.index {
         SYNC_COUNTER => write_sync_counter(entry, value, writer),
-        HEARTBEAT_CONSUMERS if sub == 1 => {
-            for later in W::Dictionary::TABLE.range(HEARTBEAT_CONSUMERS..=HEARTBEAT_CONSUMERS) {
-                if later.sub > 0 {
-                    let _ = writer.write(later, &[0; 4]);
-                }
-            }
-            writer.write(entry, value)
-        }
         _ => writer.write(entry, value),
     }
 }

@@ -45,6 +45,11 @@ pub(crate) struct Parameters {
     order: (u16, u8),
     /// 1020h is not 0.
     is_dated: bool,
+    /// A stored parameter that a reset of the communication leaves alone has another value than the store: the date that it
+    /// loads is not that of the configuration.
+    is_stale: bool,
+    /// What was refused at the last reset of those parameters.
+    refused: Refused,
 }
 
 impl Parameters {
@@ -54,6 +59,8 @@ impl Parameters {
             job: None,
             order: (STORE, 0),
             is_dated: false,
+            is_stale: false,
+            refused: Refused::NOTHING,
         }
     }
 
@@ -132,10 +139,51 @@ impl Parameters {
         });
     }
 
-    /// Whether a change of this entry is a change of the configuration that 1020h dates.
+    /// Whether a change of this entry is a change of the configuration that 1020h dates, in the dictionary or in the store.
     #[inline]
     pub(crate) fn is_dated(&self, entry: &Entry) -> bool {
-        self.is_dated && entry.storage_group().is_some() && entry.index != VERIFY_CONFIGURATION
+        (self.is_dated || !self.is_stale)
+            && entry.storage_group().is_some()
+            && entry.index != VERIFY_CONFIGURATION
+    }
+
+    /// Such an entry has changed.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn changed<D: Dictionary>(&mut self, dictionary: &mut D, entry: &Entry) {
+        self.is_stale |= entry.index >> 12 != 1;
+        if self.is_dated {
+            self.forget_date(dictionary);
+        }
+    }
+
+    /// Whether the stored date is not that of the configuration, whatever 1020h is.
+    pub(crate) const fn is_stale(&self) -> bool {
+        self.is_stale
+    }
+
+    /// Stored parameters are loaded. `is_stale`: others than those may differ from the store. Returns all that is refused:
+    /// what this reset has found, and what the last reset of the other parameters has.
+    pub(crate) fn loaded(
+        &mut self,
+        reset: Reset,
+        is_stale: bool,
+        (communication, others): (Refused, Refused),
+    ) -> Refused {
+        // The loading itself has changed parameters.
+        self.is_stale = is_stale;
+        if matches!(reset, Reset::Node) {
+            self.refused = others;
+        }
+        communication.and(self.refused)
+    }
+
+    /// The store has what the dictionary has, and the date with it; `is_all` if every set was saved.
+    pub(crate) const fn saved(&mut self, is_all: bool) {
+        self.is_stale = false;
+        if is_all {
+            self.refused = Refused::NOTHING;
+        }
     }
 
     /// The configuration is no longer that of 1020h.
