@@ -214,13 +214,15 @@ impl Scan {
     pub(super) fn next<D: Dictionary>(&mut self, dictionary: &D) -> Option<&'static Entry> {
         for number in numbers(dictionary, SCANNER).skip(self.position.into()) {
             let scanned = Scanned::new(number as u32);
-            let sub = scanned.sub.checked_add(self.offset);
-            let object = sub
-                .filter(|sub| scanned.has(scanned.index, *sub))
-                .and_then(|sub| object::<D>(scanned.index, sub, Direction::Transmit));
-            if object.is_some() {
+            // A block may have holes: only its first and its last object were there when it was written.
+            while self.offset < scanned.block {
+                let sub = scanned.sub.checked_add(self.offset);
                 self.offset = self.offset.saturating_add(1);
-                return object;
+                let object =
+                    sub.and_then(|sub| object::<D>(scanned.index, sub, Direction::Transmit));
+                if object.is_some() {
+                    return object;
+                }
             }
             self.position = self.position.saturating_add(1);
             self.offset = 0;

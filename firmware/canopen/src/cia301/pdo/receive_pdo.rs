@@ -256,8 +256,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
                 return Received::Kept;
             }
         } else if self.errors != Errors::NONE {
-            self.end_errors();
-            circumstances.has_news = true;
+            circumstances.has_news |= self.end_errors();
         }
         if self.deadline.ticks() != 0 {
             circumstances.has_news |= self.restart_deadline(now);
@@ -279,11 +278,17 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         }
     }
 
-    /// A good frame has come.
+    /// A good frame has come. Returns whether an error went.
     #[cold]
-    fn end_errors(&mut self) {
-        self.errors = Errors::NONE;
+    fn end_errors(&mut self) -> bool {
+        let before = self.errors;
+        self.errors = match self.kind {
+            // Whether its object is there shows when it is dispatched, and only if it is for this device.
+            Kind::Multiplexed(_) if before.has(Errors::NO_OBJECT) => Errors::NO_OBJECT,
+            _ => Errors::NONE,
+        };
         self.find_plain_length();
+        self.errors != before
     }
 
     /// Looks at a frame that is not as long as the mapping. Returns whether an error came or went.
@@ -333,7 +338,8 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         self.apply(&self.waiting, dictionary, application)
     }
 
-    /// Writes the object that a frame names. Returns whether there is none, and the sender has to hear of it.
+    /// Writes the object that a frame names. Returns whether an error came or went: there is no such object, and the sender has to
+    /// hear of it.
     #[cold]
     #[inline(never)]
     fn dispatch<D: Dictionary, A: Application<D>>(
@@ -364,12 +370,15 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
                 put(dictionary, entry, value);
                 application.written(dictionary, entry);
             }
-            return false;
         }
-        if addressing == Addressing::Destination {
-            self.errors = self.errors.with(Errors::NO_OBJECT);
-        }
-        addressing == Addressing::Destination
+        let before = self.errors;
+        let is_missing = entry.is_none() && addressing == Addressing::Destination;
+        self.errors = if is_missing {
+            before.with(Errors::NO_OBJECT)
+        } else {
+            before.without(Errors::NO_OBJECT)
+        };
+        self.errors != before
     }
 
     /// Copies the bytes of a frame into the mapped objects that take them.

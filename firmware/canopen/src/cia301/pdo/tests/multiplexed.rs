@@ -81,6 +81,23 @@ fn e09_an_object_that_cannot_be_written_is_reported_until_a_good_frame() {
 }
 
 #[test]
+fn e09_a_frame_for_another_node_ends_nothing() {
+    let mut device = receiver(DESTINATION);
+    device.frame(0x204, &[0x84, 0xFF, 0x5F, 0, 0, 0, 0, 0]);
+    assert_eq!(device.reports(), [(0x8230, 1, true)]);
+    device.frame(0x204, &[0x85, 0x02, 0x20, 0, 0, 0, 0, 0]);
+    device.frame(0x204, &[0x04, 0x02, 0x20, 0, 0, 0, 0, 0]);
+    assert_eq!(device.reports(), []);
+    // Of other errors the length is enough to know.
+    device.frame(0x204, &[0x85, 0x02, 0x20]);
+    assert_eq!(device.reports(), [(0x8210, 1, true)]);
+    device.frame(0x204, &[0x85, 0x02, 0x20, 0, 0, 0, 0, 0]);
+    assert_eq!(device.reports(), [(0x8210, 1, false)]);
+    device.frame(0x204, &[0x80, 0x02, 0x20, 0, 0, 0, 0, 0]);
+    assert_eq!(device.reports(), [(0x8230, 1, false)]);
+}
+
+#[test]
 fn m18_limits_and_the_application_have_their_word() {
     let mut device = receiver(DESTINATION);
     device.frame(0x204, &[0x84, 0x07, 0x20, 0, 11, 0, 0, 0]);
@@ -131,6 +148,25 @@ fn a_scan_sends_every_listed_object_once() {
         [4, 0x0C, 0x20, 3, 3, 0, 0, 0],
         [4, 0x0C, 0x20, 4, 4, 0, 0, 0],
         [4, 0x02, 0x20, 0, 1, 2, 3, 4],
+    ];
+    assert_eq!(frames, expected.map(|bytes| (0x184, bytes.to_vec())));
+}
+
+#[test]
+fn a_scan_leaves_out_what_a_block_does_not_have_and_goes_on() {
+    let mut device = sender(SOURCE);
+    device.write_u32(0x1FA0, 1, scanned(0x2010, 1, 4)).unwrap();
+    device.write_u32(0x1FA1, 1, scanned(0x200C, 1, 1)).unwrap();
+    device.write(0x2010, 1, &[7]).unwrap();
+    device.enter_operational();
+    let mut frames = Vec::new();
+    for _ in 0..20 {
+        frames.extend(device.after(1));
+    }
+    let expected = [
+        [4, 0x10, 0x20, 1, 7, 0, 0, 0],
+        [4, 0x10, 0x20, 4, 0, 0, 0, 0],
+        [4, 0x0C, 0x20, 1, 0, 0, 0, 0],
     ];
     assert_eq!(frames, expected.map(|bytes| (0x184, bytes.to_vec())));
 }

@@ -160,7 +160,11 @@ const fn entries() -> Entries {
         table = table.entry(0x200F, sub, DataType::Boolean, 1, BOTH);
         sub += 1;
     }
+    // With a hole: there is no sub-index 2, and nobody may see sub-index 3.
     table
+        .entry(0x2010, 1, DataType::Unsigned8, 1, BOTH)
+        .entry(0x2010, 3, DataType::Unsigned8, 1, RW)
+        .entry(0x2010, 4, DataType::Unsigned8, 1, BOTH)
 }
 
 const ALL: Entries = entries();
