@@ -181,7 +181,6 @@ impl<D: Dictionary> Node<D> {
     fn end_boot(&mut self, now: Instant) {
         self.is_resetting = false;
         self.is_mute = self.must_be_mute(now);
-        self.report_controller_again(now);
         self.listen();
         if self.node_id.is_configured() {
             self.queue.push_boot_up();
@@ -190,6 +189,8 @@ impl<D: Dictionary> Node<D> {
                 self.enter(NmtState::Operational, now);
             }
         }
+        // Not before Pre-operational, which is the first state with emergency messages.
+        self.report_controller_again(now);
     }
 
     /// Lets time pass: timers, change-of-state PDOs. Returns when it wants to be called again at the latest
@@ -391,7 +392,7 @@ impl<D: Dictionary> Node<D> {
         application: &mut A,
     ) -> Instant {
         let deadline = self.serve_controller(now, NEVER);
-        let sdo_deadline = self.serve_sdo(now, application);
+        let mut sdo_deadline = self.serve_sdo(now, application);
         if self.is_resetting {
             return deadline;
         }
@@ -405,6 +406,8 @@ impl<D: Dictionary> Node<D> {
         }
         if has_come(self.services.supervision_deadline(), now) {
             self.supervise(now);
+            // It may have stopped the device: the application learns at once that a client will not go on.
+            sdo_deadline = self.serve_sdo(now, application);
         }
         let deadline = earlier(deadline, self.services.rpdos.poll(now));
         self.services.report_errors(&mut self.dictionary, now);

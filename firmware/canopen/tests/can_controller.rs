@@ -102,6 +102,19 @@ fn c01_a_reset_during_bus_off_waits_for_the_bus() {
 }
 
 #[test]
+fn e09_error_passive_is_told_again_after_a_reset_of_the_node() {
+    let mut device = Device::new();
+    enter(&mut device, ControllerState::ErrorPassive);
+    device.sent();
+    device.put("000#8104");
+    device.serve_reset();
+    device.poll();
+    assert_eq!(device.sent(), ["704#00", "084#2081110000000000"]);
+    enter(&mut device, ControllerState::ErrorActive);
+    assert_eq!(device.sent(), [ENDED]);
+}
+
+#[test]
 fn c03_process_data_of_the_time_off_the_bus_is_the_newest() {
     let mut device = Device::operational();
     device.ask("604#2F29100101000000");

@@ -338,3 +338,22 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn n17_a_loss_that_stops_the_device_abandons_a_write_at_once() {
+    let mut device = watching();
+    device.ask("604#2F29100102000000");
+    device.send("705#05");
+    device.ask("604#2114200064000000");
+    device.ask("604#0001020304050607");
+    assert!(device.firmware.stream.incoming.is_some());
+    // Kept alive until shortly before the loss: no time-out of SDO comes with it.
+    for _ in 0..9 {
+        device.pass(100);
+    }
+    device.ask("604#1001020304050607");
+    device.now += canopen::Duration::from_ticks(100_000);
+    device.poll();
+    assert_eq!(device.node.state(), NmtState::Stopped);
+    assert_eq!(device.firmware.stream.abandoned, 1);
+}
