@@ -73,7 +73,8 @@ fn streams(rows: &[&Row<'_>]) -> String {
     );
     out += ALLOW_UNUSED;
     out += "pub trait Streams {\n";
-    for (number, row) in rows.iter().enumerate() {
+    let types = names::stream_types(rows);
+    for (number, (row, own_type)) in rows.iter().zip(types).enumerate() {
         if number > 0 {
             out += "\n";
         }
@@ -83,7 +84,7 @@ fn streams(rows: &[&Row<'_>]) -> String {
             (true, false) => "::canopen::Source<Dictionary>",
             (false, _) => "::canopen::Sink<Dictionary>",
         };
-        let (title, facts, own_type) = (title(row), facts(row), names::camel_case(&row.name));
+        let (title, facts) = (title(row), facts(row));
         out += &format!("    /// What serves {title}.\n    type {own_type}: {kind};\n\n");
         out += &format!("    /// {title}: {facts}.\n");
         let start = format!("fn {}", row.name);

@@ -1,7 +1,8 @@
 //! Names of the standards as names of Rust.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
+use super::layout::Row;
 use crate::model::{Model, Object};
 
 /// Words a method cannot or should not be called by.
@@ -41,27 +42,69 @@ pub(super) fn indices(model: &Model) -> Vec<String> {
     names.into_iter().map(|name| name.to_uppercase()).collect()
 }
 
+/// The type that serves each streamed object, by its getter: `File1`. Digits close up to their word, so `file_1` and `file1` give
+/// the same type, and both get the place of their object behind it: `File1At2000`.
+pub(super) fn stream_types(rows: &[&Row<'_>]) -> Vec<String> {
+    let types = rows.iter().map(|row| {
+        let number = match row.object.object_type.has_subs() {
+            false => format!("At{:04X}", row.object.index),
+            true => format!("At{:04X}Sub{:X}", row.object.index, row.entry.sub),
+        };
+        (camel_case(&row.name), number)
+    });
+    numbered(types.collect(), "", |_| false)
+}
+
 /// Puts the number behind each name that is not the only one of its kind, is a word of the language, or could be taken for
 /// the setter of another.
 fn unique(names: Vec<(String, String)>) -> Vec<String> {
-    let mut uses = BTreeMap::<String, usize>::new();
-    for (name, _) in &names {
-        *uses.entry(name.clone()).or_default() += 1;
-    }
-    let is_free = |name: &str| {
-        let is_setter = name
-            .strip_prefix("set_")
-            .is_some_and(|rest| uses.contains_key(rest));
-        uses.get(name) == Some(&1) && !RESERVED.contains(&name) && !is_setter
-    };
-    let number = |(name, number): (String, String)| {
-        if is_free(&name) {
-            name
-        } else {
-            format!("{name}_{number}")
+    numbered(names, "_", |name| RESERVED.contains(&name))
+}
+
+/// Puts the number behind each name that is reserved or clashes with another, until none does. A name with its number can be
+/// that of another object, which then gets its number too. As no two numbers are the same, no two names that end in theirs are,
+/// and each round numbers one more: this ends.
+fn numbered(
+    names: Vec<(String, String)>,
+    joint: &str,
+    is_reserved: impl Fn(&str) -> bool,
+) -> Vec<String> {
+    // Each with its number while it has not got it yet.
+    let mut names: Vec<(String, Option<String>)> = names
+        .into_iter()
+        .map(|(name, number)| (name, Some(number)))
+        .collect();
+    loop {
+        let mut uses = BTreeMap::<&str, usize>::new();
+        for (name, _) in &names {
+            *uses.entry(name).or_default() += 1;
         }
-    };
-    names.into_iter().map(number).collect()
+        let fixed: BTreeSet<&str> = names
+            .iter()
+            .filter(|(_, number)| number.is_none())
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let has_to_move = |(name, number): &(String, Option<String>)| {
+            let is_setter = name
+                .strip_prefix("set_")
+                .is_some_and(|rest| uses.contains_key(rest));
+            let has_fixed_setter = || fixed.contains(format!("set_{name}").as_str());
+            let is_free = uses.get(name.as_str()) == Some(&1)
+                && !is_reserved(name)
+                && !is_setter
+                && !has_fixed_setter();
+            number.is_some() && !is_free
+        };
+        let moving: Vec<bool> = names.iter().map(has_to_move).collect();
+        if !moving.contains(&true) {
+            return names.into_iter().map(|(name, _)| name).collect();
+        }
+        for ((name, number), _) in names.iter_mut().zip(moving).filter(|(_, moves)| *moves) {
+            if let Some(number) = number.take() {
+                *name = format!("{name}{joint}{number}");
+            }
+        }
+    }
 }
 
 /// `Max. motor-speed (rpm)` is `max_motor_speed_rpm`.
@@ -78,7 +121,7 @@ fn snake_case(name: &str) -> String {
 }
 
 /// `max_motor_speed` as a type: `MaxMotorSpeed`.
-pub(super) fn camel_case(name: &str) -> String {
+fn camel_case(name: &str) -> String {
     let word = |word: &str| {
         let mut letters = word.chars();
         let first = letters.next().map(|first| first.to_ascii_uppercase());
@@ -140,6 +183,40 @@ mod tests {
             "twice_0005",
         ];
         assert_eq!(unique(numbered), expected);
+    }
+
+    #[test]
+    fn a_number_makes_no_name_that_is_taken() {
+        let unique_of = |names: &[(&str, &str)]| {
+            let names = names
+                .iter()
+                .map(|(name, number)| ((*name).into(), (*number).into()));
+            unique(names.collect())
+        };
+        assert_eq!(
+            unique_of(&[("speed", "2000"), ("speed", "2001"), ("speed_2001", "2003")]),
+            ["speed_2000", "speed_2001", "speed_2001_2003"]
+        );
+        assert_eq!(
+            unique_of(&[
+                ("speed", "2000"),
+                ("speed", "2001"),
+                ("set_speed_2000", "2002")
+            ]),
+            ["speed_2000", "speed_2001", "set_speed_2000_2002"]
+        );
+        assert_eq!(
+            unique_of(&[
+                ("set_speed", "2000"),
+                ("set_speed", "2001"),
+                ("speed_2000", "2002")
+            ]),
+            ["set_speed_2000", "set_speed_2001", "speed_2000_2002"]
+        );
+        assert_eq!(
+            unique_of(&[("a", "1"), ("a", "2"), ("a_1", "3"), ("a_1_3", "4")]),
+            ["a_1", "a_2", "a_1_3", "a_1_3_4"]
+        );
     }
 
     #[test]

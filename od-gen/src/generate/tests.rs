@@ -160,3 +160,20 @@ fn limits_are_kept_once_each() {
         "UNSIGNED64 without HighLimit"
     );
 }
+
+#[test]
+fn streams_whose_names_differ_in_a_gap_have_types_of_their_own() {
+    let mut model = small();
+    for (index, name) in [(0x2006, "File 1"), (0x2007, "File1")] {
+        let mut objects = model.objects.iter_mut();
+        let object = objects.find(|object| object.index == index).unwrap();
+        object.name = name.into();
+        object.entries[0].access = crate::model::Access::ReadWrite;
+        object.entries[0].size = 129;
+    }
+    let text = generate(&model, Options::default());
+    for own_type in ["type File1At2006: ", "type File1At2007: "] {
+        assert_eq!(text.matches(own_type).count(), 1, "{own_type}");
+    }
+    assert_eq!(text.matches("type File1: ").count(), 0);
+}
