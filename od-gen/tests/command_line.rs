@@ -318,3 +318,82 @@ fn dcf_is_made_of_xml_too() {
     assert!(made.contains("[DeviceComissioning]\nNodeID=7\n"));
     assert!(made.contains("ParameterValue=50\n"));
 }
+
+#[test]
+fn a_file_that_cannot_be_read_hides_no_other() {
+    let json = [
+        "check",
+        "--format",
+        "json",
+        "no-such.eds",
+        "tests/data/broken.eds",
+    ];
+    let output = od_gen(&json);
+    assert_eq!(output.status.code(), Some(2));
+    let refusal = "no-such.eds: error: No such file or directory\n";
+    assert_eq!(text(&output.stderr), refusal);
+    let files: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(files[0]["file"], "tests/data/broken.eds");
+    let short = od_gen(&[
+        "check",
+        "--format",
+        "short",
+        "no-such.eds",
+        "tests/data/broken.eds",
+    ]);
+    assert_eq!(short.status.code(), Some(2));
+    assert!(text(&short.stdout).starts_with("tests/data/broken.eds:"));
+
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("spelled.eds");
+    let sheet = include_str!("data/small.eds").replace("AccessType=const", "accesstype = CONST");
+    std::fs::write(&file, &sheet).unwrap();
+    let output = od_gen(&["fmt", "no-such.eds", file.to_str().unwrap()]);
+    assert_eq!(
+        (output.status.code(), text(&output.stderr)),
+        (Some(2), refusal)
+    );
+    assert!(
+        std::fs::read_to_string(&file)
+            .unwrap()
+            .contains("AccessType=const")
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn who_reads_a_file_while_it_is_written_reads_all_of_it() {
+    use std::io::Read;
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let (file, link) = (
+        folder.path().join("spelled.eds"),
+        folder.path().join("link.eds"),
+    );
+    let sheet = include_str!("data/small.eds").replace("AccessType=const", "accesstype = CONST");
+    std::fs::write(&file, &sheet).unwrap();
+    std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o640)).unwrap();
+    std::os::unix::fs::symlink(&file, &link).unwrap();
+    let mut reader = std::fs::File::open(&file).unwrap();
+    assert_eq!(
+        od_gen(&["fmt", link.to_str().unwrap()]).status.code(),
+        Some(0)
+    );
+    let mut before = String::new();
+    reader.read_to_string(&mut before).unwrap();
+    assert_eq!(before, sheet);
+    assert!(
+        std::fs::read_to_string(&file)
+            .unwrap()
+            .contains("AccessType=const")
+    );
+    let mode = std::fs::metadata(&file).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o640);
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(
+        std::fs::read_dir(folder.path()).unwrap().count(),
+        2,
+        "nothing is left"
+    );
+}

@@ -11,11 +11,23 @@ use crate::arguments::{Check, CheckFormat};
 use crate::{input, output};
 
 pub(crate) fn run(arguments: &Check) -> Result<ExitCode, Failure> {
-    let mut is_wrong = false;
+    let mut code = ExitCode::SUCCESS;
+    let mut is_unread = false;
     let mut reports = Vec::new();
     for file in &arguments.files {
-        let report = input::report(file)?;
-        is_wrong |= report.has_errors() || (arguments.deny_warnings && !report.findings.is_empty());
+        let report = match input::report(file) {
+            Ok(report) => report,
+            // It hides nothing of the others.
+            Err(Failure::Refused(line)) => {
+                output::tell(&line);
+                is_unread = true;
+                continue;
+            }
+            Err(failure) => return Err(failure),
+        };
+        if report.has_errors() || (arguments.deny_warnings && !report.findings.is_empty()) {
+            code = ExitCode::FAILURE;
+        }
         match arguments.format {
             CheckFormat::Full => {
                 output::print(&report.render(output::colour()))?;
@@ -32,11 +44,7 @@ pub(crate) fn run(arguments: &Check) -> Result<ExitCode, Failure> {
     if arguments.format == CheckFormat::Json {
         output::print(&format!("{:#}\n", Value::Array(reports)))?;
     }
-    Ok(if is_wrong {
-        ExitCode::FAILURE
-    } else {
-        ExitCode::SUCCESS
-    })
+    Ok(if is_unread { ExitCode::from(2) } else { code })
 }
 
 /// One line about a file, for a person who looks on.

@@ -11,26 +11,39 @@ use crate::{input, output};
 
 pub(crate) fn run(arguments: &Fmt) -> Result<ExitCode, Failure> {
     let mut is_wrong = false;
+    let mut is_refused = false;
     for file in &arguments.files {
-        let Some((before, after)) = formatted(file)? else {
-            is_wrong = true;
-            continue;
-        };
-        if before == after.as_bytes() {
-            continue;
-        }
-        if arguments.check {
-            is_wrong = true;
-            output::print(&format!("{}\n", file.display()))?;
-        } else {
-            output::write(&after, Some(file))?;
+        match format(file, arguments.check) {
+            Ok(is_right) => is_wrong |= !is_right,
+            Err(Failure::Findings) => is_wrong = true,
+            // It hides nothing of the others.
+            Err(Failure::Refused(line)) => {
+                output::tell(&line);
+                is_refused = true;
+            }
         }
     }
-    Ok(if is_wrong {
-        ExitCode::FAILURE
-    } else {
-        ExitCode::SUCCESS
+    Ok(match (is_refused, is_wrong) {
+        (true, _) => ExitCode::from(2),
+        (false, true) => ExitCode::FAILURE,
+        (false, false) => ExitCode::SUCCESS,
     })
+}
+
+/// Brings a file into its canonical form, or only asks. Whether nothing is left to say about it.
+fn format(file: &Path, only_asks: bool) -> Result<bool, Failure> {
+    let Some((before, after)) = formatted(file)? else {
+        return Ok(false);
+    };
+    if before == after.as_bytes() {
+        return Ok(true);
+    }
+    if only_asks {
+        output::print(&format!("{}\n", file.display()))?;
+    } else {
+        output::write(&after, Some(file))?;
+    }
+    Ok(!only_asks)
 }
 
 /// What a file holds, and what it should hold; `None` after a finding that leaves no way to say that.
