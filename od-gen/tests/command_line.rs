@@ -317,6 +317,48 @@ fn dcf_is_made_of_xml_too() {
     let made = text(&output.stdout);
     assert!(made.contains("[DeviceComissioning]\nNodeID=7\n"));
     assert!(made.contains("ParameterValue=50\n"));
+    // What the XDD silences for a whole object, the DCF silences in each section.
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("sensor.dcf");
+    std::fs::write(&file, made).unwrap();
+    let checked = od_gen(&["check", "--deny-warnings", file.to_str().unwrap()]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stdout));
+}
+
+#[test]
+fn dcf_of_a_dcf_keeps_what_it_is_not_told() {
+    let every = "tests/data/every.dcf";
+    let output = od_gen(&["dcf", every]);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
+    let made = text(&output.stdout);
+    let kept = "NodeID=17\nNodeName=Mixer\nBaudrate=500\nNetNumber=3\nNetworkName=Kitchen\nCANopenManager=0\nLSS_SerialNumber=0x0000004D\n";
+    assert!(made.contains(kept), "{made}");
+    let arguments = ["--node-id", "6", "--name", "Pump", "--manager"];
+    let output = od_gen(&[&["dcf", every][..], &arguments].concat());
+    let made = text(&output.stdout);
+    let changed = "NodeID=6\nNodeName=Pump\nBaudrate=500\nNetNumber=3\nNetworkName=Kitchen\nCANopenManager=1\nLSS_SerialNumber=0x0000004D\n";
+    assert!(made.contains(changed), "{made}");
+}
+
+#[test]
+fn dcf_refuses_what_would_be_read_as_something_else() {
+    for (arguments, expected) in [
+        (["--set", "2007=a ;b"], "2007h DefaultValue"),
+        (["--name", "Pump ;2"], "NodeName: Pump ;2 -> Pump"),
+        (["--network-name", "a\n[1000]"], "more than one line"),
+        (["--set", "2007=a\n2000=0"], "more than one line"),
+    ] {
+        let sheet = ["dcf", "tests/data/small.eds", "--node-id", "5"];
+        let output = od_gen(&[&sheet[..], &arguments].concat());
+        let found = (output.status.code(), text(&output.stdout));
+        assert_eq!(found, (Some(2), ""), "{arguments:?}");
+        let expected = expected.replace("DefaultValue", "ParameterValue: a ;b -> a");
+        assert!(
+            text(&output.stderr).contains(&expected),
+            "{}",
+            text(&output.stderr)
+        );
+    }
 }
 
 #[test]

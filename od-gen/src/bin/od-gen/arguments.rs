@@ -64,7 +64,7 @@ pub(crate) struct Rust {
     /// Implement `cia402::Objects` too
     #[arg(long)]
     pub(crate) cia402: bool,
-    /// Write the names of all values too
+    /// Write the names of all values too: those of the object and of the sub-index, without units or comments
     #[arg(long)]
     pub(crate) names: bool,
     /// Write to this file instead of standard output
@@ -130,29 +130,29 @@ pub(crate) enum ListFormat {
 pub(crate) struct Dcf {
     /// The electronic data sheet, or a configuration that is to be changed
     pub(crate) file: PathBuf,
-    /// Node-ID
+    /// Node-ID; a configuration that is changed keeps this and all that follows when they are not given
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=127))]
-    pub(crate) node_id: u8,
-    /// Bit rate in kbit/s
-    #[arg(long, default_value_t = 125, value_parser = bit_rate)]
-    pub(crate) bit_rate: u16,
+    pub(crate) node_id: Option<u8>,
+    /// Bit rate in kbit/s; 125 when nothing says another
+    #[arg(long, value_parser = bit_rate)]
+    pub(crate) bit_rate: Option<u16>,
     /// What the node is called
-    #[arg(long, default_value = "")]
-    pub(crate) name: String,
+    #[arg(long, value_parser = one_line)]
+    pub(crate) name: Option<String>,
     /// Number of the network
-    #[arg(long, default_value_t = 0)]
-    pub(crate) network: u32,
-    /// What the network is called
-    #[arg(long, default_value = "")]
-    pub(crate) network_name: String,
-    /// The node manages the network
     #[arg(long)]
-    pub(crate) manager: bool,
+    pub(crate) network: Option<u32>,
+    /// What the network is called
+    #[arg(long, value_parser = one_line)]
+    pub(crate) network_name: Option<String>,
+    /// The node manages the network; `--manager=false` when it no longer does
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
+    pub(crate) manager: Option<bool>,
     /// Serial number, by which LSS finds the node
     #[arg(long)]
     pub(crate) serial_number: Option<u32>,
     /// A value: INDEX=VALUE or INDEX:SUB=VALUE, index and sub-index in hexadecimal; can be given often
-    #[arg(long, value_name = "PLACE=VALUE")]
+    #[arg(long, value_name = "PLACE=VALUE", value_parser = one_line)]
     pub(crate) set: Vec<String>,
     /// Values from a file, one a line; those of --set come after them
     #[arg(long, value_name = "FILE")]
@@ -160,6 +160,15 @@ pub(crate) struct Dcf {
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+}
+
+/// What fits behind a key.
+fn one_line(text: &str) -> Result<String, String> {
+    if text.contains(char::is_control) {
+        Err("more than one line".into())
+    } else {
+        Ok(text.to_owned())
+    }
 }
 
 /// A bit rate that a DCF can have.
