@@ -280,3 +280,21 @@ fn t01_the_identifier_moves_while_it_is_not_used() {
     device.send("200#040302010506");
     assert_eq!(device.node.time_of_day(device.now), time());
 }
+
+#[test]
+fn p36_the_stamp_of_a_frame_says_whether_it_came_after_the_window() {
+    let mut device = Device::new();
+    device.ask("604#2300140104020080");
+    device.ask("604#2F00140201000000");
+    device.ask("604#2300140104020000");
+    write_u32(&mut device, 0x1007, 5_000);
+    device.send("000#0104");
+    device.send("080#");
+    // Both are given before the device is called, as every frame that has arrived.
+    device.now += Duration::from_ticks(4_999);
+    device.put("204#0100000000000000");
+    device.now += Duration::from_ticks(1);
+    device.put("204#0200000000000000");
+    device.send("080#");
+    assert_eq!(device.value(0x2003, 0), [1, 0, 0, 0]);
+}

@@ -170,6 +170,9 @@ impl<D: Dictionary> Node<D> {
         let Some(cob_id) = frame.standard_id() else {
             return;
         };
+        if self.services.sync.ends_window(now) {
+            self.services.window_over();
+        }
         match self
             .services
             .rpdos

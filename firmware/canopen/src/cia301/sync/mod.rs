@@ -166,8 +166,7 @@ impl Sync {
 
     /// Lets time pass. Call it until there is nothing due.
     pub fn poll(&mut self, now: Instant) -> Option<Due> {
-        if has_come(self.window_end, now) {
-            self.window_end = NEVER;
+        if self.ends_window(now) {
             return Some(Due::WindowOver);
         }
         if !has_come(self.next, now) {
@@ -194,6 +193,17 @@ impl Sync {
             self.counter
         });
         Some(Due::Produce(Beat { counter }))
+    }
+
+    /// Whether the window is over since the last call of this or of [`Sync::poll`]. A frame may be given before time passes: its
+    /// stamp counts.
+    #[inline]
+    pub fn ends_window(&mut self, now: Instant) -> bool {
+        let is_over = has_come(self.window_end, now);
+        if is_over {
+            self.window_end = NEVER;
+        }
+        is_over
     }
 
     /// [`Sync::poll`] has nothing to do before this moment.
