@@ -14,6 +14,7 @@ pub(crate) mod value;
 
 use std::collections::BTreeSet;
 
+use crate::data_type::DataType;
 use crate::diagnostic::Findings;
 use crate::document::Document;
 use crate::model::{FileKind, Model};
@@ -74,9 +75,11 @@ pub(crate) fn parse(
     modules::read(&sections, &mut model, findings);
     lists::check(&sections, findings);
 
-    let kept = model
-        .entries()
-        .filter(|(_, entry)| entry.size <= LARGEST_VALUE);
+    // The application keeps what it streams: DOMAINs, and long strings that can be written.
+    let kept = model.entries().filter(|(_, entry)| {
+        let is_long = entry.size > LARGEST_VALUE;
+        entry.data_type != DataType::Domain && !(is_long && entry.access.is_writable())
+    });
     let sizes = kept.map(|(_, entry)| usize::from(entry.size) + 2);
     if sizes.sum::<usize>() > LARGEST_DICTIONARY {
         let message = "the values of the dictionary take more than 64 KiB";

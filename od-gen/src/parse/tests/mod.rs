@@ -507,6 +507,21 @@ fn the_dictionary_has_room_for_16_bit_offsets() {
     );
 }
 
+#[test]
+fn long_constants_take_room_in_the_dictionary_too() {
+    let mut text = SMALL
+        .replace("SupportedObjects=12", "SupportedObjects=14")
+        .replace("12=0x200B\n", "12=0x200B\n13=0x3000\n14=0x3001\n");
+    for index in ["3000", "3001"] {
+        let value = "x".repeat(40_000);
+        text += &format!(
+            "[{index}]\nParameterName=Text\nDataType=0x9\nAccessType=const\nDefaultValue={value}\n"
+        );
+    }
+    let findings = parse("big.eds", &text).unwrap_err();
+    assert_eq!(findings[0].rule.name, "dictionary-too-large");
+}
+
 proptest! {
     #[test]
     fn a_spoiled_data_sheet_gets_a_model_or_findings_that_name_a_line(
