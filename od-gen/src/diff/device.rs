@@ -1,7 +1,7 @@
 //! What two files say differently about the device as a whole.
 
 use super::{Differences, Place};
-use crate::model::{Commissioning, DeviceInfo, Model};
+use crate::model::{Commissioning, DeviceInfo, Model, Module};
 
 pub(super) fn compare(before: &Model, after: &Model, out: &mut Differences) {
     let place = Place::Section("DeviceInfo");
@@ -43,12 +43,52 @@ pub(super) fn compare(before: &Model, after: &Model, out: &mut Differences) {
         breaks,
     );
 
+    let place = Place::Section("Comments");
+    let lines = |model: &Model| model.comments.join(" / ");
+    out.change(&place, "Line", &lines(before), &lines(after), false);
+    modules(before, after, out);
+
     let place = Place::Section("DeviceComissioning");
     for ((key, first), (_, second)) in commissioning(before.commissioning.as_ref())
         .into_iter()
         .zip(commissioning(after.commissioning.as_ref()))
     {
         out.change(&place, key, &first, &second, false);
+    }
+}
+
+/// Modules that are known, by their number, and those that are plugged. What is different in a module is told as a whole.
+fn modules(before: &Model, after: &Model, out: &mut Differences) {
+    let place = Place::Section("SupportedModules");
+    let name =
+        |module: Option<&Module>| module.map_or_else(String::new, |m| m.product_name.clone());
+    for number in 1..=u8::MAX {
+        let find = |model: &'_ Model| model.modules.iter().position(|m| m.number == number);
+        let first = find(before).and_then(|at| before.modules.get(at));
+        let second = find(after).and_then(|at| after.modules.get(at));
+        if first != second {
+            let (first, second) = (name(first), name(second));
+            let same_name = if first == second {
+                ", other content"
+            } else {
+                ""
+            };
+            let first = format!("{number} {first}");
+            let second = format!("{number} {second}{same_name}");
+            out.change(&place, "Module", &first, &second, true);
+        }
+    }
+    let plugged = |model: &Model| {
+        let numbers: Vec<String> = model.connected.iter().map(u8::to_string).collect();
+        numbers.join(", ")
+    };
+    let place = Place::Section("ConnectedModules");
+    out.change(&place, "Module", &plugged(before), &plugged(after), false);
+    if before.dynamic_channels != after.dynamic_channels {
+        let place = Place::Section("DynamicChannels");
+        let count = |model: &Model| format!("{} segments", model.dynamic_channels.len());
+        let (first, second) = (count(before), count(after) + ", other content");
+        out.change(&place, "NrOfSeg", &first, &second, false);
     }
 }
 

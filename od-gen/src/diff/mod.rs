@@ -143,6 +143,20 @@ fn object(before: &Object, after: &Object, differences: &mut Differences) {
     let is_other_shape = kinds.0.has_subs() != kinds.1.has_subs();
     let (first, second) = (kinds.0.name(), kinds.1.name());
     differences.change(&place, "ObjectType", first, second, is_other_shape);
+    if kinds.0.has_subs() || kinds.1.has_subs() {
+        // A VAR has these in its only entry.
+        let text = |object: &Object| {
+            let data_type = object.data_type.map(|code| format!("0x{code:04X}"));
+            let flags = format!("0x{:X}", object.flags);
+            (data_type.unwrap_or_default(), flags)
+        };
+        let (first, second) = (text(before), text(after));
+        differences.change(&place, "DataType", &first.0, &second.0, false);
+        differences.change(&place, "ObjFlags", &first.1, &second.1, false);
+        let denotation = |object: &Object| object.denotation.clone().unwrap_or_default();
+        let (first, second) = (denotation(before), denotation(after));
+        differences.change(&place, "Denotation", &first, &second, false);
+    }
     for (first, second) in pairs(&before.entries, &after.entries, |entry| entry.sub) {
         let Some(sub) = first.or(second).map(|entry| entry.sub) else {
             continue;

@@ -145,3 +145,23 @@ fn printing_makes_no_difference() {
         assert_eq!(diff(&model, &printed), [], "{file}");
     }
 }
+
+#[test]
+fn what_a_module_adds_is_part_of_the_device() {
+    const COUPLER: &str = include_str!("../../tests/data/coupler.eds");
+    let before = model(COUPLER);
+    let after = model(&COUPLER.replace("\nCount=1\n", "\nCount=3\n"));
+    let differences = diff(&before, &after);
+    assert_eq!(differences.len(), 1, "{differences:?}");
+    assert!(differences[0].to_string().contains("other content"));
+    assert!(diff(&before, &model(COUPLER)).is_empty());
+}
+
+#[test]
+fn flags_of_an_object_with_sub_indices_are_compared() {
+    let flagged = [(
+        "ParameterName=Identity object\n",
+        "ParameterName=Identity object\nObjFlags=3\n",
+    )];
+    assert_eq!(differences(&flagged), ["~ 1018h ObjFlags: 0x0 -> 0x3"]);
+}
