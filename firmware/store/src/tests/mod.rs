@@ -36,6 +36,8 @@ impl NorFlashError for Refusal {
 struct Flash<const SECTOR: usize, const WORD: usize> {
     bytes: Vec<u8>,
     budget: usize,
+    /// The bytes programmed or erased so far, in their order: where each is and what it became.
+    changes: Vec<(usize, u8)>,
     erases: usize,
     /// Programming does nothing, as on a worn-out or write-protected device.
     deaf: bool,
@@ -50,6 +52,7 @@ impl<const SECTOR: usize, const WORD: usize> Flash<SECTOR, WORD> {
         Self {
             bytes: vec![byte; sectors * SECTOR],
             budget: usize::MAX,
+            changes: Vec::new(),
             erases: 0,
             deaf: false,
         }
@@ -71,18 +74,50 @@ impl<const SECTOR: usize, const WORD: usize> Flash<SECTOR, WORD> {
 
     /// Changes one byte, or half of its bits if the power goes now.
     fn change(&mut self, at: usize, to: u8) -> Result<(), Refusal> {
-        let from = self.bytes[at];
         if self.budget == 0 {
             return Err(Refusal::PowerCut);
         }
         self.budget -= 1;
         if self.budget == 0 {
-            self.bytes[at] = (from & 0xAA) | (to & 0x55);
+            self.bytes[at] = half_done(self.bytes[at], to);
             return Err(Refusal::PowerCut);
         }
+        self.changes.push((at, to));
         self.bytes[at] = to;
         Ok(())
     }
+
+    /// What the flash holds if the power goes at each byte that `operation` programs or erases, and in the end what the whole of
+    /// it leaves. The operation cannot see a cut coming, so it runs once, and its changes are done again up to each of them.
+    fn cuts(&self, operation: impl FnOnce(&mut Store<Self>)) -> Vec<Vec<u8>> {
+        let mut flash = self.clone();
+        flash.changes.clear();
+        let mut store = flash.store();
+        operation(&mut store);
+        let mut now = self.bytes.clone();
+        let mut left = Vec::new();
+        for (at, to) in store.release().changes {
+            let mut cut = now.clone();
+            cut[at] = half_done(now[at], to);
+            left.push(cut);
+            now[at] = to;
+        }
+        left.push(now);
+        left
+    }
+
+    /// The same flash with other bytes.
+    fn holding(&self, bytes: &[u8]) -> Self {
+        Self {
+            bytes: bytes.to_vec(),
+            ..Self::new(0)
+        }
+    }
+}
+
+/// A byte whose change was cut: half of its bits are the new ones.
+const fn half_done(from: u8, to: u8) -> u8 {
+    (from & 0xAA) | (to & 0x55)
 }
 
 impl<const SECTOR: usize, const WORD: usize> ErrorType for Flash<SECTOR, WORD> {
