@@ -9,6 +9,7 @@ mod golden;
 mod guarding;
 mod heartbeat;
 mod lss;
+mod lss_many_drives;
 mod model;
 mod nmt;
 mod nmt_startup;

@@ -6,7 +6,7 @@ use canopen::Application;
 use canopen::cia301::parameters::{CHUNK, ParameterSet, ParameterSets, ParameterStore};
 use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::node::StoreError;
-use canopen::od::Entry;
+use canopen::od::{Entry, write_u32};
 
 use crate::test_device::Dictionary;
 
@@ -23,6 +23,8 @@ pub struct Firmware {
     pub hides_size: bool,
     /// Writes that a client has given up.
     pub abandoned: usize,
+    /// The four words of 1018h, if they are not those of the data sheet.
+    pub identity: Option<[u32; 4]>,
 }
 
 impl Firmware {
@@ -110,6 +112,13 @@ impl Application<Dictionary> for Firmware {
         let begun = self.writing.remove(&entry.index);
         assert!(begun.is_some(), "a write has begun");
         self.abandoned += 1;
+    }
+
+    fn power_on(&mut self, dictionary: &mut Dictionary) {
+        for (sub, word) in (1..).zip(self.identity.into_iter().flatten()) {
+            let is_there = write_u32(dictionary, 0x1018, sub, word);
+            assert!(is_there, "1018h has four words");
+        }
     }
 }
 

@@ -15,6 +15,7 @@ mod block_transfer;
 mod crc;
 pub mod drive;
 pub mod firmware;
+pub mod late;
 pub mod line;
 pub mod notation;
 pub mod plain_node;

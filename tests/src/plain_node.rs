@@ -64,6 +64,13 @@ impl PlainNode {
         }
     }
 
+    /// A device without a node-ID, with this identity (1018h).
+    pub fn with_identity(identity: [u32; 4]) -> Self {
+        let mut device = Self::new(NodeId::UNCONFIGURED);
+        device.firmware.identity = Some(identity);
+        device
+    }
+
     /// The controller has seen too many errors.
     pub fn go_bus_off(&mut self, now: Instant) {
         self.is_bus_off = true;
@@ -88,7 +95,9 @@ impl PlainNode {
         self.node = node(self.stored.unwrap_or(settings));
         self.powered = false;
         self.was_reset = true;
+        let identity = self.firmware.identity;
         self.firmware = Firmware::default();
+        self.firmware.identity = identity;
         self.store.cut_power();
     }
 

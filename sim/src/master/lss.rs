@@ -7,7 +7,7 @@ use super::{ANSWER_TIME, Failure, Master};
 const REQUEST: u16 = 0x7E5;
 const ANSWER: u16 = 0x7E4;
 
-/// How long a fastscan waits for slaves to say that they match.
+/// How long each step of a fastscan waits for slaves to say that they match.
 const SCAN_TIME: Duration = Duration::from_ticks(10_000);
 
 /// The LSS address of a device: its identity object 1018h.
@@ -170,13 +170,15 @@ impl Master {
     fn scan_step(&mut self, number: u32, bit: u8, sub: u8, next: u8) -> bool {
         let [a, b, c, d] = number.to_le_bytes();
         self.send_data(REQUEST, &[0x51, a, b, c, d, bit, sub, next]);
-        let found = self.lss_answer(0x4F, SCAN_TIME).is_ok();
-        // Slaves whose answers did not merge into one frame must not answer for the next step.
-        while self
-            .port_mut()
+        // One answer is not the end of the step: slaves whose answers did not merge into one frame must not answer for the next.
+        self.run_for(SCAN_TIME);
+        let mut found = false;
+        while (self.port_mut())
             .take_from(0, |frame| answer(frame, 0x4F))
             .is_some()
-        {}
+        {
+            found = true;
+        }
         found
     }
 
