@@ -2,13 +2,15 @@
 //!
 //! - [`drive`]: the virtual drive; [`plant`]: its motor; [`flash`]: where it keeps its settings.
 //! - [`bus`]: where frames travel. An in-process bus on virtual time, SLCAN over TCP, SocketCAN.
-//! - [`master`]: a scripted CANopen master on the in-process bus.
+//! - [`master`]: a CANopen master, on the in-process bus or on a real one.
+//! - [`data_sheet`]: what the objects of a device are called.
 //! - [`trace`]: frames in candump notation, with their meaning.
 //! - [`demo`] and [`serve`]: what the command line does.
 #![forbid(unsafe_code)]
 
 pub mod bus;
 pub mod cli;
+pub mod data_sheet;
 pub mod demo;
 pub mod drive;
 pub mod flash;

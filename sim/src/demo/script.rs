@@ -5,6 +5,7 @@ use canopen::{BitRate, Duration, Frame, NodeId};
 use super::{Chapter, Story, TARGET};
 use crate::Axis402;
 use crate::bus::simulated::{Bus, Handle};
+use crate::data_sheet::DataSheet;
 use crate::drive::Setup;
 use crate::master::{Failure, MappedObject, Master, NmtCommand, PdoSetup};
 use crate::trace::Interpreter;
@@ -53,12 +54,22 @@ pub(super) fn play_on(bus: Bus, node_id: u8) -> Result<Story, Failure> {
 /// Knows what the PDOs of the demonstration carry.
 pub fn interpreter(node_id: u8) -> Interpreter {
     let node = u16::from(node_id);
-    let mut interpreter = Interpreter::new();
-    interpreter.learn_pdo(0x200 + node, "RPDO 1", &[CONTROLWORD]);
-    interpreter.learn_pdo(0x400 + node, "RPDO 3", &[CONTROLWORD, TARGET_POSITION]);
-    interpreter.learn_pdo(0x500 + node, "RPDO 4", &[TARGET_POSITION, VELOCITY_OBJECT]);
-    interpreter.learn_pdo(0x180 + node, "TPDO 1", &[STATUSWORD]);
-    interpreter.learn_pdo(0x380 + node, "TPDO 3", &[POSITION]);
+    let mut interpreter = Interpreter::new(DataSheet::axis402());
+    interpreter.learn_pdo(0x200 + node, node_id, "RPDO 1", &[CONTROLWORD]);
+    interpreter.learn_pdo(
+        0x400 + node,
+        node_id,
+        "RPDO 3",
+        &[CONTROLWORD, TARGET_POSITION],
+    );
+    interpreter.learn_pdo(
+        0x500 + node,
+        node_id,
+        "RPDO 4",
+        &[TARGET_POSITION, VELOCITY_OBJECT],
+    );
+    interpreter.learn_pdo(0x180 + node, node_id, "TPDO 1", &[STATUSWORD]);
+    interpreter.learn_pdo(0x380 + node, node_id, "TPDO 3", &[POSITION]);
     interpreter
 }
 

@@ -2,9 +2,9 @@
 
 use canopen::Duration;
 
-use super::{Failure, Master};
+use super::{Failure, Line, Master};
 
-impl Master {
+impl<L: Line> Master<L> {
     /// Sends a controlword by receive PDO 1 (identifier 200h + node-ID, mapped to 6040h alone).
     pub fn controlword(&mut self, node: u8, controlword: u16) {
         self.send_data(0x200 + u16::from(node), &controlword.to_le_bytes());

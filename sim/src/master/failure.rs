@@ -4,6 +4,7 @@ use std::fmt;
 
 use canopen::{Duration, Frame, Instant};
 
+use super::LineDown;
 use crate::trace::candump;
 
 /// A step of a script that failed.
@@ -50,6 +51,8 @@ pub enum Failure {
         /// What it is.
         got: String,
     },
+    /// The bus itself cannot be used any more.
+    LineDown(LineDown),
 }
 
 impl fmt::Display for Failure {
@@ -83,6 +86,7 @@ impl fmt::Display for Failure {
                 )
             }
             Self::WrongValue { expected, got } => write!(f, "expected {expected}, got {got}"),
+            Self::LineDown(down) => write!(f, "{down}"),
         }
     }
 }

@@ -2,13 +2,10 @@
 
 use canopen::{BitRate, Duration, Frame, NodeId};
 
-use super::{ANSWER_TIME, Failure, Master};
+use super::{Failure, Line, Master};
 
 const REQUEST: u16 = 0x7E5;
 const ANSWER: u16 = 0x7E4;
-
-/// How long each step of a fastscan waits for slaves to say that they match.
-const SCAN_TIME: Duration = Duration::from_ticks(10_000);
 
 /// The LSS address of a device: its identity object 1018h.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,7 +43,7 @@ impl From<[u32; 4]> for Identity {
     }
 }
 
-impl Master {
+impl<L: Line> Master<L> {
     /// Switches all slaves to the waiting state.
     pub fn lss_switch_to_waiting(&mut self) {
         self.send_data(REQUEST, &[0x04, 0, 0, 0, 0, 0, 0, 0]);
@@ -65,7 +62,7 @@ impl Master {
         for (command, word) in (0x40..).zip(identity.words()) {
             self.send_data(REQUEST, &request(command, word));
         }
-        self.lss_answer(0x44, ANSWER_TIME).map(|_| ())
+        self.lss_answer(0x44, self.answer_time).map(|_| ())
     }
 
     /// Gives the slave in configuration state a node-ID, in force after switching to waiting (if it had none) or at its
@@ -107,7 +104,7 @@ impl Master {
     pub fn lss_inquire_identity(&mut self) -> Result<Identity, Failure> {
         let mut words = [0; 4];
         for (command, word) in (0x5A..).zip(&mut words) {
-            let [_, a, b, c, d, ..] = self.lss_ask(request(command, 0), ANSWER_TIME)?;
+            let [_, a, b, c, d, ..] = self.lss_ask(request(command, 0), self.answer_time)?;
             *word = u32::from_le_bytes([a, b, c, d]);
         }
         Ok(words.into())
@@ -118,7 +115,7 @@ impl Master {
     /// # Errors
     /// [`Failure::Timeout`].
     pub fn lss_inquire_node_id(&mut self) -> Result<Option<NodeId>, Failure> {
-        let [_, number, ..] = self.lss_ask(request(0x5E, 0), ANSWER_TIME)?;
+        let [_, number, ..] = self.lss_ask(request(0x5E, 0), self.answer_time)?;
         Ok(NodeId::new(number))
     }
 
@@ -127,19 +124,39 @@ impl Master {
     /// # Errors
     /// [`Failure::WrongValue`] if a slave stopped answering in the middle.
     pub fn lss_fastscan(&mut self) -> Result<Option<Identity>, Failure> {
-        if !self.scan_step(0, 0x80, 0, 0) {
+        self.lss_fastscan_watched(|_, _| {})
+    }
+
+    /// [`Master::lss_fastscan`] that tells `watch` before each question how many have been answered, and how many there are.
+    ///
+    /// # Errors
+    /// As [`Master::lss_fastscan`].
+    pub fn lss_fastscan_watched(
+        &mut self,
+        mut watch: impl FnMut(u32, u32),
+    ) -> Result<Option<Identity>, Failure> {
+        const QUESTIONS: u32 = 1 + 4 * 33;
+        let mut done = 0;
+        let mut next_question = || {
+            watch(done, QUESTIONS);
+            done += 1;
+        };
+        next_question();
+        if !self.scan_step(0, 0x80, 0, 0)? {
             return Ok(None);
         }
         let mut words = [0; 4];
         for (sub, word) in (0..4u8).zip(&mut words) {
             for bit in (0..32u8).rev() {
+                next_question();
                 // A slave answers if its bit is 0 like the scan's; silence means 1.
-                if !self.scan_step(*word, bit, sub, sub) {
+                if !self.scan_step(*word, bit, sub, sub)? {
                     *word |= 1 << bit;
                 }
             }
             let next = if sub == 3 { 0 } else { sub + 1 };
-            if !self.scan_step(*word, 0, sub, next) {
+            next_question();
+            if !self.scan_step(*word, 0, sub, next)? {
                 return Err(Failure::WrongValue {
                     expected: format!("a slave with {word:08X}h in 1018h:{}", sub + 1),
                     got: "none".to_owned(),
@@ -159,7 +176,7 @@ impl Master {
     }
 
     fn lss_configure(&mut self, request: [u8; 8]) -> Result<(), Failure> {
-        let [service, error, ..] = self.lss_ask(request, ANSWER_TIME)?;
+        let [service, error, ..] = self.lss_ask(request, self.answer_time)?;
         if error == 0 {
             Ok(())
         } else {
@@ -167,19 +184,20 @@ impl Master {
         }
     }
 
-    fn scan_step(&mut self, number: u32, bit: u8, sub: u8, next: u8) -> bool {
+    /// One question of the fastscan: whether a slave says that it matches.
+    fn scan_step(&mut self, number: u32, bit: u8, sub: u8, next: u8) -> Result<bool, Failure> {
         let [a, b, c, d] = number.to_le_bytes();
         self.send_data(REQUEST, &[0x51, a, b, c, d, bit, sub, next]);
         // One answer is not the end of the step: slaves whose answers did not merge into one frame must not answer for the next.
-        self.run_for(SCAN_TIME);
+        self.wait(self.scan_time)?;
         let mut found = false;
-        while (self.port_mut())
+        while (self.line.inbox())
             .take_from(0, |frame| answer(frame, 0x4F))
             .is_some()
         {
             found = true;
         }
-        found
+        Ok(found)
     }
 
     fn lss_answer(&mut self, command: u8, within: Duration) -> Result<[u8; 8], Failure> {

@@ -1,10 +1,13 @@
-//! A scripted CANopen master on the simulated bus, for the demonstration and for tests.
+//! A CANopen master: for the demonstration and for tests on the simulated bus, for the tool `axis402` on real ones.
 //!
-//! A script reads like a story: send this, expect that, within so much virtual time. Every step returns what came, or a
-//! [`Failure`] that tells what was expected. Frames the script has not asked for yet wait in the inbox.
+//! A script reads like a story: send this, expect that, within so much time. Every step returns what came, or a [`Failure`]
+//! that tells what was expected. Frames the script has not asked for yet wait in the inbox. The master knows its bus as a
+//! [`Line`] only, so what it does on a real bus is what the tests see on virtual time.
 
 mod drive;
 mod failure;
+mod inbox;
+mod line;
 mod lss;
 mod pdo;
 mod port;
@@ -12,10 +15,9 @@ mod sdo;
 
 use canopen::{Duration, Frame, Instant};
 
-use crate::bus::Station;
-use crate::bus::simulated::{Bus, Handle};
-
 pub use failure::Failure;
+pub use inbox::Inbox;
+pub use line::{Line, LineDown, Simulated};
 pub use lss::Identity;
 pub use pdo::{MappedObject, PdoSetup};
 pub use port::Port;
@@ -23,6 +25,9 @@ pub use sdo::Value;
 
 /// How long an answer may take by default.
 pub const ANSWER_TIME: Duration = Duration::from_ticks(100_000);
+
+/// How long each step of a fastscan waits by default for slaves to say that they match.
+pub const SCAN_TIME: Duration = Duration::from_ticks(10_000);
 
 /// NMT commands (CiA 301, command specifier of the frame with identifier 000h).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,56 +47,56 @@ pub enum NmtCommand {
 
 /// A master and the bus it is on.
 #[derive(Debug)]
-pub struct Master {
-    bus: Bus,
-    port: Handle<Port>,
+pub struct Master<L = Simulated> {
+    line: L,
+    answer_time: Duration,
+    scan_time: Duration,
 }
 
-impl Master {
-    /// Attaches a master to a bus. It follows any bit rate until [`Port::set_bit_rate`].
-    pub fn new(mut bus: Bus) -> Self {
-        let port = bus.attach(Port::default());
-        Self { bus, port }
+impl<L: Line> Master<L> {
+    /// A master on this line. An answer may take [`ANSWER_TIME`], one of a fastscan [`SCAN_TIME`].
+    pub fn on(line: L) -> Self {
+        Self {
+            line,
+            answer_time: ANSWER_TIME,
+            scan_time: SCAN_TIME,
+        }
     }
 
-    /// The bus, to attach stations, to interfere, to let time pass.
-    pub fn bus_mut(&mut self) -> &mut Bus {
-        &mut self.bus
+    /// The line it is on.
+    pub fn line_mut(&mut self) -> &mut L {
+        &mut self.line
     }
 
-    /// The bus, for its trace and stations.
-    pub fn bus(&self) -> &Bus {
-        &self.bus
-    }
-
-    /// The master's own controller and inbox.
-    pub fn port_mut(&mut self) -> &mut Port {
-        self.bus.station_mut(self.port)
-    }
-
-    /// A station of the bus.
-    pub fn station<S: Station>(&self, handle: Handle<S>) -> &S {
-        self.bus.station(handle)
-    }
-
-    /// A station of the bus, to act on it.
-    pub fn station_mut<S: Station>(&mut self, handle: Handle<S>) -> &mut S {
-        self.bus.station_mut(handle)
-    }
-
-    /// The present virtual time.
+    /// The present time of the bus.
     pub fn now(&self) -> Instant {
-        self.bus.now()
+        self.line.now()
     }
 
-    /// Lets virtual time pass.
-    pub fn run_for(&mut self, span: Duration) {
-        self.bus.run_for(span);
+    /// How long an answer may take; returns how long it might before.
+    pub fn set_answer_time(&mut self, answer_time: Duration) -> Duration {
+        std::mem::replace(&mut self.answer_time, answer_time)
+    }
+
+    /// How long a fastscan waits at each bit; returns how long it did before. Too short a time reads bits as 1 that are 0, and the
+    /// scan fails at the end of that number.
+    pub fn set_scan_time(&mut self, scan_time: Duration) -> Duration {
+        std::mem::replace(&mut self.scan_time, scan_time)
+    }
+
+    /// Lets time pass; what comes meanwhile waits in the inbox.
+    ///
+    /// # Errors
+    /// [`Failure::LineDown`] when the bus cannot be used any more.
+    pub fn wait(&mut self, span: Duration) -> Result<(), Failure> {
+        let end = self.now() + span;
+        while self.line.step(end)? {}
+        Ok(())
     }
 
     /// Queues a frame for sending; it goes out as the bus runs on.
     pub fn send(&mut self, frame: Frame) {
-        self.port_mut().send(frame);
+        self.line.send(frame);
     }
 
     /// Queues a data frame with an 11-bit identifier.
@@ -111,7 +116,7 @@ impl Master {
 
     /// Takes all frames out of the inbox, oldest first.
     pub fn take_received(&mut self) -> Vec<(Instant, Frame)> {
-        self.port_mut().take_all()
+        self.line.inbox().take_all()
     }
 
     /// Waits until a frame comes for which `pick` has a value, frames already in the inbox first (oldest first). That frame
@@ -128,12 +133,12 @@ impl Master {
         let end = self.now() + within;
         let mut seen = 0;
         loop {
-            let inbox = self.port_mut();
+            let inbox = self.line.inbox();
             if let Some(found) = inbox.take_from(seen, &mut pick) {
                 return Ok(found);
             }
             seen = inbox.waiting();
-            if !self.bus.step(end) {
+            if !self.line.step(end)? {
                 return Err(Failure::Timeout {
                     expected: expected.to_owned(),
                     within,
@@ -153,19 +158,23 @@ impl Master {
         within: Duration,
         pick: impl FnMut(&Frame) -> Option<T>,
     ) -> Result<T, Failure> {
-        self.port_mut().take_all();
+        self.line.inbox().take_all();
         self.wait_for(expected, within, pick)
     }
 
     /// Waits for a data frame with this identifier; returns its bytes.
     ///
     /// # Errors
-    /// [`Failure::Timeout`] if none came within [`ANSWER_TIME`].
+    /// [`Failure::Timeout`] if none came in the time that an answer may take.
     pub fn expect_from(&mut self, cob_id: u16) -> Result<Vec<u8>, Failure> {
-        self.wait_for(&format!("a frame {cob_id:03X}"), ANSWER_TIME, |frame| {
-            (frame.standard_id() == Some(cob_id) && !frame.is_remote())
-                .then(|| frame.payload().to_vec())
-        })
+        self.wait_for(
+            &format!("a frame {cob_id:03X}"),
+            self.answer_time,
+            |frame| {
+                (frame.standard_id() == Some(cob_id) && !frame.is_remote())
+                    .then(|| frame.payload().to_vec())
+            },
+        )
     }
 
     /// Waits for the boot-up message of a node.
@@ -190,7 +199,8 @@ impl Master {
                 got: frame,
                 at: self.now(),
             }),
-            Err(_) => Ok(()),
+            Err(Failure::Timeout { .. }) => Ok(()),
+            Err(failure) => Err(failure),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! PDO configuration by the standard procedure (CiA 301, 7.5.2.36): switch off, unmap, map, set up, switch on.
 
-use super::{Failure, Master};
+use super::{Failure, Line, Master};
 
 /// An object in a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +44,7 @@ pub struct PdoSetup {
     pub objects: Vec<MappedObject>,
 }
 
-impl Master {
+impl<L: Line> Master<L> {
     /// Sets up receive PDO `number` (1 to 512).
     ///
     /// # Errors

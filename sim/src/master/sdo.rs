@@ -2,7 +2,7 @@
 
 use canopen::Frame;
 
-use super::{ANSWER_TIME, Failure, Master};
+use super::{Failure, Line, Master};
 
 /// A number or string as it travels in an SDO.
 pub trait Value: Sized {
@@ -45,7 +45,7 @@ impl Value for Vec<u8> {
     }
 }
 
-impl Master {
+impl<L: Line> Master<L> {
     /// Reads an object.
     ///
     /// # Errors
@@ -85,11 +85,11 @@ impl Master {
         let answer_id = 0x580 + u16::from(node);
         let answer = |frame: &Frame| (frame.standard_id() == Some(answer_id)).then_some(*frame);
         // Answers nobody waited for would be taken for this one's.
-        while self.port_mut().take_from(0, answer).is_some() {}
+        while self.line.inbox().take_from(0, answer).is_some() {}
         self.send_data(0x600 + u16::from(node), &request);
         let frame = self.wait_for(
             &format!("an SDO answer {answer_id:03X}"),
-            ANSWER_TIME,
+            self.answer_time,
             answer,
         )?;
         frame.full_payload().copied().ok_or(Failure::Unexpected {

@@ -1,6 +1,7 @@
 //! What a frame means, by its identifier in the predefined connection set (CiA 301) and what was seen before.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use canopen::Frame;
 
@@ -8,25 +9,55 @@ use super::lss;
 use super::objects;
 use super::sdo::SdoWatcher;
 use super::words;
+use crate::data_sheet::DataSheet;
 use crate::master::MappedObject;
 
 /// Follows a bus and puts its frames into words.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Interpreter {
+    sheet: Arc<DataSheet>,
+    sheets: HashMap<u8, Arc<DataSheet>>,
     sdo: HashMap<u8, SdoWatcher>,
-    pdos: HashMap<u16, (String, Vec<MappedObject>)>,
+    pdos: HashMap<u16, Pdo>,
+}
+
+/// What is known of a PDO.
+#[derive(Clone, Debug)]
+struct Pdo {
+    node: u8,
+    label: String,
+    objects: Vec<MappedObject>,
 }
 
 impl Interpreter {
-    /// Knows the predefined connection set, and of PDOs that the first carries controlword or statusword.
-    pub fn new() -> Self {
-        Self::default()
+    /// Knows the predefined connection set, and of PDOs that the first carries controlword or statusword. All nodes are what
+    /// `sheet` says, unless [`Interpreter::learn_sheet`] tells something else.
+    pub fn new(sheet: Arc<DataSheet>) -> Self {
+        Self {
+            sheet,
+            sheets: HashMap::new(),
+            sdo: HashMap::new(),
+            pdos: HashMap::new(),
+        }
     }
 
-    /// Tells what the PDO with this identifier carries, and what to call it.
-    pub fn learn_pdo(&mut self, cob_id: u16, label: &str, objects: &[MappedObject]) {
-        self.pdos
-            .insert(cob_id, (label.to_owned(), objects.to_vec()));
+    /// Tells what this node is.
+    pub fn learn_sheet(&mut self, node: u8, sheet: Arc<DataSheet>) {
+        self.sheets.insert(node, sheet);
+    }
+
+    /// Tells what the PDO with this identifier carries, of which node it is, and what to call it.
+    pub fn learn_pdo(&mut self, cob_id: u16, node: u8, label: &str, objects: &[MappedObject]) {
+        let pdo = Pdo {
+            node,
+            label: label.to_owned(),
+            objects: objects.to_vec(),
+        };
+        self.pdos.insert(cob_id, pdo);
+    }
+
+    fn sheet_of(&self, node: u8) -> Arc<DataSheet> {
+        Arc::clone(self.sheets.get(&node).unwrap_or(&self.sheet))
     }
 
     /// What a frame means, in one line; empty for a frame that means nothing in CANopen.
@@ -36,9 +67,11 @@ impl Interpreter {
         };
         let node = (cob_id & 0x7F) as u8;
         let payload = frame.payload();
-        if let Some((label, objects)) = self.pdos.get(&cob_id) {
-            return format!("{label}: {}", contents(objects, payload));
+        if let Some(pdo) = self.pdos.get(&cob_id) {
+            let contents = contents(&self.sheet_of(pdo.node), &pdo.objects, payload);
+            return format!("{}: {contents}", pdo.label);
         }
+        let sheet = self.sheet_of(node);
         match (cob_id & 0x780, payload, frame.full_payload()) {
             (0x000, [command, node], _) if cob_id == 0 => nmt(*command, *node),
             (0x080, _, _) if node == 0 => "SYNC".to_owned(),
@@ -68,8 +101,8 @@ impl Interpreter {
                 let kind = if group & 0x80 != 0 { "TPDO" } else { "RPDO" };
                 format!("{kind} {number} of node {node}")
             }
-            (0x600, _, Some(bytes)) => self.sdo.entry(node).or_default().request(bytes),
-            (0x580, _, Some(bytes)) => self.sdo.entry(node).or_default().answer(bytes),
+            (0x600, _, Some(bytes)) => self.sdo.entry(node).or_default().request(bytes, &sheet),
+            (0x580, _, Some(bytes)) => self.sdo.entry(node).or_default().answer(bytes, &sheet),
             (0x700, [0], _) => format!("boot-up of node {node}"),
             (0x700, [state], _) => format!("heartbeat of node {node}: {}", state_name(*state)),
             (_, _, Some(bytes)) if cob_id == 0x7E5 => lss::request(bytes),
@@ -80,13 +113,13 @@ impl Interpreter {
 }
 
 /// The mapped objects in the order in which they lie in the PDO.
-fn contents(objects: &[MappedObject], mut payload: &[u8]) -> String {
+fn contents(sheet: &DataSheet, objects: &[MappedObject], mut payload: &[u8]) -> String {
     let mut parts = Vec::new();
     for object in objects {
         let Some((bytes, rest)) = payload.split_at_checked(usize::from(object.bits / 8)) else {
             break;
         };
-        parts.push(objects::short(object.index, object.sub, bytes));
+        parts.push(objects::short(sheet, object.index, object.sub, bytes));
         payload = rest;
     }
     parts.join("; ")
@@ -121,9 +154,10 @@ mod tests {
     use super::*;
 
     fn meanings(frames: &[(u16, &[u8])]) -> Vec<String> {
-        let mut interpreter = Interpreter::new();
+        let mut interpreter = Interpreter::new(DataSheet::axis402());
         interpreter.learn_pdo(
             0x384,
+            4,
             "TPDO 3",
             &[MappedObject::new(0x6041, 16), MappedObject::new(0x6064, 32)],
         );

@@ -1,6 +1,7 @@
 //! SDO transfers in words. A segment means nothing without its transfer, so the frames of each node are followed.
 
 use super::objects;
+use crate::data_sheet::DataSheet;
 
 /// The transfer a node is in.
 #[derive(Clone, Debug, Default)]
@@ -13,12 +14,12 @@ pub struct SdoWatcher {
 
 impl SdoWatcher {
     /// A frame of the client.
-    pub fn request(&mut self, frame: &[u8; 8]) -> String {
+    pub fn request(&mut self, frame: &[u8; 8], sheet: &DataSheet) -> String {
         let [command, low, high, sub, data @ ..] = *frame;
         match command >> 5 {
             1 => {
                 self.begin(low, high, sub, true);
-                let name = objects::name(self.index, self.sub);
+                let name = objects::name(sheet, self.index, self.sub);
                 if command & 0x02 == 0 {
                     return format!("SDO write {name}, in segments");
                 }
@@ -27,12 +28,12 @@ impl SdoWatcher {
                 } else {
                     0
                 };
-                let value = objects::value(self.index, self.sub, &data[..4 - unused]);
+                let value = objects::value(sheet, self.index, self.sub, &data[..4 - unused]);
                 format!("SDO write {name} := {value}")
             }
             2 => {
                 self.begin(low, high, sub, false);
-                format!("SDO read {}", objects::name(self.index, self.sub))
+                format!("SDO read {}", objects::name(sheet, self.index, self.sub))
             }
             0 => {
                 self.segment(frame);
@@ -45,7 +46,7 @@ impl SdoWatcher {
     }
 
     /// A frame of the server.
-    pub fn answer(&mut self, frame: &[u8; 8]) -> String {
+    pub fn answer(&mut self, frame: &[u8; 8], sheet: &DataSheet) -> String {
         let [command, _, _, _, data @ ..] = *frame;
         match command >> 5 {
             2 if command & 0x02 != 0 => {
@@ -54,7 +55,7 @@ impl SdoWatcher {
                 } else {
                     0
                 };
-                let value = objects::value(self.index, self.sub, &data[..4 - unused]);
+                let value = objects::value(sheet, self.index, self.sub, &data[..4 - unused]);
                 format!("SDO answer {value}")
             }
             2 => format!("SDO answer, {} bytes follow", u32::from_le_bytes(data)),
@@ -66,7 +67,7 @@ impl SdoWatcher {
                 } else {
                     format!(
                         "SDO last segment: {}",
-                        objects::value(self.index, self.sub, &self.bytes)
+                        objects::value(sheet, self.index, self.sub, &self.bytes)
                     )
                 }
             }
