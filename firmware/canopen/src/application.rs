@@ -6,7 +6,8 @@ use crate::od::{Dictionary, Entry};
 /// The application's word on its own objects (everything outside 1000h to 1FFFh). The calls are short and never wait.
 ///
 /// An object with [`Attributes::STREAMED`](crate::od::Attributes::STREAMED) has no bytes in the dictionary: the application gives and takes its value piece by piece, at
-/// positions in bytes from 0. A transfer that has begun may end without a word to the reader of it; the writer learns by
+/// positions in bytes from 0. One client at a time writes an object, and none begins or ends a write while another one reads it:
+/// it is refused with 08000022h, and the reader gets one value whole. A transfer that has begun may end without a word to the reader of it; the writer learns by
 /// [`Application::end_write`] or [`Application::abandon_write`].
 pub trait Application<D: Dictionary> {
     /// Whether [`Application::written`] may change the dictionary. If it never does, transmit PDOs are not compared with it after
@@ -53,7 +54,7 @@ pub trait Application<D: Dictionary> {
         Err(AbortCode::UnsupportedAccess)
     }
 
-    /// A client begins to write a streamed object, with so many bytes if it has told. One client at a time writes an object.
+    /// A client begins to write a streamed object, with so many bytes if it has told.
     ///
     /// # Errors
     /// The object cannot be written, not now, or not with this size. By default 06010000h, unsupported access.

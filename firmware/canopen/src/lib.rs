@@ -39,6 +39,6 @@ pub use application::Application;
 pub use can_controller::{ControllerState, Counters};
 pub use node::{Event, Node};
 pub use settings::{BitRate, NodeId, Settings};
-pub use stream::{Sink, Source};
+pub use stream::{Domain, Sink, Source};
 pub use time::{Duration, Instant};
 pub use wire::Frame;

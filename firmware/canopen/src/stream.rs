@@ -4,10 +4,14 @@
 //! each one that can be written. Positions are in bytes from the beginning of the value. The calls are short and never wait;
 //! they keep the contract of [`Application`](crate::Application), which passes them on.
 
+mod domain;
+
+pub use domain::Domain;
+
 use crate::cia301::sdo::{AbortCode, Completion};
 use crate::od::Dictionary;
 
-/// A value that is read piece by piece.
+/// A value that is read piece by piece. While a client reads it no other one ends a write of it: that is refused with 08000022h.
 pub trait Source<D: Dictionary> {
     /// A client begins to read: the present size in bytes, or `None` if that is not known before the end.
     ///

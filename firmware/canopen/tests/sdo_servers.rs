@@ -147,11 +147,54 @@ fn one_client_at_a_time_writes_a_streamed_object() {
     for initiate in ["6A4#2014200000000000", "6A4#C014200000000000"] {
         assert_eq!(device.ask(initiate), std::slice::from_ref(&refused));
     }
-    // It may be read, and the first client goes on.
+    // It may be read meanwhile, and the first client goes on.
     assert_eq!(device.ask("6A4#4014200000000000").len(), 1);
+    assert_eq!(device.ask("6A4#6000000000000000"), ["684#0F00000000000000"]);
     assert_eq!(device.ask("604#0561626364650000"), ["584#2000000000000000"]);
     assert_eq!(device.firmware.stream.value, b"abcde");
     assert_eq!(device.ask("6A4#2014200000000000"), ["684#6014200000000000"]);
+}
+
+#[test]
+fn a_streamed_object_that_is_read_does_not_become_another_one() {
+    let value = b"the old value";
+    let start = || {
+        let mut device = with_second_server();
+        device.firmware.stream.value = value.to_vec();
+        device
+    };
+    let read_first = |device: &mut Device| {
+        assert_eq!(device.ask("6A4#4014200000000000"), ["684#411420000D000000"]);
+        assert_eq!(
+            device.ask("6A4#6000000000000000"),
+            [second("584#00746865206F6C64")]
+        );
+    };
+    let read_last = |device: &mut Device| {
+        assert_eq!(
+            device.ask("6A4#7000000000000000"),
+            [second("584#132076616C756500")]
+        );
+    };
+    let refused = abort(0x2014, 0, 0x0800_0022);
+
+    // A write does not begin while another client reads.
+    let mut device = start();
+    read_first(&mut device);
+    for initiate in ["604#2014200000000000", "604#C014200000000000"] {
+        assert_eq!(device.ask(initiate), std::slice::from_ref(&refused));
+    }
+    read_last(&mut device);
+    assert_eq!(device.ask("604#2014200000000000").len(), 1);
+
+    // Nor does one end that had begun before.
+    let mut device = start();
+    assert_eq!(device.ask("604#2014200000000000").len(), 1);
+    read_first(&mut device);
+    assert_eq!(device.ask("604#0561626364650000"), [refused]);
+    assert_eq!(device.firmware.stream.value, value);
+    assert_eq!(device.firmware.stream.abandoned, 1);
+    read_last(&mut device);
 }
 
 #[test]

@@ -175,13 +175,18 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
     }
 
     fn begin_write(&mut self, entry: &'static Entry, size: Option<u32>) -> Result<(), AbortCode> {
-        if self.others.are_writing(entry) {
+        if self.others.are_writing(entry) || self.others.are_reading(entry) {
             return Err(AbortCode::DeviceState);
         }
         self.application.begin_write(self.dictionary, entry, size)
     }
 
     fn end_write(&mut self, entry: &'static Entry, length: u32) -> Result<Completion, AbortCode> {
+        // A reader that has begun since must not get the rest of another value.
+        if self.others.are_reading(entry) {
+            self.application.abandon_write(self.dictionary, entry);
+            return Err(AbortCode::DeviceState);
+        }
         self.services.values_changed |= self.services.tpdos.is_watching();
         self.application.end_write(self.dictionary, entry, length)
     }

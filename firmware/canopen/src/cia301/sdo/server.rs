@@ -288,6 +288,11 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         matches!(self.place, Place::Sink(sink) if sink.key() == entry.key())
     }
 
+    /// Whether a client reads this object here, piece by piece.
+    pub(super) fn is_reading(&self, entry: &Entry) -> bool {
+        matches!(self.place, Place::Source(source) if source.key() == entry.key())
+    }
+
     /// Whether the time of the open transfer was over when a frame came, though nobody has called [`Server::poll`] since.
     #[inline]
     pub(super) fn is_too_late(&self, now: Instant) -> bool {

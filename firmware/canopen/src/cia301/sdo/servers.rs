@@ -50,6 +50,12 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Others<'_, B> {
         let mut all = self.before.iter().chain(self.after);
         all.any(|server| server.is_writing(entry))
     }
+
+    /// Whether one of them reads this streamed object.
+    pub(crate) fn are_reading(&self, entry: &Entry) -> bool {
+        let mut all = self.before.iter().chain(self.after);
+        all.any(|server| server.is_reading(entry))
+    }
 }
 
 impl<C: Counts> Servers<C> {
