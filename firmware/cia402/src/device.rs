@@ -21,7 +21,7 @@ use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
 use canopen::node::StoreError;
 use canopen::od::Dictionary;
-use canopen::{Counters, Duration, Event, Frame, Instant, Node, Settings};
+use canopen::{Application, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
 use crate::exchange::{Actuals, Share};
 use crate::faults::{FaultNotice, emergency};
@@ -42,11 +42,12 @@ enum Phase {
     Stopping(Reset),
 }
 
-/// A CANopen node with the hooks of the drive objects.
+/// A CANopen node with the hooks of the drive objects, and with an application `A` of the firmware for everything that a drive
+/// does not say: streamed objects (DOMAIN), objects of the manufacturer, further rules.
 #[derive(Debug)]
-pub struct Device<D: Dictionary> {
+pub struct Device<D: Dictionary, A = ()> {
     node: Node<D>,
-    hooks: Hooks,
+    hooks: Hooks<A>,
     phase: Phase,
     /// The last value posted of `Commands::remote`.
     remote: bool,
@@ -61,9 +62,22 @@ pub struct Device<D: Dictionary> {
 impl<D: Dictionary + Objects> Device<D> {
     /// A device that has just been powered; call [`Device::power_on`] next. `serial_number` becomes 1018h:4.
     pub fn new(dictionary: D, settings: Settings, serial_number: u32) -> Self {
+        Self::with_application(dictionary, settings, serial_number, ())
+    }
+}
+
+impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+    /// The same with an application, which hears of every write that the drive allows (its rules come first), and serves the
+    /// streamed objects. What it writes to objects of the drive is seen with the next write of one by the network.
+    pub fn with_application(
+        dictionary: D,
+        settings: Settings,
+        serial_number: u32,
+        application: A,
+    ) -> Self {
         Self {
             node: Node::new(dictionary, settings),
-            hooks: Hooks::new(serial_number),
+            hooks: Hooks::new(serial_number, application),
             phase: Phase::Off,
             remote: false,
             is_abandoned: false,
@@ -137,6 +151,16 @@ impl<D: Dictionary + Objects> Device<D> {
     /// The owner of an object has finished a write that was to be completed later ([`Node::complete_write`]).
     pub fn complete_write(&mut self, index: u16, sub: u8, result: Result<(), AbortCode>) {
         self.node.complete_write(index, sub, result);
+    }
+
+    /// The application of the firmware.
+    pub fn application(&self) -> &A {
+        &self.hooks.application
+    }
+
+    /// The application of the firmware, writable.
+    pub fn application_mut(&mut self) -> &mut A {
+        &mut self.hooks.application
     }
 
     /// The node, for its dictionary and state.

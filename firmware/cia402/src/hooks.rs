@@ -10,10 +10,12 @@
 //!   half of a receive PDO.
 //! - The controlword is followed write by write: bits that rose and commands to stop between two sets of commands are in the
 //!   later one, even if the last write took them back. They are given once.
+//! - What the drive allows is put to the application of the firmware behind it, which has the last word; and streamed objects are
+//!   the application's alone.
 //! - The serial number 1018h:4 is filled in at every start, before a master can read it.
 
 use canopen::Application;
-use canopen::cia301::sdo::AbortCode;
+use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{self, Dictionary, Entry, write_u32};
 
 use crate::controlword::ControlwordHistory;
@@ -27,18 +29,20 @@ use crate::quick_stop::QuickStopOption;
 const IDENTITY: u16 = 0x1018;
 const SERIAL_NUMBER: u8 = 4;
 
-/// The application of the node: it watches the drive objects.
+/// The application of the node: it watches the drive objects, and hands everything on to the application `A` of the firmware.
 #[derive(Debug)]
-pub(crate) struct Hooks {
+pub(crate) struct Hooks<A> {
+    pub(crate) application: A,
     serial_number: u32,
     history: ControlwordHistory,
     written: bool,
     delay_written: bool,
 }
 
-impl Hooks {
-    pub(crate) const fn new(serial_number: u32) -> Self {
+impl<A> Hooks<A> {
+    pub(crate) const fn new(serial_number: u32, application: A) -> Self {
         Self {
+            application,
             serial_number,
             history: ControlwordHistory::new(0),
             written: true,
@@ -97,15 +101,14 @@ impl Hooks {
     }
 }
 
-impl<D: Dictionary + Objects> Application<D> for Hooks {
+impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
     fn validate(&mut self, dictionary: &D, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
-        let Some(parameter) = D::parameter(entry) else {
-            return Ok(());
-        };
-        let Some(number) = od::number(entry, value) else {
-            return Ok(());
-        };
-        check(parameter, D::converted(entry, number)?, dictionary)
+        if let Some(parameter) = D::parameter(entry)
+            && let Some(number) = od::number(entry, value)
+        {
+            check(parameter, D::converted(entry, number)?, dictionary)?;
+        }
+        self.application.validate(dictionary, entry, value)
     }
 
     fn written(&mut self, dictionary: &mut D, entry: &Entry) {
@@ -118,11 +121,59 @@ impl<D: Dictionary + Objects> Application<D> for Hooks {
         }
         self.written |= parameter.is_some();
         self.delay_written |= entry.index == RESTART_DELAY;
+        self.application.written(dictionary, entry);
+    }
+
+    fn size(&mut self, dictionary: &D, entry: &Entry) -> Result<Option<u32>, AbortCode> {
+        self.application.size(dictionary, entry)
+    }
+
+    fn read_at(
+        &mut self,
+        dictionary: &D,
+        entry: &Entry,
+        position: u32,
+        into: &mut [u8],
+    ) -> Result<usize, AbortCode> {
+        self.application.read_at(dictionary, entry, position, into)
+    }
+
+    fn begin_write(
+        &mut self,
+        dictionary: &D,
+        entry: &Entry,
+        size: Option<u32>,
+    ) -> Result<(), AbortCode> {
+        self.application.begin_write(dictionary, entry, size)
+    }
+
+    fn write_at(
+        &mut self,
+        dictionary: &D,
+        entry: &Entry,
+        position: u32,
+        data: &[u8],
+    ) -> Result<(), AbortCode> {
+        self.application.write_at(dictionary, entry, position, data)
+    }
+
+    fn end_write(
+        &mut self,
+        dictionary: &mut D,
+        entry: &Entry,
+        length: u32,
+    ) -> Result<Completion, AbortCode> {
+        self.application.end_write(dictionary, entry, length)
+    }
+
+    fn abandon_write(&mut self, dictionary: &D, entry: &Entry) {
+        self.application.abandon_write(dictionary, entry);
     }
 
     fn power_on(&mut self, dictionary: &mut D) {
         // Power-on values hold the serial number 0 of the data sheet. A dictionary without 1018h:4 has no place for it.
         let _ = write_u32(dictionary, IDENTITY, SERIAL_NUMBER, self.serial_number);
+        self.application.power_on(dictionary);
         dictionary.agree();
         self.history = ControlwordHistory::new(dictionary.controlword());
         self.written = true;

@@ -8,7 +8,7 @@
 //! A dictionary may leave them out.
 
 use canopen::od::{self, Dictionary};
-use canopen::{ControllerState, Duration, Instant};
+use canopen::{Application, ControllerState, Duration, Instant};
 
 use super::{Device, Phase};
 use crate::exchange::{Actuals, Share};
@@ -26,7 +26,7 @@ const FAULT: u16 = 1 << 3;
 /// The value of 2011h that stands for "never".
 const STAY_OFF: u16 = u16::MAX;
 
-impl<D: Dictionary + Objects> Device<D> {
+impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     /// The state of the CAN controller ([`canopen::Node::controller_changed`]); bus-off brings the motor to rest.
     pub fn controller_changed<X: Share>(
         &mut self,

@@ -4,7 +4,7 @@
 use canopen::cia301::parameters::ParameterStore;
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::Dictionary;
-use canopen::{Duration, Instant};
+use canopen::{Application, Duration, Instant};
 
 use super::Device;
 use crate::exchange::Share;
@@ -14,7 +14,7 @@ use crate::objects::Objects;
 /// case: the drive is safe when a control tick has seen the latest commands.
 const PATIENCE: Duration = Duration::millis(50);
 
-impl<D: Dictionary + Objects> Device<D> {
+impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     /// The same device on a board that stores parameters: the firmware calls [`Device::serve_store`].
     pub fn with_parameter_store(mut self) -> Self {
         self.node = self.node.with_parameter_store();

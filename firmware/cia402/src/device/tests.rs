@@ -1,5 +1,6 @@
 //! Device and drive together, at the level of frames, on virtual time. Node 4.
 
+mod application;
 mod dictionary;
 mod rig;
 

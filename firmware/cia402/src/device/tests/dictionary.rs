@@ -71,6 +71,7 @@ const OBJECTS: &[Object] = &[
     (0x1A01, 1, U32, RW, 0x6041_0010),
     (0x1A01, 2, U32, RW, 0x6064_0020),
     (0x1A01, 3, U32, RW, 0),
+    (0x2020, 0, DataType::Domain, RW | Attributes::STREAMED, 0),
     (0x603F, 0, U16, RO, 0),
     (0x6040, 0, U16, RWW, 0),
     (0x6041, 0, U16, RO, 0),
@@ -97,6 +98,7 @@ const fn size(data_type: DataType) -> u16 {
     match data_type {
         U8 | I8 => 1,
         U16 | I16 => 2,
+        DataType::Domain => 0,
         _ => 4,
     }
 }
