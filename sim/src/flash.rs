@@ -1,8 +1,11 @@
 //! The flash sectors of a virtual drive: in memory, or in a file that keeps them.
 
+mod power;
+
 use std::fmt;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::Path;
 
 use embedded_storage::nor_flash::{
@@ -10,6 +13,8 @@ use embedded_storage::nor_flash::{
     check_write,
 };
 use store::Store;
+
+pub use power::Power;
 
 /// A sector of the STM32F405's first four.
 const SECTOR: usize = 16 * 1024;
@@ -26,6 +31,7 @@ pub struct Flash {
     bytes: Vec<u8>,
     file: Option<File>,
     broken: bool,
+    power: Power,
 }
 
 impl Flash {
@@ -35,6 +41,7 @@ impl Flash {
             bytes: vec![0xFF; SIZE],
             file: None,
             broken: false,
+            power: Power::new(),
         }
     }
 
@@ -71,7 +78,16 @@ impl Flash {
             bytes,
             file: Some(file),
             broken: false,
+            power: Power::new(),
         })
+    }
+
+    /// Feeds it from this power, which can be cut in the middle of a write.
+    pub fn powered_by(self, power: &Power) -> Self {
+        Self {
+            power: power.clone(),
+            ..self
+        }
     }
 
     /// From now on nothing can be written.
@@ -98,6 +114,35 @@ impl Flash {
         Store::new(self, 0..SIZE as u32).expect("two sectors are enough for the store")
     }
 
+    /// Programs or erases cells: `to` makes the new byte from the cell's number in the range and its old byte. What was done
+    /// before a failure stays.
+    fn write_cells(
+        &mut self,
+        range: Range<usize>,
+        to: impl Fn(usize, u8) -> u8,
+    ) -> Result<(), FlashError> {
+        if self.broken {
+            return Err(FlashError::Broken);
+        }
+        if !self.power.is_on() {
+            return Err(FlashError::NoPower);
+        }
+        let done = (range.clone().enumerate())
+            .try_for_each(|(number, place)| self.change(place, to(number, self.bytes[place])));
+        self.write_through(range.start, range.len()).and(done)
+    }
+
+    /// Programs or erases one byte; if the power goes now, every other bit of it.
+    fn change(&mut self, place: usize, to: u8) -> Result<(), FlashError> {
+        let cell = &mut self.bytes[place];
+        if self.power.spend() {
+            *cell = to;
+            return Ok(());
+        }
+        *cell = (*cell & 0xAA) | (to & 0x55);
+        Err(FlashError::NoPower)
+    }
+
     fn write_through(&mut self, offset: usize, length: usize) -> Result<(), FlashError> {
         let Some(file) = &mut self.file else {
             return Ok(());
@@ -118,6 +163,8 @@ pub enum FlashError {
     File(io::ErrorKind),
     /// The flash is broken.
     Broken,
+    /// The flash has no power.
+    NoPower,
 }
 
 impl fmt::Display for FlashError {
@@ -126,6 +173,7 @@ impl fmt::Display for FlashError {
             Self::Call(kind) => write!(f, "{kind}"),
             Self::File(kind) => write!(f, "{kind}"),
             Self::Broken => f.write_str("the flash is broken"),
+            Self::NoPower => f.write_str("the flash has no power"),
         }
     }
 }
@@ -134,7 +182,7 @@ impl NorFlashError for FlashError {
     fn kind(&self) -> NorFlashErrorKind {
         match self {
             Self::Call(kind) => *kind,
-            Self::File(_) | Self::Broken => NorFlashErrorKind::Other,
+            Self::File(_) | Self::Broken | Self::NoPower => NorFlashErrorKind::Other,
         }
     }
 }
@@ -148,6 +196,9 @@ impl ReadNorFlash for Flash {
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
         check_read(self, offset, bytes.len()).map_err(FlashError::Call)?;
+        if !self.power.is_on() {
+            return Err(FlashError::NoPower);
+        }
         let offset = offset as usize;
         bytes.copy_from_slice(&self.bytes[offset..offset + bytes.len()]);
         Ok(())
@@ -164,24 +215,15 @@ impl NorFlash for Flash {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         check_erase(self, from, to).map_err(FlashError::Call)?;
-        if self.broken {
-            return Err(FlashError::Broken);
-        }
-        let (from, to) = (from as usize, to as usize);
-        self.bytes[from..to].fill(0xFF);
-        self.write_through(from, to - from)
+        self.write_cells(from as usize..to as usize, |_, _| 0xFF)
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
         check_write(self, offset, bytes.len()).map_err(FlashError::Call)?;
-        if self.broken {
-            return Err(FlashError::Broken);
-        }
-        let offset = offset as usize;
-        for (cell, byte) in self.bytes[offset..].iter_mut().zip(bytes) {
-            *cell &= byte;
-        }
-        self.write_through(offset, bytes.len())
+        let from = offset as usize;
+        self.write_cells(from..from + bytes.len(), |number, cell| {
+            cell & bytes[number]
+        })
     }
 }
 
@@ -229,5 +271,22 @@ mod tests {
             flash.into_store().save(&SETTINGS),
             Err(store::Error::Flash(FlashError::Broken))
         );
+    }
+
+    #[test]
+    fn a_cut_leaves_one_byte_half_done() {
+        let power = Power::new();
+        let mut flash = Flash::in_memory().powered_by(&power);
+        power.cut_at_byte(3);
+        assert_eq!(flash.write(4, &[0; 8]), Err(FlashError::NoPower));
+        assert_eq!(flash.read(0, &mut [0]), Err(FlashError::NoPower));
+        assert_eq!(flash.erase(0, SIZE as u32), Err(FlashError::NoPower));
+        power.restore();
+        let mut cells = [0; 6];
+        flash.read(3, &mut cells).unwrap();
+        assert_eq!(cells, [0xFF, 0, 0, 0xAA, 0xFF, 0xFF]);
+        flash.erase(0, SIZE as u32).unwrap();
+        flash.read(3, &mut cells).unwrap();
+        assert_eq!(cells, [0xFF; 6]);
     }
 }

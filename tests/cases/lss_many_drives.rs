@@ -7,7 +7,6 @@ use std::collections::BTreeSet;
 
 use canopen::{BitRate, Duration, NodeId};
 use proptest::prelude::Rng as _;
-use proptest::test_runner::{RngAlgorithm, TestRng};
 use sim::Axis402;
 use sim::bus::Station;
 use sim::bus::simulated::Bus;
@@ -15,6 +14,8 @@ use sim::drive::Setup;
 use sim::master::Master;
 use tests::late::Late;
 use tests::plain_node::PlainNode;
+
+use crate::seeded::generator;
 
 const SECOND: Duration = Duration::from_ticks(1_000_000);
 
@@ -62,13 +63,9 @@ fn number_drives(serial_numbers: impl IntoIterator<Item = u32>) {
     });
 }
 
-fn random(seed: u8) -> TestRng {
-    TestRng::from_seed(RngAlgorithm::XorShift, &[seed; 16])
-}
-
 /// Different numbers that look random.
 fn random_numbers(count: usize, seed: u8) -> BTreeSet<u32> {
-    let mut random = random(seed);
+    let mut random = generator(seed);
     let mut numbers = BTreeSet::new();
     while numbers.len() < count {
         numbers.insert(random.next_u32());
@@ -87,7 +84,7 @@ fn l13_one_drive_is_found_whatever_its_serial_number_is() {
 #[test]
 fn l15_two_drives_whose_serial_numbers_differ_in_one_bit_are_found_in_turn() {
     for bit in 0..32 {
-        let number = random(2 + bit).next_u32();
+        let number = generator(2 + bit).next_u32();
         number_drives([number, number ^ 1 << bit]);
     }
 }

@@ -19,6 +19,7 @@ pub mod late;
 pub mod line;
 pub mod notation;
 pub mod plain_node;
+pub mod plugged;
 mod service_data;
 pub mod watched;
 
