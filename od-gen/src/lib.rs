@@ -21,6 +21,7 @@ mod data_type;
 pub mod dcf;
 mod diagnostic;
 pub mod diff;
+#[cfg(feature = "doc")]
 pub mod doc;
 mod document;
 mod generate;
@@ -32,6 +33,7 @@ mod print;
 mod report;
 pub mod rules;
 mod source;
+mod spelling;
 mod xdd;
 
 pub use bind::BindingReport;

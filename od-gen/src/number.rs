@@ -1,5 +1,7 @@
 //! Numbers as data sheets write them: decimal, `0x` hexadecimal, leading-zero octal, signed, `$NODEID` added on either side.
 
+use crate::diagnostic::Mistake;
+
 /// A number, and whether its text was a bit pattern (hexadecimal, octal) rather than a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Number {
@@ -9,8 +11,18 @@ pub(crate) struct Number {
 
 impl Number {
     /// Reads one number.
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
-        let unsigned = text.strip_prefix('-').unwrap_or(text);
+    pub(crate) fn parse(text: &str) -> Result<Self, Mistake> {
+        Self::spelled(text).map_err(|message| Mistake {
+            message,
+            help: nearest(text).map(|near| format!("write `{near}`")),
+        })
+    }
+
+    fn spelled(text: &str) -> Result<Self, String> {
+        let (is_negative, unsigned) = match text.strip_prefix('-') {
+            Some(unsigned) => (true, unsigned),
+            None => (false, text.strip_prefix('+').unwrap_or(text)),
+        };
         let (digits, radix) = match unsigned
             .strip_prefix("0x")
             .or_else(|| unsigned.strip_prefix("0X"))
@@ -27,26 +39,45 @@ impl Number {
         }
         let magnitude = u64::from_str_radix(digits, radix)
             .map_err(|_| format!("`{text}` is beyond 64 bits"))?;
-        let value = if unsigned.len() < text.len() {
-            -i128::from(magnitude)
-        } else {
-            i128::from(magnitude)
-        };
+        let magnitude = i128::from(magnitude);
         Ok(Self {
-            value,
+            value: if is_negative { -magnitude } else { magnitude },
             is_pattern: radix != 10,
         })
     }
 
     /// Reads a number that lies between `low` and `high`.
-    pub(crate) fn parse_within(text: &str, low: i128, high: i128) -> Result<i128, String> {
+    pub(crate) fn parse_within(text: &str, low: i128, high: i128) -> Result<i128, Mistake> {
         let value = Self::parse(text)?.value;
         if (low..=high).contains(&value) {
             Ok(value)
         } else {
-            Err(format!("{text} is not between {low} and {high}"))
+            Err(format!("{text} is not between {low} and {high}").into())
         }
     }
+}
+
+/// What somebody may have meant who spelled a number in one of the ways that other languages have; `None` where nobody can tell.
+fn nearest(text: &str) -> Option<String> {
+    let bare = text.trim_matches(['"', '\'']).trim();
+    // A comment that has no blank in front of it.
+    let bare = bare.split(';').next().unwrap_or(bare).trim_end();
+    let lower = bare.to_ascii_lowercase();
+    let begins_with_digit = bare.starts_with(|letter: char| letter.is_ascii_digit());
+    let hexadecimal = lower.strip_suffix('h').unwrap_or(bare);
+    let meant = [
+        Some(bare.to_owned()),
+        // A leading zero makes a number octal, and there is no octal 8.
+        Some(bare.trim_start_matches('0').to_owned()),
+        // `10u` of C, `1.0`.
+        Some(bare.trim_end_matches(['u', 'U', 'l', 'L']).to_owned()),
+        bare.strip_suffix(".0").map(str::to_owned),
+        begins_with_digit.then(|| format!("0x{hexadecimal}")),
+        matches!(&*lower, "true" | "yes").then(|| "1".into()),
+        matches!(&*lower, "false" | "no").then(|| "0".into()),
+    ];
+    let mut meant = meant.into_iter().flatten();
+    meant.find(|near| near != text && Number::spelled(near).is_ok())
 }
 
 /// A default value: a number, with the node-ID added or not.
@@ -58,35 +89,44 @@ pub(crate) struct DefaultNumber {
 
 impl DefaultNumber {
     /// Reads `n`, `$NODEID`, `$NODEID+n` or `n+$NODEID`.
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
-        let is_node_id = |part: &str| part.trim().eq_ignore_ascii_case("$NODEID");
-        if is_node_id(text) {
-            let number = Number {
-                value: 0,
-                is_pattern: false,
-            };
+    pub(crate) fn parse(text: &str) -> Result<Self, Mistake> {
+        if let Some(default) = Self::with_node_id(text) {
+            return Ok(default);
+        }
+        let adds_node_id = false;
+        let upper = text.to_ascii_uppercase();
+        let Some(at) = upper.find("NODEID") else {
+            let number = Number::parse(text)?;
             return Ok(Self {
                 number,
-                adds_node_id: true,
-            });
-        }
-        let Some((left, right)) = text.split_once('+') else {
-            return Ok(Self {
-                number: Number::parse(text)?,
-                adds_node_id: false,
+                adds_node_id,
             });
         };
-        let number = match (is_node_id(left), is_node_id(right)) {
-            (true, false) => right,
-            (false, true) => left,
+        // The `$` is easily forgotten.
+        let mut near = text.to_owned();
+        near.insert(at, '$');
+        let is_meant = Self::with_node_id(&near).is_some();
+        Err(Mistake {
+            message: format!("`{text}` is not a number, $NODEID, $NODEID+number or number+$NODEID"),
+            help: is_meant.then(|| format!("write `{near}`")),
+        })
+    }
+
+    /// Reads what adds the node-ID; `None` for everything else.
+    fn with_node_id(text: &str) -> Option<Self> {
+        let is_node_id = |part: &str| part.trim().eq_ignore_ascii_case("$NODEID");
+        let number = match text.split_once('+') {
+            None if is_node_id(text) => "0",
+            Some((left, right)) if is_node_id(left) && !right.trim().starts_with('+') => right,
+            // A sign of the number comes first.
             _ => {
-                return Err(format!(
-                    "`{text}` is not a number, $NODEID, $NODEID+number or number+$NODEID"
-                ));
+                text.rsplit_once('+')
+                    .filter(|(_, right)| is_node_id(right))?
+                    .0
             }
         };
-        Ok(Self {
-            number: Number::parse(number.trim())?,
+        Some(Self {
+            number: Number::spelled(number.trim()).ok()?,
             adds_node_id: true,
         })
     }

@@ -1,7 +1,7 @@
 //! The text of a file, and places in it.
 //!
-//! Vendors ship files in UTF-8 with and without byte order mark, in Latin-1 and in Windows-1252, with any line ends. All of them
-//! are read; what is not plain UTF-8 is reported, so that nobody wonders later where a letter went.
+//! Vendors ship files in UTF-8 with and without byte order mark, in Latin-1, in Windows-1252 and in UTF-16, with any line ends. All of
+//! them are read; what is not plain UTF-8 is reported, so that nobody wonders later where a letter went.
 
 use std::borrow::Cow;
 use std::mem;
@@ -68,9 +68,16 @@ impl Source {
 
     /// The bytes of a file; `None` when they are no text, which has then been reported.
     pub(crate) fn decode(file: &str, bytes: &[u8], findings: &mut Findings) -> Option<Self> {
-        if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
-            let finding = findings.report(&reading::NOT_TEXT, Span::START, "this is UTF-16");
+        if let Some(text) = utf_16(bytes) {
+            let message = "this is not UTF-8: the file is read as UTF-16";
+            let finding = findings.report(&reading::NOT_UTF_8, Span::START, message);
             finding.help("save the file in UTF-8");
+            return Some(Self::new(file, &text, findings));
+        }
+        let zeros = bytes.iter().filter(|byte| **byte == 0).count();
+        if zeros > bytes.len() / 8 {
+            let message = format!("this is no text: {zeros} of its bytes are zero");
+            findings.report(&reading::NOT_TEXT, Span::START, message);
             return None;
         }
         Some(match std::str::from_utf8(bytes) {
@@ -86,7 +93,7 @@ impl Source {
                     length: 1,
                 };
                 let finding = findings.report(
-                    &reading::LATIN_1,
+                    &reading::NOT_UTF_8,
                     span,
                     "this is not UTF-8: the file is read as Windows-1252",
                 );
@@ -128,6 +135,18 @@ impl Source {
     pub fn line_count(&self) -> u32 {
         u32::try_from(self.lines.len()).unwrap_or(u32::MAX)
     }
+}
+
+/// The text of a file in UTF-16: with a byte order mark, or `[` or `;` and a zero byte first. `None` for anything else.
+fn utf_16(bytes: &[u8]) -> Option<String> {
+    let unit = match bytes {
+        [0xFF, 0xFE, ..] | [b'[' | b';' | b'<' | b'\r' | b'\n', 0, ..] => u16::from_le_bytes,
+        [0xFE, 0xFF, ..] | [0, b'[' | b';' | b'<' | b'\r' | b'\n', ..] => u16::from_be_bytes,
+        _ => return None,
+    };
+    let (pairs, _) = bytes.as_chunks();
+    let units: Vec<u16> = pairs.iter().map(|pair| unit(*pair)).collect();
+    Some(String::from_utf16_lossy(&units))
 }
 
 /// What Windows-1252 has in place of the control characters 80h to 9Fh of Latin-1; where it has nothing, they stay.

@@ -94,16 +94,29 @@ fn what_else_is_wrong_with_a_file_in_latin_1_is_said_too() {
 }
 
 #[test]
-fn utf_16_is_refused() {
-    let text = include_str!("data/broken.eds");
-    let little: Vec<u8> = "\u{feff}"
-        .encode_utf16()
-        .chain(text.encode_utf16())
-        .flat_map(u16::to_le_bytes)
-        .collect();
-    let (said, model) = said_about("utf16.eds", &little);
-    assert!(model.file.ends_with("utf16.eds"), "{}", model.file);
-    assert_eq!(said, ["1:1: error[not-text]: this is UTF-16"]);
+fn utf_16_is_read_with_a_warning() {
+    let text = include_str!("data/small.eds");
+    let same = Report::new("small.eds", text).model;
+    let marked = format!("\u{feff}{text}");
+    let little = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let big = |text: &str| text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+    let files: [Vec<u8>; 4] = [little(&marked), big(&marked), little(text), big(text)];
+    for bytes in files {
+        let (said, model) = said_about("small.eds", &bytes);
+        let warning = "1:1: warning[not-utf-8]: this is not UTF-8: the file is read as UTF-16";
+        assert_eq!(said, [warning]);
+        assert_eq!(model.objects, same.objects);
+    }
+}
+
+#[test]
+fn what_is_no_text_is_refused() {
+    let (said, model) = said_about("program.eds", b"\x7FELF\x02\x01\0\0\0\0\0\0");
+    assert!(model.file.ends_with("program.eds"), "{}", model.file);
+    assert_eq!(
+        said,
+        ["1:1: error[not-text]: this is no text: 6 of its bytes are zero"]
+    );
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Makes a dictionary of every data sheet that is not the drive's own.
+//! Makes a dictionary of every data sheet that is not the drive's own, with the bindings beside it.
 
 use od_gen::Options;
 
@@ -8,7 +8,7 @@ fn main() {
         od_gen::build(
             format!("../../eds/{name}.eds"),
             &format!("{name}.rs"),
-            Options::DEVICE,
+            Options::DRIVE,
         );
     }
 }

@@ -15,6 +15,7 @@ use crate::diagnostic::Findings;
 use crate::model::{Access, Entry, Model, Object};
 use crate::rules::binding;
 use crate::source::Source;
+use crate::spelling;
 
 /// The manufacturer's area (CiA 301, table 39).
 const MANUFACTURER: RangeInclusive<u16> = 0x2000..=0x5FFF;
@@ -87,15 +88,16 @@ impl Reader<'_> {
         }
         let (is_taken, is_shown) = self.access(entry, parameter)?;
         let meaning = self.meaning(entry, parameter, is_shown)?;
-        self.default(entry, parameter, &meaning)?;
-        Some(Binding {
+        let binding = Binding {
             index,
             sub,
             parameter,
             meaning,
             is_taken,
             is_shown,
-        })
+        };
+        self.default(entry, parameter, &binding)?;
+        Some(binding)
     }
 
     fn object(&mut self) -> Option<(u16, u8)> {
@@ -148,8 +150,7 @@ impl Reader<'_> {
             .find(|parameter| parameter.name == text);
         if found.is_none() {
             let names = parameters::ALL.iter().map(|parameter| parameter.name);
-            let near = names.clone().min_by_key(|name| distance(name, text));
-            let help = match near.filter(|name| distance(name, text) <= 5) {
+            let help = match spelling::nearest(text, names.clone()) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("it offers {}", names.collect::<Vec<_>>().join(", ")),
             };
@@ -287,11 +288,16 @@ impl Reader<'_> {
         found
     }
 
-    /// The default of an object that is taken means something to the drive.
-    fn default(&mut self, entry: &Entry, parameter: &Description, meaning: &Meaning) -> Option<()> {
-        if parameter.direction == Direction::Shown {
+    /// The default of an object that is taken means something to the drive; that of one that follows the object of CiA 402 is
+    /// never seen.
+    fn default(&mut self, entry: &Entry, parameter: &Description, binding: &Binding) -> Option<()> {
+        let (index, sub) = parameter.home;
+        let is_home = (binding.index, binding.sub) == parameter.home;
+        let follows = binding.is_shown && !is_home && self.model.entry(index, sub).is_some();
+        if parameter.direction == Direction::Shown || follows {
             return Some(());
         }
+        let meaning = &binding.meaning;
         let default = i64::try_from(entry.default_number()?).unwrap_or(i64::MAX);
         let (low, high) = parameter.range;
         let number = meaning.to_parameter(default);
@@ -408,23 +414,4 @@ fn unbound(file: &File, source: &Source, model: &Model, findings: &mut Findings)
 fn is_integer(data_type: DataType) -> bool {
     let is_time = matches!(data_type, DataType::TimeOfDay | DataType::TimeDifference);
     data_type.range().is_some() && !is_time
-}
-
-/// How many letters have to be put in, taken out or changed to make one word of another.
-fn distance(left: &str, right: &str) -> usize {
-    let mut row: Vec<usize> = (0..=right.len()).collect();
-    for (number, from) in left.bytes().enumerate() {
-        let mut diagonal = number;
-        let mut before = number + 1;
-        if let Some(first) = row.first_mut() {
-            *first = before;
-        }
-        for (cell, to) in row.iter_mut().skip(1).zip(right.bytes()) {
-            let changed = diagonal + usize::from(from != to);
-            diagonal = *cell;
-            before = changed.min(before + 1).min(diagonal + 1);
-            *cell = before;
-        }
-    }
-    row.last().copied().unwrap_or_default()
 }

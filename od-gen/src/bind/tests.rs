@@ -132,7 +132,7 @@ fn every_mistake_is_shown_with_its_line() {
             "6:10: error[binding-values]: 256 does not fit UNSIGNED8",
         ),
         (
-            "object = \"2000h\"\nparameter = \"profile_acceleration\"",
+            "object = \"2000h\"\nparameter = \"profile_acceleration\"\naccess = \"wo\"",
             "4:10: error[binding-range]: the default 0 of 2000h is 0 for profile_acceleration, which is 1 to 4294967295",
         ),
         (
@@ -162,4 +162,11 @@ fn a_name_that_is_nearly_right_is_offered() {
         .iter()
         .find_map(|finding| finding.help.clone().filter(|help| help.contains("mean")));
     assert_eq!(help.as_deref(), Some("did you mean `profile_velocity`?"));
+}
+
+#[test]
+fn the_default_of_an_object_that_follows_is_never_seen() {
+    assert!(model().entry(0x6083, 0).is_some());
+    let bound = "object = \"2000h\"\nparameter = \"profile_acceleration\"";
+    assert_eq!(said(bound), Vec::<String>::new());
 }

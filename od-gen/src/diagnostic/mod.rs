@@ -67,6 +67,28 @@ impl fmt::Display for Diagnostic {
 
 impl std::error::Error for Diagnostic {}
 
+/// Why a text cannot be read: what is wrong with it, and what to write in its place where that is plain.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Mistake {
+    pub(crate) message: String,
+    pub(crate) help: Option<String>,
+}
+
+impl Mistake {
+    /// The same about a key: `Granularity: ...`.
+    pub(crate) fn of(mut self, key: &str) -> Self {
+        self.message = format!("{key}: {}", self.message);
+        self
+    }
+}
+
+impl From<String> for Mistake {
+    fn from(message: String) -> Self {
+        let help = None;
+        Self { message, help }
+    }
+}
+
 /// Collects the findings of one file, so that one run shows them all.
 #[derive(Debug)]
 pub struct Findings {
@@ -101,16 +123,32 @@ impl Findings {
         &mut self.list[at]
     }
 
+    /// For more findings of the same file.
+    pub(crate) fn same_file(&self) -> Self {
+        Self::new(&self.file)
+    }
+
+    /// Adds those of another list that are asked for and are not here yet.
+    pub(crate) fn extend(&mut self, more: Self, is_for: impl Fn(&Diagnostic) -> bool) {
+        for finding in more.list {
+            if is_for(&finding) && !self.list.contains(&finding) {
+                self.list.push(finding);
+            }
+        }
+    }
+
     /// The value, or a finding in its place.
-    pub(crate) fn take<T, E: Into<String>>(
+    pub(crate) fn take<T, E: Into<Mistake>>(
         &mut self,
         rule: &'static Rule,
         span: Span,
         result: Result<T, E>,
     ) -> Option<T> {
-        result
-            .map_err(|message| _ = self.report(rule, span, message))
-            .ok()
+        let mistaken = |mistake: E| {
+            let Mistake { message, help } = mistake.into();
+            self.report(rule, span, message).help = help;
+        };
+        result.map_err(mistaken).ok()
     }
 
     /// All findings in the order of the file.

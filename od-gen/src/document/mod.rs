@@ -16,7 +16,7 @@ use crate::diagnostic::Findings;
 use crate::rules::reading;
 use crate::source::Span;
 
-pub(crate) use order::canonical;
+pub(crate) use order::{SECTIONS, canonical};
 pub(crate) use read::read;
 pub(crate) use write::write;
 

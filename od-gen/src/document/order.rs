@@ -12,7 +12,7 @@ use crate::number::Number;
 use crate::parse::{COMMISSIONING_KEYS, DEVICE_INFO_KEYS, FILE_INFO_KEYS, module_name};
 
 /// Sections that are no objects, in the order in which they are written; objects stand below the list they belong in.
-const SECTIONS: [&str; 13] = [
+pub(crate) const SECTIONS: [&str; 13] = [
     "FileInfo",
     "DeviceInfo",
     "DeviceComissioning",

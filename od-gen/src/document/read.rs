@@ -58,7 +58,14 @@ impl<'a> Reader<'a, '_> {
                     let message =
                         format!("`{text}` is neither a section nor key=value nor a ;comment");
                     let finding = self.findings.report(&reading::STRAY_LINE, span, message);
-                    finding.help("remove it, or put `;` in front of it");
+                    let name = |name: &str| !name.is_empty() && !name.contains(char::is_whitespace);
+                    match text.split_once(':').filter(|(key, _)| name(key)) {
+                        Some((key, value)) => finding.help(format!(
+                            "write `{key}={}`, or put `;` in front of it",
+                            value.trim()
+                        )),
+                        None => finding.help("remove it, or put `;` in front of it"),
+                    }
                 }
             },
         }
@@ -86,7 +93,14 @@ impl<'a> Reader<'a, '_> {
     fn section(&mut self, text: &'a str, span: Span) {
         let inner = text.strip_prefix('[').unwrap_or(text);
         let (name, rest) = inner.split_once(']').unwrap_or((inner, ""));
-        if !inner.ends_with(']') || !rest.is_empty() {
+        let comment = rest.trim_start().strip_prefix(';');
+        if comment.is_some() {
+            let message = format!("the section is read as `[{name}]`, up to the `;`");
+            let finding = self
+                .findings
+                .report(&reading::TRAILING_COMMENT, span, message);
+            finding.help("put the comment on a line of its own: not every reader cuts it off");
+        } else if !inner.ends_with(']') || !rest.is_empty() {
             let message = format!("`{text}` is not a section: it must end with its `]`");
             self.findings
                 .report(&reading::UNCLOSED_SECTION, span, message);
@@ -102,7 +116,14 @@ impl<'a> Reader<'a, '_> {
             span,
             lines: start..u32::MAX,
             keys: Vec::new(),
-            comments: Vec::new(),
+            comments: comment
+                .map(|text| Comment {
+                    text: text.into(),
+                    span,
+                    position: 0,
+                })
+                .into_iter()
+                .collect(),
         });
     }
 

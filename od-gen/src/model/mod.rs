@@ -161,6 +161,13 @@ impl ObjectType {
         found.next().map(|(kind, ..)| kind)
     }
 
+    /// The kind with this name, in capital or small letters.
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
+        let mut kinds = Self::CODES.into_iter();
+        let found = kinds.find(|(.., own)| own.eq_ignore_ascii_case(name));
+        found.map(|(kind, ..)| kind)
+    }
+
     fn row(self) -> (Self, u8, &'static str) {
         let is_own = |row: &(Self, u8, &str)| row.0 == self;
         let found = Self::CODES.into_iter().find(is_own);

@@ -11,6 +11,8 @@ fn each_notation_is_read() {
     assert_eq!(value("0"), 0);
     assert_eq!(value("10"), 10);
     assert_eq!(value("-10"), -10);
+    assert_eq!(value("+10"), 10);
+    assert_eq!(value("+0x10"), 16);
     assert_eq!(value("010"), 8);
     assert_eq!(value("0x10"), 16);
     assert_eq!(value("0XfF"), 255);
@@ -21,13 +23,14 @@ fn each_notation_is_read() {
 #[test]
 fn spelling_mistakes_are_refused() {
     for text in [
-        "", "-", "0x", "08", "0x1G", "1.5", "+1", "0x-1", "--1", "1 2", "10h", "٣",
+        "", "-", "0x", "08", "0x1G", "1.5", "++1", "+-1", "0x-1", "--1", "1 2", "10h", "٣",
     ] {
         assert!(Number::parse(text).is_err(), "{text}");
     }
     assert!(
         Number::parse("0x10000000000000000")
             .unwrap_err()
+            .message
             .contains("64 bits")
     );
 }
@@ -50,6 +53,7 @@ fn the_node_id_may_stand_on_either_side() {
         "$NODE+1",
         "$NODEID+",
         "$NODEID+1+1",
+        "$NODEID++1",
     ] {
         assert!(DefaultNumber::parse(text).is_err(), "{text}");
     }
@@ -72,5 +76,38 @@ proptest! {
     #[test]
     fn any_text_gets_an_answer(text in ".*") {
         let _ = DefaultNumber::parse(&text);
+    }
+}
+
+#[test]
+fn what_was_meant_is_proposed() {
+    let proposed = |text: &str| {
+        let mistake = DefaultNumber::parse(text).unwrap_err();
+        mistake.help.unwrap_or_default()
+    };
+    for (text, near) in [
+        ("08", "8"),
+        ("10h", "0x10"),
+        ("1F", "0x1F"),
+        ("0x10u", "0x10"),
+        ("\"5\"", "5"),
+        ("1.0", "1"),
+        ("0x0A;ten", "0x0A"),
+        ("True", "1"),
+        ("NODEID+0x600", "$NODEID+0x600"),
+        ("0x600+nodeid", "0x600+$nodeid"),
+    ] {
+        assert_eq!(proposed(text), format!("write `{near}`"), "{text}");
+    }
+    for text in [
+        "",
+        "0x",
+        "abc",
+        "1.5",
+        "1 2",
+        "$NODEID-1",
+        "$NODEID+$NODEID",
+    ] {
+        assert_eq!(proposed(text), "", "{text}");
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::sections::{number, unknown_key};
 use super::value::{self, LARGEST_NODE_ID, Written};
 use crate::data_type::DataType;
-use crate::diagnostic::Findings;
+use crate::diagnostic::{Findings, Mistake};
 use crate::document::{Comment, Key, Section};
 use crate::model::{
     Access, DefaultValue, Entry, Field, Limit, Note, Places, Remarks, StorageGroup,
@@ -106,7 +106,8 @@ pub(super) fn places(
     for key in &section.keys {
         let field = Field::from_name(&key.name);
         let Some(field) = field.filter(|field| is_extension || !field.is_of_module()) else {
-            unknown_key(&key.name, section, key.name_span, findings);
+            let known = Field::ALL.iter().map(|field| field.name());
+            unknown_key(key, section, known, findings);
             continue;
         };
         if field.is_of_dcf() && !is_dcf && !key.value.is_empty() {
@@ -186,7 +187,13 @@ fn data_type(
         return Some(DataType::Domain);
     }
     let key = required(section, "DataType", &rule::NO_DATA_TYPE, findings)?;
-    let code = findings.take(&rule::NOT_A_NUMBER, key.span, Number::parse(&key.value))?;
+    let code = Number::parse(&key.value).map_err(|mistake| Mistake {
+        help: DataType::from_name(&key.value.to_ascii_uppercase())
+            .map(|data_type| format!("write DataType=0x{:04X}", data_type.code()))
+            .or(mistake.help),
+        ..mistake
+    });
+    let code = findings.take(&rule::NOT_A_NUMBER, key.span, code)?;
     let defined = || context.types.get(&u16::try_from(code.value).ok()?).copied();
     let data_type = DataType::from_code(code.value).or_else(defined);
     if data_type.is_none() {
@@ -263,7 +270,7 @@ fn size(section: &Section<'_>, entry: &Entry, findings: &mut Findings) -> Option
     let capacity = match note_place(section, "Capacity") {
         Some((span, text)) => {
             let capacity = Number::parse_within(text, 1, u16::MAX.into());
-            let capacity = capacity.map_err(|why| format!("Capacity: {why}"));
+            let capacity = capacity.map_err(|why| why.of("Capacity"));
             let capacity = findings.take(&rule::CAPACITY, span, capacity)?;
             Some((span, u16::try_from(capacity).unwrap_or(u16::MAX)))
         }

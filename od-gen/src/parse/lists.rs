@@ -141,8 +141,8 @@ pub(super) fn check_count(section: &Section<'_>, name: &str, count: i128, findin
             let finding = findings.report(&rule::LIST_COUNT, key.span, message);
             finding.help(format!("write {name}={count}"));
         }
-        Err(message) => {
-            findings.report(&rule::LIST_COUNT, key.span, message);
+        Err(mistake) => {
+            findings.take::<(), _>(&rule::LIST_COUNT, key.span, Err(mistake));
         }
     }
 }

@@ -4,6 +4,7 @@
 //! stays silent: the mistake behind it has been reported already.
 
 mod compact;
+mod compact_pdo;
 mod device;
 mod entry;
 mod lists;
@@ -72,7 +73,8 @@ pub(crate) fn parse(
         ..Model::default()
     };
     objects::read(&sections, &mut model, &mut broken, findings);
-    modules::read(&sections, &mut model, findings);
+    compact_pdo::expand(&mut model, &broken);
+    modules::read(&sections, &mut model, &mut broken, findings);
     lists::check(&sections, findings);
 
     // The application keeps what it streams: DOMAINs, and long strings that can be written.

@@ -69,11 +69,15 @@ impl<'a> ModuleSections<'a> {
 }
 
 /// Reads the modules, and which of them a DCF says are plugged.
-pub(super) fn read(sections: &Sections<'_>, model: &mut Model, findings: &mut Findings) {
+pub(super) fn read(
+    sections: &Sections<'_>,
+    model: &mut Model,
+    broken: &mut Broken,
+    findings: &mut Findings,
+) {
     for (number, module) in &sections.modules {
-        model
-            .modules
-            .push(read_module(*number, module, sections.is_dcf, findings));
+        let module = read_module(*number, module, sections.is_dcf, broken, findings);
+        model.modules.push(module);
     }
     if let Some(section) = sections.supported_modules {
         let stated = number(section, "NrOfEntries", (0, 255), findings);
@@ -113,6 +117,7 @@ fn read_module(
     module_number: u8,
     sections: &ModuleSections<'_>,
     is_dcf: bool,
+    broken: &mut Broken,
     findings: &mut Findings,
 ) -> Module {
     let mut module = Module {
@@ -134,12 +139,7 @@ fn read_module(
         module.order_code = text(info, "OrderCode");
     }
     let mut objects = Model::default();
-    objects::read(
-        &sections.objects,
-        &mut objects,
-        &mut Broken::default(),
-        findings,
-    );
+    objects::read(&sections.objects, &mut objects, broken, findings);
     module.fixed = objects.objects;
     check_list(sections.fixed, &sections.objects.objects, findings);
     check_list(sections.extends, &sections.extensions, findings);

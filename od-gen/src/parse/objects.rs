@@ -4,7 +4,7 @@ use super::entry::{self, Context};
 use super::sections::{Sections, number};
 use super::{Broken, compact};
 use crate::data_type::DataType;
-use crate::diagnostic::Findings;
+use crate::diagnostic::{Findings, Mistake};
 use crate::document::Section;
 use crate::model::{Access, DefaultValue, Entry, Field, Model, Object, ObjectType, Places};
 use crate::number::Number;
@@ -152,7 +152,13 @@ fn object_type(section: &Section<'_>, findings: &mut Findings) -> Option<ObjectT
     let Some(key) = section.key("ObjectType") else {
         return Some(ObjectType::Var);
     };
-    let code = findings.take(&rule::OBJECT_TYPE, key.span, Number::parse(&key.value))?;
+    let code = Number::parse(&key.value).map_err(|mistake| Mistake {
+        help: ObjectType::from_name(&key.value)
+            .map(|kind| format!("write ObjectType=0x{:X}", kind.code()))
+            .or(mistake.help),
+        ..mistake
+    });
+    let code = findings.take(&rule::OBJECT_TYPE, key.span, code)?;
     let object_type = ObjectType::from_code(code.value);
     if object_type.is_none() {
         let message = format!("ObjectType {} is no kind of object", key.value);
@@ -246,7 +252,7 @@ fn check_sub_number(
             let finding = findings.report(&rule::SUB_NUMBER, key.span, message);
             finding.help(format!("write SubNumber={count}"));
         }
-        Err(message) => _ = findings.report(&rule::SUB_NUMBER, key.span, message),
+        Err(mistake) => _ = findings.take::<(), _>(&rule::SUB_NUMBER, key.span, Err(mistake)),
     }
 }
 

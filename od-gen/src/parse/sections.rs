@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use super::modules::{ModuleSections, module_name};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
-use crate::document::{Document, Section};
+use crate::document::{self, Document, Key, Section};
 use crate::model::ObjectType;
 use crate::number::Number;
 use crate::rules::{reading, structure, value};
 use crate::source::Span;
+use crate::spelling;
 
 /// The sections of a data sheet by meaning.
 #[derive(Debug, Default)]
@@ -77,8 +78,7 @@ impl<'a> Sections<'a> {
                 "manufacturerobjects" => &mut sorted.manufacturer,
                 name => {
                     if !sorted.take(name, section) {
-                        let message = format!("the section [{}] is not known", section.name);
-                        findings.report(&reading::UNKNOWN_SECTION, section.span, message);
+                        unknown_section(section, findings);
                     }
                     continue;
                 }
@@ -86,10 +86,7 @@ impl<'a> Sections<'a> {
             *place = Some(section);
         }
         sorted.is_dcf |= sorted.commissioning.is_some();
-        let definitions = sorted.objects.range(..0x1000);
-        sorted.types = definitions
-            .filter_map(|(index, section)| Some((*index, base_type(section)?)))
-            .collect();
+        sorted.types = base_types(&sorted.objects);
         for module in sorted.modules.values_mut() {
             module.objects.is_dcf = sorted.is_dcf;
             module.objects.types = sorted.types.clone();
@@ -131,11 +128,47 @@ impl<'a> Sections<'a> {
     }
 }
 
-/// What a DEFTYPE is made of; `None` for what is no DEFTYPE, and for one that does not say it.
-fn base_type(section: &Section<'_>) -> Option<DataType> {
-    let code = |name: &str| Number::parse(&section.key(name)?.value).ok();
-    let kind = ObjectType::from_code(code("ObjectType")?.value)?;
-    (kind == ObjectType::DefType).then(|| DataType::from_code(code("DataType")?.value))?
+/// Reports a section that means nothing.
+fn unknown_section(section: &Section<'_>, findings: &mut Findings) {
+    let name = &section.name;
+    let message = format!("the section [{name}] is not known");
+    let finding = findings.report(&reading::UNKNOWN_SECTION, section.span, message);
+    let lower: String = name.to_ascii_lowercase().split_whitespace().collect();
+    let bare = lower.strip_prefix("0x").unwrap_or(&lower);
+    let near = match ObjectName::parse(bare) {
+        Some(_) => Some(bare),
+        None => spelling::nearest(name, document::SECTIONS),
+    };
+    if let Some(near) = near {
+        finding.help(format!("is it `[{near}]`?"));
+    }
+}
+
+/// What the types that the file defines are made of. A DEFTYPE may stand for another one; what goes round in a circle, and what does
+/// not say its type, is none.
+fn base_types(objects: &BTreeMap<u16, &Section<'_>>) -> BTreeMap<u16, DataType> {
+    let stated = objects.range(..0x1000);
+    let stated = stated.filter_map(|(index, section)| Some((*index, stated_type(section)?)));
+    let stated: BTreeMap<u16, i128> = stated.collect();
+    let base = |index: &u16| {
+        // No chain is longer than all types together.
+        let mut code = *stated.get(index)?;
+        for _ in 0..stated.len() {
+            match DataType::from_code(code) {
+                Some(data_type) => return Some((*index, data_type)),
+                None => code = *stated.get(&u16::try_from(code).ok()?)?,
+            }
+        }
+        None
+    };
+    stated.keys().filter_map(base).collect()
+}
+
+/// The DataType of a DEFTYPE; `None` for what is no DEFTYPE, and for one that does not say it.
+fn stated_type(section: &Section<'_>) -> Option<i128> {
+    let code = |name: &str| Some(Number::parse(&section.key(name)?.value).ok()?.value);
+    let kind = ObjectType::from_code(code("ObjectType")?)?;
+    (kind == ObjectType::DefType).then(|| code("DataType"))?
 }
 
 /// `tools`, `tool1`, `standarddatatypes`.
@@ -174,21 +207,29 @@ impl ObjectName {
 }
 
 /// Reports keys that are not in the list: nothing is dropped in silence.
-pub(super) fn check_keys(section: &Section<'_>, known: &[&str], findings: &mut Findings) {
+pub(super) fn check_keys(section: &Section<'_>, known: &[&'static str], findings: &mut Findings) {
     for key in &section.keys {
         if !known
             .iter()
             .any(|name| name.eq_ignore_ascii_case(&key.name))
         {
-            unknown_key(&key.name, section, key.name_span, findings);
+            unknown_key(key, section, known.iter().copied(), findings);
         }
     }
 }
 
 /// Reports a key that means nothing.
-pub(super) fn unknown_key(key: &str, section: &Section<'_>, span: Span, findings: &mut Findings) {
-    let message = format!("`{key}` in [{}] is not known", section.name);
-    findings.report(&reading::UNKNOWN_KEY, span, message);
+pub(super) fn unknown_key(
+    key: &Key<'_>,
+    section: &Section<'_>,
+    known: impl Iterator<Item = &'static str>,
+    findings: &mut Findings,
+) {
+    let message = format!("`{}` in [{}] is not known", key.name, section.name);
+    let finding = findings.report(&reading::UNKNOWN_KEY, key.name_span, message);
+    if let Some(near) = spelling::nearest(&key.name, known) {
+        finding.help(format!("is it `{near}`?"));
+    }
 }
 
 /// A key's number between `low` and `high`; `None` when it is not there or wrong.
@@ -199,7 +240,7 @@ pub(super) fn number(
     findings: &mut Findings,
 ) -> Option<i128> {
     let key = section.key(name)?;
-    let spelled = Number::parse(&key.value).map_err(|why| format!("{name}: {why}"));
+    let spelled = Number::parse(&key.value).map_err(|why| why.of(name));
     let value = findings
         .take(&value::NOT_A_NUMBER, key.span, spelled)?
         .value;

@@ -7,6 +7,7 @@ pub(crate) mod binding;
 mod communication;
 pub(crate) mod configuration;
 mod drive;
+mod modules;
 pub(crate) mod reading;
 mod setting;
 mod standard;
@@ -235,6 +236,7 @@ pub(crate) fn check(subject: &Subject<'_>, findings: &mut Findings) {
     for check in CHECKS {
         check(subject, findings);
     }
+    modules::check(subject, findings);
 }
 
 /// All rules, by what they are about.

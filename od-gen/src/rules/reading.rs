@@ -5,7 +5,7 @@ use super::Rule;
 pub(crate) const RULES: &[&Rule] = &[
     &NOT_TEXT,
     &NOT_XML,
-    &LATIN_1,
+    &NOT_UTF_8,
     &CONTROL_CHARACTER,
     &STRAY_LINE,
     &UNCLOSED_SECTION,
@@ -25,8 +25,8 @@ pub(crate) const RULES: &[&Rule] = &[
 
 pub(crate) static NOT_TEXT: Rule = Rule::fatal(
     "not-text",
-    "The file is a text in UTF-8 or Windows-1252.",
-    "UTF-16 is not read. Save the file in UTF-8.",
+    "The file is a text.",
+    "More than an eighth of its bytes are zero: it is a program, an archive or a damaged file.",
 );
 
 pub(crate) static NOT_XML: Rule = Rule::fatal(
@@ -35,11 +35,12 @@ pub(crate) static NOT_XML: Rule = Rule::fatal(
     "It is well-formed XML without a document type definition, and has a CANopenObjectList.",
 );
 
-pub(crate) static LATIN_1: Rule = Rule::warning(
+pub(crate) static NOT_UTF_8: Rule = Rule::warning(
     "not-utf-8",
     "The file is in UTF-8.",
-    "Bytes that are not UTF-8 are taken for Windows-1252 (Latin-1 with quotes and a euro sign), as older tools write \
-     it; letters of other code pages come out wrong. Save the file in UTF-8.",
+    "A file that begins as UTF-16 does is read as that. Other bytes that are not UTF-8 are taken for Windows-1252 (Latin-1 \
+     with quotes and a euro sign), as older tools write it; letters of other code pages come out wrong. Save the file in \
+     UTF-8.",
 );
 
 pub(crate) static CONTROL_CHARACTER: Rule = Rule::warning(

@@ -52,7 +52,7 @@ pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Option<Do
         return None;
     };
     let mut document = Document {
-        head: reader.comments(root, Some(list)),
+        head: reader.comments(root, |node| node.ancestors().any(|above| above == list)),
         sections: reader.device(root),
     };
     document.sections.extend(reader.objects(list));
@@ -83,14 +83,16 @@ struct Reader<'a, 'x> {
     is_configured: bool,
 }
 
-impl<'a> Reader<'a, '_> {
-    /// The comments below a node, but for those in one of its parts.
-    fn comments(&self, node: Node<'_, '_>, without: Option<Node<'_, '_>>) -> Vec<Comment<'a>> {
-        let comments = node.descendants().filter(|node| {
-            let is_inside = |part| node.ancestors().any(|above| above == part);
-            node.is_comment() && !without.is_some_and(is_inside)
-        });
+impl<'a, 'x> Reader<'a, 'x> {
+    /// The comments below a node, but for those that something else has.
+    fn comments(
+        &self,
+        node: Node<'_, 'x>,
+        has_another: impl Fn(Node<'_, 'x>) -> bool,
+    ) -> Vec<Comment<'a>> {
+        let comments = node.descendants().filter(Node::is_comment);
         comments
+            .filter(|node| !has_another(*node))
             .map(|node| Comment {
                 text: one_line(node.text().unwrap_or_default()).into(),
                 span: self.source.span(node.range()),

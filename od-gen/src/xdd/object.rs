@@ -20,7 +20,7 @@ impl<'a, 'x> Reader<'a, 'x> {
         }
         let mut sections = Vec::new();
         for object in list.children().filter(|node| is(*node, "CANopenObject")) {
-            let index = one_line(object.attribute("index").unwrap_or_default());
+            let index = digits(object, "index");
             let number = u16::from_str_radix(&index, 16).ok();
             let [mandatory, optional, manufacturer] = &mut lists;
             let list = match number {
@@ -34,14 +34,17 @@ impl<'a, 'x> Reader<'a, 'x> {
             }
             let name = number.map_or(index, |number| format!("{number:04X}"));
             let mut section = self.section(name.clone(), object);
-            section.comments = self.comments(object, None);
+            let is_sub = |node: &Node<'_, '_>| is(*node, "CANopenSubObject");
+            let is_inside = |node: Node<'_, '_>| node.ancestors().any(|above| is_sub(&above));
+            section.comments = self.comments(object, is_inside);
             self.put(&mut section, "SubNumber", (object, "subNumber"), text);
             self.value(&mut section, object);
             sections.push(section);
             let subs = object.children();
             for sub in subs.filter(|node| is(*node, "CANopenSubObject")) {
-                let digits = one_line(sub.attribute("subIndex").unwrap_or_default());
-                let mut section = self.section(format!("{name}sub{digits}"), sub);
+                let number = digits(sub, "subIndex");
+                let mut section = self.section(format!("{name}sub{number}"), sub);
+                section.comments = self.comments(sub, |_| false);
                 self.value(&mut section, sub);
                 sections.push(section);
             }
@@ -173,6 +176,13 @@ impl<'a, 'x> Reader<'a, 'x> {
             }
         }
     }
+}
+
+/// The hexadecimal digits of an attribute; some tools put `0x` in front of them.
+fn digits(node: Node<'_, '_>, attribute: &str) -> String {
+    let text = one_line(node.attribute(attribute).unwrap_or_default());
+    let bare = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
+    bare.unwrap_or(&text).to_owned()
 }
 
 fn child<'x>(node: Node<'x, 'x>, name: &str) -> Option<Node<'x, 'x>> {

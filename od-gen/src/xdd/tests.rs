@@ -180,3 +180,30 @@ fn a_parameter_says_the_type_of_an_object_that_does_not() {
     let other = XDD.replacen("<UINT/>", "<UDINT/>", 1);
     assert_eq!(model(&other), model(XDD));
 }
+
+#[test]
+fn indices_may_say_that_they_are_hexadecimal() {
+    let text = XDD
+        .replace("index=\"2000\"", "index=\"0x2000\"")
+        .replace("subIndex=\"0", "subIndex=\"0x0");
+    assert_eq!(model(&text), model(XDD));
+}
+
+#[test]
+fn what_an_object_allows_stays_allowed_when_it_is_printed() {
+    let report = Report::new("sensor.xdd", XDD);
+    let printed = Report::new("sensor.eds", &print(&report.model));
+    let silenced = |report: &Report| {
+        let silenced = report.silenced.iter();
+        let pairs = silenced.map(|(finding, reason)| (finding.rule.name, reason.clone()));
+        // A printed file has a sub-index 0.
+        pairs
+            .filter(|(rule, _)| *rule != "no-sub-0")
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(silenced(&report).len(), 2);
+    assert_eq!(silenced(&printed), silenced(&report));
+    let findings = printed.findings.iter().map(|finding| &*finding.message);
+    let unused = "`no-sub-0` finds nothing here to be silenced";
+    assert_eq!(findings.collect::<Vec<_>>(), [unused]);
+}

@@ -70,3 +70,42 @@ fn o01_every_entry_of_s200_answers() {
 fn o01_every_entry_of_tc1_answers() {
     every_entry_answers(dictionaries::tc1::Dictionary::new());
 }
+
+/// The objects of their makers stand for what the bindings beside the data sheets say.
+mod bindings {
+    use cia402::Objects;
+
+    #[test]
+    fn the_software_limits_of_the_lmd_are_those_of_the_drive() {
+        let mut dictionary = dictionaries::lmd::Dictionary::new();
+        let limits = |dictionary: &dictionaries::lmd::Dictionary| {
+            (
+                dictionary.min_position_limit(),
+                dictionary.max_position_limit(),
+            )
+        };
+        assert_eq!(limits(&dictionary), (i32::MIN, i32::MAX));
+        dictionary.set_software_position_limits_negative_software_limit(-5);
+        dictionary.set_software_position_limits_positive_software_limit(7);
+        assert_eq!(limits(&dictionary), (-5, 7));
+    }
+
+    #[test]
+    fn what_the_s200_shows_twice_is_the_same() {
+        let mut dictionary = dictionaries::s200::Dictionary::new();
+        Objects::set_position_actual_value(&mut dictionary, 77);
+        assert_eq!(dictionary.pfb_value(), 77);
+        assert_eq!(dictionary.position_actual_value_user_units(), 77);
+    }
+
+    #[test]
+    fn a_write_to_one_object_shows_in_the_other() {
+        use canopen::od::{self, Dictionary};
+        let mut dictionary = dictionaries::s200::Dictionary::new();
+        let stop = od::find::<dictionaries::s200::Dictionary>(0x3525, 1).unwrap();
+        assert!(od::set(&mut dictionary, stop, &500_i32.to_le_bytes()).is_ok());
+        dictionary.carry_over(stop);
+        assert_eq!(Objects::quick_stop_deceleration(&dictionary), 500);
+        assert!(dictionary.ram().len() > 1000);
+    }
+}

@@ -1,6 +1,6 @@
 //! Mistakes in one value.
 
-use super::{SMALL, findings, finds};
+use super::{SMALL, findings, finds, line_of};
 use crate::report::Report;
 
 #[test]
@@ -185,13 +185,13 @@ fn the_node_id_goes_where_it_fits() {
         old,
         "DefaultValue=$NODEID-1\n",
         old,
-        "`$NODEID-1` is not a number (decimal, 0x hexadecimal or leading-zero octal)",
+        "`$NODEID-1` is not a number, $NODEID, $NODEID+number or number+$NODEID",
     );
     finds(
         old,
         "DefaultValue=1+2\n",
         old,
-        "`1+2` is not a number, $NODEID, $NODEID+number or number+$NODEID",
+        "`1+2` is not a number (decimal, 0x hexadecimal or leading-zero octal)",
     );
     let limited = "LowLimit=2\nDefaultValue=$NODEID\n";
     finds(
@@ -341,5 +341,35 @@ fn what_a_variable_and_a_domain_cannot_have_is_found() {
         "ParameterName=Flag\nObjectType=2\nAccessType=rw\nDefaultValue=hello",
         old,
         "DefaultValue of a DOMAIN means nothing",
+    );
+}
+
+#[test]
+fn an_allowance_of_an_object_is_for_its_sub_indices_too() {
+    let said = |text: &str| {
+        let report = Report::new("small.eds", text);
+        let silenced = report.silenced.iter();
+        let silenced = silenced.map(|(finding, _)| finding.span.line).collect();
+        (super::said(&report), silenced)
+    };
+    let (_, before): (_, Vec<u32>) = said(SMALL);
+    let broken = SMALL.replacen("[1018sub1]\n", "[1018sub1]\nLowLimit=0x12\n", 1);
+    let outside = format!(
+        "{}: DefaultValue 0x11 is below LowLimit 18",
+        line_of("[1018sub1]") + 5
+    );
+    assert_eq!(said(&broken).0, outside);
+    let allowance = "; od-gen: allow default-outside-limits because it is a test\n";
+    for section in ["[1018]\n", "[1018sub1]\n"] {
+        let text = broken.replacen(section, &format!("{section}{allowance}"), 1);
+        let (findings, silenced) = said(&text);
+        assert_eq!(findings, "", "{section}");
+        assert_eq!(silenced.len(), before.len() + 1);
+    }
+    let elsewhere = broken.replacen("[1018sub2]\n", &format!("[1018sub2]\n{allowance}"), 1);
+    assert_eq!(
+        said(&elsewhere).0.lines().count(),
+        2,
+        "and it silences nothing there"
     );
 }

@@ -7,6 +7,7 @@ use crate::model::{Access, DefaultValue, Entry, Model};
 use crate::report::{Report, parse};
 
 mod cob_ids;
+mod compact_pdo;
 mod dictionary;
 mod entries;
 mod modules;
@@ -264,6 +265,12 @@ fn lines_that_are_nothing_are_found() {
     );
     finds(
         "[1000]",
+        "[1000] ; the type",
+        "[1000]",
+        "the section is read as `[1000]`, up to the `;`",
+    );
+    finds(
+        "[1000]",
         "[1000] x",
         "[1000]",
         "`[1000] x` is not a section: it must end with its `]`",
@@ -397,7 +404,14 @@ fn nothing_may_be_there_twice() {
 fn what_is_not_known_is_never_dropped() {
     let section = "[ManufacturerObjects]";
     let with = |name: &str| format!("{name}\n{section}");
-    for name in ["Vendor", "1000subG", "1000subFFF", "10G0"] {
+    for name in [
+        "Vendor",
+        "1000subG",
+        "1000subFFF",
+        "10G0",
+        "0x1000",
+        "DevisInfo",
+    ] {
         let message = format!("the section [{name}] is not known");
         finds(section, &with(&format!("[{name}]")), section, &message);
     }
@@ -417,7 +431,7 @@ fn what_is_not_known_is_never_dropped() {
         "Granularity=8",
         "CompactPDO=1",
         "Granularity",
-        "CompactPDO is 1: the generated dictionary is static",
+        "CompactPDO is 1: PDOs have a COB-ID and a transmission type",
     );
     finds(
         "Granularity=8",

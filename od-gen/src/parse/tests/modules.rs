@@ -84,3 +84,36 @@ fn a_modular_device_without_dynamic_channels_is_no_mistake() {
     let text = COUPLER.replace("DynamicChannelsSupported=1", "DynamicChannelsSupported=0");
     assert!(parse("coupler.eds", &text).is_ok());
 }
+
+#[test]
+fn what_a_module_adds_is_held_to_the_rules_about_models() {
+    let found = |text: &str| {
+        let report = Report::new("coupler.eds", text);
+        let found = report.findings.iter();
+        found
+            .map(|finding| (finding.rule.name, finding.span.line))
+            .collect::<Vec<_>>()
+    };
+    let of_mappings = |found: &[(&str, u32)]| {
+        let mut found = found.iter();
+        found.any(|(rule, _)| *rule == "mapping-without-pdo")
+    };
+    assert!(!of_mappings(&found(COUPLER)));
+    let mapping = COUPLER.replace("6444", "1A05");
+    let line = mapping
+        .find("[M1Fixed1A05]")
+        .map(|at| mapping[..at].lines().count() + 1);
+    let line = u32::try_from(line.unwrap()).unwrap();
+    let said = found(&mapping);
+    assert!(said.contains(&("mapping-without-pdo", line)), "{said:?}");
+    // Two modules that have the same object are both looked at.
+    let both = mapping.replace("6005", "1A05");
+    let lines: Vec<usize> = ["[M1Fixed1A05]", "[M2Fixed1A05]"]
+        .map(|name| both[..both.find(name).unwrap()].lines().count() + 1)
+        .into();
+    let said = found(&both);
+    for line in lines {
+        let line = u32::try_from(line).unwrap();
+        assert!(said.contains(&("mapping-without-pdo", line)), "{said:?}");
+    }
+}

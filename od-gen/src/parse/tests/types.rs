@@ -215,4 +215,23 @@ fn a_type_of_the_file_stands_for_its_base_type() {
     );
     let (findings, _) = said(&format!("{before}{object}{behind}"));
     assert_eq!(findings, ["DataType 0x60 is no type of a value"]);
+    // By way of another one, and in a circle.
+    let twice = defined.replace("DataType=7", "DataType=0x61");
+    let last = defined.replace("[0060]", "[0061]");
+    let (findings, model) = said(&format!("{before}{twice}{last}{object}{behind}"));
+    assert_eq!(findings, Vec::<String>::new());
+    assert_eq!(
+        model.entry(0x2005, 0).unwrap().data_type,
+        DataType::Unsigned32
+    );
+    let circle = last.replace("DataType=7", "DataType=0x60");
+    let (findings, _) = said(&format!("{before}{twice}{circle}{object}{behind}"));
+    assert_eq!(
+        findings,
+        [
+            "DataType 0x61 is no type of a value",
+            "DataType 0x60 is no type of a value",
+            "DataType 0x60 is no type of a value"
+        ]
+    );
 }

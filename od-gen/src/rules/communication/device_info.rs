@@ -1,6 +1,7 @@
 //! Rules: what DeviceInfo repeats is what the dictionary says (CiA 306, 4.5.2).
 
 use crate::diagnostic::Findings;
+use crate::model::DeviceInfo;
 use crate::rules::setting::Setting;
 use crate::rules::{Rule, Subject};
 use crate::source::Span;
@@ -13,6 +14,7 @@ pub(crate) const RULES: &[&Rule] = &[
     &NO_BIT_RATE,
     &BOOT_UP,
     &MODULAR_DEVICE,
+    &COMPACT_PDO,
 ];
 
 static IDENTITY_MISMATCH: Rule = Rule::error(
@@ -55,8 +57,16 @@ static BOOT_UP: Rule = Rule::warning(
 static MODULAR_DEVICE: Rule = Rule::warning(
     "modular-device",
     "The device has no channels that come and go.",
-    "The generated dictionary is static: DynamicChannelsSupported and CompactPDO should be 0. What they add to the dictionary of \
-     a modular device while it runs is not there.",
+    "The generated dictionary is static: DynamicChannelsSupported should be 0. What it adds to the dictionary of a modular device \
+     while it runs is not there.",
+);
+
+static COMPACT_PDO: Rule = Rule::warning(
+    "compact-pdo",
+    "CompactPDO goes with the number of PDOs and has a bit for their COB-ID.",
+    "CompactPDO stands for the PDOs up to NrOfRXPDO and NrOfTXPDO that no section describes. Its bits say which sub-indices of the \
+     communication parameters there are: 1 for the COB-ID, 2 for the transmission type, 4 for the inhibit time, 16 for the event \
+     timer.",
 );
 
 pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
@@ -93,15 +103,28 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
         let finding = findings.report(&BOOT_UP, device.places.of("SimpleBootUpSlave"), message);
         finding.help("write `SimpleBootUpSlave=1`");
     }
-    for (key, value) in [
-        ("DynamicChannelsSupported", device.dynamic_channels),
-        ("CompactPDO", device.compact_pdo),
-    ] {
-        if value != 0 {
-            let message = format!("{key} is {value}: the generated dictionary is static");
-            findings.report(&MODULAR_DEVICE, device.places.of(key), message);
-        }
+    if device.dynamic_channels != 0 {
+        let key = "DynamicChannelsSupported";
+        let channels = device.dynamic_channels;
+        let message = format!("{key} is {channels}: the generated dictionary is static");
+        findings.report(&MODULAR_DEVICE, device.places.of(key), message);
     }
+    check_compact_pdo(device, findings);
+}
+
+fn check_compact_pdo(device: &DeviceInfo, findings: &mut Findings) {
+    let pdos = [device.rpdos, device.tpdos];
+    let has_none = pdos.iter().all(|count| count.unwrap_or_default() == 0);
+    let message = match device.compact_pdo {
+        0 => return,
+        _ if has_none => "CompactPDO describes no PDO: NrOfRXPDO and NrOfTXPDO are 0".into(),
+        bits if bits & 3 != 3 => {
+            format!("CompactPDO is {bits}: PDOs have a COB-ID and a transmission type")
+        }
+        bits if bits >> 6 != 0 => format!("CompactPDO is {bits}: PDOs have no sub-index above 6"),
+        _ => return,
+    };
+    findings.report(&COMPACT_PDO, device.places.of("CompactPDO"), message);
 }
 
 fn check_identity(model: &Subject<'_>, findings: &mut Findings) {

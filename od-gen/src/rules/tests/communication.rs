@@ -59,6 +59,16 @@ pub(super) const CASES: &[Case] = &[
         good: &["@DynamicChannelsSupported=0"],
     },
     Case {
+        rule: "compact-pdo",
+        bad: &["@CompactPDO=3", "@NrOfRXPDO=0"],
+        good: &["@CompactPDO=3", "@NrOfRXPDO=1"],
+    },
+    Case {
+        rule: "compact-pdo",
+        bad: &["@CompactPDO=67", "@NrOfTXPDO=2"],
+        good: &["@CompactPDO=0x3F", "@NrOfTXPDO=2"],
+    },
+    Case {
         rule: "profile-without-objects",
         bad: &["1000 U32 const 0x00030191"],
         good: &["1000 U32 const 0x00030191", "6000:1 U8 ro 0"],
