@@ -29,6 +29,7 @@ pub mod axis;
 pub mod clock;
 mod divide;
 pub mod fixed;
+pub mod homing;
 pub mod plan;
 pub mod record;
 pub mod step_interrupt;

@@ -19,6 +19,15 @@ impl Direction {
             Self::Reverse => -1,
         }
     }
+
+    /// The other direction.
+    #[must_use]
+    pub const fn reversed(self) -> Self {
+        match self {
+            Self::Forward => Self::Reverse,
+            Self::Reverse => Self::Forward,
+        }
+    }
 }
 
 /// `repeat` timer periods of `period` ticks each, each beginning with a pulse of `width` ticks; a width of 0 is silence.

@@ -23,6 +23,7 @@ use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
 use defmt as _;
 use embedded_can::{ExtendedId, Frame as _, StandardId};
+use motion::homing::{self, Homing, Method};
 use motion::step_interrupt::{self, Edge, Player, RecordQueue, StepTimer};
 use motion::{
     Axis, AxisConfig, Clock, Direction, DriverTiming, Limits, Plan, Position, PulseSink, Record,
@@ -392,6 +393,53 @@ fn axis(axis: &mut Axis) {
     }
 }
 
+#[inline(never)]
+fn homing(homing: &mut Option<Homing>) {
+    let switch = || homing::SwitchState {
+        active: any() == 0,
+        edge: (any() == 0).then(|| any() as i32),
+    };
+    let seen = homing::Seen {
+        elapsed: any(),
+        position: any() as i32,
+        standstill: any() == 0,
+        halt: any() == 0,
+        negative_limit: switch(),
+        positive_limit: switch(),
+        home: switch(),
+        index: (any() == 0).then(|| any() as i32),
+        blocked: any() == 0,
+    };
+    if let Some(homing) = homing {
+        if let homing::Outcome::Attained(home) = homing.tick(&seen) {
+            look(home as u32);
+        }
+        return;
+    }
+    let settings = homing::Settings {
+        turns_at_limit: any() == 0,
+        is_direct: any() == 0,
+        returns: any() == 0,
+        last_move_is_fast: any() == 0,
+        other_block_signs: any() == 0,
+        home_is_backed_off: any() == 0,
+        longest_way: any(),
+        longest_time: any(),
+        longest_way_to_index: any(),
+        block_time: any() as u16,
+        back_off: any(),
+    };
+    let fitted = homing::Fitted {
+        negative_limit: any() == 0,
+        positive_limit: any() == 0,
+        home: any() == 0,
+        index: any() == 0,
+        block: any() == 0,
+    };
+    *homing = Method::from_code(any() as i8)
+        .and_then(|method| Homing::begin(method, settings, fitted, &seen).ok());
+}
+
 /// A timer that may say anything.
 struct Timer;
 
@@ -501,6 +549,7 @@ fn main() -> ! {
     loop {
         let Some(config) = any_config() else { continue };
         let mut stepper = Axis::new(config);
+        let mut search = None;
         let mut driver = Drive::new(DriveConfig {
             axis: config,
             tick: Duration::from_ticks(any_u64()),
@@ -510,6 +559,7 @@ fn main() -> ! {
             indicators(&mut lights, &plain);
             drive(&mut device, &mut driver, &mut exchange);
             axis(&mut stepper);
+            homing(&mut search);
             plan(config.clock);
             values();
             pulses(&mut queue, &mut player);

@@ -1,0 +1,446 @@
+//! Homing (CiA 402-2, "homing mode"): finds where zero is, by switches, an index pulse or a hard stop.
+//!
+//! One engine for all methods, driven by one table. In every tick it is told what is seen and says what the motor is to do; it
+//! knows no bus, no input pin and no speeds. A method that refers to a switch goes like this, from wherever the motor stands:
+//!
+//! 1. Look for the switch at search speed, until its edges passed tell on which side of the wanted one the motor is.
+//! 2. Come to rest just before that edge, on the side from which the last move begins.
+//! 3. Last move: over the edge at zero speed, always in the same direction. Home is where the edge was captured, or the first
+//!    index pulse behind it.
+//!
+//! The contract:
+//! - The last edge is passed at zero speed and in one direction whatever the start, so that the hysteresis of a switch does not
+//!   shift home. Positions are those captured at the edge, not those at which it was noticed.
+//! - Home is the outermost position at which the switch is active: a rising and a falling edge at one place are one home.
+//! - Every change of direction is a full stop. The motor never goes on into a limit switch, other than the one it looks for.
+//! - Nothing goes on for ever: see [`Settings`] for the bounds, and [`Failure`] for how it ends.
+
+mod interface;
+mod method;
+
+use crate::Direction;
+pub use interface::{Failure, Fitted, Order, Outcome, Seen, Settings, Speed, SwitchState};
+pub use method::Method;
+use method::{Approach, AtLimit, End, Reference, Switch};
+
+/// Runs from one stop to the next while a switch is looked for, until homing gives up; from the middle on they are at zero speed,
+/// so that a narrow switch that was run over is found.
+const MOST_RUNS: u8 = 12;
+
+/// What the motor is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    /// It comes to rest, or stands: the next run is to be chosen.
+    Choosing,
+    /// It runs to the starting point of the last move.
+    Approaching,
+    /// It passes the last edge.
+    LastMove,
+    /// It runs to the index pulse.
+    ToIndex,
+    /// It runs into the hard stop.
+    Blocking,
+    /// It has been blocked; its pulses are being dropped.
+    Blocked,
+    /// It goes to this position, away from the hard stop.
+    BackingOff(i32),
+    /// It comes to rest behind the home position.
+    Finishing,
+    /// It goes back to the home position.
+    Returning,
+}
+
+/// Homing under way.
+#[derive(Debug, Clone)]
+pub struct Homing {
+    method: Method,
+    settings: Settings,
+    phase: Phase,
+    /// The direction of the last run.
+    direction: Direction,
+    /// Where to look for the switch.
+    search: Direction,
+    /// A limit switch has turned the search round.
+    turned: bool,
+    /// The end of the switch's range that was passed last.
+    passed: Option<End>,
+    was_active: bool,
+    runs: u8,
+    halted: bool,
+    position: i32,
+    way: u64,
+    /// Microseconds.
+    time: u64,
+    blocked_time: u64,
+    /// Where the way to the index pulse begins: the reference edge, if there is one.
+    edge: i32,
+    /// The last two index pulses before the edge was noticed; they may lie behind it.
+    pulses: [Option<i32>; 2],
+    home: i32,
+}
+
+impl Homing {
+    /// Begins with the motor at rest. Nothing moves before the first tick.
+    ///
+    /// # Errors
+    /// [`Failure::NotFitted`] if the method needs what is not there.
+    pub fn begin(
+        method: Method,
+        settings: Settings,
+        fitted: Fitted,
+        seen: &Seen,
+    ) -> Result<Self, Failure> {
+        let method = if settings.other_block_signs {
+            method.with_other_sign()
+        } else {
+            method
+        };
+        let (is_fitted, search, was_active) = match method.reference {
+            Reference::Switch(approach) => {
+                let is_fitted = match approach.switch {
+                    Switch::NegativeLimit => fitted.negative_limit,
+                    Switch::PositiveLimit => fitted.positive_limit,
+                    Switch::Home => fitted.home,
+                };
+                (
+                    is_fitted,
+                    approach.search,
+                    seen.switch(approach.switch).active,
+                )
+            }
+            Reference::Index(direction) => (true, direction, false),
+            Reference::Block(direction) => (fitted.block, direction, false),
+            Reference::Here => (true, Direction::Forward, false),
+        };
+        if !is_fitted || method.index && !fitted.index {
+            return Err(Failure::NotFitted);
+        }
+        Ok(Self {
+            method,
+            settings,
+            phase: Phase::Choosing,
+            direction: search,
+            search,
+            turned: false,
+            passed: None,
+            was_active,
+            runs: 0,
+            halted: false,
+            position: seen.position,
+            way: 0,
+            time: 0,
+            blocked_time: 0,
+            edge: seen.position,
+            pulses: [None; 2],
+            home: seen.position,
+        })
+    }
+
+    /// One control tick.
+    pub fn tick(&mut self, seen: &Seen) -> Outcome {
+        match self.step(seen) {
+            Ok(outcome) => outcome,
+            Err(failure) => Outcome::Failed(failure),
+        }
+    }
+
+    fn step(&mut self, seen: &Seen) -> Result<Outcome, Failure> {
+        let passed = self.watch(seen)?;
+        let was_halted = core::mem::replace(&mut self.halted, seen.halt);
+        if self.halted && !was_halted {
+            return Ok(Outcome::UnderWay(Order::Stop));
+        }
+        if was_halted && !self.halted {
+            return Ok(Outcome::UnderWay(self.resume()));
+        }
+        // What a halt brings to rest has not arrived.
+        let arrived = seen.standstill && !self.halted;
+        let order = match self.phase {
+            Phase::Choosing if arrived => return self.choose(seen),
+            Phase::Approaching => self.approach(seen)?,
+            Phase::LastMove => self.pass_edge(seen, passed)?,
+            Phase::ToIndex => self.run_to_index(seen)?,
+            Phase::Blocking => self.run_into_block(seen)?,
+            Phase::Blocked if !self.halted => self.back_off(seen),
+            Phase::BackingOff(_) if arrived => {
+                if self.settings.home_is_backed_off {
+                    self.home = seen.position;
+                }
+                if self.method.index {
+                    self.begin_index(self.direction.reversed(), seen.position)
+                } else {
+                    self.finish()
+                }
+            }
+            Phase::Finishing if arrived && self.settings.returns && seen.position != self.home => {
+                self.phase = Phase::Returning;
+                Order::Go(self.home)
+            }
+            Phase::Finishing | Phase::Returning if arrived => {
+                return Ok(Outcome::Attained(self.home));
+            }
+            _ => Order::GoOn,
+        };
+        Ok(Outcome::UnderWay(order))
+    }
+
+    /// Follows the way, the time and the edges of the switch. Returns where an edge was passed in this tick, and whether the
+    /// switch became active there.
+    fn watch(&mut self, seen: &Seen) -> Result<Option<(i32, bool)>, Failure> {
+        if seen.negative_limit.active && seen.positive_limit.active {
+            return Err(Failure::BothLimits);
+        }
+        let gone = seen.position.wrapping_sub(self.position).unsigned_abs();
+        self.position = seen.position;
+        self.way = self.way.saturating_add(gone.into());
+        if !seen.halt {
+            self.time = self.time.saturating_add(seen.elapsed.into());
+        }
+        if exceeds(self.way, self.settings.longest_way)
+            || exceeds(self.time / 1000, self.settings.longest_time)
+        {
+            return Err(Failure::TooLong);
+        }
+        let Reference::Switch(approach) = self.method.reference else {
+            return Ok(None);
+        };
+        let switch = seen.switch(approach.switch);
+        if switch.active == self.was_active {
+            return Ok(None);
+        }
+        self.was_active = switch.active;
+        self.passed = Some(End::crossed(self.direction, switch.active));
+        Ok(Some((switch.edge.unwrap_or(seen.position), switch.active)))
+    }
+
+    /// The motor stands: what comes next.
+    fn choose(&mut self, seen: &Seen) -> Result<Outcome, Failure> {
+        let order = match self.method.reference {
+            Reference::Here => return Ok(Outcome::Attained(seen.position)),
+            Reference::Index(direction) => {
+                self.free_way(seen, direction)?;
+                self.begin_index(direction, seen.position)
+            }
+            Reference::Block(direction) => {
+                self.free_way(seen, direction)?;
+                self.phase = Phase::Blocking;
+                self.run(direction, Speed::Search)
+            }
+            Reference::Switch(approach) => self.choose_run(seen, &approach)?,
+        };
+        Ok(Outcome::UnderWay(order))
+    }
+
+    fn choose_run(&mut self, seen: &Seen, approach: &Approach) -> Result<Order, Failure> {
+        let Some(mut direction) = self.heading(approach) else {
+            let direction = approach.last();
+            self.free_way(seen, direction)?;
+            self.phase = Phase::LastMove;
+            self.pulses = [None; 2];
+            return Ok(self.run(direction, self.last_speed()));
+        };
+        if self.free_way(seen, direction).is_err() {
+            self.turn(approach)?;
+            direction = self.search;
+            self.free_way(seen, direction)?;
+        }
+        self.runs = self.runs.saturating_add(1);
+        if self.runs > MOST_RUNS {
+            return Err(Failure::TooNarrow);
+        }
+        self.phase = Phase::Approaching;
+        let speed = if self.runs > MOST_RUNS / 2 {
+            Speed::Zero
+        } else {
+            Speed::Search
+        };
+        Ok(self.run(direction, speed))
+    }
+
+    /// Where to go to get to the starting point of the last move; `None` if the motor is there.
+    fn heading(&self, approach: &Approach) -> Option<Direction> {
+        let outwards = approach.end.outwards();
+        let at_edge = self.passed == Some(approach.end);
+        let is_direct = self.settings.is_direct && self.passed.is_none();
+        match (self.was_active, approach.rising) {
+            (true, false) if at_edge || is_direct => None,
+            (true, _) => Some(outwards),
+            (false, true) if at_edge => None,
+            (false, false) if at_edge => Some(outwards.reversed()),
+            // Behind the other end of the range: through it.
+            (false, _) if self.passed.is_some() => Some(outwards),
+            (false, _) => Some(self.search),
+        }
+    }
+
+    /// A limit switch is in the way: the search turns round, if it is a search and may.
+    fn turn(&mut self, approach: &Approach) -> Result<(), Failure> {
+        let may_turn = match approach.at_limit {
+            AtLimit::Fail => false,
+            AtLimit::Turn => true,
+            AtLimit::AsSet => self.settings.turns_at_limit,
+        };
+        if self.turned || !may_turn || self.passed.is_some() || self.was_active {
+            return Err(Failure::Limit);
+        }
+        self.turned = true;
+        self.search = self.search.reversed();
+        Ok(())
+    }
+
+    fn approach(&mut self, seen: &Seen) -> Result<Order, Failure> {
+        let Reference::Switch(approach) = self.method.reference else {
+            return Ok(Order::GoOn);
+        };
+        if self.heading(&approach) == Some(self.direction) {
+            if self.free_way(seen, self.direction).is_ok() {
+                return Ok(Order::GoOn);
+            }
+            self.turn(&approach)?;
+        }
+        self.phase = Phase::Choosing;
+        Ok(Order::Stop)
+    }
+
+    fn pass_edge(&mut self, seen: &Seen, passed: Option<(i32, bool)>) -> Result<Order, Failure> {
+        if seen.index.is_some() {
+            self.pulses = [self.pulses[1], seen.index];
+        }
+        let Some((edge, rose)) = passed else {
+            self.free_way(seen, self.direction)?;
+            return Ok(Order::GoOn);
+        };
+        self.home = if rose {
+            edge
+        } else {
+            edge.wrapping_sub(self.direction.sign())
+        };
+        if !self.method.index {
+            return Ok(self.finish());
+        }
+        // The last move was at zero speed: it just goes on.
+        let order = self.begin_index(self.direction, self.home);
+        let mut pulses = self.pulses.into_iter().flatten();
+        Ok(match pulses.find(|pulse| self.is_behind_edge(*pulse)) {
+            Some(pulse) => self.take_index(pulse),
+            None => order,
+        })
+    }
+
+    fn begin_index(&mut self, direction: Direction, edge: i32) -> Order {
+        self.edge = edge;
+        self.phase = Phase::ToIndex;
+        self.run(direction, Speed::Zero)
+    }
+
+    fn run_to_index(&mut self, seen: &Seen) -> Result<Order, Failure> {
+        if let Some(pulse) = seen.index.filter(|pulse| self.is_behind_edge(*pulse)) {
+            return Ok(self.take_index(pulse));
+        }
+        self.free_way(seen, self.direction)?;
+        let gone = seen.position.wrapping_sub(self.edge).unsigned_abs();
+        if exceeds(gone.into(), self.settings.longest_way_to_index) {
+            return Err(Failure::NoIndex);
+        }
+        Ok(Order::GoOn)
+    }
+
+    fn take_index(&mut self, pulse: i32) -> Order {
+        self.home = pulse;
+        self.finish()
+    }
+
+    /// Whether an index pulse comes after the edge, in the direction of the run.
+    fn is_behind_edge(&self, pulse: i32) -> bool {
+        let way = pulse.wrapping_sub(self.edge);
+        match self.direction {
+            Direction::Forward => way > 0,
+            Direction::Reverse => way < 0,
+        }
+    }
+
+    fn run_into_block(&mut self, seen: &Seen) -> Result<Order, Failure> {
+        if !seen.blocked {
+            self.blocked_time = 0;
+            self.free_way(seen, self.direction)?;
+            return Ok(Order::GoOn);
+        }
+        self.blocked_time = self.blocked_time.saturating_add(seen.elapsed.into());
+        if self.blocked_time < u64::from(self.settings.block_time).saturating_mul(1000) {
+            return Ok(Order::GoOn);
+        }
+        self.phase = Phase::Blocked;
+        Ok(Order::CutOff)
+    }
+
+    /// The pulses have been dropped: the motor is where it was blocked.
+    fn back_off(&mut self, seen: &Seen) -> Order {
+        self.home = seen.position;
+        let way = self.settings.back_off.min(i32::MAX.cast_unsigned());
+        let way = way
+            .cast_signed()
+            .wrapping_mul(self.direction.reversed().sign());
+        let target = seen.position.wrapping_add(way);
+        self.phase = Phase::BackingOff(target);
+        Order::Go(target)
+    }
+
+    fn finish(&mut self) -> Order {
+        self.phase = Phase::Finishing;
+        Order::Stop
+    }
+
+    fn run(&mut self, direction: Direction, speed: Speed) -> Order {
+        self.direction = direction;
+        Order::Run(direction, speed)
+    }
+
+    /// A halt is over: goes on with what it interrupted.
+    fn resume(&mut self) -> Order {
+        match self.phase {
+            Phase::Approaching => {
+                self.phase = Phase::Choosing;
+                Order::GoOn
+            }
+            Phase::LastMove => Order::Run(self.direction, self.last_speed()),
+            Phase::ToIndex => Order::Run(self.direction, Speed::Zero),
+            Phase::Blocking => Order::Run(self.direction, Speed::Search),
+            Phase::BackingOff(target) => Order::Go(target),
+            Phase::Returning => Order::Go(self.home),
+            Phase::Choosing | Phase::Blocked | Phase::Finishing => Order::GoOn,
+        }
+    }
+
+    fn last_speed(&self) -> Speed {
+        if self.settings.last_move_is_fast && !self.method.index {
+            Speed::Search
+        } else {
+            Speed::Zero
+        }
+    }
+
+    /// Whether no limit switch forbids this direction; the one that is looked for does not.
+    fn free_way(&self, seen: &Seen, direction: Direction) -> Result<(), Failure> {
+        let (switch, state) = match direction {
+            Direction::Forward => (Switch::PositiveLimit, seen.positive_limit),
+            Direction::Reverse => (Switch::NegativeLimit, seen.negative_limit),
+        };
+        let is_sought = matches!(
+            self.method.reference,
+            Reference::Switch(approach) if approach.switch == switch
+        );
+        if state.active && !is_sought {
+            Err(Failure::Limit)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// Whether an amount is above its bound; 0 is no bound.
+const fn exceeds(amount: u64, bound: u32) -> bool {
+    bound != 0 && amount > bound as u64
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,9 @@
+//! The engine on a simple motor among switches.
+
+mod axis;
+mod bounds;
+mod results;
+mod starts;
+
+use super::*;
+pub(super) use axis::{Bench, Range, Track};
