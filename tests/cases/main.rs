@@ -14,6 +14,7 @@ mod lss_power_cuts;
 mod model;
 mod nmt;
 mod nmt_startup;
+mod option_codes;
 mod parameters;
 mod pdo;
 mod pdo_services;

@@ -1,12 +1,12 @@
 //! The communication half: a CANopen node whose dictionary belongs to a drive.
 //!
 //! The network may command the drive in NMT states Pre-operational (by SDO) and Operational. In Stopped, and while the
-//! device starts anew, it may not: statusword bit 9 is 0, and the motor comes to rest on the quick stop ramp, without
-//! power in the end (6007h is fixed to 3). It stays so when the network comes back; there is no motion without new
-//! commands.
+//! device starts anew, it may not: statusword bit 9 is 0. What the loss means to a drive with power 6007h says: nothing, a
+//! fault, power off, or the quick stop ramp and then power off. It stays so when the network comes back; there is no motion
+//! without new commands.
 //!
 //! A communication error (a watched node silent, life guarding, bus-off) takes the right to command away as well, whatever NMT
-//! state 1029h leads to, until the motor stands without power: 6007h is fixed to 3.
+//! state 1029h leads to, until the motor stands without power; with 6007h = 0 it does not.
 //!
 //! A reset (NMT reset node, reset communication) is carried out when the motor stands without power, however long 6085h
 //! makes that; the device is silent meanwhile. Reset node also resets a fault; reset communication leaves it, and 1001h
@@ -20,13 +20,20 @@ pub(crate) use controller::RESTART_DELAY;
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
 use canopen::node::StoreError;
-use canopen::od::Dictionary;
+use canopen::od::{self, Dictionary};
 use canopen::{Application, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
+use crate::configuration::Configuration;
 use crate::exchange::{Actuals, Share};
 use crate::faults::{FaultNotice, emergency};
-use crate::hooks::Hooks;
+use crate::hooks::{Hooks, Network};
 use crate::objects::Objects;
+use crate::option_codes::AbortConnectionOption;
+
+/// Pre-defined error field.
+const ERROR_HISTORY: u16 = 0x1003;
+/// Error code of the network that is lost without an error of the node: it was stopped.
+const COMMUNICATION: u16 = 0x8100;
 
 /// How often a device that waits for its drive wants to be called.
 const WAIT: Duration = Duration::from_ticks(1_000);
@@ -49,10 +56,10 @@ pub struct Device<D: Dictionary, A = ()> {
     node: Node<D>,
     hooks: Hooks<A>,
     phase: Phase,
-    /// The last value posted of `Commands::remote`.
-    remote: bool,
-    /// The network was lost, and the motor is not safe yet.
-    is_abandoned: bool,
+    /// What was last posted of the network.
+    network: Network,
+    /// The network was lost with this error, and the motor is not safe yet.
+    lost: Option<u16>,
     /// The counters that the dictionary shows.
     counters: Counters,
     /// Parameters are to be stored, and since then the motor is not safe.
@@ -79,8 +86,8 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             node: Node::new(dictionary, settings),
             hooks: Hooks::new(serial_number, application),
             phase: Phase::Off,
-            remote: false,
-            is_abandoned: false,
+            network: Network::Resetting { restart: false },
+            lost: None,
             counters: Counters::default(),
             unsafe_since: None,
         }
@@ -194,12 +201,25 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         }
     }
 
-    /// A loss of the network begins when the node tells of it, and ends when the motor is safe.
+    /// A loss of the network begins when the node tells of it, and ends when the motor is safe. It is none if 6007h says that
+    /// nothing is to follow.
     fn follow_network<X: Share>(&mut self, exchange: &mut X) {
         if self.node.take_network_loss() {
-            self.is_abandoned = true;
-        } else if self.is_abandoned && !self.remote {
-            self.is_abandoned = !exchange.lock(|exchange| exchange.is_safe());
+            let dictionary = self.node.dictionary();
+            let option =
+                AbortConnectionOption::from_code(dictionary.abort_connection_option_code());
+            self.lost = (option != Some(AbortConnectionOption::NoAction)).then(|| {
+                // The node has entered the error in its history a moment ago.
+                let [low, high, ..] = od::read_u32(dictionary, ERROR_HISTORY, 1)
+                    .unwrap_or(COMMUNICATION.into())
+                    .to_le_bytes();
+                u16::from_le_bytes([low, high])
+            });
+        } else if self.lost.is_some()
+            && self.network != Network::Remote
+            && exchange.lock(|exchange| exchange.is_safe())
+        {
+            self.lost = None;
         }
     }
 
@@ -214,16 +234,23 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     /// Posts commands if something has changed.
     fn post<X: Share>(&mut self, exchange: &mut X) {
         self.follow_network(exchange);
-        let remote = self.phase == Phase::Running
-            && !self.is_abandoned
-            && matches!(
-                self.node.state(),
-                NmtState::PreOperational | NmtState::Operational
-            );
-        if self.hooks.take_written() || remote != self.remote {
-            self.remote = remote;
-            let restart = self.phase == Phase::Stopping(Reset::Node);
-            let commands = self.hooks.commands(self.node.dictionary(), remote, restart);
+        let network = match (self.phase, self.lost, self.node.state()) {
+            (Phase::Running, Some(code), _) => Network::Lost(code),
+            (Phase::Running, None, NmtState::PreOperational | NmtState::Operational) => {
+                Network::Remote
+            }
+            (Phase::Running, None, NmtState::Stopped) => Network::Lost(COMMUNICATION),
+            (phase, ..) => Network::Resetting {
+                restart: phase == Phase::Stopping(Reset::Node),
+            },
+        };
+        if self.hooks.take_configured() {
+            let configuration = Configuration::of(self.node.dictionary());
+            exchange.lock(|exchange| exchange.configure(configuration));
+        }
+        if self.hooks.take_written() || network != self.network {
+            self.network = network;
+            let commands = self.hooks.commands(self.node.dictionary(), network);
             exchange.lock(|exchange| exchange.post(commands));
         }
     }

@@ -7,12 +7,13 @@
 use canopen::{Duration, Instant};
 use motion::{AxisConfig, PulseSink};
 
+use crate::configuration::Configuration;
 use crate::controlword::{Command, FAULT_RESET};
 use crate::exchange::{Actuals, Commands, Share};
 use crate::faults::{Faults, Reaction};
 use crate::modes::{Context, Modes};
 use crate::motor::Motor;
-use crate::quick_stop::{QuickStopOption, StopRamp};
+use crate::option_codes::{AbortConnectionOption, Stop, StopRamp};
 use crate::state_machine::{Conditions, State, StateMachine, Transition};
 use crate::statusword;
 
@@ -50,6 +51,9 @@ pub struct Outputs {
 /// The drive.
 #[derive(Debug)]
 pub struct Drive {
+    /// What the network wants, as of the last tick.
+    commands: Commands,
+    configuration: Configuration,
     machine: StateMachine,
     modes: Modes,
     faults: Faults,
@@ -61,12 +65,16 @@ pub struct Drive {
     restarted: bool,
     /// "Shutdown" was written before the command that stands, and has not been carried out yet.
     shutdown_first: bool,
+    /// The fault that 6007h = 1 makes of a loss of the network has been raised.
+    is_abandoned: bool,
 }
 
 impl Drive {
     /// A drive that is not ready to switch on. It becomes switch on disabled by itself with the first tick.
     pub fn new(config: DriveConfig) -> Self {
         Self {
+            commands: Commands::NONE,
+            configuration: Configuration::NONE,
             machine: StateMachine::new(),
             modes: Modes::new(),
             faults: Faults::default(),
@@ -75,6 +83,7 @@ impl Drive {
             settled: false,
             restarted: false,
             shutdown_first: false,
+            is_abandoned: false,
         }
     }
 
@@ -91,22 +100,23 @@ impl Drive {
         pulses: &mut S,
         exchange: &mut X,
     ) -> Outputs {
-        let commands = exchange.lock(|exchange| exchange.take_commands());
-        let command = self.given_command(&commands);
+        exchange.lock(|exchange| exchange.take(&mut self.commands, &mut self.configuration));
+        let command = self.given_command();
         let displaced = self.power
             && self.settled
             && !self.motor.is_cut()
             && self.motor.is_displaced(inputs.position);
         self.motor.observe(inputs.position, self.power, pulses);
 
-        let restarts = commands.restart && !self.restarted && self.is_idle();
-        self.restarted = commands.restart && (self.restarted || restarts);
+        let restart = self.commands.restart;
+        let restarts = restart && !self.restarted && self.is_idle();
+        self.restarted = restart && (self.restarted || restarts);
         let mode_bits = if restarts {
             self.restart();
             0
         } else {
-            self.change_state(inputs, &commands, command, displaced);
-            self.operate(now, inputs, &commands, command)
+            self.change_state(inputs, command, displaced);
+            self.operate(now, inputs, command)
         };
 
         let in_time = self.motor.advance(pulses);
@@ -117,7 +127,7 @@ impl Drive {
             self.faults.pulses_late(false);
         }
 
-        let actuals = self.actuals(now, inputs, &commands, mode_bits, pulses);
+        let actuals = self.actuals(now, inputs, mode_bits, pulses);
         exchange.lock(|exchange| {
             exchange.publish(actuals);
             if restarts {
@@ -135,7 +145,8 @@ impl Drive {
 
     /// The command of this tick: one to stop that was overwritten since the last tick, else "shutdown" if a master in a
     /// hurry has gone past it already, else the one that stands in the controlword.
-    fn given_command(&mut self, commands: &Commands) -> Option<Command> {
+    fn given_command(&mut self) -> Option<Command> {
+        let commands = &self.commands;
         let standing = Command::decode(commands.controlword);
         let leads_up = matches!(standing, Some(Command::SwitchOn | Command::EnableOperation));
         let hurried =
@@ -164,20 +175,16 @@ impl Drive {
     }
 
     /// Faults, then the state machine, then what a transition does to the motor.
-    fn change_state(
-        &mut self,
-        inputs: &Inputs,
-        commands: &Commands,
-        command: Option<Command>,
-        displaced: bool,
-    ) {
-        let reaction = self.faults.detect(inputs, self.power, displaced);
-        let reset = commands.remote && commands.rising & FAULT_RESET != 0;
+    fn change_state(&mut self, inputs: &Inputs, command: Option<Command>, displaced: bool) {
+        let detected = self.faults.detect(inputs, self.power, displaced);
+        let (remote, command, lost) = self.under_6007h(command);
+        let reaction = detected.or(lost);
+        let reset = self.commands.remote && self.commands.rising & FAULT_RESET != 0;
         let conditions = Conditions {
             command,
-            remote: commands.remote,
-            quick_stop: QuickStopOption::from_code(commands.quick_stop_option)
-                .unwrap_or(QuickStopOption::QuickStopRamp),
+            remote,
+            quick_stop: self.configuration.quick_stop,
+            at_once: self.leaving(command) == Some(Stop::PowerOff),
             standstill: self.motor.standstill(),
             fault: reaction.is_some(),
             fault_reset: reset && !self.faults.cause_stands(),
@@ -186,32 +193,60 @@ impl Drive {
             self.faults.renew();
         }
         if let Some(transition) = self.machine.step(&conditions) {
-            self.carry_out(transition, reaction, commands);
+            self.carry_out(transition, reaction);
         } else if reaction == Some(Reaction::PowerOff) {
             self.power_off();
         }
     }
 
-    /// The action of a transition (CiA 402-2, "transition events and actions").
-    fn carry_out(
+    /// What is left of remote control: whether there is one, the command, and the fault that its loss is. A reset of the device
+    /// always stops the motor; otherwise 6007h says what the loss means to a drive with power.
+    fn under_6007h(
         &mut self,
-        transition: Transition,
-        reaction: Option<Reaction>,
-        commands: &Commands,
-    ) {
+        command: Option<Command>,
+    ) -> (bool, Option<Command>, Option<Reaction>) {
+        let Some(code) = self
+            .commands
+            .connection_error
+            .filter(|_| !self.commands.remote)
+        else {
+            self.is_abandoned = false;
+            return (self.commands.remote, command, None);
+        };
+        match self.configuration.abort_connection {
+            AbortConnectionOption::NoAction => (true, command, None),
+            AbortConnectionOption::FaultSignal if self.power && !self.is_abandoned => {
+                self.is_abandoned = true;
+                self.faults.connection_lost(code);
+                (true, None, Some(Reaction::AsConfigured))
+            }
+            AbortConnectionOption::DisableVoltage => (true, Some(Command::DisableVoltage), None),
+            AbortConnectionOption::FaultSignal | AbortConnectionOption::QuickStop => {
+                (false, command, None)
+            }
+        }
+    }
+
+    /// How operation ends with a command that leaves it by 605Bh or 605Ch; `None` for any other.
+    fn leaving(&self, command: Option<Command>) -> Option<Stop> {
+        match command {
+            Some(Command::Shutdown) => Some(self.configuration.shutdown),
+            Some(Command::SwitchOn) => Some(self.configuration.disable_operation),
+            _ => None,
+        }
+    }
+
+    /// The action of a transition (CiA 402-2, "transition events and actions").
+    fn carry_out(&mut self, transition: Transition, reaction: Option<Reaction>) {
         match transition.to {
             State::OperationEnabled => {
                 self.power = true;
                 self.modes.enter(&self.motor);
             }
-            State::QuickStopActive => match self.machine.quick_stop().ramp() {
-                Some(StopRamp::SlowDown) => self.stop(commands.profile_deceleration),
-                Some(StopRamp::QuickStop) => self.stop(commands.quick_stop_deceleration),
-                None => self.power_off(),
-            },
+            State::QuickStopActive => self.stop(self.machine.quick_stop().stop()),
             State::FaultReactionActive => match reaction {
-                Some(Reaction::QuickStopRamp) if self.power => {
-                    self.stop(commands.quick_stop_deceleration);
+                Some(Reaction::AsConfigured) if self.power => {
+                    self.stop(self.configuration.fault_reaction);
                 }
                 _ => self.power_off(),
             },
@@ -220,10 +255,19 @@ impl Drive {
         }
     }
 
-    fn stop(&mut self, deceleration: u32) {
-        if !self.motor.standstill() {
-            self.motor.stop(deceleration);
+    fn stop(&mut self, stop: Stop) {
+        match stop {
+            Stop::PowerOff => self.power_off(),
+            Stop::Ramp(ramp) if !self.motor.standstill() => {
+                self.motor.stop(self.deceleration(ramp));
+            }
+            Stop::Ramp(_) => {}
         }
+    }
+
+    fn deceleration(&self, ramp: StopRamp) -> u32 {
+        self.modes
+            .deceleration(ramp, &self.commands, &self.configuration)
     }
 
     fn power_off(&mut self) {
@@ -234,30 +278,27 @@ impl Drive {
     }
 
     /// The mode of operation. Returns its bits of the statusword.
-    fn operate(
-        &mut self,
-        now: Instant,
-        inputs: &Inputs,
-        commands: &Commands,
-        command: Option<Command>,
-    ) -> u16 {
+    fn operate(&mut self, now: Instant, inputs: &Inputs, command: Option<Command>) -> u16 {
         let state = self.machine.state();
         if state != State::OperationEnabled && self.motor.standstill() {
-            self.modes.select(commands.mode);
+            self.modes.select(self.commands.mode);
         }
         match state {
-            State::OperationEnabled if command == Some(Command::SwitchOn) => {
-                // Disable operation: transition 5 waits until the motor stands.
-                self.modes
-                    .interrupt(&mut self.motor, commands.profile_deceleration);
-                0
+            State::OperationEnabled => {
+                if let Some(Stop::Ramp(ramp)) = self.leaving(command) {
+                    // The transition waits until the motor stands.
+                    let deceleration = self.deceleration(ramp);
+                    self.modes.interrupt(&mut self.motor, deceleration);
+                    return 0;
+                }
+                self.modes.tick(&mut Context {
+                    now,
+                    commands: &self.commands,
+                    configuration: &self.configuration,
+                    position: inputs.position,
+                    motor: &mut self.motor,
+                })
             }
-            State::OperationEnabled => self.modes.tick(&mut Context {
-                now,
-                commands,
-                position: inputs.position,
-                motor: &mut self.motor,
-            }),
             State::QuickStopActive
                 if self.machine.quick_stop().stays() && self.motor.standstill() =>
             {
@@ -271,7 +312,6 @@ impl Drive {
         &self,
         now: Instant,
         inputs: &Inputs,
-        commands: &Commands,
         mode_bits: u16,
         pulses: &S,
     ) -> Actuals {
@@ -283,7 +323,7 @@ impl Drive {
             statusword: state.statusword()
                 | bit(inputs.supply, statusword::VOLTAGE_ENABLED)
                 | bit(self.faults.warning(), statusword::WARNING)
-                | bit(commands.remote, statusword::REMOTE)
+                | bit(self.commands.remote, statusword::REMOTE)
                 | mode_bits,
             mode_display: self.modes.active().code(),
             error_code: self.faults.error_code(),
@@ -293,7 +333,7 @@ impl Drive {
             safe: !self.power
                 && self.settled
                 && matches!(state, State::SwitchOnDisabled | State::Fault)
-                && commands.restart == self.restarted,
+                && self.commands.restart == self.restarted,
         }
     }
 }

@@ -1,12 +1,13 @@
 //! What passes between the communication task and the control tick.
 //!
-//! Commands go one way, actual values the other, each copied whole, so neither side ever sees half of a change. The exchange
-//! keeps the last two sets of actual values: the answer to a SYNC shows the drive as it was when the SYNC arrived, even if
+//! Commands and the configuration go one way, actual values the other, each copied whole, so neither side ever sees half of a
+//! change; what has not changed is not copied. The exchange keeps the last two sets of actual values: the answer to a SYNC shows the drive as it was when the SYNC arrived, even if
 //! a control tick ran in between.
 
 use canopen::Instant;
 use heapless::Deque;
 
+use crate::configuration::Configuration;
 use crate::controlword::{Command, NEW_SET_POINT};
 use crate::faults::FaultNotice;
 
@@ -25,29 +26,22 @@ pub struct Commands {
     pub shutdown_first: bool,
     /// The network lets the drive move: the node is neither stopped nor being reset.
     pub remote: bool,
+    /// Why it does not: the error code of a network that was lost, to which 6007h applies; none while the device is being
+    /// reset, which always stops the motor.
+    pub connection_error: Option<u16>,
     /// The device starts anew (NMT reset node): once the motor stands without power, the drive forgets its faults and its
     /// state machine begins again. One restart is done, until this has been false.
     pub restart: bool,
     /// 6060h.
     pub mode: i8,
-    /// 605Ah.
-    pub quick_stop_option: i16,
     /// 607Ah in user units (steps).
     pub target_position: i32,
-    /// 607Dh:1 and :2 in user units (steps).
-    pub position_limits: (i32, i32),
-    /// 6067h in user units (steps).
-    pub position_window: u32,
-    /// 6068h in milliseconds.
-    pub position_window_time: u16,
     /// 6081h in steps/s.
     pub profile_velocity: u32,
     /// 6083h in steps/s².
     pub profile_acceleration: u32,
     /// 6084h in steps/s².
     pub profile_deceleration: u32,
-    /// 6085h in steps/s².
-    pub quick_stop_deceleration: u32,
 }
 
 impl Commands {
@@ -58,17 +52,13 @@ impl Commands {
         stop: None,
         shutdown_first: false,
         remote: false,
+        connection_error: None,
         restart: false,
         mode: 0,
-        quick_stop_option: 2,
         target_position: 0,
-        position_limits: (i32::MIN, i32::MAX),
-        position_window: u32::MAX,
-        position_window_time: 0,
         profile_velocity: 0,
         profile_acceleration: 0,
         profile_deceleration: 0,
-        quick_stop_deceleration: 0,
     };
 
     /// Puts what is only posted once on top of `earlier` commands that no tick has taken yet.
@@ -82,6 +72,13 @@ impl Commands {
             self.stop = earlier.stop.or(self.stop);
         }
         self
+    }
+
+    /// A tick has seen what is only given once.
+    const fn forget_passed(&mut self) {
+        self.rising = 0;
+        self.stop = None;
+        self.shutdown_first = false;
     }
 
     /// A set-point is what the objects held at the edge of bit 4, even if a master went on writing before the next tick.
@@ -139,6 +136,9 @@ const NOTICES: usize = 16;
 #[derive(Debug)]
 pub struct Exchange {
     commands: Commands,
+    configuration: Configuration,
+    /// The configuration has been set and not been taken yet.
+    is_configured: bool,
     /// Counts calls of `post`.
     posted: u32,
     /// The count that the commands of the running tick carry.
@@ -156,6 +156,8 @@ impl Exchange {
     pub const fn new() -> Self {
         Self {
             commands: Commands::NONE,
+            configuration: Configuration::NONE,
+            is_configured: false,
             posted: 0,
             taken: 0,
             answered: 0,
@@ -173,14 +175,25 @@ impl Exchange {
         self.posted = self.posted.wrapping_add(1);
     }
 
-    /// The commands in force, for one control tick. Edges and commands to stop are given once.
-    pub fn take_commands(&mut self) -> Commands {
-        let commands = self.commands;
-        self.commands.rising = 0;
-        self.commands.stop = None;
-        self.commands.shutdown_first = false;
-        self.taken = self.posted;
-        commands
+    /// Sets what is set up. Call it before [`Exchange::post`], so that a tick that sees the commands knows it.
+    pub fn configure(&mut self, configuration: Configuration) {
+        self.configuration = configuration;
+        self.is_configured = true;
+    }
+
+    /// Brings a control tick's copies up to date. Edges and commands to stop are given once.
+    pub fn take(&mut self, commands: &mut Commands, configuration: &mut Configuration) {
+        if self.is_configured {
+            self.is_configured = false;
+            *configuration = self.configuration;
+        }
+        if self.taken == self.posted {
+            commands.forget_passed();
+        } else {
+            *commands = self.commands;
+            self.commands.forget_passed();
+            self.taken = self.posted;
+        }
     }
 
     /// Publishes what a control tick has made.

@@ -16,11 +16,11 @@ pub const PULSES_LATE: u16 = 0x6100;
 /// 8611h, following error: the motor stands, but not where its pulses should have taken it.
 pub const POSITION_MISMATCH: u16 = 0x8611;
 
-/// How a fault stops the motor (605Eh is fixed to 2, quick stop ramp).
+/// How a fault stops the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaction {
-    /// Slow down with the quick stop deceleration 6085h, then power off.
-    QuickStopRamp,
+    /// As the fault reaction option 605Eh says.
+    AsConfigured,
     /// Power off at once: no more current may flow, or none can.
     PowerOff,
 }
@@ -39,39 +39,27 @@ pub struct FaultClass {
 /// Every class of error codes that a drive reports, in ascending order. A code outside of them counts as manufacturer
 /// specific and is stopped like the hardware faults: what is not understood gets no current.
 pub const CLASSES: [FaultClass; 9] = [
-    class(
-        (0x10, 0x1F),
-        ErrorRegister::GENERIC,
-        Reaction::QuickStopRamp,
-    ),
+    class((0x10, 0x1F), ErrorRegister::GENERIC, Reaction::AsConfigured),
     class((0x20, 0x2F), ErrorRegister::CURRENT, Reaction::PowerOff),
     class((0x30, 0x3F), ErrorRegister::VOLTAGE, Reaction::PowerOff),
     class(
         (0x40, 0x4F),
         ErrorRegister::TEMPERATURE,
-        Reaction::QuickStopRamp,
+        Reaction::AsConfigured,
     ),
     class((0x50, 0x5F), ErrorRegister::GENERIC, Reaction::PowerOff),
-    class(
-        (0x60, 0x7F),
-        ErrorRegister::GENERIC,
-        Reaction::QuickStopRamp,
-    ),
+    class((0x60, 0x7F), ErrorRegister::GENERIC, Reaction::AsConfigured),
     class(
         (0x80, 0x82),
         ErrorRegister::COMMUNICATION,
-        Reaction::QuickStopRamp,
+        Reaction::AsConfigured,
     ),
     class(
         (0x83, 0x8F),
         ErrorRegister::DEVICE_PROFILE,
-        Reaction::QuickStopRamp,
+        Reaction::AsConfigured,
     ),
-    class(
-        (0x90, 0x9F),
-        ErrorRegister::GENERIC,
-        Reaction::QuickStopRamp,
-    ),
+    class((0x90, 0x9F), ErrorRegister::GENERIC, Reaction::AsConfigured),
 ];
 
 const OTHER: FaultClass = class(
@@ -169,6 +157,12 @@ impl Faults {
         }
     }
 
+    /// The network was lost, and 6007h makes a fault of it. The node has told of it already: 603Fh shows the code, and no
+    /// other emergency message is sent.
+    pub(crate) const fn connection_lost(&mut self, code: u16) {
+        self.error_code = code;
+    }
+
     /// Whether the cause of a fault is there now.
     pub(crate) const fn cause_stands(&self) -> bool {
         self.board.is_some() || self.no_supply
@@ -252,10 +246,10 @@ mod tests {
         for (code, register, reaction) in [
             (0x2310, 0x02, Reaction::PowerOff),
             (0x3220, 0x04, Reaction::PowerOff),
-            (0x4210, 0x08, Reaction::QuickStopRamp),
-            (0x6100, 0x01, Reaction::QuickStopRamp),
-            (0x8130, 0x10, Reaction::QuickStopRamp),
-            (0x8611, 0x20, Reaction::QuickStopRamp),
+            (0x4210, 0x08, Reaction::AsConfigured),
+            (0x6100, 0x01, Reaction::AsConfigured),
+            (0x8130, 0x10, Reaction::AsConfigured),
+            (0x8611, 0x20, Reaction::AsConfigured),
             (0xFF00, 0x80, Reaction::PowerOff),
             (0x0001, 0x80, Reaction::PowerOff),
         ] {
@@ -280,7 +274,7 @@ mod tests {
         );
         assert_eq!(
             Faults::default().detect(&CALM, true, true),
-            Some(Reaction::QuickStopRamp)
+            Some(Reaction::AsConfigured)
         );
         assert_eq!(Faults::default().detect(&CALM, true, false), None);
     }

@@ -23,11 +23,25 @@ use crate::device::RESTART_DELAY;
 use crate::exchange::Commands;
 use crate::modes::Mode;
 use crate::objects::Objects;
+use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
 use crate::parameters::Parameter;
-use crate::quick_stop::QuickStopOption;
 
 const IDENTITY: u16 = 0x1018;
 const SERIAL_NUMBER: u8 = 4;
+
+/// What the network is to the drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Network {
+    /// It commands the drive.
+    Remote,
+    /// It was lost: 6007h says what follows, and if that is a fault, it has this error code.
+    Lost(u16),
+    /// The device stops the drive before it boots.
+    Resetting {
+        /// The drive starts anew as well.
+        restart: bool,
+    },
+}
 
 /// The application of the node: it watches the drive objects, and hands everything on to the application `A` of the firmware.
 #[derive(Debug)]
@@ -36,6 +50,7 @@ pub(crate) struct Hooks<A> {
     serial_number: u32,
     history: ControlwordHistory,
     written: bool,
+    configured: bool,
     delay_written: bool,
 }
 
@@ -46,6 +61,7 @@ impl<A> Hooks<A> {
             serial_number,
             history: ControlwordHistory::new(0),
             written: true,
+            configured: true,
             delay_written: false,
         }
     }
@@ -57,9 +73,10 @@ impl<A> Hooks<A> {
         written
     }
 
-    /// The commands are to be posted even if no drive object was written.
+    /// Commands and configuration are to be posted even if no drive object was written.
     pub(crate) const fn touch(&mut self) {
         self.written = true;
+        self.configured = true;
     }
 
     /// Whether a drive object was written since the last call.
@@ -69,34 +86,32 @@ impl<A> Hooks<A> {
         written
     }
 
+    /// Whether an object of the configuration was written since the last call.
+    pub(crate) const fn take_configured(&mut self) -> bool {
+        let configured = self.configured;
+        self.configured = false;
+        configured
+    }
+
     /// What the drive objects ask of the drive. What has passed in the controlword is given once.
-    pub(crate) fn commands<D: Objects>(
-        &mut self,
-        dictionary: &D,
-        remote: bool,
-        restart: bool,
-    ) -> Commands {
+    pub(crate) fn commands<D: Objects>(&mut self, dictionary: &D, network: Network) -> Commands {
         let passed = self.history.take();
         Commands {
             controlword: dictionary.controlword(),
             rising: passed.rising,
             stop: passed.stop,
             shutdown_first: passed.shutdown_first,
-            remote,
-            restart,
+            remote: network == Network::Remote,
+            connection_error: match network {
+                Network::Lost(code) => Some(code),
+                Network::Remote | Network::Resetting { .. } => None,
+            },
+            restart: network == Network::Resetting { restart: true },
             mode: dictionary.modes_of_operation(),
-            quick_stop_option: dictionary.quick_stop_option_code(),
             target_position: dictionary.target_position(),
-            position_limits: (
-                dictionary.min_position_limit(),
-                dictionary.max_position_limit(),
-            ),
-            position_window: dictionary.position_window(),
-            position_window_time: dictionary.position_window_time(),
             profile_velocity: dictionary.profile_velocity(),
             profile_acceleration: dictionary.profile_acceleration(),
             profile_deceleration: dictionary.profile_deceleration(),
-            quick_stop_deceleration: dictionary.quick_stop_deceleration(),
         }
     }
 }
@@ -120,6 +135,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
             self.history.write(dictionary.controlword());
         }
         self.written |= parameter.is_some();
+        self.configured |= parameter.is_some_and(|parameter| !parameter.is_command());
         self.delay_written |= entry.index == RESTART_DELAY;
         self.application.written(dictionary, entry);
     }
@@ -177,6 +193,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         dictionary.agree();
         self.history = ControlwordHistory::new(dictionary.controlword());
         self.written = true;
+        self.configured = true;
     }
 }
 
@@ -190,10 +207,13 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
                 .filter(|code| is_supported(*code, modes))
                 .map_or(Err(AbortCode::InvalidValue), |_| Ok(()))
         }
-        Parameter::QuickStopOptionCode => i16::try_from(number)
-            .ok()
-            .and_then(QuickStopOption::from_code)
-            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
+        Parameter::AbortConnectionOptionCode => code(number, AbortConnectionOption::from_code),
+        Parameter::QuickStopOptionCode => code(number, QuickStopOption::from_code),
+        Parameter::ShutdownOptionCode | Parameter::DisableOperationOptionCode => {
+            code(number, Stop::on_leaving)
+        }
+        Parameter::HaltOptionCode => code(number, StopRamp::on_halt),
+        Parameter::FaultReactionOptionCode => code(number, Stop::on_fault),
         Parameter::ProfileAcceleration
         | Parameter::ProfileDeceleration
         | Parameter::QuickStopDeceleration
@@ -203,6 +223,14 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
         }
         _ => Ok(()),
     }
+}
+
+/// An option code is one of those that mean something.
+fn code<T>(number: i64, meaning: fn(i16) -> Option<T>) -> Result<(), AbortCode> {
+    i16::try_from(number)
+        .ok()
+        .and_then(meaning)
+        .map_or(Err(AbortCode::InvalidValue), |_| Ok(()))
 }
 
 /// Whether 6060h accepts a value: the mode is in this firmware, and 6502h has its bit. No mode (0) is always there.

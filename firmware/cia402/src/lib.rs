@@ -20,6 +20,7 @@
 extern crate std;
 
 pub mod binding;
+pub mod configuration;
 pub mod controlword;
 pub mod device;
 pub mod drive;
@@ -29,19 +30,20 @@ mod hooks;
 pub mod modes;
 mod motor;
 pub mod objects;
+pub mod option_codes;
 pub mod parameters;
-pub mod quick_stop;
 pub mod state_machine;
 pub mod statusword;
 #[cfg(test)]
 mod testing;
 
+pub use configuration::Configuration;
 pub use controlword::Command;
 pub use device::Device;
 pub use drive::{Drive, DriveConfig, Inputs, Outputs};
 pub use exchange::{Actuals, Commands, Exchange, Share};
 pub use modes::Mode;
 pub use objects::Objects;
+pub use option_codes::QuickStopOption;
 pub use parameters::Parameter;
-pub use quick_stop::QuickStopOption;
 pub use state_machine::{State, StateMachine};

@@ -11,6 +11,10 @@ use crate::parameters::Parameter;
 /// drive does. Units are the user units of CiA 402-2; with no factor group they are increments (steps), steps/s and
 /// steps/s².
 pub trait Objects {
+    /// 6007h: 3, quick stop.
+    fn abort_connection_option_code(&self) -> i16 {
+        3
+    }
     /// 603Fh: code of the last fault.
     fn set_error_code(&mut self, value: u16) {
         let _ = value;
@@ -25,6 +29,22 @@ pub trait Objects {
     }
     /// 605Ah: 2, slow down on the quick stop ramp and stay in switch on disabled.
     fn quick_stop_option_code(&self) -> i16 {
+        2
+    }
+    /// 605Bh: 0, power off.
+    fn shutdown_option_code(&self) -> i16 {
+        0
+    }
+    /// 605Ch: 1, slow down on the slow down ramp.
+    fn disable_operation_option_code(&self) -> i16 {
+        1
+    }
+    /// 605Dh: 1, slow down on the slow down ramp.
+    fn halt_option_code(&self) -> i16 {
+        1
+    }
+    /// 605Eh: 2, slow down on the quick stop ramp.
+    fn fault_reaction_option_code(&self) -> i16 {
         2
     }
     /// 6060h.

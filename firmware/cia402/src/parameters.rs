@@ -4,31 +4,6 @@
 //! for it beside that one or instead of it: a binding (`*.bind.toml`) names the parameter, and `od-gen` checks it against
 //! [`ALL`].
 
-/// A value that the drive takes from the network or shows there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs, reason = "the names are the standard's own")]
-pub enum Parameter {
-    ErrorCode,
-    Controlword,
-    Statusword,
-    QuickStopOptionCode,
-    ModesOfOperation,
-    ModesOfOperationDisplay,
-    PositionDemandValue,
-    PositionActualInternalValue,
-    PositionActualValue,
-    PositionWindow,
-    PositionWindowTime,
-    TargetPosition,
-    MinPositionLimit,
-    MaxPositionLimit,
-    ProfileVelocity,
-    ProfileAcceleration,
-    ProfileDeceleration,
-    QuickStopDeceleration,
-    SupportedDriveModes,
-}
-
 /// Which way a value goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
@@ -92,162 +67,89 @@ pub struct Description {
     pub direction: Direction,
 }
 
-impl Description {
-    const fn taken(
-        parameter: Parameter,
-        name: &'static str,
-        home: (u16, u8),
-        number: Type,
-    ) -> Self {
-        Self {
-            parameter,
-            name,
-            home,
-            number,
-            unit: "",
-            range: number.range(),
-            direction: Direction::Taken,
+/// Makes the list: a parameter, its name in bindings, its home, its type, its direction, its unit, and its least number if
+/// that is not the least of the type.
+macro_rules! parameters {
+    ($($parameter:ident $name:literal $index:literal $sub:literal $type:ident $direction:ident $unit:literal $(from $least:literal)?;)*) => {
+        /// A value that the drive takes from the network or shows there.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs, reason = "the names are the standard's own")]
+        pub enum Parameter {
+            $($parameter,)*
         }
-    }
 
-    const fn shown(
-        parameter: Parameter,
-        name: &'static str,
-        home: (u16, u8),
-        number: Type,
-    ) -> Self {
-        Self {
-            direction: Direction::Shown,
-            ..Self::taken(parameter, name, home, number)
+        /// Every parameter, by its home.
+        pub const ALL: &[Description] = &[
+            $(Description {
+                parameter: Parameter::$parameter,
+                name: $name,
+                home: ($index, $sub),
+                number: Type::$type,
+                unit: $unit,
+                range: from(Type::$type.range(), &[$($least)?]),
+                direction: Direction::$direction,
+            },)*
+        ];
+
+        impl Parameter {
+            /// The parameter that is at home in this object of the drive profile.
+            pub const fn at(index: u16, sub: u8) -> Option<Self> {
+                match (index, sub) {
+                    $(($index, $sub) => Some(Self::$parameter),)*
+                    _ => None,
+                }
+            }
         }
-    }
+    };
+}
 
-    const fn unit(self, unit: &'static str) -> Self {
-        Self { unit, ..self }
-    }
-
-    /// From 1 on: 0 is refused, as a ramp that never gets anywhere.
-    const fn positive(self) -> Self {
-        Self {
-            range: (1, self.range.1),
-            ..self
-        }
+/// A range that begins at another number, if there is one.
+const fn from(range: (i64, i64), least: &[i64]) -> (i64, i64) {
+    match least {
+        [least] => (*least, range.1),
+        _ => range,
     }
 }
 
-/// Every parameter, by its home.
-pub const ALL: [Description; 19] = {
-    use Parameter as P;
-    use Type::{I8, I16, I32, U16, U32};
-    type D = Description;
-    [
-        D::shown(P::ErrorCode, "error_code", (0x603F, 0), U16),
-        D::taken(P::Controlword, "controlword", (0x6040, 0), U16),
-        D::shown(P::Statusword, "statusword", (0x6041, 0), U16),
-        D::taken(
-            P::QuickStopOptionCode,
-            "quick_stop_option_code",
-            (0x605A, 0),
-            I16,
-        ),
-        D::taken(P::ModesOfOperation, "modes_of_operation", (0x6060, 0), I8),
-        D::shown(
-            P::ModesOfOperationDisplay,
-            "modes_of_operation_display",
-            (0x6061, 0),
-            I8,
-        ),
-        D::shown(
-            P::PositionDemandValue,
-            "position_demand_value",
-            (0x6062, 0),
-            I32,
-        )
-        .unit("steps"),
-        D::shown(
-            P::PositionActualInternalValue,
-            "position_actual_internal_value",
-            (0x6063, 0),
-            I32,
-        )
-        .unit("increments"),
-        D::shown(
-            P::PositionActualValue,
-            "position_actual_value",
-            (0x6064, 0),
-            I32,
-        )
-        .unit("steps"),
-        D::taken(P::PositionWindow, "position_window", (0x6067, 0), U32).unit("steps"),
-        D::taken(
-            P::PositionWindowTime,
-            "position_window_time",
-            (0x6068, 0),
-            U16,
-        )
-        .unit("ms"),
-        D::taken(P::TargetPosition, "target_position", (0x607A, 0), I32).unit("steps"),
-        D::taken(P::MinPositionLimit, "min_position_limit", (0x607D, 1), I32).unit("steps"),
-        D::taken(P::MaxPositionLimit, "max_position_limit", (0x607D, 2), I32).unit("steps"),
-        D::taken(P::ProfileVelocity, "profile_velocity", (0x6081, 0), U32).unit("steps/s"),
-        D::taken(
-            P::ProfileAcceleration,
-            "profile_acceleration",
-            (0x6083, 0),
-            U32,
-        )
-        .unit("steps/s²")
-        .positive(),
-        D::taken(
-            P::ProfileDeceleration,
-            "profile_deceleration",
-            (0x6084, 0),
-            U32,
-        )
-        .unit("steps/s²")
-        .positive(),
-        D::taken(
-            P::QuickStopDeceleration,
-            "quick_stop_deceleration",
-            (0x6085, 0),
-            U32,
-        )
-        .unit("steps/s²")
-        .positive(),
-        D::taken(
-            P::SupportedDriveModes,
-            "supported_drive_modes",
-            (0x6502, 0),
-            U32,
-        ),
-    ]
-};
+parameters! {
+    AbortConnectionOptionCode "abort_connection_option_code" 0x6007 0 I16 Taken "";
+    ErrorCode "error_code" 0x603F 0 U16 Shown "";
+    Controlword "controlword" 0x6040 0 U16 Taken "";
+    Statusword "statusword" 0x6041 0 U16 Shown "";
+    QuickStopOptionCode "quick_stop_option_code" 0x605A 0 I16 Taken "";
+    ShutdownOptionCode "shutdown_option_code" 0x605B 0 I16 Taken "";
+    DisableOperationOptionCode "disable_operation_option_code" 0x605C 0 I16 Taken "";
+    HaltOptionCode "halt_option_code" 0x605D 0 I16 Taken "";
+    FaultReactionOptionCode "fault_reaction_option_code" 0x605E 0 I16 Taken "";
+    ModesOfOperation "modes_of_operation" 0x6060 0 I8 Taken "";
+    ModesOfOperationDisplay "modes_of_operation_display" 0x6061 0 I8 Shown "";
+    PositionDemandValue "position_demand_value" 0x6062 0 I32 Shown "steps";
+    PositionActualInternalValue "position_actual_internal_value" 0x6063 0 I32 Shown "increments";
+    PositionActualValue "position_actual_value" 0x6064 0 I32 Shown "steps";
+    PositionWindow "position_window" 0x6067 0 U32 Taken "steps";
+    PositionWindowTime "position_window_time" 0x6068 0 U16 Taken "ms";
+    TargetPosition "target_position" 0x607A 0 I32 Taken "steps";
+    MinPositionLimit "min_position_limit" 0x607D 1 I32 Taken "steps";
+    MaxPositionLimit "max_position_limit" 0x607D 2 I32 Taken "steps";
+    ProfileVelocity "profile_velocity" 0x6081 0 U32 Taken "steps/s";
+    ProfileAcceleration "profile_acceleration" 0x6083 0 U32 Taken "steps/s²" from 1;
+    ProfileDeceleration "profile_deceleration" 0x6084 0 U32 Taken "steps/s²" from 1;
+    QuickStopDeceleration "quick_stop_deceleration" 0x6085 0 U32 Taken "steps/s²" from 1;
+    SupportedDriveModes "supported_drive_modes" 0x6502 0 U32 Taken "";
+}
 
 impl Parameter {
-    /// The parameter that is at home in this object of the drive profile.
-    pub const fn at(index: u16, sub: u8) -> Option<Self> {
-        Some(match (index, sub) {
-            (0x603F, 0) => Self::ErrorCode,
-            (0x6040, 0) => Self::Controlword,
-            (0x6041, 0) => Self::Statusword,
-            (0x605A, 0) => Self::QuickStopOptionCode,
-            (0x6060, 0) => Self::ModesOfOperation,
-            (0x6061, 0) => Self::ModesOfOperationDisplay,
-            (0x6062, 0) => Self::PositionDemandValue,
-            (0x6063, 0) => Self::PositionActualInternalValue,
-            (0x6064, 0) => Self::PositionActualValue,
-            (0x6067, 0) => Self::PositionWindow,
-            (0x6068, 0) => Self::PositionWindowTime,
-            (0x607A, 0) => Self::TargetPosition,
-            (0x607D, 1) => Self::MinPositionLimit,
-            (0x607D, 2) => Self::MaxPositionLimit,
-            (0x6081, 0) => Self::ProfileVelocity,
-            (0x6083, 0) => Self::ProfileAcceleration,
-            (0x6084, 0) => Self::ProfileDeceleration,
-            (0x6085, 0) => Self::QuickStopDeceleration,
-            (0x6502, 0) => Self::SupportedDriveModes,
-            _ => return None,
-        })
+    /// Whether it commands the drive, and is not something that is set up ([`crate::Configuration`]).
+    pub(crate) const fn is_command(self) -> bool {
+        matches!(
+            self,
+            Self::Controlword
+                | Self::ModesOfOperation
+                | Self::TargetPosition
+                | Self::ProfileVelocity
+                | Self::ProfileAcceleration
+                | Self::ProfileDeceleration
+        )
     }
 }
 

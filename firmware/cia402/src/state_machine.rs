@@ -6,15 +6,16 @@
 //!
 //! Transition 0 (start to not ready to switch on) is [`StateMachine::new`].
 //!
-//! What the option codes leave open, with the objects that are not there fixed to these values:
-//! - disable operation (605Ch = 1): transition 5 follows once the motor stands; until then it slows down with 6084h.
-//! - shutdown (605Bh = 0): transition 8 at once, the power goes off.
-//! - fault reaction (605Eh = 2): quick stop ramp 6085h, or power off at once where current must not flow any more.
+//! What the option codes leave open:
+//! - disable operation (605Ch) and shutdown (605Bh): with a ramp, transitions 5 and 8 follow once the motor stands; with
+//!   power off they follow at once.
+//! - fault reaction (605Eh): transition 14 follows once the motor stands.
 //! - transition 16 needs an option code that stays, and the motor at rest: a quick stop is never cut short.
-//! - loss of remote control (6007h = 3): as the command "quick stop" with option code 2, for as long as it lasts.
+//! - no remote control, where 6007h does not say otherwise: as the command "quick stop" with option code 2, for as long as it
+//!   lasts.
 
 use crate::controlword::Command;
-use crate::quick_stop::QuickStopOption;
+use crate::option_codes::QuickStopOption;
 
 /// A state of the drive (CiA 402-2, "power drive system state machine").
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -88,7 +89,7 @@ pub enum Trigger {
     Automatic,
     /// This command.
     Command(Command),
-    /// This command, once the motor stands.
+    /// This command, once the motor stands, or at once if its option code says so.
     AtStandstill(Command),
     /// Quick stop completed: the motor stands, and the option code does not stay.
     QuickStopCompleted,
@@ -177,12 +178,7 @@ pub const TRANSITIONS: [Transition; 25] = {
             SwitchOnDisabled,
             Trigger::Command(DisableVoltage),
         ),
-        row(
-            8,
-            OperationEnabled,
-            ReadyToSwitchOn,
-            Trigger::Command(Shutdown),
-        ),
+        row(8, OperationEnabled, ReadyToSwitchOn, AtStandstill(Shutdown)),
         row(
             9,
             OperationEnabled,
@@ -227,7 +223,9 @@ pub struct Conditions {
     pub remote: bool,
     /// 605Ah; it counts at transition 11.
     pub quick_stop: QuickStopOption,
-    /// The motor stands and no pulse is on its way.
+    /// 605Bh and 605Ch: whether the power goes off at once where operation enabled is left by `command`.
+    pub at_once: bool,
+    /// The motor stands and no pulse is on its way; where power is to go off, it is held by something else.
     pub standstill: bool,
     /// A fault appeared since the last tick.
     pub fault: bool,
@@ -292,7 +290,9 @@ impl Trigger {
         match self {
             Self::Automatic => true,
             Self::Command(command) => seen.command == Some(command),
-            Self::AtStandstill(command) => seen.standstill && seen.command == Some(command),
+            Self::AtStandstill(command) => {
+                (seen.standstill || seen.at_once) && seen.command == Some(command)
+            }
             Self::QuickStopCompleted => seen.standstill && !stays,
             Self::Resume => {
                 seen.standstill && stays && seen.command == Some(Command::EnableOperation)

@@ -4,9 +4,11 @@ use canopen::{Duration, Instant};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink, Record, Ticks};
 use std::collections::VecDeque;
 
+use crate::configuration::Configuration;
 use crate::controlword::ControlwordHistory;
 use crate::exchange::{Actuals, Commands, Exchange};
 use crate::faults::FaultNotice;
+use crate::option_codes::QuickStopOption;
 use crate::state_machine::State;
 use crate::statusword;
 use crate::{Drive, DriveConfig, Inputs, Outputs};
@@ -86,12 +88,18 @@ impl PulseSink for Player {
     }
 }
 
+/// A code of 605Ah, or the default if there is none like it.
+pub(crate) fn quick_stop(code: i16) -> QuickStopOption {
+    QuickStopOption::from_code(code).unwrap_or(Configuration::NONE.quick_stop)
+}
+
 /// A drive, its motor, and the commands of a master.
 pub(crate) struct Rig {
     pub(crate) drive: Drive,
     pub(crate) exchange: Exchange,
     pub(crate) motor: Player,
     pub(crate) commands: Commands,
+    pub(crate) configuration: Configuration,
     history: ControlwordHistory,
     pub(crate) supply: bool,
     pub(crate) fault: Option<u16>,
@@ -122,13 +130,16 @@ impl Rig {
             commands: Commands {
                 remote: true,
                 mode: 1,
-                position_window: 10,
-                position_window_time: 10,
                 profile_velocity: 10_000,
                 profile_acceleration: 100_000,
                 profile_deceleration: 100_000,
-                quick_stop_deceleration: 1_000_000,
                 ..Commands::NONE
+            },
+            configuration: Configuration {
+                position_window: 10,
+                position_window_time: 10,
+                quick_stop_deceleration: 1_000_000,
+                ..Configuration::NONE
             },
             history: ControlwordHistory::new(0),
             supply: true,
@@ -161,6 +172,7 @@ impl Rig {
     /// The other commands have changed.
     pub(crate) fn post(&mut self) {
         let passed = self.history.take();
+        self.exchange.configure(self.configuration);
         self.exchange.post(Commands {
             rising: passed.rising,
             stop: passed.stop,

@@ -9,8 +9,10 @@ mod profile_position;
 
 use canopen::Instant;
 
+use crate::configuration::Configuration;
 use crate::exchange::Commands;
 use crate::motor::Motor;
+use crate::option_codes::StopRamp;
 
 use profile_position::ProfilePosition;
 
@@ -52,9 +54,24 @@ impl Mode {
 pub(crate) struct Context<'a> {
     pub(crate) now: Instant,
     pub(crate) commands: &'a Commands,
+    pub(crate) configuration: &'a Configuration,
     /// 6064h before it is cut to 32 bits.
     pub(crate) position: i64,
     pub(crate) motor: &'a mut Motor,
+}
+
+impl Context<'_> {
+    /// The deceleration of a ramp in the profile modes, in steps/s².
+    pub(crate) fn profile_ramp(&self, ramp: StopRamp) -> u32 {
+        profile_ramp(ramp, self.commands, self.configuration)
+    }
+}
+
+fn profile_ramp(ramp: StopRamp, commands: &Commands, configuration: &Configuration) -> u32 {
+    match ramp {
+        StopRamp::SlowDown => commands.profile_deceleration,
+        StopRamp::QuickStop | StopRamp::CurrentLimit => configuration.quick_stop_deceleration,
+    }
 }
 
 /// The modes, and which of them is at work.
@@ -78,6 +95,18 @@ impl Modes {
     /// The mode that is at work (6061h).
     pub(crate) const fn active(&self) -> Mode {
         self.active
+    }
+
+    /// The deceleration of a ramp in the mode at work, in steps/s².
+    pub(crate) fn deceleration(
+        &self,
+        ramp: StopRamp,
+        commands: &Commands,
+        configuration: &Configuration,
+    ) -> u32 {
+        match self.active {
+            Mode::NoMode | Mode::ProfilePosition => profile_ramp(ramp, commands, configuration),
+        }
     }
 
     /// The motor stands, and no mode is at work: the mode that is asked for is the mode.
@@ -109,7 +138,9 @@ impl Modes {
         let wanted = Mode::from_code(context.commands.mode).unwrap_or(self.active);
         if wanted != self.active {
             if !context.motor.standstill() {
-                self.interrupt(context.motor, context.commands.profile_deceleration);
+                let deceleration =
+                    self.deceleration(StopRamp::SlowDown, context.commands, context.configuration);
+                self.interrupt(context.motor, deceleration);
                 return 0;
             }
             self.active = wanted;

@@ -9,7 +9,7 @@
 //!   motor stands.
 //! - Edges count while the mode is at work only. Bit 4 that rises with the controlword that enables, or with the change
 //!   of the mode, hands over nothing.
-//! - Halt (bit 8) slows down with 6084h and keeps the target; releasing it goes on. Set-points are taken but not started.
+//! - Halt (bit 8) stops on the ramp of 605Dh and keeps the target; releasing it goes on. Set-points are taken but not started.
 //! - A target outside 607Dh, or outside 32 bits, is cut to the limit; bit 11 shows it and bit 10 stays 0. The limits are off
 //!   while the minimum is not below the maximum.
 //! - A velocity the pulses cannot reach is cut (bit 11). A set-point that cannot be carried out (6081h = 0) is taken and
@@ -23,6 +23,7 @@ use motion::Limits;
 
 use super::Context;
 use super::position_window::PositionWindow;
+use crate::configuration::Configuration;
 use crate::controlword::{CHANGE_IMMEDIATELY, HALT, NEW_SET_POINT, RELATIVE};
 use crate::exchange::Commands;
 use crate::motor::Motor;
@@ -111,7 +112,8 @@ impl ProfilePosition {
         let taken = edge && self.take(context);
         match (was_halted, self.halted) {
             (false, true) if !context.motor.standstill() => {
-                context.motor.stop(context.commands.profile_deceleration);
+                let deceleration = context.profile_ramp(context.configuration.halt);
+                context.motor.stop(deceleration);
             }
             (true, false) => self.resume(context),
             _ => {}
@@ -127,7 +129,11 @@ impl ProfilePosition {
 
     /// Takes the set-point in the commands, if there is room. Returns whether it did.
     fn take(&mut self, context: &mut Context<'_>) -> bool {
-        let set_point = self.read(context.commands, context.motor.max_velocity());
+        let set_point = self.read(
+            context.commands,
+            context.configuration,
+            context.motor.max_velocity(),
+        );
         let immediately = context.commands.controlword & CHANGE_IMMEDIATELY != 0;
         if immediately || self.progress != Progress::UnderWay {
             self.next = None;
@@ -141,14 +147,19 @@ impl ProfilePosition {
     }
 
     /// The set-point in the commands, within all limits.
-    fn read(&self, commands: &Commands, max_velocity: u32) -> SetPoint {
+    fn read(
+        &self,
+        commands: &Commands,
+        configuration: &Configuration,
+        max_velocity: u32,
+    ) -> SetPoint {
         let asked = i64::from(commands.target_position);
         let wanted = if commands.controlword & RELATIVE != 0 {
             self.target.saturating_add(asked)
         } else {
             asked
         };
-        let (low, high) = match commands.position_limits {
+        let (low, high) = match configuration.position_limits {
             (low, high) if low < high => (low, high),
             _ => (i32::MIN, i32::MAX),
         };
@@ -215,21 +226,21 @@ impl ProfilePosition {
     }
 
     fn is_reached(&mut self, context: &Context<'_>, limited: Limited) -> bool {
-        let commands = context.commands;
+        let configuration = context.configuration;
         if self.halted {
             return context.motor.standstill();
         }
         if limited.target || self.progress == Progress::Impossible {
             return false;
         }
-        if commands.position_window == PositionWindow::OFF {
+        if configuration.position_window == PositionWindow::OFF {
             return self.progress == Progress::Done;
         }
         self.window.is_reached(
             context.now,
             distance(context.position, self.target),
-            commands.position_window,
-            commands.position_window_time,
+            configuration.position_window,
+            configuration.position_window_time,
         )
     }
 }

@@ -12,6 +12,7 @@ const CALM: Conditions = Conditions {
     command: None,
     remote: true,
     quick_stop: QuickStopOption::QuickStopRamp,
+    at_once: false,
     standstill: true,
     fault: false,
     fault_reset: false,
@@ -79,13 +80,7 @@ fn d06_stopping_commands_before_operation_lead_to_switch_on_disabled() {
 
 #[test]
 fn d08_resume_needs_an_option_that_stays_and_a_motor_at_rest() {
-    for option in [
-        QuickStopOption::DisableDrive,
-        QuickStopOption::SlowDownRamp,
-        QuickStopOption::QuickStopRamp,
-        QuickStopOption::SlowDownRampAndStay,
-        QuickStopOption::QuickStopRampAndStay,
-    ] {
+    for option in QuickStopOption::ALL {
         let mut machine = machine_in(State::QuickStopActive, option);
         let enable = command(Command::EnableOperation);
         let moving = Conditions {
@@ -165,8 +160,8 @@ fn model(state: State, stays: bool, seen: &Conditions) -> State {
             Some(C::SwitchOn) | None => state,
         },
         S::OperationEnabled => match command {
-            Some(C::SwitchOn) if seen.standstill => S::SwitchedOn,
-            Some(C::Shutdown) => S::ReadyToSwitchOn,
+            Some(C::SwitchOn) if seen.standstill || seen.at_once => S::SwitchedOn,
+            Some(C::Shutdown) if seen.standstill || seen.at_once => S::ReadyToSwitchOn,
             Some(C::DisableVoltage) => S::SwitchOnDisabled,
             Some(C::QuickStop) => S::QuickStopActive,
             _ => state,
@@ -195,22 +190,18 @@ fn any_conditions() -> impl Strategy<Value = Conditions> {
             None,
         ]),
         prop::bool::weighted(0.9),
-        prop::sample::select(std::vec![
-            QuickStopOption::DisableDrive,
-            QuickStopOption::SlowDownRamp,
-            QuickStopOption::QuickStopRamp,
-            QuickStopOption::SlowDownRampAndStay,
-            QuickStopOption::QuickStopRampAndStay,
-        ]),
+        prop::sample::select(QuickStopOption::ALL.to_vec()),
+        any::<bool>(),
         any::<bool>(),
         prop::bool::weighted(0.05),
         any::<bool>(),
     )
         .prop_map(
-            |(command, remote, quick_stop, standstill, fault, fault_reset)| Conditions {
+            |(command, remote, quick_stop, at_once, standstill, fault, fault_reset)| Conditions {
                 command,
                 remote,
                 quick_stop,
+                at_once,
                 standstill,
                 fault,
                 fault_reset,

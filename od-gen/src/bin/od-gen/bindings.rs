@@ -13,7 +13,7 @@ pub(crate) fn run(arguments: &Bindings) -> Result<ExitCode, Failure> {
     let model = input::model(&arguments.file)?;
     let bindings = input::bindings(&arguments.file, &model)?;
     let mut text = String::new();
-    for parameter in &ALL {
+    for parameter in ALL {
         let (index, sub) = parameter.home;
         let home = model.entry(index, sub).map(|_| (index, sub));
         let own = bindings

@@ -151,7 +151,10 @@ fn the_application_hears_of_what_the_drive_allows() {
     // Any other is written, and both learn of it.
     assert_eq!(bench.ask([0x23, 0x81, 0x60, 0, 14, 0, 0, 0])[0], 0x60);
     assert_eq!(bench.device.application().told, [0x6081]);
-    assert_eq!(bench.exchange.take_commands().profile_velocity, 14);
+    let mut commands = crate::Commands::NONE;
+    let mut configuration = crate::Configuration::NONE;
+    bench.exchange.take(&mut commands, &mut configuration);
+    assert_eq!(commands.profile_velocity, 14);
 }
 
 #[test]

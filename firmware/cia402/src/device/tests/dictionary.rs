@@ -72,10 +72,15 @@ const OBJECTS: &[Object] = &[
     (0x1A01, 2, U32, RW, 0x6064_0020),
     (0x1A01, 3, U32, RW, 0),
     (0x2020, 0, DataType::Domain, RW | Attributes::STREAMED, 0),
+    (0x6007, 0, I16, RW, 3),
     (0x603F, 0, U16, RO, 0),
     (0x6040, 0, U16, RWW, 0),
     (0x6041, 0, U16, RO, 0),
     (0x605A, 0, I16, RW, 2),
+    (0x605B, 0, I16, RW, 0),
+    (0x605C, 0, I16, RW, 1),
+    (0x605D, 0, I16, RW, 1),
+    (0x605E, 0, I16, RW, 2),
     (0x6060, 0, I8, RWW, 1),
     (0x6061, 0, I8, RO, 0),
     (0x6062, 0, I32, RO, 0),
@@ -207,6 +212,21 @@ impl Objects for DriveDictionary {
     }
     fn set_statusword(&mut self, value: u16) {
         self.put_u16(0x6041, value);
+    }
+    fn abort_connection_option_code(&self) -> i16 {
+        self.u16(0x6007).cast_signed()
+    }
+    fn shutdown_option_code(&self) -> i16 {
+        self.u16(0x605B).cast_signed()
+    }
+    fn disable_operation_option_code(&self) -> i16 {
+        self.u16(0x605C).cast_signed()
+    }
+    fn halt_option_code(&self) -> i16 {
+        self.u16(0x605D).cast_signed()
+    }
+    fn fault_reaction_option_code(&self) -> i16 {
+        self.u16(0x605E).cast_signed()
     }
     fn quick_stop_option_code(&self) -> i16 {
         self.u16(0x605A).cast_signed()

@@ -77,7 +77,7 @@ fn a_fault_of_the_current_cuts_the_power_at_once() {
 #[test]
 fn a_worse_fault_during_the_reaction_cuts_the_power() {
     let mut rig = cruising();
-    rig.commands.quick_stop_deceleration = 10_000;
+    rig.configuration.quick_stop_deceleration = 10_000;
     rig.post();
     rig.fault = Some(OVER_TEMPERATURE);
     rig.ticks(3);

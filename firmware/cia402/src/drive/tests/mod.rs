@@ -2,5 +2,6 @@
 
 mod faults;
 mod network;
+mod options;
 mod states;
 mod stops;

@@ -1,12 +1,12 @@
 use crate::faults::FaultNotice::Raised;
 use crate::state_machine::State;
 use crate::statusword;
-use crate::testing::Rig;
+use crate::testing::{Rig, quick_stop};
 
 #[test]
 fn d30_when_the_network_goes_the_motor_stops_and_stays() {
     let mut rig = Rig::enabled();
-    rig.commands.quick_stop_option = 6;
+    rig.configuration.quick_stop = quick_stop(6);
     rig.set_point(100_000, 0);
     rig.ticks(200);
     let begin = rig.motor.position;

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use crate::state_machine::{State, TRANSITIONS, Trigger};
-use crate::testing::Rig;
+use crate::testing::{Rig, quick_stop};
 use crate::{Command, statusword};
 
 #[test]
@@ -247,7 +247,7 @@ proptest! {
                 Action::Write(controlword) => rig.write(controlword),
                 Action::Target(target) => rig.commands.target_position = target,
                 Action::Mode(mode) => rig.commands.mode = mode,
-                Action::Option(option) => rig.commands.quick_stop_option = option,
+                Action::Option(option) => rig.configuration.quick_stop = quick_stop(option),
                 Action::Remote(remote) => rig.commands.remote = remote,
                 Action::Fault(fault) => rig.fault = fault,
                 Action::Supply(supply) => rig.supply = supply,

@@ -2,7 +2,7 @@ use motion::PulseSink;
 
 use crate::state_machine::State;
 use crate::statusword;
-use crate::testing::Rig;
+use crate::testing::{Rig, quick_stop};
 
 /// A drive that cruises at 10 steps a tick.
 fn cruising() -> Rig {
@@ -19,11 +19,13 @@ fn m07_each_option_stops_on_its_ramp_and_ends_in_its_state() {
     for (option, ramp, end) in [
         (1, 500, State::SwitchOnDisabled),
         (2, 50, State::SwitchOnDisabled),
+        (3, 50, State::SwitchOnDisabled),
         (5, 500, State::QuickStopActive),
         (6, 50, State::QuickStopActive),
+        (7, 50, State::QuickStopActive),
     ] {
         let mut rig = cruising();
-        rig.commands.quick_stop_option = option;
+        rig.configuration.quick_stop = quick_stop(option);
         let begin = rig.motor.position;
         rig.write(0x02);
         rig.tick();
@@ -49,10 +51,10 @@ fn the_power_goes_off_after_the_last_pulse() {
     let stop = |option: Option<i16>| {
         let mut rig = cruising();
         // So hard that the ramp ends long before the pulses handed out already have left.
-        rig.commands.quick_stop_deceleration = 50_000_000;
+        rig.configuration.quick_stop_deceleration = 50_000_000;
         match option {
             Some(option) => {
-                rig.commands.quick_stop_option = option;
+                rig.configuration.quick_stop = quick_stop(option);
                 rig.write(0x02);
             }
             None => rig.write(0x07),
@@ -69,7 +71,7 @@ fn the_power_goes_off_after_the_last_pulse() {
 #[test]
 fn m07_option_0_cuts_the_power() {
     let mut rig = cruising();
-    rig.commands.quick_stop_option = 0;
+    rig.configuration.quick_stop = quick_stop(0);
     rig.write(0x02);
     rig.tick();
     assert_eq!(rig.state(), State::QuickStopActive);
@@ -83,7 +85,7 @@ fn m08_quick_stop_active_shows_even_at_standstill() {
     for option in [0, 1, 2] {
         let mut rig = Rig::enabled();
         rig.ticks(5);
-        rig.commands.quick_stop_option = option;
+        rig.configuration.quick_stop = quick_stop(option);
         rig.write(0x02);
         rig.tick();
         assert_eq!(rig.state(), State::QuickStopActive);
@@ -95,7 +97,7 @@ fn m08_quick_stop_active_shows_even_at_standstill() {
 #[test]
 fn m09_a_set_point_during_quick_stop_is_ignored() {
     let mut rig = cruising();
-    rig.commands.quick_stop_option = 6;
+    rig.configuration.quick_stop = quick_stop(6);
     rig.write(0x02);
     rig.tick();
     rig.commands.target_position = 5;
@@ -116,7 +118,7 @@ fn m09_a_set_point_during_quick_stop_is_ignored() {
 fn d08_a_quick_stop_is_never_cut_short() {
     for (option, end) in [(2, State::SwitchOnDisabled), (6, State::OperationEnabled)] {
         let mut rig = cruising();
-        rig.commands.quick_stop_option = option;
+        rig.configuration.quick_stop = quick_stop(option);
         rig.write(0x02);
         rig.tick();
         rig.write(0x0F);
@@ -130,7 +132,7 @@ fn d08_a_quick_stop_is_never_cut_short() {
 #[test]
 fn disable_voltage_leaves_quick_stop_active_at_once() {
     let mut rig = cruising();
-    rig.commands.quick_stop_option = 5;
+    rig.configuration.quick_stop = quick_stop(5);
     rig.write(0x02);
     rig.tick();
     rig.write(0x00);
@@ -193,8 +195,8 @@ fn a_quick_stop_between_two_ticks_is_obeyed() {
 #[test]
 fn a_stop_without_a_ramp_stops_the_pulses() {
     let mut rig = cruising();
-    rig.commands.quick_stop_option = 6;
-    rig.commands.quick_stop_deceleration = 0;
+    rig.configuration.quick_stop = quick_stop(6);
+    rig.configuration.quick_stop_deceleration = 0;
     rig.write(0x02);
     rig.tick();
     assert!(rig.outputs.power_stage && rig.outputs.drop_pulses);

@@ -134,7 +134,7 @@ fn m21_without_a_mode_nothing_moves() {
 #[test]
 fn m23_a_mode_begins_with_its_bits_at_rest() {
     let mut rig = Rig::enabled();
-    rig.commands.position_limits = (-10, 10);
+    rig.configuration.position_limits = (-10, 10);
     rig.set_point(50, 0);
     rig.rest();
     assert!(rig.acknowledged() && rig.limited());

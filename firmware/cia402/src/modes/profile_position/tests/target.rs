@@ -62,7 +62,7 @@ fn m32_a_relative_target_beyond_32_bits_is_cut() {
 #[test]
 fn d21_a_target_outside_the_software_limits_is_cut() {
     let mut rig = Rig::enabled();
-    rig.commands.position_limits = (-200, 300);
+    rig.configuration.position_limits = (-200, 300);
     for (target, end) in [(301, 300), (i32::MIN, -200), (300, 300)] {
         rig.set_point(target, 0);
         rig.tick();
@@ -81,8 +81,8 @@ fn d21_a_target_outside_the_software_limits_is_cut() {
 fn m36_a_move_that_a_software_limit_ends_does_not_reach_its_target() {
     for window in [10, u32::MAX] {
         let mut rig = Rig::enabled();
-        rig.commands.position_limits = (-200, 300);
-        rig.commands.position_window = window;
+        rig.configuration.position_limits = (-200, 300);
+        rig.configuration.position_window = window;
         rig.set_point(301, 0);
         assert_eq!(rig.rest(), 300);
         rig.ticks(50);
@@ -98,7 +98,7 @@ fn m36_a_move_that_a_software_limit_ends_does_not_reach_its_target() {
 fn d21_limits_are_off_while_the_minimum_is_not_below_the_maximum() {
     for limits in [(0, 0), (10, -10)] {
         let mut rig = Rig::enabled();
-        rig.commands.position_limits = limits;
+        rig.configuration.position_limits = limits;
         rig.set_point(500, 0);
         assert_eq!(rig.rest(), 500);
         assert!(!rig.limited());
@@ -108,8 +108,8 @@ fn d21_limits_are_off_while_the_minimum_is_not_below_the_maximum() {
 #[test]
 fn d22_target_reached_comes_after_the_window_time() {
     let mut rig = Rig::enabled();
-    rig.commands.position_window = 0;
-    rig.commands.position_window_time = 25;
+    rig.configuration.position_window = 0;
+    rig.configuration.position_window_time = 25;
     rig.set_point(1_000, 0);
     rig.until("arrival", |rig| rig.motor.position == 1_000);
     let ticks = rig.until("target reached", Rig::reached);
@@ -120,8 +120,8 @@ fn d22_target_reached_comes_after_the_window_time() {
 fn m34_the_window_in_all_its_values() {
     for (window, time, least) in [(0, 0, 1_000), (10, 0, 990), (u32::MAX, 5_000, 1_000)] {
         let mut rig = Rig::enabled();
-        rig.commands.position_window = window;
-        rig.commands.position_window_time = time;
+        rig.configuration.position_window = window;
+        rig.configuration.position_window_time = time;
         rig.set_point(1_000, 0);
         rig.tick();
         rig.until("target reached", Rig::reached);
@@ -139,8 +139,8 @@ fn m34_the_window_in_all_its_values() {
 fn m33_a_target_where_the_motor_stands_is_taken_and_reached() {
     for window in [0, u32::MAX] {
         let mut rig = Rig::enabled();
-        rig.commands.position_window = window;
-        rig.commands.position_window_time = 0;
+        rig.configuration.position_window = window;
+        rig.configuration.position_window_time = 0;
         for _ in 0..3 {
             rig.set_point(0, 0);
             rig.tick();
@@ -155,8 +155,8 @@ fn m33_a_target_where_the_motor_stands_is_taken_and_reached() {
 fn m33_a_target_where_the_motor_stands_is_reached_after_the_window_time() {
     for window in [0, 10] {
         let mut rig = Rig::enabled();
-        rig.commands.position_window = window;
-        rig.commands.position_window_time = 25;
+        rig.configuration.position_window = window;
+        rig.configuration.position_window_time = 25;
         for _ in 0..3 {
             rig.set_point(0, 0);
             rig.tick();
@@ -175,7 +175,7 @@ fn m33_a_target_where_the_motor_stands_is_reached_after_the_window_time() {
 #[test]
 fn d22_the_window_time_counts_from_the_set_point() {
     let mut rig = Rig::enabled();
-    rig.commands.position_window_time = 25;
+    rig.configuration.position_window_time = 25;
     rig.post();
     rig.ticks(50);
     assert!(rig.reached());

@@ -1,0 +1,140 @@
+//! The option codes of CiA 402-2: how the motor is stopped on each occasion, and where the state machine goes afterwards.
+//!
+//! "Current limit" in these codes means the hardest stop that the motor can follow. An open-loop stepper that is asked for more
+//! torque than it has loses steps instead of slipping, so for it that is the quick stop ramp. "Voltage limit" means nothing to it:
+//! codes 4 and 8 of 605Ah are refused.
+
+/// A ramp to stop on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopRamp {
+    /// The slow down ramp: profile deceleration 6084h; in the velocity mode 6049h.
+    SlowDown,
+    /// The quick stop ramp: 6085h; in the velocity mode 604Ah.
+    QuickStop,
+    /// At the current limit: for a stepper the quick stop ramp.
+    CurrentLimit,
+}
+
+impl StopRamp {
+    /// What a code of the halt option 605Dh asks for: 1 to 3.
+    pub const fn on_halt(code: i16) -> Option<Self> {
+        match code {
+            1 => Some(Self::SlowDown),
+            2 => Some(Self::QuickStop),
+            3 => Some(Self::CurrentLimit),
+            _ => None,
+        }
+    }
+}
+
+/// How operation ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The power goes off at once; the motor is free to turn.
+    PowerOff,
+    /// The motor slows down first.
+    Ramp(StopRamp),
+}
+
+impl Stop {
+    /// What a code of the shutdown option 605Bh or of the disable operation option 605Ch asks for: 0 or 1.
+    pub const fn on_leaving(code: i16) -> Option<Self> {
+        match code {
+            0 => Some(Self::PowerOff),
+            1 => Some(Self::Ramp(StopRamp::SlowDown)),
+            _ => None,
+        }
+    }
+
+    /// What a code of the fault reaction option 605Eh asks for: 0 to 3.
+    pub const fn on_fault(code: i16) -> Option<Self> {
+        match (code, StopRamp::on_halt(code)) {
+            (0, _) => Some(Self::PowerOff),
+            (_, Some(ramp)) => Some(Self::Ramp(ramp)),
+            _ => None,
+        }
+    }
+}
+
+/// The quick stop option 605Ah.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i16)]
+pub enum QuickStopOption {
+    /// 0: the power goes off at once, then switch on disabled.
+    DisableDrive = 0,
+    /// 1: slow down on the slow down ramp, then switch on disabled.
+    SlowDownRamp = 1,
+    /// 2: slow down on the quick stop ramp, then switch on disabled.
+    QuickStopRamp = 2,
+    /// 3: slow down at the current limit, then switch on disabled.
+    CurrentLimit = 3,
+    /// 5: slow down on the slow down ramp and stay in quick stop active.
+    SlowDownRampAndStay = 5,
+    /// 6: slow down on the quick stop ramp and stay in quick stop active.
+    QuickStopRampAndStay = 6,
+    /// 7: slow down at the current limit and stay in quick stop active.
+    CurrentLimitAndStay = 7,
+}
+
+impl QuickStopOption {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::DisableDrive,
+        Self::SlowDownRamp,
+        Self::QuickStopRamp,
+        Self::CurrentLimit,
+        Self::SlowDownRampAndStay,
+        Self::QuickStopRampAndStay,
+        Self::CurrentLimitAndStay,
+    ];
+
+    /// The option with this code; `None` if it is not supported.
+    pub fn from_code(code: i16) -> Option<Self> {
+        Self::ALL.into_iter().find(|option| *option as i16 == code)
+    }
+
+    /// How the motor is stopped.
+    pub const fn stop(self) -> Stop {
+        match self {
+            Self::DisableDrive => Stop::PowerOff,
+            Self::SlowDownRamp | Self::SlowDownRampAndStay => Stop::Ramp(StopRamp::SlowDown),
+            Self::QuickStopRamp | Self::QuickStopRampAndStay => Stop::Ramp(StopRamp::QuickStop),
+            Self::CurrentLimit | Self::CurrentLimitAndStay => Stop::Ramp(StopRamp::CurrentLimit),
+        }
+    }
+
+    /// Whether the drive stays in quick stop active once the motor stands.
+    pub const fn stays(self) -> bool {
+        matches!(
+            self,
+            Self::SlowDownRampAndStay | Self::QuickStopRampAndStay | Self::CurrentLimitAndStay
+        )
+    }
+}
+
+/// The abort connection option 6007h: what the loss of the network does to a drive that has power.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i16)]
+pub enum AbortConnectionOption {
+    /// 0: nothing; the motor goes on with what it does.
+    NoAction = 0,
+    /// 1: a fault, with the reaction of 605Eh.
+    FaultSignal = 1,
+    /// 2: as the command "disable voltage".
+    DisableVoltage = 2,
+    /// 3: as the command "quick stop", and never left without power going off: 605Ah = 2 counts, whatever it is.
+    QuickStop = 3,
+}
+
+impl AbortConnectionOption {
+    /// The option with this code; `None` if it is not supported.
+    pub const fn from_code(code: i16) -> Option<Self> {
+        match code {
+            0 => Some(Self::NoAction),
+            1 => Some(Self::FaultSignal),
+            2 => Some(Self::DisableVoltage),
+            3 => Some(Self::QuickStop),
+            _ => None,
+        }
+    }
+}
