@@ -10,6 +10,7 @@ mod guarding;
 mod heartbeat;
 mod lss;
 mod lss_many_drives;
+mod lss_nmt_states;
 mod lss_power_cuts;
 mod model;
 mod nmt;
