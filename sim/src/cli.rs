@@ -4,7 +4,8 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use canopen::{BitRate, NodeId, Settings};
+use canopen::settings::{Switches, Wish};
+use canopen::{BitRate, BitTiming, Configuration, NodeId};
 use clap::error::ErrorKind;
 use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
 
@@ -58,9 +59,16 @@ struct ServeArguments {
     /// Start without a node-ID, whatever is stored
     #[arg(long)]
     unconfigured: bool,
-    /// Start with this bit rate in kbit/s, whatever is stored (1000, 800, 500, 250, 125, 50, 20 or 10)
-    #[arg(long, value_name = "KBIT", value_parser = bit_rate)]
-    bitrate: Option<BitRate>,
+    /// Start with this bit rate in kbit/s, whatever is stored (1000, 800, 500, 250, 125, 50, 20, 10 or auto)
+    #[arg(long, value_name = "KBIT", value_parser = bit_timing)]
+    bitrate: Option<BitTiming>,
+    /// What the two rotary switches of the board read, hexadecimal: 01 to 7F the node-ID, 80 more for 1 Mbit/s whatever is
+    /// stored; 00 leaves both to what is stored
+    #[arg(long, value_name = "HEX", value_parser = switch_reading)]
+    switches: Option<u16>,
+    /// Power up with the factory reset input held: what was stored is forgotten
+    #[arg(long)]
+    factory_reset: bool,
     /// Keep what LSS stores in this file
     #[arg(long, value_name = "FILE")]
     store: Option<PathBuf>,
@@ -124,6 +132,11 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
         None => Flash::in_memory(),
     };
     let mut store = flash.into_store();
+    if arguments.factory_reset {
+        store
+            .forget()
+            .map_err(|error| format!("cannot empty the store: {error}"))?;
+    }
     let stored = store
         .load()
         .map_err(|error| format!("cannot read the store: {error}"))?
@@ -138,17 +151,24 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
         socketcan: arguments.socketcan,
         setup: Setup {
             serial_number: arguments.serial,
-            settings: Some(Settings {
+            settings: Some(Configuration {
                 node_id,
-                bit_rate: arguments.bitrate.unwrap_or(stored.bit_rate),
+                bit_timing: arguments.bitrate.unwrap_or(stored.bit_timing),
             }),
+            switches: arguments
+                .switches
+                .map_or(Wish::NOTHING, |reading| Switches::ROTARY.wish(reading)),
+            build: Wish::NOTHING,
             store,
         },
         verbose: arguments.verbose,
     })
 }
 
-fn bit_rate(text: &str) -> Result<BitRate, String> {
+fn bit_timing(text: &str) -> Result<BitTiming, String> {
+    if text == "auto" {
+        return Ok(BitTiming::Automatic);
+    }
     let known = || {
         BitRate::ALL
             .map(|rate| rate.kbit_per_second().to_string())
@@ -158,7 +178,16 @@ fn bit_rate(text: &str) -> Result<BitRate, String> {
     (BitRate::ALL
         .into_iter()
         .find(|rate| Some(rate.kbit_per_second()) == number))
-    .ok_or_else(|| format!("not one of {}", known()))
+    .map(BitTiming::Fixed)
+    .ok_or_else(|| format!("not one of {}, auto", known()))
+}
+
+fn switch_reading(text: &str) -> Result<u16, String> {
+    let digits = text.strip_prefix("0x").unwrap_or(text);
+    match u16::from_str_radix(digits, 16) {
+        Ok(reading) if reading <= 0xFF => Ok(reading),
+        _ => Err("two hexadecimal digits, 00 to FF".to_owned()),
+    }
 }
 
 fn serial_number(text: &str) -> Result<u32, String> {

@@ -7,8 +7,11 @@ use std::collections::VecDeque;
 
 use canopen::node::StoreError;
 use canopen::od::Dictionary;
+use canopen::settings::{PowerOn, Sources, Wish};
 use canopen::time::NEVER;
-use canopen::{BitRate, ControllerState, Duration, Event, Frame, Instant, NodeId, Settings};
+use canopen::{
+    BitRate, Configuration, ControllerState, Duration, Event, Frame, Instant, NodeId, Settings,
+};
 use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects};
 use motion::{AxisConfig, Clock, DriverTiming};
 
@@ -29,7 +32,11 @@ pub struct Setup {
     pub serial_number: u32,
     /// Settings for the first power-on, in place of what is stored, and for later ones as long as nothing is. `None` takes
     /// what is stored; if nothing is, the drive is unconfigured at 1 Mbit/s.
-    pub settings: Option<Settings>,
+    pub settings: Option<Configuration>,
+    /// What the build of the firmware fixes, before all other sources of node-ID and bit rate.
+    pub build: Wish,
+    /// What the switches of the board ask for at each power-on, before what is stored.
+    pub switches: Wish,
     /// Where LSS stores settings, and 1010h parameters.
     pub store: ParameterStore,
 }
@@ -40,6 +47,8 @@ impl Setup {
         Self {
             serial_number,
             settings: None,
+            build: Wish::NOTHING,
+            switches: Wish::NOTHING,
             store: Flash::in_memory().into_store(),
         }
     }
@@ -54,15 +63,31 @@ impl Setup {
             bit_rate: BitRate::Kbit1000,
         };
         Self {
-            settings: Some(settings),
+            settings: Some(settings.into()),
             ..Self::unconfigured(serial_number)
         }
     }
 
-    /// The settings to start with once the first power-on is over. A store that cannot be read counts as empty.
-    fn stored(&mut self) -> Settings {
+    /// What the first power-on brings.
+    fn first_power_on(&mut self) -> PowerOn {
+        let stored = self.settings.or_else(|| self.store.load().ok().flatten());
+        self.choose(stored)
+    }
+
+    /// What a later power-on brings. A store that cannot be read counts as empty.
+    fn power_on(&mut self) -> PowerOn {
         let stored = self.store.load().ok().flatten();
-        stored.or(self.settings).unwrap_or_default()
+        self.choose(stored.or(self.settings))
+    }
+
+    /// The sources in their order.
+    fn choose(&self, stored: Option<Configuration>) -> PowerOn {
+        let sources = Sources {
+            build: self.build,
+            switches: self.switches,
+            stored,
+        };
+        sources.choose(&BitRate::ALL)
     }
 }
 
@@ -96,16 +121,16 @@ pub struct VirtualDrive<D: Dictionary> {
 impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
     /// A drive without power; it gets it when it is polled for the first time.
     pub fn new(mut setup: Setup) -> Self {
-        let settings = setup.settings.unwrap_or_else(|| setup.stored());
+        let power_on = setup.first_power_on();
         Self {
             powered: false,
             was_reset: false,
-            device: device(settings, setup.serial_number),
+            device: device(&power_on, setup.serial_number),
             drive: Drive::new(drive_config()),
             exchange: Exchange::new(),
             plant: Plant::new(Instant::from_ticks(0)),
             next_tick: Instant::from_ticks(0),
-            bit_rate: settings.bit_rate,
+            bit_rate: bit_rate(&power_on),
             switch_bit_rate: None,
             restarts_controller: false,
             events: VecDeque::new(),
@@ -117,11 +142,11 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
     /// Takes the power away and gives it back at once: everything that is not stored is lost, frames under way too. The
     /// motor stays where it is mounted but counts from 0 again, as a drive without an encoder does.
     pub fn power_cycle(&mut self) {
-        let settings = self.setup.stored();
-        self.device = device(settings, self.setup.serial_number);
+        let power_on = self.setup.power_on();
+        self.device = device(&power_on, self.setup.serial_number);
         self.drive = Drive::new(drive_config());
         self.exchange = Exchange::new();
-        self.bit_rate = settings.bit_rate;
+        self.bit_rate = bit_rate(&power_on);
         self.switch_bit_rate = None;
         self.restarts_controller = false;
         self.events.clear();
@@ -296,8 +321,23 @@ where
 }
 
 /// The CANopen half of a drive, without power.
-fn device<D: Dictionary + Objects + Default>(settings: Settings, serial_number: u32) -> Device<D> {
-    Device::new(D::default(), settings, serial_number).with_parameter_store()
+fn device<D: Dictionary + Objects + Default>(power_on: &PowerOn, serial_number: u32) -> Device<D> {
+    let settings = Settings {
+        node_id: power_on.node_id.value,
+        bit_rate: bit_rate(power_on),
+    };
+    Device::new(D::default(), settings, serial_number)
+        .with_parameter_store()
+        .started(power_on)
+}
+
+/// The bit rate to begin with.
+fn bit_rate(power_on: &PowerOn) -> BitRate {
+    power_on
+        .bit_timing
+        .value
+        .bit_rate()
+        .unwrap_or(Settings::default().bit_rate)
 }
 
 /// A stepper driver of the usual kind: pulses of at least 1 µs with 1 µs between, direction 5 µs before and after.

@@ -230,11 +230,11 @@ impl NorFlash for Flash {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use canopen::{BitRate, NodeId, Settings};
+    use canopen::{BitRate, BitTiming, Configuration, NodeId};
 
-    const SETTINGS: Settings = Settings {
+    const SETTINGS: Configuration = Configuration {
         node_id: NodeId::new(4).unwrap(),
-        bit_rate: BitRate::Kbit500,
+        bit_timing: BitTiming::Fixed(BitRate::Kbit500),
     };
 
     #[test]

@@ -9,7 +9,7 @@ use std::time::Instant as WallClock;
 use canopen::cia301::error_behaviour::CommunicationError;
 use canopen::cia301::heartbeat::HeartbeatError;
 use canopen::cia301::nmt::NmtState;
-use canopen::{Event, Frame, Instant};
+use canopen::{BitTiming, Event, Frame, Instant};
 
 use crate::Axis402;
 use crate::bus::Station;
@@ -181,13 +181,14 @@ impl Server {
                     format!("node {node}: {}", state_name(state))
                 }
                 Event::StoreSettings(settings) => format!(
-                    "LSS stores node-ID {} and {} kbit/s",
+                    "stores node-ID {} and {}",
                     settings.node_id.get(),
-                    settings.bit_rate.kbit_per_second()
+                    rate_name(settings.bit_timing)
                 ),
                 Event::SwitchBitRate { bit_rate, .. } => {
                     format!("LSS switches to {} kbit/s", bit_rate.kbit_per_second())
                 }
+                Event::FindBitRate { .. } => "LSS has it find the bit rate".to_owned(),
                 Event::RestartController => "the CAN controller starts again".to_owned(),
                 Event::EmergencyReceived(emergency) => format!(
                     "node {} has error {:04X}h",
@@ -204,6 +205,14 @@ impl Server {
         if self.verbose {
             warn(text);
         }
+    }
+}
+
+/// A bit rate as it is configured.
+fn rate_name(timing: BitTiming) -> String {
+    match timing.bit_rate() {
+        Some(bit_rate) => format!("{} kbit/s", bit_rate.kbit_per_second()),
+        None => "automatic bit rate".to_owned(),
     }
 }
 

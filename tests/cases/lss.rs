@@ -1,5 +1,6 @@
 //! Layer setting services. The identity of the device is 11223344h, 55667788h, 99AABBCCh, DDEEFF01h.
 
+use canopen::{BitRate, BitTiming};
 use tests::Bench;
 
 const VENDOR: &str = "44 33 22 11";
@@ -325,7 +326,8 @@ fn l07_storing_answers_what_became_of_it() {
         let stored = bench
             .device()
             .stored
-            .map(|settings| (settings.node_id.get(), settings.bit_rate.kbit_per_second()));
-        assert_eq!(stored, result.is_ok().then_some((0x0B, 250)));
+            .map(|stored| (stored.node_id.get(), stored.bit_timing));
+        let wanted = (0x0B, BitTiming::Fixed(BitRate::Kbit250));
+        assert_eq!(stored, result.is_ok().then_some(wanted));
     }
 }

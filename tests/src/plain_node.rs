@@ -5,7 +5,7 @@ use canopen::cia301::nmt::Reset;
 use canopen::node::StoreError;
 use canopen::od::Dictionary as _;
 use canopen::time::NEVER;
-use canopen::{BitRate, Duration, Event, Frame, Instant, Node, NodeId, Settings};
+use canopen::{BitRate, Configuration, Duration, Event, Frame, Instant, Node, NodeId, Settings};
 use sim::bus::Station;
 
 use crate::firmware::{Firmware, Store};
@@ -30,7 +30,7 @@ pub struct PlainNode {
     /// What storing settings will end with.
     pub store_result: Result<(), StoreError>,
     /// What LSS has stored.
-    pub stored: Option<Settings>,
+    pub stored: Option<Configuration>,
     /// Bit rates LSS has ordered, with the time to switch.
     pub bit_rates: Vec<(BitRate, Instant)>,
     /// The controller has left the bus: it neither sends nor receives.
@@ -92,7 +92,13 @@ impl PlainNode {
     /// The power fails and returns; only what was stored is left.
     pub fn cycle_power(&mut self) {
         let settings = self.node.settings();
-        self.node = node(self.stored.unwrap_or(settings));
+        let bit_rate = |stored: Configuration| stored.bit_timing.bit_rate();
+        self.node = node(Settings {
+            node_id: self
+                .stored
+                .map_or(settings.node_id, |stored| stored.node_id),
+            bit_rate: self.stored.and_then(bit_rate).unwrap_or(settings.bit_rate),
+        });
         self.powered = false;
         self.was_reset = true;
         let identity = self.firmware.identity;

@@ -41,6 +41,7 @@ mod share;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI1, SPI2])]
 mod app {
     use canopen::cia303::Signal;
+    use canopen::Settings;
     use cia402::Exchange;
     use motion::step_interrupt::{self, Player};
 
@@ -82,10 +83,18 @@ mod app {
             stage,
             lights,
             parameters,
+            inputs,
             serial_number,
         } = Selected::start(cx.device);
 
-        let (store, settings) = settings::load(parameters);
+        let bit_rates = <Selected as Board>::Bus::BIT_RATES;
+        let (mut store, power_on) = settings::load(parameters, &inputs, bit_rates);
+        let serial_number = settings::serial_number(&mut store, serial_number);
+        let settings = Settings {
+            node_id: power_on.node_id.value,
+            bit_rate: (power_on.bit_timing.value.bit_rate())
+                .unwrap_or(Settings::default().bit_rate),
+        };
         if bus.start(settings.bit_rate).is_err() {
             defmt::error!("no such bit rate on this board: it stays off the bus");
         }
@@ -93,7 +102,14 @@ mod app {
         let (pulses, player) = step_interrupt::split(cx.local.steps, steps, TIMING);
         let (inbox, received) = Inbox::new(cx.local.frames, cx.local.lost);
         let mut exchange = Exchange::new();
-        let mut node = Node::new(settings, serial_number, received, cx.local.lost, store);
+        let mut node = Node::new(
+            settings,
+            &power_on,
+            serial_number,
+            received,
+            cx.local.lost,
+            store,
+        );
         node.power_on(&mut exchange);
         board::start_control_tick::<Selected>(cx.core.SYST, RATE_HZ);
 

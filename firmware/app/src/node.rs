@@ -16,7 +16,8 @@
 use canopen::cia301::nmt::NmtState;
 use canopen::cia303::{Pattern, Signal};
 use canopen::node::StoreError;
-use canopen::{BitRate, Duration, Event, Instant, Settings};
+use canopen::settings::PowerOn;
+use canopen::{BitRate, Configuration, Duration, Event, Instant, Settings};
 use cia402::{Device, Exchange, Share};
 use rtic::Mutex;
 
@@ -50,7 +51,7 @@ pub struct Node {
     outbox: Outbox,
     store: Parameters<<Selected as Board>::Parameters>,
     /// Settings that wait to be stored, and until when they may.
-    to_store: Option<(Settings, Instant)>,
+    to_store: Option<(Configuration, Instant)>,
     /// A bit rate that the layer setting services have ordered, and when to change to it.
     switch: Option<(BitRate, Instant)>,
     /// What the controller is set to.
@@ -64,13 +65,15 @@ impl Node {
     /// A node that starts as the settings say, with what is stored. `serial_number` becomes object 1018h:4.
     pub fn new(
         settings: Settings,
+        power_on: &PowerOn,
         serial_number: u32,
         received: Received,
         lost: &'static Lost,
         store: Parameters<<Selected as Board>::Parameters>,
     ) -> Self {
-        let device =
-            Device::new(Dictionary::new(), settings, serial_number).supporting(CanBus::BIT_RATES);
+        let device = Device::new(Dictionary::new(), settings, serial_number)
+            .supporting(CanBus::BIT_RATES)
+            .started(power_on);
         let device = match store {
             Some(_) => device.with_parameter_store(),
             None => device,
@@ -121,6 +124,8 @@ impl Node {
                     self.to_store = Some((settings, now + STORE_PATIENCE));
                 }
                 Event::SwitchBitRate { bit_rate, at } => self.switch = Some((bit_rate, at)),
+                // LSS never asks for it: the device does not say that it can.
+                Event::FindBitRate { .. } => {}
                 // The device stops the drive and boots by itself.
                 Event::ResetRequested(_) => {}
                 // The device has stopped the drive already.

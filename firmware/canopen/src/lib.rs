@@ -22,6 +22,7 @@
 extern crate std;
 
 pub mod application;
+pub mod bit_timing;
 pub mod can_controller;
 pub mod cia301;
 pub mod cia302;
@@ -38,7 +39,7 @@ pub mod wire;
 pub use application::Application;
 pub use can_controller::{ControllerState, Counters};
 pub use node::{Event, Node};
-pub use settings::{BitRate, NodeId, Settings};
+pub use settings::{BitRate, BitTiming, Configuration, NodeId, Settings};
 pub use stream::{Domain, Sink, Source};
 pub use time::{Duration, Instant};
 pub use wire::Frame;

@@ -47,7 +47,7 @@ use crate::cia301::sdo;
 use crate::cia302::startup;
 use crate::cia305::{self, LssEvent};
 use crate::od::{self, Dictionary};
-use crate::settings::{BitRate, NodeId, Settings};
+use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings};
 use crate::time::{Instant, NEVER, earlier, has_come};
 use crate::wire::sdo::Multiplexer;
 
@@ -66,14 +66,20 @@ pub enum Event {
     RestartController,
     /// Another device that 1028h listens to tells of an error, or of its end.
     EmergencyReceived(ReceivedEmergency),
-    /// LSS asks to store these settings; answer with [`Node::settings_stored`].
-    StoreSettings(Settings),
+    /// LSS asks to store this; answer with [`Node::settings_stored`].
+    StoreSettings(Configuration),
     /// LSS asks to change the bit rate: nothing is sent for a delay, then the rate changes, then nothing is sent
     /// for the same delay again. The device keeps the silence itself; the firmware switches its controller at `at`.
     SwitchBitRate {
         /// The new bit rate.
         bit_rate: BitRate,
         /// When to switch.
+        at: Instant,
+    },
+    /// LSS asks to find the bit rate of the network ([`cia305::Detection`]). The firmware takes its controller off the bus at `at`
+    /// and listens; when it is on the bus again it calls [`Node::bit_rate_found`]. The device is silent until then.
+    FindBitRate {
+        /// When to leave the present bit rate.
         at: Instant,
     },
 }
@@ -145,6 +151,20 @@ impl<D: Dictionary> Node<D> {
     /// The same device on a controller that reaches these bit rates only; LSS refuses the others (CiA 305, service 13h).
     pub fn supporting(mut self, bit_rates: &[BitRate]) -> Self {
         self.lss = self.lss.supporting(bit_rates);
+        self
+    }
+
+    /// The same device with automatic bit rate detection: LSS takes index 9 of its bit timing table 0, and the firmware serves
+    /// [`Event::FindBitRate`].
+    pub fn detecting(mut self) -> Self {
+        self.lss = self.lss.detecting();
+        self
+    }
+
+    /// The same device after a power-on with these sources of node-ID and bit rate. What is stored stays stored until it is
+    /// configured anew, and what the build has fixed cannot be configured: 11h and 13h answer FFh 01h.
+    pub fn started(mut self, power_on: &PowerOn) -> Self {
+        self.lss = self.lss.started(power_on);
         self
     }
 
@@ -227,6 +247,13 @@ impl<D: Dictionary> Node<D> {
     /// The reset of [`Event::ResetRequested`], ahead of the events that wait before it.
     pub fn take_reset(&mut self) -> Option<Reset> {
         self.events.take_reset()
+    }
+
+    /// The bit rate of the network was found, and the controller is on the bus with it.
+    pub fn bit_rate_found(&mut self, bit_rate: BitRate, now: Instant) {
+        self.lss.bit_rate_found(bit_rate);
+        self.is_mute = self.must_be_mute(now);
+        self.services.timers_changed = true;
     }
 
     /// The result of storing the settings of [`Event::StoreSettings`]; sends the answer to the LSS master, or asks to
@@ -444,7 +471,10 @@ impl<D: Dictionary> Node<D> {
                 LssEvent::Boot => self.request_reset(Reset::Communication),
                 LssEvent::Store(settings) => self.events.request_store(settings),
                 LssEvent::SwitchBitRate { bit_rate, at } => {
-                    self.events.request_switch(bit_rate, at);
+                    self.events.request_switch(BitTiming::Fixed(bit_rate), at);
+                }
+                LssEvent::FindBitRate { at } => {
+                    self.events.request_switch(BitTiming::Automatic, at);
                 }
             }
         }

@@ -109,7 +109,7 @@ fn l07_the_answer_to_store_comes_when_it_is_done() {
             node_id: NodeId::new(11).unwrap(),
             ..Settings::default()
         };
-        assert_eq!(device.events(), [Event::StoreSettings(settings)]);
+        assert_eq!(device.events(), [Event::StoreSettings(settings.into())]);
         device.node.settings_stored(result);
         assert_eq!(device.sent(), answer(expected));
     }

@@ -4,7 +4,7 @@ mod device;
 
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::node::StoreError;
-use canopen::{BitRate, Event, NodeId, Settings};
+use canopen::{BitRate, Configuration, Event, NodeId};
 use device::Device;
 
 /// A request with its bytes filled up to eight; what is sent then.
@@ -35,10 +35,10 @@ fn unconfigured() -> Device {
     device
 }
 
-fn settings(node_id: u8) -> Settings {
-    Settings {
+fn settings(node_id: u8) -> Configuration {
+    Configuration {
         node_id: NodeId::new(node_id).unwrap(),
-        ..Settings::default()
+        ..Configuration::default()
     }
 }
 

@@ -21,6 +21,7 @@ use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
 use canopen::node::StoreError;
 use canopen::od::{self, Dictionary};
+use canopen::settings::PowerOn;
 use canopen::{Application, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
 use crate::configuration::Configuration;
@@ -96,6 +97,12 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     /// The same device on a controller that reaches these bit rates only; LSS refuses the others.
     pub fn supporting(mut self, bit_rates: &[canopen::BitRate]) -> Self {
         self.node = self.node.supporting(bit_rates);
+        self
+    }
+
+    /// The same device after a power-on with these sources of node-ID and bit rate ([`canopen::Node::started`]).
+    pub fn started(mut self, power_on: &PowerOn) -> Self {
+        self.node = self.node.started(power_on);
         self
     }
 

@@ -29,6 +29,7 @@ mod blocking;
 mod directory;
 mod parameters;
 mod record;
+mod serial_number;
 #[cfg(test)]
 mod tests;
 
@@ -36,7 +37,7 @@ use core::fmt;
 use core::ops::Range;
 
 use blocking::Blocking;
-use canopen::Settings;
+use canopen::Configuration;
 use canopen::cia301::parameters::CHUNK;
 use embassy_futures::block_on;
 use embedded_storage::nor_flash::NorFlash;
@@ -144,7 +145,7 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// Any but [`Error::Range`] and [`Error::Verify`]. A device then starts with the settings of the factory.
-    pub fn load(&mut self) -> Result<Option<Settings>, Error<F::Error>> {
+    pub fn load(&mut self) -> Result<Option<Configuration>, Error<F::Error>> {
         match self.settings()? {
             Some(record) => record.settings().map(Some),
             None => Ok(None),
@@ -160,14 +161,14 @@ impl<F: NorFlash> Store<F> {
     /// # Errors
     /// [`Error::Flash`], [`Error::Verify`], or [`Error::Full`] if even erased sectors are too small. The old settings then still
     /// stand, or the new ones do.
-    pub fn save(&mut self, settings: &Settings) -> Result<(), Error<F::Error>> {
+    pub fn save(&mut self, settings: &Configuration) -> Result<(), Error<F::Error>> {
         let record = Record::of_settings(settings);
         if matches!(self.settings(), Ok(Some(stored)) if stored == record) {
             return Ok(());
         }
         match self.put(SETTINGS, &record) {
             Err(Error::Damaged | Error::Full | Error::Content) => {
-                self.erase()?;
+                self.begin_anew()?;
                 self.put(SETTINGS, &record)?;
             }
             other => other?,
@@ -184,9 +185,31 @@ impl<F: NorFlash> Store<F> {
         self.log.destroy().0.0
     }
 
-    /// Begins the log anew.
-    fn erase(&mut self) -> Result<(), Error<F::Error>> {
-        block_on(self.log.erase_all()).map_err(error)
+    /// Factory reset: settings and parameters are as if none were ever stored. Each change is whole when the power fails, and
+    /// the order given again does what was left. What is forgotten already costs no flash.
+    ///
+    /// # Errors
+    /// As [`Store::save`].
+    pub fn forget(&mut self) -> Result<(), Error<F::Error>> {
+        self.forget_parameters()?;
+        if matches!(self.settings(), Ok(None)) {
+            return Ok(());
+        }
+        self.save(&Configuration::default())
+    }
+
+    /// Begins the log anew, with what can still be read of settings and serial number.
+    fn begin_anew(&mut self) -> Result<(), Error<F::Error>> {
+        let settings = self.settings().ok().flatten();
+        let serial_number = self.serial_number().ok().flatten();
+        block_on(self.log.erase_all()).map_err(error)?;
+        if let Some(number) = serial_number {
+            self.restore_serial_number(number)?;
+        }
+        match settings {
+            Some(settings) => self.put(SETTINGS, &settings),
+            None => Ok(()),
+        }
     }
 
     fn settings(&mut self) -> Result<Option<Record>, Error<F::Error>> {

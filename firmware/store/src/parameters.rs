@@ -8,7 +8,8 @@ use sequential_storage::map::MapStorage;
 use crate::blocking::Blocking;
 use crate::directory::{self, DIRECTORY, Directory, Part};
 use crate::record::RECORD;
-use crate::{BUFFER, Error, KEY, NoCache, SETTINGS, Store};
+use crate::serial_number;
+use crate::{BUFFER, Error, KEY, NoCache, Store};
 
 /// Sets that are being written.
 #[derive(Debug)]
@@ -58,11 +59,7 @@ impl<F: NorFlash> Store<F> {
         let empty = Directory::default();
         match self.put(DIRECTORY, &empty) {
             Err(Error::Damaged | Error::Full | Error::Content) => {
-                let settings = self.settings().ok().flatten();
-                self.erase()?;
-                if let Some(settings) = settings {
-                    self.put(SETTINGS, &settings)?;
-                }
+                self.begin_anew()?;
                 self.put(DIRECTORY, &empty)?;
             }
             other => other?,
@@ -97,7 +94,8 @@ impl<F: NorFlash> Store<F> {
         let sectors = bytes.checked_div(F::ERASE_SIZE).unwrap_or(0);
         // The log marks both ends of a sector.
         let sector = F::ERASE_SIZE.saturating_sub(2 * word);
-        let mut taken = 2 * (Self::item(RECORD) + Self::item(directory::BYTES));
+        let mut taken = 2 * (Self::item(RECORD) + Self::item(directory::BYTES))
+            + Self::item(serial_number::BYTES);
         for set in ParameterSet::ALL {
             let part = directory.part(set);
             let swept = self.sweep(set, part)?;
@@ -109,6 +107,19 @@ impl<F: NorFlash> Store<F> {
         let holds = sector.saturating_mul(sectors.saturating_sub(1));
         let waste = Self::item(CHUNK).saturating_mul(sectors.saturating_sub(2));
         Ok(holds.saturating_sub(taken).saturating_sub(waste))
+    }
+
+    /// Every set is as if it was never stored.
+    pub(crate) fn forget_parameters(&mut self) -> Result<(), Error<F::Error>> {
+        self.begun = None;
+        self.opened = None;
+        let directory = self.directory()?;
+        let is_stored = |set: &ParameterSet| directory.part(*set).chunks > 0;
+        if !ParameterSet::ALL.iter().any(is_stored) {
+            return Ok(());
+        }
+        let begun = self.begin_sets(ParameterSets::ALL)?;
+        self.commit_sets(&begun)
     }
 
     /// Reads the chunks of a set and returns what they are in truth.

@@ -1,6 +1,8 @@
 //! The record of the settings: node-ID and bit rate, as the layer setting services store them (CiA 305, service 17h).
+//!
+//! The bit rate is an index of table 0 of CiA 305, 9 for one that is to be found.
 
-use canopen::{BitRate, NodeId, Settings};
+use canopen::{BitTiming, Configuration, NodeId};
 use sequential_storage::map::{SerializationError, Value};
 
 use crate::Error;
@@ -17,22 +19,26 @@ pub struct Record([u8; RECORD]);
 
 impl Record {
     /// The record of these settings.
-    pub fn of_settings(settings: &Settings) -> Self {
+    pub fn of_settings(settings: &Configuration) -> Self {
         Self([
             LAYOUT,
             settings.node_id.get(),
-            settings.bit_rate.table_index(),
+            settings.bit_timing.table_index(),
         ])
     }
 
     /// The settings in this record.
-    pub fn settings<E>(self) -> Result<Settings, Error<E>> {
-        let [layout, node_id, bit_rate] = self.0;
+    pub fn settings<E>(self) -> Result<Configuration, Error<E>> {
+        let [layout, node_id, bit_timing] = self.0;
         if layout != LAYOUT {
             return Err(Error::Layout(layout));
         }
-        match (NodeId::new(node_id), BitRate::from_table_index(bit_rate)) {
-            (Some(node_id), Some(bit_rate)) => Ok(Settings { node_id, bit_rate }),
+        let bit_timing = BitTiming::from_table_index(bit_timing);
+        match (NodeId::new(node_id), bit_timing) {
+            (Some(node_id), Some(bit_timing)) => Ok(Configuration {
+                node_id,
+                bit_timing,
+            }),
             _ => Err(Error::Content),
         }
     }

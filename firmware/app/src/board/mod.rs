@@ -15,6 +15,7 @@ use embedded_storage::nor_flash::NorFlash;
 use stm32f4xx_hal::pac;
 
 use crate::inbox::Inbox;
+use crate::settings::Inputs;
 use motion::step_interrupt::StepTimer;
 
 #[cfg(feature = "qemu")]
@@ -74,7 +75,9 @@ pub struct Parts<B: Board> {
     pub stage: B::Stage,
     pub lights: B::Lights,
     pub parameters: B::Parameters,
-    /// Object 1018h:4, the same at every start and different on every board.
+    /// What was read of the switches.
+    pub inputs: Inputs,
+    /// Object 1018h:4 unless production has given another, the same at every start and different on every board.
     pub serial_number: u32,
 }
 

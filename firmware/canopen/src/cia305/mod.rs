@@ -19,6 +19,7 @@
 //! - Switching the bit rate takes no waiting: the device is silent for the delay, the rate changes, and it is silent for the
 //!   delay again.
 
+mod detection;
 mod fastscan;
 mod identity;
 mod request;
@@ -28,6 +29,7 @@ mod slave;
 #[cfg(test)]
 mod tests;
 
+pub use detection::{DETECTABLE, Detection, PATIENCE};
 pub use identity::Identity;
 pub use slave::{LssEvent, Slave};
 

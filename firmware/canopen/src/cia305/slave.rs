@@ -5,7 +5,7 @@ use super::identity::Identity;
 use super::request::{Request, answer};
 use super::sequence::Sequence;
 use crate::node::StoreError;
-use crate::settings::{BitRate, NodeId, Settings};
+use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings, Source};
 use crate::time::{Duration, Instant, NEVER};
 
 /// What the node has to do after a request. Taken with [`Slave::event`].
@@ -13,13 +13,18 @@ use crate::time::{Duration, Instant, NEVER};
 pub enum LssEvent {
     /// A device without a node-ID got one and left the configuration state: boot with [`Slave::reset`].
     Boot,
-    /// Store these settings, then call [`Slave::settings_stored`].
-    Store(Settings),
+    /// Store this, then call [`Slave::settings_stored`].
+    Store(Configuration),
     /// Switch the bit rate at `at`. Nothing is sent meanwhile and as long again ([`Slave::is_silent`]).
     SwitchBitRate {
         /// The new bit rate.
         bit_rate: BitRate,
         /// When to switch.
+        at: Instant,
+    },
+    /// Find the bit rate of the network, from `at` on. Nothing is sent until [`Slave::bit_rate_found`].
+    FindBitRate {
+        /// When to leave the present bit rate.
         at: Instant,
     },
 }
@@ -36,7 +41,7 @@ enum State {
 /// A change of the bit rate that is going on.
 #[derive(Clone, Copy, Debug)]
 struct Switch {
-    bit_rate: BitRate,
+    to: BitTiming,
     at: Instant,
     end: Instant,
 }
@@ -48,9 +53,22 @@ enum Storing {
     Idle,
     /// The result is to come, then the answer.
     Running,
-    /// Service 17h came again meanwhile: these are stored next, and the answer tells of them.
-    Again(Settings),
+    /// Service 17h came again meanwhile: this is stored next, and the answer tells of it.
+    Again(Configuration),
 }
+
+/// What of the settings cannot be configured, as the build has fixed it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Fixed {
+    node_id: bool,
+    bit_timing: bool,
+}
+
+/// Answer to 11h and 13h: an error of the manufacturer, whose number follows.
+const SPECIFIC_ERROR: u8 = 0xFF;
+
+/// The manufacturer's error: the build of this firmware has fixed it.
+const FIXED_BY_BUILD: u8 = 0x01;
 
 /// The LSS slave of a device.
 #[derive(Debug)]
@@ -59,7 +77,11 @@ pub struct Slave {
     /// In force.
     active: Settings,
     /// Configured, to come into force later.
-    pending: Settings,
+    pending: Configuration,
+    /// What is stored, with all that was configured since. It differs from what is pending if at power-on another source went
+    /// before the store, such as switches.
+    kept: Configuration,
+    fixed: Fixed,
     supported: u16,
     sequence: Sequence,
     scan: Scan,
@@ -74,8 +96,13 @@ impl Slave {
         Self {
             state: State::Waiting,
             active: settings,
-            pending: settings,
-            supported: u16::MAX,
+            pending: settings.configuration(),
+            kept: settings.configuration(),
+            fixed: Fixed {
+                node_id: false,
+                bit_timing: false,
+            },
+            supported: !DETECTION,
             sequence: Sequence::None,
             scan: Scan::IDLE,
             switch: None,
@@ -89,7 +116,31 @@ impl Slave {
         Self {
             supported: bit_rates
                 .iter()
-                .fold(0, |mask, bit_rate| mask | bit(*bit_rate)),
+                .fold(self.supported & DETECTION, |mask, bit_rate| {
+                    mask | bit(BitTiming::Fixed(*bit_rate))
+                }),
+            ..self
+        }
+    }
+
+    /// The same with automatic bit rate detection (index 9 of table 0), which the firmware carries out.
+    pub const fn detecting(self) -> Self {
+        Self {
+            supported: self.supported | DETECTION,
+            ..self
+        }
+    }
+
+    /// The same after a power-on with these sources: what is stored is kept until it is configured anew, even if another source
+    /// went before it; what the build has fixed cannot be configured.
+    pub fn started(self, power_on: &PowerOn) -> Self {
+        Self {
+            pending: power_on.configuration(),
+            kept: power_on.stored,
+            fixed: Fixed {
+                node_id: power_on.node_id.source == Source::Build,
+                bit_timing: power_on.bit_timing.source == Source::Build,
+            },
             ..self
         }
     }
@@ -141,8 +192,10 @@ impl Slave {
         let Some(switch) = self.switch else {
             return NEVER;
         };
-        if now >= switch.at {
-            self.active.bit_rate = switch.bit_rate;
+        if let BitTiming::Fixed(bit_rate) = switch.to
+            && now >= switch.at
+        {
+            self.active.bit_rate = bit_rate;
         }
         if now >= switch.end {
             self.switch = None;
@@ -153,6 +206,14 @@ impl Slave {
         } else {
             switch.at
         }
+    }
+
+    /// The bit rate of the network was found ([`LssEvent::FindBitRate`], or at power-on): it is in force, and the silence is over.
+    pub fn bit_rate_found(&mut self, bit_rate: BitRate) {
+        self.active.bit_rate = bit_rate;
+        self.switch = self
+            .switch
+            .filter(|switch| switch.to != BitTiming::Automatic);
     }
 
     /// What the node has to do, once.
@@ -218,46 +279,31 @@ impl Slave {
     ) -> Option<[u8; 8]> {
         match request {
             Request::ConfigureNodeId(number) => {
-                let node_id = NodeId::new(number);
-                if let Some(node_id) = node_id {
-                    self.pending.node_id = node_id;
-                }
-                Some(message(
-                    answer::NODE_ID_CONFIGURED,
-                    &[u8::from(node_id.is_none())],
-                ))
+                let node_id = NodeId::new(number).ok_or(OUT_OF_RANGE);
+                let result = node_id.and_then(|node_id| self.configure_node_id(node_id));
+                Some(message(answer::NODE_ID_CONFIGURED, &error_code(result)))
             }
             Request::ConfigureBitTiming { table, index } => {
                 // Tables above 0 belong to makers; this device has none.
                 let in_table = (table == 0)
-                    .then(|| BitRate::from_table_index(index))
-                    .flatten();
-                let bit_rate = in_table.filter(|bit_rate| self.supported & bit(*bit_rate) != 0);
-                if let Some(bit_rate) = bit_rate {
-                    self.pending.bit_rate = bit_rate;
-                }
-                Some(message(
-                    answer::BIT_TIMING_CONFIGURED,
-                    &[u8::from(bit_rate.is_none())],
-                ))
+                    .then(|| BitTiming::from_table_index(index))
+                    .flatten()
+                    .ok_or(OUT_OF_RANGE);
+                let result = in_table.and_then(|timing| self.configure_bit_timing(timing));
+                Some(message(answer::BIT_TIMING_CONFIGURED, &error_code(result)))
             }
             Request::ActivateBitTiming(delay) => {
                 let delay = Duration::from_ticks(u64::from(delay) * 1000);
-                let (bit_rate, at) = (self.pending.bit_rate, after(now, delay));
-                self.switch = Some(Switch {
-                    bit_rate,
-                    at,
-                    end: after(at, delay),
-                });
-                self.event = Some(LssEvent::SwitchBitRate { bit_rate, at });
+                let at = after(now, delay);
+                self.switch_bit_rate(at, delay);
                 None
             }
             Request::Store => {
                 if let Storing::Idle = self.storing {
                     self.storing = Storing::Running;
-                    self.event = Some(LssEvent::Store(self.pending));
+                    self.event = Some(LssEvent::Store(self.kept));
                 } else {
-                    self.storing = Storing::Again(self.pending);
+                    self.storing = Storing::Again(self.kept);
                 }
                 None
             }
@@ -271,6 +317,43 @@ impl Slave {
             Request::InquireNodeId => Some(message(answer::NODE_ID, &[self.active.node_id.get()])),
             _ => None,
         }
+    }
+
+    /// A new node-ID, for the next reset communication and to be stored; refused with the error of service 11h.
+    fn configure_node_id(&mut self, node_id: NodeId) -> Result<(), [u8; 2]> {
+        if self.fixed.node_id {
+            return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
+        }
+        self.pending.node_id = node_id;
+        self.kept.node_id = node_id;
+        Ok(())
+    }
+
+    /// A new bit rate, for service 15h and to be stored; refused with the error of service 13h.
+    fn configure_bit_timing(&mut self, timing: BitTiming) -> Result<(), [u8; 2]> {
+        if self.fixed.bit_timing {
+            return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
+        }
+        if self.supported & bit(timing) == 0 {
+            return Err(OUT_OF_RANGE);
+        }
+        self.pending.bit_timing = timing;
+        self.kept.bit_timing = timing;
+        Ok(())
+    }
+
+    /// Activate bit timing: the pending bit rate comes into force at `at`, between two silences of `delay`.
+    fn switch_bit_rate(&mut self, at: Instant, delay: Duration) {
+        let to = self.pending.bit_timing;
+        let (end, event) = match to {
+            BitTiming::Fixed(bit_rate) => {
+                (after(at, delay), LssEvent::SwitchBitRate { bit_rate, at })
+            }
+            // Until the bit rate is found.
+            BitTiming::Automatic => (NEVER, LssEvent::FindBitRate { at }),
+        };
+        self.switch = Some(Switch { to, at, end });
+        self.event = Some(event);
     }
 
     /// Switch state global: both ways without an answer; a mode that does not exist changes nothing.
@@ -299,8 +382,19 @@ impl Slave {
 }
 
 /// The bit of a bit rate in a mask, by its table index.
-fn bit(bit_rate: BitRate) -> u16 {
-    1_u16.wrapping_shl(u32::from(bit_rate.table_index()))
+const fn bit(timing: BitTiming) -> u16 {
+    1_u16.wrapping_shl(timing.table_index() as u32)
+}
+
+/// The bit of automatic detection.
+const DETECTION: u16 = bit(BitTiming::Automatic);
+
+/// The answer to 11h and 13h for what the device does not have.
+const OUT_OF_RANGE: [u8; 2] = [0x01, 0x00];
+
+/// Error code and specific error of an answer.
+fn error_code(result: Result<(), [u8; 2]>) -> [u8; 2] {
+    result.err().unwrap_or_default()
 }
 
 /// An answer: command specifier, data, zeros.

@@ -6,7 +6,7 @@ use super::Event;
 use crate::cia301::emergency::ReceivedEmergency;
 use crate::cia301::error_behaviour::CommunicationError;
 use crate::cia301::nmt::{NmtState, Reset};
-use crate::settings::{BitRate, Settings};
+use crate::settings::{BitTiming, Configuration};
 use crate::time::Instant;
 
 /// Most changes of state that wait.
@@ -25,8 +25,8 @@ pub(super) struct Events {
     communication_error: Option<CommunicationError>,
     /// The same for who asks in between.
     network_lost: bool,
-    store: Option<Settings>,
-    switch: Option<(BitRate, Instant)>,
+    store: Option<Configuration>,
+    switch: Option<(BitTiming, Instant)>,
     reset: Option<Reset>,
     overflows: u32,
 }
@@ -81,13 +81,13 @@ impl Events {
     }
 
     /// Asks for settings to be stored.
-    pub(super) fn request_store(&mut self, settings: Settings) {
+    pub(super) fn request_store(&mut self, settings: Configuration) {
         self.store = Some(settings);
     }
 
-    /// Asks for a switch of the bit rate.
-    pub(super) fn request_switch(&mut self, bit_rate: BitRate, at: Instant) {
-        self.switch = Some((bit_rate, at));
+    /// Asks for a switch of the bit rate, or to find it.
+    pub(super) fn request_switch(&mut self, to: BitTiming, at: Instant) {
+        self.switch = Some((to, at));
     }
 
     /// Asks for a reset; a reset that has not been served yet becomes the wider one of the two.
@@ -124,8 +124,11 @@ impl Events {
         if let Some(settings) = self.store.take() {
             return Some(Event::StoreSettings(settings));
         }
-        if let Some((bit_rate, at)) = self.switch.take() {
-            return Some(Event::SwitchBitRate { bit_rate, at });
+        if let Some((to, at)) = self.switch.take() {
+            return Some(match to {
+                BitTiming::Fixed(bit_rate) => Event::SwitchBitRate { bit_rate, at },
+                BitTiming::Automatic => Event::FindBitRate { at },
+            });
         }
         self.take_reset().map(Event::ResetRequested)
     }

@@ -1,5 +1,6 @@
 //! The store on a flash whose power can be cut at any byte.
 
+mod factory_reset;
 mod parameters;
 mod settings;
 

@@ -6,15 +6,15 @@ use std::vec::Vec;
 
 use canopen::cia301::parameters::{CHUNK, ParameterSet, ParameterSets, ParameterStore};
 use canopen::node::StoreError;
-use canopen::{BitRate, NodeId, Settings};
+use canopen::{BitRate, BitTiming, Configuration, NodeId};
 use proptest::prelude::*;
 
 use super::Flash;
 use crate::Store;
 
-const SETTINGS: Settings = Settings {
+const SETTINGS: Configuration = Configuration {
     node_id: NodeId::new(33).unwrap(),
-    bit_rate: BitRate::Kbit250,
+    bit_timing: BitTiming::Fixed(BitRate::Kbit250),
 };
 
 /// The chunks of every set, in the order of [`ParameterSet::ALL`].
@@ -117,7 +117,7 @@ fn settings_and_parameters_leave_each_other_alone() {
     }
     for node_id in 1..=100 {
         let node_id = NodeId::new(node_id).unwrap();
-        let settings = Settings {
+        let settings = Configuration {
             node_id,
             ..SETTINGS
         };

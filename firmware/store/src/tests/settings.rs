@@ -1,19 +1,19 @@
 //! The settings of the layer setting services.
 
-use canopen::{BitRate, NodeId, Settings};
+use canopen::{BitRate, BitTiming, Configuration, NodeId};
 use proptest::prelude::*;
 
 use super::Flash;
 use crate::{Error, Store};
 
-fn settings(node_id: u8, bit_rate: BitRate) -> Settings {
-    Settings {
+fn settings(node_id: u8, bit_rate: BitRate) -> Configuration {
+    Configuration {
         node_id: NodeId::new(node_id).unwrap(),
-        bit_rate,
+        bit_timing: BitTiming::Fixed(bit_rate),
     }
 }
 
-fn any_settings() -> impl Strategy<Value = Settings> {
+fn any_settings() -> impl Strategy<Value = Configuration> {
     let node_id = prop_oneof![1..=127u8, Just(255)];
     (node_id, prop::sample::select(&BitRate::ALL[..]))
         .prop_map(|(node_id, bit_rate)| settings(node_id, bit_rate))
@@ -37,11 +37,22 @@ fn what_was_stored_last_is_loaded_after_a_restart() {
 
 #[test]
 fn an_unconfigured_node_id_is_kept_like_any_other() {
-    let factory = Settings::default();
+    let factory = Configuration::default();
     let mut store = Flash::<256, 4>::new(2).store();
     store.save(&settings(9, BitRate::Kbit125)).unwrap();
     store.save(&factory).unwrap();
     assert_eq!(store.load(), Ok(Some(factory)));
+}
+
+#[test]
+fn the_order_to_find_the_bit_rate_is_kept() {
+    let automatic = Configuration {
+        bit_timing: BitTiming::Automatic,
+        ..settings(9, BitRate::Kbit125)
+    };
+    let mut store = Flash::<256, 4>::new(2).store();
+    store.save(&automatic).unwrap();
+    assert_eq!(store.release().store().load(), Ok(Some(automatic)));
 }
 
 #[test]
@@ -57,7 +68,7 @@ fn the_same_settings_again_cost_no_flash() {
 /// Cuts the power at every byte of one save and, for each state this leaves, at every byte of the next.
 fn cut_everywhere<const SECTOR: usize, const WORD: usize>(
     mut flash: Flash<SECTOR, WORD>,
-    old: Settings,
+    old: Configuration,
 ) {
     let new = settings(42, BitRate::Kbit500);
     let newest = settings(43, BitRate::Kbit20);

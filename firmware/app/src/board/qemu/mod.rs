@@ -16,6 +16,7 @@ use cortex_m_semihosting::{debug, heprintln};
 use stm32f4xx_hal::pac;
 
 use super::{Board, Lights, Parts, Stage};
+use crate::settings::Inputs;
 
 /// The emulated board.
 pub struct Qemu;
@@ -40,6 +41,11 @@ impl Board for Qemu {
             stage: IdealStage,
             lights: NoLights,
             parameters: parameter_file::ParameterFile::open(),
+            // The machine has no pins.
+            inputs: Inputs {
+                switches: None,
+                factory_reset: false,
+            },
             serial_number: 1,
         }
     }

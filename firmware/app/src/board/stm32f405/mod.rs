@@ -7,6 +7,9 @@
 //! | PA2 | enable | low is on, as most drivers have it; pull it up outside, for the time before the firmware runs |
 //! | PA3 | fault | input with pull-up, low is a fault of the stage |
 //! | PC0 | supply | input with pull-up, low is no supply of the stage |
+//! | PB12 to PB15 | rotary switch ×01h | inputs with pull-up, the lowest bit first; a switch closes to ground |
+//! | PC8 to PC11 | rotary switch ×10h | the same |
+//! | PC1 | factory reset | input with pull-up; low for 100 ms from power-up on: what was stored is forgotten |
 //! | PB8, PB9 | CAN receive, transmit | CAN1 |
 //! | PC6, PC7 | green light, red light | high is on |
 //!
@@ -17,6 +20,7 @@ mod can;
 mod flash;
 mod stage;
 mod step_timer;
+mod switches;
 
 use cortex_m_rt::{exception, ExceptionFrame};
 use defmt_rtt as _;
@@ -32,6 +36,9 @@ use super::{Board, Parts};
 /// The board.
 pub struct Stm32f405;
 
+/// Clock of the core.
+const CORE_HZ: u32 = 168_000_000;
+
 /// Time without a sign of life after which the board starts anew. Erasing a flash sector stops the core for 0.8 s at
 /// most, and two may be erased in a row; the watchdog's oscillator may be half as fast again as its nominal 32 kHz.
 const WATCHDOG_MS: u32 = 3_000;
@@ -39,7 +46,7 @@ const WATCHDOG_MS: u32 = 3_000;
 impl Board for Stm32f405 {
     const TICKS_PER_MICROSECOND: u32 = 84;
     const STEP_CLOCK_HZ: u32 = 84_000_000;
-    const SYSTEM_TIMER_HZ: u32 = 168_000_000;
+    const SYSTEM_TIMER_HZ: u32 = CORE_HZ;
 
     type Steps = step_timer::CompareTimer;
     type Receiver = can::Receiver;
@@ -87,6 +94,18 @@ impl Board for Stm32f405 {
             a.pa1.into_push_pull_output(),
         );
 
+        let digits = [
+            b.pb12.into_pull_up_input().erase(),
+            b.pb13.into_pull_up_input().erase(),
+            b.pb14.into_pull_up_input().erase(),
+            b.pb15.into_pull_up_input().erase(),
+            c.pc8.into_pull_up_input().erase(),
+            c.pc9.into_pull_up_input().erase(),
+            c.pc10.into_pull_up_input().erase(),
+            c.pc11.into_pull_up_input().erase(),
+        ];
+        let factory_reset = c.pc1.into_pull_up_input().erase();
+
         let controller = device.CAN1.can((b.pb9, b.pb8), &mut rcc);
         Parts {
             steps,
@@ -95,6 +114,7 @@ impl Board for Stm32f405 {
             stage,
             lights,
             parameters: flash::ParameterSectors::new(device.FLASH),
+            inputs: switches::read(&digits, &factory_reset),
             serial_number: serial_number(),
         }
     }

@@ -6,7 +6,7 @@ use std::vec::Vec;
 use super::{IDENTITY, START, fastscan, message, slave, word};
 use crate::cia305::{LssEvent, Slave};
 use crate::node::StoreError;
-use crate::settings::{BitRate, NodeId, Settings};
+use crate::settings::{BitRate, BitTiming, Configuration, NodeId, Settings, Sources, Wish};
 use crate::time::{Instant, NEVER};
 
 /// A slave on node-ID 4 in the configuration state.
@@ -104,6 +104,93 @@ fn l05_a_device_may_support_some_bit_rates_only() {
 }
 
 #[test]
+fn l05_automatic_detection_is_for_devices_that_can() {
+    let mut slave = slave(4).detecting().supporting(&[BitRate::Kbit500]);
+    slave.ask(&[0x04, 0x01]);
+    assert_eq!(slave.ask(&[0x13, 0, 9]), Some(message(&[0x13, 0x00])));
+    assert_eq!(slave.ask(&[0x13, 0, 5]), Some(message(&[0x13, 0x01])));
+    slave.ask(&[0x17]);
+    let stored = Configuration {
+        node_id: NodeId::new(4).unwrap(),
+        bit_timing: BitTiming::Automatic,
+    };
+    assert_eq!(slave.event(), Some(LssEvent::Store(stored)));
+}
+
+#[test]
+fn l06_a_bit_rate_that_is_to_be_found_ends_the_silence() {
+    let mut slave = slave(4).detecting();
+    slave.ask(&[0x04, 0x01]);
+    slave.ask(&[0x13, 0, 9]);
+    slave.ask(&[0x15, 0xE8, 0x03]);
+    let find = LssEvent::FindBitRate { at: at(1000) };
+    assert_eq!(slave.event(), Some(find));
+    assert_eq!(slave.poll(at(1000)), NEVER);
+    assert!(slave.is_silent(at(1_000_000)));
+    slave.bit_rate_found(BitRate::Kbit125);
+    assert!(!slave.is_silent(at(1_000_000)));
+    assert_eq!(slave.settings().bit_rate, BitRate::Kbit125);
+}
+
+/// A slave after a power-on: the switches ask for node 5 at 1 Mbit/s, stored is node 9 at 250 kbit/s.
+fn switched(build: Wish) -> Slave {
+    let sources = Sources {
+        build,
+        switches: Wish {
+            node_id: NodeId::new(5),
+            bit_timing: Some(BitTiming::Fixed(BitRate::Kbit1000)),
+        },
+        stored: Some(stored(9, BitRate::Kbit250)),
+    };
+    let power_on = sources.choose(&BitRate::ALL);
+    let mut slave = slave(power_on.node_id.value.get()).started(&power_on);
+    slave.ask(&[0x04, 0x01]);
+    slave
+}
+
+fn stored(node_id: u8, bit_rate: BitRate) -> Configuration {
+    Configuration {
+        node_id: NodeId::new(node_id).unwrap(),
+        bit_timing: BitTiming::Fixed(bit_rate),
+    }
+}
+
+#[test]
+fn what_is_not_configured_stays_stored_even_if_switches_go_before_it() {
+    let mut slave = switched(Wish::NOTHING);
+    assert_eq!(slave.ask(&[0x5E]), Some(message(&[0x5E, 5])));
+    slave.ask(&[0x17]);
+    let unchanged = LssEvent::Store(stored(9, BitRate::Kbit250));
+    assert_eq!(slave.event(), Some(unchanged));
+    slave.settings_stored(Ok(()));
+    slave.ask(&[0x11, 7]);
+    slave.ask(&[0x17]);
+    let node_id_only = LssEvent::Store(stored(7, BitRate::Kbit250));
+    assert_eq!(slave.event(), Some(node_id_only));
+    // A reset before that would have left the device on the node-ID of the switches.
+    assert_eq!(switched(Wish::NOTHING).reset().get(), 5);
+    assert_eq!(slave.reset().get(), 7);
+}
+
+#[test]
+fn what_the_build_has_fixed_cannot_be_configured() {
+    let mut slave = switched(Wish {
+        node_id: NodeId::new(3),
+        bit_timing: None,
+    });
+    assert_eq!(slave.ask(&[0x11, 7]), Some(message(&[0x11, 0xFF, 0x01])));
+    assert_eq!(slave.ask(&[0x11, 0]), Some(message(&[0x11, 0x01])));
+    assert_eq!(slave.ask(&[0x13, 0, 2]), Some(message(&[0x13, 0x00])));
+    assert_eq!(slave.reset().get(), 3);
+    let mut slave = switched(Wish {
+        node_id: None,
+        bit_timing: Some(BitTiming::Fixed(BitRate::Kbit500)),
+    });
+    assert_eq!(slave.ask(&[0x13, 0, 3]), Some(message(&[0x13, 0xFF, 0x01])));
+    assert_eq!(slave.ask(&[0x11, 7]), Some(message(&[0x11, 0x00])));
+}
+
+#[test]
 fn l06_the_bit_rate_is_switched_between_two_silences() {
     let mut slave = in_configuration();
     assert_eq!(slave.ask(&[0x13, 0x00, 0x02]), Some(message(&[0x13, 0x00])));
@@ -167,7 +254,7 @@ fn l07_the_answer_to_store_is_its_result() {
             node_id: NodeId::new(11).unwrap(),
             bit_rate: BitRate::Kbit500,
         };
-        assert_eq!(slave.event(), Some(LssEvent::Store(settings)));
+        assert_eq!(slave.event(), Some(LssEvent::Store(settings.into())));
         assert_eq!(slave.settings_stored(result), Some(message(&[0x17, error])));
         assert_eq!(slave.settings_stored(result), None, "one answer");
     }
