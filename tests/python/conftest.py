@@ -91,8 +91,9 @@ def started(tmp_path):
     """The devices of the test. All of them are stopped at its end, before the test's folder is removed."""
     started = []
     yield started
-    codes = [bus.server.stop() for bus in started]
-    assert codes == [0] * len(codes), [bus.server.words() for bus in started]
+    servers = [bus.server for bus in started if not bus.server.was_killed]
+    codes = [server.stop() for server in servers]
+    assert codes == [0] * len(codes), [server.words() for server in servers]
 
 
 @pytest.fixture
@@ -122,8 +123,8 @@ def connect():
     """Connects masters. All of them are disconnected at the end of the test, before the devices are stopped."""
     networks = []
 
-    def connect(bus):
-        networks.append(bus.connect())
+    def connect(bus, *bitrate):
+        networks.append(bus.connect(*bitrate))
         return networks[-1]
 
     yield connect

@@ -29,6 +29,7 @@ class Server:
 
     def __init__(self, command):
         self.command = [str(word) for word in command]
+        self.was_killed = False
         self.log = tempfile.TemporaryFile(mode="w+")
         self.process = subprocess.Popen(
             self.command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self.log, text=True
@@ -54,6 +55,12 @@ class Server:
         self.log.seek(0)
         return self.log.read()
 
+    def kill(self):
+        """Ends it at once, as a power cut does."""
+        self.was_killed = True
+        self.process.kill()
+        self.process.wait(STOP_TIME)
+
     def stop(self, by=signal.SIGTERM):
         """Stops it, and gives its exit code."""
         if self.process.poll() is None:
@@ -73,11 +80,11 @@ class Slcan:
         self.port = port
         self.server = Server(command)
 
-    def connect(self):
+    def connect(self, bitrate=1_000_000):
         """A master on the bus."""
         network = canopen.Network()
         network.connect(
-            interface="slcan", channel=f"socket://127.0.0.1:{self.port}", bitrate=1_000_000, sleep_after_open=0.05
+            interface="slcan", channel=f"socket://127.0.0.1:{self.port}", bitrate=bitrate, sleep_after_open=0.05
         )
         return network
 
