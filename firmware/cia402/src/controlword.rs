@@ -14,6 +14,12 @@ pub const NEW_SET_POINT: u16 = 1 << 4;
 pub const CHANGE_IMMEDIATELY: u16 = 1 << 5;
 /// Bit 6 in profile position: 607Ah is relative.
 pub const RELATIVE: u16 = 1 << 6;
+/// Bit 4 in the velocity mode: enable ramp.
+pub const ENABLE_RAMP: u16 = 1 << 4;
+/// Bit 5 in the velocity mode: unlock ramp.
+pub const UNLOCK_RAMP: u16 = 1 << 5;
+/// Bit 6 in the velocity mode: reference ramp.
+pub const REFERENCE_RAMP: u16 = 1 << 6;
 /// Bit 7: fault reset, by its rising edge.
 pub const FAULT_RESET: u16 = 1 << 7;
 /// Bit 8: halt.

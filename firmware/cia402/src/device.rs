@@ -271,6 +271,11 @@ fn show<D: Objects>(dictionary: &mut D, actuals: &Actuals) {
     dictionary.set_position_demand_value(actuals.position_demand);
     dictionary.set_position_actual_internal_value(actuals.position_actual_internal);
     dictionary.set_position_actual_value(actuals.position_actual);
+    dictionary.set_vl_velocity_demand(actuals.vl_velocity_demand);
+    dictionary.set_vl_velocity_actual_value(actuals.vl_velocity_actual);
+    dictionary.set_velocity_demand_value(actuals.velocity_demand);
+    dictionary.set_velocity_actual_value(actuals.velocity_actual);
+    dictionary.set_following_error_actual_value(actuals.following_error);
 }
 
 #[cfg(test)]

@@ -11,7 +11,8 @@ use crate::configuration::Configuration;
 use crate::controlword::{Command, FAULT_RESET};
 use crate::exchange::{Actuals, Commands, Share};
 use crate::faults::{Faults, Reaction};
-use crate::modes::{Context, Modes};
+use crate::modes::{Context, Mode, Modes};
+use crate::monitor::{Monitor, Observed};
 use crate::motor::Motor;
 use crate::option_codes::{AbortConnectionOption, Stop, StopRamp};
 use crate::state_machine::{Conditions, State, StateMachine, Transition};
@@ -58,6 +59,11 @@ pub struct Drive {
     modes: Modes,
     faults: Faults,
     motor: Motor,
+    monitor: Monitor,
+    /// What the monitor found in this tick.
+    observed: Observed,
+    /// The following error has been too large since the last fault reset.
+    lost: bool,
     power: bool,
     /// The motor stood at the end of the last tick: its position must now be the one its pulses lead to.
     settled: bool,
@@ -79,6 +85,9 @@ impl Drive {
             modes: Modes::new(),
             faults: Faults::default(),
             motor: Motor::new(outlast_tick(config)),
+            monitor: Monitor::new(config.tick),
+            observed: Observed::default(),
+            lost: false,
             power: false,
             settled: false,
             restarted: false,
@@ -107,6 +116,7 @@ impl Drive {
             && !self.motor.is_cut()
             && self.motor.is_displaced(inputs.position);
         self.motor.observe(inputs.position, self.power, pulses);
+        self.monitor(now, inputs);
 
         let restart = self.commands.restart;
         let restarts = restart && !self.restarted && self.is_idle();
@@ -127,7 +137,7 @@ impl Drive {
             self.faults.pulses_late(false);
         }
 
-        let actuals = self.actuals(now, inputs, mode_bits, pulses);
+        let actuals = self.actuals(now, inputs, mode_bits);
         exchange.lock(|exchange| {
             exchange.publish(actuals);
             if restarts {
@@ -140,6 +150,20 @@ impl Drive {
         Outputs {
             power_stage: self.power,
             drop_pulses: !self.power || self.motor.is_cut(),
+        }
+    }
+
+    /// Compares what the motor does with what it should.
+    fn monitor(&mut self, now: Instant, inputs: &Inputs) {
+        if self.power {
+            let demand = self.motor.demand();
+            self.observed = self
+                .monitor
+                .observe(now, demand, inputs.position, &self.configuration);
+            self.lost |= self.observed.is_lost;
+        } else {
+            self.monitor.reset();
+            self.observed = Observed::default();
         }
     }
 
@@ -172,11 +196,14 @@ impl Drive {
     fn restart(&mut self) {
         self.machine = StateMachine::new();
         self.faults = Faults::default();
+        self.lost = false;
     }
 
     /// Faults, then the state machine, then what a transition does to the motor.
     fn change_state(&mut self, inputs: &Inputs, command: Option<Command>, displaced: bool) {
-        let detected = self.faults.detect(inputs, self.power, displaced);
+        let detected = self
+            .faults
+            .detect(inputs, self.power, displaced || self.observed.is_lost);
         let (remote, command, lost) = self.under_6007h(command);
         let reaction = detected.or(lost);
         let reset = self.commands.remote && self.commands.rising & FAULT_RESET != 0;
@@ -250,7 +277,10 @@ impl Drive {
                 }
                 _ => self.power_off(),
             },
-            State::SwitchOnDisabled if transition.from == State::Fault => self.faults.reset(),
+            State::SwitchOnDisabled if transition.from == State::Fault => {
+                self.lost = false;
+                self.faults.reset();
+            }
             _ => self.power_off(),
         }
     }
@@ -293,9 +323,13 @@ impl Drive {
                 }
                 self.modes.tick(&mut Context {
                     now,
+                    mode: self.modes.active(),
                     commands: &self.commands,
                     configuration: &self.configuration,
                     position: inputs.position,
+                    demand: self.motor.demand(),
+                    observed: self.observed,
+                    travel: travel(self.configuration.position_limits),
                     motor: &mut self.motor,
                 })
             }
@@ -308,34 +342,63 @@ impl Drive {
         }
     }
 
-    fn actuals<S: PulseSink>(
-        &self,
-        now: Instant,
-        inputs: &Inputs,
-        mode_bits: u16,
-        pulses: &S,
-    ) -> Actuals {
+    fn actuals(&self, now: Instant, inputs: &Inputs, mode_bits: u16) -> Actuals {
         let state = self.machine.state();
         let bit = |condition, bit| if condition { bit } else { 0 };
         let position = wrap(inputs.position);
+        let demand = self.motor.demand();
+        let mode = self.modes.active();
+        let vl = |velocity| match mode {
+            Mode::Velocity => self.configuration.velocity.shown(velocity),
+            _ => 0,
+        };
         Actuals {
             at: now,
             statusword: state.statusword()
                 | bit(inputs.supply, statusword::VOLTAGE_ENABLED)
                 | bit(self.faults.warning(), statusword::WARNING)
                 | bit(self.commands.remote, statusword::REMOTE)
+                | bit(
+                    self.lost && mode == Mode::ProfilePosition,
+                    statusword::FOLLOWING_ERROR,
+                )
                 | mode_bits,
-            mode_display: self.modes.active().code(),
+            mode_display: mode.code(),
             error_code: self.faults.error_code(),
-            position_demand: wrap(self.motor.demand_position(pulses)),
+            vl_velocity_demand: vl(demand.velocity),
+            vl_velocity_actual: vl(self.observed.velocity),
+            position_demand: wrap(demand.position),
             position_actual_internal: position,
             position_actual: position,
+            velocity_demand: demand.velocity,
+            velocity_actual: self.observed.velocity,
+            following_error: self.observed.following_error,
             safe: !self.power
                 && self.settled
                 && matches!(state, State::SwitchOnDisabled | State::Fault)
                 && self.commands.restart == self.restarted,
         }
     }
+}
+
+/// Where the motor may go by 607Dh. The limits are off while the minimum is not below the maximum, and one at the end of what 32
+/// bits hold is none.
+fn travel((low, high): (i32, i32)) -> (i64, i64) {
+    let (none_below, none_above) = Context::NO_TRAVEL;
+    if low >= high {
+        return Context::NO_TRAVEL;
+    }
+    let low = if low == i32::MIN {
+        none_below
+    } else {
+        low.into()
+    };
+    let high = if high == i32::MAX {
+        none_above
+    } else {
+        high.into()
+    };
+    (low, high)
 }
 
 /// A position as 32 bits show it: beyond their end it goes on at the other, in 6062h, 6063h and 6064h alike, as pulses and

@@ -34,6 +34,8 @@ pub struct Commands {
     pub restart: bool,
     /// 6060h.
     pub mode: i8,
+    /// 6042h in units of the velocity mode.
+    pub vl_target_velocity: i16,
     /// 607Ah in user units (steps).
     pub target_position: i32,
     /// 6081h in steps/s.
@@ -42,6 +44,8 @@ pub struct Commands {
     pub profile_acceleration: u32,
     /// 6084h in steps/s².
     pub profile_deceleration: u32,
+    /// 60FFh in steps/s.
+    pub target_velocity: i32,
 }
 
 impl Commands {
@@ -55,10 +59,12 @@ impl Commands {
         connection_error: None,
         restart: false,
         mode: 0,
+        vl_target_velocity: 0,
         target_position: 0,
         profile_velocity: 0,
         profile_acceleration: 0,
         profile_deceleration: 0,
+        target_velocity: 0,
     };
 
     /// Puts what is only posted once on top of `earlier` commands that no tick has taken yet.
@@ -104,12 +110,22 @@ pub struct Actuals {
     pub mode_display: i8,
     /// 603Fh.
     pub error_code: u16,
+    /// 6043h in units of the velocity mode; 0 outside of it.
+    pub vl_velocity_demand: i16,
+    /// 6044h in units of the velocity mode; 0 outside of it.
+    pub vl_velocity_actual: i16,
     /// 6062h in user units (steps).
     pub position_demand: i32,
     /// 6063h in increments (steps).
     pub position_actual_internal: i32,
     /// 6064h in user units (steps).
     pub position_actual: i32,
+    /// 606Bh in steps/s.
+    pub velocity_demand: i32,
+    /// 606Ch in steps/s.
+    pub velocity_actual: i32,
+    /// 60F4h in user units (steps).
+    pub following_error: i32,
     /// Power is off, the motor stands, and a restart that was asked for is done: a reset may go on.
     pub safe: bool,
 }
@@ -121,9 +137,14 @@ impl Actuals {
         statusword: 0,
         mode_display: 0,
         error_code: 0,
+        vl_velocity_demand: 0,
+        vl_velocity_actual: 0,
         position_demand: 0,
         position_actual_internal: 0,
         position_actual: 0,
+        velocity_demand: 0,
+        velocity_actual: 0,
+        following_error: 0,
         safe: false,
     };
 }

@@ -108,10 +108,12 @@ impl<A> Hooks<A> {
             },
             restart: network == Network::Resetting { restart: true },
             mode: dictionary.modes_of_operation(),
+            vl_target_velocity: dictionary.vl_target_velocity(),
             target_position: dictionary.target_position(),
             profile_velocity: dictionary.profile_velocity(),
             profile_acceleration: dictionary.profile_acceleration(),
             profile_deceleration: dictionary.profile_deceleration(),
+            target_velocity: dictionary.target_velocity(),
         }
     }
 }
@@ -217,6 +219,16 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
         Parameter::ProfileAcceleration
         | Parameter::ProfileDeceleration
         | Parameter::QuickStopDeceleration
+        | Parameter::MaxAcceleration
+        | Parameter::MaxDeceleration
+        | Parameter::VlAccelerationSpeed
+        | Parameter::VlAccelerationTime
+        | Parameter::VlDecelerationSpeed
+        | Parameter::VlDecelerationTime
+        | Parameter::VlQuickStopSpeed
+        | Parameter::VlQuickStopTime
+        | Parameter::VlDimensionNumerator
+        | Parameter::VlDimensionDenominator
             if number <= 0 =>
         {
             Err(AbortCode::ValueTooLow)

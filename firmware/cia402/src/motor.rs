@@ -1,6 +1,6 @@
 //! The axis as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
 
-use motion::{AdvanceError, Axis, AxisConfig, Limits, PlanError, PulseSink};
+use motion::{AdvanceError, Axis, AxisConfig, Demand, Limits, PlanError, PulseSink};
 
 /// An axis, and what has become of its pulses.
 #[derive(Debug)]
@@ -10,6 +10,8 @@ pub(crate) struct Motor {
     at_rest: bool,
     /// At rest, and every pulse had left at the start of this tick.
     standstill: bool,
+    /// What was being played at the start of this tick.
+    demand: Demand,
     /// Pulses have been cut off: the axis does not know where the motor is until it is told.
     cut: bool,
 }
@@ -21,6 +23,7 @@ impl Motor {
             axis: Axis::new(config),
             at_rest: true,
             standstill: true,
+            demand: Demand::default(),
             cut: false,
         }
     }
@@ -32,7 +35,9 @@ impl Motor {
             self.axis.set_position(position);
             self.cut = false;
         }
-        self.standstill = self.at_rest && pulses.pending() == 0;
+        let pending = pulses.pending();
+        self.standstill = self.at_rest && pending == 0;
+        self.demand = self.axis.demand(pending);
     }
 
     /// Whether the pulses handed out so far lead to another position than this one (in steps, modulo 2³²).
@@ -50,9 +55,9 @@ impl Motor {
         self.at_rest && pulses.pending() == 0
     }
 
-    /// The position that is being played, in steps.
-    pub(crate) fn demand_position<S: PulseSink>(&self, pulses: &S) -> i64 {
-        self.axis.demand(pulses.pending()).position
+    /// What was being played at the start of this tick.
+    pub(crate) const fn demand(&self) -> Demand {
+        self.demand
     }
 
     /// Where the present motion ends, in steps; at rest, where the motor stands.
@@ -68,6 +73,21 @@ impl Motor {
     /// Moves to a position, from whatever the motor does now. On an error nothing changes.
     pub(crate) fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), PlanError> {
         self.axis.move_to(target, limits)
+    }
+
+    /// Ramps to a velocity in steps/s and keeps it, from whatever the motor does now. On an error nothing changes.
+    pub(crate) fn ramp_to(&mut self, velocity: i32, limits: Limits) -> Result<(), PlanError> {
+        self.axis.ramp_to(velocity, limits)
+    }
+
+    /// The velocity from which the next command begins, in steps/s.
+    pub(crate) fn committed_velocity(&self) -> i32 {
+        self.axis.committed_velocity()
+    }
+
+    /// Whether the motor is on the last ramp of its motion, or has come to rest.
+    pub(crate) fn is_ending(&self) -> bool {
+        self.axis.is_ending()
     }
 
     /// Slows down to a standstill. A deceleration that gives no ramp, such as 0, stops the pulses at once: a drive that is

@@ -27,6 +27,58 @@ pub trait Objects {
     fn set_statusword(&mut self, value: u16) {
         let _ = value;
     }
+    /// 6042h.
+    fn vl_target_velocity(&self) -> i16 {
+        0
+    }
+    /// 6043h.
+    fn set_vl_velocity_demand(&mut self, value: i16) {
+        let _ = value;
+    }
+    /// 6044h.
+    fn set_vl_velocity_actual_value(&mut self, value: i16) {
+        let _ = value;
+    }
+    /// 6046h:1.
+    fn vl_velocity_min_amount(&self) -> u32 {
+        0
+    }
+    /// 6046h:2.
+    fn vl_velocity_max_amount(&self) -> u32 {
+        u32::MAX
+    }
+    /// 6048h:1: the speed that is gained or lost in the time of 6048h:2.
+    fn vl_acceleration_speed(&self) -> u32 {
+        1
+    }
+    /// 6048h:2 in seconds.
+    fn vl_acceleration_time(&self) -> u16 {
+        1
+    }
+    /// 6049h:1: the speed that is gained or lost in the time of 6049h:2.
+    fn vl_deceleration_speed(&self) -> u32 {
+        1
+    }
+    /// 6049h:2 in seconds.
+    fn vl_deceleration_time(&self) -> u16 {
+        1
+    }
+    /// 604Ah:1: the speed that is gained or lost in the time of 604Ah:2.
+    fn vl_quick_stop_speed(&self) -> u32 {
+        1
+    }
+    /// 604Ah:2 in seconds.
+    fn vl_quick_stop_time(&self) -> u16 {
+        1
+    }
+    /// 604Ch:1.
+    fn vl_dimension_numerator(&self) -> i32 {
+        1
+    }
+    /// 604Ch:2.
+    fn vl_dimension_denominator(&self) -> i32 {
+        1
+    }
     /// 605Ah: 2, slow down on the quick stop ramp and stay in switch on disabled.
     fn quick_stop_option_code(&self) -> i16 {
         2
@@ -67,12 +119,44 @@ pub trait Objects {
     fn set_position_actual_value(&mut self, value: i32) {
         let _ = value;
     }
+    /// 6065h; FFFFFFFFh switches the window off.
+    fn following_error_window(&self) -> u32 {
+        u32::MAX
+    }
+    /// 6066h in milliseconds.
+    fn following_error_time_out(&self) -> u16 {
+        0
+    }
     /// 6067h; FFFFFFFFh switches the window off.
     fn position_window(&self) -> u32 {
         u32::MAX
     }
     /// 6068h in milliseconds.
     fn position_window_time(&self) -> u16 {
+        0
+    }
+    /// 606Bh.
+    fn set_velocity_demand_value(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 606Ch.
+    fn set_velocity_actual_value(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 606Dh.
+    fn velocity_window(&self) -> u16 {
+        0
+    }
+    /// 606Eh in milliseconds.
+    fn velocity_window_time(&self) -> u16 {
+        0
+    }
+    /// 606Fh.
+    fn velocity_threshold(&self) -> u16 {
+        0
+    }
+    /// 6070h in milliseconds.
+    fn velocity_threshold_time(&self) -> u16 {
         0
     }
     /// 607Ah.
@@ -86,6 +170,14 @@ pub trait Objects {
     /// 607Dh:2.
     fn max_position_limit(&self) -> i32 {
         i32::MAX
+    }
+    /// 607Fh.
+    fn max_profile_velocity(&self) -> u32 {
+        u32::MAX
+    }
+    /// 6080h.
+    fn max_motor_speed(&self) -> u32 {
+        u32::MAX
     }
     /// 6081h.
     fn profile_velocity(&self) -> u32 {
@@ -102,6 +194,26 @@ pub trait Objects {
     /// 6085h.
     fn quick_stop_deceleration(&self) -> u32 {
         self.profile_deceleration()
+    }
+    /// 60C5h.
+    fn max_acceleration(&self) -> u32 {
+        u32::MAX
+    }
+    /// 60C6h.
+    fn max_deceleration(&self) -> u32 {
+        u32::MAX
+    }
+    /// 60F4h.
+    fn set_following_error_actual_value(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 60F8h.
+    fn max_slippage(&self) -> i32 {
+        i32::MAX
+    }
+    /// 60FFh.
+    fn target_velocity(&self) -> i32 {
+        0
     }
     /// 6502h.
     fn supported_drive_modes(&self) -> u32 {

@@ -116,6 +116,19 @@ parameters! {
     ErrorCode "error_code" 0x603F 0 U16 Shown "";
     Controlword "controlword" 0x6040 0 U16 Taken "";
     Statusword "statusword" 0x6041 0 U16 Shown "";
+    VlTargetVelocity "vl_target_velocity" 0x6042 0 I16 Taken "vl";
+    VlVelocityDemand "vl_velocity_demand" 0x6043 0 I16 Shown "vl";
+    VlVelocityActualValue "vl_velocity_actual_value" 0x6044 0 I16 Shown "vl";
+    VlVelocityMinAmount "vl_velocity_min_amount" 0x6046 1 U32 Taken "vl";
+    VlVelocityMaxAmount "vl_velocity_max_amount" 0x6046 2 U32 Taken "vl";
+    VlAccelerationSpeed "vl_acceleration_speed" 0x6048 1 U32 Taken "vl" from 1;
+    VlAccelerationTime "vl_acceleration_time" 0x6048 2 U16 Taken "s" from 1;
+    VlDecelerationSpeed "vl_deceleration_speed" 0x6049 1 U32 Taken "vl" from 1;
+    VlDecelerationTime "vl_deceleration_time" 0x6049 2 U16 Taken "s" from 1;
+    VlQuickStopSpeed "vl_quick_stop_speed" 0x604A 1 U32 Taken "vl" from 1;
+    VlQuickStopTime "vl_quick_stop_time" 0x604A 2 U16 Taken "s" from 1;
+    VlDimensionNumerator "vl_dimension_numerator" 0x604C 1 I32 Taken "" from 1;
+    VlDimensionDenominator "vl_dimension_denominator" 0x604C 2 I32 Taken "" from 1;
     QuickStopOptionCode "quick_stop_option_code" 0x605A 0 I16 Taken "";
     ShutdownOptionCode "shutdown_option_code" 0x605B 0 I16 Taken "";
     DisableOperationOptionCode "disable_operation_option_code" 0x605C 0 I16 Taken "";
@@ -126,15 +139,30 @@ parameters! {
     PositionDemandValue "position_demand_value" 0x6062 0 I32 Shown "steps";
     PositionActualInternalValue "position_actual_internal_value" 0x6063 0 I32 Shown "increments";
     PositionActualValue "position_actual_value" 0x6064 0 I32 Shown "steps";
+    FollowingErrorWindow "following_error_window" 0x6065 0 U32 Taken "steps";
+    FollowingErrorTimeOut "following_error_time_out" 0x6066 0 U16 Taken "ms";
     PositionWindow "position_window" 0x6067 0 U32 Taken "steps";
     PositionWindowTime "position_window_time" 0x6068 0 U16 Taken "ms";
+    VelocityDemandValue "velocity_demand_value" 0x606B 0 I32 Shown "steps/s";
+    VelocityActualValue "velocity_actual_value" 0x606C 0 I32 Shown "steps/s";
+    VelocityWindow "velocity_window" 0x606D 0 U16 Taken "steps/s";
+    VelocityWindowTime "velocity_window_time" 0x606E 0 U16 Taken "ms";
+    VelocityThreshold "velocity_threshold" 0x606F 0 U16 Taken "steps/s";
+    VelocityThresholdTime "velocity_threshold_time" 0x6070 0 U16 Taken "ms";
     TargetPosition "target_position" 0x607A 0 I32 Taken "steps";
     MinPositionLimit "min_position_limit" 0x607D 1 I32 Taken "steps";
     MaxPositionLimit "max_position_limit" 0x607D 2 I32 Taken "steps";
+    MaxProfileVelocity "max_profile_velocity" 0x607F 0 U32 Taken "steps/s";
+    MaxMotorSpeed "max_motor_speed" 0x6080 0 U32 Taken "steps/s";
     ProfileVelocity "profile_velocity" 0x6081 0 U32 Taken "steps/s";
     ProfileAcceleration "profile_acceleration" 0x6083 0 U32 Taken "steps/s²" from 1;
     ProfileDeceleration "profile_deceleration" 0x6084 0 U32 Taken "steps/s²" from 1;
     QuickStopDeceleration "quick_stop_deceleration" 0x6085 0 U32 Taken "steps/s²" from 1;
+    MaxAcceleration "max_acceleration" 0x60C5 0 U32 Taken "steps/s²" from 1;
+    MaxDeceleration "max_deceleration" 0x60C6 0 U32 Taken "steps/s²" from 1;
+    FollowingErrorActualValue "following_error_actual_value" 0x60F4 0 I32 Shown "steps";
+    MaxSlippage "max_slippage" 0x60F8 0 I32 Taken "steps/s";
+    TargetVelocity "target_velocity" 0x60FF 0 I32 Taken "steps/s";
     SupportedDriveModes "supported_drive_modes" 0x6502 0 U32 Taken "";
 }
 
@@ -149,6 +177,8 @@ impl Parameter {
                 | Self::ProfileVelocity
                 | Self::ProfileAcceleration
                 | Self::ProfileDeceleration
+                | Self::TargetVelocity
+                | Self::VlTargetVelocity
         )
     }
 }

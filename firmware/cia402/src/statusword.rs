@@ -18,3 +18,7 @@ pub const INTERNAL_LIMIT: u16 = 1 << 11;
 pub const SET_POINT_ACKNOWLEDGE: u16 = 1 << 12;
 /// Bit 13 in profile position: following error.
 pub const FOLLOWING_ERROR: u16 = 1 << 13;
+/// Bit 12 in profile velocity: speed; 1 while the motor is as good as at rest.
+pub const SPEED_ZERO: u16 = 1 << 12;
+/// Bit 13 in profile velocity: max slippage error.
+pub const SLIPPAGE: u16 = 1 << 13;

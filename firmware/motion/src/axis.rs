@@ -207,6 +207,17 @@ impl Axis {
             && self.train.due(self.plan.state_at(self.horizon).position) == 0
     }
 
+    /// The velocity at the commit horizon in steps/s: that from which the next command begins.
+    pub fn committed_velocity(&self) -> i32 {
+        self.demand_of(self.plan.state_at(self.horizon)).velocity
+    }
+
+    /// Whether the commit horizon has reached the last phase of the motion, the ramp to rest, or its end.
+    pub fn is_ending(&self) -> bool {
+        let last = self.plan.phases().last();
+        self.plan.end().is_some() && last.is_none_or(|last| last.start() <= self.horizon)
+    }
+
     /// Where the motion ends, in whole steps: the target, or where a stop comes to rest. For a velocity that is kept, the position
     /// at the commit horizon.
     pub fn target(&self) -> i64 {

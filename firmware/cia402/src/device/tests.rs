@@ -43,7 +43,7 @@ fn d02_a_drive_is_enabled_by_sdo_in_pre_operational() {
 fn d13_an_unsupported_mode_is_refused() {
     let mut station = Station::new();
     station.milliseconds(3);
-    for mode in [5, 2, 0xFF, 0x80] {
+    for mode in [5, 4, 0xFF, 0x80] {
         assert_eq!(station.download(0x6060, 0, 1, mode), Err(0x0609_0030));
         station.milliseconds(2);
         assert_eq!(station.upload(0x6061, 0), 1);

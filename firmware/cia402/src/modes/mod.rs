@@ -1,20 +1,28 @@
 //! The modes of operation 6060h: one at a time decides how the motor moves while the drive is in operation enabled.
 //!
-//! A new mode takes effect at once while the motor stands or has no power. While it moves, it first slows down with 6084h
-//! and forgets its set-points; 6061h shows the new mode when it is really at work. Halt and a held bit 4 are no obstacle.
+//! A new mode takes effect at once while the motor stands or has no power. While it moves, the velocity modes take over and ramp
+//! from there; before any other mode the motor slows down with 6084h (6049h) and set-points are forgotten. 6061h shows the new mode
+//! when it is really at work. Halt and a held bit 4 are no obstacle.
 //! A value that is not supported is refused by SDO and ignored in a PDO.
 
-mod position_window;
+mod kept_velocity;
 mod profile_position;
+mod profile_velocity;
+mod velocity;
 
 use canopen::Instant;
+use motion::{Demand, Limits};
 
 use crate::configuration::Configuration;
+use crate::controlword::HALT;
 use crate::exchange::Commands;
+use crate::monitor::Observed;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 
 use profile_position::ProfilePosition;
+use profile_velocity::ProfileVelocity;
+use velocity::Velocity;
 
 /// A mode of operation, with its number in 6060h and 6061h.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,11 +32,20 @@ pub enum Mode {
     NoMode = 0,
     /// Profile position: the motor goes to set-points, each on its own profile.
     ProfilePosition = 1,
+    /// Velocity ("vl"): the motor keeps a velocity, as frequency converters do.
+    Velocity = 2,
+    /// Profile velocity: the motor keeps a velocity.
+    ProfileVelocity = 3,
 }
 
 impl Mode {
     /// Every mode of this firmware.
-    pub const ALL: [Self; 2] = [Self::NoMode, Self::ProfilePosition];
+    pub const ALL: [Self; 4] = [
+        Self::NoMode,
+        Self::ProfilePosition,
+        Self::Velocity,
+        Self::ProfileVelocity,
+    ];
 
     /// The mode with this number; `None` if it is not supported.
     pub fn from_code(code: i8) -> Option<Self> {
@@ -45,6 +62,16 @@ impl Mode {
         match self {
             Self::NoMode => 0,
             Self::ProfilePosition => 1 << 0,
+            Self::Velocity => 1 << 1,
+            Self::ProfileVelocity => 1 << 2,
+        }
+    }
+
+    /// Whether the mode may begin while the motor moves: it goes on from there.
+    const fn begins_in_motion(self) -> bool {
+        match self {
+            Self::NoMode | Self::ProfilePosition => false,
+            Self::Velocity | Self::ProfileVelocity => true,
         }
     }
 }
@@ -53,25 +80,77 @@ impl Mode {
 #[derive(Debug)]
 pub(crate) struct Context<'a> {
     pub(crate) now: Instant,
+    /// The mode at work.
+    pub(crate) mode: Mode,
     pub(crate) commands: &'a Commands,
     pub(crate) configuration: &'a Configuration,
     /// 6064h before it is cut to 32 bits.
     pub(crate) position: i64,
+    /// What was being played when the tick began.
+    pub(crate) demand: Demand,
+    /// What the motor did.
+    pub(crate) observed: Observed,
+    /// The lowest and the highest position the motor may go to by 607Dh, in steps; [`Context::NO_TRAVEL`] where it may go
+    /// anywhere.
+    pub(crate) travel: (i64, i64),
     pub(crate) motor: &'a mut Motor,
 }
 
 impl Context<'_> {
-    /// The deceleration of a ramp in the profile modes, in steps/s².
-    pub(crate) fn profile_ramp(&self, ramp: StopRamp) -> u32 {
-        profile_ramp(ramp, self.commands, self.configuration)
+    /// Just outside of what positions can be: there is no limit on that side.
+    pub(crate) const NO_TRAVEL: (i64, i64) = (i32::MIN as i64 - 1, i32::MAX as i64 + 1);
+
+    /// Controlword bit 8.
+    pub(crate) const fn is_halted(&self) -> bool {
+        self.commands.controlword & HALT != 0
+    }
+
+    /// Stops on the ramp of 605Dh.
+    pub(crate) fn halt(&mut self) {
+        if !self.motor.standstill() {
+            let deceleration = ramp_in(
+                self.mode,
+                self.configuration.halt,
+                self.commands,
+                self.configuration,
+            );
+            self.motor.stop(deceleration);
+        }
+    }
+
+    /// The fastest the motor may go, in steps/s.
+    pub(crate) fn max_velocity(&self) -> u32 {
+        self.configuration
+            .max_velocity
+            .min(self.motor.max_velocity())
+    }
+
+    /// A velocity and the profile ramps 6083h and 6084h, within 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach; and
+    /// whether one of them was cut.
+    pub(crate) fn limits(&self, velocity: u32) -> (Limits, bool) {
+        let asked = Limits {
+            velocity,
+            acceleration: self.commands.profile_acceleration,
+            deceleration: self.commands.profile_deceleration,
+        };
+        let limits = Limits {
+            velocity: velocity.min(self.max_velocity()),
+            acceleration: asked.acceleration.min(self.configuration.max_acceleration),
+            deceleration: asked.deceleration.min(self.configuration.max_deceleration),
+        };
+        (limits, limits != asked)
     }
 }
 
-fn profile_ramp(ramp: StopRamp, commands: &Commands, configuration: &Configuration) -> u32 {
-    match ramp {
-        StopRamp::SlowDown => commands.profile_deceleration,
-        StopRamp::QuickStop | StopRamp::CurrentLimit => configuration.quick_stop_deceleration,
-    }
+/// The deceleration of a ramp in a mode, in steps/s². 60C6h caps it.
+fn ramp_in(mode: Mode, ramp: StopRamp, commands: &Commands, configuration: &Configuration) -> u32 {
+    let deceleration = match (mode, ramp) {
+        (Mode::Velocity, StopRamp::SlowDown) => configuration.velocity.deceleration,
+        (Mode::Velocity, _) => configuration.velocity.quick_stop,
+        (_, StopRamp::SlowDown) => commands.profile_deceleration,
+        (_, StopRamp::QuickStop | StopRamp::CurrentLimit) => configuration.quick_stop_deceleration,
+    };
+    deceleration.min(configuration.max_deceleration)
 }
 
 /// The modes, and which of them is at work.
@@ -81,6 +160,8 @@ pub(crate) struct Modes {
     /// The active mode has given up its set-points, and the motor is slowing down.
     interrupted: bool,
     profile_position: ProfilePosition,
+    profile_velocity: ProfileVelocity,
+    velocity: Velocity,
 }
 
 impl Modes {
@@ -89,6 +170,8 @@ impl Modes {
             active: Mode::NoMode,
             interrupted: false,
             profile_position: ProfilePosition::new(),
+            profile_velocity: ProfileVelocity::new(),
+            velocity: Velocity::new(),
         }
     }
 
@@ -104,9 +187,7 @@ impl Modes {
         commands: &Commands,
         configuration: &Configuration,
     ) -> u32 {
-        match self.active {
-            Mode::NoMode | Mode::ProfilePosition => profile_ramp(ramp, commands, configuration),
-        }
+        ramp_in(self.active, ramp, commands, configuration)
     }
 
     /// The motor stands, and no mode is at work: the mode that is asked for is the mode.
@@ -120,6 +201,8 @@ impl Modes {
         match self.active {
             Mode::NoMode => {}
             Mode::ProfilePosition => self.profile_position.enter(motor),
+            Mode::Velocity => self.velocity.enter(),
+            Mode::ProfileVelocity => self.profile_velocity.enter(),
         }
     }
 
@@ -137,13 +220,14 @@ impl Modes {
     pub(crate) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let wanted = Mode::from_code(context.commands.mode).unwrap_or(self.active);
         if wanted != self.active {
-            if !context.motor.standstill() {
+            if !context.motor.standstill() && !wanted.begins_in_motion() {
                 let deceleration =
                     self.deceleration(StopRamp::SlowDown, context.commands, context.configuration);
                 self.interrupt(context.motor, deceleration);
                 return 0;
             }
             self.active = wanted;
+            context.mode = wanted;
             self.enter(context.motor);
         } else if self.interrupted {
             self.enter(context.motor);
@@ -151,6 +235,8 @@ impl Modes {
         match self.active {
             Mode::NoMode => 0,
             Mode::ProfilePosition => self.profile_position.tick(context),
+            Mode::Velocity => self.velocity.tick(context),
+            Mode::ProfileVelocity => self.profile_velocity.tick(context),
         }
     }
 }

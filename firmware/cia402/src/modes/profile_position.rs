@@ -12,7 +12,7 @@
 //! - Halt (bit 8) stops on the ramp of 605Dh and keeps the target; releasing it goes on. Set-points are taken but not started.
 //! - A target outside 607Dh, or outside 32 bits, is cut to the limit; bit 11 shows it and bit 10 stays 0. The limits are off
 //!   while the minimum is not below the maximum.
-//! - A velocity the pulses cannot reach is cut (bit 11). A set-point that cannot be carried out (6081h = 0) is taken and
+//! - A velocity above 607Fh, 6080h or what the pulses can reach, a ramp above 60C5h or 60C6h is cut (bit 11). A set-point that cannot be carried out (6081h = 0) is taken and
 //!   acknowledged, the motor stops or stays, bit 10 stays 0 and bit 11 is 1; the next set-point replaces it at once.
 //!
 //! Bit 10, target reached: 0 in the tick that takes a set-point, even one that ends where the motor stands; then 1 as soon
@@ -22,12 +22,13 @@
 use motion::Limits;
 
 use super::Context;
-use super::position_window::PositionWindow;
-use crate::configuration::Configuration;
-use crate::controlword::{CHANGE_IMMEDIATELY, HALT, NEW_SET_POINT, RELATIVE};
-use crate::exchange::Commands;
+use crate::controlword::{CHANGE_IMMEDIATELY, NEW_SET_POINT, RELATIVE};
+use crate::dwell::Dwell;
 use crate::motor::Motor;
 use crate::statusword::{INTERNAL_LIMIT, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
+
+/// 6067h: the window is not looked at.
+const WINDOW_OFF: u32 = u32::MAX;
 
 /// A target with its profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +43,7 @@ struct SetPoint {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Limited {
     target: bool,
-    velocity: bool,
+    profile: bool,
 }
 
 /// How far a set-point has come.
@@ -70,7 +71,7 @@ pub(super) struct ProfilePosition {
     halted: bool,
     /// The mode began in this tick: an edge of bit 4 is older than it.
     begins: bool,
-    window: PositionWindow,
+    window: Dwell,
 }
 
 impl ProfilePosition {
@@ -83,7 +84,7 @@ impl ProfilePosition {
             acknowledge: false,
             halted: false,
             begins: true,
-            window: PositionWindow::new(),
+            window: Dwell::new(),
         }
     }
 
@@ -97,7 +98,7 @@ impl ProfilePosition {
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let controlword = context.commands.controlword;
         let was_halted = self.halted;
-        self.halted = controlword & HALT != 0;
+        self.halted = context.is_halted();
 
         if self.progress == Progress::UnderWay && !was_halted && context.motor.standstill() {
             self.progress = Progress::Done;
@@ -111,10 +112,7 @@ impl ProfilePosition {
         self.begins = false;
         let taken = edge && self.take(context);
         match (was_halted, self.halted) {
-            (false, true) if !context.motor.standstill() => {
-                let deceleration = context.profile_ramp(context.configuration.halt);
-                context.motor.stop(deceleration);
-            }
+            (false, true) => context.halt(),
             (true, false) => self.resume(context),
             _ => {}
         }
@@ -129,11 +127,7 @@ impl ProfilePosition {
 
     /// Takes the set-point in the commands, if there is room. Returns whether it did.
     fn take(&mut self, context: &mut Context<'_>) -> bool {
-        let set_point = self.read(
-            context.commands,
-            context.configuration,
-            context.motor.max_velocity(),
-        );
+        let set_point = self.read(context);
         let immediately = context.commands.controlword & CHANGE_IMMEDIATELY != 0;
         if immediately || self.progress != Progress::UnderWay {
             self.next = None;
@@ -147,34 +141,25 @@ impl ProfilePosition {
     }
 
     /// The set-point in the commands, within all limits.
-    fn read(
-        &self,
-        commands: &Commands,
-        configuration: &Configuration,
-        max_velocity: u32,
-    ) -> SetPoint {
+    fn read(&self, context: &Context<'_>) -> SetPoint {
+        let commands = context.commands;
         let asked = i64::from(commands.target_position);
         let wanted = if commands.controlword & RELATIVE != 0 {
             self.target.saturating_add(asked)
         } else {
             asked
         };
-        let (low, high) = match configuration.position_limits {
-            (low, high) if low < high => (low, high),
-            _ => (i32::MIN, i32::MAX),
-        };
-        let target = wanted.max(i64::from(low)).min(i64::from(high));
-        let velocity = commands.profile_velocity.min(max_velocity);
+        let (low, high) = context.travel;
+        let low = low.max(i64::from(i32::MIN));
+        let high = high.min(i64::from(i32::MAX));
+        let target = wanted.max(low).min(high);
+        let (limits, is_cut) = context.limits(commands.profile_velocity);
         SetPoint {
             target,
-            limits: Limits {
-                velocity,
-                acceleration: commands.profile_acceleration,
-                deceleration: commands.profile_deceleration,
-            },
+            limits,
             limited: Limited {
                 target: target != wanted,
-                velocity: velocity != commands.profile_velocity,
+                profile: is_cut,
             },
         }
     }
@@ -184,7 +169,7 @@ impl ProfilePosition {
         self.current = Some(set_point);
         self.target = set_point.target;
         self.progress = Progress::UnderWay;
-        self.window = PositionWindow::new();
+        self.window = Dwell::new();
         if !self.halted {
             self.start(set_point, context.motor);
         }
@@ -216,7 +201,7 @@ impl ProfilePosition {
         if reached {
             bits |= TARGET_REACHED;
         }
-        if limited.target || limited.velocity || self.progress == Progress::Impossible {
+        if limited.target || limited.profile || self.progress == Progress::Impossible {
             bits |= INTERNAL_LIMIT;
         }
         if self.acknowledge {
@@ -233,13 +218,13 @@ impl ProfilePosition {
         if limited.target || self.progress == Progress::Impossible {
             return false;
         }
-        if configuration.position_window == PositionWindow::OFF {
+        if configuration.position_window == WINDOW_OFF {
             return self.progress == Progress::Done;
         }
-        self.window.is_reached(
+        let distance = distance(context.position, self.target);
+        self.window.has_held(
             context.now,
-            distance(context.position, self.target),
-            configuration.position_window,
+            distance <= u64::from(configuration.position_window),
             configuration.position_window_time,
         )
     }
@@ -253,7 +238,7 @@ fn distance(position: i64, target: i64) -> u64 {
 impl Limited {
     const NONE: Self = Self {
         target: false,
-        velocity: false,
+        profile: false,
     };
 }
 

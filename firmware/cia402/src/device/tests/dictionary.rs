@@ -76,6 +76,7 @@ const OBJECTS: &[Object] = &[
     (0x603F, 0, U16, RO, 0),
     (0x6040, 0, U16, RWW, 0),
     (0x6041, 0, U16, RO, 0),
+    (0x6042, 0, I16, RWW, 0),
     (0x605A, 0, I16, RW, 2),
     (0x605B, 0, I16, RW, 0),
     (0x605C, 0, I16, RW, 1),
@@ -88,6 +89,8 @@ const OBJECTS: &[Object] = &[
     (0x6064, 0, I32, RO, 0),
     (0x6067, 0, U32, RW, 10),
     (0x6068, 0, U16, RW, 10),
+    (0x606B, 0, I32, RO, 0),
+    (0x606C, 0, I32, RO, 0),
     (0x607A, 0, I32, RWW, 0),
     (0x607D, 0, U8, RO, 2),
     (0x607D, 1, I32, RW, 0x8000_0000),
@@ -96,7 +99,8 @@ const OBJECTS: &[Object] = &[
     (0x6083, 0, U32, RW, 100_000),
     (0x6084, 0, U32, RW, 100_000),
     (0x6085, 0, U32, RW, 1_000_000),
-    (0x6502, 0, U32, RO, 1),
+    (0x60FF, 0, I32, RWW, 0),
+    (0x6502, 0, U32, RO, 7),
 ];
 
 const fn size(data_type: DataType) -> u16 {
@@ -272,6 +276,18 @@ impl Objects for DriveDictionary {
     }
     fn quick_stop_deceleration(&self) -> u32 {
         self.u32(0x6085, 0)
+    }
+    fn vl_target_velocity(&self) -> i16 {
+        self.u16(0x6042).cast_signed()
+    }
+    fn set_velocity_demand_value(&mut self, value: i32) {
+        self.put_i32(0x606B, value);
+    }
+    fn set_velocity_actual_value(&mut self, value: i32) {
+        self.put_i32(0x606C, value);
+    }
+    fn target_velocity(&self) -> i32 {
+        self.u32(0x60FF, 0).cast_signed()
     }
     fn supported_drive_modes(&self) -> u32 {
         self.u32(0x6502, 0)

@@ -1,0 +1,102 @@
+//! Profile velocity, mode 3 (CiA 402-2): the motor keeps the target velocity 60FFh.
+//!
+//! - 60FFh counts at once, whenever it is written; speeding up takes 6083h, slowing down 6084h, and a change of sign passes
+//!   through standstill with first the one and then the other. A change of a ramp or limit counts at once too.
+//! - It counts from operation enabled on, also when it was written before. Halt (bit 8) stops on the ramp of 605Dh; releasing it
+//!   ramps to 60FFh again.
+//! - The velocity is cut to 607Fh, to 6080h and to what the pulses can reach. Before a software limit 607Dh the motor slows
+//!   down and stops on it; the way back is free. Bit 11 shows each of these.
+//! - The mode may begin while the motor moves: it ramps from there.
+//!
+//! Bit 10, target reached: 606Ch has been within 606Dh of 60FFh for 606Eh; during halt the motor stands. Bit 12, speed: 0 as soon as
+//! 606Ch has been above 606Fh for 6070h, 1 otherwise. Bit 13, slippage error: 606Bh and 606Ch differ by more than 60F8h.
+
+use super::Context;
+use super::kept_velocity::{KeptVelocity, Order};
+use crate::dwell::Dwell;
+use crate::statusword::{INTERNAL_LIMIT, SLIPPAGE, SPEED_ZERO, TARGET_REACHED};
+
+/// The mode.
+#[derive(Debug)]
+pub(super) struct ProfileVelocity {
+    motion: KeptVelocity,
+    halted: bool,
+    reached: Dwell,
+    moving: Dwell,
+}
+
+impl ProfileVelocity {
+    pub(super) const fn new() -> Self {
+        Self {
+            motion: KeptVelocity::new(),
+            halted: false,
+            reached: Dwell::new(),
+            moving: Dwell::new(),
+        }
+    }
+
+    /// The mode begins, whatever the motor does.
+    pub(super) const fn enter(&mut self) {
+        *self = Self::new();
+    }
+
+    /// One control tick; returns statusword bits 10 to 13.
+    pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
+        let asked = context.commands.target_velocity;
+        let (limits, is_cut) = context.limits(asked.unsigned_abs());
+        let order = Order {
+            velocity: signed(limits.velocity, asked),
+            limits,
+            travel: context.travel,
+        };
+        if !context.is_halted() {
+            self.halted = false;
+            self.motion.follow(order, context.motor);
+        } else if !self.halted {
+            self.halted = true;
+            self.motion.forget();
+            context.halt();
+        }
+        self.bits(context, asked, is_cut)
+    }
+
+    fn bits(&mut self, context: &Context<'_>, asked: i32, is_cut: bool) -> u16 {
+        let configuration = context.configuration;
+        let velocity = context.observed.velocity;
+        let reached = self.reached.has_held(
+            context.now,
+            velocity.abs_diff(asked) <= u32::from(configuration.velocity_window),
+            configuration.velocity_window_time,
+        );
+        let moving = self.moving.has_held(
+            context.now,
+            velocity.unsigned_abs() > u32::from(configuration.velocity_threshold),
+            configuration.velocity_threshold_time,
+        );
+        let is_limited = is_cut || self.motion.is_limited(context.motor);
+        let slips = context.observed.slippage.unsigned_abs() > configuration.max_slippage;
+        let bit = |condition, bit| if condition { bit } else { 0 };
+        let reached = if self.halted {
+            context.motor.standstill()
+        } else {
+            reached
+        };
+        bit(reached, TARGET_REACHED)
+            | bit(is_limited, INTERNAL_LIMIT)
+            | bit(!moving, SPEED_ZERO)
+            | bit(slips, SLIPPAGE)
+    }
+}
+
+/// An amount with the sign of a number; 0 has that of 0.
+pub(super) fn signed(amount: u32, like: i32) -> i32 {
+    let amount = i32::try_from(amount).unwrap_or(i32::MAX);
+    if like < 0 {
+        amount.wrapping_neg()
+    } else {
+        amount
+    }
+}
+
+#[cfg(test)]
+mod tests;

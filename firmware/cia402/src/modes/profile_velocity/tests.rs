@@ -1,0 +1,273 @@
+use crate::Mode;
+use crate::statusword::{INTERNAL_LIMIT, SLIPPAGE, SPEED_ZERO, TARGET_REACHED};
+use crate::testing::Rig;
+
+/// A drive in profile velocity, at rest. 6083h and 6084h are 100,000 steps/s²: 100 ticks to 10,000 steps/s.
+fn enabled() -> Rig {
+    let mut rig = Rig::enabled();
+    rig.commands.mode = Mode::ProfileVelocity.code();
+    rig.configuration.velocity_window = 100;
+    rig.configuration.velocity_window_time = 10;
+    rig.configuration.velocity_threshold = 50;
+    rig.configuration.velocity_threshold_time = 5;
+    rig.post();
+    rig.ticks(20);
+    assert_eq!(rig.actuals().mode_display, 3);
+    rig
+}
+
+fn run(rig: &mut Rig, velocity: i32) {
+    rig.commands.target_velocity = velocity;
+    rig.post();
+}
+
+/// The greatest change of speed from one tick to the next, in steps per tick, over so many ticks.
+fn roughest(rig: &mut Rig, ticks: usize) -> i64 {
+    let mut before = rig.speed();
+    let mut roughest = 0;
+    for _ in 0..ticks {
+        let speed = rig.speed();
+        roughest = roughest.max((speed - before).abs());
+        before = speed;
+    }
+    roughest
+}
+
+#[test]
+fn d27_the_motor_keeps_60ffh() {
+    let mut rig = enabled();
+    assert!(rig.has(TARGET_REACHED | SPEED_ZERO), "0 is kept");
+    run(&mut rig, 10_000);
+    rig.ticks(50);
+    assert!(!rig.has(TARGET_REACHED) && !rig.has(SPEED_ZERO));
+    rig.ticks(150);
+    assert!(rig.reached());
+    assert_eq!(rig.speed(), 10);
+    assert_eq!(rig.actuals().velocity_demand, 10_000);
+    assert_eq!(rig.actuals().velocity_actual, 10_000);
+}
+
+#[test]
+fn m41_a_change_in_the_ramp_goes_on_without_a_jump() {
+    let mut rig = enabled();
+    run(&mut rig, 10_000);
+    rig.ticks(50);
+    run(&mut rig, 2_000);
+    // A tenth of a step per tick on 6083h and 6084h, and a step of rounding.
+    assert!(roughest(&mut rig, 200) <= 2);
+    assert_eq!(rig.actuals().velocity_actual, 2_000);
+}
+
+#[test]
+fn m41_a_change_of_sign_passes_through_zero_on_both_ramps() {
+    let mut rig = enabled();
+    rig.commands.profile_acceleration = 50_000;
+    run(&mut rig, 10_000);
+    rig.ticks(300);
+    run(&mut rig, -10_000);
+    let begin = rig.motor.position;
+    let slowing = rig.until("standstill", |rig| rig.actuals().velocity_demand <= 0);
+    assert!((100..=105).contains(&slowing), "{slowing} ticks on 6084h");
+    assert!((500..545).contains(&(rig.motor.position - begin)));
+    let speeding = rig.until("speed", |rig| rig.actuals().velocity_demand == -10_000);
+    assert!((198..=203).contains(&speeding), "{speeding} ticks on 6083h");
+    assert_eq!(rig.speed(), -10);
+}
+
+#[test]
+fn d27_halt_stops_and_release_runs_again() {
+    let mut rig = enabled();
+    run(&mut rig, 10_000);
+    rig.ticks(200);
+    rig.write(0x10F);
+    rig.tick();
+    assert!(!rig.reached());
+    let stopped = rig.rest();
+    assert!(rig.has(TARGET_REACHED | SPEED_ZERO));
+    run(&mut rig, 5_000);
+    rig.ticks(50);
+    assert_eq!(rig.motor.position, stopped);
+    rig.write(0x0F);
+    rig.ticks(200);
+    assert_eq!(rig.speed(), 5);
+}
+
+#[test]
+fn m43_a_velocity_written_before_counts_from_operation_enabled_on() {
+    let mut rig = enabled();
+    rig.write(0x07);
+    rig.ticks(5);
+    run(&mut rig, 3_000);
+    rig.ticks(50);
+    assert_eq!(rig.motor.position, 0);
+    rig.write(0x10F);
+    rig.ticks(50);
+    assert_eq!(rig.motor.position, 0, "halt");
+    rig.write(0x0F);
+    rig.ticks(100);
+    assert_eq!(rig.speed(), 3);
+}
+
+#[test]
+fn m42_speed_is_zero_by_threshold_and_time() {
+    let mut rig = enabled();
+    run(&mut rig, 40);
+    rig.ticks(50);
+    assert!(rig.has(SPEED_ZERO), "below the threshold");
+    run(&mut rig, 1_000);
+    let above = rig.until("above", |rig| rig.actuals().velocity_actual > 50);
+    let told = rig.until("told", |rig| !rig.has(SPEED_ZERO));
+    assert_eq!(told, 5, "{above} ticks to the threshold");
+    run(&mut rig, 0);
+    rig.until("below", |rig| rig.actuals().velocity_actual <= 50);
+    assert!(rig.has(SPEED_ZERO), "at once");
+}
+
+#[test]
+fn m42_slippage_shows_while_the_motor_does_not_follow() {
+    let mut rig = enabled();
+    rig.configuration.max_slippage = 2_000;
+    run(&mut rig, 10_000);
+    rig.ticks(200);
+    assert!(!rig.has(SLIPPAGE));
+    for _ in 0..20 {
+        rig.motor.position -= 5;
+        rig.tick();
+    }
+    assert!(rig.has(SLIPPAGE));
+    let velocity = rig.actuals().velocity_actual;
+    assert!((4_500..=5_500).contains(&velocity), "{velocity}");
+    assert!(rig.actuals().following_error >= 99);
+    rig.ticks(20);
+    assert!(!rig.has(SLIPPAGE));
+}
+
+#[test]
+fn m39_the_velocity_is_cut_and_bit_11_tells() {
+    let mut rig = enabled();
+    rig.configuration.max_velocity = 4_000;
+    run(&mut rig, -10_000);
+    rig.ticks(200);
+    assert_eq!(rig.speed(), -4);
+    assert!(rig.limited() && !rig.reached());
+    rig.configuration.max_velocity = 20_000;
+    rig.post();
+    rig.ticks(200);
+    assert_eq!(rig.speed(), -10);
+    assert!(!rig.limited() && rig.reached());
+}
+
+#[test]
+fn m39_ramps_are_capped_by_60c5h_and_60c6h() {
+    let mut rig = enabled();
+    rig.configuration.max_acceleration = 50_000;
+    rig.configuration.max_deceleration = 20_000;
+    run(&mut rig, 10_000);
+    rig.tick();
+    assert!(rig.limited());
+    let speeding = rig.until("speed", |rig| rig.actuals().velocity_demand == 10_000);
+    assert!((198..=204).contains(&speeding), "{speeding}");
+    run(&mut rig, 0);
+    let slowing = rig.until("rest", |rig| rig.actuals().velocity_demand == 0);
+    assert!((498..=504).contains(&slowing), "{slowing}");
+}
+
+#[test]
+fn m44_a_software_limit_is_never_passed_and_the_way_back_is_free() {
+    let mut rig = enabled();
+    rig.configuration.position_limits = (-300, 5_000);
+    run(&mut rig, 10_000);
+    rig.ticks(200);
+    assert!(!rig.limited(), "on its way");
+    assert_eq!(rig.rest(), 5_000);
+    assert!(rig.limited() && !rig.reached() && rig.has(SPEED_ZERO));
+    run(&mut rig, -10_000);
+    rig.tick();
+    assert!(!rig.has(INTERNAL_LIMIT));
+    assert_eq!(rig.rest(), -300);
+    assert!(rig.limited());
+}
+
+#[test]
+fn m44_beyond_a_limit_only_the_way_back_is_free() {
+    let mut rig = enabled();
+    run(&mut rig, 1_000);
+    rig.ticks(500);
+    run(&mut rig, 0);
+    let beyond = rig.rest();
+    rig.configuration.position_limits = (0, 100);
+    run(&mut rig, 1_000);
+    assert_eq!(rig.rest(), beyond);
+    assert!(rig.limited());
+    run(&mut rig, -1_000);
+    assert_eq!(rig.rest(), 0);
+}
+
+#[test]
+fn m44_a_limit_that_appears_too_near_stops_the_motor_without_a_way_back() {
+    let mut rig = enabled();
+    run(&mut rig, 10_000);
+    rig.ticks(200);
+    let near = i32::try_from(rig.motor.position).unwrap() + 100;
+    rig.configuration.position_limits = (-1_000, near);
+    rig.post();
+    let stopped = rig.rest();
+    assert!(stopped > near.into());
+    assert!(rig.limited());
+    assert_eq!(rig.rest(), stopped);
+}
+
+#[test]
+fn m19_from_profile_position_the_motor_goes_on_to_60ffh() {
+    let mut rig = Rig::enabled();
+    rig.set_point(100_000, 0);
+    rig.ticks(200);
+    rig.commands.mode = 3;
+    run(&mut rig, 4_000);
+    rig.tick();
+    assert_eq!(rig.actuals().mode_display, 3);
+    assert!(roughest(&mut rig, 100) <= 2);
+    assert_eq!(rig.actuals().velocity_demand, 4_000);
+    rig.commands.mode = 1;
+    rig.post();
+    rig.tick();
+    assert_eq!(rig.actuals().mode_display, 3, "it slows down first");
+    let stopped = rig.rest();
+    assert_eq!(rig.actuals().mode_display, 1);
+    rig.ticks(50);
+    assert_eq!(rig.motor.position, stopped, "the set-point is forgotten");
+}
+
+#[test]
+fn m09_60ffh_during_quick_stop_is_ignored() {
+    let mut rig = enabled();
+    run(&mut rig, 10_000);
+    rig.ticks(200);
+    rig.configuration.quick_stop = crate::testing::quick_stop(6);
+    rig.write(0x02);
+    rig.tick();
+    run(&mut rig, 20_000);
+    let stopped = rig.rest();
+    rig.ticks(50);
+    assert_eq!(rig.motor.position, stopped);
+}
+
+#[test]
+fn a_velocity_is_kept_across_the_end_of_32_bits() {
+    let mut rig = enabled();
+    // Turned by hand, without power.
+    rig.write(0x00);
+    rig.ticks(3);
+    rig.motor.position = i64::from(i32::MAX) - 500;
+    rig.ticks(3);
+    for controlword in [0x06, 0x07, 0x0F] {
+        rig.write(controlword);
+        rig.tick();
+    }
+    run(&mut rig, 10_000);
+    rig.ticks(300);
+    assert_eq!(rig.speed(), 10);
+    assert!(rig.actuals().position_actual < 0, "wrapped");
+    assert_eq!(rig.actuals().following_error.abs() / 2, 0);
+    assert!(rig.reached() && !rig.limited());
+}

@@ -1,0 +1,148 @@
+//! Velocity, mode 2 (CiA 402-2, "vl"): the motor keeps the velocity 6042h, as frequency converters do.
+//!
+//! - 6042h counts at once. Its amount is raised to 6046h:1 and cut to 6046h:2 (bit 11); 0 stays 0. Multiplied by 604Ch:1 and
+//!   divided by 604Ch:2 it is a number of steps/s, and so are 6043h, 6044h, 6046h and the speeds of 6048h to 604Ah.
+//! - 6048h, 6049h and 604Ah are a speed and the seconds for it: the ramps to speed up, to slow down, and of a quick stop.
+//! - Controlword bit 4, enable ramp: 0 stops the motor on the quick stop ramp. Bit 5, unlock ramp: 0 holds the velocity where it is.
+//!   Bit 6, reference ramp: 0 takes 0 for 6042h. All three are 1 in normal operation.
+//! - Halt (bit 8) stops on the ramp of 605Dh, which here means 6049h or 604Ah. Software limits hold as in profile velocity.
+//!
+//! Bit 10: the velocity demand is what 6042h asks for; during halt the motor stands. Bits 12 and 13 are 0.
+
+use motion::Limits;
+
+use super::Context;
+use super::kept_velocity::{KeptVelocity, Order};
+use crate::configuration::VelocityConfiguration;
+use crate::controlword::{ENABLE_RAMP, REFERENCE_RAMP, UNLOCK_RAMP};
+use crate::statusword::{INTERNAL_LIMIT, TARGET_REACHED};
+
+/// Who decides on the velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Control {
+    Reference,
+    Halt,
+    /// Bit 4 is 0.
+    Disabled,
+    /// Bit 5 is 0; the velocity that is held, in steps/s.
+    Locked(i32),
+}
+
+/// The mode.
+#[derive(Debug)]
+pub(super) struct Velocity {
+    motion: KeptVelocity,
+    control: Control,
+    /// What the velocity below was made from.
+    source: Option<(i16, VelocityConfiguration)>,
+    /// What 6042h asks for, in steps/s.
+    asked: i32,
+    is_cut: bool,
+}
+
+impl Velocity {
+    pub(super) const fn new() -> Self {
+        Self {
+            motion: KeptVelocity::new(),
+            control: Control::Reference,
+            source: None,
+            asked: 0,
+            is_cut: false,
+        }
+    }
+
+    /// The mode begins, whatever the motor does.
+    pub(super) const fn enter(&mut self) {
+        *self = Self::new();
+    }
+
+    /// One control tick; returns statusword bits 10 and 11.
+    pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
+        self.read(context);
+        let before = self.control;
+        self.control = self.controlled_by(context);
+        let profile = context.configuration.velocity;
+        let velocity = match self.control {
+            Control::Halt | Control::Disabled => {
+                if before != self.control {
+                    self.motion.forget();
+                    self.stop(context);
+                }
+                return self.bits(context, context.motor.standstill(), false);
+            }
+            Control::Locked(velocity) => velocity,
+            Control::Reference => self.asked,
+        };
+        let top = context.max_velocity();
+        let amount = velocity.unsigned_abs().min(top);
+        let order = Order {
+            velocity: super::profile_velocity::signed(amount, velocity),
+            limits: Limits {
+                velocity: amount,
+                acceleration: profile.acceleration,
+                deceleration: profile.deceleration,
+            },
+            travel: context.travel,
+        };
+        self.motion.follow(order, context.motor);
+        let is_cut = self.is_cut || amount != velocity.unsigned_abs();
+        self.bits(context, context.demand.velocity == self.asked, is_cut)
+    }
+
+    /// 6042h with its limits, in steps/s. The division is made only when something has changed.
+    fn read(&mut self, context: &Context<'_>) {
+        let profile = context.configuration.velocity;
+        let reference = if context.commands.controlword & REFERENCE_RAMP == 0 {
+            0
+        } else {
+            context.commands.vl_target_velocity
+        };
+        if self.source == Some((reference, profile)) {
+            return;
+        }
+        self.source = Some((reference, profile));
+        let amount = u32::from(reference.unsigned_abs());
+        let within = if amount == 0 {
+            0
+        } else {
+            amount.max(profile.min_amount).min(profile.max_amount)
+        };
+        self.is_cut = within != amount;
+        let within = super::profile_velocity::signed(within, reference.into());
+        self.asked = profile.steps_per_second(within);
+    }
+
+    fn controlled_by(&self, context: &Context<'_>) -> Control {
+        let controlword = context.commands.controlword;
+        if context.is_halted() {
+            Control::Halt
+        } else if controlword & ENABLE_RAMP == 0 {
+            Control::Disabled
+        } else if controlword & UNLOCK_RAMP != 0 {
+            Control::Reference
+        } else if let Control::Locked(velocity) = self.control {
+            Control::Locked(velocity)
+        } else {
+            Control::Locked(context.motor.committed_velocity())
+        }
+    }
+
+    fn stop(&self, context: &mut Context<'_>) {
+        if self.control == Control::Halt {
+            context.halt();
+        } else if !context.motor.standstill() {
+            context
+                .motor
+                .stop(context.configuration.velocity.quick_stop);
+        }
+    }
+
+    fn bits(&self, context: &Context<'_>, reached: bool, is_cut: bool) -> u16 {
+        let is_limited = is_cut || self.motion.is_limited(context.motor);
+        let bit = |condition, bit| if condition { bit } else { 0 };
+        bit(reached, TARGET_REACHED) | bit(is_limited, INTERNAL_LIMIT)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,59 @@
+//! The following error over the bus: what it shows, and when it is a fault.
+
+use tests::DriveBench;
+use tests::drive::{FAULT, OPERATION_ENABLED, SWITCH_ON_DISABLED};
+
+/// Statusword bit 13 in profile position: following error.
+const FOLLOWING_ERROR: u16 = 1 << 13;
+
+/// A drive on its way whose motor is held back by ten steps.
+fn displaced(window: u32, time_out: u16) -> DriveBench {
+    let mut drive = DriveBench::enabled(4);
+    drive.write_u32(0x6065, 0, window);
+    drive.write_u16(0x6066, 0, time_out);
+    drive.begin_move(100_000);
+    drive.run_millis(200);
+    let error = drive.read_i32(0x60F4, 0);
+    assert!((-1..=1).contains(&error), "{error} while it follows");
+    drive.axis().plant_mut().displace(-10);
+    drive.run_millis(2);
+    let error = drive.read_i32(0x60F4, 0);
+    assert!((9..=11).contains(&error), "{error}");
+    drive
+}
+
+#[test]
+fn m60_and_d21_a_following_error_that_stays_is_a_fault() {
+    let mut drive = displaced(5, 50);
+    drive.drain(1);
+    drive.stays_in(OPERATION_ENABLED, 40);
+    drive.drain_until("084: 11 86 ..", 20);
+    drive.reaches(FAULT, 200);
+    assert_ne!(drive.statusword() & FOLLOWING_ERROR, 0);
+    assert_eq!(drive.read_u16(0x603F, 0), 0x8611);
+    drive.command(0x00);
+    drive.command(0x80);
+    drive.reaches(SWITCH_ON_DISABLED, 10);
+    assert_eq!(drive.statusword() & FOLLOWING_ERROR, 0);
+    assert_eq!(drive.read_i32(0x60F4, 0), 0);
+    drive.enable();
+    drive.stays_in(OPERATION_ENABLED, 100);
+}
+
+#[test]
+fn m60_a_following_error_within_the_window_or_its_time_is_none() {
+    let mut drive = displaced(20, 0);
+    drive.stays_in(OPERATION_ENABLED, 500);
+
+    let mut drive = displaced(5, 100);
+    drive.run_millis(50);
+    drive.axis().plant_mut().displace(10);
+    drive.stays_in(OPERATION_ENABLED, 500);
+    assert_eq!(drive.statusword() & FOLLOWING_ERROR, 0);
+}
+
+#[test]
+fn m60_with_6065h_at_its_end_nothing_is_monitored_on_the_way() {
+    let mut drive = displaced(u32::MAX, 0);
+    drive.stays_in(OPERATION_ENABLED, 500);
+}

@@ -1,0 +1,178 @@
+//! Profile velocity over the bus.
+
+use tests::DriveBench;
+use tests::drive::{INTERNAL_LIMIT, QUICK_STOP_ACTIVE, SWITCH_ON_DISABLED, TARGET_REACHED};
+
+/// Statusword bit 12: speed is 0.
+const SPEED_ZERO: u16 = 1 << 12;
+
+/// A drive in operation enabled, profile velocity. Ramps of 100,000 steps/s²: 100 ms to 10,000 steps/s.
+fn enabled() -> DriveBench {
+    let mut drive = DriveBench::started(4);
+    drive.write_u8(0x6060, 0, 3);
+    drive.enable();
+    drive.run_millis(20);
+    assert_eq!(drive.read_i8(0x6061, 0), 3);
+    drive
+}
+
+#[test]
+fn d27_velocity_halt_and_their_bits() {
+    let mut drive = enabled();
+    assert_ne!(drive.statusword() & SPEED_ZERO, 0);
+    drive.write_i32(0x60FF, 0, 10_000);
+    drive.run_millis(50);
+    assert_eq!(drive.statusword() & (TARGET_REACHED | SPEED_ZERO), 0);
+    drive.run_millis(100);
+    assert_ne!(drive.statusword() & TARGET_REACHED, 0);
+    assert_eq!(drive.read_i32(0x606B, 0), 10_000);
+    assert_eq!(drive.read_i32(0x606C, 0), 10_000);
+    let begin = drive.position();
+    drive.run_millis(100);
+    assert_eq!(drive.position() - begin, 1_000);
+
+    drive.command(0x10F);
+    drive.run_millis(50);
+    assert_eq!(drive.statusword() & TARGET_REACHED, 0);
+    drive.run_millis(150);
+    assert_ne!(drive.statusword() & TARGET_REACHED, 0, "halted");
+    assert_ne!(drive.statusword() & SPEED_ZERO, 0);
+    let halted = drive.position();
+    drive.run_millis(100);
+    assert_eq!(drive.position(), halted);
+    drive.command(0x0F);
+    drive.run_millis(200);
+    assert_eq!(drive.read_i32(0x606C, 0), 10_000);
+}
+
+#[test]
+fn m41_new_velocities_in_the_ramp_and_across_zero_make_no_jump() {
+    let mut drive = enabled();
+    drive.record_motion();
+    for velocity in [10_000, 2_000, -8_000, 8_000, 0] {
+        drive.write_i32(0x60FF, 0, velocity);
+        drive.run_millis(60);
+    }
+    drive.run_millis(200);
+    assert!(
+        drive.greatest_acceleration() <= 110_000,
+        "{}",
+        drive.greatest_acceleration()
+    );
+    let stopped = drive.position();
+    drive.run_millis(100);
+    assert_eq!(drive.position(), stopped);
+}
+
+#[test]
+fn m42_the_windows_and_their_times_are_obeyed() {
+    let mut drive = enabled();
+    drive.write_u16(0x606D, 0, 500);
+    drive.write_u16(0x606E, 0, 100);
+    drive.write_u16(0x606F, 0, 5_000);
+    drive.write_u16(0x6070, 0, 20);
+    drive.write_i32(0x60FF, 0, 10_000);
+    // 5,000 steps/s after 50 ms, and 20 ms more.
+    drive.run_millis(65);
+    assert_ne!(drive.statusword() & SPEED_ZERO, 0);
+    drive.run_millis(15);
+    assert_eq!(drive.statusword() & SPEED_ZERO, 0);
+    // 9,500 steps/s after 95 ms, and 100 ms more.
+    drive.run_millis(105);
+    assert_eq!(drive.statusword() & TARGET_REACHED, 0);
+    drive.run_millis(25);
+    assert_ne!(drive.statusword() & TARGET_REACHED, 0);
+}
+
+#[test]
+fn m43_a_velocity_is_carried_out_in_operation_enabled_only() {
+    let mut drive = DriveBench::started(4);
+    drive.write_u8(0x6060, 0, 3);
+    drive.write_i32(0x60FF, 0, 10_000);
+    drive.command(0x06);
+    drive.run_millis(5);
+    drive.command(0x07);
+    drive.run_millis(100);
+    assert_eq!(drive.position(), 0);
+    drive.command(0x10F);
+    drive.run_millis(100);
+    assert_eq!(drive.position(), 0, "halt");
+    drive.command(0x0F);
+    drive.run_millis(100);
+    assert!(drive.position() > 300);
+    drive.command(0x07);
+    drive.run_millis(200);
+    let stopped = drive.position();
+    drive.run_millis(100);
+    assert_eq!(drive.position(), stopped);
+}
+
+#[test]
+fn m44_and_d31_the_software_limits_stop_the_motor_in_time() {
+    let mut drive = enabled();
+    drive.write_i32(0x607D, 1, -2_000);
+    drive.write_i32(0x607D, 2, 3_000);
+    drive.record_motion();
+    drive.write_i32(0x60FF, 0, 10_000);
+    drive.run_millis(1_000);
+    assert_eq!(drive.position(), 3_000);
+    assert_ne!(drive.statusword() & INTERNAL_LIMIT, 0);
+    assert_eq!(drive.statusword() & TARGET_REACHED, 0);
+    drive.write_i32(0x60FF, 0, -10_000);
+    drive.run_millis(100);
+    assert_eq!(
+        drive.statusword() & INTERNAL_LIMIT,
+        0,
+        "the way back is free"
+    );
+    drive.run_millis(1_000);
+    assert_eq!(drive.position(), -2_000);
+    assert!(drive.greatest_acceleration() <= 110_000);
+}
+
+#[test]
+fn m39_a_velocity_and_ramps_above_their_maximum_are_cut() {
+    let mut drive = enabled();
+    for (index, maximum, velocity) in [(0x607F, 4_000, 4_000), (0x6080, 2_000, 2_000)] {
+        drive.write_u32(index, 0, maximum);
+        drive.write_i32(0x60FF, 0, -10_000);
+        drive.run_millis(150);
+        assert_eq!(drive.read_i32(0x606C, 0), -velocity);
+        assert_ne!(drive.statusword() & INTERNAL_LIMIT, 0);
+    }
+    drive.refused("604: 23 C5 60 00 00 00 00 00", 0x0609_0032);
+    drive.refused("604: 23 C6 60 00 00 00 00 00", 0x0609_0032);
+}
+
+#[test]
+fn m08_quick_stop_in_motion_ends_as_605ah_says() {
+    let mut drive = enabled();
+    drive.write_i32(0x60FF, 0, 10_000);
+    drive.run_millis(150);
+    drive.command(0x02);
+    drive.reaches(QUICK_STOP_ACTIVE, 5);
+    drive.reaches(SWITCH_ON_DISABLED, 50);
+}
+
+#[test]
+fn m19_between_profile_position_and_profile_velocity_in_motion() {
+    let mut drive = DriveBench::enabled(4);
+    drive.write_i32(0x60FF, 0, 4_000);
+    drive.record_motion();
+    drive.begin_move(100_000);
+    drive.run_millis(300);
+    drive.write_u8(0x6060, 0, 3);
+    drive.run_millis(10);
+    assert_eq!(drive.read_i8(0x6061, 0), 3, "at once");
+    drive.run_millis(100);
+    assert_eq!(drive.read_i32(0x606B, 0), 4_000);
+    drive.write_u8(0x6060, 0, 1);
+    drive.run_millis(10);
+    assert_eq!(drive.read_i8(0x6061, 0), 3, "it slows down first");
+    drive.run_millis(100);
+    assert_eq!(drive.read_i8(0x6061, 0), 1);
+    let stopped = drive.position();
+    drive.run_millis(200);
+    assert_eq!(drive.position(), stopped);
+    assert!(drive.greatest_acceleration() <= 110_000);
+}
