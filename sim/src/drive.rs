@@ -5,12 +5,14 @@
 
 use std::collections::VecDeque;
 
+use canopen::cia305::{DETECTABLE, Detection};
 use canopen::node::StoreError;
 use canopen::od::Dictionary;
 use canopen::settings::{PowerOn, Sources, Wish};
 use canopen::time::NEVER;
 use canopen::{
-    BitRate, Configuration, ControllerState, Duration, Event, Frame, Instant, NodeId, Settings,
+    BitRate, BitTiming, Configuration, ControllerState, Duration, Event, Frame, Instant, NodeId,
+    Settings,
 };
 use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects};
 use motion::{AxisConfig, Clock, DriverTiming};
@@ -112,7 +114,13 @@ pub struct VirtualDrive<D: Dictionary> {
     plant: Plant,
     next_tick: Instant,
     bit_rate: BitRate,
-    switch_bit_rate: Option<(Instant, BitRate)>,
+    /// What this power-on has brought.
+    bit_timing: BitTiming,
+    switch_bit_rate: Option<(Instant, BitTiming)>,
+    /// The bit rate is not known, and the controller listens.
+    detection: Option<Detection>,
+    /// The node is on the network, or waits for a switch of the bit rate: it has booted.
+    booted: bool,
     restarts_controller: bool,
     events: VecDeque<Event>,
     samples: Option<Vec<MotionSample>>,
@@ -131,7 +139,10 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
             plant: Plant::new(Instant::from_ticks(0)),
             next_tick: Instant::from_ticks(0),
             bit_rate: bit_rate(&power_on),
+            bit_timing: power_on.bit_timing.value,
             switch_bit_rate: None,
+            detection: None,
+            booted: false,
             restarts_controller: false,
             events: VecDeque::new(),
             samples: None,
@@ -147,7 +158,10 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
         self.drive = Drive::new(drive_config());
         self.exchange = Exchange::new();
         self.bit_rate = bit_rate(&power_on);
+        self.bit_timing = power_on.bit_timing.value;
         self.switch_bit_rate = None;
+        self.detection = None;
+        self.booted = false;
         self.restarts_controller = false;
         self.events.clear();
         self.powered = false;
@@ -202,8 +216,38 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
         self.plant.power_on(now);
         self.powered = true;
         self.next_tick = now;
+        match self.bit_timing {
+            BitTiming::Fixed(_) => self.boot(now),
+            BitTiming::Automatic => self.find_bit_rate(now),
+        }
+    }
+
+    fn boot(&mut self, now: Instant) {
+        self.booted = true;
         self.device.power_on(now, &mut self.exchange);
         self.serve_store(now);
+    }
+
+    /// Listens until the bit rate is known.
+    fn find_bit_rate(&mut self, now: Instant) {
+        self.detection = Some(Detection::new(&DETECTABLE, now));
+    }
+
+    /// Goes on the bus when the bit rate is known.
+    fn serve_detection(&mut self, now: Instant) -> Instant {
+        let Some(detection) = &mut self.detection else {
+            return NEVER;
+        };
+        let deadline = detection.poll(now);
+        self.bit_rate = detection.bit_rate();
+        if detection.found().is_some() {
+            self.detection = None;
+            self.device.bit_rate_found(self.bit_rate, now);
+            if !self.booted {
+                self.boot(now);
+            }
+        }
+        deadline
     }
 
     /// Runs every control tick up to and including `now`.
@@ -216,8 +260,13 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
             self.next_tick += CONTROL_TICK;
         }
         self.plant.advance(now);
-        if let Some((_, bit_rate)) = self.switch_bit_rate.take_if(|(at, _)| *at <= now) {
-            self.bit_rate = bit_rate;
+        match self.switch_bit_rate.take_if(|(at, _)| *at <= now) {
+            Some((_, BitTiming::Fixed(bit_rate))) => {
+                self.detection = None;
+                self.bit_rate = bit_rate;
+            }
+            Some((_, BitTiming::Automatic)) => self.find_bit_rate(now),
+            None => {}
         }
     }
 
@@ -260,7 +309,10 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
                         .settings_stored(result.map_err(|_| StoreError::Medium));
                 }
                 Event::SwitchBitRate { bit_rate, at } => {
-                    self.switch_bit_rate = Some((at, bit_rate));
+                    self.switch_bit_rate = Some((at, BitTiming::Fixed(bit_rate)));
+                }
+                Event::FindBitRate { at } => {
+                    self.switch_bit_rate = Some((at, BitTiming::Automatic));
                 }
                 Event::RestartController => self.restarts_controller = true,
                 _ => {}
@@ -279,13 +331,20 @@ where
 {
     fn receive(&mut self, frame: &Frame, now: Instant) {
         self.run_until(now);
+        if let Some(detection) = &mut self.detection {
+            // It shows the bit rate; what it says is for those that have acknowledged it.
+            detection.frame_received();
+            self.serve_detection(now);
+            return;
+        }
         self.device.receive(frame, now, &mut self.exchange);
         self.handle_events();
     }
 
     fn poll(&mut self, now: Instant) -> Instant {
         self.run_until(now);
-        let deadline = self.device.poll(now, &mut self.exchange);
+        let found = self.serve_detection(now);
+        let deadline = self.device.poll(now, &mut self.exchange).min(found);
         self.serve_store(now);
         self.handle_events();
         let switch = self.switch_bit_rate.map_or(deadline, |(at, _)| at);
@@ -294,6 +353,18 @@ where
 
     fn transmit(&mut self) -> Option<Frame> {
         self.device.transmit()
+    }
+
+    fn is_silent(&self) -> bool {
+        self.detection.is_some()
+    }
+
+    fn error_seen(&mut self, now: Instant) {
+        self.run_until(now);
+        if let Some(detection) = &mut self.detection {
+            detection.error_seen(now);
+            self.serve_detection(now);
+        }
     }
 
     fn bit_rate(&self) -> Option<BitRate> {
@@ -329,6 +400,7 @@ fn device<D: Dictionary + Objects + Default>(power_on: &PowerOn, serial_number: 
     Device::new(D::default(), settings, serial_number)
         .with_parameter_store()
         .started(power_on)
+        .detecting()
 }
 
 /// The bit rate to begin with.

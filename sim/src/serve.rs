@@ -146,6 +146,9 @@ impl Server {
             let now = self.now();
             self.drive.receive(frame, now);
             self.send_frames();
+        } else if self.drive.is_silent() {
+            let now = self.now();
+            self.drive.error_seen(now);
         } else if !self.warned {
             self.warned = true;
             warn(&format!(

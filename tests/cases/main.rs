@@ -5,6 +5,7 @@
 mod can_layer;
 mod controller;
 mod data_sheet;
+mod detection;
 mod following_error;
 mod golden;
 mod guarding;

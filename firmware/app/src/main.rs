@@ -95,9 +95,6 @@ mod app {
             bit_rate: (power_on.bit_timing.value.bit_rate())
                 .unwrap_or(Settings::default().bit_rate),
         };
-        if bus.start(settings.bit_rate).is_err() {
-            defmt::error!("no such bit rate on this board: it stays off the bus");
-        }
 
         let (pulses, player) = step_interrupt::split(cx.local.steps, steps, TIMING);
         let (inbox, received) = Inbox::new(cx.local.frames, cx.local.lost);
@@ -110,7 +107,7 @@ mod app {
             cx.local.lost,
             store,
         );
-        node.power_on(&mut exchange);
+        node.power_on(&mut exchange, &mut bus);
         board::start_control_tick::<Selected>(cx.core.SYST, RATE_HZ);
 
         let shared = Shared {

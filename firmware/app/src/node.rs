@@ -15,9 +15,10 @@
 
 use canopen::cia301::nmt::NmtState;
 use canopen::cia303::{Pattern, Signal};
+use canopen::cia305::Detection;
 use canopen::node::StoreError;
 use canopen::settings::PowerOn;
-use canopen::{BitRate, Configuration, Duration, Event, Instant, Settings};
+use canopen::{BitRate, BitTiming, Configuration, Duration, Event, Instant, Settings};
 use cia402::{Device, Exchange, Share};
 use rtic::Mutex;
 
@@ -53,9 +54,15 @@ pub struct Node {
     /// Settings that wait to be stored, and until when they may.
     to_store: Option<(Configuration, Instant)>,
     /// A bit rate that the layer setting services have ordered, and when to change to it.
-    switch: Option<(BitRate, Instant)>,
+    switch: Option<(BitTiming, Instant)>,
     /// What the controller is set to.
     bit_rate: BitRate,
+    /// The bit rate is not known; the controller listens in silence.
+    detection: Option<Detection>,
+    /// What this power-on has brought.
+    bit_timing: BitTiming,
+    /// The device has booted: at power-on it waits for the bit rate.
+    booted: bool,
     state: NmtState,
     /// When the lights want the next signal.
     next_signal: Instant,
@@ -73,7 +80,8 @@ impl Node {
     ) -> Self {
         let device = Device::new(Dictionary::new(), settings, serial_number)
             .supporting(CanBus::BIT_RATES)
-            .started(power_on);
+            .started(power_on)
+            .detecting();
         let device = match store {
             Some(_) => device.with_parameter_store(),
             None => device,
@@ -89,16 +97,81 @@ impl Node {
             to_store: None,
             switch: None,
             bit_rate: settings.bit_rate,
+            detection: None,
+            bit_timing: power_on.bit_timing.value,
+            booted: false,
             state: NmtState::Initialisation,
             next_signal: Instant::from_ticks(0),
         }
     }
 
-    /// Boots the node.
-    pub fn power_on(&mut self, exchange: &mut Exchange) {
-        let now = clock::now();
+    /// Goes on the bus and boots the node, or begins to look for the bit rate.
+    pub fn power_on(&mut self, exchange: &mut Exchange, bus: &mut CanBus) {
+        match self.bit_timing {
+            BitTiming::Fixed(bit_rate) => {
+                self.start(bit_rate, bus);
+                self.boot(clock::now(), exchange);
+            }
+            BitTiming::Automatic => self.find_bit_rate(clock::now(), bus),
+        }
+    }
+
+    fn boot(&mut self, now: Instant, exchange: &mut impl Share) {
+        self.booted = true;
         self.device.power_on(now, exchange);
         self.serve_store(now, exchange);
+    }
+
+    fn start(&mut self, bit_rate: BitRate, bus: &mut CanBus) {
+        self.bit_rate = bit_rate;
+        if bus.start(bit_rate).is_err() {
+            defmt::error!("no {=u32} kbit/s on this board", bit_rate.kbit_per_second());
+        }
+    }
+
+    fn find_bit_rate(&mut self, now: Instant, bus: &mut CanBus) {
+        let detection = Detection::new(CanBus::BIT_RATES, now);
+        // One that the board makes: it is of its list.
+        let _ = bus.listen(detection.bit_rate());
+        self.bit_rate = detection.bit_rate();
+        self.detection = Some(detection);
+    }
+
+    /// Listens for a while longer; goes on the bus when the bit rate is known.
+    fn serve_detection(
+        &mut self,
+        now: Instant,
+        bus: &mut impl Mutex<T = CanBus>,
+        exchange: &mut impl Mutex<T = Exchange>,
+    ) {
+        let Some(detection) = &mut self.detection else {
+            return;
+        };
+        if bus.lock(|bus| bus.error_seen()) {
+            detection.error_seen(now);
+        }
+        detection.poll(now);
+        let bit_rate = detection.bit_rate();
+        let found = detection.found().is_some();
+        if !found && bit_rate == self.bit_rate {
+            return;
+        }
+        // A frame on the bus may take a while; it is asked again after the next control tick.
+        if !bus.lock(|bus| bus.leave()) {
+            return;
+        }
+        if found {
+            defmt::info!("found {=u32} kbit/s", bit_rate.kbit_per_second());
+            self.detection = None;
+            bus.lock(|bus| self.start(bit_rate, bus));
+            self.device.bit_rate_found(bit_rate, now);
+            if !self.booted {
+                self.boot(now, &mut Locked(exchange));
+            }
+        } else {
+            self.bit_rate = bit_rate;
+            let _ = bus.lock(|bus| bus.listen(bit_rate));
+        }
     }
 
     /// Everything there is to do.
@@ -108,13 +181,22 @@ impl Node {
             let Some(Stamped { frame, at }) = self.received.dequeue() else {
                 break;
             };
-            self.device.receive(&frame, at, &mut Locked(&mut exchange));
-            self.send(&mut bus);
+            match &mut self.detection {
+                // It shows the bit rate; what it says is for those that have acknowledged it.
+                Some(detection) => detection.frame_received(),
+                None => {
+                    self.device.receive(&frame, at, &mut Locked(&mut exchange));
+                    self.send(&mut bus);
+                }
+            }
         }
         bus.lock(Receiver::resume);
 
         let now = clock::now();
-        self.watch_controller(now, &mut bus, &mut exchange);
+        self.serve_detection(now, &mut bus, &mut exchange);
+        if self.detection.is_none() {
+            self.watch_controller(now, &mut bus, &mut exchange);
+        }
         // The deadline it gives is never sooner than the next control tick, after which this runs anyway.
         self.device.poll(now, &mut Locked(&mut exchange));
         while let Some(event) = self.device.event() {
@@ -123,9 +205,10 @@ impl Node {
                 Event::StoreSettings(settings) => {
                     self.to_store = Some((settings, now + STORE_PATIENCE));
                 }
-                Event::SwitchBitRate { bit_rate, at } => self.switch = Some((bit_rate, at)),
-                // LSS never asks for it: the device does not say that it can.
-                Event::FindBitRate { .. } => {}
+                Event::SwitchBitRate { bit_rate, at } => {
+                    self.switch = Some((BitTiming::Fixed(bit_rate), at));
+                }
+                Event::FindBitRate { at } => self.switch = Some((BitTiming::Automatic, at)),
                 // The device stops the drive and boots by itself.
                 Event::ResetRequested(_) => {}
                 // The device has stopped the drive already.
@@ -164,9 +247,7 @@ impl Node {
         if self.restarts && bus.lock(|bus| bus.leave()) {
             self.restarts = false;
             let bit_rate = self.bit_rate;
-            if bus.lock(|bus| bus.start(bit_rate)).is_err() {
-                defmt::error!("no {=u32} kbit/s on this board", bit_rate.kbit_per_second());
-            }
+            bus.lock(|bus| self.start(bit_rate, bus));
         }
     }
 
@@ -205,16 +286,19 @@ impl Node {
     }
 
     fn switch_bit_rate(&mut self, now: Instant, bus: &mut impl Mutex<T = CanBus>) {
-        if let Some((bit_rate, _)) = self.switch.filter(|(_, at)| now >= *at) {
+        if let Some((timing, _)) = self.switch.filter(|(_, at)| now >= *at) {
             // A frame on the bus may take a while; meanwhile the control tick goes on, and so do the pulses.
             if !bus.lock(|bus| bus.leave()) {
                 return;
             }
             self.switch = None;
-            self.bit_rate = bit_rate;
-            if bus.lock(|bus| bus.start(bit_rate)).is_err() {
-                defmt::error!("no {=u32} kbit/s on this board", bit_rate.kbit_per_second());
-            }
+            bus.lock(|bus| match timing {
+                BitTiming::Fixed(bit_rate) => {
+                    self.detection = None;
+                    self.start(bit_rate, bus);
+                }
+                BitTiming::Automatic => self.find_bit_rate(now, bus),
+            });
         }
     }
 

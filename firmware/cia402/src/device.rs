@@ -22,7 +22,7 @@ use canopen::cia301::sdo::AbortCode;
 use canopen::node::StoreError;
 use canopen::od::{self, Dictionary};
 use canopen::settings::PowerOn;
-use canopen::{Application, Counters, Duration, Event, Frame, Instant, Node, Settings};
+use canopen::{Application, BitRate, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
 use crate::configuration::Configuration;
 use crate::exchange::{Actuals, Share};
@@ -95,7 +95,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     }
 
     /// The same device on a controller that reaches these bit rates only; LSS refuses the others.
-    pub fn supporting(mut self, bit_rates: &[canopen::BitRate]) -> Self {
+    pub fn supporting(mut self, bit_rates: &[BitRate]) -> Self {
         self.node = self.node.supporting(bit_rates);
         self
     }
@@ -104,6 +104,17 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     pub fn started(mut self, power_on: &PowerOn) -> Self {
         self.node = self.node.started(power_on);
         self
+    }
+
+    /// The same device with automatic bit rate detection ([`canopen::Node::detecting`]).
+    pub fn detecting(mut self) -> Self {
+        self.node = self.node.detecting();
+        self
+    }
+
+    /// The bit rate of the network was found ([`canopen::Node::bit_rate_found`]), at power-on or later.
+    pub fn bit_rate_found(&mut self, bit_rate: BitRate, now: Instant) {
+        self.node.bit_rate_found(bit_rate, now);
     }
 
     /// Boots the node.

@@ -36,6 +36,16 @@ pub trait Station: Any + Debug {
         None
     }
 
+    /// Whether its controller listens only: it sends nothing, and no frame is acknowledged by it.
+    fn is_silent(&self) -> bool {
+        false
+    }
+
+    /// Its controller is silent and has seen a frame that it cannot read: one of another bit rate, or one that broke off.
+    fn error_seen(&mut self, now: Instant) {
+        let _ = now;
+    }
+
     /// Whether the controller was reset since the last call (a power cycle): frames it had taken are lost.
     fn was_reset(&mut self) -> bool {
         false

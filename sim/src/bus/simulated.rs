@@ -6,6 +6,10 @@
 //! fastscan relies on this). A frame that nobody acknowledges, because no other station listens at its bit rate, is
 //! repeated until somebody does.
 //!
+//! A station may listen in silence ([`Station::is_silent`]). It acknowledges nothing, and a frame at another bit rate is an error to
+//! it. So is one that nobody acknowledges, as its sender marks it broken; but only until so many attempts have failed that the
+//! sender is error passive, and its mark no longer seen (ISO 11898-1).
+//!
 //! The same stations, calls and interference always give the same trace: nothing here is random or reads a clock.
 
 mod controller;
@@ -27,6 +31,9 @@ pub use handle::Handle;
 /// Frames a controller holds for sending, as many as a bxCAN has. One is taken from the station at each arbitration, so
 /// that the station's own queue, where new process data replaces old, does most of the waiting.
 const MAILBOXES: usize = 3;
+
+/// Attempts after which a sender that nobody acknowledges is error passive: each counts 8, and 128 is the limit.
+const ATTEMPTS_TO_PASSIVE: u32 = 128 / 8;
 
 /// One frame that was on the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +81,8 @@ struct Slot {
     wake: Instant,
     mailboxes: VecDeque<Frame>,
     refused: bool,
+    /// How many attempts to send have not been acknowledged since the last that was.
+    attempts: u32,
     controller: Controller,
 }
 
@@ -115,6 +124,7 @@ impl Bus {
             wake: self.now,
             mailboxes: VecDeque::new(),
             refused: false,
+            attempts: 0,
             controller: Controller::new(),
         });
         Handle::new(self.slots.len() - 1)
@@ -268,6 +278,7 @@ impl Bus {
             if station.was_reset() {
                 slot.mailboxes.clear();
                 slot.refused = false;
+                slot.attempts = 0;
                 // A frame under way breaks off, unless another station sends the same.
                 self.flight = self.flight.take().and_then(|flight| flight.without(number));
             }
@@ -356,15 +367,24 @@ impl Bus {
                 !flight.senders.contains(number) && self.hears(*number, flight.bit_rate)
             })
             .collect();
+        let (silent, receivers): (Vec<usize>, Vec<usize>) = receivers
+            .into_iter()
+            .partition(|number| self.is_silent(*number));
         let acknowledged = !receivers.is_empty() && interference != Interference::Destroy;
         let again = !acknowledged || interference == Interference::Repeat;
         for sender in &flight.senders {
             let slot = &mut self.slots[*sender];
             slot.refused = !acknowledged;
+            slot.attempts = if acknowledged { 0 } else { slot.attempts + 1 };
             if again && slot.station.is_some() {
                 slot.mailboxes.push_front(flight.logged.frame);
             }
         }
+        let is_whole = acknowledged
+            || interference == Interference::None
+                && (flight.senders.iter())
+                    .all(|sender| self.slots[*sender].attempts > ATTEMPTS_TO_PASSIVE);
+        self.tell_listeners(&flight, if is_whole { &silent } else { &[] });
         if !acknowledged {
             self.destroyed += 1;
             self.occupy(ERROR_FRAME_BITS + INTERMISSION_BITS, flight.bit_rate);
@@ -387,6 +407,27 @@ impl Bus {
                 slot.wake = self.now;
             }
         }
+    }
+
+    /// Gives a frame to the silent stations that can read it; to the other silent ones it is an error.
+    fn tell_listeners(&mut self, flight: &Flight, readers: &[usize]) {
+        for number in 0..self.slots.len() {
+            let is_listener = self.is_silent(number) && !self.slots[number].controller.is_off();
+            let slot = &mut self.slots[number];
+            if let (true, Some(station)) = (is_listener, &mut slot.station) {
+                if readers.contains(&number) {
+                    station.receive(&flight.logged.frame, self.now);
+                } else {
+                    station.error_seen(self.now);
+                }
+                slot.wake = self.now;
+            }
+        }
+    }
+
+    fn is_silent(&self, number: usize) -> bool {
+        let station = self.slots[number].station.as_ref();
+        station.is_some_and(|station| station.is_silent())
     }
 
     fn occupy(&mut self, bits: u32, bit_rate: BitRate) {

@@ -92,7 +92,7 @@ pub trait Receive<B> {
 
 /// The sending half of a CAN controller, and the state of the whole.
 pub trait Bus {
-    /// The bit rates that can be made from the controller's clock.
+    /// The bit rates that can be made from the controller's clock, 100 kbit/s among them if it is one.
     const BIT_RATES: &'static [BitRate];
 
     /// Asks the controller to leave the bus, which it does after the frame that is on it. Does not wait: true once it has
@@ -105,6 +105,16 @@ pub trait Bus {
     /// # Errors
     /// [`Unreachable`]: the rate is none of [`Bus::BIT_RATES`]; nothing has changed.
     fn start(&mut self, bit_rate: BitRate) -> Result<(), Unreachable>;
+
+    /// As [`Bus::start`], but in silence: the controller receives frames and sends nothing, neither an acknowledge nor an error
+    /// flag.
+    ///
+    /// # Errors
+    /// [`Unreachable`]: as [`Bus::start`].
+    fn listen(&mut self, bit_rate: BitRate) -> Result<(), Unreachable>;
+
+    /// Whether the controller has seen a frame that it could not read since the last call, or since it began to listen.
+    fn error_seen(&mut self) -> bool;
 
     /// Takes the frame, or gives back one to offer again after the next transmit interrupt: this one if there is no room, or
     /// one of lower priority that had to make way for it.

@@ -52,6 +52,14 @@ impl Bus for SerialBus {
         Ok(())
     }
 
+    fn listen(&mut self, bit_rate: BitRate) -> Result<(), Unreachable> {
+        self.start(bit_rate)
+    }
+
+    fn error_seen(&mut self) -> bool {
+        false
+    }
+
     fn send(&mut self, frame: &Frame) -> Option<Frame> {
         if self.channel.is_open() {
             self.write(&slcan::encode(frame));

@@ -9,6 +9,8 @@
 //! - Errors: the controller is error passive from 128 errors on, and bus-off after 256 transmit errors; each raises the error
 //!   interrupt. It stays bus-off until it is started again, when the device says so, and 128 times 11 recessive bits have
 //!   passed. What its mailboxes hold waits.
+//! - Listening: in silent mode the controller takes part as always, but the dominant bits that it would send, such as an
+//!   acknowledge, go to itself only. It shows the last error it saw, or that the last frame was whole.
 
 use bxcan::filter::Mask32;
 use bxcan::{Fifo, Interrupts};
@@ -46,6 +48,23 @@ impl Controller {
     }
 }
 
+impl Controller {
+    /// Goes on the bus at this rate, or listens to it in silence.
+    fn enter(&mut self, bit_rate: BitRate, silent: bool) -> Result<(), Unreachable> {
+        let timing = bit_timing::register(bit_rate).ok_or(Unreachable)?;
+        self.can
+            .modify_config()
+            .set_bit_timing(timing)
+            .set_silent(silent)
+            .leave_disabled();
+        // Not waiting: the controller goes on the bus by itself after 11 recessive bits; `WouldBlock` says just that. `bxcan`
+        // also lets it return by itself from bus-off (ABOM), which is for the device to order.
+        let _ = self.can.enable_non_blocking();
+        registers().mcr().modify(|_, w| w.abom().clear_bit());
+        Ok(())
+    }
+}
+
 impl Bus for Controller {
     const BIT_RATES: &'static [BitRate] = &bit_timing::BIT_RATES;
 
@@ -59,16 +78,21 @@ impl Bus for Controller {
     }
 
     fn start(&mut self, bit_rate: BitRate) -> Result<(), Unreachable> {
-        let timing = bit_timing::register(bit_rate).ok_or(Unreachable)?;
-        self.can
-            .modify_config()
-            .set_bit_timing(timing)
-            .leave_disabled();
-        // Not waiting: the controller goes on the bus by itself after 11 recessive bits; `WouldBlock` says just that. `bxcan`
-        // also lets it return by itself from bus-off (ABOM), which is for the device to order.
-        let _ = self.can.enable_non_blocking();
-        registers().mcr().modify(|_, w| w.abom().clear_bit());
+        self.enter(bit_rate, false)
+    }
+
+    fn listen(&mut self, bit_rate: BitRate) -> Result<(), Unreachable> {
+        self.enter(bit_rate, true)?;
+        // What it says of the bit rate before is void.
+        self.error_seen();
         Ok(())
+    }
+
+    fn error_seen(&mut self) -> bool {
+        let code = registers().esr().read().lec().bits();
+        // 7 is left as it is until the next frame, whole (0) or broken (1 to 6).
+        registers().esr().modify(|_, w| w.lec().set(7));
+        (1..=6).contains(&code)
     }
 
     fn send(&mut self, frame: &Frame) -> Option<Frame> {
@@ -125,7 +149,8 @@ impl Receive<Controller> for Receiver {
 /// The registers, for what `bxcan` leaves out.
 fn registers() -> &'static pac::can1::RegisterBlock {
     // SAFETY: `Controller` owns CAN1, and its methods touch one register after the other. What is touched here, `bxcan` does
-    // not use: the interrupt enables of bus-off and error passive, once at the start, the error flag, and the read-only status;
+    // not use: the interrupt enables of bus-off and error passive, once at the start, the error flag, the last error code, and the
+    // read-only status;
     // or it uses it the same way: the request to leave the bus, and the return from bus-off, which it only sets.
     unsafe { &*pac::CAN1::ptr() }
 }
