@@ -37,3 +37,4 @@ mod sync_emergency;
 mod sync_producer;
 mod time;
 mod velocity;
+mod walk_through;

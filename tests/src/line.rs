@@ -20,6 +20,7 @@ const PATIENCE: Duration = Duration::millis(250);
 pub struct Script {
     outbox: VecDeque<Frame>,
     inbox: VecDeque<Frame>,
+    bit_rate: Option<BitRate>,
 }
 
 impl Station for Script {
@@ -33,6 +34,10 @@ impl Station for Script {
 
     fn transmit(&mut self) -> Option<Frame> {
         self.outbox.pop_front()
+    }
+
+    fn bit_rate(&self) -> Option<BitRate> {
+        self.bit_rate
     }
 }
 
@@ -65,6 +70,11 @@ impl<S: Station> Line<S> {
     /// The present time.
     pub fn now(&self) -> Instant {
         self.bus.now()
+    }
+
+    /// From now on the script sends and hears at this bit rate alone. Before, it hears any and sends at 1 Mbit/s.
+    pub fn set_bit_rate(&mut self, bit_rate: BitRate) {
+        self.bus.station_mut(self.script).bit_rate = Some(bit_rate);
     }
 
     /// Gives a frame to the bus without waiting; frames queued together leave back to back.
