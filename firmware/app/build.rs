@@ -22,4 +22,13 @@ fn main() {
         "test_device.rs",
         Options::DEVICE,
     );
+    // The device whose flash is measured.
+    od_gen::build(
+        "../../tests/eds/basic-device.eds",
+        "basic_device.rs",
+        Options {
+            no_block_transfer: true,
+            ..Options::DEVICE
+        },
+    );
 }

@@ -25,6 +25,8 @@ pub enum Image {
     Qemu,
     /// The benchmarks, on QEMU's machine.
     Bench,
+    /// A device with what other stacks have by default, to measure its flash.
+    BasicDevice,
     /// The core alone, with a panic handler that does not link: proof that no panic path is left.
     NoPanic,
 }
@@ -44,6 +46,7 @@ impl Image {
         match self {
             Self::Board | Self::Qemu => "app",
             Self::Bench => "bench",
+            Self::BasicDevice => "basic-device",
             Self::NoPanic => "no-panic",
         }
     }
@@ -51,7 +54,7 @@ impl Image {
     /// The features that choose the board.
     fn features(self) -> &'static [&'static str] {
         match self {
-            Self::Board | Self::NoPanic => &[],
+            Self::Board | Self::BasicDevice | Self::NoPanic => &[],
             Self::Qemu | Self::Bench => &["--no-default-features", "--features", "qemu"],
         }
     }
@@ -83,6 +86,7 @@ impl Image {
             Self::Board => "axis402-stm32f405.elf",
             Self::Qemu => "axis402-qemu.elf",
             Self::Bench => "bench.elf",
+            Self::BasicDevice => "basic-device.elf",
             Self::NoPanic => "no-panic.elf",
         };
         place::target().join("xtask").join(name)

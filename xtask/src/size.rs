@@ -43,7 +43,7 @@ pub struct Sizes {
 
 /// Runs the command.
 pub fn run() -> Result<ExitCode> {
-    let sizes = board(Optimised::ForSpeed)?;
+    let sizes = of(Image::Board, Optimised::ForSpeed)?;
     say!("{:<36} {:>8} {:>8}", "crate", "flash", "RAM")?;
     for (name, size) in &sizes.crates {
         say!("{name:<36} {:>8} {:>8}", size.flash, size.ram)?;
@@ -53,13 +53,13 @@ pub fn run() -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Builds the board's image, optimised in this way, and measures it.
+/// Builds an image, optimised in this way, and measures it.
 ///
 /// # Errors
 /// When it does not build.
-pub fn board(optimised: Optimised) -> Result<Sizes> {
+pub fn of(image: Image, optimised: Optimised) -> Result<Sizes> {
     setup::rust_target()?;
-    measure(&Image::Board.build_as(optimised)?)
+    measure(&image.build_as(optimised)?)
 }
 
 /// Measures an ELF file.

@@ -259,7 +259,9 @@ impl<D: Dictionary> Node<D> {
     /// The result of storing the settings of [`Event::StoreSettings`]; sends the answer to the LSS master, or asks to
     /// store the newer settings that the master has ordered meanwhile.
     pub fn settings_stored(&mut self, result: Result<(), StoreError>) {
-        if let Some(answer) = self.lss.settings_stored(result) {
+        if D::FEATURES.lss
+            && let Some(answer) = self.lss.settings_stored(result)
+        {
             self.queue.push_lss(answer);
         }
         self.serve_lss_events();
@@ -380,7 +382,12 @@ impl<D: Dictionary> Node<D> {
 
     /// Whether nothing may be sent.
     fn must_be_mute(&self, now: Instant) -> bool {
-        self.is_resetting || self.controller.is_bus_off() || self.lss.is_silent(now)
+        self.is_resetting || self.controller.is_bus_off() || self.is_switching(now)
+    }
+
+    /// Whether the bit rate is being switched.
+    fn is_switching(&self, now: Instant) -> bool {
+        D::FEATURES.lss && self.lss.is_silent(now)
     }
 
     fn request_reset(&mut self, reset: Reset) {
@@ -423,12 +430,16 @@ impl<D: Dictionary> Node<D> {
         if self.is_resetting {
             return deadline;
         }
-        let deadline = earlier(deadline, self.lss.poll(now));
+        let deadline = if D::FEATURES.lss {
+            earlier(deadline, self.lss.poll(now))
+        } else {
+            deadline
+        };
         self.is_mute = self.must_be_mute(now);
         if !self.node_id.is_configured() {
             return deadline;
         }
-        if has_come(self.services.sync.deadline(), now) {
+        if D::FEATURES.sync && has_come(self.services.sync.deadline(), now) {
             self.serve_sync(now, application);
         }
         if has_come(self.services.supervision_deadline(), now) {
@@ -466,7 +477,9 @@ impl<D: Dictionary> Node<D> {
 
     /// Passes on what the LSS slave wants done.
     fn serve_lss_events(&mut self) {
-        while let Some(event) = self.lss.event() {
+        while D::FEATURES.lss
+            && let Some(event) = self.lss.event()
+        {
             match event {
                 LssEvent::Boot => self.request_reset(Reset::Communication),
                 LssEvent::Store(settings) => self.events.request_store(settings),

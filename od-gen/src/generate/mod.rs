@@ -32,6 +32,8 @@ pub struct Options<'a> {
     pub bindings: &'a [Binding],
     /// Write the names of all values too: a table of texts in flash.
     pub names: bool,
+    /// Leave SDO block transfer out of the firmware: values travel expedited and in segments only.
+    pub no_block_transfer: bool,
 }
 
 impl Options<'_> {
@@ -40,6 +42,7 @@ impl Options<'_> {
         cia402: false,
         bindings: &[],
         names: false,
+        no_block_transfer: false,
     };
     /// The dictionary of a drive.
     pub const DRIVE: Self = Self {
@@ -52,7 +55,7 @@ impl Options<'_> {
 pub fn generate(model: &Model, options: Options<'_>) -> String {
     let layout = Layout::new(model);
     let mut out = header(model);
-    out += &dictionary(model);
+    out += &dictionary(model, options);
     out += &accessors::write(&layout);
     out += &hooks::write(&layout);
     if options.cia402 {
@@ -74,8 +77,9 @@ fn header(model: &Model) -> String {
 }
 
 /// The type and what it shares with every other dictionary.
-fn dictionary(model: &Model) -> String {
+fn dictionary(model: &Model, options: Options<'_>) -> String {
     let device = &model.device;
+    let (lss, block_transfer) = (device.lss, !options.no_block_transfer);
     let of = if device.product_name.is_empty() {
         String::new()
     } else {
@@ -106,6 +110,12 @@ impl Default for Dictionary {{
 
 impl ::canopen::od::Dictionary for Dictionary {{
     const TABLE: &'static ::canopen::od::Table = &table::TABLE;
+
+    const FEATURES: ::canopen::od::Features = ::canopen::od::Features {{
+        lss: {lss},
+        block_transfer: {block_transfer},
+        ..::canopen::od::Features::of(&table::TABLE)
+    }};
 
     type Counts = Counts;
 

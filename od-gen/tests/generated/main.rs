@@ -81,6 +81,7 @@ fn write(folder: &Path, name: &str, model: &Model, bindings: Option<&[Binding]>)
         cia402: bindings.is_some(),
         bindings: bindings.unwrap_or_default(),
         names: true,
+        ..Options::DEVICE
     };
     // In a folder of its own: what lies beside the programs is taken for one.
     let place = folder.join("dictionaries");

@@ -38,6 +38,25 @@ mod dictionary {
 
 use dictionary::Dictionary;
 
+/// The same objects in a device that was compiled with all that the crate can do, whatever its data sheet lists.
+struct Everything(Dictionary);
+
+impl od::Dictionary for Everything {
+    const TABLE: &'static od::Table = <Dictionary as od::Dictionary>::TABLE;
+
+    const FEATURES: od::Features = od::Features::ALL;
+
+    type Counts = <Dictionary as od::Dictionary>::Counts;
+
+    fn ram(&self) -> &[u8] {
+        self.0.ram()
+    }
+
+    fn ram_mut(&mut self) -> &mut [u8] {
+        self.0.ram_mut()
+    }
+}
+
 unsafe extern "C" {
     fn a_panic_path_is_linked() -> !;
 }
@@ -220,7 +239,7 @@ fn any_refusal<T>(value: T) -> Result<T, AbortCode> {
 }
 
 #[inline(never)]
-fn node(node: &mut Node<Dictionary>) {
+fn node(node: &mut Node<Everything>) {
     match any() {
         0 => node.boot(
             if any() == 0 {
@@ -269,7 +288,7 @@ fn node(node: &mut Node<Dictionary>) {
 
 /// What the node knows of the network and of its controller.
 #[inline(never)]
-fn network(node: &mut Node<Dictionary>) {
+fn network(node: &mut Node<Everything>) {
     match any() {
         0 => node.controller_changed(any_controller_state(), any_time()),
         1 => node.frames_lost(any(), any_time()),
@@ -509,7 +528,7 @@ fn plan(clock: Clock) {
 }
 
 #[inline(never)]
-fn indicators(indicators: &mut Indicators, node: &Node<Dictionary>) {
+fn indicators(indicators: &mut Indicators, node: &Node<Everything>) {
     let lit = indicators.advance(Signal {
         state: node.state(),
         fault: any() == 0,
@@ -542,7 +561,7 @@ fn values() {
 fn main() -> ! {
     let mut exchange = Exchange::new();
     let mut device = Device::new(Dictionary::new(), any_settings(), any()).with_parameter_store();
-    let mut plain = Node::new(Dictionary::new(), any_settings()).with_parameter_store();
+    let mut plain = Node::new(Everything(Dictionary::new()), any_settings()).with_parameter_store();
     let mut lights = Indicators::new();
     let mut shared = step_interrupt::Shared::new();
     let (mut queue, mut player) = step_interrupt::split(&mut shared, Timer, any_timing());

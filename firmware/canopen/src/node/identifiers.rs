@@ -55,7 +55,9 @@ impl<D: Dictionary> Node<D> {
             return;
         }
         let set = &mut self.identifiers;
-        set.add(cia305::REQUEST_COB_ID);
+        if D::FEATURES.lss {
+            set.add(cia305::REQUEST_COB_ID);
+        }
         if self.node_id.is_configured() {
             set.add(cob_id::NMT);
             set.add(cob_id::error_control(self.node_id));

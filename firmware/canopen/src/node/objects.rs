@@ -25,6 +25,9 @@ pub(super) struct Streams<'a, D, A> {
 }
 
 impl<D: Dictionary, A: Application<D>> sdo::Streams for Streams<'_, D, A> {
+    const ARE_THERE: bool = D::FEATURES.streams;
+    const HAVE_BLOCK_TRANSFER: bool = D::FEATURES.block_transfer;
+
     fn read_at(
         &mut self,
         entry: &'static Entry,
@@ -60,6 +63,9 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
 }
 
 impl<D: Dictionary, A: Application<D>> sdo::Streams for Objects<'_, D, A> {
+    const ARE_THERE: bool = D::FEATURES.streams;
+    const HAVE_BLOCK_TRANSFER: bool = D::FEATURES.block_transfer;
+
     fn read_at(
         &mut self,
         entry: &'static Entry,
@@ -103,7 +109,7 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
         }
         self.services.validate(self.dictionary, entry, value)?;
         checked?;
-        if self.services.parameters.is_order(entry) {
+        if D::FEATURES.parameters && self.services.parameters.is_order(entry) {
             self.services.parameters.begin(entry);
             return Ok(Completion::Later);
         }
@@ -116,7 +122,9 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
     /// Whether this value would make the configuration another one than that of 1020h.
     #[inline]
     fn changes_configuration(&self, entry: &Entry, value: &[u8]) -> bool {
-        self.services.parameters.is_dated(entry) && od::value(self.dictionary, entry) != value
+        D::FEATURES.configuration_date
+            && self.services.parameters.is_dated(entry)
+            && od::value(self.dictionary, entry) != value
     }
 
     /// A value was written: transmit PDOs may have to look at it, and the date of the configuration may be void.
@@ -146,6 +154,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         Ok(match entry.location() {
             Location::Ram(_) => Value::Variable(od::value(self.dictionary, entry)),
             Location::Rom(offset) => Value::Constant(od::constant(D::TABLE, offset, entry.size)),
+            Location::Application if !D::FEATURES.streams => Value::Constant(&[]),
             Location::Application => {
                 Value::Streamed(entry, self.application.size(self.dictionary, entry)?)
             }

@@ -36,13 +36,13 @@ impl<D: Dictionary> Node<D> {
             if let Some(request) = frame.full_payload() {
                 self.receive_sdo(server, request, stamp, application);
             }
-        } else if cob_id == cia305::REQUEST_COB_ID {
+        } else if D::FEATURES.lss && cob_id == cia305::REQUEST_COB_ID {
             if let Some(request) = frame.full_payload() {
                 self.receive_lss(request, stamp);
             }
         } else if cob_id == cob_id::NMT {
             self.receive_nmt(frame.payload(), stamp);
-        } else if cob_id == self.services.sync.cob_id() {
+        } else if D::FEATURES.sync && cob_id == self.services.sync.cob_id() {
             self.receive_sync(frame, stamp, application);
         } else {
             self.receive_pdo(frame, stamp, application);
@@ -57,7 +57,7 @@ impl<D: Dictionary> Node<D> {
         now: Instant,
         application: &mut A,
     ) {
-        if self.is_mute && self.lss.is_silent(now) {
+        if self.is_mute && self.is_switching(now) {
             self.receive_sdo_in_silence(server, request, application);
             return;
         }
@@ -170,7 +170,7 @@ impl<D: Dictionary> Node<D> {
         let Some(cob_id) = frame.standard_id() else {
             return;
         };
-        if self.services.sync.ends_window(now) {
+        if D::FEATURES.sync && self.services.sync.ends_window(now) {
             self.services.window_over();
         }
         match self

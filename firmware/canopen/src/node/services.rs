@@ -74,12 +74,20 @@ impl<C: Counts> Services<C> {
         self.values_changed = true;
         self.heartbeat.configure(dictionary, now);
         self.consumers.configure(dictionary);
-        self.guarding.configure(dictionary);
+        if D::FEATURES.guarding {
+            self.guarding.configure(dictionary);
+        }
         self.emergency.configure(dictionary);
         self.clear_network_errors(dictionary, now);
-        self.sync.configure(dictionary, now);
-        self.time.configure(dictionary);
-        self.parameters.configure(dictionary);
+        if D::FEATURES.sync {
+            self.sync.configure(dictionary, now);
+        }
+        if D::FEATURES.time {
+            self.time.configure(dictionary);
+        }
+        if D::FEATURES.parameters || D::FEATURES.configuration_date {
+            self.parameters.configure(dictionary);
+        }
         self.rpdos.configure_all(dictionary, node_id.get());
         self.tpdos.configure_all(dictionary, node_id.get());
         self.watch_values::<D>();
@@ -96,11 +104,15 @@ impl<C: Counts> Services<C> {
     ) -> Result<(), AbortCode> {
         match entry.index {
             0x1003 | 0x1014 | 0x1015 => self.emergency.validate(dictionary, entry, value),
-            sync::COB_ID | sync::COUNTER_OVERFLOW => self.sync.validate(dictionary, entry, value),
-            time_stamp::COB_ID => self.time.validate(dictionary, value),
-            parameters::STORE | parameters::RESTORE => self.parameters.validate(entry, value),
+            sync::COB_ID | sync::COUNTER_OVERFLOW if D::FEATURES.sync => {
+                self.sync.validate(dictionary, entry, value)
+            }
+            time_stamp::COB_ID if D::FEATURES.time => self.time.validate(dictionary, value),
+            parameters::STORE | parameters::RESTORE if D::FEATURES.parameters => {
+                self.parameters.validate(entry, value)
+            }
             heartbeat::CONSUMER_INDEX => self.consumers.validate(entry, value),
-            emergency::consumer::CONSUMER_INDEX => {
+            emergency::consumer::CONSUMER_INDEX if D::FEATURES.emergency_consumer => {
                 emergency::consumer::validate(dictionary, entry, value)
             }
             startup::INDEX => startup::validate(value),
@@ -108,7 +120,7 @@ impl<C: Counts> Services<C> {
             error_behaviour::INDEX => error_behaviour::validate(entry.sub, value),
             0x1400..=0x17FF => self.rpdos.validate(dictionary, entry, value),
             0x1800..=0x1BFF => self.tpdos.validate(dictionary, entry, value),
-            0x1FA0..=0x1FFF => pdo::validate_list::<D>(entry, value),
+            0x1FA0..=0x1FFF if D::FEATURES.multiplexed_pdo => pdo::validate_list::<D>(entry, value),
             _ => Ok(()),
         }
     }
@@ -126,14 +138,18 @@ impl<C: Counts> Services<C> {
                 self.emergency.written(dictionary, entry);
                 self.timers_changed = true;
             }
-            sync::COB_ID | sync::PERIOD | sync::WINDOW | sync::COUNTER_OVERFLOW => {
+            sync::COB_ID | sync::PERIOD | sync::WINDOW | sync::COUNTER_OVERFLOW
+                if D::FEATURES.sync =>
+            {
                 self.sync.written(dictionary, now);
                 self.timers_changed = true;
                 self.report_errors(dictionary, now);
             }
-            time_stamp::COB_ID => self.time.configure(dictionary),
-            parameters::VERIFY_CONFIGURATION => self.parameters.read_date(dictionary),
-            guarding::GUARD_TIME | guarding::LIFE_TIME_FACTOR => {
+            time_stamp::COB_ID if D::FEATURES.time => self.time.configure(dictionary),
+            parameters::VERIFY_CONFIGURATION if D::FEATURES.configuration_date => {
+                self.parameters.read_date(dictionary);
+            }
+            guarding::GUARD_TIME | guarding::LIFE_TIME_FACTOR if D::FEATURES.guarding => {
                 if self.guarding.written(dictionary, now) {
                     self.end_life_guarding_error(dictionary, now);
                 }
@@ -147,7 +163,7 @@ impl<C: Counts> Services<C> {
             }
             heartbeat::PRODUCER_INDEX => {
                 self.heartbeat.written(dictionary, now);
-                if self.heartbeat.is_on() && self.guarding.stop() {
+                if D::FEATURES.guarding && self.heartbeat.is_on() && self.guarding.stop() {
                     self.end_life_guarding_error(dictionary, now);
                 }
                 self.timers_changed = true;
@@ -241,7 +257,9 @@ impl<C: Counts> Services<C> {
         self.emergency.cob_id().into_iter().for_each(&mut add);
         self.rpdos.cob_ids().for_each(&mut add);
         self.tpdos.cob_ids().for_each(&mut add);
-        emergency::consumer::consumed(dictionary).for_each(|(cob_id, _)| add(cob_id));
+        if D::FEATURES.emergency_consumer {
+            emergency::consumer::consumed(dictionary).for_each(|(cob_id, _)| add(cob_id));
+        }
         let watched = self.consumers.watched();
         watched.map(cob_id::error_control).for_each(&mut add);
     }
@@ -288,7 +306,15 @@ impl<C: Counts> Services<C> {
     fn report_changed_errors<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
         // The deadline of a receive PDO may have begun.
         self.timers_changed = true;
-        while let Some(report) = self.sync.report().or_else(|| self.rpdos.report()) {
+        let next = |services: &mut Self| {
+            let report = if D::FEATURES.sync {
+                services.sync.report()
+            } else {
+                None
+            };
+            report.or_else(|| services.rpdos.report())
+        };
+        while let Some(report) = next(self) {
             match report {
                 ErrorReport::Appeared(emergency) => self.report(dictionary, &emergency, now),
                 ErrorReport::Gone(emergency) => self.clear_one(dictionary, &emergency, now),

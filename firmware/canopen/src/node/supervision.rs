@@ -15,8 +15,8 @@ impl<D: Dictionary> Node<D> {
     #[inline(never)]
     pub(super) fn receive_other(&mut self, cob_id: u16, frame: &Frame, now: Instant) {
         if self.receive_error_control(cob_id, frame.payload(), now)
-            || self.receive_time(cob_id, frame.payload(), now)
-            || self.receive_emergency(cob_id, frame)
+            || D::FEATURES.time && self.receive_time(cob_id, frame.payload(), now)
+            || D::FEATURES.emergency_consumer && self.receive_emergency(cob_id, frame)
         {
             return;
         }
@@ -36,7 +36,8 @@ impl<D: Dictionary> Node<D> {
     #[cold]
     #[inline(never)]
     pub(super) fn receive_remote(&mut self, cob_id: u16, now: Instant) {
-        if cob_id == cob_id::error_control(self.node_id) && !self.services.heartbeat.is_on() {
+        let is_asked = D::FEATURES.guarding && cob_id == cob_id::error_control(self.node_id);
+        if is_asked && !self.services.heartbeat.is_on() {
             if self.services.guarding.ask(now) {
                 self.clear_error(&CommunicationError::LifeGuarding.emergency(), now);
             }
@@ -103,7 +104,7 @@ impl<D: Dictionary> Node<D> {
             let error = HeartbeatError::Lost(node_id);
             self.communication_error(CommunicationError::Heartbeat(error), now);
         }
-        if self.services.guarding.poll(now) {
+        if D::FEATURES.guarding && self.services.guarding.poll(now) {
             self.communication_error(CommunicationError::LifeGuarding, now);
         }
     }

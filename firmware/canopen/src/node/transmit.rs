@@ -259,7 +259,7 @@ impl<D: Dictionary> Node<D> {
     /// What has identifiers other than emergency messages and PDOs.
     #[inline]
     fn take_fixed<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
-        if self.queue.has(waiting::TIMING) {
+        if (D::FEATURES.sync || D::FEATURES.time) && self.queue.has(waiting::TIMING) {
             self.take_with_timing(application)
         } else {
             self.take_answer_or_error_control(application)

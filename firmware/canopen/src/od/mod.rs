@@ -12,6 +12,7 @@
 mod access;
 mod counts;
 mod entry;
+mod features;
 mod typed;
 
 use core::ops::Range;
@@ -22,6 +23,7 @@ pub use access::{
 };
 pub use counts::{Count, Counts, Slots, Unused};
 pub use entry::{Access, Attributes, DataType, Entry, Limits, Location, StorageGroup, key};
+pub use features::Features;
 pub use typed::{
     DayTime, OutOfRange, Value, bytes_at, put_at, signed, signed_bytes, unsigned, unsigned_bytes,
 };
@@ -67,6 +69,9 @@ impl Table {
 pub trait Dictionary {
     /// Descriptors, constants, defaults and limits, in flash.
     const TABLE: &'static Table;
+
+    /// What the device has of all that this crate can do.
+    const FEATURES: Features = Features::of(Self::TABLE);
 
     /// How many of each service the device has: [`Count`].
     type Counts: Counts;

@@ -17,6 +17,18 @@ pub struct Multiplexer {
     pub sub: u8,
 }
 
+impl Multiplexer {
+    /// That of an initiate frame: index and sub-index in bytes 1 to 3.
+    #[inline]
+    pub(crate) const fn of(frame: &[u8; 8]) -> Self {
+        let [_, low, high, sub, ..] = *frame;
+        Self {
+            index: u16::from_le_bytes([low, high]),
+            sub,
+        }
+    }
+}
+
 /// The data part of an initiate frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Payload<'a> {
@@ -163,19 +175,19 @@ impl<'a> Request<'a> {
                 last: command & LAST != 0,
             },
             client::INITIATE_DOWNLOAD => Self::InitiateDownload {
-                object: multiplexer(frame),
+                object: Multiplexer::of(frame),
                 payload: Payload::parse(frame),
             },
-            client::INITIATE_UPLOAD => Self::InitiateUpload(multiplexer(frame)),
+            client::INITIATE_UPLOAD => Self::InitiateUpload(Multiplexer::of(frame)),
             client::UPLOAD_SEGMENT => Self::UploadSegment { toggle },
             ABORT => Self::Abort {
-                object: multiplexer(frame),
+                object: Multiplexer::of(frame),
                 code: long(frame),
             },
             block::specifier::UPLOAD_REQUEST | block::specifier::DOWNLOAD_REQUEST => {
                 Self::Block(BlockRequest::parse(frame))
             }
-            _ => Self::Unknown(multiplexer(frame)),
+            _ => Self::Unknown(Multiplexer::of(frame)),
         }
     }
 
@@ -202,7 +214,7 @@ impl<'a> Response<'a> {
     pub fn parse(frame: &'a [u8; 8]) -> Option<Self> {
         let [command, ..] = *frame;
         let toggle = command & TOGGLE != 0;
-        let object = multiplexer(frame);
+        let object = Multiplexer::of(frame);
         Some(match specifier(command) {
             server::UPLOAD_SEGMENT => Self::UploadSegment {
                 toggle,
@@ -281,16 +293,6 @@ impl<'a> Payload<'a> {
             Self::Segmented(Some(size)) => emit_long(specifier | SIZED, object, size),
             Self::Segmented(None) => emit_long(specifier, object, 0),
         }
-    }
-}
-
-/// Index and sub-index in bytes 1 to 3.
-#[inline]
-fn multiplexer(frame: &[u8; 8]) -> Multiplexer {
-    let [_, low, high, sub, ..] = *frame;
-    Multiplexer {
-        index: u16::from_le_bytes([low, high]),
-        sub,
     }
 }
 

@@ -16,6 +16,7 @@ pub(crate) fn run(arguments: &Rust) -> Result<ExitCode, Failure> {
         cia402,
         bindings: &bindings,
         names: arguments.names,
+        ..Options::DEVICE
     };
     let text = od_gen::generate(&model, options);
     output::write(&text, arguments.output.as_deref())?;

@@ -189,7 +189,9 @@ impl Parameters {
         dictionary: &D,
         count: u8,
     ) -> Result<L, AbortCode> {
-        if let Some(addressing) = Addressing::new(count) {
+        if D::FEATURES.multiplexed_pdo
+            && let Some(addressing) = Addressing::new(count)
+        {
             return Ok(L::addressed(addressing));
         }
         // An object has one bit at least.

@@ -270,6 +270,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
                 Received::Kept
             }
             Kind::Event => self.apply(frame.bytes(), dictionary, application),
+            Kind::Multiplexed(_) if !D::FEATURES.multiplexed_pdo => Received::Kept,
             Kind::Multiplexed(addressing) => {
                 circumstances.has_news |=
                     self.dispatch(addressing, frame.bytes(), dictionary, application);

@@ -305,6 +305,9 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         dictionary: &D,
         now: Instant,
     ) -> Result<(), NotSent> {
+        if !D::FEATURES.multiplexed_pdo {
+            return Err(NotSent::NoPdo);
+        }
         let entry = multiplexed::object::<D>(index, sub, Direction::Transmit)
             .filter(|entry| multiplexed::is_scanned(dictionary, entry.index, entry.sub))
             .ok_or(NotSent::NotListed)?;

@@ -297,7 +297,7 @@ impl<M: Slots<Source>> TransmitPdo<M> {
         node_id: u8,
         now: Instant,
     ) -> Instant {
-        if self.addressing().is_some() {
+        if D::FEATURES.multiplexed_pdo && self.addressing().is_some() {
             self.scan(dictionary, node_id, now)
         } else {
             self.poll(dictionary.ram(), D::TABLE.rom, now)

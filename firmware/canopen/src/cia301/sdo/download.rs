@@ -39,7 +39,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
                 });
             }
         };
-        if entry.attributes.has(Attributes::STREAMED) {
+        if O::ARE_THERE && entry.attributes.has(Attributes::STREAMED) {
             return self.stream_expedited(entry, value, is_sized, answer, objects);
         }
         match objects.write(entry, value) {
@@ -77,7 +77,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         objects: &mut O,
     ) -> Result<(), AbortCode> {
         let bound = u32::from(entry.size);
-        let is_streamed = entry.attributes.has(Attributes::STREAMED);
+        let is_streamed = O::ARE_THERE && entry.attributes.has(Attributes::STREAMED);
         let most = if is_streamed && bound == 0 {
             u32::MAX
         } else {
@@ -159,7 +159,9 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         if end > self.most {
             return Err(AbortCode::LengthTooHigh);
         }
-        if let Place::Sink(entry) = self.place {
+        if let Place::Sink(entry) = self.place
+            && O::ARE_THERE
+        {
             if let Err(code) = objects.write_at(entry, position, data) {
                 self.place = Place::Nowhere;
                 return Err(code);
@@ -187,7 +189,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             Err(AbortCode::LengthTooLow)
         } else {
             match self.place {
-                Place::Sink(entry) => {
+                Place::Sink(entry) if O::ARE_THERE => {
                     self.place = Place::Nowhere;
                     objects.end_write(entry, length)
                 }

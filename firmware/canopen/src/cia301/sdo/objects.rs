@@ -6,6 +6,12 @@ use crate::wire::sdo::Multiplexer;
 
 /// Values that are no bytes in memory, but are given and taken piece by piece ([`crate::Application`] serves them).
 pub trait Streams {
+    /// Whether there are any; if not, the code for them is left out.
+    const ARE_THERE: bool = true;
+
+    /// Whether these and all other objects can be reached by block transfer; if not, the code for it is left out.
+    const HAVE_BLOCK_TRANSFER: bool = true;
+
     /// The bytes from `position` on; how many, less than there is room for only at the end of the value.
     ///
     /// # Errors

@@ -112,10 +112,11 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         now: Instant,
         objects: &mut O,
     ) -> Option<[u8; 8]> {
-        if self.step == Step::BlockDownload {
+        if O::HAVE_BLOCK_TRANSFER && self.step == Step::BlockDownload {
             return self.take_block_segment(request, now, objects);
         }
-        if matches!(self.step, Step::BlockDownloadEnd | Step::Ignoring)
+        if O::HAVE_BLOCK_TRANSFER
+            && matches!(self.step, Step::BlockDownloadEnd | Step::Ignoring)
             && self.is_rest_of_block(request, now)
         {
             return None;
@@ -129,7 +130,12 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             Request::DownloadSegment { toggle, data, last } => {
                 self.download_segment(toggle, data, last, now, objects)
             }
-            Request::Block(request) => self.receive_block(request, now, objects),
+            Request::Block(request) if O::HAVE_BLOCK_TRANSFER => {
+                self.receive_block(request, now, objects)
+            }
+            Request::Block(_) => {
+                Some(self.abort(Multiplexer::of(request), AbortCode::InvalidCommand, objects))
+            }
             Request::Unknown(object) => {
                 Some(self.abort(object, AbortCode::InvalidCommand, objects))
             }
@@ -188,7 +194,8 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// The next segment of a block upload, when no answer waits.
     #[inline]
     pub(super) fn transmit_segment<S: Streams>(&mut self, streams: &mut S) -> Option<[u8; 8]> {
-        (self.step == Step::BlockUpload).then(|| self.send_block_segment(streams))
+        let is_next = S::HAVE_BLOCK_TRANSFER && self.step == Step::BlockUpload;
+        is_next.then(|| self.send_block_segment(streams))
     }
 
     /// Whether something is to be sent.
@@ -250,7 +257,11 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
                 self.wait(now);
                 None
             }
-            Step::BlockDownload if !has_come(self.end_of_patience(), now) => self.remind(),
+            Step::BlockDownload
+                if S::HAVE_BLOCK_TRANSFER && !has_come(self.end_of_patience(), now) =>
+            {
+                self.remind()
+            }
             // After so long a silence nothing of a sub-block is under way: what comes next is a request.
             _ => Some(self.abort(self.object, AbortCode::TimedOut, streams)),
         }
@@ -327,7 +338,9 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// Ends the open transfer without a word to the client.
     #[inline]
     pub(super) fn drop_transfer<S: Streams>(&mut self, streams: &mut S) {
-        if let Place::Sink(entry) = self.place {
+        if let Place::Sink(entry) = self.place
+            && S::ARE_THERE
+        {
             streams.abandon_write(entry);
         }
         self.idle();

@@ -179,7 +179,9 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
                 self.buffer.as_ref().get(..end).unwrap_or(&[])
             }
             Place::Constant(value) => value,
-            Place::Source(entry) => return self.streamed_piece(entry, streams, frame),
+            Place::Source(entry) if S::ARE_THERE => {
+                return self.streamed_piece(entry, streams, frame);
+            }
             _ => &[],
         };
         let rest = value.get(self.position as usize..).unwrap_or(&[]);

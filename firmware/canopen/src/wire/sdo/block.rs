@@ -4,7 +4,7 @@
 //! confirmed. A segment has no command specifier: byte 0 is its number within the sub-block, 1 to 127, and a bit for the end
 //! of all data. So its meaning depends on the transfer, and [`BlockSegment`] is apart from requests and responses.
 
-use super::{ABORT, Multiplexer, emit_long, long, multiplexer};
+use super::{ABORT, Multiplexer, emit_long, long};
 
 /// Most segments of a sub-block.
 pub const MOST_SEGMENTS: u8 = 127;
@@ -124,7 +124,7 @@ impl BlockRequest {
     /// Reads a request whose command specifier is one of block transfer.
     pub(super) fn parse(frame: &[u8; 8]) -> Self {
         let [command, first, second, _, data @ ..] = *frame;
-        let object = multiplexer(frame);
+        let object = Multiplexer::of(frame);
         let crc = command & CRC != 0;
         if command & 0xE0 == specifier::DOWNLOAD_REQUEST {
             // Here the subcommand has one bit.
@@ -190,7 +190,7 @@ impl BlockResponse {
     /// Reads a response whose command specifier is one of block transfer; `None` if the rest of byte 0 means nothing.
     pub(super) fn parse(frame: &[u8; 8]) -> Option<Self> {
         let [command, first, second, _, data @ ..] = *frame;
-        let object = multiplexer(frame);
+        let object = Multiplexer::of(frame);
         let crc = command & CRC != 0;
         if command & 0xE0 == specifier::UPLOAD_RESPONSE {
             return Some(if command & END == INITIATE {

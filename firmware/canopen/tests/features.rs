@@ -1,0 +1,88 @@
+//! What a device does that was compiled without some services: as if it had never heard of them.
+
+mod device;
+
+use canopen::cia301::nmt::Reset;
+use canopen::od::{Dictionary, Features, Table};
+use canopen::{Frame, Instant, Node, NodeId, Settings};
+use device::Objects;
+
+/// The small dictionary in a device that has no LSS and no block transfer, and no object of guarding.
+struct Plain(Objects);
+
+impl Dictionary for Plain {
+    const TABLE: &'static Table = Objects::TABLE;
+
+    const FEATURES: Features = Features {
+        lss: false,
+        block_transfer: false,
+        guarding: false,
+        ..Features::of(Objects::TABLE)
+    };
+
+    type Counts = <Objects as Dictionary>::Counts;
+
+    fn ram(&self) -> &[u8] {
+        self.0.ram()
+    }
+
+    fn ram_mut(&mut self) -> &mut [u8] {
+        self.0.ram_mut()
+    }
+}
+
+const NOW: Instant = Instant::from_ticks(1_000_000);
+
+/// Node 4 in Pre-operational.
+fn node() -> Node<Plain> {
+    let settings = Settings {
+        node_id: NodeId::new(4).unwrap(),
+        ..Settings::default()
+    };
+    let mut node = Node::new(Plain(Objects::new()), settings);
+    node.boot(Reset::Node, NOW, &mut ());
+    assert!(node.transmit(&mut ()).is_some(), "the boot-up message");
+    node
+}
+
+/// What is sent after this frame.
+fn answer(node: &mut Node<Plain>, frame: &Frame) -> Option<(u16, [u8; 8])> {
+    node.receive(frame, NOW, &mut ());
+    node.poll(NOW, &mut ());
+    let answer = node.transmit(&mut ())?;
+    Some((answer.standard_id()?, *answer.bytes()))
+}
+
+#[test]
+fn block_transfer_is_an_unknown_command() {
+    let mut node = node();
+    for command in [0xA4, 0xA3, 0xA2, 0xA1, 0xC6, 0xC2, 0xC1] {
+        let request = Frame::full(0x604, [command, 0x08, 0x10, 0, 0x7F, 0, 0, 0]);
+        // 05040001h: command specifier not valid.
+        let expected = [0x80, 0x08, 0x10, 0, 0x01, 0x00, 0x04, 0x05];
+        assert_eq!(
+            answer(&mut node, &request),
+            Some((0x584, expected)),
+            "{command:02X}h"
+        );
+    }
+    let request = Frame::full(0x604, [0x40, 0x00, 0x10, 0, 0, 0, 0, 0]);
+    let (_, [command, ..]) = answer(&mut node, &request).unwrap();
+    assert_eq!(command, 0x43, "other transfers go on");
+}
+
+#[test]
+fn lss_requests_are_for_others() {
+    let mut node = node();
+    for request in [[4, 1, 0, 0, 0, 0, 0, 0], [0x5E, 0, 0, 0, 0, 0, 0, 0]] {
+        assert_eq!(answer(&mut node, &Frame::full(0x7E5, request)), None);
+    }
+    assert!(node.event().is_some(), "Pre-operational");
+    assert_eq!(node.event(), None);
+}
+
+#[test]
+fn a_question_of_a_guarding_master_gets_no_answer() {
+    let mut node = node();
+    assert_eq!(answer(&mut node, &Frame::remote_frame(0x704, 1)), None);
+}
