@@ -65,13 +65,12 @@ impl ActiveErrors {
 
     /// Removes this error; `false` if it did not stand.
     pub(super) fn remove(&mut self, emergency: &Emergency) -> bool {
-        let history_word = emergency.history_word();
-        self.remove_if(|word| word == history_word)
+        self.remove_alike(emergency.history_word(), u32::MAX)
     }
 
     /// Removes every error with this code; `false` if there was none.
     pub(super) fn remove_all(&mut self, code: u16) -> bool {
-        self.remove_if(|word| code_of(word) == code)
+        self.remove_alike(code.into(), CODE)
     }
 
     /// The error register.
@@ -81,7 +80,14 @@ impl ActiveErrors {
             .fold(self.other_bits, |bits, error| bits | error.register)
     }
 
-    fn remove_if(&mut self, is_gone: impl Fn(u32) -> bool) -> bool {
+    /// Removes the errors whose history word is this one in the bits of `mask`.
+    #[inline(never)]
+    fn remove_alike(&mut self, history_word: u32, mask: u32) -> bool {
+        if self.standing.is_empty() {
+            // No error of the list, no other one.
+            return false;
+        }
+        let is_gone = |word: u32| (word ^ history_word) & mask == 0;
         let number = |errors: &Self| (errors.standing.len(), errors.others.len());
         let before = number(self);
         self.standing.retain(|error| !is_gone(error.history_word));
@@ -109,8 +115,5 @@ impl ActiveErrors {
     }
 }
 
-/// The emergency error code in a history word: the low half.
-const fn code_of(history_word: u32) -> u16 {
-    let [low, high, ..] = history_word.to_le_bytes();
-    u16::from_le_bytes([low, high])
-}
+/// The bits of a history word with the emergency error code.
+const CODE: u32 = 0xFFFF;

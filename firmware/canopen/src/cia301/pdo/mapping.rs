@@ -142,17 +142,11 @@ impl Target {
 
 /// A mapping in the making: targets are put one behind the other.
 pub(super) trait Layout: Sized {
-    /// Which way its PDO goes.
-    const DIRECTION: Direction;
-
     /// Nothing mapped.
     const NOTHING: Self;
 
     /// A mapping without objects: the frame names its object.
     fn addressed(addressing: Addressing) -> Self;
-
-    /// Whether the frame names its object.
-    fn is_addressed(&self) -> bool;
 
     /// Puts one more target behind those that are there.
     ///

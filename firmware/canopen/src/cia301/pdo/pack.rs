@@ -6,7 +6,7 @@
 use core::ops::Range;
 
 use super::bits;
-use super::mapping::{Direction, Layout, MOST_BITS, Target, with_target};
+use super::mapping::{Layout, MOST_BITS, Target, with_target};
 use super::multiplexed::Addressing;
 use crate::cia301::sdo::AbortCode;
 use crate::copy::{copy, copy_few};
@@ -179,8 +179,6 @@ fn add_bits(frame: &mut [u8; 8], source: Source, from: &[u8]) {
 }
 
 impl<M: Slots<Source>> Layout for Packing<M> {
-    const DIRECTION: Direction = Direction::Transmit;
-
     const NOTHING: Self = Self {
         sources: M::UNUSED,
         count: 0,
@@ -197,10 +195,6 @@ impl<M: Slots<Source>> Layout for Packing<M> {
             addressing: Some(addressing),
             ..Self::NOTHING
         }
-    }
-
-    fn is_addressed(&self) -> bool {
-        self.addressing.is_some()
     }
 
     fn push(&mut self, target: Target) -> Result<(), AbortCode> {

@@ -12,10 +12,10 @@
 //! | mapping sub-index 0: 65 to 253, more than the record has, or more than 64 bits together | 06040042h |
 //! | mapping sub-index 0: counts an empty entry | 06040041h |
 
-use super::mapping::{Direction, Layout, MOST_BITS, MappingEntry};
+use super::mapping::{Direction, Layout, MOST_BITS, MappingEntry, Target, with_target};
 use super::multiplexed::Addressing;
 use crate::cia301::sdo::AbortCode;
-use crate::od::{Dictionary, Entry, find, value};
+use crate::od::{Dictionary, find, value};
 use crate::wire::cob_id::{CobId, is_restricted};
 
 /// Bit 30 of the COB-ID of a transmit PDO: no remote frame may ask for it.
@@ -179,63 +179,106 @@ impl Parameters {
     /// # Errors
     /// As for a write of sub-index 0.
     pub(super) fn resolve<D: Dictionary, L: Layout>(self, dictionary: &D) -> Result<L, AbortCode> {
-        let count = number(dictionary, self.mapping(), 0).unwrap_or(0);
-        self.resolve_first(dictionary, u8::try_from(count).unwrap_or(u8::MAX))
+        let count = self.count(dictionary);
+        if let Some(addressing) = self.check_count(dictionary, count)? {
+            return Ok(L::addressed(addressing));
+        }
+        let mut mapping = L::NOTHING;
+        for sub in 1..=count {
+            mapping.push(self.target(dictionary, sub)?)?;
+        }
+        Ok(mapping)
     }
 
-    /// The first `count` mapping entries, resolved.
-    fn resolve_first<D: Dictionary, L: Layout>(
+    /// Sub-index 0 of the mapping.
+    fn count<D: Dictionary>(self, dictionary: &D) -> u8 {
+        let count = number(dictionary, self.mapping(), 0).unwrap_or(0);
+        u8::try_from(count).unwrap_or(u8::MAX)
+    }
+
+    /// Whose object the frame names with this sub-index 0, if it does; otherwise it counts mapping entries.
+    ///
+    /// # Errors
+    /// [`AbortCode::PdoLengthExceeded`]: it counts more than there are.
+    fn check_count<D: Dictionary>(
         self,
         dictionary: &D,
         count: u8,
-    ) -> Result<L, AbortCode> {
+    ) -> Result<Option<Addressing>, AbortCode> {
         if D::FEATURES.multiplexed_pdo
             && let Some(addressing) = Addressing::new(count)
         {
-            return Ok(L::addressed(addressing));
+            return Ok(Some(addressing));
         }
         // An object has one bit at least.
         let has_room = count == 0 || number(dictionary, self.mapping(), count).is_some();
         if count > MOST_BITS || !has_room {
             return Err(AbortCode::PdoLengthExceeded);
         }
-        let mut mapping = L::NOTHING;
-        for sub in 1..=count {
-            let entry = number(dictionary, self.mapping(), sub)
-                .map(MappingEntry)
-                .ok_or(AbortCode::PdoLengthExceeded)?;
-            if entry == MappingEntry::EMPTY {
-                return Err(AbortCode::NotMappable);
-            }
-            mapping.push(entry.resolve(D::TABLE, L::DIRECTION)?)?;
-        }
-        Ok(mapping)
+        Ok(None)
     }
 
-    /// Whether a sub-index of one of the records may get this value. Nothing changes.
+    /// What a mapping entry of the dictionary stands for.
+    #[inline(never)]
+    fn target<D: Dictionary>(self, dictionary: &D, sub: u8) -> Result<Target, AbortCode> {
+        let entry = number(dictionary, self.mapping(), sub)
+            .map(MappingEntry)
+            .ok_or(AbortCode::PdoLengthExceeded)?;
+        if entry == MappingEntry::EMPTY {
+            return Err(AbortCode::NotMappable);
+        }
+        entry.resolve(D::TABLE, self.direction)
+    }
+
+    /// Whether a PDO with room for so many objects can be made of the first `count` mapping entries, and whose object its frame
+    /// names, if it does. The same for all PDOs: it makes no [`Layout`].
+    #[inline(never)]
+    fn check_first<D: Dictionary>(
+        self,
+        dictionary: &D,
+        count: u8,
+        room: usize,
+    ) -> Result<Option<Addressing>, AbortCode> {
+        let addressing = self.check_count(dictionary, count)?;
+        if addressing.is_some() {
+            return Ok(addressing);
+        }
+        let (mut bits, mut room) = (0, room);
+        for sub in 1..=count {
+            let target = self.target(dictionary, sub)?;
+            bits = with_target(bits, &target)?;
+            if let Target::Object { .. } = target {
+                room = room.checked_sub(1).ok_or(AbortCode::PdoLengthExceeded)?;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether a sub-index of one of the records may get this value; its PDO has room for so many objects. Nothing changes.
     ///
     /// # Errors
     /// Those of the table above.
-    pub(super) fn validate<D: Dictionary, L: Layout>(
+    #[inline(never)]
+    pub(super) fn validate<D: Dictionary>(
         self,
         dictionary: &D,
         record: Record,
-        entry: &Entry,
+        sub: u8,
         value: &[u8],
+        room: usize,
     ) -> Result<(), AbortCode> {
         match record {
-            Record::Communication => {
-                self.validate_communication::<D, L>(dictionary, entry.sub, value)
-            }
-            Record::Mapping => self.validate_mapping::<D, L>(dictionary, entry.sub, value),
+            Record::Communication => self.validate_communication(dictionary, sub, value, room),
+            Record::Mapping => self.validate_mapping(dictionary, sub, value, room),
         }
     }
 
-    fn validate_communication<D: Dictionary, L: Layout>(
+    fn validate_communication<D: Dictionary>(
         self,
         dictionary: &D,
         sub: u8,
         value: &[u8],
+        room: usize,
     ) -> Result<(), AbortCode> {
         let present = self.cob_id(dictionary);
         match (sub, self.direction) {
@@ -244,7 +287,7 @@ impl Parameters {
                 check_cob_id(present, new)?;
                 if new.is_valid() && !present.is_valid() {
                     // A mapping that came from elsewhere than a checked write must not be found out by its first frame.
-                    self.check_type::<D, L>(dictionary, self.transmission_type(dictionary))?;
+                    self.check_type(dictionary, self.transmission_type(dictionary), room)?;
                 }
                 Ok(())
             }
@@ -252,7 +295,7 @@ impl Parameters {
                 let [number] = bytes(value)?;
                 let new = TransmissionType::new(number, self.direction);
                 if present.is_valid() {
-                    self.check_type::<D, L>(dictionary, new)?;
+                    self.check_type(dictionary, new, room)?;
                 }
                 new.map(|_| ()).ok_or(AbortCode::InvalidValue)
             }
@@ -267,38 +310,40 @@ impl Parameters {
     }
 
     /// Whether the mapping that is there can be used with this transmission type.
-    fn check_type<D: Dictionary, L: Layout>(
+    fn check_type<D: Dictionary>(
         self,
         dictionary: &D,
         transmission_type: Option<TransmissionType>,
+        room: usize,
     ) -> Result<(), AbortCode> {
-        let mapping: L = self.resolve(dictionary)?;
-        if mapping.is_addressed() && transmission_type != Some(TransmissionType::Event) {
+        let addressing = self.check_first(dictionary, self.count(dictionary), room)?;
+        if addressing.is_some() && transmission_type != Some(TransmissionType::Event) {
             Err(AbortCode::InvalidValue)
         } else {
             Ok(())
         }
     }
 
-    fn validate_mapping<D: Dictionary, L: Layout>(
+    fn validate_mapping<D: Dictionary>(
         self,
         dictionary: &D,
         sub: u8,
         value: &[u8],
+        room: usize,
     ) -> Result<(), AbortCode> {
         if self.cob_id(dictionary).is_valid() {
             return Err(AbortCode::UnsupportedAccess);
         }
         if sub == 0 {
             let [count] = bytes(value)?;
-            return self.resolve_first::<D, L>(dictionary, count).map(|_| ());
+            return self.check_first(dictionary, count, room).map(|_| ());
         }
         if number(dictionary, self.mapping(), 0) != Some(0) {
             return Err(AbortCode::UnsupportedAccess);
         }
         match MappingEntry(u32::from_le_bytes(bytes(value)?)) {
             MappingEntry::EMPTY => Ok(()),
-            entry => entry.resolve(D::TABLE, L::DIRECTION).map(|_| ()),
+            entry => entry.resolve(D::TABLE, self.direction).map(|_| ()),
         }
     }
 }

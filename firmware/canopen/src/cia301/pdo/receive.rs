@@ -21,7 +21,7 @@ use super::NOT_IN_USE;
 use super::mapping::Direction;
 use super::parameters::{Parameters, Record};
 use super::receive_pdo::{Circumstances, ReceivePdo, Received};
-use super::unpack::{Destination, Unpacking};
+use super::unpack::Destination;
 use crate::application::Application;
 use crate::cia301::error_report::ErrorReport;
 use crate::cia301::sdo::AbortCode;
@@ -107,7 +107,8 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
     ) -> Result<(), AbortCode> {
         match Parameters::of(Direction::Receive, entry.index) {
             Some((parameters, record)) if parameters.number() < self.pdos.as_ref().len() => {
-                parameters.validate::<D, Unpacking<M>>(dictionary, record, entry, value)
+                let room = M::UNUSED.as_ref().len();
+                parameters.validate(dictionary, record, entry.sub, value, room)
             }
             _ => Err(AbortCode::NoObject),
         }

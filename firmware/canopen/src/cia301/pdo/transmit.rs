@@ -37,7 +37,7 @@ use core::ops::Range;
 use super::NOT_IN_USE;
 use super::mapping::Direction;
 use super::multiplexed::{self, Addressing, Message};
-use super::pack::{NO_RAM, Packing, Source, around};
+use super::pack::{NO_RAM, Source, around};
 use super::parameters::{Parameters, Record};
 use super::transmit_pdo::TransmitPdo;
 use crate::cia301::sdo::AbortCode;
@@ -156,7 +156,8 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     ) -> Result<(), AbortCode> {
         match Parameters::of(Direction::Transmit, entry.index) {
             Some((parameters, record)) if parameters.number() < self.pdos.as_ref().len() => {
-                parameters.validate::<D, Packing<M>>(dictionary, record, entry, value)
+                let room = M::UNUSED.as_ref().len();
+                parameters.validate(dictionary, record, entry.sub, value, room)
             }
             _ => Err(AbortCode::NoObject),
         }

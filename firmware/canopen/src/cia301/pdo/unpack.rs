@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use super::bits;
-use super::mapping::{Direction, Layout, MOST_BITS, Target, with_target};
+use super::mapping::{Layout, MOST_BITS, Target, with_target};
 use super::multiplexed::Addressing;
 use crate::cia301::sdo::AbortCode;
 use crate::copy::copy_few;
@@ -191,8 +191,6 @@ impl<M: Slots<Destination>> Unpacking<M> {
 }
 
 impl<M: Slots<Destination>> Layout for Unpacking<M> {
-    const DIRECTION: Direction = Direction::Receive;
-
     const NOTHING: Self = Self {
         objects: M::UNUSED,
         count: 0,
@@ -210,10 +208,6 @@ impl<M: Slots<Destination>> Layout for Unpacking<M> {
             addressing: Some(addressing),
             ..Self::NOTHING
         }
-    }
-
-    fn is_addressed(&self) -> bool {
-        self.addressing.is_some()
     }
 
     fn push(&mut self, target: Target) -> Result<(), AbortCode> {

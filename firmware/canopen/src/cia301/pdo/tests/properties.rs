@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::device::{Destinations, Device, Sent, mapped};
 use super::objects::Objects;
-use crate::cia301::pdo::mapping::{Layout, MappingEntry};
+use crate::cia301::pdo::mapping::{Direction, Layout, MappingEntry};
 use crate::cia301::pdo::pack::Packing;
 use crate::cia301::pdo::unpack::Unpacking;
 use crate::od::{Dictionary, find, put, value};
@@ -77,13 +77,13 @@ fn odd_mapping() -> impl Strategy<Value = Vec<u32>> {
     })
 }
 
-fn resolve<L: Layout>(entries: &[u32]) -> L {
+fn resolve<L: Layout>(direction: Direction, entries: &[u32]) -> L {
     let mut mapping = L::NOTHING;
     for entry in entries {
         mapping
             .push(
                 MappingEntry(*entry)
-                    .resolve(Objects::TABLE, L::DIRECTION)
+                    .resolve(Objects::TABLE, direction)
                     .unwrap(),
             )
             .unwrap();
@@ -121,8 +121,8 @@ proptest! {
         frame in any::<[u8; 8]>(),
     ) {
         let mut objects = Objects::new();
-        resolve::<Unpacking<Destinations>>(&entries).unpack(&frame, &mut objects);
-        let packing: Packing<Sent> = resolve(&entries);
+        resolve::<Unpacking<Destinations>>(Direction::Receive, &entries).unpack(&frame, &mut objects);
+        let packing: Packing<Sent> = resolve(Direction::Transmit, &entries);
         let bits: u32 = entries.iter().map(|entry| entry & 0xFF).sum();
         prop_assert_eq!(u32::from(packing.length()), bits.div_ceil(8));
         let used = u64::MAX.checked_shr(64 - bits).unwrap_or(0);
@@ -137,7 +137,7 @@ proptest! {
         let (mut planned, mut plain) = (Objects::new(), Objects::new());
         planned.ram_mut().fill(0xA5);
         plain.ram_mut().fill(0xA5);
-        resolve::<Unpacking<Destinations>>(&entries).unpack(&frame, &mut planned);
+        resolve::<Unpacking<Destinations>>(Direction::Receive, &entries).unpack(&frame, &mut planned);
         let mut rest = u128::from(u64::from_le_bytes(frame));
         for entry in &entries {
             let [bits, sub, low, high] = entry.to_le_bytes();
@@ -202,7 +202,7 @@ proptest! {
 
 #[test]
 fn neighbours_become_one_copy() {
-    let copies = |entries: &[u32]| resolve::<Packing<Sent>>(entries).copies();
+    let copies = |entries: &[u32]| resolve::<Packing<Sent>>(Direction::Transmit, entries).copies();
     let eight: Vec<_> = (1..=8).map(|sub| mapped(0x200C, sub, 8)).collect();
     assert_eq!(copies(&eight), 1);
     let backwards: Vec<_> = eight.iter().rev().copied().collect();
