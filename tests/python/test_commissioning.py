@@ -40,10 +40,10 @@ def restart(start, tmp_path):
     """Starts the drive with what it has stored; a drive that runs is stopped before."""
     running = []
 
-    def restart():
+    def restart(*arguments):
         if running:
             assert running.pop().server.stop() == 0
-        running.append(start(tmp_path))
+        running.append(start(tmp_path, arguments))
         return running[0]
 
     return restart
@@ -112,6 +112,43 @@ def test_all_drives_are_numbered_and_get_a_bit_rate(start, tmp_path, connect, co
     network = connect(list(start_all())[0])
     for node_id, serial in zip((5, 6, 7), sorted(serials)):
         assert network.add_node(node_id, str(EDS)).sdo[0x1018][4].raw == serial
+
+
+@pytest.mark.only("virtual")
+def test_the_switches_rescue_a_drive_whose_bit_rate_nobody_knows(restart, connect, commission):
+    commission(restart(), "--node-id", NODE_ID, "--new-bitrate", 125)
+    assert "is its bit rate that of the bus?" in commission(restart(), "--node-id", NODE_ID, "--only", code=1)
+    # Position 80h: the stored node-ID, at 1 Mbit/s.
+    bus = restart("--switches", "80")
+    network = connect(bus)
+    assert node_id_by_lss(network) == NODE_ID
+    network.disconnect()
+    commission(bus, "--node-id", NODE_ID, "--only", "--new-bitrate", 500)
+    assert node_id_by_lss(connect(restart(), 500_000)) == NODE_ID
+
+
+@pytest.mark.only("virtual")
+def test_a_position_of_the_switches_goes_before_the_store(restart, connect):
+    network = connect(restart("--switches", "85"))
+    assert network.add_node(5, str(EDS)).sdo[0x1000].raw == 0x40192
+    network.disconnect()
+    # Nothing was stored by it.
+    assert node_id_by_lss(connect(restart())) == UNCONFIGURED
+
+
+@pytest.mark.only("virtual")
+def test_the_factory_reset_forgets_settings_and_parameters(restart, connect, commission):
+    bus = restart("--serial", 77)
+    commission(bus, "--node-id", NODE_ID)
+    network = connect(bus)
+    drive = network.add_node(NODE_ID, str(EDS))
+    drive.sdo.RESPONSE_TIMEOUT = 3
+    drive.sdo[0x6081].raw = 4321
+    drive.store()
+    network.disconnect()
+    bus = restart("--serial", 77, "--factory-reset")
+    assert "serial 0000004Dh" in commission(bus, "--node-id", NODE_ID)
+    assert connect(bus).add_node(NODE_ID, str(EDS)).sdo[0x6081].raw == 10_000
 
 
 def leave(network):
