@@ -31,6 +31,7 @@ mod sdo_domains;
 mod sdo_random;
 mod sdo_servers;
 mod seeded;
+mod set_points;
 mod state_machine;
 mod storage;
 mod sync_emergency;

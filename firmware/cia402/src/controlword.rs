@@ -2,7 +2,7 @@
 //!
 //! The state commands are coded in bits 0 to 3 and 7 under masks: bits that a command does not name never disturb it,
 //! so 8006h and 0106h are both "shutdown". Any value with bit 7 set is no state command at all; its rising edge resets a
-//! fault. Bits 4 to 6 and 8 belong to the mode of operation, bits 9 and 11 to 15 are ignored.
+//! fault. Bits 4 to 6, 8 and 9 belong to the mode of operation, bits 10 to 15 are ignored.
 
 /// Bit 1, enable voltage: 0 is "disable voltage".
 pub const ENABLE_VOLTAGE: u16 = 1 << 1;
@@ -14,6 +14,8 @@ pub const NEW_SET_POINT: u16 = 1 << 4;
 pub const CHANGE_IMMEDIATELY: u16 = 1 << 5;
 /// Bit 6 in profile position: 607Ah is relative.
 pub const RELATIVE: u16 = 1 << 6;
+/// Bit 9 in profile position: change on set-point.
+pub const CHANGE_ON_SET_POINT: u16 = 1 << 9;
 /// Bit 4 in the velocity mode: enable ramp.
 pub const ENABLE_RAMP: u16 = 1 << 4;
 /// Bit 5 in the velocity mode: unlock ramp.

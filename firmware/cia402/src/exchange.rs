@@ -40,6 +40,10 @@ pub struct Commands {
     pub target_position: i32,
     /// 6081h in steps/s.
     pub profile_velocity: u32,
+    /// 6082h in steps/s.
+    pub end_velocity: u32,
+    /// 60F2h.
+    pub positioning_option: u16,
     /// 6083h in steps/s².
     pub profile_acceleration: u32,
     /// 6084h in steps/s².
@@ -62,6 +66,8 @@ impl Commands {
         vl_target_velocity: 0,
         target_position: 0,
         profile_velocity: 0,
+        end_velocity: 0,
+        positioning_option: 0,
         profile_acceleration: 0,
         profile_deceleration: 0,
         target_velocity: 0,
@@ -89,11 +95,13 @@ impl Commands {
 
     /// A set-point is what the objects held at the edge of bit 4, even if a master went on writing before the next tick.
     fn keep_set_point(&mut self, earlier: &Self) {
-        use crate::controlword::{CHANGE_IMMEDIATELY, RELATIVE};
-        let bits = CHANGE_IMMEDIATELY | RELATIVE;
+        use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, RELATIVE};
+        let bits = CHANGE_IMMEDIATELY | CHANGE_ON_SET_POINT | RELATIVE;
         self.controlword = (self.controlword & !bits) | (earlier.controlword & bits);
         self.target_position = earlier.target_position;
         self.profile_velocity = earlier.profile_velocity;
+        self.end_velocity = earlier.end_velocity;
+        self.positioning_option = earlier.positioning_option;
         self.profile_acceleration = earlier.profile_acceleration;
         self.profile_deceleration = earlier.profile_deceleration;
     }

@@ -111,6 +111,8 @@ impl<A> Hooks<A> {
             vl_target_velocity: dictionary.vl_target_velocity(),
             target_position: dictionary.target_position(),
             profile_velocity: dictionary.profile_velocity(),
+            end_velocity: dictionary.end_velocity(),
+            positioning_option: dictionary.positioning_option_code(),
             profile_acceleration: dictionary.profile_acceleration(),
             profile_deceleration: dictionary.profile_deceleration(),
             target_velocity: dictionary.target_velocity(),
@@ -216,6 +218,10 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
         }
         Parameter::HaltOptionCode => code(number, StopRamp::on_halt),
         Parameter::FaultReactionOptionCode => code(number, Stop::on_fault),
+        Parameter::PositioningOptionCode => match number {
+            0..=2 => Ok(()),
+            _ => Err(AbortCode::InvalidValue),
+        },
         Parameter::ProfileAcceleration
         | Parameter::ProfileDeceleration
         | Parameter::QuickStopDeceleration

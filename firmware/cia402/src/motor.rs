@@ -75,6 +75,21 @@ impl Motor {
         self.axis.move_to(target, limits)
     }
 
+    /// Moves through a position with an end velocity in steps/s and keeps that. On an error nothing changes.
+    pub(crate) fn move_through(
+        &mut self,
+        target: i64,
+        end_velocity: u32,
+        limits: Limits,
+    ) -> Result<(), PlanError> {
+        self.axis.move_through(target, end_velocity, limits)
+    }
+
+    /// The position from which the next command begins, in steps.
+    pub(crate) fn committed_position(&self) -> i64 {
+        self.axis.committed_position()
+    }
+
     /// Ramps to a velocity in steps/s and keeps it, from whatever the motor does now. On an error nothing changes.
     pub(crate) fn ramp_to(&mut self, velocity: i32, limits: Limits) -> Result<(), PlanError> {
         self.axis.ramp_to(velocity, limits)

@@ -183,6 +183,10 @@ pub trait Objects {
     fn profile_velocity(&self) -> u32 {
         0
     }
+    /// 6082h.
+    fn end_velocity(&self) -> u32 {
+        0
+    }
     /// 6083h.
     fn profile_acceleration(&self) -> u32 {
         0
@@ -202,6 +206,10 @@ pub trait Objects {
     /// 60C6h.
     fn max_deceleration(&self) -> u32 {
         u32::MAX
+    }
+    /// 60F2h: 0, relative set-points count from the previous target.
+    fn positioning_option_code(&self) -> u16 {
+        0
     }
     /// 60F4h.
     fn set_following_error_actual_value(&mut self, value: i32) {

@@ -155,11 +155,13 @@ parameters! {
     MaxProfileVelocity "max_profile_velocity" 0x607F 0 U32 Taken "steps/s";
     MaxMotorSpeed "max_motor_speed" 0x6080 0 U32 Taken "steps/s";
     ProfileVelocity "profile_velocity" 0x6081 0 U32 Taken "steps/s";
+    EndVelocity "end_velocity" 0x6082 0 U32 Taken "steps/s";
     ProfileAcceleration "profile_acceleration" 0x6083 0 U32 Taken "steps/s²" from 1;
     ProfileDeceleration "profile_deceleration" 0x6084 0 U32 Taken "steps/s²" from 1;
     QuickStopDeceleration "quick_stop_deceleration" 0x6085 0 U32 Taken "steps/s²" from 1;
     MaxAcceleration "max_acceleration" 0x60C5 0 U32 Taken "steps/s²" from 1;
     MaxDeceleration "max_deceleration" 0x60C6 0 U32 Taken "steps/s²" from 1;
+    PositioningOptionCode "positioning_option_code" 0x60F2 0 U16 Taken "";
     FollowingErrorActualValue "following_error_actual_value" 0x60F4 0 I32 Shown "steps";
     MaxSlippage "max_slippage" 0x60F8 0 I32 Taken "steps/s";
     TargetVelocity "target_velocity" 0x60FF 0 I32 Taken "steps/s";
@@ -175,6 +177,8 @@ impl Parameter {
                 | Self::ModesOfOperation
                 | Self::TargetPosition
                 | Self::ProfileVelocity
+                | Self::EndVelocity
+                | Self::PositioningOptionCode
                 | Self::ProfileAcceleration
                 | Self::ProfileDeceleration
                 | Self::TargetVelocity

@@ -107,6 +107,23 @@ impl Axis {
         Ok(())
     }
 
+    /// Moves through `target` with `end_velocity` in steps/s and keeps that; see [`Plan::then_move_through`].
+    ///
+    /// # Errors
+    /// [`PlanError`]; the motion goes on as it was.
+    pub fn move_through(
+        &mut self,
+        target: i64,
+        end_velocity: u32,
+        limits: Limits,
+    ) -> Result<(), PlanError> {
+        let limits = self.within_timing(limits);
+        self.plan =
+            self.plan
+                .then_move_through(self.clock, self.horizon, target, end_velocity, limits)?;
+        Ok(())
+    }
+
     /// Ramps to `velocity` in steps/s and keeps it.
     ///
     /// # Errors

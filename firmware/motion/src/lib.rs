@@ -1,6 +1,6 @@
 //! Exact integer motion: where a stepper axis is to be at every tick of its timer, and the pulses that take it there.
 //!
-//! A command becomes a [`Plan`], a closed form of at most four phases that ends on the target by construction. An [`Axis`] walks
+//! A command becomes a [`Plan`], a closed form of at most five phases that ends on the target by construction. An [`Axis`] walks
 //! along its plan in chords and turns them into [`Record`]s, which a [`PulseSink`] plays: a DMA ring, an interrupt, a simulated
 //! motor. The pulses that were sent always add up to the distance that was commanded, whatever happened on the way.
 //!

@@ -1,28 +1,33 @@
 //! Profile position, mode 1 (CiA 402-2): the motor goes to set-points, each with its own velocity and ramps.
 //!
-//! A rising edge of controlword bit 4 hands over a set-point: 607Ah, 6081h, 6083h and 6084h as they are at that moment
-//! (a later write counts for the next one). Bit 12 of the statusword acknowledges it and falls when bit 4 has fallen
-//! and there is room for another.
+//! A rising edge of controlword bit 4 hands over a set-point: 607Ah and 6081h to 6084h as they are at that moment (a later
+//! write counts for the next one). Bit 12 of the statusword acknowledges it and falls when bit 4 has fallen and there is room
+//! for another.
 //! - Bit 5 = 1: it replaces whatever is going on, smoothly. Bit 5 = 0: it waits until the one under way is done; one can
 //!   wait, and bit 12 stays 1 meanwhile. One more is not taken.
-//! - Bit 6 = 1: 607Ah counts from the previous target as it was carried out (60F2h = 0); after enabling, from where the
-//!   motor stands.
+//! - Bit 9 = 1 with bit 5 = 0: the one under way is not slowed down at its target, as far as the motor can still stop at the one
+//!   that waits. If that leads back, the motor stops in between all the same.
+//! - Bit 6 = 1: 607Ah counts from what 60F2h says: the previous target as it was carried out (0; after enabling, where the motor
+//!   stands), the position demand (1) or the actual position (2). For one that waits they are all the target under way.
+//! - 6082h is the velocity at the target. The motor keeps it beyond, until the next set-point or a software limit.
 //! - Edges count while the mode is at work only. Bit 4 that rises with the controlword that enables, or with the change
 //!   of the mode, hands over nothing.
 //! - Halt (bit 8) stops on the ramp of 605Dh and keeps the target; releasing it goes on. Set-points are taken but not started.
 //! - A target outside 607Dh, or outside 32 bits, is cut to the limit; bit 11 shows it and bit 10 stays 0. The limits are off
 //!   while the minimum is not below the maximum.
-//! - A velocity above 607Fh, 6080h or what the pulses can reach, a ramp above 60C5h or 60C6h is cut (bit 11). A set-point that cannot be carried out (6081h = 0) is taken and
-//!   acknowledged, the motor stops or stays, bit 10 stays 0 and bit 11 is 1; the next set-point replaces it at once.
+//! - A velocity above 607Fh, 6080h or what the pulses can reach, a ramp above 60C5h or 60C6h is cut (bit 11). A set-point
+//!   that cannot be carried out (6081h = 0) is taken and acknowledged, the motor stops or stays, bit 10 stays 0 and bit 11 is 1;
+//!   the next set-point replaces it at once.
 //!
 //! Bit 10, target reached: 0 in the tick that takes a set-point, even one that ends where the motor stands; then 1 as soon
-//! as 6064h has been within 6067h of the target for 6068h. With 6067h = FFFFFFFFh it is 1 when the profile has ended.
-//! During halt it says that the motor stands.
+//! as 6064h has been within 6067h of the target for 6068h. With 6067h = FFFFFFFFh it is 1 when the profile has ended; with an
+//! end velocity, when the target is passed. During halt it says that the motor stands.
 
 use motion::Limits;
 
 use super::Context;
-use crate::controlword::{CHANGE_IMMEDIATELY, NEW_SET_POINT, RELATIVE};
+use super::kept_velocity::{KeptVelocity, Order};
+use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, NEW_SET_POINT, RELATIVE};
 use crate::dwell::Dwell;
 use crate::motor::Motor;
 use crate::statusword::{INTERNAL_LIMIT, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
@@ -35,6 +40,8 @@ const WINDOW_OFF: u32 = u32::MAX;
 struct SetPoint {
     target: i64,
     limits: Limits,
+    /// What is left of the velocity at the target, in steps/s.
+    end_velocity: u32,
     /// The target or the velocity is not what the master asked for.
     limited: Limited,
 }
@@ -53,6 +60,8 @@ enum Progress {
     UnderWay,
     /// The profile has ended. So it is before the first set-point.
     Done,
+    /// The target has been passed, and the end velocity is kept.
+    Passed,
     /// It cannot be carried out.
     Impossible,
 }
@@ -67,6 +76,10 @@ pub(super) struct ProfilePosition {
     next: Option<SetPoint>,
     /// The target that relative ones count from, and that bit 10 means.
     target: i64,
+    /// On which side of the target the motor was when the set-point began: the sign of the way to go.
+    direction: i64,
+    /// The motion behind a target that is passed.
+    beyond: KeptVelocity,
     acknowledge: bool,
     halted: bool,
     /// The mode began in this tick: an edge of bit 4 is older than it.
@@ -81,6 +94,8 @@ impl ProfilePosition {
             progress: Progress::Done,
             next: None,
             target: 0,
+            direction: 0,
+            beyond: KeptVelocity::new(),
             acknowledge: false,
             halted: false,
             begins: true,
@@ -100,8 +115,8 @@ impl ProfilePosition {
         let was_halted = self.halted;
         self.halted = context.is_halted();
 
-        if self.progress == Progress::UnderWay && !was_halted && context.motor.standstill() {
-            self.progress = Progress::Done;
+        if self.progress == Progress::UnderWay && !was_halted {
+            self.look_for_the_end(context);
         }
         if self.progress != Progress::UnderWay
             && let Some(next) = self.next.take()
@@ -116,6 +131,9 @@ impl ProfilePosition {
             (true, false) => self.resume(context),
             _ => {}
         }
+        if self.progress == Progress::Passed && !self.halted {
+            self.go_beyond(context);
+        }
 
         if taken {
             self.acknowledge = true;
@@ -127,13 +145,18 @@ impl ProfilePosition {
 
     /// Takes the set-point in the commands, if there is room. Returns whether it did.
     fn take(&mut self, context: &mut Context<'_>) -> bool {
-        let set_point = self.read(context);
-        let immediately = context.commands.controlword & CHANGE_IMMEDIATELY != 0;
-        if immediately || self.progress != Progress::UnderWay {
+        let controlword = context.commands.controlword;
+        let immediately = controlword & CHANGE_IMMEDIATELY != 0;
+        let waits = !immediately && self.progress == Progress::UnderWay;
+        let set_point = self.read(context, waits);
+        if !waits {
             self.next = None;
             self.begin(set_point, context);
         } else if self.next.is_none() {
             self.next = Some(set_point);
+            if controlword & CHANGE_ON_SET_POINT != 0 {
+                self.blend(set_point, context);
+            }
         } else {
             return false;
         }
@@ -141,13 +164,18 @@ impl ProfilePosition {
     }
 
     /// The set-point in the commands, within all limits.
-    fn read(&self, context: &Context<'_>) -> SetPoint {
+    fn read(&self, context: &Context<'_>, waits: bool) -> SetPoint {
         let commands = context.commands;
         let asked = i64::from(commands.target_position);
-        let wanted = if commands.controlword & RELATIVE != 0 {
-            self.target.saturating_add(asked)
-        } else {
+        let wanted = if commands.controlword & RELATIVE == 0 {
             asked
+        } else {
+            let base = match commands.positioning_option {
+                1 if !waits => context.demand.position,
+                2 if !waits => i64::from(context.position as i32),
+                _ => self.target,
+            };
+            base.saturating_add(asked)
         };
         let (low, high) = context.travel;
         let low = low.max(i64::from(i32::MIN));
@@ -157,6 +185,7 @@ impl ProfilePosition {
         SetPoint {
             target,
             limits,
+            end_velocity: commands.end_velocity,
             limited: Limited {
                 target: target != wanted,
                 profile: is_cut,
@@ -164,8 +193,41 @@ impl ProfilePosition {
         }
     }
 
+    /// The set-point under way may have come to its end.
+    fn look_for_the_end(&mut self, context: &Context<'_>) {
+        let Some(set_point) = self.current else {
+            return;
+        };
+        let motor = &context.motor;
+        if set_point.end_velocity == 0 {
+            if motor.standstill() {
+                self.progress = Progress::Done;
+            }
+        } else {
+            let way = set_point.target.saturating_sub(motor.committed_position());
+            if way.saturating_mul(self.direction) <= 0 {
+                self.progress = Progress::Passed;
+            }
+        }
+    }
+
     /// A set-point becomes the one under way.
-    fn begin(&mut self, set_point: SetPoint, context: &mut Context<'_>) {
+    fn begin(&mut self, mut set_point: SetPoint, context: &mut Context<'_>) {
+        let way = set_point
+            .target
+            .saturating_sub(context.motor.committed_position());
+        self.direction = way.signum();
+        if set_point.end_velocity != 0 {
+            let (low, high) = context.travel;
+            let limit = if way < 0 { low } else { high };
+            let room = limit.saturating_sub(set_point.target).unsigned_abs();
+            let end = if way == 0 {
+                0
+            } else {
+                stoppable(set_point.limits.deceleration, room)
+            };
+            set_point.end_velocity = set_point.end_velocity.min(end);
+        }
         self.current = Some(set_point);
         self.target = set_point.target;
         self.progress = Progress::UnderWay;
@@ -175,18 +237,68 @@ impl ProfilePosition {
         }
     }
 
+    /// The set-point under way is to be left for `next` at its target without slowing down more than needed.
+    fn blend(&mut self, next: SetPoint, context: &mut Context<'_>) {
+        let way = next.target.saturating_sub(self.target);
+        let Some(mut set_point) = self.current.filter(|_| way.signum() == self.direction) else {
+            return;
+        };
+        let room = way.unsigned_abs();
+        let end = stoppable(next.limits.deceleration, room).min(set_point.limits.velocity);
+        set_point.end_velocity = set_point.end_velocity.max(end);
+        self.current = Some(set_point);
+        if !self.halted {
+            self.start(set_point, context.motor);
+        }
+    }
+
+    /// The target has been passed: the end velocity is kept, within the software limits.
+    fn go_beyond(&mut self, context: &mut Context<'_>) {
+        let Some(set_point) = self.current else {
+            return;
+        };
+        let velocity = set_point.end_velocity.min(set_point.limits.velocity);
+        let amount = i32::try_from(velocity).unwrap_or(i32::MAX);
+        let order = Order {
+            velocity: if self.direction < 0 {
+                amount.wrapping_neg()
+            } else {
+                amount
+            },
+            limits: Limits {
+                velocity,
+                ..set_point.limits
+            },
+            travel: context.travel,
+        };
+        self.beyond.follow(order, context.motor);
+    }
+
     /// The halt is over: the set-point under way goes on.
     fn resume(&mut self, context: &mut Context<'_>) {
+        self.beyond.forget();
         if let (Progress::UnderWay, Some(set_point)) = (self.progress, self.current) {
             self.start(set_point, context.motor);
         }
     }
 
     fn start(&mut self, set_point: SetPoint, motor: &mut Motor) {
-        if motor.move_to(set_point.target, set_point.limits).is_err() {
+        let SetPoint {
+            target,
+            limits,
+            end_velocity,
+            ..
+        } = set_point;
+        self.beyond.forget();
+        let result = if end_velocity == 0 {
+            motor.move_to(target, limits)
+        } else {
+            motor.move_through(target, end_velocity, limits)
+        };
+        if result.is_err() {
             self.progress = Progress::Impossible;
             if !motor.standstill() {
-                motor.stop(set_point.limits.deceleration);
+                motor.stop(limits.deceleration);
             }
         }
     }
@@ -201,7 +313,11 @@ impl ProfilePosition {
         if reached {
             bits |= TARGET_REACHED;
         }
-        if limited.target || limited.profile || self.progress == Progress::Impossible {
+        let is_limited = limited.target
+            || limited.profile
+            || self.progress == Progress::Impossible
+            || self.progress == Progress::Passed && self.beyond.is_limited(context.motor);
+        if is_limited {
             bits |= INTERNAL_LIMIT;
         }
         if self.acknowledge {
@@ -218,6 +334,15 @@ impl ProfilePosition {
         if limited.target || self.progress == Progress::Impossible {
             return false;
         }
+        if self.progress == Progress::Passed {
+            return true;
+        }
+        if self
+            .current
+            .is_some_and(|set_point| set_point.end_velocity != 0)
+        {
+            return false;
+        }
         if configuration.position_window == WINDOW_OFF {
             return self.progress == Progress::Done;
         }
@@ -228,6 +353,20 @@ impl ProfilePosition {
             configuration.position_window_time,
         )
     }
+}
+
+/// The velocity with which the motor may pass a target and still stop within so many steps behind it, in steps/s: the root of
+/// twice the deceleration times the way. The next command comes a few control ticks after the target has been passed, so four
+/// milliseconds at this velocity are kept in reserve.
+fn stoppable(deceleration: u32, steps: u64) -> u32 {
+    let velocity = |steps: u64| {
+        let square = u64::from(deceleration)
+            .saturating_mul(2)
+            .saturating_mul(steps);
+        square.isqrt()
+    };
+    let reserve = velocity(steps) / 250;
+    u32::try_from(velocity(steps.saturating_sub(reserve))).unwrap_or(u32::MAX)
 }
 
 /// How far apart two positions are, modulo 2³² as they are shown.

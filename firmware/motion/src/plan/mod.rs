@@ -1,6 +1,6 @@
 //! Plans: where the axis is at every tick, in closed form.
 //!
-//! A plan is a list of at most four phases of constant acceleration. It is made once, from a state, a goal and limits, and then
+//! A plan is a list of at most five phases of constant acceleration. It is made once, from a state, a goal and limits, and then
 //! only evaluated. Two rules make it exact: the braking phase of a move is anchored at its target, so that it lands there whatever
 //! was rounded on the way; and limits are rounded down, so that they are never exceeded. What that costs in speed is paid
 //! by the cruise.
@@ -55,8 +55,8 @@ impl fmt::Display for PlanError {
 
 impl core::error::Error for PlanError {}
 
-/// Overspeed is braked or the wrong direction is left; then acceleration, cruise, braking.
-const MOST_PHASES: usize = 4;
+/// Overspeed is braked or the wrong direction is left; then acceleration, cruise, braking, and the velocity that is kept.
+const MOST_PHASES: usize = 5;
 
 /// A motion in closed form.
 #[derive(Debug, Clone, Copy)]
@@ -90,7 +90,7 @@ impl Plan {
         target_steps: i64,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        move_to::plan(clock, start, from.into(), target_steps, limits)
+        move_to::plan(clock, start, from.into(), target_steps, 0, limits)
     }
 
     /// Profile velocity: ramps to `steps_per_second` and keeps it; 0 is a stop, the ramp of halt and quick stop.
@@ -121,7 +121,25 @@ impl Plan {
         target_steps: i64,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        move_to::plan(clock, at, self.exact_at(at), target_steps, limits)
+        move_to::plan(clock, at, self.exact_at(at), target_steps, 0, limits)
+    }
+
+    /// Moves through `target_steps` with `end_velocity` in steps/s (6082h), cut to that of `limits`, from the state that this plan
+    /// has at tick `at`, and keeps that velocity. Where the way is too short for it, it comes about behind the target. The
+    /// axis stops on the target if the end velocity is 0 or the axis is there already.
+    ///
+    /// # Errors
+    /// As [`Plan::move_to`].
+    pub fn then_move_through(
+        &self,
+        clock: Clock,
+        at: Ticks,
+        target_steps: i64,
+        end_velocity: u32,
+        limits: Limits,
+    ) -> Result<Self, PlanError> {
+        let from = self.exact_at(at);
+        move_to::plan(clock, at, from, target_steps, end_velocity, limits)
     }
 
     /// [`Plan::velocity`] from the state that this plan has at tick `at`, without rounding it first.

@@ -1,6 +1,9 @@
-//! Profile position: the trapezoid to a target, from any velocity.
+//! Profile position: the trapezoid to a target, from any velocity; and through it, with a velocity left at the target.
+//!
+//! Braking to an end velocity at the target is the beginning of braking to rest further on: as far on as it takes to brake from the
+//! end velocity. So such a move is planned as one to that point, and left at the target.
 
-use super::phase::{Offset, ramp_time, ramp_way};
+use super::phase::{Offset, Parabola, ramp_time, ramp_way};
 use super::{Course, Limits, Plan, PlanError};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
@@ -13,6 +16,7 @@ pub(super) fn plan(
     start: Ticks,
     from: Exact,
     target_steps: i64,
+    end_velocity: u32,
     limits: Limits,
 ) -> Result<Plan, PlanError> {
     if limits.velocity == 0 {
@@ -49,6 +53,31 @@ pub(super) fn plan(
     }
     let stop_way = ramp_way(speed, half_deceleration, stop_time, true);
 
+    if end_velocity != 0 && gap != 0 {
+        let end = End::new(clock, end_velocity.min(limits.velocity), half_deceleration);
+        let way = gap.checked_add(end.way).ok_or(PlanError::OutOfRange)?;
+        if approaching && way <= stop_way.saturating_add(indistinct(stop_time)) {
+            // Too fast for the end velocity: it comes about behind the target.
+            let mut course = Course::new(start, from, target_behind);
+            let time = ramp_time(speed.saturating_sub(end.speed), half_deceleration);
+            course.brake(speed, half_deceleration, time);
+            return Ok(course.never_end(end.speed));
+        }
+        let route = Route {
+            clock,
+            limits,
+            half_deceleration,
+            end,
+        };
+        let mut course = Course::new(start, from, target_behind);
+        if approaching || speed == 0 {
+            return Ok(route.follow(course, speed, way, gap.cast_signed()));
+        }
+        course.turn_back(speed, half_deceleration, stop_time);
+        let way = way.checked_add(stop_way).ok_or(PlanError::OutOfRange)?;
+        return Ok(route.follow(course, 0, way, gap.cast_signed()));
+    }
+
     if approaching && gap.abs_diff(stop_way) <= indistinct(stop_time) {
         // The target is exactly at the stopping distance: brake, and nothing else.
         let course = Course::new(start, from, target_behind);
@@ -58,6 +87,7 @@ pub(super) fn plan(
         clock,
         limits,
         half_deceleration,
+        end: End::REST,
     };
     if approaching && gap < stop_way {
         // Too fast to stop in time: brake, turn round, come back.
@@ -83,15 +113,43 @@ fn indistinct(stop_time: Offset) -> u128 {
     ((stop_time >> 32) << 40).saturating_add(1 << 64)
 }
 
+/// What is left of the speed at the target.
+struct End {
+    speed: Fine,
+    /// How long it takes to brake from it to rest, and how far.
+    time: Offset,
+    way: u128,
+}
+
+impl End {
+    const REST: Self = Self {
+        speed: 0,
+        time: 0,
+        way: 0,
+    };
+
+    fn new(clock: Clock, velocity: u32, half_deceleration: Fine) -> Self {
+        let speed = clock.speed(velocity);
+        let time = ramp_time(speed, half_deceleration);
+        Self {
+            speed,
+            time,
+            way: ramp_way(speed, half_deceleration, time, true),
+        }
+    }
+}
+
 /// The last part of every move: towards the target, at a speed from which it can stop there.
 struct Route {
     clock: Clock,
     limits: Limits,
     half_deceleration: Fine,
+    end: End,
 }
 
 impl Route {
-    /// Goes `way` at first `speed`, to `target` in the course's frame.
+    /// Goes `way` at first `speed`, to `target` in the course's frame; the way is that to rest, behind the target if there is an end
+    /// velocity.
     fn follow(&self, mut course: Course, mut speed: Fine, mut way: u128, target: i128) -> Plan {
         if way == 0 {
             return course.rest_at(target);
@@ -104,6 +162,12 @@ impl Route {
             speed = top;
         }
         let peak = self.peak(half_acceleration, speed, way).min(top).max(speed);
+        if peak < self.end.speed {
+            // The way is too short for the end velocity: it comes about behind the target.
+            let time = ramp_time(self.end.speed.wrapping_sub(speed), half_acceleration);
+            course.accelerate(speed, half_acceleration, time);
+            return course.never_end(self.end.speed);
+        }
         if peak > speed {
             let time = ramp_time(peak.wrapping_sub(speed), half_acceleration);
             way = way.saturating_sub(course.accelerate(speed, half_acceleration, time));
@@ -111,7 +175,10 @@ impl Route {
         let stop_time = ramp_time(peak, self.half_deceleration);
         way = way.saturating_sub(ramp_way(peak, self.half_deceleration, stop_time, true));
         course.cruise(peak, cruise_time(way, peak), way);
-        course.land(target, self.half_deceleration, stop_time)
+        if self.end.speed == 0 {
+            return course.land(target, self.half_deceleration, stop_time);
+        }
+        course.pass(target, &self.end, self.half_deceleration, stop_time)
     }
 
     /// The speed at which acceleration from `speed` must turn into braking if there is no limit to it:
@@ -145,6 +212,23 @@ impl Route {
         } else {
             root << (half_exponent.unsigned_abs() & 127)
         }
+    }
+}
+
+impl Course {
+    /// Brakes from a speed that takes `stop_time` to rest, passes `target` with what is left, and keeps it.
+    fn pass(mut self, target: i128, end: &End, half_deceleration: Fine, stop_time: Offset) -> Plan {
+        let begin = self.elapsed;
+        let rest = begin.saturating_add(stop_time);
+        let curve = Parabola {
+            position: target.wrapping_add(end.way.cast_signed()),
+            velocity: 0,
+            half_acceleration: half_deceleration.cast_signed().wrapping_neg(),
+        };
+        self.push(curve, begin, rest);
+        self.elapsed = rest.saturating_sub(end.time).max(begin);
+        self.travelled = target;
+        self.never_end(end.speed)
     }
 }
 

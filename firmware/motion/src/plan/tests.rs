@@ -1,6 +1,7 @@
 //! Plans against the reference vectors, and against the rules that hold for all plans.
 
 mod properties;
+mod through;
 mod vectors;
 
 use super::{Limits, Plan};

@@ -1,5 +1,6 @@
 //! The mode in a drive, on virtual time. The profile: 10000 steps/s, 100000 steps/s² both ways (500 steps each).
 
+mod blending;
 mod halt;
 mod handshake;
 mod mode_change;

@@ -1,0 +1,129 @@
+//! Moves through a target: where and with which velocity they pass it, and what follows.
+
+use proptest::prelude::*;
+
+use super::{Limits, Plan, clock, per_second, state, steps};
+use crate::Ticks;
+
+const HZ: u32 = 84_000_000;
+
+fn limits(velocity: u32, acceleration: u32, deceleration: u32) -> Limits {
+    Limits {
+        velocity,
+        acceleration,
+        deceleration,
+    }
+}
+
+/// A plan through `target` from `from` steps at `velocity`.
+fn through(from: i64, velocity: i32, target: i64, end: u32, limits: Limits) -> Plan {
+    let clock = clock(HZ);
+    let plan = Plan::velocity(
+        clock,
+        0,
+        state(clock, from, velocity),
+        velocity.max(1),
+        limits,
+    );
+    plan.unwrap()
+        .then_move_through(clock, 0, target, end, limits)
+        .unwrap()
+}
+
+/// The first tick at which the plan has come to `target` from below or above.
+fn passing(plan: &Plan, target: i64, upwards: bool) -> Ticks {
+    let is_past = |t: Ticks| {
+        let way = steps(plan.state_at(t)) - target as f64;
+        if upwards { way >= 0.0 } else { way <= 0.0 }
+    };
+    let (mut low, mut high) = (0, 1_000 * u64::from(HZ));
+    assert!(is_past(high));
+    while low < high {
+        let middle = u64::midpoint(low, high);
+        if is_past(middle) {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    low
+}
+
+#[test]
+fn the_end_velocity_is_there_at_the_target_and_stays() {
+    let plan = through(0, 0, 100_000, 20_000, limits(100_000, 500_000, 250_000));
+    let at = passing(&plan, 100_000, true);
+    let velocity = |t| per_second(clock(HZ), plan.state_at(t));
+    assert!((velocity(at) - 20_000.0).abs() < 1.0, "{}", velocity(at));
+    assert!((velocity(at + 100_000_000) - 20_000.0).abs() < 0.01);
+    assert_eq!(plan.end(), None);
+    // 0.2 s up, 0.32 s down, and the rest of the way at full speed.
+    let seconds = 0.2 + 0.32 + (100_000.0 - 10_000.0 - 19_200.0) / 100_000.0;
+    assert!((at as f64 / f64::from(HZ) - seconds).abs() < 1e-6);
+}
+
+#[test]
+fn a_way_too_short_ends_behind_the_target() {
+    let plan = through(0, 0, 100, 20_000, limits(100_000, 500_000, 250_000));
+    let at = passing(&plan, 100, true);
+    let velocity = per_second(clock(HZ), plan.state_at(at));
+    assert!((velocity - 10_000.0).abs() < 1.0, "{velocity}");
+    let later = per_second(clock(HZ), plan.state_at(u64::from(HZ)));
+    assert!((later - 20_000.0).abs() < 0.01);
+}
+
+#[test]
+fn too_fast_for_the_end_velocity_it_is_braked_behind_the_target() {
+    let plan = through(0, 50_000, 100, 1_000, limits(100_000, 500_000, 500_000));
+    assert_eq!(plan.phases().len(), 2);
+    let later = per_second(clock(HZ), plan.state_at(u64::from(HZ)));
+    assert!((later - 1_000.0).abs() < 0.01);
+}
+
+#[test]
+fn without_an_end_velocity_it_is_an_ordinary_move() {
+    let plan = through(0, 0, 5_000, 0, limits(10_000, 100_000, 100_000));
+    assert_eq!(
+        plan.state_at(plan.end().unwrap()),
+        state(clock(HZ), 5_000, 0)
+    );
+    let plan = through(0, 0, 0, 700, limits(10_000, 100_000, 100_000));
+    assert_eq!(plan.end(), Some(0));
+}
+
+proptest! {
+    /// From rest, and from any velocity in either direction: no limit is broken, and the target is passed with no more than the
+    /// greatest of the velocities involved.
+    #[test]
+    fn the_target_is_passed_and_the_end_velocity_kept(
+        from in -100_000_i64..100_000,
+        velocity in -50_000..50_000,
+        target in -100_000_i64..100_000,
+        end in 1_u32..80_000,
+        top in 1_000_u32..80_000,
+        acceleration in 10_000_u32..1_000_000,
+        deceleration in 10_000_u32..1_000_000,
+    ) {
+        prop_assume!(from != target);
+        let limits = limits(top, acceleration, deceleration);
+        let clock = clock(HZ);
+        let start = state(clock, from, velocity);
+        let plan = Plan::velocity(clock, 0, start, velocity, limits).unwrap();
+        let plan = plan.then_move_through(clock, 0, target, end, limits).unwrap();
+        let kept = per_second(clock, plan.state_at(100 * u64::from(HZ)));
+        let expected = f64::from(end.min(top)) * (target - from).signum() as f64;
+        prop_assert!((kept - expected).abs() < 0.01, "{} instead of {}", kept, expected);
+        let at = passing(&plan, target, target > from);
+        let passed = per_second(clock, plan.state_at(at)).abs();
+        let most = f64::from(end.min(top)).max(f64::from(velocity).abs());
+        prop_assert!(passed <= most + 1.0, "{} of {}", passed, most);
+        let mut before = plan.state_at(0);
+        for sample in 1..400_u64 {
+            let t = sample * u64::from(HZ) / 100;
+            let now = plan.state_at(t);
+            let change = (per_second(clock, now) - per_second(clock, before)).abs() * 100.0;
+            prop_assert!(change <= f64::from(acceleration.max(deceleration)) * 1.001 + 1.0);
+            before = now;
+        }
+    }
+}
