@@ -48,7 +48,10 @@ fn the_drive_has_every_object_that_the_firmware_asks_for() {
     let generated = generate(&model("../eds/axis402.eds"), Options::DRIVE);
     let (_, objects) = generated.split_once("impl ::cia402::Objects").unwrap();
     let (objects, _) = objects.split_once("\n}\n").unwrap();
-    assert_eq!(objects.matches("fn ").count(), cia402::parameters::ALL.len());
+    assert_eq!(
+        objects.matches("fn ").count(),
+        cia402::parameters::ALL.len()
+    );
 }
 
 /// What is said about a file with these bytes, without the folder's name, and what the file means.

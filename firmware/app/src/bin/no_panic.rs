@@ -403,6 +403,12 @@ fn axis(axis: &mut Axis) {
         1 => look(axis.ramp_to(any() as i32, any_limits()).is_ok().into()),
         2 => look(axis.stop(any()).is_ok().into()),
         3 => look(axis.abort() as u32),
+        7 => {
+            let end = any();
+            let through = axis.move_through(any_u64() as i64, end, any_limits());
+            look(through.is_ok().into());
+        }
+        8 => look(axis.committed_velocity() as u32 + u32::from(axis.is_ending())),
         4 => axis.set_position(any_u64() as i64),
         5 => look(axis.demand(any_u64()).position as u32),
         6 => look(
