@@ -40,7 +40,6 @@ mod share;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI1, SPI2])]
 mod app {
-    use canopen::cia303::Signal;
     use canopen::Settings;
     use cia402::Exchange;
     use motion::step_interrupt::{self, Player};
@@ -48,7 +47,7 @@ mod app {
     use crate::board::{self, Board, Bus, Parts, Receive, Selected};
     use crate::control::{Control, RATE_HZ, TIMING};
     use crate::inbox::{self, Inbox, Lost};
-    use crate::lights::Panel;
+    use crate::lights::{Panel, Signals};
     use crate::node::Node;
     use crate::settings;
 
@@ -181,7 +180,7 @@ mod app {
     }
 
     #[task(priority = 1, local = [panel])]
-    fn lights(cx: lights::Context, signal: Signal) {
-        cx.local.panel.advance(signal);
+    fn lights(cx: lights::Context, signals: Signals) {
+        cx.local.panel.advance(&signals);
     }
 }

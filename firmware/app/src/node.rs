@@ -19,13 +19,14 @@ use canopen::cia305::Detection;
 use canopen::node::StoreError;
 use canopen::settings::PowerOn;
 use canopen::{BitRate, BitTiming, Configuration, Duration, Event, Instant, Settings};
-use cia402::{Device, Exchange, Share};
+use cia402::{Device, DriveSignal, Exchange, Share};
 use rtic::Mutex;
 
 use crate::board::{Board, Bus, Receive, Selected};
 use crate::clock;
 use crate::dictionary::Dictionary;
 use crate::inbox::{Lost, Received, Stamped};
+use crate::lights::Signals;
 use crate::outbox::Outbox;
 use crate::settings::{self, Parameters};
 use crate::share::Locked;
@@ -33,9 +34,6 @@ use crate::share::Locked;
 /// Writing to flash may stop the processor for a while, so it waits until the motor has no current; a master that asks
 /// for it while the drive is enabled is answered with an error after this time.
 const STORE_PATIENCE: Duration = Duration::millis(50);
-
-/// Bit 3 of the statusword 6041h.
-const FAULT: u16 = 1 << 3;
 
 type CanBus = <Selected as Board>::Bus;
 type Receiver = <Selected as Board>::Receiver;
@@ -63,7 +61,6 @@ pub struct Node {
     bit_timing: BitTiming,
     /// The device has booted: at power-on it waits for the bit rate.
     booted: bool,
-    state: NmtState,
     /// When the lights want the next signal.
     next_signal: Instant,
 }
@@ -100,7 +97,6 @@ impl Node {
             detection: None,
             bit_timing: power_on.bit_timing.value,
             booted: false,
-            state: NmtState::Initialisation,
             next_signal: Instant::from_ticks(0),
         }
     }
@@ -201,7 +197,8 @@ impl Node {
         self.device.poll(now, &mut Locked(&mut exchange));
         while let Some(event) = self.device.event() {
             match event {
-                Event::StateChanged(state) => self.state = state,
+                // The lights ask for the state when they want it.
+                Event::StateChanged(_) => {}
                 Event::StoreSettings(settings) => {
                     self.to_store = Some((settings, now + STORE_PATIENCE));
                 }
@@ -274,13 +271,18 @@ impl Node {
     }
 
     /// What the lights are to say, once for each step of their patterns.
-    pub fn signal(&mut self) -> Option<Signal> {
+    pub fn signal(&mut self) -> Option<Signals> {
         let now = clock::now();
         (now >= self.next_signal).then(|| {
             self.next_signal = now + Pattern::STEP;
-            Signal {
-                state: self.state,
-                fault: self.device.node().dictionary().statusword() & FAULT != 0,
+            let dictionary = self.device.node().dictionary();
+            let signal = self.device.node().signal();
+            Signals {
+                network: Signal {
+                    configuring: signal.configuring || self.detection.is_some(),
+                    ..signal
+                },
+                drive: DriveSignal::new(dictionary.statusword(), dictionary.error_code()),
             }
         })
     }

@@ -23,6 +23,7 @@
 mod controller;
 mod events;
 mod identifiers;
+mod indicators;
 mod multiplexed;
 mod objects;
 mod parameters;

@@ -11,7 +11,6 @@ use canopen::cia301::nmt::Reset;
 use canopen::cia301::parameters::{ParameterSet, ParameterSets, ParameterStore, CHUNK};
 use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::cia301::time_stamp::TimeOfDay;
-use canopen::cia303::{Indicators, Signal};
 use canopen::node::StoreError;
 use canopen::od::{self, DayTime, StorageGroup, Value};
 use canopen::{
@@ -30,6 +29,11 @@ use motion::{
     State, Velocity,
 };
 use stm32f4xx_hal as _;
+
+#[path = "no_panic/commissioning.rs"]
+mod commissioning;
+
+use commissioning::{any_power_on, Commissioning};
 
 /// The object dictionary of the drive.
 mod dictionary {
@@ -110,8 +114,12 @@ fn any_frame() -> Frame {
 fn any_settings() -> Settings {
     Settings {
         node_id: NodeId::new(any() as u8).unwrap_or(NodeId::UNCONFIGURED),
-        bit_rate: BitRate::from_table_index(any() as u8).unwrap_or(BitRate::Kbit1000),
+        bit_rate: any_bit_rate(),
     }
+}
+
+fn any_bit_rate() -> BitRate {
+    BitRate::from_table_index(any() as u8).unwrap_or(BitRate::Kbit100)
 }
 
 fn any_time() -> Instant {
@@ -260,6 +268,7 @@ fn node(node: &mut Node<Everything>) {
         ),
         2 => node.clear(any() as u16, any_time()),
         3 => node.settings_stored(any_result()),
+        13 => node.bit_rate_found(any_bit_rate(), any_time()),
         4 => look(node.poll(any_time(), &mut Objects).ticks() as u32),
         5 => {
             if let Some(frame) = node.transmit(&mut Objects) {
@@ -533,15 +542,6 @@ fn plan(clock: Clock) {
     }
 }
 
-#[inline(never)]
-fn indicators(indicators: &mut Indicators, node: &Node<Everything>) {
-    let lit = indicators.advance(Signal {
-        state: node.state(),
-        fault: any() == 0,
-    });
-    look(u32::from(lit.run) + u32::from(lit.error));
-}
-
 /// The getters and setters of dictionaries, and what bindings calculate.
 fn values() {
     let bytes = any_bytes();
@@ -567,8 +567,11 @@ fn values() {
 fn main() -> ! {
     let mut exchange = Exchange::new();
     let mut device = Device::new(Dictionary::new(), any_settings(), any()).with_parameter_store();
-    let mut plain = Node::new(Everything(Dictionary::new()), any_settings()).with_parameter_store();
-    let mut lights = Indicators::new();
+    let mut plain = Node::new(Everything(Dictionary::new()), any_settings())
+        .with_parameter_store()
+        .detecting()
+        .started(&any_power_on());
+    let mut commissioning = Commissioning::new();
     let mut shared = step_interrupt::Shared::new();
     let (mut queue, mut player) = step_interrupt::split(&mut shared, Timer, any_timing());
     loop {
@@ -581,7 +584,7 @@ fn main() -> ! {
         });
         while any() != 0 {
             node(&mut plain);
-            indicators(&mut lights, &plain);
+            commissioning.advance(&plain);
             drive(&mut device, &mut driver, &mut exchange);
             axis(&mut stepper);
             homing(&mut search);

@@ -51,7 +51,7 @@ pub trait Board: Sized {
     type Bus: Bus + Send;
     /// The power stage and what watches it.
     type Stage: Stage + Send;
-    /// The two lights.
+    /// The lights.
     type Lights: Lights + Send;
     /// The flash sectors of the parameter store, all of them and nothing else, from address 0.
     type Parameters: NorFlash + Send;
@@ -150,13 +150,19 @@ pub trait Stage {
     fn feed_watchdog(&mut self);
 }
 
-/// The two lights of CiA 303-3.
+/// The two lights of CiA 303-3, and that of the drive.
 pub trait Lights {
+    /// The green and the red light are one with two colours.
+    const BICOLOUR: bool;
+
     /// The green light.
     fn set_run(&mut self, on: bool);
 
     /// The red light.
     fn set_error(&mut self, on: bool);
+
+    /// The light of the drive.
+    fn set_drive(&mut self, on: bool);
 }
 
 /// Starts the system timer, which makes the control tick.

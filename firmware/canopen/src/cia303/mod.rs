@@ -4,24 +4,37 @@
 //! 200 ms:
 //!
 //! ```text
-//!                 0     200    400    600    800   1000   1200 ms
-//!  on             ██████████████████████████████████████████
-//!  blinking       ███████       ███████       ███████           2.5 Hz
-//!  single flash   ███████                                       one flash, then dark for a second
+//!                 0     200    400    600    800   1000   1200   1400   1600 ms
+//!  on             ████████████████████████████████████████████████████████
+//!  flickering     █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █    10 Hz
+//!  blinking       ███████       ███████       ███████       ███████           2.5 Hz
+//!  single flash   ███████                                   ███████           then dark for a second
+//!  double flash   ███████       ███████                                       triple, quadruple: likewise
 //!  off
 //! ```
 //!
-//! The contract:
-//! - The green light is on in Operational, blinks in Pre-operational and gives a single flash in Stopped. During
-//!   Initialisation it is off.
-//! - The red light is on while the device has a fault (a controller that has left the bus is one), off otherwise.
-//! - Both lights are at the same place of their patterns, and a light that changes its pattern joins in where the
-//!   others are.
+//! | pattern | green: run | red: error |
+//! |---|---|---|
+//! | off | Initialisation | no error |
+//! | flickering | LSS or search for the bit rate, in turn with red | the same, in turn with green |
+//! | blinking | Pre-operational | what was stored does not fit |
+//! | single flash | Stopped | the controller has counted many errors |
+//! | double flash | | a watched node is silent, or nobody guards the device |
+//! | triple flash | | SYNC missing |
+//! | quadruple flash | | a receive PDO missing |
+//! | on | Operational | bus-off |
 //!
-//! Flickering (LSS), double and triple flashes are patterns of the standard that nothing here asks for yet.
+//! The contract:
+//! - Of several errors the red light shows the one that is lowest in the table; bus-off goes before flickering too.
+//! - Both lights are at the same place of their patterns, but for flickering, where one is lit while the other is dark. A light
+//!   that changes its pattern joins in where the others are.
+//! - One light with two colours is red where both would be lit ([`Lights::bicolour`]).
+//! - A device without a node-ID flickers, as it waits for LSS.
+//!
+//! Errors of the drive are not for these lights: they have one of their own.
 
 mod indicators;
 mod pattern;
 
-pub use indicators::{Indicators, Lights, Signal};
+pub use indicators::{CommunicationState, Indicators, Lights, Signal};
 pub use pattern::Pattern;

@@ -265,6 +265,11 @@ impl Slave {
         self.switch.is_some_and(|switch| now < switch.end)
     }
 
+    /// Whether a master configures this slave now, or the slave waits for one because it has no node-ID.
+    pub fn is_being_configured(&self) -> bool {
+        self.state == State::Configuration || !self.active.node_id.is_configured()
+    }
+
     /// Neither has a node-ID nor will get one: the only slaves that fastscan is for.
     fn is_non_configured(&self) -> bool {
         !self.active.node_id.is_configured() && !self.pending.node_id.is_configured()

@@ -87,9 +87,13 @@ impl Stage for IdealStage {
 pub struct NoLights;
 
 impl Lights for NoLights {
+    const BICOLOUR: bool = false;
+
     fn set_run(&mut self, _on: bool) {}
 
     fn set_error(&mut self, _on: bool) {}
+
+    fn set_drive(&mut self, _on: bool) {}
 }
 
 /// A bug was found: the emulator ends with an error.

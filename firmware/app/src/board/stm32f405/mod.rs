@@ -11,7 +11,8 @@
 //! | PC8 to PC11 | rotary switch ×10h | the same |
 //! | PC1 | factory reset | input with pull-up; low for 100 ms from power-up on: what was stored is forgotten |
 //! | PB8, PB9 | CAN receive, transmit | CAN1 |
-//! | PC6, PC7 | green light, red light | high is on |
+//! | PC6, PC7 | green light, red light, or one with two colours | high is on |
+//! | PC12 | light of the drive | high is on |
 //!
 //! Core 168 MHz, APB1 42 MHz (CAN), its timers 84 MHz (TIM2 step pulses, TIM5 time).
 
@@ -24,7 +25,7 @@ mod switches;
 
 use cortex_m_rt::{exception, ExceptionFrame};
 use defmt_rtt as _;
-use stm32f4xx_hal::gpio::{Output, PC6, PC7};
+use stm32f4xx_hal::gpio::{Output, PC12, PC6, PC7};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Enable};
@@ -52,7 +53,7 @@ impl Board for Stm32f405 {
     type Receiver = can::Receiver;
     type Bus = can::Controller;
     type Stage = stage::StepStage;
-    type Lights = stage::PinLights<PC6<Output>, PC7<Output>>;
+    type Lights = stage::PinLights<PC6<Output>, PC7<Output>, PC12<Output>>;
     type Parameters = flash::ParameterSectors;
 
     fn start(device: pac::Peripherals) -> Parts<Self> {
@@ -81,8 +82,11 @@ impl Board for Stm32f405 {
             c.pc0.into_pull_up_input(),
             watchdog,
         );
-        let lights =
-            stage::PinLights::new(c.pc6.into_push_pull_output(), c.pc7.into_push_pull_output());
+        let lights = stage::PinLights::new(
+            c.pc6.into_push_pull_output(),
+            c.pc7.into_push_pull_output(),
+            c.pc12.into_push_pull_output(),
+        );
 
         pac::TIM5::enable(&mut rcc);
         device.TIM5.cr1().write(|w| w.cen().set_bit());

@@ -73,6 +73,12 @@ impl ActiveErrors {
         self.remove_alike(code.into(), CODE)
     }
 
+    /// The errors that stand, as history words: the code in the low half.
+    pub(super) fn words(&self) -> impl Iterator<Item = u32> {
+        let standing = self.standing.iter().map(|error| error.history_word);
+        standing.chain(self.others.iter().copied())
+    }
+
     /// The error register.
     pub(super) fn register(&self) -> u8 {
         self.standing

@@ -43,6 +43,8 @@ pub mod code {
     pub const COLLISION: u16 = 0x8150;
     /// A SYNC with an unexpected data length.
     pub const SYNC_LENGTH: u16 = 0x8240;
+    /// RPDO time-out: a receive PDO did not come before its deadline.
+    pub const RPDO_TIMEOUT: u16 = 0x8250;
 }
 
 /// An error as CiA 301 reports it.

@@ -37,6 +37,11 @@ impl Producer {
         self.queue.clear();
     }
 
+    /// The errors that stand: the code in the low half, the first two bytes of the manufacturer in the high one.
+    pub fn standing(&self) -> impl Iterator<Item = u32> {
+        self.active.words()
+    }
+
     /// Drops the messages that wait: Stopped is entered, or communication starts anew.
     pub fn drop_messages(&mut self) {
         self.queue.clear();

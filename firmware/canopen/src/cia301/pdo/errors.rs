@@ -1,6 +1,6 @@
 //! What can be wrong with a receive PDO.
 
-use crate::cia301::emergency::{Emergency, ErrorRegister};
+use crate::cia301::emergency::{Emergency, ErrorRegister, code};
 
 /// The errors of one PDO that stand, a bit for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ impl Errors {
             Self::SHORT => 0x8210,
             Self::LONG => 0x8220,
             Self::NO_OBJECT => 0x8230,
-            _ => 0x8250,
+            _ => code::RPDO_TIMEOUT,
         }
     }
 
