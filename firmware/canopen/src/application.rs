@@ -8,7 +8,9 @@ use crate::od::{Dictionary, Entry};
 /// An object with [`Attributes::STREAMED`](crate::od::Attributes::STREAMED) has no bytes in the dictionary: the application gives and takes its value piece by piece, at
 /// positions in bytes from 0. One client at a time writes an object, and none begins or ends a write while another one reads it:
 /// it is refused with 08000022h, and the reader gets one value whole. A transfer that has begun may end without a word to the reader of it; the writer learns by
-/// [`Application::end_write`] or [`Application::abandon_write`].
+/// [`Application::end_write`] or [`Application::abandon_write`]. A number among them (an element of a large array) is read by one
+/// [`Application::read_at`] of all its bytes, and written by one [`Application::write_at`] after its length, its limits and
+/// [`Application::validate`].
 pub trait Application<D: Dictionary> {
     /// Whether [`Application::written`] may change the dictionary. If it never does, transmit PDOs are not compared with it after
     /// every receive PDO, but only after one that writes what they map.

@@ -86,6 +86,12 @@ impl Reader<'_> {
             );
             return None;
         }
+        if entry.is_with_application {
+            let message = format!("{} is with the application", name((index, sub)));
+            let help = "remove `;Memory=application` from the data sheet";
+            self.report(&binding::OBJECT, &self.row.object, message, help);
+            return None;
+        }
         let (is_taken, is_shown) = self.access(entry, parameter)?;
         let meaning = self.meaning(entry, parameter, is_shown)?;
         let binding = Binding {

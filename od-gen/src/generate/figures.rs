@@ -14,8 +14,10 @@ const LIMITS: usize = 16;
 pub struct Figures {
     /// Values: one descriptor each.
     pub entries: usize,
-    /// Flash of the descriptors with their limits.
+    /// Flash of the descriptors.
     pub descriptors: usize,
+    /// Flash of the limits: each pair is there once, whichever values have it.
+    pub limits: usize,
     /// Flash of the values: those that never change, and the defaults of the others.
     pub values: usize,
     /// RAM of the values that can change.
@@ -28,7 +30,8 @@ impl Figures {
         let layout = Layout::new(model);
         Self {
             entries: layout.rows.len(),
-            descriptors: layout.rows.len() * DESCRIPTOR + layout.limits.len() * LIMITS,
+            descriptors: layout.rows.len() * DESCRIPTOR,
+            limits: layout.limits.len() * LIMITS,
             values: layout.rom.len() + layout.defaults.len(),
             ram: layout.defaults.len(),
         }
@@ -36,6 +39,6 @@ impl Figures {
 
     /// All of its flash but the code of hooks and bindings.
     pub fn flash(&self) -> usize {
-        self.descriptors + self.values
+        self.descriptors + self.limits + self.values
     }
 }

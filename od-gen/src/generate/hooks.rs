@@ -8,18 +8,22 @@ use super::accessors::value_type;
 use super::documentation::{facts, title};
 use super::format::{head, signature};
 use super::layout::{Layout, Place, Row};
+use super::values::{self, Value, is_value};
 use super::{ABORT_CODE, ALLOW_UNUSED, names};
 
 pub(super) fn write(layout: &Layout<'_>) -> String {
     let hooked: Vec<&Row<'_>> = layout.rows.iter().filter(|row| has_hooks(row)).collect();
+    let with_application = |row: &&Row<'_>| row.place == Place::Application;
     let streamed: Vec<&Row<'_>> = layout
         .rows
         .iter()
-        .filter(|row| row.place == Place::Application)
+        .filter(|row| with_application(row) && !is_value(row))
         .collect();
+    let values = values::values(&layout.rows);
     let mut out = hooks(&hooked);
     out += &streams(&streamed);
-    out += &adapter(&hooked, &streamed);
+    out += &values::write(&values);
+    out += &adapter(&hooked, &streamed, &values);
     out
 }
 
@@ -163,12 +167,14 @@ const STREAM_CALLS: [StreamCall; 6] = [
     },
 ];
 
-fn adapter(hooked: &[&Row<'_>], streamed: &[&Row<'_>]) -> String {
-    let bounds = if streamed.is_empty() {
-        "Hooks"
-    } else {
-        "Hooks + Streams"
-    };
+fn adapter(hooked: &[&Row<'_>], streamed: &[&Row<'_>], values: &[Value<'_>]) -> String {
+    let mut bounds = String::from("Hooks");
+    if !streamed.is_empty() {
+        bounds += " + Streams";
+    }
+    if !values.is_empty() {
+        bounds += " + Values";
+    }
     let mut out =
         String::from("/// An application with hooks, as the node takes it.\n#[derive(Debug)]\n");
     out += ALLOW_UNUSED;
@@ -182,21 +188,27 @@ fn adapter(hooked: &[&Row<'_>], streamed: &[&Row<'_>]) -> String {
         out += &written(hooked);
         out += "\n";
     }
-    if !streamed.is_empty() {
-        for call in &STREAM_CALLS {
-            let is_for = |row: &&&Row<'_>| {
-                let access = row.entry.access;
-                if call.is_write {
-                    access.is_writable()
-                } else {
-                    access.is_readable()
-                }
-            };
-            let rows: Vec<&Row<'_>> = streamed.iter().filter(is_for).copied().collect();
-            if !rows.is_empty() {
-                out += &stream(call, &rows);
-                out += "\n";
+    for call in &STREAM_CALLS {
+        let is_for = |row: &&&Row<'_>| {
+            let access = row.entry.access;
+            if call.is_write {
+                access.is_writable()
+            } else {
+                access.is_readable()
             }
+        };
+        let rows: Vec<&Row<'_>> = streamed.iter().filter(is_for).copied().collect();
+        let values = values.iter().filter(|value| value.allows(call.is_write));
+        let arms: String = match call.name {
+            "read_at" => values.map(Value::read_arm).collect(),
+            "write_at" => values.map(Value::write_arm).collect(),
+            // What has no streams needs no word on their end.
+            "end_write" if !rows.is_empty() => values.map(Value::end_arm).collect(),
+            _ => String::new(),
+        };
+        if !rows.is_empty() || !arms.is_empty() {
+            out += &stream(call, &rows, &arms);
+            out += "\n";
         }
     }
     out += "    fn power_on(&mut self, dictionary: &mut Dictionary) {\n        Hooks::power_on(&mut self.0, dictionary);\n    }\n}\n\n";
@@ -251,12 +263,16 @@ fn written(rows: &[&Row<'_>]) -> String {
     out
 }
 
-fn stream(call: &StreamCall, rows: &[&Row<'_>]) -> String {
+fn stream(call: &StreamCall, rows: &[&Row<'_>], values: &str) -> String {
     let dictionary = format!("dictionary: {}", call.dictionary);
     let own: Vec<String> = call
         .arguments
         .iter()
-        .map(|(name, its_type)| format!("{name}: {its_type}"))
+        .map(|(name, its_type)| match *name {
+            // A number comes whole.
+            "position" if rows.is_empty() => format!("_: {its_type}"),
+            name => format!("{name}: {its_type}"),
+        })
         .collect();
     let mut arguments = vec!["&mut self", &dictionary, "entry: &::canopen::od::Entry"];
     arguments.extend(own.iter().map(String::as_str));
@@ -270,10 +286,11 @@ fn stream(call: &StreamCall, rows: &[&Row<'_>]) -> String {
     out += "        let Self(streams) = self;\n        match (entry.index, entry.sub) {\n";
     for row in rows {
         let stream = format!("streams.{}()", row.name);
-        let mut values = vec![stream.as_str(), "dictionary"];
-        values.extend(call.arguments.iter().map(|(name, _)| *name));
-        out += &arm(row, call.method, &values);
+        let mut passed = vec![stream.as_str(), "dictionary"];
+        passed.extend(call.arguments.iter().map(|(name, _)| *name));
+        out += &arm(row, call.method, &passed);
     }
+    out += values;
     let end = if call.otherwise == "{}" { "" } else { "," };
     out += &format!(
         "            _ => {}{end}\n        }}\n    }}\n",

@@ -77,7 +77,7 @@ impl<'a> Layout<'a> {
             .iter()
             .flat_map(|object| object.entries.iter().map(move |entry| (object, entry)));
         for ((object, entry), name) in entries.zip(names) {
-            let (place, storage) = if is_constant(object, entry) {
+            let (place, storage) = if is_constant(object, entry) && !entry.is_with_application {
                 (layout.place_in_rom(entry), None)
             } else if is_streamed(entry) {
                 (Place::Application, None)
@@ -241,10 +241,11 @@ fn is_constant(object: &Object, entry: &Entry) -> bool {
     }
 }
 
-/// Whether the application serves a value piece by piece: a DOMAIN, and a string that can be written and is longer than what the
-/// firmware takes in before it checks.
+/// Whether the application has a value: a DOMAIN, a string that can be written and is longer than what the firmware takes in before
+/// it checks, and what the data sheet gives to it.
 fn is_streamed(entry: &Entry) -> bool {
-    entry.data_type == DataType::Domain || entry.data_type.is_text() && entry.size > LARGEST_VALUE
+    let is_long = entry.data_type.is_text() && entry.size > LARGEST_VALUE;
+    entry.data_type == DataType::Domain || is_long || entry.is_with_application
 }
 
 /// The default as it travels on the bus.

@@ -15,6 +15,7 @@ mod layout;
 mod names;
 mod sites;
 mod table;
+mod values;
 
 use std::path::Path;
 

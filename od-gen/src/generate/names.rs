@@ -42,6 +42,22 @@ pub(super) fn indices(model: &Model) -> Vec<String> {
     names.into_iter().map(|name| name.to_uppercase()).collect()
 }
 
+/// The method for each group of values that the application has: that of its getter, or of its array.
+pub(super) fn values(groups: &[Vec<&Row<'_>>]) -> Vec<String> {
+    let named = groups.iter().filter_map(|group| match group.as_slice() {
+        [] => None,
+        [row] => {
+            let place = format!("{:04x}_{:x}", row.object.index, row.entry.sub);
+            Some((row.name.clone(), place))
+        }
+        [first, ..] => {
+            let index = format!("{:04x}", first.object.index);
+            Some((snake_case(&first.object.name), index))
+        }
+    });
+    unique(named.collect())
+}
+
 /// The type that serves each streamed object, by its getter: `File1`. Digits close up to their word, so `file_1` and `file1` give
 /// the same type, and both get the place of their object behind it: `File1At2000`.
 pub(super) fn stream_types(rows: &[&Row<'_>]) -> Vec<String> {

@@ -66,7 +66,10 @@ pub(super) fn sites<'a>(
         .collect();
     let (index, sub) = parameter.home;
     let is_bound = sites.iter().any(|site| site.is_home_of(parameter));
-    if let Some(row) = layout.row(index, sub).filter(|_| !is_bound) {
+    // What the application has is its own.
+    let row = layout.row(index, sub);
+    let row = row.filter(|row| row.place != Place::Application && !is_bound);
+    if let Some(row) = row {
         sites.push(Site {
             row,
             binding: None,

@@ -36,6 +36,9 @@ pub struct Entry {
     pub upload_file: Option<String>,
     /// DownloadFile of a DCF: where what is written comes from.
     pub download_file: Option<String>,
+    /// Whether the application has it and the dictionary does not: `;Memory=application`. DOMAINs and long strings are with the
+    /// application in any case.
+    pub is_with_application: bool,
     /// What stores it at 1010h; `None` for what is lost at power-off.
     pub storage: Option<StorageGroup>,
     /// Comments of the form `;Name=value` in its section, such as `;Unit=mm/s`.
@@ -69,6 +72,7 @@ impl Entry {
             denotation: None,
             upload_file: None,
             download_file: None,
+            is_with_application: false,
             storage: None,
             notes: Vec::new(),
             remarks: Remarks::default(),

@@ -85,6 +85,9 @@ pub(super) fn read(
     check_constant(&entry, section, findings);
     entry.size = size(section, &entry, findings)?;
     entry.storage = storage(section, context.index, access, findings)?;
+    if let Some((span, note)) = note_place(section, "Memory") {
+        give_to_application(&mut entry, context.index, (span, note), findings);
+    }
     Some(entry)
 }
 
@@ -317,6 +320,31 @@ fn size(section: &Section<'_>, entry: &Entry, findings: &mut Findings) -> Option
     })
 }
 
+/// The comment `;Memory=application`: the application has the value.
+pub(super) fn give_to_application(
+    entry: &mut Entry,
+    index: u16,
+    (span, note): (Span, &str),
+    findings: &mut Findings,
+) {
+    let message = if !note.eq_ignore_ascii_case("application") {
+        format!("Memory `{note}` is not application")
+    } else if index < 0x2000 {
+        format!("{index:04X}h belongs to the communication, which has its memory")
+    } else if entry.pdo_mapping {
+        "a PDO carries only what the dictionary has".into()
+    } else if entry.access == Access::Constant {
+        "a value that is const lies in flash".into()
+    } else if entry.note("Storage").is_some() {
+        "1010h stores only what the dictionary has".into()
+    } else {
+        entry.is_with_application = true;
+        entry.storage = None;
+        return;
+    };
+    findings.report(&rule::MEMORY, span, message);
+}
+
 /// What stores a value: by the comment `;Storage=` in its section, or by its index and access.
 fn storage(
     section: &Section<'_>,
@@ -376,7 +404,7 @@ pub(super) fn remarks<'a>(comments: impl Iterator<Item = &'a Comment<'a>>) -> Re
     Remarks(remarks.map(|comment| comment.text.to_string()).collect())
 }
 
-fn note_place<'a>(section: &'a Section<'a>, name: &str) -> Option<(Span, &'a str)> {
+pub(super) fn note_place<'a>(section: &'a Section<'a>, name: &str) -> Option<(Span, &'a str)> {
     section.comments.iter().find_map(|comment| {
         let (own, value) = comment.note()?;
         own.eq_ignore_ascii_case(name)

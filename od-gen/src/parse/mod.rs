@@ -80,7 +80,8 @@ pub(crate) fn parse(
     // The application keeps what it streams: DOMAINs, and long strings that can be written.
     let kept = model.entries().filter(|(_, entry)| {
         let is_long = entry.size > LARGEST_VALUE;
-        entry.data_type != DataType::Domain && !(is_long && entry.access.is_writable())
+        let is_streamed = is_long && entry.access.is_writable();
+        !(is_streamed || entry.data_type == DataType::Domain || entry.is_with_application)
     });
     let sizes = kept.map(|(_, entry)| usize::from(entry.size) + 2);
     if sizes.sum::<usize>() > LARGEST_DICTIONARY {

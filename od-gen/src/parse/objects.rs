@@ -181,6 +181,8 @@ fn read_subs(
     let is_compact = !object.entries.is_empty();
     // `;Storage=` of an object is for all its sub-indices that do not say otherwise.
     let storage = entry::storage_note(section, findings).flatten();
+    // So is `;Memory=`, but for sub-index 0, which only counts them.
+    let memory = entry::note_place(section, "Memory");
     for ((_, sub), section) in sections.subs.range((index, 0)..=(index, u8::MAX)) {
         if is_compact {
             let message = format!("{index:04X}h has CompactSubObj and sub sections");
@@ -220,6 +222,9 @@ fn read_subs(
             && entry.access.is_writable()
         {
             entry.storage = group;
+        }
+        if let Some(memory) = memory.filter(|_| *sub > 0 && !entry.is_with_application) {
+            entry::give_to_application(&mut entry, index, memory, findings);
         }
         match object.entries.binary_search_by_key(sub, |entry| entry.sub) {
             Ok(at) => object.entries[at] = entry,

@@ -28,6 +28,7 @@ pub(crate) const RULES: &[&Rule] = &[
     &VALUE_TOO_LARGE,
     &STORAGE,
     &STORAGE_OF_FIXED,
+    &MEMORY,
     &DICTIONARY_TOO_LARGE,
 ];
 
@@ -183,6 +184,14 @@ pub(crate) static STORAGE_OF_FIXED: Rule = Rule::warning(
     "storage-of-a-fixed-value",
     "Only what can be written is stored.",
     "`;Storage=` of an object that nobody can write means nothing.",
+);
+
+pub(crate) static MEMORY: Rule = Rule::error(
+    "memory",
+    "The comment ;Memory=application is in the section of a value that the application can have.",
+    "The application then gives and takes it when a master reads or writes, one value at a time, and it takes no RAM: for the elements \
+     of large arrays. That goes with objects from 2000h on that are not const, that no PDO carries and that 1010h does not store. When \
+     this is silenced, the value is in RAM.",
 );
 
 pub(crate) static DICTIONARY_TOO_LARGE: Rule = Rule::fatal(

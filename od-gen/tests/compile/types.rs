@@ -11,7 +11,7 @@ use canopen::cia301::nmt::Reset;
 use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{DayTime, OutOfRange};
 use canopen::{BitRate, Frame, Instant, Node, NodeId, Settings, Sink, Source};
-use dictionary::{Dictionary, Hooked, Hooks, NAMES, Streams};
+use dictionary::{Dictionary, Hooked, Hooks, NAMES, Streams, Values};
 
 /// A value of any length.
 #[derive(Default)]
@@ -58,6 +58,47 @@ struct Application {
     scratch: Memory,
     program_text: Memory,
     applied: Vec<i32>,
+    zero: i32,
+    is_set: bool,
+    /// By the sub-index.
+    samples: std::collections::BTreeMap<u8, i16>,
+}
+
+impl Values for Application {
+    fn odometer(&mut self, _: &Dictionary) -> Result<u64, AbortCode> {
+        Ok(0x0102_0304_0506_0708)
+    }
+
+    fn scale_zero(&mut self, _: &Dictionary) -> Result<i32, AbortCode> {
+        Ok(self.zero)
+    }
+
+    fn set_scale_zero(&mut self, _: &Dictionary, value: i32) -> Result<(), AbortCode> {
+        self.zero = value;
+        Ok(())
+    }
+
+    fn set_scale_is_set(&mut self, _: &Dictionary, value: bool) -> Result<(), AbortCode> {
+        self.is_set = value;
+        Ok(())
+    }
+
+    fn scale_unit(&mut self, _: &Dictionary) -> Result<u8, AbortCode> {
+        Err(AbortCode::DeviceState)
+    }
+
+    fn set_scale_unit(&mut self, _: &Dictionary, _: u8) -> Result<(), AbortCode> {
+        Err(AbortCode::DeviceState)
+    }
+
+    fn samples(&mut self, _: &Dictionary, sub: u8) -> Result<i16, AbortCode> {
+        self.samples.get(&sub).copied().ok_or(AbortCode::NoData)
+    }
+
+    fn set_samples(&mut self, _: &Dictionary, sub: u8, value: i16) -> Result<(), AbortCode> {
+        self.samples.insert(sub, value);
+        Ok(())
+    }
 }
 
 impl Hooks for Application {
@@ -187,6 +228,54 @@ fn over_the_bus() {
     assert_eq!(station.request(&[0x2F, 0x17, 0x20, 0, 1, 0, 0, 0])[4..], [2, 0, 1, 6]);
 }
 
+/// Numbers that are not in memory.
+fn with_the_application() {
+    let settings = Settings {
+        node_id: NodeId::new(4).unwrap(),
+        bit_rate: BitRate::Kbit1000,
+    };
+    let mut station = Station {
+        node: Node::new(Dictionary::new(), settings),
+        application: Hooked(Application::default()),
+        now: Instant::from_ticks(0),
+    };
+    station.node.boot(Reset::Node, station.now, &mut station.application);
+    // 64 bits travel in two segments.
+    assert_eq!(station.request(&[0x40, 0x1A, 0x20, 0, 0, 0, 0, 0]), [0x41, 0x1A, 0x20, 0, 8, 0, 0, 0]);
+    assert_eq!(station.request(&[0x60, 0, 0, 0, 0, 0, 0, 0]), [0, 8, 7, 6, 5, 4, 3, 2]);
+    assert_eq!(station.request(&[0x70, 0, 0, 0, 0, 0, 0, 0])[..2], [0x1D, 1]);
+    assert_eq!(station.request(&[0x2F, 0x1A, 0x20, 0, 1, 0, 0, 0])[4..], [2, 0, 1, 6]);
+    // Elements, within their limits.
+    assert_eq!(station.request(&[0x2B, 0x00, 0x21, 200, 0xFE, 0xFF, 0, 0])[0], 0x60);
+    assert_eq!(station.request(&[0x40, 0x00, 0x21, 200, 0, 0, 0, 0])[..6], [0x4B, 0x00, 0x21, 200, 0xFE, 0xFF]);
+    assert_eq!(station.request(&[0x2B, 0x00, 0x21, 7, 0xE8, 3, 0, 0])[4..], [0x31, 0, 9, 6]);
+    assert_eq!(station.request(&[0x2F, 0x00, 0x21, 7, 1, 0, 0, 0])[4..], [0x13, 0, 7, 6]);
+    assert_eq!(station.request(&[0x40, 0x00, 0x21, 7, 0, 0, 0, 0])[4..], [0x24, 0, 0, 8]);
+    assert_eq!(station.request(&[0x40, 0x00, 0x21, 201, 0, 0, 0, 0])[4..], [0x11, 0, 9, 6]);
+    assert_eq!(station.request(&[0x40, 0x00, 0x21, 0, 0, 0, 0, 0])[..5], [0x4F, 0x00, 0x21, 0, 200]);
+    assert_eq!(station.application.0.samples.len(), 1);
+    // By segments it is the same.
+    assert_eq!(station.request(&[0x21, 0x00, 0x21, 1, 2, 0, 0, 0])[0], 0x60);
+    assert_eq!(station.request(&[0x0B, 5, 0, 0, 0, 0, 0, 0])[0], 0x20);
+    assert_eq!(station.application.0.samples.get(&1), Some(&5));
+    // Three bytes, with their sign.
+    assert_eq!(station.request(&[0x27, 0x1B, 0x20, 1, 0xFE, 0xFF, 0xFF, 0])[0], 0x60);
+    assert_eq!(station.application.0.zero, -2);
+    assert_eq!(station.request(&[0x40, 0x1B, 0x20, 1, 0, 0, 0, 0])[..7], [0x47, 0x1B, 0x20, 1, 0xFE, 0xFF, 0xFF]);
+    assert_eq!(station.request(&[0x27, 0x1B, 0x20, 1, 0, 0, 0x80, 0])[4..], [0x32, 0, 9, 6]);
+    station.application.0.zero = 0x80_0000;
+    assert_eq!(station.request(&[0x40, 0x1B, 0x20, 1, 0, 0, 0, 0])[4..], [0, 0, 0, 8], "more than 24 bits");
+    assert_eq!(station.request(&[0x2F, 0x1B, 0x20, 2, 1, 0, 0, 0])[0], 0x60);
+    assert!(station.application.0.is_set);
+    assert_eq!(station.request(&[0x2F, 0x1B, 0x20, 2, 2, 0, 0, 0])[4..], [0x31, 0, 9, 6]);
+    assert_eq!(station.request(&[0x2F, 0x1B, 0x20, 3, 2, 0, 0, 0])[4..], [0x22, 0, 0, 8]);
+    // None of it takes RAM, and 1010h has nothing to store.
+    let table = <Dictionary as canopen::od::Dictionary>::TABLE;
+    let entries = table.range(0x201A..=0x2100);
+    let in_ram = entries.iter().filter(|entry| matches!(entry.location(), canopen::od::Location::Ram(_)));
+    assert_eq!(in_ram.count(), 0);
+}
+
 /// What the SDO server does with a streamed object, in its place.
 fn streams() {
     let dictionary = &mut Dictionary::new();
@@ -215,5 +304,6 @@ fn streams() {
 fn main() {
     values();
     over_the_bus();
+    with_the_application();
     streams();
 }

@@ -23,3 +23,5 @@ pub mod s200 {
 pub mod tc1 {
     include!(concat!(env!("OUT_DIR"), "/tc1.rs"));
 }
+
+pub mod hooks;

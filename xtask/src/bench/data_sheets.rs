@@ -7,9 +7,11 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
+use object::{Object, ObjectSection, SectionKind};
 use od_gen::Figures;
 
 use super::table::{Row, Table};
+use crate::firmware::TARGET;
 use crate::place;
 
 /// Flash and RAM of the dictionary of each data sheet in `eds/`.
@@ -30,16 +32,64 @@ pub fn dictionaries() -> Result<Table> {
         let Figures {
             entries,
             descriptors,
+            limits,
             values,
             ram,
         } = Figures::of(&model);
-        let figures = [entries, descriptors, values, ram].map(|figure| figure as u64);
+        let figures = [entries, descriptors, limits, values, ram].map(|figure| figure as u64);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         rows.push(Row::new(&name, &figures));
     }
     Ok(Table {
         heading: "Dictionaries".to_owned(),
         rows,
+        slack: super::SLACK,
+    })
+}
+
+/// Flash of a device whose application has no hooks, and with hooks that are all left out: they are to cost nothing.
+pub fn hooks() -> Result<Table> {
+    let flash = |name: &str, feature: &[&str]| -> Result<Row> {
+        let mut build = place::cargo();
+        build.args([
+            "rustc",
+            "--quiet",
+            "--release",
+            "-p",
+            "dictionaries",
+            "--lib",
+        ]);
+        build.args(["--target", TARGET]).args(feature);
+        // Machine code of this one crate, which holds all that is generic in its application.
+        build.env("CARGO_PROFILE_RELEASE_LTO", "off");
+        build.env("CARGO_PROFILE_RELEASE_DEBUG", "0");
+        let folder = tempfile::tempdir().context("making a folder")?;
+        let file = folder.path().join("device.o");
+        let emit = format!("--emit=obj={}", file.display());
+        build.args(["--", &emit, "-C", "codegen-units=1"]);
+        let status = build.status().context("starting cargo")?;
+        ensure!(status.success(), "the device does not build");
+        let bytes = fs::read(&file).with_context(|| format!("reading {}", file.display()))?;
+        let object = object::File::parse(&*bytes).context("reading machine code")?;
+        let code = object
+            .sections()
+            .filter(|part| part.kind() == SectionKind::Text);
+        Ok(Row::new(name, &[code.map(|part| part.size()).sum()]))
+    };
+    let without = flash("without hooks", &[])?;
+    let with = flash("hooks, all left out", &["--features", "hooks"])?;
+    ensure!(
+        with.figures
+            <= without
+                .figures
+                .iter()
+                .map(|size| size + super::SLACK)
+                .collect(),
+        "hooks that are left out cost flash"
+    );
+    Ok(Table {
+        heading: "Hooks".to_owned(),
+        rows: vec![without, with],
         slack: super::SLACK,
     })
 }

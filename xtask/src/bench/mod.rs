@@ -46,6 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     tables.push(basic_device()?);
     tables.push(sizes()?);
     tables.push(data_sheets::dictionaries()?);
+    tables.push(data_sheets::hooks()?);
     tables.push(data_sheets::generator()?);
 
     let file = place::root().join(DOCUMENT);

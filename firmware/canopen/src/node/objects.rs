@@ -16,6 +16,8 @@ pub(super) struct Objects<'a, D: Dictionary, A> {
     /// What other clients have under way.
     pub(super) others: Others<'a, <D::Counts as Counts>::SdoBuffer>,
     pub(super) now: Instant,
+    /// A number that the application has, while it is read.
+    pub(super) number: [u8; 8],
 }
 
 /// What the application serves piece by piece.
@@ -119,6 +121,26 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
         Ok(Completion::Now)
     }
 
+    /// A number that the application has: all of it at once, so that no part of it is older than the others.
+    #[cold]
+    #[inline(never)]
+    fn number(&mut self, entry: &Entry) -> Result<&[u8], AbortCode> {
+        let size = usize::from(entry.size);
+        let room = self.number.get_mut(..size).ok_or(AbortCode::General)?;
+        let given = self.application.read_at(self.dictionary, entry, 0, room)?;
+        let whole = (given == size).then_some(&*room);
+        whole.ok_or(AbortCode::NotTransferable)
+    }
+
+    /// A number for the application, which has passed every check.
+    #[cold]
+    #[inline(never)]
+    fn give_number(&mut self, entry: &Entry, value: &[u8]) -> Result<Completion, AbortCode> {
+        self.application
+            .write_at(self.dictionary, entry, 0, value)?;
+        Ok(Completion::Now)
+    }
+
     /// Whether this value would make the configuration another one than that of 1020h.
     #[inline]
     fn changes_configuration(&self, entry: &Entry, value: &[u8]) -> bool {
@@ -155,6 +177,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
             Location::Ram(_) => Value::Variable(od::value(self.dictionary, entry)),
             Location::Rom(offset) => Value::Constant(od::constant(D::TABLE, offset, entry.size)),
             Location::Application if !D::FEATURES.streams => Value::Constant(&[]),
+            Location::Application if !entry.is_streamed() => Value::Variable(self.number(entry)?),
             Location::Application => {
                 Value::Streamed(entry, self.application.size(self.dictionary, entry)?)
             }
@@ -177,6 +200,9 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         let is_changed = self.changes_configuration(entry, value);
         od::check(D::TABLE, entry, value)?;
         self.application.validate(self.dictionary, entry, value)?;
+        if D::FEATURES.streams && entry.attributes.has(Attributes::STREAMED) {
+            return self.give_number(entry, value);
+        }
         od::put(self.dictionary, entry, value);
         self.application.written(self.dictionary, entry);
         self.end_write_of_value(entry, is_changed);

@@ -66,6 +66,7 @@ impl<D: Dictionary> Node<D> {
                 services: &mut self.services,
                 others: Others::none(),
                 now,
+                number: [0; 8],
             };
             if load(store, set, &mut replay, &mut objects).is_err() {
                 lost = lost.or(Some(set));
@@ -77,6 +78,7 @@ impl<D: Dictionary> Node<D> {
             services: &mut self.services,
             others: Others::none(),
             now,
+            number: [0; 8],
         };
         let refused = replay.end(&mut objects);
         let refused = self.services.parameters.loaded(reset, is_stale, refused);

@@ -68,6 +68,7 @@ impl<D: Dictionary> Node<D> {
             services,
             others,
             now,
+            number: [0; 8],
         });
         let Some(deadline) = deadline else {
             self.queue.count_lost_request();

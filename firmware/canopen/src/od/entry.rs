@@ -77,7 +77,7 @@ pub enum Location {
     Ram(u16),
     /// At this offset of [`super::Table::rom`].
     Rom(u16),
-    /// With the application, which serves it piece by piece ([`Attributes::STREAMED`]).
+    /// With the application ([`Attributes::STREAMED`]).
     Application,
 }
 
@@ -100,8 +100,9 @@ impl Attributes {
     pub const ROM: u16 = 1 << 5;
     /// Const in the data sheet.
     pub const CONSTANT: u16 = 1 << 6;
-    /// The application serves the value piece by piece (DOMAIN, large arrays): it lies neither in RAM nor in flash, and
-    /// [`Entry::size`] is the most bytes it may have, 0 for no bound.
+    /// The application has the value: it lies neither in RAM nor in flash. A number (an element of a large array) comes and goes
+    /// whole; a DOMAIN or a string comes and goes piece by piece ([`Entry::is_streamed`]), and [`Entry::size`] is the most bytes it may have, 0
+    /// for no bound.
     pub const STREAMED: u16 = 1 << 7;
     /// The bits of the storage group, [`StorageGroup`] as a number; 0 for what is not stored.
     pub const STORAGE: u16 = 3 << Self::STORAGE_SHIFT;
@@ -182,6 +183,11 @@ impl Entry {
         } else {
             Location::Ram(self.offset)
         }
+    }
+
+    /// Whether it comes and goes piece by piece.
+    pub const fn is_streamed(&self) -> bool {
+        self.attributes.has(Attributes::STREAMED) && self.data_type.is_variable()
     }
 
     /// The group that stores it; `None` for what is lost at power-off.

@@ -25,7 +25,8 @@ pub use counts::{Count, Counts, Slots, Unused};
 pub use entry::{Access, Attributes, DataType, Entry, Limits, Location, StorageGroup, key};
 pub use features::Features;
 pub use typed::{
-    DayTime, OutOfRange, Value, bytes_at, put_at, signed, signed_bytes, unsigned, unsigned_bytes,
+    DayTime, OutOfRange, Value, bytes_at, give, put_at, signed, signed_bytes, unsigned,
+    unsigned_bytes,
 };
 
 /// What `od-gen` puts in flash for one dictionary.

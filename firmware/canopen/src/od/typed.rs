@@ -4,6 +4,9 @@
 
 use core::fmt;
 
+use crate::cia301::sdo::AbortCode;
+use crate::copy::copy;
+
 /// The `N` bytes of the block at `AT`.
 #[inline]
 pub const fn bytes_at<const AT: usize, const N: usize, const SIZE: usize>(
@@ -88,6 +91,20 @@ pub const fn unsigned_bytes<const N: usize>(number: u64) -> Result<[u8; N], OutO
         Some(bytes) if unsigned(*bytes) == number => Ok(*bytes),
         _ => Err(OutOfRange),
     }
+}
+
+impl From<OutOfRange> for AbortCode {
+    fn from(_: OutOfRange) -> Self {
+        Self::General
+    }
+}
+
+/// Puts the bytes of a number where a client is to get them from, and returns how many those are: what
+/// [`Application::read_at`](crate::Application::read_at) does for a number that the application has.
+#[inline]
+pub fn give<const N: usize>(bytes: [u8; N], into: &mut [u8]) -> usize {
+    copy(into, &bytes);
+    N.min(into.len())
 }
 
 /// A value of TIME_OF_DAY or TIME_DIFFERENCE (CiA 301, 7.1.6.5 and 7.1.6.6): days, and the time of the day.

@@ -235,3 +235,47 @@ fn a_type_of_the_file_stands_for_its_base_type() {
         ]
     );
 }
+
+#[test]
+fn the_application_has_what_the_file_gives_to_it() {
+    let types = include_str!("../../../tests/data/types.eds");
+    let model = parse("types.eds", types).unwrap();
+    let is_given = |index, sub| model.entry(index, sub).unwrap().is_with_application;
+    assert!(is_given(0x201A, 0) && is_given(0x201B, 1) && is_given(0x2100, 200));
+    assert!(!is_given(0x201B, 0) && !is_given(0x2100, 0) && !is_given(0x2000, 0));
+    assert_eq!(model.entry(0x2100, 1).unwrap().storage, None);
+    let odometer = "[201A]\n;Memory=application\n";
+    assert_eq!(types.matches(odometer).count(), 1);
+    for (new, said) in [
+        (
+            "[201A]\n;Memory=elsewhere\n",
+            "Memory `elsewhere` is not application",
+        ),
+        (
+            "[201A]\n;Memory=application\nPDOMapping=1\n",
+            "a PDO carries only what the dictionary has",
+        ),
+        (
+            "[201A]\n;Memory=application\n;Storage=manufacturer\n",
+            "1010h stores only what the dictionary has",
+        ),
+    ] {
+        let report = Report::new("types.eds", &types.replace(odometer, new));
+        let found = report
+            .findings
+            .iter()
+            .filter(|found| found.rule.name == "memory");
+        assert_eq!(
+            found.map(|found| &*found.message).collect::<Vec<_>>(),
+            [said]
+        );
+    }
+    let heartbeat = types.replacen("[1001]\n", "[1001]\n;Memory=application\n", 1);
+    let report = Report::new("types.eds", &heartbeat);
+    assert!(
+        report
+            .findings
+            .iter()
+            .any(|found| found.rule.name == "memory")
+    );
+}

@@ -4,7 +4,7 @@ use super::AbortCode;
 use super::objects::Objects;
 use super::server::{Place, Server, Step};
 use crate::copy::copy;
-use crate::od::{Attributes, Entry};
+use crate::od::Entry;
 use crate::time::Instant;
 use crate::wire::sdo::{Multiplexer, Payload, Response};
 
@@ -39,7 +39,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
                 });
             }
         };
-        if O::ARE_THERE && entry.attributes.has(Attributes::STREAMED) {
+        if O::ARE_THERE && entry.is_streamed() {
             return self.stream_expedited(entry, value, is_sized, answer, objects);
         }
         match objects.write(entry, value) {
@@ -77,7 +77,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         objects: &mut O,
     ) -> Result<(), AbortCode> {
         let bound = u32::from(entry.size);
-        let is_streamed = O::ARE_THERE && entry.attributes.has(Attributes::STREAMED);
+        let is_streamed = O::ARE_THERE && entry.is_streamed();
         let most = if is_streamed && bound == 0 {
             u32::MAX
         } else {
