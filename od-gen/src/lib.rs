@@ -34,6 +34,7 @@ mod report;
 pub mod rules;
 mod source;
 mod spelling;
+pub mod transfer;
 mod xdd;
 
 pub use bind::BindingReport;

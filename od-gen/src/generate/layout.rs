@@ -10,6 +10,7 @@ use super::names;
 use crate::data_type::DataType;
 use crate::model::{Access, DefaultValue, Entry, Limit, Model, Object, StorageGroup};
 use crate::parse::LARGEST_VALUE;
+use crate::transfer;
 
 /// The storage groups in the order of `canopen::od::StorageGroup`.
 const GROUPS: [StorageGroup; 3] = [
@@ -248,21 +249,7 @@ fn is_streamed(entry: &Entry) -> bool {
     entry.data_type == DataType::Domain || is_long || entry.is_with_application
 }
 
-/// The default as it travels on the bus.
+/// The default as it travels on the bus; the firmware adds the node-ID itself.
 fn default_bytes(entry: &Entry) -> Vec<u8> {
-    match &entry.default {
-        DefaultValue::Number { value, .. } => value
-            .to_le_bytes()
-            .into_iter()
-            .take(usize::from(entry.size))
-            .collect(),
-        DefaultValue::Real(value) if entry.data_type == DataType::Real32 => {
-            // The value has been rounded to a REAL32 when it was read.
-            #[allow(clippy::cast_possible_truncation, reason = "nothing is lost")]
-            let value = *value as f32;
-            value.to_le_bytes().to_vec()
-        }
-        DefaultValue::Real(value) => value.to_le_bytes().to_vec(),
-        DefaultValue::Text(bytes) => bytes.clone(),
-    }
+    transfer::bytes(&entry.default, entry.data_type, 0)
 }
