@@ -110,6 +110,8 @@ impl Server {
                     Some(Incoming::ClientLeft(number)) => {
                         self.tell(&format!("client {number} left"));
                     }
+                    // A server has no adapter.
+                    Some(Incoming::Refused) => {}
                     Some(Incoming::Failed(what)) => return Err(what),
                     Some(Incoming::Stop) => return Ok(()),
                     None => break,
@@ -162,7 +164,7 @@ impl Server {
     fn send_frames(&mut self) {
         while let Some(frame) = self.drive.transmit() {
             let bit_rate = self.bit_rate();
-            self.send(&frame, Source::Drive, bit_rate);
+            self.send(&frame, Source::Own, bit_rate);
         }
     }
 

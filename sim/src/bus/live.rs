@@ -1,6 +1,6 @@
-//! The bus of a running server: whatever transports there are, on one bus with the drive.
+//! A bus in real time: whatever transports there are, with a drive or a master.
 //!
-//! One thread owns the drive and puts every frame on all transports in the order in which it saw them, so all of them see the
+//! One thread owns the station and puts every frame on all transports in the order in which it saw them, so all of them see the
 //! same bus. Transports have threads of their own and hand over what they receive as [`Incoming`].
 
 use std::fmt;
@@ -9,23 +9,27 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
 use canopen::Frame;
+use slcan::AdapterBitRate;
 
+use super::slcan_client::{Place, SlcanClient};
 use super::slcan_tcp::SlcanServer;
 #[cfg(target_os = "linux")]
 use super::socketcan::Interface;
 
-/// Frames that may wait for the drive; a transport that brings more has to wait.
+/// Frames that may wait for the station; a transport that brings more has to wait.
 const QUEUE: usize = 1024;
 
 /// Where a frame came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// The drive.
-    Drive,
+    /// The drive or the master that this bus is for.
+    Own,
     /// An SLCAN client, by its number.
     Slcan(u64),
     /// The SocketCAN interface.
     SocketCan,
+    /// The SLCAN adapter.
+    Adapter,
 }
 
 /// What transports hand over.
@@ -40,19 +44,22 @@ pub enum Incoming {
         /// Its bit rate in kbit/s, if the transport knows one.
         bit_rate: Option<u32>,
     },
+    /// The SLCAN adapter refused a frame.
+    Refused,
     /// An SLCAN client closed its connection.
     ClientLeft(u64),
     /// A transport cannot go on.
     Failed(String),
-    /// The server shall end.
+    /// The program shall end.
     Stop,
 }
 
-/// All transports of a server.
+/// All transports of a program.
 pub struct LiveBus {
     incoming: Receiver<Incoming>,
     sender: SyncSender<Incoming>,
     slcan: Option<SlcanServer>,
+    adapter: Option<SlcanClient>,
     #[cfg(target_os = "linux")]
     interface: Option<Interface>,
 }
@@ -65,6 +72,7 @@ impl LiveBus {
             incoming,
             sender,
             slcan: None,
+            adapter: None,
             #[cfg(target_os = "linux")]
             interface: None,
         }
@@ -77,6 +85,21 @@ impl LiveBus {
     pub fn serve_slcan(&mut self, address: &str) -> io::Result<&SlcanServer> {
         let server = SlcanServer::listen(address, self.sender.clone())?;
         Ok(self.slcan.insert(server))
+    }
+
+    /// Goes on the bus of an SLCAN adapter, at `bit_rate` if there is one; leaves that of the one before.
+    ///
+    /// # Errors
+    /// As [`SlcanClient::open`].
+    pub fn use_adapter(
+        &mut self,
+        place: &Place,
+        bit_rate: Option<AdapterBitRate>,
+    ) -> io::Result<()> {
+        // Closed first: it may be the same adapter.
+        self.adapter = None;
+        self.adapter = Some(SlcanClient::open(place, bit_rate, self.sender.clone())?);
+        Ok(())
     }
 
     /// Joins a SocketCAN interface.
@@ -121,6 +144,9 @@ impl LiveBus {
             .filter(|_| source != Source::SocketCan)
         {
             interface.send(frame);
+        }
+        if let Some(adapter) = self.adapter.as_mut().filter(|_| source != Source::Adapter) {
+            adapter.send(frame);
         }
         match &self.slcan {
             Some(server) => server.send(frame, source, bit_rate),

@@ -2,10 +2,12 @@
 //!
 //! A [`Station`] is anything sans-I/O that speaks CAN: the virtual drive, a scripted master, a plain CANopen node in a
 //! test. The [`simulated`] bus carries real frames between stations of one process on virtual time. The [`live`] bus
-//! joins a drive in real time with other programs: [`slcan_tcp`] and, on Linux, SocketCAN.
+//! joins a drive or a master in real time with other programs: [`slcan_tcp`] for them, adapters by [`slcan_client`] and, on
+//! Linux, SocketCAN.
 
 pub mod live;
 pub mod simulated;
+pub mod slcan_client;
 pub mod slcan_tcp;
 #[cfg(target_os = "linux")]
 pub mod socketcan;

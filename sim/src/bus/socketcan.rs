@@ -1,4 +1,4 @@
-//! SocketCAN: the drive on a CAN interface of Linux, virtual or real.
+//! SocketCAN: a station on a CAN interface of Linux, virtual or real.
 
 use std::io;
 use std::sync::Arc;

@@ -3,10 +3,15 @@
 //! Without a data sheet of a device, the objects that CiA 301 and CiA 402 define still have their names and types; those of its
 //! manufacturer are numbers.
 
+mod object_name;
+pub mod value;
+
 use std::sync::{Arc, LazyLock};
 
 use od_gen::Model;
 use od_gen::model::{Entry, Object};
+
+pub use object_name::Address;
 
 /// The data sheet of a device, or what the standards say of any.
 #[derive(Debug)]
@@ -32,6 +37,7 @@ impl DataSheet {
             let mut model = DataSheet::axis402().model.clone();
             let is_standard = |index| matches!(index, 0x1000..=0x1FFF | 0x6000..=0x9FFF);
             model.objects.retain(|object| is_standard(object.index));
+            model.file = "the standard objects; --eds names a data sheet".to_owned();
             Arc::new(DataSheet { model })
         });
         Arc::clone(&SHEET)
@@ -42,6 +48,17 @@ impl DataSheet {
         Self {
             model: od_gen::Report::new(file, text).model,
         }
+    }
+
+    /// The file it was read from, for messages.
+    pub fn title(&self) -> &str {
+        &self.model.file
+    }
+
+    /// Whether it is that of a device with this vendor-ID and product code (1018h:1 and 2).
+    pub fn is_of(&self, vendor_id: u32, product_code: u32) -> bool {
+        let device = &self.model.device;
+        (device.vendor_number, device.product_number) == (Some(vendor_id), Some(product_code))
     }
 
     /// The device and its objects.

@@ -11,6 +11,7 @@ mod line;
 mod lss;
 mod pdo;
 mod port;
+mod real;
 mod sdo;
 
 use canopen::{Duration, Frame, Instant};
@@ -21,6 +22,7 @@ pub use line::{Line, LineDown, Simulated};
 pub use lss::Identity;
 pub use pdo::{MappedObject, PdoSetup};
 pub use port::Port;
+pub use real::Real;
 pub use sdo::Value;
 
 /// How long an answer may take by default.

@@ -224,7 +224,7 @@ mod tests {
                 "SDO segment, 7 bytes so far",
                 "SDO last segment: \"Axis402!!\"",
                 "SDO read 9900h",
-                "SDO abort 06020000h",
+                "SDO abort 06020000h: object does not exist",
             ]
         );
     }

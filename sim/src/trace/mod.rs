@@ -1,5 +1,6 @@
 //! Frames for people: candump notation, and what a frame means.
 
+mod abort;
 pub mod candump;
 mod condense;
 mod lss;
@@ -8,6 +9,7 @@ mod objects;
 mod sdo;
 mod words;
 
+pub use abort::{abort_code, abort_words};
 pub use condense::{Group, condense};
 pub use meaning::Interpreter;
 pub use words::{controlword, statusword};

@@ -1,5 +1,6 @@
 //! SDO transfers in words. A segment means nothing without its transfer, so the frames of each node are followed.
 
+use super::abort::abort_code;
 use super::objects;
 use crate::data_sheet::DataSheet;
 
@@ -93,5 +94,5 @@ impl SdoWatcher {
 }
 
 fn abort(code: [u8; 4]) -> String {
-    format!("SDO abort {:08X}h", u32::from_le_bytes(code))
+    format!("SDO abort {}", abort_code(u32::from_le_bytes(code)))
 }

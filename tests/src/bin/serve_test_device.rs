@@ -69,7 +69,7 @@ fn run(bus: &mut LiveBus) -> Result<(), String> {
             }
             Some(Incoming::Failed(what)) => return Err(what),
             Some(Incoming::Stop) => return Ok(()),
-            Some(Incoming::ClientLeft(_)) | None => {}
+            Some(Incoming::ClientLeft(_) | Incoming::Refused) | None => {}
         }
         send_all(&mut device, bus);
     }
@@ -77,6 +77,6 @@ fn run(bus: &mut LiveBus) -> Result<(), String> {
 
 fn send_all(device: &mut PlainNode, bus: &mut LiveBus) {
     while let Some(frame) = device.transmit() {
-        bus.send(&frame, Source::Drive, None);
+        bus.send(&frame, Source::Own, None);
     }
 }
