@@ -18,6 +18,9 @@ use crate::system_error::plain;
 /// Exit code for a bad command line, a busy port, a missing interface.
 const USAGE: u8 = 2;
 
+/// The name in front of each message.
+const PROGRAM: &str = "sim";
+
 /// The virtual CANopen drive Axis402.
 #[derive(Debug, Parser)]
 #[command(name = "sim", version, about)]
@@ -84,12 +87,19 @@ struct ServeArguments {
 pub fn run(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
     let command_line = match CommandLine::try_parse_from(arguments) {
         Ok(command_line) => command_line,
-        Err(error) => return refused(&error),
+        // Nothing else is required there.
+        Err(error) if error.kind() == ErrorKind::MissingRequiredArgument => {
+            return fail(
+                PROGRAM,
+                "a bus is missing: --slcan ADDRESS:PORT or --socketcan INTERFACE",
+            );
+        }
+        Err(error) => return refused::<CommandLine>(PROGRAM, &error),
     };
     match command_line.command {
         Some(Command::Serve(arguments)) => match service(arguments).and_then(serve) {
             Ok(()) => ExitCode::SUCCESS,
-            Err(problem) => fail(&problem),
+            Err(problem) => fail(PROGRAM, &problem),
         },
         Some(Command::Demo(arguments)) => run_demo(arguments),
         None => run_demo(DemoArguments {
@@ -115,9 +125,9 @@ pub(crate) fn conclude(result: Result<(), demo::Problem>) -> ExitCode {
         Err(demo::Problem::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
             ExitCode::SUCCESS
         }
-        Err(problem @ demo::Problem::Picture(..)) => fail(&problem.to_string()),
+        Err(problem @ demo::Problem::Picture(..)) => fail(PROGRAM, &problem.to_string()),
         Err(problem) => {
-            fail(&problem.to_string());
+            fail(PROGRAM, &problem.to_string());
             ExitCode::FAILURE
         }
     }
@@ -169,6 +179,12 @@ fn bit_timing(text: &str) -> Result<BitTiming, String> {
     if text == "auto" {
         return Ok(BitTiming::Automatic);
     }
+    let bit_rate = bit_rate(text).map_err(|problem| format!("{problem}, auto"))?;
+    Ok(BitTiming::Fixed(bit_rate))
+}
+
+/// A bit rate of CANopen in kbit/s.
+pub(crate) fn bit_rate(text: &str) -> Result<BitRate, String> {
     let known = || {
         BitRate::ALL
             .map(|rate| rate.kbit_per_second().to_string())
@@ -178,8 +194,7 @@ fn bit_timing(text: &str) -> Result<BitTiming, String> {
     (BitRate::ALL
         .into_iter()
         .find(|rate| Some(rate.kbit_per_second()) == number))
-    .map(BitTiming::Fixed)
-    .ok_or_else(|| format!("not one of {}, auto", known()))
+    .ok_or_else(|| format!("not one of {}", known()))
 }
 
 fn switch_reading(text: &str) -> Result<u16, String> {
@@ -198,31 +213,28 @@ fn serial_number(text: &str) -> Result<u32, String> {
     number.map_err(|error| error.to_string())
 }
 
-/// Help and version go out as they are; a mistake as one line.
-fn refused(error: &clap::Error) -> ExitCode {
-    if matches!(
-        error.kind(),
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion
-    ) {
-        // Nobody may be reading.
-        let _ = error.print();
-        return ExitCode::SUCCESS;
+/// Help and version go out as they are; a mistake in the command line of `program` as one line.
+pub(crate) fn refused<P: CommandFactory>(program: &str, error: &clap::Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            // Nobody may be reading.
+            let _ = error.print();
+            ExitCode::SUCCESS
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            fail(program, &P::command().render_usage().to_string())
+        }
+        _ => {
+            let text = error.to_string();
+            let first = text.split("\n\n").next().unwrap_or_default();
+            let words: Vec<&str> = first.split_whitespace().collect();
+            let line = words.join(" ");
+            fail(program, line.strip_prefix("error: ").unwrap_or(&line))
+        }
     }
-    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return fail(&CommandLine::command().render_usage().to_string());
-    }
-    if error.kind() == ErrorKind::MissingRequiredArgument {
-        // Nothing else is required.
-        return fail("a bus is missing: --slcan ADDRESS:PORT or --socketcan INTERFACE");
-    }
-    let text = error.to_string();
-    let first = text.split("\n\n").next().unwrap_or_default();
-    let words: Vec<&str> = first.split_whitespace().collect();
-    let line = words.join(" ");
-    fail(line.strip_prefix("error: ").unwrap_or(&line))
 }
 
-fn fail(problem: &str) -> ExitCode {
-    let _ = writeln!(io::stderr(), "sim: {problem}");
+fn fail(program: &str, problem: &str) -> ExitCode {
+    let _ = writeln!(io::stderr(), "{program}: {problem}");
     ExitCode::from(USAGE)
 }

@@ -6,8 +6,10 @@
 //! - [`data_sheet`]: what the objects of a device are called.
 //! - [`trace`]: frames in candump notation, with their meaning.
 //! - [`demo`] and [`serve`]: what the command line does.
+//! - [`mod@axis402`]: a master's command line for real buses.
 #![forbid(unsafe_code)]
 
+pub mod axis402;
 pub mod bus;
 pub mod cli;
 pub mod data_sheet;

@@ -102,6 +102,18 @@ impl LiveBus {
         Ok(())
     }
 
+    /// Opens the channel of the adapter anew at another bit rate; false if there is no adapter.
+    ///
+    /// # Errors
+    /// As [`LiveBus::use_adapter`].
+    pub fn set_adapter_bit_rate(&mut self, bit_rate: AdapterBitRate) -> io::Result<bool> {
+        let Some(adapter) = &self.adapter else {
+            return Ok(false);
+        };
+        let place = adapter.place().clone();
+        self.use_adapter(&place, Some(bit_rate)).map(|()| true)
+    }
+
     /// Joins a SocketCAN interface.
     ///
     /// # Errors

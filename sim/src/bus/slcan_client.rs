@@ -42,6 +42,7 @@ pub enum Place {
 /// An adapter with an open channel.
 #[derive(Debug)]
 pub struct SlcanClient {
+    place: Place,
     connection: Connection,
     ended: Arc<AtomicBool>,
     failures: SyncSender<Incoming>,
@@ -76,10 +77,16 @@ impl SlcanClient {
             .name("slcan adapter".to_owned())
             .spawn(move || read_lines(reader, &stop, &incoming))?;
         Ok(Self {
+            place: place.clone(),
             connection,
             ended,
             failures,
         })
+    }
+
+    /// Where it is.
+    pub fn place(&self) -> &Place {
+        &self.place
     }
 
     /// Sends a frame.

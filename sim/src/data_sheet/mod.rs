@@ -76,3 +76,9 @@ impl DataSheet {
         self.model.entry(index, sub)
     }
 }
+
+impl From<Model> for DataSheet {
+    fn from(model: Model) -> Self {
+        Self { model }
+    }
+}

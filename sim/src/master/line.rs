@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use canopen::{Duration, Frame, Instant};
+use canopen::{BitRate, Duration, Frame, Instant};
 
 use super::inbox::Inbox;
 use super::port::Port;
@@ -28,11 +28,24 @@ pub trait Line {
     /// # Errors
     /// [`LineDown`] when nothing can be sent or heard any more. A simulated bus is never down.
     fn step(&mut self, end: Instant) -> Result<bool, LineDown>;
+
+    /// Changes the master's own bit rate. Returns false where that is not in its hands.
+    ///
+    /// # Errors
+    /// [`LineDown`] when there is no bus at that rate.
+    fn set_bit_rate(&mut self, bit_rate: BitRate) -> Result<bool, LineDown>;
 }
 
 /// The bus cannot be used any more; why, in a few words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineDown(pub String);
+
+impl LineDown {
+    /// A person wants no more of it.
+    pub fn stopped() -> Self {
+        Self("stopped".to_owned())
+    }
+}
 
 impl fmt::Display for LineDown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -64,6 +77,11 @@ impl Line for Simulated {
 
     fn step(&mut self, end: Instant) -> Result<bool, LineDown> {
         Ok(self.bus.step(end))
+    }
+
+    fn set_bit_rate(&mut self, bit_rate: BitRate) -> Result<bool, LineDown> {
+        self.bus.station_mut(self.port).set_bit_rate(Some(bit_rate));
+        Ok(true)
     }
 }
 

@@ -1,5 +1,7 @@
 //! The LSS master (CiA 305): requests on 7E5h, answers on 7E4h.
 
+use std::fmt;
+
 use canopen::{BitRate, Duration, Frame, NodeId};
 
 use super::{Failure, Line, Master};
@@ -29,6 +31,16 @@ impl Identity {
             self.revision_number,
             self.serial_number,
         ]
+    }
+}
+
+impl fmt::Display for Identity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [vendor, product, revision, serial] = self.words();
+        write!(
+            f,
+            "vendor {vendor:08X}h, product {product:08X}h, revision {revision:08X}h, serial {serial:08X}h"
+        )
     }
 }
 
@@ -117,6 +129,23 @@ impl<L: Line> Master<L> {
     pub fn lss_inquire_node_id(&mut self) -> Result<Option<NodeId>, Failure> {
         let [_, number, ..] = self.lss_ask(request(0x5E, 0), self.answer_time)?;
         Ok(NodeId::new(number))
+    }
+
+    /// Asks whether there is a slave without a node-ID (LSS identify non-configured remote slave).
+    ///
+    /// # Errors
+    /// [`Failure::LineDown`] only: silence means that there is none.
+    pub fn lss_is_anyone_unconfigured(&mut self) -> Result<bool, Failure> {
+        while (self.line.inbox())
+            .take_from(0, |frame| answer(frame, 0x50))
+            .is_some()
+        {}
+        self.send_data(REQUEST, &request(0x4C, 0));
+        match self.lss_answer(0x50, self.answer_time) {
+            Ok(_) => Ok(true),
+            Err(Failure::Timeout { .. }) => Ok(false),
+            Err(failure) => Err(failure),
+        }
     }
 
     /// Finds one slave without a node-ID by fastscan and leaves it in configuration state. `None` if there is no such slave.

@@ -86,6 +86,11 @@ impl<L: Line> Master<L> {
         std::mem::replace(&mut self.scan_time, scan_time)
     }
 
+    /// How long a fastscan waits at each bit.
+    pub fn scan_time(&self) -> Duration {
+        self.scan_time
+    }
+
     /// Lets time pass; what comes meanwhile waits in the inbox.
     ///
     /// # Errors

@@ -2,11 +2,12 @@
 
 use std::time::{Duration as WallDuration, Instant as WallClock};
 
-use canopen::{Frame, Instant};
+use canopen::{BitRate, Frame, Instant};
 
 use super::inbox::Inbox;
 use super::line::{Line, LineDown};
 use crate::bus::live::{Incoming, LiveBus, Source};
+use crate::system_error::plain;
 
 /// Frames that are still taken after the end of a wait. They had come before it, if this program was stalled; on a bus that is
 /// never silent there is always one more.
@@ -62,7 +63,8 @@ impl Line for Real {
     fn step(&mut self, end: Instant) -> Result<bool, LineDown> {
         let is_over = self.now() >= end;
         self.late = if is_over { self.late + 1 } else { 0 };
-        let deadline = self.start + WallDuration::from_micros(end.ticks());
+        let wait = WallDuration::from_micros(end.ticks());
+        let deadline = self.start.checked_add(wait).unwrap_or(self.start);
         let message = if self.late > LATE {
             None
         } else {
@@ -73,12 +75,17 @@ impl Line for Real {
             Some(Incoming::Refused) => self.refused += 1,
             Some(Incoming::ClientLeft(_)) => {}
             Some(Incoming::Failed(what)) => return Err(LineDown(what)),
-            Some(Incoming::Stop) => return Err(LineDown("stopped".to_owned())),
+            Some(Incoming::Stop) => return Err(LineDown::stopped()),
             None => {
                 self.late = 0;
                 return Ok(false);
             }
         }
         Ok(true)
+    }
+
+    fn set_bit_rate(&mut self, bit_rate: BitRate) -> Result<bool, LineDown> {
+        let changed = self.bus.set_adapter_bit_rate(bit_rate.into());
+        changed.map_err(|error| LineDown(format!("the SLCAN adapter failed: {}", plain(error))))
     }
 }

@@ -104,7 +104,9 @@ impl Interpreter {
             (0x600, _, Some(bytes)) => self.sdo.entry(node).or_default().request(bytes, &sheet),
             (0x580, _, Some(bytes)) => self.sdo.entry(node).or_default().answer(bytes, &sheet),
             (0x700, [0], _) => format!("boot-up of node {node}"),
-            (0x700, [state], _) => format!("heartbeat of node {node}: {}", state_name(*state)),
+            (0x700, [state], _) => {
+                format!("heartbeat of node {node}: {}", words::node_state(*state))
+            }
             (_, _, Some(bytes)) if cob_id == 0x7E5 => lss::request(bytes),
             (_, _, Some(bytes)) if cob_id == 0x7E4 => lss::answer(bytes),
             _ => String::new(),
@@ -112,15 +114,31 @@ impl Interpreter {
     }
 }
 
-/// The mapped objects in the order in which they lie in the PDO.
-fn contents(sheet: &DataSheet, objects: &[MappedObject], mut payload: &[u8]) -> String {
+/// The mapped objects in the order in which they lie in the PDO. One of a few bits has the lowest bits that are left.
+fn contents(sheet: &DataSheet, objects: &[MappedObject], payload: &[u8]) -> String {
+    let bits = 8 * payload.len() as u32;
+    let word = (payload.iter().rev()).fold(0u64, |word, byte| word << 8 | u64::from(*byte));
     let mut parts = Vec::new();
+    let mut at = 0;
     for object in objects {
-        let Some((bytes, rest)) = payload.split_at_checked(usize::from(object.bits / 8)) else {
+        let length = u32::from(object.bits);
+        if at + length > bits {
             break;
-        };
-        parts.push(objects::short(sheet, object.index, object.sub, bytes));
-        payload = rest;
+        }
+        let value =
+            word.checked_shr(at).unwrap_or(0) & (u64::MAX >> 64u32.saturating_sub(length).min(63));
+        at += length;
+        // Data types stand for gaps.
+        if object.index >= 0x1000 {
+            let bytes = value.to_le_bytes();
+            let used = length.div_ceil(8) as usize;
+            parts.push(objects::short(
+                sheet,
+                object.index,
+                object.sub,
+                &bytes[..used.min(8)],
+            ));
+        }
     }
     parts.join("; ")
 }
@@ -137,15 +155,6 @@ fn nmt(command: u8, node: u8) -> String {
     match node {
         0 => format!("NMT: {command} all nodes"),
         _ => format!("NMT: {command} node {node}"),
-    }
-}
-
-fn state_name(state: u8) -> &'static str {
-    match state & 0x7F {
-        0x04 => "stopped",
-        0x05 => "operational",
-        0x7F => "pre-operational",
-        _ => "unknown state",
     }
 }
 
@@ -197,6 +206,24 @@ mod tests {
                 "TPDO 4 of node 4",
                 "",
             ]
+        );
+    }
+
+    #[test]
+    fn mapped_objects_may_have_any_number_of_bits() {
+        let mut interpreter = Interpreter::new(DataSheet::axis402());
+        let objects = [
+            MappedObject::new(0x1001, 4),
+            MappedObject::new(0x0005, 4),
+            MappedObject::new(0x6041, 16),
+            MappedObject::new(0x6061, 8),
+            MappedObject::new(0x6064, 32),
+        ];
+        interpreter.learn_pdo(0x184, 4, "TPDO 1", &objects);
+        let frame = Frame::data_frame(0x184, &[0x95, 0x37, 0x02, 0xFF, 0xFE, 0xFF, 0xFF, 0xFF]);
+        assert_eq!(
+            interpreter.meaning(&frame),
+            "TPDO 1: error register 5; operation enabled; modes of operation display -1; position actual value -2"
         );
     }
 

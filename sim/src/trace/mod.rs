@@ -12,4 +12,4 @@ mod words;
 pub use abort::{abort_code, abort_words};
 pub use condense::{Group, condense};
 pub use meaning::Interpreter;
-pub use words::{controlword, statusword};
+pub use words::{controlword, node_state, statusword};

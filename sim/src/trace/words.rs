@@ -1,4 +1,4 @@
-//! Controlword and statusword in words (CiA 402-2).
+//! Controlword and statusword (CiA 402-2) and the state of a node in words.
 
 /// What a statusword says: the state, then the bits that are set.
 pub fn statusword(word: u16) -> String {
@@ -42,6 +42,17 @@ pub fn controlword(word: u16) -> String {
         (8, "halt"),
     ];
     named(command, word, &bits)
+}
+
+/// The state of a node as its heartbeat says it (CiA 301).
+pub fn node_state(state: u8) -> &'static str {
+    match state & 0x7F {
+        0x00 => "initialising",
+        0x04 => "stopped",
+        0x05 => "operational",
+        0x7F => "pre-operational",
+        _ => "unknown state",
+    }
 }
 
 fn named(first: &str, word: u16, bits: &[(u32, &str)]) -> String {

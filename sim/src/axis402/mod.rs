@@ -1,0 +1,30 @@
+//! `axis402`: a CANopen master on the command line, for real buses: find devices, number them by LSS, read and write their objects,
+//! watch the traffic.
+//!
+//! It speaks to any vendor's device: nothing here knows a drive but by its data sheet. Each command is a function of a
+//! [`crate::master::Master`] and a [`Console`]; the tests run them on the simulated bus, [`run`] on an adapter.
+
+mod arguments;
+mod configuration;
+mod console;
+mod lss;
+mod monitor;
+mod nmt;
+mod node;
+mod object;
+mod problem;
+mod run;
+mod save;
+mod scan;
+
+pub use configuration::{dump, load};
+pub use console::Console;
+pub use lss::{Numbering, Setting, find, number, set, switch_bit_rate};
+pub use monitor::{Watch, monitor};
+pub use nmt::nmt;
+pub use node::Node;
+pub use object::{read, write};
+pub use problem::Problem;
+pub use run::run;
+pub use save::{Group, save};
+pub use scan::scan;

@@ -1,0 +1,269 @@
+//! The program: command line, adapter, exit code.
+
+use std::ffi::OsString;
+use std::io::{self, IsTerminal, Write};
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use canopen::Duration;
+use clap::Parser;
+use od_gen::Report;
+use od_gen::dcf;
+use od_gen::model::{Commissioning, FileKind};
+
+use super::arguments::{Bus, Command, CommandLine, Lss, Od, Sheet};
+use super::{Console, Node, Numbering, Problem, Setting, Watch};
+use crate::bus::live::{Incoming, LiveBus};
+use crate::bus::slcan_client::Place;
+use crate::cli;
+use crate::data_sheet::DataSheet;
+use crate::master::{Line, Master, Real};
+use crate::system_error::plain;
+
+/// Runs the command line; returns the exit code.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let command_line = match CommandLine::try_parse_from(arguments) {
+        Ok(command_line) => command_line,
+        Err(error) => return cli::refused::<CommandLine>("axis402", &error),
+    };
+    let (mut output, mut progress) = (io::stdout().lock(), io::stderr().lock());
+    let is_terminal = progress.is_terminal();
+    let mut console = Console::new(&mut output, &mut progress, is_terminal);
+    let result = go_on_bus(&command_line.bus).and_then(|mut master| {
+        let result = perform(&mut master, &command_line, &mut console);
+        explain(result, master.line_mut())
+    });
+    drop(console);
+    let Err(problem) = result else {
+        return ExitCode::SUCCESS;
+    };
+    if let Some(line) = problem.line() {
+        // Nobody may be reading.
+        let _ = writeln!(progress, "axis402: {line}");
+    }
+    ExitCode::from(problem.code())
+}
+
+/// A master on the bus that the command line names.
+fn go_on_bus(arguments: &Bus) -> Result<Master<Real>, Problem> {
+    let mut bus = LiveBus::new();
+    match (&arguments.slcan, &arguments.socketcan) {
+        (Some(slcan), _) => {
+            let place = place(slcan, arguments.baud);
+            bus.use_adapter(&place, Some(arguments.bitrate))
+                .map_err(|error| {
+                    let reason = plain(error);
+                    Problem::Usage(format!("cannot use the SLCAN adapter {slcan}: {reason}"))
+                })?;
+        }
+        (None, Some(interface)) => bus.join_socketcan(interface).map_err(|error| {
+            let reason = plain(error);
+            Problem::Usage(format!(
+                "cannot open the CAN interface {interface}: {reason}"
+            ))
+        })?,
+        (None, None) => {
+            let missing =
+                "a bus is missing: --slcan PORT, --slcan ADDRESS:PORT or --socketcan INTERFACE";
+            return Err(Problem::Usage(missing.to_owned()));
+        }
+    }
+    let stopper = bus.stopper();
+    // Without it a person still ends the program, but devices may be left in configuration state.
+    let _ = ctrlc::set_handler(move || {
+        let _ = stopper.try_send(Incoming::Stop);
+    });
+    let mut master = Master::on(Real::new(bus));
+    master.set_answer_time(milliseconds(arguments.timeout));
+    Ok(master)
+}
+
+/// A serial port, unless it is an address with the number of a port.
+fn place(text: &str, baud_rate: u32) -> Place {
+    let port = text.rsplit_once(':').map(|(_, port)| port.parse::<u16>());
+    match port {
+        Some(Ok(_)) if !text.starts_with('/') => Place::Tcp(text.to_owned()),
+        _ => Place::Serial(text.to_owned(), baud_rate),
+    }
+}
+
+/// Silence has a reason when the adapter could not send.
+fn explain(result: Result<(), Problem>, line: &Real) -> Result<(), Problem> {
+    match result {
+        Err(Problem::Failed(text)) if line.refused() > 0 => Err(Problem::Failed(format!(
+            "{text} (the adapter refused {} frames: is it connected, and at the right bit rate?)",
+            line.refused()
+        ))),
+        other => other,
+    }
+}
+
+fn perform<L: Line>(
+    master: &mut Master<L>,
+    command_line: &CommandLine,
+    console: &mut Console<'_>,
+) -> Result<(), Problem> {
+    match &command_line.command {
+        Command::Scan => super::scan(master, console),
+        Command::Lss(lss) => perform_lss(master, lss, console),
+        Command::Od(od) => perform_od(master, od, &command_line.bus, console),
+        Command::Save { node, group } => {
+            let sheet = DataSheet::standard();
+            super::save(master, &Node { id: *node, sheet }, *group, console)
+        }
+        Command::Nmt { command, node } => super::nmt(master, (*command).into(), *node),
+        Command::Monitor {
+            nodes,
+            sheet,
+            count,
+        } => {
+            let sheet = read_sheet(sheet, console)?;
+            let nodes = nodes
+                .iter()
+                .map(|id| Node::meet(master, *id, sheet.clone()));
+            let watch = Watch {
+                nodes: nodes.collect::<Result<_, _>>()?,
+                sheet: sheet.clone().unwrap_or_else(DataSheet::standard),
+                count: *count,
+            };
+            super::monitor(master, &watch, console)
+        }
+    }
+}
+
+fn perform_lss<L: Line>(
+    master: &mut Master<L>,
+    lss: &Lss,
+    console: &mut Console<'_>,
+) -> Result<(), Problem> {
+    match lss {
+        Lss::Find(scan) => {
+            master.set_scan_time(milliseconds(scan.step.into()));
+            super::find(master, console)
+        }
+        Lss::Number { first, store, scan } => {
+            master.set_scan_time(milliseconds(scan.step.into()));
+            let numbering = Numbering {
+                first: *first,
+                store: !store.no_store,
+            };
+            super::number(master, numbering, console)
+        }
+        Lss::Set {
+            node_id,
+            rate,
+            identity,
+            store,
+        } => {
+            let setting = Setting {
+                device: *identity,
+                node_id: *node_id,
+                bit_rate: *rate,
+                store: !store.no_store,
+            };
+            super::set(master, setting, console)
+        }
+        Lss::Bitrate { rate, delay, store } => {
+            let delay = milliseconds((*delay).into());
+            super::switch_bit_rate(master, *rate, !store.no_store, delay, console)
+        }
+    }
+}
+
+fn perform_od<L: Line>(
+    master: &mut Master<L>,
+    od: &Od,
+    bus: &Bus,
+    console: &mut Console<'_>,
+) -> Result<(), Problem> {
+    match od {
+        Od::Read {
+            node,
+            objects,
+            data_type,
+            bare,
+            sheet,
+        } => {
+            let sheet = read_sheet(sheet, console)?;
+            let node = Node::meet(master, *node, sheet)?;
+            super::read(master, &node, objects, *data_type, *bare, console)
+        }
+        Od::Write {
+            node,
+            object,
+            value,
+            data_type,
+            sheet,
+        } => {
+            let sheet = read_sheet(sheet, console)?;
+            let node = Node::meet(master, *node, sheet)?;
+            super::write(master, &node, object, value, *data_type)
+        }
+        Od::Dump {
+            node,
+            output,
+            sheet,
+        } => {
+            let sheet = read_sheet(sheet, console)?;
+            let node = Node::meet(master, *node, sheet)?;
+            let mut model = super::dump(master, &node, output.is_none(), console)?;
+            let Some(file) = output else {
+                return Ok(());
+            };
+            let commissioning = Commissioning {
+                node_id: node.id,
+                bit_rate: bus.bitrate.kbit_per_second() as u16,
+                ..Commissioning::default()
+            };
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            dcf::commission(&mut model, commissioning, &name);
+            std::fs::write(file, od_gen::print(&model)).map_err(|error| {
+                Problem::Usage(format!("cannot write {}: {}", file.display(), plain(error)))
+            })
+        }
+        Od::Load { node, file } => {
+            let report = report(file, console)?;
+            if report.model.kind != FileKind::Dcf {
+                let file = file.display();
+                return Err(Problem::Usage(format!(
+                    "{file} is no DCF: it configures nothing"
+                )));
+            }
+            let sheet = DataSheet::standard();
+            super::load(master, &Node { id: *node, sheet }, &report.model, console)
+        }
+    }
+}
+
+fn read_sheet(sheet: &Sheet, console: &mut Console<'_>) -> Result<Option<Arc<DataSheet>>, Problem> {
+    let Some(file) = &sheet.eds else {
+        return Ok(None);
+    };
+    let report = report(file, console)?;
+    Ok(Some(Arc::new(report.model.into())))
+}
+
+/// What a file holds. Mistakes in it are no reason to leave a device alone, but they are told.
+fn report(file: &Path, console: &mut Console<'_>) -> Result<Report, Problem> {
+    let report = Report::read(file).map_err(|error| {
+        Problem::Usage(format!("cannot read {}: {}", file.display(), plain(error)))
+    })?;
+    if report.model.objects.is_empty() {
+        let file = file.display();
+        return Err(Problem::Usage(format!(
+            "{file} is no data sheet: no objects in it"
+        )));
+    }
+    if report.has_errors() {
+        let file = file.display();
+        console.remark(&format!(
+            "{file} has mistakes (`od-gen check` tells them); the rest is used"
+        ));
+    }
+    Ok(report)
+}
+
+fn milliseconds(count: u32) -> Duration {
+    Duration::from_ticks(u64::from(count) * 1_000)
+}
