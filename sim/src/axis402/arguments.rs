@@ -26,12 +26,7 @@ pub(super) struct CommandLine {
 #[derive(Debug, Args)]
 pub(super) struct Bus {
     /// An SLCAN adapter: a serial port (/dev/ttyACM0, COM3), or a TCP address of an adapter or a virtual drive
-    #[arg(
-        long,
-        value_name = "PORT or ADDRESS:PORT",
-        global = true,
-        conflicts_with = "socketcan"
-    )]
+    #[arg(long, value_name = "PORT or ADDRESS:PORT", global = true)]
     pub(super) slcan: Option<String>,
     /// A CAN interface (Linux); its bit rate is set outside
     #[arg(long, value_name = "INTERFACE", global = true)]

@@ -55,7 +55,7 @@ pub fn dump<L: Line>(
             let bytes = match node.upload(master, address) {
                 Ok(bytes) => bytes,
                 Err(Failure::Abort {
-                    code: NO_OBJECT | NO_SUB_INDEX,
+                    code: NO_OBJECT | NO_SUB_INDEX | NO_DATA,
                     ..
                 }) => {
                     absent += 1;
@@ -79,15 +79,14 @@ pub fn dump<L: Line>(
         }
     }
     if absent > 0 {
-        console.remark(&format!(
-            "{absent} values of the data sheet are not in the device"
-        ));
+        console.remark(&format!("{absent} values of the data sheet are not there"));
     }
     Ok(model)
 }
 
 const NO_OBJECT: u32 = 0x0602_0000;
 const NO_SUB_INDEX: u32 = 0x0609_0011;
+const NO_DATA: u32 = 0x0800_0024;
 
 /// A value as it stands in a DCF: with $NODEID where the data sheet has it, so that another node can take it.
 fn configured(bytes: &[u8], entry: &Entry, node_id: u8) -> Option<DefaultValue> {

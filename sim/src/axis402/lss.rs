@@ -102,20 +102,12 @@ pub fn set<L: Line>(
     master.lss_switch_to_waiting();
     waiting_afterwards(master, |master| {
         match setting.device {
-            Some(identity) => master
-                .lss_select(identity)
-                .map_err(|failure| match failure {
-                    Failure::Timeout { .. } => Problem::Failed(format!("no device has {identity}")),
-                    other => other.into(),
-                })?,
+            Some(identity) => (master.lss_select(identity))
+                .map_err(|failure| silence(failure, &format!("no device has {identity}")))?,
             None => master.lss_switch_to_configuration(),
         }
-        let before = master
-            .lss_inquire_node_id()
-            .map_err(|failure| match failure {
-                Failure::Timeout { .. } => Problem::Failed("no device answers".to_owned()),
-                other => other.into(),
-            })?;
+        let before = (master.lss_inquire_node_id())
+            .map_err(|failure| silence(failure, "no device answers"))?;
         if setting.device.is_none() {
             is_the_only_one(master)?;
         }
@@ -166,7 +158,8 @@ pub fn switch_bit_rate<L: Line>(
     let kbit = bit_rate.kbit_per_second();
     let switched = waiting_afterwards(master, |master| {
         master.lss_switch_to_configuration();
-        master.lss_configure_bit_timing(bit_rate)?;
+        let configured = master.lss_configure_bit_timing(bit_rate);
+        configured.map_err(|failure| silence(failure, "no device answers"))?;
         no_one_refuses(master, 0x13)?;
         if stores {
             store(master, console)?;
@@ -288,8 +281,13 @@ fn store<L: Line>(master: &mut Master<L>, console: &mut Console<'_>) -> Result<(
 fn expect_boot_up<L: Line>(master: &mut Master<L>, node_id: NodeId) -> Result<(), Problem> {
     let number = node_id.get();
     let result = master.expect_boot_up(number, BOOT_TIME);
-    result.map_err(|failure| match failure {
-        Failure::Timeout { .. } => Problem::Failed(format!("node {number} does not boot")),
+    result.map_err(|failure| silence(failure, &format!("node {number} does not boot")))
+}
+
+/// What it means that nothing came; any other failure as it is.
+fn silence(failure: Failure, meaning: &str) -> Problem {
+    match failure {
+        Failure::Timeout { .. } => Problem::Failed(meaning.to_owned()),
         other => other.into(),
-    })
+    }
 }

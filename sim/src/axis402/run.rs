@@ -49,7 +49,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn go_on_bus(arguments: &Bus) -> Result<Master<Real>, Problem> {
     let mut bus = LiveBus::new();
     match (&arguments.slcan, &arguments.socketcan) {
-        (Some(slcan), _) => {
+        (Some(_), Some(_)) => {
+            let both = "one bus at a time: --slcan or --socketcan";
+            return Err(Problem::Usage(both.to_owned()));
+        }
+        (Some(slcan), None) => {
             let place = place(slcan, arguments.baud);
             bus.use_adapter(&place, Some(arguments.bitrate))
                 .map_err(|error| {
