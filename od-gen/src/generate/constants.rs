@@ -2,7 +2,7 @@
 
 use super::format::constant;
 use super::layout::Layout;
-use super::{ALLOW_UNUSED, names};
+use super::{ALLOW_UNUSED, documentation, names};
 use crate::model::Model;
 
 pub(super) fn write(model: &Model, layout: &Layout<'_>) -> String {
@@ -51,6 +51,14 @@ pub(super) fn names(layout: &Layout<'_>) -> String {
             row.object.name.clone()
         };
         out += &format!("    {name:?},\n");
+    }
+    out += "];\n\n";
+    out += "/// What the data sheet says of each value, in the order of the descriptor table.\n";
+    out += ALLOW_UNUSED;
+    out += "#[rustfmt::skip]\n";
+    out += &format!("pub static DESCRIPTIONS: [&str; {count}] = [\n");
+    for row in &layout.rows {
+        out += &format!("    {:?},\n", documentation::description(row));
     }
     out += "];\n\n";
     out

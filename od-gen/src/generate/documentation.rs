@@ -18,6 +18,19 @@ pub(super) fn title(row: &Row<'_>) -> String {
 
 /// What else the data sheet says: access, unit, limits and default.
 pub(super) fn facts(row: &Row<'_>) -> String {
+    facts_with(row, names::documentation)
+}
+
+/// The same as a plain text for users of the device, the maker's own words (`;Description=`) first.
+pub(super) fn description(row: &Row<'_>) -> String {
+    let facts = facts_with(row, str::to_owned);
+    match row.entry.note("Description") {
+        Some(words) => format!("{words} ({facts})"),
+        None => facts,
+    }
+}
+
+fn facts_with(row: &Row<'_>, unit_as: impl Fn(&str) -> String) -> String {
     let entry = row.entry;
     let mut facts = vec![format!(
         "{} {}",
@@ -25,7 +38,7 @@ pub(super) fn facts(row: &Row<'_>) -> String {
         entry.data_type.name()
     )];
     if let Some(unit) = entry.unit() {
-        facts.push(format!("in {}", names::documentation(unit)));
+        facts.push(format!("in {}", unit_as(unit)));
     }
     match (entry.low_limit, entry.high_limit) {
         (Some(low), Some(high)) => facts.push(format!("{low} to {high}")),

@@ -31,7 +31,7 @@ pub struct Options<'a> {
     pub cia402: bool,
     /// Objects that stand for parameters of the drive.
     pub bindings: &'a [Binding],
-    /// Write the names of all values too: a table of texts in flash.
+    /// Write the names of all values too, and what the data sheet says of them: two tables of texts in flash.
     pub names: bool,
     /// Leave SDO block transfer out of the firmware: values travel expedited and in segments only.
     pub no_block_transfer: bool,

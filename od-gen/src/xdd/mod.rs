@@ -29,8 +29,14 @@ pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Option<Do
         Ok(xml) => xml,
         Err(error) => {
             let position = error.pos();
+            use roxmltree::Error::{UnclosedRootNode, UnexpectedEndOfStream};
+            let end = matches!(error, UnexpectedEndOfStream | UnclosedRootNode);
             let span = Span {
-                line: position.row.clamp(1, source.line_count()),
+                line: if end {
+                    u32::try_from(source.text().lines().count()).unwrap_or(u32::MAX)
+                } else {
+                    position.row.clamp(1, source.line_count())
+                },
                 column: position.col.max(1),
                 length: 1,
             };

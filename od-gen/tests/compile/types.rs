@@ -11,7 +11,7 @@ use canopen::cia301::nmt::Reset;
 use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{DayTime, OutOfRange};
 use canopen::{BitRate, Frame, Instant, Node, NodeId, Settings, Sink, Source};
-use dictionary::{Dictionary, Hooked, Hooks, NAMES, Streams, Values};
+use dictionary::{DESCRIPTIONS, Dictionary, Hooked, Hooks, NAMES, Streams, Values};
 
 /// A value of any length.
 #[derive(Default)]
@@ -176,6 +176,10 @@ fn values() {
     assert_eq!(table.entries.len(), NAMES.len());
     let position = table.position(0x2001, 0).unwrap();
     assert_eq!(NAMES[position], "Integer24");
+    assert_eq!(table.entries.len(), DESCRIPTIONS.len());
+    assert_eq!(DESCRIPTIONS[position], "rw INTEGER24, -1000 to 1000, -2 at power-on");
+    let position = table.position(0x2019, 0).unwrap();
+    assert_eq!(DESCRIPTIONS[position], "What runs after power-on. (rw VISIBLE_STRING, up to 4000 bytes)");
     assert_eq!(size_of_val(&table.entries[0]), 12);
 }
 

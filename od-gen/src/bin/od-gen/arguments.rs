@@ -64,7 +64,7 @@ pub(crate) struct Rust {
     /// Implement `cia402::Objects` too
     #[arg(long)]
     pub(crate) cia402: bool,
-    /// Write the names of all values too: those of the object and of the sub-index, without units or comments
+    /// Write the names of all values too, and what the data sheet says of them: access, type, unit, limits, default
     #[arg(long)]
     pub(crate) names: bool,
     /// Write to this file instead of standard output
