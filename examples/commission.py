@@ -12,12 +12,14 @@ Everything it sends is standard, so it serves drives of any make. docs/commissio
 
 import argparse
 import queue
+import struct
 import sys
 import time
 
 import can
 import canopen
 from canopen.lss import (
+    CS_FAST_SCAN,
     CS_INQUIRE_PRODUCT_CODE,
     CS_INQUIRE_REVISION_NUMBER,
     CS_INQUIRE_SERIAL_NUMBER,
@@ -56,6 +58,7 @@ class Bus:
         self.patience = patience
         self.network = canopen.Network()
         self.lss = self.network.lss
+        self.lss.RESPONSE_TIMEOUT = patience
         self.connect(bitrate)
 
     def connect(self, bitrate):
@@ -64,16 +67,52 @@ class Bus:
         self.network.connect(interface=self.interface, channel=self.channel, bitrate=bitrate * 1000, **options)
 
     def find_unconfigured(self):
-        """Finds a drive without a node-ID by fastscan; it is then the only one in the configuration state."""
-        # Each bit that is 1 costs this time, and an answer that comes later spoils the scan.
-        self.lss.RESPONSE_TIMEOUT = self.patience / 10
-        found, address = self.lss.fast_scan()
-        self.lss.RESPONSE_TIMEOUT = self.patience
-        return address if found else None
+        """Finds a drive without a node-ID by fastscan; it is then the only one in the configuration state. Gives its address."""
+        answers = self.frames(self.lss.LSS_RX_COBID)
+        self.lss.send_identify_non_configured_remote_slave()
+        if not self.comes(answers):
+            return None
+        # What is quick is tried first: an answer that comes too late spoils the scan.
+        for wait in (self.patience / 20, self.patience / 5, self.patience):
+            address = self.scan(answers, wait)
+            if address and self.inquire_address() == address:
+                return address
+            self.lss.send_switch_state_global(self.lss.WAITING_STATE)
+        raise Failed("drives without a node-ID are there, but answer too late for a scan; give them more --patience")
+
+    def scan(self, answers, wait):
+        """A fastscan. The first answer may take `wait` seconds, and those of the other drives may come one after the other behind
+        it: all must be in before the next question. (That is why it is not `lss.fast_scan`, which goes on at the first.)"""
+
+        def is_answered(number, bit, sub, following):
+            question = struct.pack("<BIBBB", CS_FAST_SCAN, number, bit, sub, following)
+            self.network.send_message(self.lss.LSS_TX_COBID, question)
+            is_answered = self.comes(answers, wait)
+            while self.comes(answers, wait / 5):
+                pass
+            return is_answered
+
+        if not is_answered(0, 128, 0, 0):
+            return None
+        address = [0] * len(ADDRESS)
+        for sub in range(len(ADDRESS)):
+            for bit in reversed(range(32)):
+                # Drives answer whose bits down to this one agree; silence means that it is a 1.
+                if not is_answered(address[sub], bit, sub, sub):
+                    address[sub] |= 1 << bit
+            if not is_answered(address[sub], 0, sub, (sub + 1) % len(ADDRESS)):
+                return None
+        return address
+
+    def inquire_address(self):
+        """The address of the drive in the configuration state; `None` if there is none."""
+        try:
+            return [self.lss.inquire_lss_address(inquiry) for inquiry in ADDRESS.values()]
+        except LssError:
+            return None
 
     def select(self, address):
         """Takes the drive with this address into the configuration state."""
-        self.lss.RESPONSE_TIMEOUT = self.patience
         try:
             self.lss.send_switch_state_selective(*address)
         except LssError:
@@ -81,33 +120,38 @@ class Bus:
 
     def select_only(self):
         """Takes every drive into the configuration state, which is right if there is but one. Gives its address."""
-        self.lss.RESPONSE_TIMEOUT = self.patience
         self.lss.send_switch_state_global(self.lss.CONFIGURATION_STATE)
-        try:
-            return [self.lss.inquire_lss_address(inquiry) for inquiry in ADDRESS.values()]
-        except LssError:
-            raise Failed("no drive answers; is its bit rate that of the bus?") from None
+        address = self.inquire_address()
+        if address is None:
+            raise Failed("no drive answers; is its bit rate that of the bus?")
+        return address
 
     def number(self, node_id):
         """Gives the drive in the configuration state a node-ID, lets it store and use it, and waits until it has booted."""
         old = self.lss.inquire_node_id()
         self.lss.configure_node_id(node_id)
         self.lss.store_configuration()
-        booted = self.boot_up(node_id)
+        booted = self.frames(0x700 + node_id)
         # A drive that had no node-ID boots now; any other keeps its old one until communication is reset.
         self.lss.send_switch_state_global(self.lss.WAITING_STATE)
         if old != UNCONFIGURED:
             self.network.send_message(0, bytes([RESET_COMMUNICATION, old]))
-        try:
-            booted.get(timeout=10 * self.patience)
-        except queue.Empty:
-            raise Failed(f"the drive has not booted as node {node_id}") from None
+        if not self.comes(booted):
+            raise Failed(f"the drive has not booted as node {node_id}")
 
-    def boot_up(self, node_id):
-        """A queue that the boot-up message of a node comes to, from now on."""
+    def frames(self, cob_id):
+        """A queue to which frames with this identifier come from now on."""
         heard = queue.Queue()
-        self.network.subscribe(0x700 + node_id, lambda _cob_id, data, _time: heard.put(bytes(data)))
+        self.network.subscribe(cob_id, lambda _cob_id, data, _time: heard.put(bytes(data)))
         return heard
+
+    def comes(self, frames, wait=None):
+        """Does a frame come to the queue in good time?"""
+        try:
+            frames.get(timeout=wait or self.patience)
+        except queue.Empty:
+            return False
+        return True
 
     def change_bit_rate(self, addresses, bitrate, delay=0.5):
         """Lets these drives store a bit rate, one after the other; then they switch to it together after `delay` seconds of
