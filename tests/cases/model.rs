@@ -1,4 +1,5 @@
-//! D33: random controlwords, faults and network commands against the transition table, written down here a second time.
+//! D33: random controlwords, modes, option codes, velocities, faults and network commands against the transition table, written
+//! down here a second time.
 
 use proptest::prelude::*;
 use tests::DriveBench;
@@ -23,6 +24,10 @@ enum State {
 enum Action {
     Controlword(u16),
     QuickStopOption(i16),
+    /// 605Bh and 605Ch, which change how operation ends and not where.
+    LeavingOptions(i16, i16),
+    Mode(i8),
+    Velocity(i16),
     FaultAppears,
     FaultGoes,
     NmtStop,
@@ -37,6 +42,7 @@ struct Model {
     option: i16,
     /// The option code of the quick stop under way: one that is written meanwhile counts for the next.
     running_option: i16,
+    mode: i8,
     cause: bool,
     remote: bool,
 }
@@ -52,7 +58,9 @@ impl Model {
             // A stopped node takes no PDO.
             Action::Controlword(_) => {}
             Action::QuickStopOption(option) if self.remote => self.option = option,
-            Action::QuickStopOption(_) => {}
+            Action::QuickStopOption(_) | Action::LeavingOptions(..) | Action::Velocity(_) => {}
+            Action::Mode(mode) if self.remote && is_there(mode) => self.mode = mode,
+            Action::Mode(_) => {}
             Action::FaultAppears => self.cause = true,
             Action::FaultGoes => self.cause = false,
             Action::NmtStop => self.remote = false,
@@ -100,7 +108,7 @@ impl Model {
             OperationEnabled if disable_voltage => Some(SwitchOnDisabled), // 9
             SwitchedOn if quick_stop || disable_voltage => Some(SwitchOnDisabled), // 10
             OperationEnabled if quick_stop => Some(QuickStopActive), // 11
-            QuickStopActive if disable_voltage || self.running_option <= 2 => {
+            QuickStopActive if disable_voltage || self.running_option <= 3 => {
                 Some(SwitchOnDisabled)
             } // 12
             QuickStopActive if enable => Some(OperationEnabled),   // 16
@@ -120,12 +128,20 @@ impl Model {
     }
 }
 
+/// The modes of the drive.
+fn is_there(mode: i8) -> bool {
+    (0..=3).contains(&mode)
+}
+
 fn any_action() -> impl Strategy<Value = Action> {
     prop_oneof![
         // Commands as masters send them, some with bits of others, some just noise.
         12 => prop::sample::select(vec![0x06_u16, 0x07, 0x0F, 0x02, 0x00, 0x80, 0x8F, 0x10F, 0x106]).prop_map(Action::Controlword),
         3 => any::<u16>().prop_map(|controlword| Action::Controlword(controlword & !0x10)),
-        2 => prop::sample::select(vec![0_i16, 1, 2, 5, 6]).prop_map(Action::QuickStopOption),
+        2 => prop::sample::select(vec![0_i16, 1, 2, 3, 5, 6, 7]).prop_map(Action::QuickStopOption),
+        1 => (0_i16..=1, 0_i16..=1).prop_map(|(shutdown, disable)| Action::LeavingOptions(shutdown, disable)),
+        3 => prop::sample::select(vec![0_i8, 1, 2, 3, 3, 4, 5, -1]).prop_map(Action::Mode),
+        2 => (-10_000_i16..=10_000).prop_map(Action::Velocity),
         1 => Just(Action::FaultAppears),
         2 => Just(Action::FaultGoes),
         1 => Just(Action::NmtStop),
@@ -142,12 +158,25 @@ proptest! {
         if move_first {
             drive.begin_move(1_000_000);
         }
-        let mut model = Model { state: State::OperationEnabled, controlword: 0x0F, option: 2, running_option: 2, cause: false, remote: true };
+        let mut model = Model { state: State::OperationEnabled, controlword: 0x0F, option: 2, running_option: 2, mode: 1, cause: false, remote: true };
         for action in actions {
             match action {
                 Action::Controlword(controlword) => drive.command(controlword),
                 Action::QuickStopOption(option) if model.remote => drive.write_i16(0x605A, 0, option),
-                Action::QuickStopOption(_) => {}
+                Action::LeavingOptions(shutdown, disable) if model.remote => {
+                    drive.write_i16(0x605B, 0, shutdown);
+                    drive.write_i16(0x605C, 0, disable);
+                }
+                Action::Mode(mode) if model.remote => {
+                    let result = drive.try_write(0x6060, 0, &mode.to_le_bytes());
+                    prop_assert_eq!(result.is_ok(), is_there(mode), "mode {}", mode);
+                }
+                Action::Velocity(velocity) if model.remote => {
+                    drive.write_i32(0x60FF, 0, velocity.into());
+                    drive.write_i16(0x6042, 0, velocity);
+                }
+                // A stopped node has no SDO.
+                Action::QuickStopOption(_) | Action::LeavingOptions(..) | Action::Mode(_) | Action::Velocity(_) => {}
                 Action::FaultAppears => drive.set_fault(Some(0x4310)),
                 Action::FaultGoes => drive.set_fault(None),
                 Action::NmtStop => drive.send("000 [2] 02 04"),
@@ -158,6 +187,8 @@ proptest! {
             drive.run_millis(120);
             let statusword = drive.statusword();
             prop_assert!(model.shown().is_shown_by(statusword), "after {action:?}: statusword {statusword:04X}h, model {model:?}");
+            let shown = drive.axis().actuals().mode_display;
+            prop_assert_eq!(shown, model.mode, "6061h after {:?} in {:?}", action, model);
             let powered = drive.axis().plant().is_energised();
             prop_assert_eq!(powered, matches!(model.state, State::OperationEnabled | State::QuickStopActive), "power after {:?}", action);
         }
