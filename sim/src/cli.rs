@@ -12,6 +12,7 @@ use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
 use crate::demo::{self, Demo};
 use crate::drive::Setup;
 use crate::flash::Flash;
+use crate::plant::Axis;
 use crate::serve::{Service, serve};
 use crate::system_error::plain;
 
@@ -75,6 +76,9 @@ struct ServeArguments {
     /// Keep what LSS stores in this file
     #[arg(long, value_name = "FILE")]
     store: Option<PathBuf>,
+    /// Give the motor the axis in this file: switches, index pulses, end stops (see sim/plants)
+    #[arg(long, value_name = "FILE.toml")]
+    plant: Option<PathBuf>,
     /// Serial number (1018h:4), decimal or 0x and hexadecimal
     #[arg(long, value_name = "N", default_value = "1", value_parser = serial_number)]
     serial: u32,
@@ -156,6 +160,7 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
         None if arguments.unconfigured => NodeId::UNCONFIGURED,
         None => stored.node_id,
     };
+    let axis = arguments.plant.as_deref().map(Axis::read).transpose()?;
     Ok(Service {
         slcan: arguments.slcan,
         socketcan: arguments.socketcan,
@@ -170,6 +175,7 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
                 .map_or(Wish::NOTHING, |reading| Switches::ROTARY.wish(reading)),
             build: Wish::NOTHING,
             store,
+            axis,
         },
         verbose: arguments.verbose,
     })

@@ -14,12 +14,13 @@ use canopen::{
     BitRate, BitTiming, Configuration, ControllerState, Duration, Event, Frame, Instant, NodeId,
     Settings,
 };
+use cia402::inputs::DigitalInputs;
 use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects};
 use motion::{AxisConfig, Clock, DriverTiming};
 
 use crate::bus::Station;
 use crate::flash::{Flash, ParameterStore};
-use crate::plant::{Plant, STEP_CLOCK_HZ};
+use crate::plant::{Axis, Plant, STEP_CLOCK_HZ, Sensed, WIRES};
 
 /// The period of the control tick.
 pub const CONTROL_TICK: Duration = Duration::from_ticks(1_000);
@@ -41,6 +42,8 @@ pub struct Setup {
     pub switches: Wish,
     /// Where LSS stores settings, and 1010h parameters.
     pub store: ParameterStore,
+    /// What the motor drives; `None` has nothing along it.
+    pub axis: Option<Axis>,
 }
 
 impl Setup {
@@ -52,6 +55,7 @@ impl Setup {
             build: Wish::NOTHING,
             switches: Wish::NOTHING,
             store: Flash::in_memory().into_store(),
+            axis: None,
         }
     }
 
@@ -130,13 +134,17 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
     /// A drive without power; it gets it when it is polled for the first time.
     pub fn new(mut setup: Setup) -> Self {
         let power_on = setup.first_power_on();
+        let mut plant = Plant::new(Instant::from_ticks(0));
+        if let Some(axis) = &setup.axis {
+            plant.mount(axis);
+        }
         Self {
             powered: false,
             was_reset: false,
             device: device(&power_on, setup.serial_number),
             drive: Drive::new(drive_config()),
             exchange: Exchange::new(),
-            plant: Plant::new(Instant::from_ticks(0)),
+            plant,
             next_tick: Instant::from_ticks(0),
             bit_rate: bit_rate(&power_on),
             bit_timing: power_on.bit_timing.value,
@@ -276,6 +284,8 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
             supply: self.plant.supply,
             position: self.plant.position(),
             fault: self.plant.fault,
+            digital: digital(self.plant.look()),
+            stall: None,
         };
         let outputs = self
             .drive
@@ -389,6 +399,19 @@ where
     fn restarts_controller(&mut self) -> bool {
         std::mem::take(&mut self.restarts_controller)
     }
+}
+
+/// The inputs of the drive, wired to the plant.
+fn digital(wires: [Sensed; WIRES]) -> DigitalInputs {
+    let mut inputs = DigitalInputs::NONE;
+    for (n, (wire, captured)) in wires.iter().zip(&mut inputs.captured).enumerate() {
+        inputs.levels |= u8::from(wire.level) << n;
+        inputs.changed |= u8::from(wire.rose.is_some() || wire.fell.is_some()) << n;
+        // The board's counter has 32 bits.
+        captured.rose = wire.rose.map(|count| count as i32);
+        captured.fell = wire.fell.map(|count| count as i32);
+    }
+    inputs
 }
 
 /// The CANopen half of a drive, without power.

@@ -5,7 +5,7 @@ use sim::Axis402;
 use sim::bus::simulated::{Bus, Handle};
 use sim::drive::Setup;
 use sim::master::{Failure, Identity, MappedObject, Master, NmtCommand, PdoSetup};
-use sim::plant::Switches;
+use sim::plant::{Axis, Switch, Track};
 
 const NODE: u8 = 4;
 const SECOND: Duration = Duration::from_ticks(1_000_000);
@@ -262,10 +262,13 @@ fn a_receive_pdo_that_was_mapped_and_moved_moves_the_motor() {
 fn switches_stay_where_they_are_mounted_when_the_power_goes() {
     let (mut master, drive) = booted();
     let plant = master.station_mut(drive).plant_mut();
-    plant.switches = Switches {
-        positive_limit: Some(500),
-        ..Switches::default()
-    };
+    plant.mount(&Axis {
+        track: Track {
+            positive_limit: Some(Switch::from(500)),
+            ..Track::default()
+        },
+        ..Axis::default()
+    });
     plant.displace(500);
     assert!(master.station(drive).plant().switch_states().positive_limit);
     master.station_mut(drive).power_cycle();

@@ -10,6 +10,7 @@ mod following_error;
 mod golden;
 mod guarding;
 mod heartbeat;
+mod homing;
 mod lss;
 mod lss_many_drives;
 mod lss_nmt_states;

@@ -73,9 +73,9 @@ def test_quick_stop_and_on(ready, after):
 
 
 def test_modes_that_are_there(ready):
-    assert ready.sdo[0x6502].raw == 1
+    assert ready.sdo[0x6502].raw == 0x27
     assert ready.is_op_mode_supported("PROFILED POSITION")
-    assert not ready.is_op_mode_supported("HOMING")
-    for code, mode in [(0, "NO MODE"), (1, "PROFILED POSITION")]:
+    assert ready.is_op_mode_supported("HOMING")
+    for code, mode in [(0, "NO MODE"), (1, "PROFILED POSITION"), (6, "HOMING")]:
         ready.sdo[0x6060].raw = code
         wait_until(lambda: ready.op_mode == mode, mode)

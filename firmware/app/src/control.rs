@@ -86,6 +86,7 @@ impl Control {
                 .stage
                 .fault()
                 .or((overrun && !harmless).then_some(CAN_OVERRUN)),
+            ..Inputs::default()
         };
         let outputs = self.drive.tick(
             clock::now(),

@@ -4,6 +4,9 @@
 //! It changes seldom, so it passes from the communication task to the control tick apart from the commands, and only when an
 //! object of it was written. Codes are decoded on the way: a tick never sees one that means nothing.
 
+use motion::homing;
+
+use crate::inputs::InputConfiguration;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
 
@@ -52,6 +55,10 @@ pub struct Configuration {
     pub max_deceleration: u32,
     /// What belongs to the velocity mode alone.
     pub velocity: VelocityConfiguration,
+    /// 2031h to 2033h.
+    pub inputs: InputConfiguration,
+    /// 607Ch, 6098h, 6099h, 609Ah and 2030h.
+    pub homing: HomingConfiguration,
 }
 
 /// What is set up of the velocity mode ("vl").
@@ -166,6 +173,8 @@ impl Configuration {
         max_acceleration: u32::MAX,
         max_deceleration: u32::MAX,
         velocity: VelocityConfiguration::NONE,
+        inputs: InputConfiguration::NONE,
+        homing: HomingConfiguration::NONE,
     };
 
     /// What the objects of a dictionary say. A code that means nothing (only a data sheet can hold one) counts as the default
@@ -205,6 +214,108 @@ impl Configuration {
             max_acceleration: dictionary.max_acceleration(),
             max_deceleration: dictionary.max_deceleration(),
             velocity: VelocityConfiguration::of(dictionary),
+            inputs: InputConfiguration::new(
+                [
+                    dictionary.input_1_function(),
+                    dictionary.input_2_function(),
+                    dictionary.input_3_function(),
+                    dictionary.input_4_function(),
+                    dictionary.input_5_function(),
+                    dictionary.input_6_function(),
+                ],
+                dictionary.inputs_inverted(),
+                dictionary.input_debounce(),
+            ),
+            homing: HomingConfiguration::of(dictionary),
+        }
+    }
+}
+
+/// How homing is set up. 2030h:1 tells where vendors read the standard in different ways; with 0 in it the drive does what most
+/// masters expect. The options are its bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HomingConfiguration {
+    /// 6098h; 0 is no method.
+    pub method: i8,
+    /// 6099h:1 in steps/s.
+    pub search_speed: u32,
+    /// 6099h:2 in steps/s.
+    pub zero_speed: u32,
+    /// 609Ah in steps/s².
+    pub acceleration: u32,
+    /// 607Ch in user units (steps).
+    pub offset: i32,
+    /// Bit 0: 6064h is −607Ch at the home position, and not +607Ch.
+    pub is_offset_subtracted: bool,
+    /// Bit 7: statusword bit 12 is 0 when the mode is entered, even while the home position is known.
+    pub starts_afresh: bool,
+    /// Bit 1: [`homing::Settings::turns_at_limit`]; bit 2: `is_direct`; bit 3: `returns`; bit 4: `last_move_is_fast`; bit 5:
+    /// `other_block_signs`; bit 6: `home_is_backed_off`. 2030h:2 to :5 and :7: the bounds and the hard stop.
+    pub settings: homing::Settings,
+    /// 2030h:6: the following error in steps from which on the motor counts as blocked; 0: it does not tell.
+    pub block_window: u32,
+}
+
+impl HomingConfiguration {
+    /// What holds before anything is set up: no method.
+    pub const NONE: Self = Self {
+        method: 0,
+        search_speed: 0,
+        zero_speed: 0,
+        acceleration: 0,
+        offset: 0,
+        is_offset_subtracted: false,
+        starts_afresh: false,
+        settings: homing::Settings {
+            turns_at_limit: false,
+            is_direct: false,
+            returns: false,
+            last_move_is_fast: false,
+            other_block_signs: false,
+            home_is_backed_off: false,
+            longest_way: 0,
+            longest_time: 0,
+            longest_way_to_index: 0,
+            block_time: 0,
+            back_off: 0,
+        },
+        block_window: 0,
+    };
+
+    fn of<D: Objects>(dictionary: &D) -> Self {
+        let options = dictionary.homing_options();
+        let has = |bit: u16| options & 1 << bit != 0;
+        Self {
+            method: dictionary.homing_method(),
+            search_speed: dictionary.homing_search_speed(),
+            zero_speed: dictionary.homing_zero_speed(),
+            acceleration: dictionary.homing_acceleration(),
+            offset: dictionary.home_offset(),
+            is_offset_subtracted: has(0),
+            starts_afresh: has(7),
+            settings: homing::Settings {
+                turns_at_limit: has(1),
+                is_direct: has(2),
+                returns: has(3),
+                last_move_is_fast: has(4),
+                other_block_signs: has(5),
+                home_is_backed_off: has(6),
+                longest_way: dictionary.homing_longest_way(),
+                longest_time: dictionary.homing_longest_time(),
+                longest_way_to_index: dictionary.homing_longest_way_to_index(),
+                block_time: dictionary.homing_block_time(),
+                back_off: dictionary.homing_back_off(),
+            },
+            block_window: dictionary.homing_block_window(),
+        }
+    }
+
+    /// What 6064h shows at the home position.
+    pub const fn position_at_home(&self) -> i32 {
+        if self.is_offset_subtracted {
+            self.offset.wrapping_neg()
+        } else {
+            self.offset
         }
     }
 }

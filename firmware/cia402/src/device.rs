@@ -287,6 +287,9 @@ fn show<D: Objects>(dictionary: &mut D, actuals: &Actuals) {
     dictionary.set_velocity_demand_value(actuals.velocity_demand);
     dictionary.set_velocity_actual_value(actuals.velocity_actual);
     dictionary.set_following_error_actual_value(actuals.following_error);
+    dictionary.set_digital_inputs(actuals.digital_inputs);
+    dictionary.set_homing_referenced(actuals.referenced.into());
+    dictionary.set_homing_failure(actuals.homing_failure);
 }
 
 #[cfg(test)]

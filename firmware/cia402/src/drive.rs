@@ -11,9 +11,10 @@ use crate::configuration::Configuration;
 use crate::controlword::{Command, FAULT_RESET};
 use crate::exchange::{Actuals, Commands, Share};
 use crate::faults::{Faults, Reaction};
+use crate::inputs::{DigitalInputs, Switches};
 use crate::modes::{Context, Mode, Modes};
 use crate::monitor::{Monitor, Observed};
-use crate::motor::Motor;
+use crate::motor::{Barred, Motor};
 use crate::option_codes::{AbortConnectionOption, Stop, StopRamp};
 use crate::state_machine::{Conditions, State, StateMachine, Transition};
 use crate::statusword;
@@ -29,7 +30,7 @@ pub struct DriveConfig {
 }
 
 /// What the board measures, read once at the start of a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Inputs {
     /// The power stage has its supply (statusword bit 4).
     pub supply: bool,
@@ -38,6 +39,10 @@ pub struct Inputs {
     pub position: i64,
     /// A fault the board has found, as a CiA 402 error code; it stands as long as it is reported.
     pub fault: Option<u16>,
+    /// The digital inputs.
+    pub digital: DigitalInputs,
+    /// The motor driver senses that the motor is blocked; `None` if it has no such sense.
+    pub stall: Option<bool>,
 }
 
 /// What the board must do, set at the end of a tick.
@@ -64,6 +69,7 @@ pub struct Drive {
     observed: Observed,
     /// The following error has been too large since the last fault reset.
     lost: bool,
+    switches: Switches,
     power: bool,
     /// The motor stood at the end of the last tick: its position must now be the one its pulses lead to.
     settled: bool,
@@ -73,6 +79,8 @@ pub struct Drive {
     shutdown_first: bool,
     /// The fault that 6007h = 1 makes of a loss of the network has been raised.
     is_abandoned: bool,
+    /// When the last tick was.
+    ticked: Instant,
 }
 
 impl Drive {
@@ -88,11 +96,13 @@ impl Drive {
             monitor: Monitor::new(config.tick),
             observed: Observed::default(),
             lost: false,
+            switches: Switches::default(),
             power: false,
             settled: false,
             restarted: false,
             shutdown_first: false,
             is_abandoned: false,
+            ticked: Instant::from_ticks(0),
         }
     }
 
@@ -111,12 +121,25 @@ impl Drive {
     ) -> Outputs {
         exchange.lock(|exchange| exchange.take(&mut self.commands, &mut self.configuration));
         let command = self.given_command();
-        let displaced = self.power
-            && self.settled
-            && !self.motor.is_cut()
-            && self.motor.is_displaced(inputs.position);
-        self.motor.observe(inputs.position, self.power, pulses);
-        self.monitor(now, inputs);
+        let elapsed = now
+            .checked_duration_since(self.ticked)
+            .map_or(0, |span| u32::try_from(span.ticks()).unwrap_or(u32::MAX));
+        self.ticked = now;
+        let position = self.motor.position_of(inputs.position);
+        let displaced =
+            self.power && self.settled && !self.motor.is_cut() && self.motor.is_displaced(position);
+        if displaced {
+            self.motor.lose_reference();
+        }
+        self.motor.observe(position, self.power, pulses);
+        self.switches.observe(
+            &inputs.digital,
+            &self.configuration.inputs,
+            position as i32,
+            self.motor.shift(),
+            elapsed,
+        );
+        self.monitor(now, position);
 
         let restart = self.commands.restart;
         let restarts = restart && !self.restarted && self.is_idle();
@@ -126,7 +149,8 @@ impl Drive {
             0
         } else {
             self.change_state(inputs, command, displaced);
-            self.operate(now, inputs, command)
+            let blocked = self.blocked(inputs, position);
+            self.operate(now, position, elapsed, blocked, command)
         };
 
         let in_time = self.motor.advance(pulses);
@@ -154,12 +178,12 @@ impl Drive {
     }
 
     /// Compares what the motor does with what it should.
-    fn monitor(&mut self, now: Instant, inputs: &Inputs) {
+    fn monitor(&mut self, now: Instant, position: i64) {
         if self.power {
             let demand = self.motor.demand();
             self.observed = self
                 .monitor
-                .observe(now, demand, inputs.position, &self.configuration);
+                .observe(now, demand, position, &self.configuration);
             self.lost |= self.observed.is_lost;
         } else {
             self.monitor.reset();
@@ -201,9 +225,13 @@ impl Drive {
 
     /// Faults, then the state machine, then what a transition does to the motor.
     fn change_state(&mut self, inputs: &Inputs, command: Option<Command>, displaced: bool) {
-        let detected = self
-            .faults
-            .detect(inputs, self.power, displaced || self.observed.is_lost);
+        let both_limits = self.switches.both_limits();
+        let detected = self.faults.detect(
+            inputs,
+            self.power,
+            displaced || self.observed.is_lost,
+            both_limits,
+        );
         let (remote, command, lost) = self.under_6007h(command);
         let reaction = detected.or(lost);
         let reset = self.commands.remote && self.commands.rising & FAULT_RESET != 0;
@@ -307,8 +335,39 @@ impl Drive {
         }
     }
 
+    /// Whether the motor is blocked: the motor driver says so, or it is too far behind its pulses. `None` if neither can tell.
+    fn blocked(&self, inputs: &Inputs, position: i64) -> Option<bool> {
+        let window = self.configuration.homing.block_window;
+        if window == 0 {
+            return inputs.stall;
+        }
+        let behind = self.motor.demand().position.wrapping_sub(position) as i32;
+        Some(inputs.stall == Some(true) || behind.unsigned_abs() >= window)
+    }
+
+    /// The limit switches, in every mode but homing: a motion into one is stopped on the quick stop ramp, and none begins.
+    fn mind_limits(&mut self) {
+        let barred = if self.modes.is_homing() {
+            Barred::default()
+        } else {
+            self.switches.barred()
+        };
+        if self.motor.meets_limit(barred) {
+            let deceleration = self.deceleration(StopRamp::QuickStop);
+            self.motor.stop_at_limit(deceleration);
+            self.modes.limit_met();
+        }
+    }
+
     /// The mode of operation. Returns its bits of the statusword.
-    fn operate(&mut self, now: Instant, inputs: &Inputs, command: Option<Command>) -> u16 {
+    fn operate(
+        &mut self,
+        now: Instant,
+        position: i64,
+        elapsed: u32,
+        blocked: Option<bool>,
+        command: Option<Command>,
+    ) -> u16 {
         let state = self.machine.state();
         if state != State::OperationEnabled && self.motor.standstill() {
             self.modes.select(self.commands.mode);
@@ -321,17 +380,26 @@ impl Drive {
                     self.modes.interrupt(&mut self.motor, deceleration);
                     return 0;
                 }
-                self.modes.tick(&mut Context {
+                self.mind_limits();
+                let bits = self.modes.tick(&mut Context {
                     now,
                     mode: self.modes.active(),
                     commands: &self.commands,
                     configuration: &self.configuration,
-                    position: inputs.position,
                     demand: self.motor.demand(),
                     observed: self.observed,
                     travel: travel(self.configuration.position_limits),
+                    switches: &self.switches,
+                    blocked,
+                    elapsed,
+                    position,
                     motor: &mut self.motor,
-                })
+                });
+                if self.motor.is_barred() {
+                    bits | statusword::INTERNAL_LIMIT
+                } else {
+                    bits
+                }
             }
             State::QuickStopActive
                 if self.machine.quick_stop().stays() && self.motor.standstill() =>
@@ -345,7 +413,7 @@ impl Drive {
     fn actuals(&self, now: Instant, inputs: &Inputs, mode_bits: u16) -> Actuals {
         let state = self.machine.state();
         let bit = |condition, bit| if condition { bit } else { 0 };
-        let position = wrap(inputs.position);
+        let position = wrap(self.motor.position_of(inputs.position));
         let demand = self.motor.demand();
         let mode = self.modes.active();
         let vl = |velocity| match mode {
@@ -373,6 +441,9 @@ impl Drive {
             velocity_demand: demand.velocity,
             velocity_actual: self.observed.velocity,
             following_error: self.observed.following_error,
+            digital_inputs: self.switches.word(),
+            referenced: self.motor.is_referenced(),
+            homing_failure: self.modes.homing_failure(),
             safe: !self.power
                 && self.settled
                 && matches!(state, State::SwitchOnDisabled | State::Fault)

@@ -134,6 +134,12 @@ pub struct Actuals {
     pub velocity_actual: i32,
     /// 60F4h in user units (steps).
     pub following_error: i32,
+    /// 60FDh.
+    pub digital_inputs: u32,
+    /// 2034h:1: the home position is known.
+    pub referenced: bool,
+    /// 2034h:2.
+    pub homing_failure: u8,
     /// Power is off, the motor stands, and a restart that was asked for is done: a reset may go on.
     pub safe: bool,
 }
@@ -153,6 +159,9 @@ impl Actuals {
         velocity_demand: 0,
         velocity_actual: 0,
         following_error: 0,
+        digital_inputs: 0,
+        referenced: false,
+        homing_failure: 0,
         safe: false,
     };
 }

@@ -13,6 +13,8 @@ use crate::drive::Inputs;
 pub const UNDER_VOLTAGE: u16 = 0x3220;
 /// 6100h, internal software: pulses were handed out too late. A warning: it changes no state.
 pub const PULSES_LATE: u16 = 0x6100;
+/// 8612h, reference limit: both limit switches are active, so that no direction is free.
+pub const BOTH_LIMITS: u16 = 0x8612;
 /// 8611h, following error: the motor stands, but not where its pulses should have taken it.
 pub const POSITION_MISMATCH: u16 = 0x8611;
 
@@ -114,19 +116,21 @@ pub(crate) struct Faults {
     error_code: u16,
     board: Option<u16>,
     no_supply: bool,
+    both_limits: bool,
     late: bool,
     standing: Vec<u16, STANDING>,
     notices: Deque<FaultNotice, { 2 * STANDING + 2 }>,
 }
 
 impl Faults {
-    /// Looks for faults at the start of a tick; `displaced` says that the motor stands at a wrong position. Returns the
-    /// strongest reaction to those that have just appeared.
+    /// Looks for faults at the start of a tick; `displaced` says that the motor stands at a wrong position, `both_limits` that
+    /// both limit switches are active. Returns the strongest reaction to those that have just appeared.
     pub(crate) fn detect(
         &mut self,
         inputs: &Inputs,
         power: bool,
         displaced: bool,
+        both_limits: bool,
     ) -> Option<Reaction> {
         let mut reaction = None;
         if inputs.fault != self.board {
@@ -143,6 +147,12 @@ impl Faults {
         }
         if displaced {
             self.raise(POSITION_MISMATCH, &mut reaction);
+        }
+        if power && both_limits {
+            self.both_limits = true;
+            self.raise(BOTH_LIMITS, &mut reaction);
+        } else if !both_limits {
+            self.both_limits = false;
         }
         reaction
     }
@@ -165,7 +175,7 @@ impl Faults {
 
     /// Whether the cause of a fault is there now.
     pub(crate) const fn cause_stands(&self) -> bool {
-        self.board.is_some() || self.no_supply
+        self.board.is_some() || self.no_supply || self.both_limits
     }
 
     /// Transition 15: the master has reset the fault. 603Fh keeps the code of the last one.
@@ -184,6 +194,9 @@ impl Faults {
         }
         if self.no_supply {
             self.raise(UNDER_VOLTAGE, &mut reaction);
+        }
+        if self.both_limits {
+            self.raise(BOTH_LIMITS, &mut reaction);
         }
     }
 
@@ -227,6 +240,8 @@ mod tests {
         supply: true,
         position: 0,
         fault: None,
+        digital: crate::inputs::DigitalInputs::NONE,
+        stall: None,
     };
 
     #[test]
@@ -269,14 +284,14 @@ mod tests {
             ..CALM
         };
         assert_eq!(
-            Faults::default().detect(&over_current, true, true),
+            Faults::default().detect(&over_current, true, true, false),
             Some(Reaction::PowerOff)
         );
         assert_eq!(
-            Faults::default().detect(&CALM, true, true),
+            Faults::default().detect(&CALM, true, true, false),
             Some(Reaction::AsConfigured)
         );
-        assert_eq!(Faults::default().detect(&CALM, true, false), None);
+        assert_eq!(Faults::default().detect(&CALM, true, false, false), None);
     }
 
     #[test]
@@ -287,7 +302,7 @@ mod tests {
                 fault: Some(code),
                 ..CALM
             };
-            assert!(faults.detect(&inputs, true, false).is_some());
+            assert!(faults.detect(&inputs, true, false, false).is_some());
             assert_eq!(faults.error_code(), code);
         }
         let told = core::iter::from_fn(|| faults.take_notice()).count();

@@ -17,10 +17,12 @@
 use canopen::Application;
 use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{self, Dictionary, Entry, write_u32};
+use motion::homing::Method;
 
 use crate::controlword::ControlwordHistory;
 use crate::device::RESTART_DELAY;
 use crate::exchange::Commands;
+use crate::inputs::InputFunction;
 use crate::modes::Mode;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
@@ -216,6 +218,19 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
         Parameter::ShutdownOptionCode | Parameter::DisableOperationOptionCode => {
             code(number, Stop::on_leaving)
         }
+        Parameter::HomingMethod => i8::try_from(number)
+            .ok()
+            .filter(|code| *code == 0 || Method::from_code(*code).is_some())
+            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
+        Parameter::Input1Function
+        | Parameter::Input2Function
+        | Parameter::Input3Function
+        | Parameter::Input4Function
+        | Parameter::Input5Function
+        | Parameter::Input6Function => u8::try_from(number)
+            .ok()
+            .and_then(InputFunction::from_code)
+            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
         Parameter::HaltOptionCode => code(number, StopRamp::on_halt),
         Parameter::FaultReactionOptionCode => code(number, Stop::on_fault),
         Parameter::PositioningOptionCode => match number {
@@ -235,6 +250,9 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
         | Parameter::VlQuickStopTime
         | Parameter::VlDimensionNumerator
         | Parameter::VlDimensionDenominator
+        | Parameter::HomingSearchSpeed
+        | Parameter::HomingZeroSpeed
+        | Parameter::HomingAcceleration
             if number <= 0 =>
         {
             Err(AbortCode::ValueTooLow)

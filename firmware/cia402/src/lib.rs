@@ -29,6 +29,7 @@ pub mod exchange;
 pub mod faults;
 mod hooks;
 pub mod indicator;
+pub mod inputs;
 pub mod modes;
 mod monitor;
 mod motor;

@@ -1,8 +1,29 @@
 //! The axis as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
 
-use motion::{AdvanceError, Axis, AxisConfig, Demand, Limits, PlanError, PulseSink};
+use motion::{AdvanceError, Axis, AxisConfig, Demand, Direction, Limits, PulseSink};
 
-/// An axis, and what has become of its pulses.
+/// The directions that limit switches bar.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Barred {
+    pub(crate) reverse: bool,
+    pub(crate) forward: bool,
+}
+
+impl Barred {
+    const fn bars(self, direction: Direction) -> bool {
+        match direction {
+            Direction::Forward => self.forward,
+            Direction::Reverse => self.reverse,
+        }
+    }
+}
+
+/// A motion that cannot be: its limits make no plan, its target is out of range, or a limit switch is in the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Refused;
+
+/// An axis, and what has become of its pulses. It counts as the master does, from the home position once that is known; the board
+/// counts on from where the motor stood at power-on.
 #[derive(Debug)]
 pub(crate) struct Motor {
     axis: Axis,
@@ -14,6 +35,13 @@ pub(crate) struct Motor {
     demand: Demand,
     /// Pulses have been cut off: the axis does not know where the motor is until it is told.
     cut: bool,
+    /// What the master's count has beyond the board's.
+    shift: i64,
+    /// The home position is known.
+    referenced: bool,
+    barred: Barred,
+    /// A limit switch is stopping the motor.
+    stopping_at_limit: bool,
 }
 
 impl Motor {
@@ -25,7 +53,68 @@ impl Motor {
             standstill: true,
             demand: Demand::default(),
             cut: false,
+            shift: 0,
+            referenced: false,
+            barred: Barred::default(),
+            stopping_at_limit: false,
         }
+    }
+
+    /// The master's count for one of the board's.
+    pub(crate) const fn position_of(&self, count: i64) -> i64 {
+        count.wrapping_add(self.shift)
+    }
+
+    /// What the master's count has beyond the board's, modulo 2³².
+    pub(crate) const fn shift(&self) -> i32 {
+        self.shift as i32
+    }
+
+    /// Whether the home position is known.
+    pub(crate) const fn is_referenced(&self) -> bool {
+        self.referenced
+    }
+
+    /// The position `home` is found, and is to be called `name`. The motor stands at `position`.
+    pub(crate) fn set_home(&mut self, position: i64, home: i32, name: i32) {
+        let change = i64::from(name.wrapping_sub(home));
+        self.shift = self.shift.wrapping_add(change);
+        self.referenced = true;
+        let position = position.wrapping_add(change);
+        self.axis.set_position(position);
+        self.demand = self.axis.demand(0);
+    }
+
+    /// The motor is not where its pulses should have taken it.
+    pub(crate) const fn lose_reference(&mut self) {
+        self.referenced = false;
+    }
+
+    /// Takes the directions that are barred from now on. Returns whether the motor is running into a limit switch, and has not
+    /// been told to stop there yet.
+    pub(crate) fn meets_limit(&mut self, barred: Barred) -> bool {
+        self.barred = barred;
+        if barred == Barred::default() {
+            self.stopping_at_limit = false;
+            return false;
+        }
+        let into = self
+            .axis
+            .heading()
+            .is_some_and(|direction| barred.bars(direction));
+        self.stopping_at_limit &= into;
+        into && !self.stopping_at_limit
+    }
+
+    /// Slows down because of a limit switch. No gentler stop takes its place.
+    pub(crate) fn stop_at_limit(&mut self, deceleration: u32) {
+        self.stop(deceleration);
+        self.stopping_at_limit = true;
+    }
+
+    /// Whether a limit switch is in the way to one side at least.
+    pub(crate) fn is_barred(&self) -> bool {
+        self.barred != Barred::default()
     }
 
     /// Looks at the motor at the start of a tick. `position` is where it really is; the axis takes it over while the motor
@@ -71,8 +160,9 @@ impl Motor {
     }
 
     /// Moves to a position, from whatever the motor does now. On an error nothing changes.
-    pub(crate) fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), PlanError> {
-        self.axis.move_to(target, limits)
+    pub(crate) fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), Refused> {
+        self.is_free(target.saturating_sub(self.axis.committed_position()))?;
+        self.axis.move_to(target, limits).map_err(|_| Refused)
     }
 
     /// Moves through a position with an end velocity in steps/s and keeps that. On an error nothing changes.
@@ -81,8 +171,11 @@ impl Motor {
         target: i64,
         end_velocity: u32,
         limits: Limits,
-    ) -> Result<(), PlanError> {
-        self.axis.move_through(target, end_velocity, limits)
+    ) -> Result<(), Refused> {
+        self.is_free(target.saturating_sub(self.axis.committed_position()))?;
+        self.axis
+            .move_through(target, end_velocity, limits)
+            .map_err(|_| Refused)
     }
 
     /// The position from which the next command begins, in steps.
@@ -91,8 +184,18 @@ impl Motor {
     }
 
     /// Ramps to a velocity in steps/s and keeps it, from whatever the motor does now. On an error nothing changes.
-    pub(crate) fn ramp_to(&mut self, velocity: i32, limits: Limits) -> Result<(), PlanError> {
-        self.axis.ramp_to(velocity, limits)
+    pub(crate) fn ramp_to(&mut self, velocity: i32, limits: Limits) -> Result<(), Refused> {
+        self.is_free(velocity.into())?;
+        self.axis.ramp_to(velocity, limits).map_err(|_| Refused)
+    }
+
+    /// Whether no limit switch bars a motion of this sign.
+    fn is_free(&self, way: i64) -> Result<(), Refused> {
+        if way > 0 && self.barred.forward || way < 0 && self.barred.reverse {
+            Err(Refused)
+        } else {
+            Ok(())
+        }
     }
 
     /// The velocity from which the next command begins, in steps/s.
@@ -108,6 +211,9 @@ impl Motor {
     /// Slows down to a standstill. A deceleration that gives no ramp, such as 0, stops the pulses at once: a drive that is
     /// told to stop never goes on.
     pub(crate) fn stop(&mut self, deceleration: u32) {
+        if self.stopping_at_limit {
+            return;
+        }
         if self.axis.stop(deceleration).is_err() {
             self.cut_off();
         }
@@ -115,6 +221,9 @@ impl Motor {
 
     /// Drops every pulse that has not left yet. The board does so at the end of the tick.
     pub(crate) fn cut_off(&mut self) {
+        // Without current a motor runs on, nobody knows where to.
+        self.referenced &= self.standstill;
+        self.stopping_at_limit = false;
         self.axis.abort();
         self.at_rest = true;
         self.cut = true;

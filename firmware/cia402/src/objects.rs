@@ -11,6 +11,74 @@ use crate::parameters::Parameter;
 /// drive does. Units are the user units of CiA 402-2; with no factor group they are increments (steps), steps/s and
 /// steps/s².
 pub trait Objects {
+    /// 2030h:1: readings of the homing methods, see [`crate::configuration::HomingConfiguration`].
+    fn homing_options(&self) -> u16 {
+        0
+    }
+    /// 2030h:2; 0 is no bound.
+    fn homing_longest_way(&self) -> u32 {
+        0
+    }
+    /// 2030h:3 in milliseconds; 0 is no bound.
+    fn homing_longest_time(&self) -> u32 {
+        0
+    }
+    /// 2030h:4; 0 is no bound.
+    fn homing_longest_way_to_index(&self) -> u32 {
+        0
+    }
+    /// 2030h:5 in milliseconds.
+    fn homing_block_time(&self) -> u16 {
+        50
+    }
+    /// 2030h:6; 0: a following error does not tell of a hard stop.
+    fn homing_block_window(&self) -> u32 {
+        0
+    }
+    /// 2030h:7.
+    fn homing_back_off(&self) -> u32 {
+        0
+    }
+    /// 2031h:1: see [`crate::inputs::InputFunction`].
+    fn input_1_function(&self) -> u8 {
+        0
+    }
+    /// 2031h:2: see [`crate::inputs::InputFunction`].
+    fn input_2_function(&self) -> u8 {
+        0
+    }
+    /// 2031h:3: see [`crate::inputs::InputFunction`].
+    fn input_3_function(&self) -> u8 {
+        0
+    }
+    /// 2031h:4: see [`crate::inputs::InputFunction`].
+    fn input_4_function(&self) -> u8 {
+        0
+    }
+    /// 2031h:5: see [`crate::inputs::InputFunction`].
+    fn input_5_function(&self) -> u8 {
+        0
+    }
+    /// 2031h:6: see [`crate::inputs::InputFunction`].
+    fn input_6_function(&self) -> u8 {
+        0
+    }
+    /// 2032h: the inputs that are active while they are low; input `n` is bit `n − 1`.
+    fn inputs_inverted(&self) -> u8 {
+        0
+    }
+    /// 2033h in milliseconds.
+    fn input_debounce(&self) -> u8 {
+        0
+    }
+    /// 2034h:1: 1 while the home position is known.
+    fn set_homing_referenced(&mut self, value: u8) {
+        let _ = value;
+    }
+    /// 2034h:2: why homing failed last.
+    fn set_homing_failure(&mut self, value: u8) {
+        let _ = value;
+    }
     /// 6007h: 3, quick stop.
     fn abort_connection_option_code(&self) -> i16 {
         3
@@ -163,6 +231,10 @@ pub trait Objects {
     fn target_position(&self) -> i32 {
         0
     }
+    /// 607Ch.
+    fn home_offset(&self) -> i32 {
+        0
+    }
     /// 607Dh:1. The limits are off while minimum is not below maximum.
     fn min_position_limit(&self) -> i32 {
         i32::MIN
@@ -222,6 +294,26 @@ pub trait Objects {
     /// 60FFh.
     fn target_velocity(&self) -> i32 {
         0
+    }
+    /// 6098h; 0 is no method.
+    fn homing_method(&self) -> i8 {
+        0
+    }
+    /// 6099h:1.
+    fn homing_search_speed(&self) -> u32 {
+        0
+    }
+    /// 6099h:2.
+    fn homing_zero_speed(&self) -> u32 {
+        0
+    }
+    /// 609Ah.
+    fn homing_acceleration(&self) -> u32 {
+        self.profile_acceleration()
+    }
+    /// 60FDh.
+    fn set_digital_inputs(&mut self, value: u32) {
+        let _ = value;
     }
     /// 6502h.
     fn supported_drive_modes(&self) -> u32 {

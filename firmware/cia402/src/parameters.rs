@@ -1,6 +1,6 @@
 //! What the drive offers to be commanded by and to show: its parameters by name.
 //!
-//! Each parameter has a home in the drive profile, the object that CiA 402-2 gives it. A data sheet may have other objects
+//! Each parameter has a home, the object that CiA 402-2 gives it, or one of the manufacturer (2030h to 2034h). A data sheet may have other objects
 //! for it beside that one or instead of it: a binding (`*.bind.toml`) names the parameter, and `od-gen` checks it against
 //! [`ALL`].
 
@@ -20,6 +20,7 @@ pub enum Type {
     I8,
     I16,
     I32,
+    U8,
     U16,
     U32,
 }
@@ -31,6 +32,7 @@ impl Type {
             Self::I8 => (i8::MIN as i64, i8::MAX as i64),
             Self::I16 => (i16::MIN as i64, i16::MAX as i64),
             Self::I32 => (i32::MIN as i64, i32::MAX as i64),
+            Self::U8 => (0, u8::MAX as i64),
             Self::U16 => (0, u16::MAX as i64),
             Self::U32 => (0, u32::MAX as i64),
         }
@@ -42,6 +44,7 @@ impl Type {
             Self::I8 => "i8",
             Self::I16 => "i16",
             Self::I32 => "i32",
+            Self::U8 => "u8",
             Self::U16 => "u16",
             Self::U32 => "u32",
         }
@@ -55,7 +58,7 @@ pub struct Description {
     pub parameter: Parameter,
     /// Its name in bindings: that of the method of [`crate::Objects`], without `set_`.
     pub name: &'static str,
-    /// Index and sub-index in the drive profile.
+    /// Index and sub-index of its object.
     pub home: (u16, u8),
     /// The type of the method.
     pub number: Type,
@@ -92,7 +95,7 @@ macro_rules! parameters {
         ];
 
         impl Parameter {
-            /// The parameter that is at home in this object of the drive profile.
+            /// The parameter that is at home in this object.
             pub const fn at(index: u16, sub: u8) -> Option<Self> {
                 match (index, sub) {
                     $(($index, $sub) => Some(Self::$parameter),)*
@@ -112,6 +115,23 @@ const fn from(range: (i64, i64), least: &[i64]) -> (i64, i64) {
 }
 
 parameters! {
+    HomingOptions "homing_options" 0x2030 1 U16 Taken "";
+    HomingLongestWay "homing_longest_way" 0x2030 2 U32 Taken "steps";
+    HomingLongestTime "homing_longest_time" 0x2030 3 U32 Taken "ms";
+    HomingLongestWayToIndex "homing_longest_way_to_index" 0x2030 4 U32 Taken "steps";
+    HomingBlockTime "homing_block_time" 0x2030 5 U16 Taken "ms";
+    HomingBlockWindow "homing_block_window" 0x2030 6 U32 Taken "steps";
+    HomingBackOff "homing_back_off" 0x2030 7 U32 Taken "steps";
+    Input1Function "input_1_function" 0x2031 1 U8 Taken "";
+    Input2Function "input_2_function" 0x2031 2 U8 Taken "";
+    Input3Function "input_3_function" 0x2031 3 U8 Taken "";
+    Input4Function "input_4_function" 0x2031 4 U8 Taken "";
+    Input5Function "input_5_function" 0x2031 5 U8 Taken "";
+    Input6Function "input_6_function" 0x2031 6 U8 Taken "";
+    InputsInverted "inputs_inverted" 0x2032 0 U8 Taken "";
+    InputDebounce "input_debounce" 0x2033 0 U8 Taken "ms";
+    HomingReferenced "homing_referenced" 0x2034 1 U8 Shown "";
+    HomingFailure "homing_failure" 0x2034 2 U8 Shown "";
     AbortConnectionOptionCode "abort_connection_option_code" 0x6007 0 I16 Taken "";
     ErrorCode "error_code" 0x603F 0 U16 Shown "";
     Controlword "controlword" 0x6040 0 U16 Taken "";
@@ -150,6 +170,7 @@ parameters! {
     VelocityThreshold "velocity_threshold" 0x606F 0 U16 Taken "steps/s";
     VelocityThresholdTime "velocity_threshold_time" 0x6070 0 U16 Taken "ms";
     TargetPosition "target_position" 0x607A 0 I32 Taken "steps";
+    HomeOffset "home_offset" 0x607C 0 I32 Taken "steps";
     MinPositionLimit "min_position_limit" 0x607D 1 I32 Taken "steps";
     MaxPositionLimit "max_position_limit" 0x607D 2 I32 Taken "steps";
     MaxProfileVelocity "max_profile_velocity" 0x607F 0 U32 Taken "steps/s";
@@ -159,11 +180,16 @@ parameters! {
     ProfileAcceleration "profile_acceleration" 0x6083 0 U32 Taken "steps/s²" from 1;
     ProfileDeceleration "profile_deceleration" 0x6084 0 U32 Taken "steps/s²" from 1;
     QuickStopDeceleration "quick_stop_deceleration" 0x6085 0 U32 Taken "steps/s²" from 1;
+    HomingMethod "homing_method" 0x6098 0 I8 Taken "";
+    HomingSearchSpeed "homing_search_speed" 0x6099 1 U32 Taken "steps/s" from 1;
+    HomingZeroSpeed "homing_zero_speed" 0x6099 2 U32 Taken "steps/s" from 1;
+    HomingAcceleration "homing_acceleration" 0x609A 0 U32 Taken "steps/s²" from 1;
     MaxAcceleration "max_acceleration" 0x60C5 0 U32 Taken "steps/s²" from 1;
     MaxDeceleration "max_deceleration" 0x60C6 0 U32 Taken "steps/s²" from 1;
     PositioningOptionCode "positioning_option_code" 0x60F2 0 U16 Taken "";
     FollowingErrorActualValue "following_error_actual_value" 0x60F4 0 I32 Shown "steps";
     MaxSlippage "max_slippage" 0x60F8 0 I32 Taken "steps/s";
+    DigitalInputs "digital_inputs" 0x60FD 0 U32 Shown "";
     TargetVelocity "target_velocity" 0x60FF 0 I32 Taken "steps/s";
     SupportedDriveModes "supported_drive_modes" 0x6502 0 U32 Taken "";
 }
@@ -200,7 +226,7 @@ mod tests {
             let (low, high) = description.number.range();
             assert!(low <= description.range.0 && description.range.1 <= high);
         }
-        let homes = (0x6000..=0x67FF).flat_map(|index| (0..=8).map(move |sub| (index, sub)));
+        let homes = (0x2000..=0x67FF).flat_map(|index| (0..=8).map(move |sub| (index, sub)));
         let found = homes.filter(|(index, sub)| Parameter::at(*index, *sub).is_some());
         assert_eq!(found.count(), ALL.len());
     }

@@ -16,6 +16,10 @@ pub const TARGET_REACHED: u16 = 1 << 10;
 pub const INTERNAL_LIMIT: u16 = 1 << 11;
 /// Bit 12 in profile position: set-point acknowledge.
 pub const SET_POINT_ACKNOWLEDGE: u16 = 1 << 12;
+/// Bit 12 in homing: homing attained.
+pub const HOMING_ATTAINED: u16 = 1 << 12;
+/// Bit 13 in homing: homing error.
+pub const HOMING_ERROR: u16 = 1 << 13;
 /// Bit 13 in profile position: following error.
 pub const FOLLOWING_ERROR: u16 = 1 << 13;
 /// Bit 12 in profile velocity: speed; 1 while the motor is as good as at rest.

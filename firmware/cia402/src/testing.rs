@@ -8,6 +8,7 @@ use crate::configuration::Configuration;
 use crate::controlword::ControlwordHistory;
 use crate::exchange::{Actuals, Commands, Exchange};
 use crate::faults::FaultNotice;
+use crate::inputs::DigitalInputs;
 use crate::option_codes::QuickStopOption;
 use crate::state_machine::State;
 use crate::statusword;
@@ -103,6 +104,8 @@ pub(crate) struct Rig {
     history: ControlwordHistory,
     pub(crate) supply: bool,
     pub(crate) fault: Option<u16>,
+    pub(crate) digital: DigitalInputs,
+    pub(crate) stall: Option<bool>,
     pub(crate) outputs: Outputs,
     /// Where the tick found the motor.
     pub(crate) seen: i64,
@@ -144,6 +147,8 @@ impl Rig {
             history: ControlwordHistory::new(0),
             supply: true,
             fault: None,
+            digital: DigitalInputs::NONE,
+            stall: None,
             outputs: Outputs::default(),
             seen: 0,
             now: Instant::from_ticks(0),
@@ -153,13 +158,18 @@ impl Rig {
     /// A drive in operation enabled.
     pub(crate) fn enabled() -> Self {
         let mut rig = Self::new();
-        rig.ticks(2);
-        for controlword in [0x06, 0x07, 0x0F] {
-            rig.write(controlword);
-            rig.tick();
-        }
-        assert_eq!(rig.state(), State::OperationEnabled);
+        rig.enable();
         rig
+    }
+
+    /// From switch on disabled, or from power-on, to operation enabled.
+    pub(crate) fn enable(&mut self) {
+        self.ticks(2);
+        for controlword in [0x06, 0x07, 0x0F] {
+            self.write(controlword);
+            self.tick();
+        }
+        assert_eq!(self.state(), State::OperationEnabled);
     }
 
     /// The master writes the controlword; all other commands are posted with it.
@@ -194,7 +204,11 @@ impl Rig {
             supply: self.supply,
             position: self.motor.position,
             fault: self.fault,
+            digital: self.digital,
+            stall: self.stall,
         };
+        self.digital.changed = 0;
+        self.digital.captured = DigitalInputs::NONE.captured;
         self.seen = inputs.position;
         self.outputs = self
             .drive

@@ -11,7 +11,7 @@ use heapless::Deque;
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Position, State, Velocity};
 use crate::plan::{Limits, Plan, PlanError};
-use crate::record::{DriverTiming, PulseSink};
+use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::train::{Chord, Train};
 
 /// What an axis is made of.
@@ -233,6 +233,15 @@ impl Axis {
     pub fn is_ending(&self) -> bool {
         let last = self.plan.phases().last();
         self.plan.end().is_some() && last.is_none_or(|last| last.start() <= self.horizon)
+    }
+
+    /// The direction in which the axis moves at the commit horizon; `None` if it stands there.
+    pub fn heading(&self) -> Option<Direction> {
+        match self.plan.state_at(self.horizon).velocity.bits() {
+            0 => None,
+            1.. => Some(Direction::Forward),
+            _ => Some(Direction::Reverse),
+        }
     }
 
     /// Where the motion ends, in whole steps: the target, or where a stop comes to rest. For a velocity that is kept, the position

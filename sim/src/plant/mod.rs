@@ -1,15 +1,21 @@
-//! The plant: a stepper motor on its driver, with limit and home switches, on virtual time.
+//! The plant: a stepper motor on its driver, with limit and home switches, index pulses and end stops, on virtual time.
 //!
 //! It takes the same pulse records as the step timer of a board and plays them tick by tick: each pulse moves the motor by
-//! one step. What it counts is what really left, so it is the judge of every move.
+//! one step. What it counts is what really left, so it is the judge of every move. Edges at the inputs are caught at the step
+//! that made them, as the capture units of a board do. The same commands and the same seed give the same motion.
 
+mod axis_file;
+mod contact;
 mod pulses;
-mod switches;
+mod track;
 
+pub use axis_file::Axis;
+pub use contact::{Sensed, Switch};
 pub use pulses::PulsePlayer;
-pub use switches::{SwitchStates, Switches};
+pub use track::{Index, SwitchStates, Track, WIRES};
 
 use canopen::Instant;
+use track::Surroundings;
 
 /// The step clock: 84 MHz, that of the STM32F405's timer 2.
 pub const STEP_CLOCK_HZ: u32 = 84_000_000;
@@ -20,34 +26,50 @@ pub struct Plant {
     pulses: PulsePlayer,
     now: Instant,
     energised: bool,
-    /// Where the motor stood at power-on, as the switches measure it.
+    /// Where the motor stands along the axis.
+    rotor: i64,
+    /// Where it stood at power-on: the drive counts from there.
     origin: i64,
+    surroundings: Surroundings,
+    /// It ran into an end stop since the drive looked last.
+    blocked: bool,
     /// The supply of the power stage is there.
     pub supply: bool,
     /// A fault the power stage reports, as a CiA 402 error code (2310h: over-current ...).
     pub fault: Option<u16>,
-    /// Where the switches are mounted, measured from where the motor stood at its first power-on.
-    pub switches: Switches,
+    /// The drive counts what the motor does. Else it counts the pulses that left, and knows nothing of those that were lost.
+    pub encoder: bool,
 }
 
 impl Plant {
-    /// A motor at rest at position 0 with its supply on and no switches mounted.
+    /// A motor at rest at position 0 with its supply on and nothing along its axis.
     pub fn new(now: Instant) -> Self {
         Self {
             pulses: PulsePlayer::default(),
             now,
             energised: false,
+            rotor: 0,
             origin: 0,
+            surroundings: Surroundings::default(),
+            blocked: false,
             supply: true,
             fault: None,
-            switches: Switches::default(),
+            encoder: false,
         }
+    }
+
+    /// Puts the motor on an axis. It stays at rest, and counts on.
+    pub fn mount(&mut self, axis: &Axis) {
+        self.origin += axis.start - self.rotor;
+        self.rotor = axis.start;
+        self.encoder = axis.encoder;
+        self.surroundings = Surroundings::new(&axis.track, axis.start, axis.seed);
     }
 
     /// The power is back: no fault, no current, nothing to play, and the position counts from 0. The motor and its switches
     /// are where they were.
     pub fn power_on(&mut self, now: Instant) {
-        self.origin += self.position();
+        self.origin = self.rotor;
         self.pulses = PulsePlayer::default();
         self.now = now;
         self.energised = false;
@@ -59,9 +81,37 @@ impl Plant {
         let Some(span) = now.checked_duration_since(self.now) else {
             return;
         };
-        self.pulses
-            .play(span.ticks() * u64::from(STEP_CLOCK_HZ / 1_000_000));
         self.now = now;
+        let ticks = span.ticks() * u64::from(STEP_CLOCK_HZ / 1_000_000);
+        let Self {
+            pulses,
+            rotor,
+            origin,
+            surroundings,
+            blocked,
+            encoder,
+            ..
+        } = self;
+        if surroundings.is_empty() {
+            pulses.play(ticks, |_, steps| *rotor += steps);
+            return;
+        }
+        pulses.play(ticks, |count, steps| {
+            for done in 1..=steps.abs() {
+                let next = *rotor + steps.signum();
+                if !surroundings.is_free(next) {
+                    *blocked = true;
+                    continue;
+                }
+                *rotor = next;
+                let count = if *encoder {
+                    next - *origin
+                } else {
+                    count + done * steps.signum()
+                };
+                surroundings.follow(next, count, now);
+            }
+        });
     }
 
     /// Current in the motor or not.
@@ -74,19 +124,42 @@ impl Plant {
         self.energised
     }
 
-    /// The position in steps: every pulse that left, by its direction.
+    /// The position in steps as the drive counts it: every pulse that left, by its direction, or the encoder.
     pub fn position(&self) -> i64 {
-        self.pulses.position()
+        if self.encoder {
+            self.rotor - self.origin
+        } else {
+            self.pulses.position()
+        }
     }
 
-    /// The motor is somewhere else all of a sudden: turned by hand, or stuck while pulses were sent. In steps.
+    /// Where the motor is along the axis, in steps.
+    pub fn rotor(&self) -> i64 {
+        self.rotor
+    }
+
+    /// The motor is somewhere else all of a sudden, and the drive's count with it. In steps.
     pub fn displace(&mut self, steps: i64) {
         self.pulses.displace(steps);
+        self.rotor += steps;
+        let count = self.position();
+        self.surroundings.follow(self.rotor, count, self.now);
+    }
+
+    /// What the inputs have seen since the last look.
+    pub fn look(&mut self) -> [Sensed; WIRES] {
+        let count = self.position();
+        self.surroundings.look(self.now, count)
+    }
+
+    /// Whether the motor ran into an end stop since the last call.
+    pub fn take_blocked(&mut self) -> bool {
+        std::mem::take(&mut self.blocked)
     }
 
     /// What the switches say where the motor is.
     pub fn switch_states(&self) -> SwitchStates {
-        self.switches.at(self.origin + self.position())
+        self.surroundings.states()
     }
 
     /// The pulse records on their way to the motor.

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use motion::step_interrupt::CAPACITY;
-use motion::{Direction, PulseSink, Record, Ticks};
+use motion::{PulseSink, Record, Ticks};
 
 /// A queue of pulse records, with as much room as a board's ([`CAPACITY`]), and the counter of the pulses that left.
 #[derive(Clone, Debug, Default)]
@@ -18,8 +18,9 @@ pub struct PulsePlayer {
 }
 
 impl PulsePlayer {
-    /// Plays for so many ticks; time in which there is nothing to play passes too.
-    pub fn play(&mut self, mut ticks: Ticks) {
+    /// Plays for so many ticks; time in which there is nothing to play passes too. Tells of the pulses that leave, in order: the
+    /// position before some in one direction, and how many, negative if they are reverse.
+    pub fn play(&mut self, mut ticks: Ticks, mut tell: impl FnMut(i64, i64)) {
         self.pending = self.pending.saturating_sub(ticks);
         while let Some(record) = self.queue.front().copied() {
             let period = u64::from(record.period.max(1));
@@ -35,12 +36,12 @@ impl PulsePlayer {
                 self.periods += 1;
             }
             let whole = (ticks / period).min(u64::from(record.repeat - self.periods)) as u16;
-            self.count(record, whole.into());
+            self.count(record, whole.into(), &mut tell);
             self.periods += whole;
             ticks -= u64::from(whole) * period;
             if self.periods < record.repeat {
                 if ticks > 0 {
-                    self.count(record, 1);
+                    self.count(record, 1, &mut tell);
                     self.ticks = ticks;
                 }
                 return;
@@ -68,12 +69,11 @@ impl PulsePlayer {
         self.position += steps;
     }
 
-    fn count(&mut self, record: Record, pulses: i64) {
-        if record.width > 0 {
-            match record.direction {
-                Direction::Forward => self.position += pulses,
-                Direction::Reverse => self.position -= pulses,
-            }
+    fn count(&mut self, record: Record, pulses: i64, tell: &mut impl FnMut(i64, i64)) {
+        if record.width > 0 && pulses > 0 {
+            let steps = pulses * i64::from(record.direction.sign());
+            tell(self.position, steps);
+            self.position += steps;
         }
     }
 }

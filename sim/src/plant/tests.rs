@@ -1,4 +1,5 @@
-use canopen::Instant;
+use canopen::{Duration, Instant};
+use motion::Direction::{Forward, Reverse};
 use motion::{Direction, PulseSink, Record};
 use proptest::prelude::*;
 
@@ -17,15 +18,9 @@ fn record(period: u32, repeat: u16, width: u16, direction: Direction) -> Record 
 fn each_pulse_is_a_step_and_silence_is_none() {
     let mut plant = Plant::new(Instant::from_ticks(0));
     let pulses = plant.pulses_mut();
-    pulses
-        .push(record(840, 5, 100, Direction::Forward))
-        .unwrap();
-    pulses
-        .push(record(8_400, 1, 0, Direction::Reverse))
-        .unwrap();
-    pulses
-        .push(record(840, 2, 100, Direction::Reverse))
-        .unwrap();
+    pulses.push(record(840, 5, 100, Forward)).unwrap();
+    pulses.push(record(8_400, 1, 0, Reverse)).unwrap();
+    pulses.push(record(840, 2, 100, Reverse)).unwrap();
     assert_eq!(pulses.pending(), 5 * 840 + 8_400 + 2 * 840);
     let positions: Vec<i64> = (0..=180)
         .step_by(10)
@@ -44,73 +39,74 @@ fn each_pulse_is_a_step_and_silence_is_none() {
 #[test]
 fn a_pulse_counts_when_it_begins() {
     let mut player = PulsePlayer::default();
-    player
-        .push(record(1000, 2, 10, Direction::Forward))
-        .unwrap();
-    player.play(1);
+    player.push(record(1000, 2, 10, Forward)).unwrap();
+    player.play(1, |_, _| {});
     assert_eq!(player.position(), 1);
-    player.play(999);
+    player.play(999, |_, _| {});
     assert_eq!(player.position(), 1);
-    player.play(1);
+    player.play(1, |_, _| {});
     assert_eq!(player.position(), 2);
     player.drop_all();
-    player.play(5000);
+    player.play(5000, |_, _| {});
     assert_eq!((player.position(), player.pending()), (2, 0));
 }
 
 #[test]
 fn a_full_queue_gives_the_record_back() {
     let mut player = PulsePlayer::default();
-    let one = record(10, 1, 1, Direction::Forward);
+    let one = record(10, 1, 1, Forward);
     for _ in 0..motion::step_interrupt::CAPACITY {
         player.push(one).unwrap();
     }
     assert_eq!(player.push(one), Err(one));
 }
 
-#[test]
-fn switches_follow_the_position() {
-    let switches = Switches {
-        negative_limit: Some(-10),
-        positive_limit: Some(10),
-        home: Some(-1..=1),
-    };
-    assert!(switches.at(-10).negative_limit && !switches.at(-9).negative_limit);
-    assert!(switches.at(10).positive_limit && !switches.at(9).positive_limit);
-    assert!(switches.at(1).home && !switches.at(2).home);
-    assert_eq!(Switches::default().at(0), SwitchStates::default());
+/// Counts and switches after each of these moves, at 1 MHz.
+fn run(plant: &mut Plant, moves: &[(Direction, u16)]) -> Vec<(i64, bool, bool, bool)> {
+    let mut now = plant.now.ticks();
+    moves
+        .iter()
+        .map(|(direction, pulses)| {
+            plant
+                .pulses_mut()
+                .push(record(84, *pulses, 10, *direction))
+                .unwrap();
+            now += u64::from(*pulses) + 1;
+            plant.advance(Instant::from_ticks(now));
+            let state = plant.switch_states();
+            (
+                plant.position(),
+                state.negative_limit,
+                state.home,
+                state.positive_limit,
+            )
+        })
+        .collect()
+}
+
+fn on_axis(axis: &Axis) -> Plant {
+    let mut plant = Plant::new(Instant::from_ticks(0));
+    plant.mount(axis);
+    plant.power_on(Instant::from_ticks(0));
+    plant
 }
 
 #[test]
 fn the_motor_runs_into_its_switches_and_out_again() {
-    let mut plant = Plant::new(Instant::from_ticks(0));
-    plant.switches = Switches {
-        negative_limit: Some(-3),
-        positive_limit: Some(3),
-        home: Some(0..=1),
-    };
-    let mut states = Vec::new();
-    let mut now = 0;
-    for (direction, pulses) in [
-        (Direction::Forward, 1),
-        (Direction::Forward, 2),
-        (Direction::Reverse, 1),
-        (Direction::Reverse, 5),
-    ] {
-        let pulses = record(84, pulses, 10, direction);
-        plant.pulses_mut().push(pulses).unwrap();
-        now += 10;
-        plant.advance(Instant::from_ticks(now));
-        let state = plant.switch_states();
-        states.push((
-            plant.position(),
-            state.negative_limit,
-            state.home,
-            state.positive_limit,
-        ));
-    }
+    let mut plant = on_axis(&Axis {
+        track: Track {
+            negative_limit: Some(Switch::up_to(-3)),
+            positive_limit: Some(Switch::from(3)),
+            home: Some(Switch::within(0..=1)),
+            ..Track::default()
+        },
+        ..Axis::default()
+    });
     assert_eq!(
-        states,
+        run(
+            &mut plant,
+            &[(Forward, 1), (Forward, 2), (Reverse, 1), (Reverse, 5)]
+        ),
         [
             (1, false, true, false),
             (3, false, false, true),
@@ -122,6 +118,156 @@ fn the_motor_runs_into_its_switches_and_out_again() {
     assert!(plant.switch_states().home, "turned by hand");
 }
 
+#[test]
+fn edges_are_caught_at_their_step_with_hysteresis() {
+    let mut plant = on_axis(&Axis {
+        track: Track {
+            home: Some(Switch::within(100..=200).with_hysteresis(10)),
+            ..Track::default()
+        },
+        ..Axis::default()
+    });
+    run(&mut plant, &[(Forward, 150)]);
+    let [_, _, home, _] = plant.look();
+    assert_eq!(
+        home,
+        Sensed {
+            level: true,
+            rose: Some(110),
+            fell: None
+        }
+    );
+    run(&mut plant, &[(Forward, 150), (Reverse, 250)]);
+    let [_, _, home, _] = plant.look();
+    let expected = Sensed {
+        level: false,
+        rose: Some(190),
+        fell: Some(211),
+    };
+    assert_eq!(home, expected, "the first edge of each kind");
+    let [_, _, home, _] = plant.look();
+    assert_eq!(home, Sensed::default(), "edges are told once");
+}
+
+#[test]
+fn a_normally_closed_switch_is_low_where_it_is_active() {
+    let mut plant = on_axis(&Axis {
+        track: Track {
+            negative_limit: Some(Switch::up_to(-5).normally_closed()),
+            ..Track::default()
+        },
+        ..Axis::default()
+    });
+    assert!(plant.look()[0].level);
+    run(&mut plant, &[(Reverse, 8)]);
+    assert_eq!(
+        plant.look()[0],
+        Sensed {
+            level: false,
+            rose: None,
+            fell: Some(-5)
+        }
+    );
+}
+
+#[test]
+fn a_contact_bounces_for_its_time_and_as_its_seed_says() {
+    let levels = |seed| {
+        let mut plant = on_axis(&Axis {
+            seed,
+            track: Track {
+                positive_limit: Some(Switch::from(5).bouncing(Duration::from_ticks(5_000))),
+                ..Track::default()
+            },
+            ..Axis::default()
+        });
+        run(&mut plant, &[(Forward, 8)]);
+        (1..100)
+            .map(|tick| {
+                plant.advance(Instant::from_ticks(tick * 100));
+                let [_, limit, ..] = plant.look();
+                limit.level
+            })
+            .collect::<Vec<_>>()
+    };
+    let seen = levels(7);
+    assert_eq!(seen, levels(7));
+    assert_ne!(seen, levels(8));
+    let bouncing = seen.iter().position(|level| !level).unwrap();
+    let last = seen.iter().rposition(|level| !level).unwrap();
+    assert!(bouncing < 10 && (20..50).contains(&last), "{seen:?}");
+}
+
+#[test]
+fn index_pulses_lie_a_turn_apart_on_both_sides() {
+    let mut plant = on_axis(&Axis {
+        track: Track {
+            index: Some(Index {
+                first: 400,
+                distance: 3_200,
+            }),
+            ..Track::default()
+        },
+        start: 390,
+        ..Axis::default()
+    });
+    run(&mut plant, &[(Forward, 20)]);
+    let [.., index] = plant.look();
+    assert_eq!(
+        index,
+        Sensed {
+            level: false,
+            rose: Some(10),
+            fell: Some(11)
+        }
+    );
+    run(&mut plant, &[(Reverse, 3_250)]);
+    let [.., index] = plant.look();
+    assert_eq!(index.rose, Some(10), "the first of two");
+    run(&mut plant, &[(Reverse, 3_200)]);
+    let [.., index] = plant.look();
+    assert_eq!(index.rose, Some(10 - 2 * 3_200));
+}
+
+#[test]
+fn behind_an_end_stop_pulses_are_lost() {
+    let mut axis = Axis {
+        track: Track {
+            stops: Some(-10..=10),
+            ..Track::default()
+        },
+        ..Axis::default()
+    };
+    let mut plant = on_axis(&axis);
+    run(&mut plant, &[(Forward, 15), (Reverse, 4)]);
+    assert_eq!((plant.rotor(), plant.position()), (6, 11));
+    assert!(plant.take_blocked() && !plant.take_blocked());
+    axis.encoder = true;
+    let mut plant = on_axis(&axis);
+    run(&mut plant, &[(Forward, 15), (Reverse, 4)]);
+    assert_eq!((plant.rotor(), plant.position()), (6, 6));
+}
+
+#[test]
+fn on_a_round_axis_a_switch_comes_again_each_turn() {
+    let mut plant = on_axis(&Axis {
+        track: Track {
+            home: Some(Switch::within(0..=9)),
+            turn: Some(100),
+            ..Track::default()
+        },
+        start: 50,
+        ..Axis::default()
+    });
+    let home = |plant: &Plant| plant.switch_states().home;
+    run(&mut plant, &[(Reverse, 45)]);
+    assert!(home(&plant));
+    run(&mut plant, &[(Forward, 50)]);
+    assert!(!home(&plant));
+    run(&mut plant, &[(Forward, 50)]);
+    assert!(home(&plant));
+}
+
 proptest! {
     #[test]
     fn however_time_is_cut_every_pulse_is_counted_once(
@@ -131,7 +277,7 @@ proptest! {
         let mut player = PulsePlayer::default();
         let mut expected = 0;
         for (period, repeat, width, forward) in records {
-            let direction = if forward { Direction::Forward } else { Direction::Reverse };
+            let direction = if forward { Forward } else { Reverse };
             player.push(record(period, repeat, width, direction)).unwrap();
             if width > 0 {
                 expected += i64::from(repeat) * if forward { 1 } else { -1 };
@@ -139,10 +285,10 @@ proptest! {
         }
         for cut in cuts {
             let before = player.pending();
-            player.play(cut);
+            player.play(cut, |_, _| {});
             prop_assert_eq!(player.pending(), before.saturating_sub(cut));
         }
-        player.play(player.pending());
+        player.play(player.pending(), |_, _| {});
         prop_assert_eq!(player.position(), expected);
         prop_assert_eq!(player.free(), PulsePlayer::default().free());
     }

@@ -17,6 +17,7 @@ use canopen::{
     Application, BitRate, ControllerState, Duration, Frame, Instant, Node, NodeId, Settings,
 };
 use cia402::binding::{self, Conversion, Number};
+use cia402::inputs::{self, Captured, DigitalInputs};
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
@@ -392,6 +393,15 @@ fn drive(device: &mut Device<Dictionary>, drive: &mut Drive, exchange: &mut impl
                 supply: any() == 0,
                 position: any_u64() as i64,
                 fault: (any() == 0).then_some(any() as u16),
+                digital: DigitalInputs {
+                    levels: any() as u8,
+                    changed: any() as u8,
+                    captured: [(); inputs::COUNT].map(|()| Captured {
+                        rose: (any() == 0).then(|| any() as i32),
+                        fell: (any() == 0).then(|| any() as i32),
+                    }),
+                },
+                stall: (any() == 0).then(|| any() == 0),
             };
             let outputs = drive.tick(any_time(), &inputs, &mut Sink, exchange);
             look(u32::from(outputs.power_stage) + u32::from(outputs.drop_pulses));

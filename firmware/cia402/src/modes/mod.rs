@@ -5,6 +5,7 @@
 //! when it is really at work. Halt and a held bit 4 are no obstacle.
 //! A value that is not supported is refused by SDO and ignored in a PDO.
 
+mod homing;
 mod kept_velocity;
 mod profile_position;
 mod profile_velocity;
@@ -16,10 +17,12 @@ use motion::{Demand, Limits};
 use crate::configuration::Configuration;
 use crate::controlword::HALT;
 use crate::exchange::Commands;
+use crate::inputs::Switches;
 use crate::monitor::Observed;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 
+use homing::Homing;
 use profile_position::ProfilePosition;
 use profile_velocity::ProfileVelocity;
 use velocity::Velocity;
@@ -36,15 +39,18 @@ pub enum Mode {
     Velocity = 2,
     /// Profile velocity: the motor keeps a velocity.
     ProfileVelocity = 3,
+    /// Homing: the motor looks for where zero is.
+    Homing = 6,
 }
 
 impl Mode {
     /// Every mode of this firmware.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::NoMode,
         Self::ProfilePosition,
         Self::Velocity,
         Self::ProfileVelocity,
+        Self::Homing,
     ];
 
     /// The mode with this number; `None` if it is not supported.
@@ -64,13 +70,14 @@ impl Mode {
             Self::ProfilePosition => 1 << 0,
             Self::Velocity => 1 << 1,
             Self::ProfileVelocity => 1 << 2,
+            Self::Homing => 1 << 5,
         }
     }
 
     /// Whether the mode may begin while the motor moves: it goes on from there.
     const fn begins_in_motion(self) -> bool {
         match self {
-            Self::NoMode | Self::ProfilePosition => false,
+            Self::NoMode | Self::ProfilePosition | Self::Homing => false,
             Self::Velocity | Self::ProfileVelocity => true,
         }
     }
@@ -84,6 +91,11 @@ pub(crate) struct Context<'a> {
     pub(crate) mode: Mode,
     pub(crate) commands: &'a Commands,
     pub(crate) configuration: &'a Configuration,
+    pub(crate) switches: &'a Switches,
+    /// The motor does not follow its pulses; `None` if nothing can tell.
+    pub(crate) blocked: Option<bool>,
+    /// Microseconds since the last tick.
+    pub(crate) elapsed: u32,
     /// 6064h before it is cut to 32 bits.
     pub(crate) position: i64,
     /// What was being played when the tick began.
@@ -147,6 +159,7 @@ fn ramp_in(mode: Mode, ramp: StopRamp, commands: &Commands, configuration: &Conf
     let deceleration = match (mode, ramp) {
         (Mode::Velocity, StopRamp::SlowDown) => configuration.velocity.deceleration,
         (Mode::Velocity, _) => configuration.velocity.quick_stop,
+        (Mode::Homing, StopRamp::SlowDown) => configuration.homing.acceleration,
         (_, StopRamp::SlowDown) => commands.profile_deceleration,
         (_, StopRamp::QuickStop | StopRamp::CurrentLimit) => configuration.quick_stop_deceleration,
     };
@@ -162,6 +175,7 @@ pub(crate) struct Modes {
     profile_position: ProfilePosition,
     profile_velocity: ProfileVelocity,
     velocity: Velocity,
+    homing: Homing,
 }
 
 impl Modes {
@@ -172,6 +186,7 @@ impl Modes {
             profile_position: ProfilePosition::new(),
             profile_velocity: ProfileVelocity::new(),
             velocity: Velocity::new(),
+            homing: Homing::new(),
         }
     }
 
@@ -190,6 +205,23 @@ impl Modes {
         ramp_in(self.active, ramp, commands, configuration)
     }
 
+    /// Whether the mode at work looks for the home position, and minds the limit switches itself.
+    pub(crate) const fn is_homing(&self) -> bool {
+        matches!(self.active, Mode::Homing) && self.homing.is_under_way()
+    }
+
+    /// 2034h:2: why homing failed last.
+    pub(crate) const fn homing_failure(&self) -> u8 {
+        self.homing.failure()
+    }
+
+    /// A limit switch is stopping the motor: what the mode was after is not reached.
+    pub(crate) fn limit_met(&mut self) {
+        if self.active == Mode::ProfilePosition {
+            self.profile_position.limit_met();
+        }
+    }
+
     /// The motor stands, and no mode is at work: the mode that is asked for is the mode.
     pub(crate) fn select(&mut self, code: i8) {
         self.active = Mode::from_code(code).unwrap_or(self.active);
@@ -203,6 +235,7 @@ impl Modes {
             Mode::ProfilePosition => self.profile_position.enter(motor),
             Mode::Velocity => self.velocity.enter(),
             Mode::ProfileVelocity => self.profile_velocity.enter(),
+            Mode::Homing => self.homing.enter(),
         }
     }
 
@@ -237,6 +270,7 @@ impl Modes {
             Mode::ProfilePosition => self.profile_position.tick(context),
             Mode::Velocity => self.velocity.tick(context),
             Mode::ProfileVelocity => self.profile_velocity.tick(context),
+            Mode::Homing => self.homing.tick(context),
         }
     }
 }

@@ -109,6 +109,12 @@ impl ProfilePosition {
         self.target = motor.destination();
     }
 
+    /// A limit switch is stopping the motor: the set-points are not carried out.
+    pub(super) fn limit_met(&mut self) {
+        self.progress = Progress::Impossible;
+        self.next = None;
+    }
+
     /// One control tick; returns statusword bits 10 to 12.
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let controlword = context.commands.controlword;

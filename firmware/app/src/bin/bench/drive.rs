@@ -77,6 +77,7 @@ fn tick(drive: &mut Drive, now: Instant, motor: &mut Motor, exchange: &mut Timed
         supply: true,
         position: motor.position,
         fault: None,
+        ..Inputs::default()
     };
     drive.tick(now, &inputs, motor, exchange);
 }

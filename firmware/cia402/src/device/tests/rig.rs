@@ -90,6 +90,7 @@ impl Station {
             supply: true,
             position: self.motor.position,
             fault: self.fault,
+            ..Inputs::default()
         };
         let outputs = self
             .drive

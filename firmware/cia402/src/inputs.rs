@@ -1,0 +1,310 @@
+//! The digital inputs of the drive: limit switches, home switch, index pulse.
+//!
+//! Which input is what, which level means active and how long a change must last is up to the master: objects 2031h to 2033h.
+//! A switch counts as changed when its input has been at the other level for the debounce time, less than that is a glitch and
+//! ignored. Where it changed is the position that the board captured at the first edge: bounces that follow do not shift it.
+//! Several inputs may have one function; the switch is active when one of them is.
+//!
+//! 60FDh shows the switches in bits 0 (negative limit), 1 (positive limit) and 2 (home), and the bare levels of inputs 1 to 6
+//! in bits 16 to 21.
+
+use motion::homing::SwitchState;
+
+use crate::motor::Barred;
+
+/// How many inputs there may be.
+pub const COUNT: usize = 6;
+
+/// The inputs as the board has seen them since the last tick. Of inputs that are not there nothing is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DigitalInputs {
+    /// The level of input `n` in bit `n − 1`.
+    pub levels: u8,
+    /// The inputs of which something was captured, in the same order.
+    pub changed: u8,
+    /// What the board has captured of each input.
+    pub captured: [Captured; COUNT],
+}
+
+/// Edges of an input since the last tick. A board that cannot capture leaves them out; then the position in the tick counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Captured {
+    /// The position in increments (modulo 2³²) at the first rising edge.
+    pub rose: Option<i32>,
+    /// The same at the first falling edge.
+    pub fell: Option<i32>,
+}
+
+/// What an input is for, 2031h.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum InputFunction {
+    /// 0: nothing; its level shows in 60FDh.
+    None = 0,
+    /// 1: the negative limit switch.
+    NegativeLimit = 1,
+    /// 2: the positive limit switch.
+    PositiveLimit = 2,
+    /// 3: the home switch.
+    Home = 3,
+    /// 4: index pulses.
+    Index = 4,
+}
+
+impl DigitalInputs {
+    /// Nothing is seen.
+    pub const NONE: Self = Self {
+        levels: 0,
+        changed: 0,
+        captured: [Captured {
+            rose: None,
+            fell: None,
+        }; COUNT],
+    };
+}
+
+impl InputFunction {
+    /// The function with this number; `None` if there is none.
+    pub const fn from_code(code: u8) -> Option<Self> {
+        match code {
+            0 => Some(Self::None),
+            1 => Some(Self::NegativeLimit),
+            2 => Some(Self::PositiveLimit),
+            3 => Some(Self::Home),
+            4 => Some(Self::Index),
+            _ => None,
+        }
+    }
+}
+
+/// How the inputs are set up: for each function a mask of its inputs, input `n` in bit `n − 1`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InputConfiguration {
+    /// The negative limit switch.
+    pub negative_limit: u8,
+    /// The positive limit switch.
+    pub positive_limit: u8,
+    /// The home switch.
+    pub home: u8,
+    /// Index pulses.
+    pub index: u8,
+    /// 2032h: these inputs are active while they are low.
+    pub inverted: u8,
+    /// 2033h: how long a switch must keep a level, in milliseconds. Index pulses are not debounced.
+    pub debounce: u8,
+}
+
+impl InputConfiguration {
+    /// What holds before anything is set up: no input is for anything.
+    pub const NONE: Self = Self {
+        negative_limit: 0,
+        positive_limit: 0,
+        home: 0,
+        index: 0,
+        inverted: 0,
+        debounce: 0,
+    };
+
+    /// The set-up with these functions of inputs 1 to 6. A number that is no function counts as none.
+    pub fn new(functions: [u8; COUNT], inverted: u8, debounce: u8) -> Self {
+        let mut configuration = Self {
+            inverted,
+            debounce,
+            ..Self::NONE
+        };
+        let mut input = 1;
+        for code in functions {
+            match InputFunction::from_code(code) {
+                Some(InputFunction::NegativeLimit) => configuration.negative_limit |= input,
+                Some(InputFunction::PositiveLimit) => configuration.positive_limit |= input,
+                Some(InputFunction::Home) => configuration.home |= input,
+                Some(InputFunction::Index) => configuration.index |= input,
+                Some(InputFunction::None) | None => {}
+            }
+            input <<= 1;
+        }
+        configuration
+    }
+}
+
+/// The switches, filtered.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Switches {
+    pub(crate) negative_limit: Switch,
+    pub(crate) positive_limit: Switch,
+    pub(crate) home: Switch,
+    /// The position captured at an index pulse since the last tick.
+    pub(crate) index: Option<i32>,
+    /// Levels in the last tick, active is 1.
+    active: u8,
+    /// 60FDh.
+    word: u32,
+}
+
+impl Switches {
+    /// Looks at the inputs. `position` is where the motor is, as the master counts; `shift` is what that has beyond the board's
+    /// count; `elapsed` are the microseconds since the last tick.
+    pub(crate) fn observe(
+        &mut self,
+        inputs: &DigitalInputs,
+        configuration: &InputConfiguration,
+        position: i32,
+        shift: i32,
+        elapsed: u32,
+    ) {
+        let before = self.active;
+        self.active = inputs.levels ^ configuration.inverted;
+        let look = Look {
+            inputs,
+            active: self.active,
+            inverted: configuration.inverted,
+            position,
+            shift,
+            elapsed,
+            debounce: u32::from(configuration.debounce).wrapping_mul(1000),
+        };
+        self.negative_limit
+            .observe(configuration.negative_limit, &look);
+        self.positive_limit
+            .observe(configuration.positive_limit, &look);
+        self.home.observe(configuration.home, &look);
+        self.index = None;
+        if configuration.index != 0 {
+            let risen = configuration.index & self.active & !before;
+            self.index = look
+                .first_edge(configuration.index, true)
+                .or((risen != 0).then_some(position));
+        }
+        self.word = u32::from(self.negative_limit.state.active)
+            | u32::from(self.positive_limit.state.active) << 1
+            | u32::from(self.home.state.active) << 2
+            | u32::from(inputs.levels & ALL) << 16;
+    }
+
+    /// The directions in which there is a limit switch.
+    pub(crate) const fn barred(&self) -> Barred {
+        Barred {
+            reverse: self.negative_limit.state.active,
+            forward: self.positive_limit.state.active,
+        }
+    }
+
+    /// Whether both limit switches are active.
+    pub(crate) const fn both_limits(&self) -> bool {
+        self.negative_limit.state.active && self.positive_limit.state.active
+    }
+
+    /// 60FDh.
+    pub(crate) const fn word(&self) -> u32 {
+        self.word
+    }
+}
+
+/// The bits of all inputs.
+const ALL: u8 = (1 << COUNT) - 1;
+
+/// What is seen in one tick.
+struct Look<'a> {
+    inputs: &'a DigitalInputs,
+    active: u8,
+    inverted: u8,
+    position: i32,
+    shift: i32,
+    elapsed: u32,
+    debounce: u32,
+}
+
+impl Look<'_> {
+    /// Where the first captured edge to active (or to inactive) of these inputs was.
+    fn first_edge(&self, mask: u8, to_active: bool) -> Option<i32> {
+        if self.inputs.changed & mask == 0 {
+            return None;
+        }
+        let mut input = 1;
+        for captured in &self.inputs.captured {
+            if mask & input != 0 {
+                let rises = to_active != (self.inverted & input != 0);
+                let edge = if rises { captured.rose } else { captured.fell };
+                if let Some(edge) = edge {
+                    return Some(edge.wrapping_add(self.shift));
+                }
+            }
+            input <<= 1;
+        }
+        None
+    }
+}
+
+/// A switch behind its filter.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Switch {
+    pub(crate) state: SwitchState,
+    /// For how long it has been at the other level, less the time it was back since, in microseconds.
+    changing: u32,
+    /// Where a change may have begun.
+    edge: Option<i32>,
+    /// For how long nothing was seen of that change, and how long ago it began, in microseconds.
+    quiet: u32,
+    age: u32,
+}
+
+/// An edge that has not become a change after so many debounce times belongs to none.
+const LONGEST_BOUNCE: u32 = 4;
+
+impl Switch {
+    fn observe(&mut self, mask: u8, look: &Look<'_>) {
+        self.state.edge = None;
+        if mask == 0 {
+            // A switch that is not fitted is not active.
+            *self = Self::default();
+            return;
+        }
+        let active = look.active & mask != 0;
+        // It may begin to bounce between two ticks.
+        if active != self.state.active || self.edge.is_some() || look.inputs.changed & mask != 0 {
+            self.follow(active, mask, look);
+        }
+    }
+
+    /// A change, or what looks like one.
+    #[cold]
+    #[inline(never)]
+    fn follow(&mut self, active: bool, mask: u8, look: &Look<'_>) {
+        let differs = active != self.state.active;
+        let captured = look.first_edge(mask, !self.state.active);
+        let edge = captured.or(differs.then_some(look.position));
+        if self.edge.is_none() {
+            self.edge = edge;
+            self.age = 0;
+        }
+        self.age = self.age.saturating_add(look.elapsed);
+        if differs && self.changing >= look.debounce {
+            *self = Self {
+                state: SwitchState {
+                    active,
+                    edge: self.edge,
+                },
+                ..Self::default()
+            };
+        } else if differs {
+            self.changing = self.changing.saturating_add(look.elapsed);
+            self.quiet = 0;
+        } else {
+            self.changing = self.changing.saturating_sub(look.elapsed);
+            self.quiet = match captured {
+                Some(_) => 0,
+                None => self.quiet.saturating_add(look.elapsed),
+            };
+            let is_over = self.quiet >= look.debounce && self.changing == 0;
+            if is_over || self.age > look.debounce.saturating_mul(LONGEST_BOUNCE) {
+                *self = Self {
+                    state: self.state,
+                    ..Self::default()
+                };
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

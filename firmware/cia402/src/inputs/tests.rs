@@ -1,0 +1,189 @@
+//! The filter of the inputs.
+
+use super::*;
+
+const HOME: InputConfiguration = InputConfiguration {
+    home: 0b0100,
+    index: 0b1000,
+    debounce: 3,
+    ..InputConfiguration::NONE
+};
+
+/// The filter, a millisecond at a time.
+#[derive(Default)]
+struct Bench {
+    switches: Switches,
+    configuration: Option<InputConfiguration>,
+    position: i32,
+}
+
+impl Bench {
+    /// A tick with input 3 at this level, and what was captured of it.
+    fn see(&mut self, level: bool, rose: Option<i32>, fell: Option<i32>) -> SwitchState {
+        let mut inputs = DigitalInputs {
+            levels: u8::from(level) << 2,
+            changed: u8::from(rose.is_some() || fell.is_some()) << 2,
+            ..DigitalInputs::NONE
+        };
+        inputs.captured[2] = Captured { rose, fell };
+        let configuration = self.configuration.unwrap_or(HOME);
+        self.switches
+            .observe(&inputs, &configuration, self.position, 1_000, 1_000);
+        self.position += 10;
+        self.switches.home.state
+    }
+}
+
+const INACTIVE: SwitchState = SwitchState {
+    active: false,
+    edge: None,
+};
+
+const ACTIVE: SwitchState = SwitchState {
+    active: true,
+    edge: None,
+};
+
+#[test]
+fn m61_a_change_counts_after_the_debounce_time_and_where_it_was_captured() {
+    let mut bench = Bench::default();
+    assert_eq!(bench.see(false, None, None), INACTIVE);
+    // 1,007 is 7 of the board's count.
+    assert_eq!(bench.see(true, Some(7), None), INACTIVE);
+    assert_eq!(bench.see(true, None, None), INACTIVE);
+    assert_eq!(bench.see(true, None, None), INACTIVE);
+    let edge = Some(1_007);
+    assert_eq!(
+        bench.see(true, None, None),
+        SwitchState { active: true, edge }
+    );
+    assert_eq!(bench.see(true, None, None), ACTIVE);
+}
+
+#[test]
+fn m61_a_glitch_of_a_tick_is_no_change() {
+    let mut bench = Bench::default();
+    for _ in 0..50 {
+        assert_eq!(bench.see(true, Some(1), None), INACTIVE);
+        assert_eq!(bench.see(false, None, Some(2)), INACTIVE);
+        assert_eq!(bench.see(false, None, None), INACTIVE);
+    }
+    // When it has been quiet, the next real edge is not that of a glitch.
+    for _ in 0..3 {
+        assert_eq!(bench.see(false, None, None), INACTIVE);
+    }
+    assert_eq!(bench.see(true, Some(500), None), INACTIVE);
+    for _ in 0..2 {
+        assert_eq!(bench.see(true, None, None), INACTIVE);
+    }
+    assert_eq!(bench.see(true, None, None).edge, Some(1_500));
+}
+
+#[test]
+fn m61_the_first_edge_of_a_bouncing_contact_counts() {
+    let mut bench = Bench::default();
+    // The bouncing begins between two ticks.
+    assert_eq!(bench.see(false, Some(100), Some(100)), INACTIVE);
+    assert_eq!(bench.see(true, Some(101), None), INACTIVE);
+    assert_eq!(bench.see(true, Some(102), Some(102)), INACTIVE);
+    assert_eq!(bench.see(false, None, Some(103)), INACTIVE);
+    for _ in 0..8 {
+        if bench.see(true, Some(104), None).active {
+            break;
+        }
+    }
+    assert_eq!(bench.switches.home.state.edge, Some(1_100));
+}
+
+#[test]
+fn m61_noise_that_never_ends_does_not_keep_an_old_edge() {
+    let mut bench = Bench::default();
+    let mut edge = None;
+    for count in 0..1_010 {
+        let level = count % 2 == 0 || count >= 1_000;
+        edge = edge.or(bench.see(level, level.then_some(count), None).edge);
+    }
+    assert!((1_980..2_010).contains(&edge.unwrap()), "{edge:?}");
+}
+
+#[test]
+fn an_edge_that_was_not_captured_is_where_the_motor_was() {
+    let mut bench = Bench {
+        configuration: Some(InputConfiguration {
+            debounce: 0,
+            ..HOME
+        }),
+        ..Bench::default()
+    };
+    bench.see(false, None, None);
+    assert_eq!(bench.see(true, None, None).edge, Some(10));
+    assert_eq!(
+        bench.see(false, None, None),
+        SwitchState {
+            active: false,
+            edge: Some(20)
+        }
+    );
+}
+
+#[test]
+fn an_inverted_input_is_active_while_it_is_low() {
+    let mut bench = Bench {
+        configuration: Some(InputConfiguration {
+            inverted: 0b0100,
+            debounce: 0,
+            ..HOME
+        }),
+        ..Bench::default()
+    };
+    assert!(bench.see(false, None, None).active);
+    assert_eq!(bench.switches.word(), 0b100);
+    assert_eq!(
+        bench.see(true, Some(4), None),
+        SwitchState {
+            active: false,
+            edge: Some(1_004)
+        }
+    );
+    assert_eq!(bench.switches.word(), 0b100 << 16, "levels are shown bare");
+    assert_eq!(bench.see(false, None, Some(6)).edge, Some(1_006));
+}
+
+#[test]
+fn index_pulses_are_not_debounced() {
+    let mut switches = Switches::default();
+    let mut inputs = DigitalInputs {
+        changed: 0b1000,
+        ..DigitalInputs::NONE
+    };
+    inputs.captured[3].rose = Some(-5);
+    switches.observe(&inputs, &HOME, 0, 0, 1_000);
+    assert_eq!(switches.index, Some(-5));
+    switches.observe(&DigitalInputs::NONE, &HOME, 0, 0, 1_000);
+    assert_eq!(switches.index, None);
+    // Without a capture, the tick in which it rises.
+    let high = DigitalInputs {
+        levels: 0b1000,
+        ..DigitalInputs::NONE
+    };
+    switches.observe(&high, &HOME, 77, 0, 1_000);
+    assert_eq!(switches.index, Some(77));
+    switches.observe(&high, &HOME, 78, 0, 1_000);
+    assert_eq!(switches.index, None);
+}
+
+#[test]
+fn functions_become_masks() {
+    let configuration = InputConfiguration::new([3, 1, 2, 4, 3, 9], 0x15, 7);
+    assert_eq!(
+        configuration,
+        InputConfiguration {
+            negative_limit: 0b00_0010,
+            positive_limit: 0b00_0100,
+            home: 0b01_0001,
+            index: 0b00_1000,
+            inverted: 0x15,
+            debounce: 7,
+        }
+    );
+}

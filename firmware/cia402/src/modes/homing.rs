@@ -1,0 +1,266 @@
+//! Homing, mode 6 (CiA 402-2): the motor finds the home position, and positions count from there.
+//!
+//! A rising edge of controlword bit 4 begins with method 6098h, speeds 6099h, acceleration 609Ah, home offset 607Ch and the readings
+//! 2030h as they are at that moment; a later write counts for the next time. How the methods go is in [`motion::homing`].
+//! - Afterwards 6064h is 607Ch at the home position; the motor has stopped a little behind it.
+//! - Bit 4 that falls interrupts: the motor slows down with 609Ah, and what was known of the home position before is still
+//!   known. So it is after a failure.
+//! - Halt (bit 8) slows down with 609Ah; releasing it goes on.
+//! - Edges count while the mode is at work only, as in profile position. Nothing begins without operation enabled.
+//! - A method that is not supported, or needs a switch that no input is for, fails at once and moves nothing. 2034h:2 tells why
+//!   homing failed.
+//!
+//! | | bit 13 | bit 12 | bit 10 |
+//! |---|---|---|---|
+//! | not begun, interrupted | 0 | 0 | 1 at rest |
+//! | home position known from before, when the mode is entered | 0 | 1 | 1 at rest |
+//! | from the tick that takes the edge | 0 | 0 | 0; during halt 1 at rest |
+//! | attained | 0 | 1 | 1 |
+//! | failed | 1 | 0 | 1 at rest |
+
+use motion::homing::{self as engine, Failure, Fitted, Method, Order, Outcome, Seen, Speed};
+use motion::{Direction, Limits};
+
+use super::Context;
+use crate::configuration::HomingConfiguration;
+use crate::controlword::{HALT, NEW_SET_POINT};
+use crate::inputs::InputConfiguration;
+use crate::motor::{Motor, Refused};
+use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
+
+/// 2034h:2 while homing has not failed.
+const NO_FAILURE: u8 = 0;
+/// 2034h:2: 6098h is no method, or a speed or the acceleration is 0.
+const NO_METHOD: u8 = 7;
+
+/// 2034h:2.
+const fn code(failure: Failure) -> u8 {
+    match failure {
+        Failure::NotFitted => 1,
+        Failure::Limit => 2,
+        Failure::BothLimits => 3,
+        Failure::TooLong => 4,
+        Failure::NoIndex => 5,
+        Failure::TooNarrow => 6,
+    }
+}
+
+/// How far it has come.
+#[derive(Debug)]
+enum Progress {
+    /// Not begun, or interrupted.
+    Idle,
+    UnderWay(Search),
+    Attained,
+    Failed,
+}
+
+/// Homing under way, with the configuration it began with.
+#[derive(Debug)]
+struct Search {
+    engine: engine::Homing,
+    configuration: HomingConfiguration,
+}
+
+/// The mode.
+#[derive(Debug)]
+pub(super) struct Homing {
+    progress: Progress,
+    failure: u8,
+    /// The mode began in this tick: an edge of bit 4 is older than it.
+    begins: bool,
+}
+
+impl Homing {
+    pub(super) const fn new() -> Self {
+        Self {
+            progress: Progress::Idle,
+            failure: NO_FAILURE,
+            begins: true,
+        }
+    }
+
+    /// The mode begins.
+    pub(super) fn enter(&mut self) {
+        self.progress = Progress::Idle;
+        self.begins = true;
+    }
+
+    pub(super) const fn is_under_way(&self) -> bool {
+        matches!(self.progress, Progress::UnderWay(_))
+    }
+
+    /// 2034h:2.
+    pub(super) const fn failure(&self) -> u8 {
+        self.failure
+    }
+
+    /// One control tick; returns statusword bits 10, 12 and 13.
+    pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
+        let begins = core::mem::replace(&mut self.begins, false);
+        if begins && context.motor.is_referenced() && !context.configuration.homing.starts_afresh {
+            self.progress = Progress::Attained;
+        }
+        let is_asked = context.commands.controlword & NEW_SET_POINT != 0;
+        let edge = context.commands.rising & NEW_SET_POINT != 0 && !begins;
+        if self.is_under_way() {
+            if is_asked {
+                self.go_on(context);
+            } else {
+                self.interrupt(context.motor);
+            }
+        } else if edge {
+            self.begin(context);
+            // Even what is done at once is seen to begin.
+            return self.bits(context) & HOMING_ERROR;
+        }
+        self.bits(context)
+    }
+
+    fn begin(&mut self, context: &Context<'_>) {
+        self.failure = NO_FAILURE;
+        let configuration = context.configuration.homing;
+        let method = Method::from_code(configuration.method).filter(|method| {
+            method.is_immediate()
+                || configuration.search_speed > 0
+                    && configuration.zero_speed > 0
+                    && configuration.acceleration > 0
+        });
+        let Some(method) = method else {
+            return self.fail(NO_METHOD);
+        };
+        let fitted = fitted(&context.configuration.inputs, context.blocked.is_some());
+        match engine::Homing::begin(method, configuration.settings, fitted, &seen(context)) {
+            Ok(engine) => {
+                self.progress = Progress::UnderWay(Search {
+                    engine,
+                    configuration,
+                });
+            }
+            Err(failure) => self.fail(code(failure)),
+        }
+    }
+
+    fn go_on(&mut self, context: &mut Context<'_>) {
+        let Progress::UnderWay(search) = &mut self.progress else {
+            return;
+        };
+        let configuration = search.configuration;
+        match search.engine.tick(&seen(context)) {
+            Outcome::UnderWay(order) => {
+                if carry_out(order, &configuration, context).is_err() {
+                    self.interrupt(context.motor);
+                    self.fail(NO_METHOD);
+                }
+            }
+            Outcome::Attained(home) => {
+                context
+                    .motor
+                    .set_home(context.position, home, configuration.position_at_home());
+                self.progress = Progress::Attained;
+            }
+            Outcome::Failed(failure) => {
+                self.interrupt(context.motor);
+                self.fail(code(failure));
+            }
+        }
+    }
+
+    /// Gives up what is under way.
+    fn interrupt(&mut self, motor: &mut Motor) {
+        if let Progress::UnderWay(search) = &self.progress
+            && !motor.standstill()
+        {
+            motor.stop(search.configuration.acceleration);
+        }
+        self.progress = Progress::Idle;
+    }
+
+    fn fail(&mut self, failure: u8) {
+        self.failure = failure;
+        self.progress = Progress::Failed;
+    }
+
+    fn bits(&self, context: &Context<'_>) -> u16 {
+        let at_rest = if context.motor.standstill() {
+            TARGET_REACHED
+        } else {
+            0
+        };
+        match self.progress {
+            Progress::Idle => at_rest,
+            Progress::UnderWay(_) if context.commands.controlword & HALT != 0 => at_rest,
+            Progress::UnderWay(_) => 0,
+            Progress::Attained => HOMING_ATTAINED | at_rest,
+            Progress::Failed => HOMING_ERROR | at_rest,
+        }
+    }
+}
+
+/// What the engine is told.
+fn seen(context: &Context<'_>) -> Seen {
+    Seen {
+        elapsed: context.elapsed,
+        position: context.position as i32,
+        standstill: context.motor.standstill(),
+        halt: context.commands.controlword & HALT != 0,
+        negative_limit: context.switches.negative_limit.state,
+        positive_limit: context.switches.positive_limit.state,
+        home: context.switches.home.state,
+        index: context.switches.index,
+        blocked: context.blocked == Some(true),
+    }
+}
+
+const fn fitted(inputs: &InputConfiguration, block: bool) -> Fitted {
+    Fitted {
+        negative_limit: inputs.negative_limit != 0,
+        positive_limit: inputs.positive_limit != 0,
+        home: inputs.home != 0,
+        index: inputs.index != 0,
+        block,
+    }
+}
+
+/// What the engine wants.
+fn carry_out(
+    order: Order,
+    configuration: &HomingConfiguration,
+    context: &mut Context<'_>,
+) -> Result<(), Refused> {
+    let max_velocity = context.max_velocity();
+    let limits = |velocity: u32| Limits {
+        velocity: velocity.min(max_velocity),
+        acceleration: (configuration.acceleration).min(context.configuration.max_acceleration),
+        deceleration: (configuration.acceleration).min(context.configuration.max_deceleration),
+    };
+    let motor = &mut *context.motor;
+    match order {
+        Order::GoOn => {}
+        Order::Run(direction, speed) => {
+            let speed = match speed {
+                Speed::Search => configuration.search_speed,
+                Speed::Zero => configuration.zero_speed,
+            };
+            let velocity = i32::try_from(speed).unwrap_or(i32::MAX);
+            return motor.ramp_to(
+                match direction {
+                    Direction::Forward => velocity,
+                    Direction::Reverse => velocity.wrapping_neg(),
+                },
+                limits(speed),
+            );
+        }
+        Order::Stop => {
+            if !motor.standstill() {
+                motor.stop(limits(0).deceleration);
+            }
+        }
+        Order::Go(target) => return motor.move_to(target.into(), limits(configuration.zero_speed)),
+        Order::CutOff => motor.cut_off(),
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

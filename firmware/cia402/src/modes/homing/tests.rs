@@ -1,0 +1,358 @@
+//! Homing in the drive: what the statusword says of it, and what it leaves behind.
+
+use crate::configuration::HomingConfiguration;
+use crate::inputs::InputConfiguration;
+use crate::state_machine::State;
+use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, INTERNAL_LIMIT, TARGET_REACHED};
+use crate::testing::Rig;
+
+const START: u16 = 0x1F;
+
+/// A drive in operation enabled, in homing mode; input 1 is the home switch, 2 the negative and 3 the positive limit switch.
+fn homing(method: i8) -> Rig {
+    let mut rig = Rig::new();
+    rig.commands.mode = 6;
+    rig.configuration.inputs = InputConfiguration {
+        home: 1,
+        negative_limit: 2,
+        positive_limit: 4,
+        ..InputConfiguration::NONE
+    };
+    rig.configuration.homing = HomingConfiguration {
+        method,
+        search_speed: 10_000,
+        zero_speed: 1_000,
+        acceleration: 200_000,
+        ..HomingConfiguration::NONE
+    };
+    rig.enable();
+    rig
+}
+
+/// Bits 13, 12 and 10.
+fn bits(rig: &Rig) -> (bool, bool, bool) {
+    (
+        rig.has(HOMING_ERROR),
+        rig.has(HOMING_ATTAINED),
+        rig.reached(),
+    )
+}
+
+/// Ticks with the home switch active from position `edge` on, until the condition holds.
+fn until(rig: &mut Rig, edge: i64, condition: impl Fn(&Rig) -> bool) {
+    for _ in 0..20_000 {
+        rig.digital.levels = u8::from(rig.motor.position >= edge);
+        rig.tick();
+        if condition(rig) {
+            return;
+        }
+    }
+    panic!("never; {:?}", rig.actuals());
+}
+
+#[test]
+fn m47_the_bits_from_idle_to_attained() {
+    let mut rig = homing(19);
+    assert_eq!(bits(&rig), (false, false, true));
+    rig.write(START);
+    rig.tick();
+    assert_eq!(
+        bits(&rig),
+        (false, false, false),
+        "in the tick that takes the start"
+    );
+    until(&mut rig, 500, |rig| {
+        let bits = bits(rig);
+        assert!(!bits.0);
+        bits.1
+    });
+    assert_eq!(bits(&rig), (false, true, true));
+    assert!(rig.actuals().referenced);
+}
+
+#[test]
+fn m52_positions_count_from_the_home_position_and_nothing_trips() {
+    for (subtracted, at_home) in [(false, 250), (true, -250)] {
+        let mut rig = homing(19);
+        rig.configuration.homing.offset = 250;
+        rig.configuration.homing.is_offset_subtracted = subtracted;
+        rig.post();
+        rig.write(START);
+        until(&mut rig, 500, |rig| rig.has(HOMING_ATTAINED));
+        let shown = rig.actuals();
+        // The switch is looked at once a tick, at 1,000 steps/s.
+        let home = rig.motor.position - i64::from(shown.position_actual) + at_home;
+        assert!((498..=500).contains(&home), "{home}");
+        assert_eq!(shown.position_demand, shown.position_actual);
+        rig.ticks(50);
+        assert_eq!(rig.state(), State::OperationEnabled);
+        assert_eq!(rig.notices(), []);
+        // A target counts from there too.
+        rig.commands.mode = 1;
+        rig.write(0x0F);
+        rig.ticks(3);
+        rig.set_point(i32::try_from(at_home).unwrap(), 0);
+        assert_eq!(rig.rest(), home);
+        assert_eq!(i64::from(rig.actuals().position_actual), at_home);
+    }
+}
+
+#[test]
+fn m48_bit_4_that_falls_interrupts_and_the_old_home_stays() {
+    let mut rig = homing(37);
+    rig.write(START);
+    rig.ticks(3);
+    assert_eq!(bits(&rig), (false, true, true));
+    rig.write(0x0F);
+    rig.tick();
+    rig.configuration.homing.method = 19;
+    rig.post();
+    rig.write(START);
+    rig.ticks(100);
+    assert_eq!(bits(&rig), (false, false, false));
+    rig.write(0x0F);
+    rig.tick();
+    assert!(!rig.reached(), "the motor has not stopped yet");
+    rig.rest();
+    assert_eq!(bits(&rig), (false, false, true));
+    assert!(rig.actuals().referenced);
+    // Entered anew, the mode tells of the home position again.
+    for mode in [1, 6] {
+        rig.commands.mode = mode;
+        rig.post();
+        rig.ticks(3);
+    }
+    assert_eq!(bits(&rig), (false, true, true));
+}
+
+#[test]
+fn m49_halt_pauses_and_release_goes_on() {
+    let mut rig = homing(19);
+    rig.write(START);
+    rig.ticks(30);
+    rig.write(START | 0x100);
+    rig.tick();
+    assert!(!rig.reached());
+    let halted = rig.rest();
+    assert_eq!(bits(&rig), (false, false, true));
+    rig.ticks(100);
+    assert_eq!(rig.motor.position, halted);
+    rig.write(START);
+    rig.tick();
+    assert_eq!(bits(&rig), (false, false, false));
+    until(&mut rig, 500, |rig| rig.has(HOMING_ATTAINED));
+}
+
+#[test]
+fn m50_what_is_no_method_or_has_no_switch_fails_and_moves_nothing() {
+    for (method, failure) in [(0, 7), (15, 7), (33, 1), (1, 1), (-3, 1)] {
+        let mut rig = homing(method);
+        rig.write(START);
+        rig.tick();
+        assert!(
+            rig.has(HOMING_ERROR) && !rig.has(HOMING_ATTAINED),
+            "method {method}"
+        );
+        rig.ticks(20);
+        assert_eq!(bits(&rig), (true, false, true));
+        assert_eq!(rig.motor.position, 0);
+        assert_eq!(rig.actuals().homing_failure, failure);
+        // The next start is another try.
+        rig.write(0x0F);
+        rig.configuration.homing.method = 35;
+        rig.post();
+        rig.write(START);
+        rig.ticks(3);
+        assert_eq!(bits(&rig), (false, true, true));
+        assert_eq!(rig.actuals().homing_failure, 0);
+    }
+}
+
+#[test]
+fn m51_what_is_written_on_the_way_counts_for_the_next_time() {
+    let mut rig = homing(19);
+    rig.write(START);
+    rig.ticks(20);
+    rig.configuration.homing = HomingConfiguration {
+        method: 21,
+        search_speed: 1,
+        offset: 9_999,
+        ..HomingConfiguration::NONE
+    };
+    rig.post();
+    until(&mut rig, 2_000, |rig| rig.has(HOMING_ATTAINED));
+    assert!(rig.actuals().position_actual.abs() < 100);
+}
+
+#[test]
+fn m20_a_held_start_bit_starts_nothing_with_the_mode() {
+    let mut rig = Rig::enabled();
+    rig.configuration.homing.method = 37;
+    rig.post();
+    rig.write(START);
+    rig.ticks(3);
+    rig.commands.mode = 6;
+    rig.post();
+    rig.ticks(10);
+    assert_eq!(rig.actuals().mode_display, 6);
+    assert_eq!(bits(&rig), (false, false, true));
+    assert!(!rig.actuals().referenced);
+}
+
+#[test]
+fn d26_without_operation_enabled_nothing_is_begun() {
+    let mut rig = homing(37);
+    rig.write(0x07);
+    rig.ticks(3);
+    rig.write(0x17);
+    rig.ticks(3);
+    assert!(!rig.actuals().referenced);
+    rig.write(START);
+    rig.ticks(5);
+    assert!(!rig.actuals().referenced);
+}
+
+#[test]
+fn disabling_interrupts_and_enabling_does_not_go_on() {
+    let mut rig = homing(19);
+    rig.write(START);
+    rig.ticks(50);
+    rig.write(0x07);
+    rig.until("switched on", |rig| rig.state() == State::SwitchedOn);
+    let stopped = rig.rest();
+    rig.write(0x0F);
+    rig.ticks(100);
+    assert_eq!(rig.motor.position, stopped);
+    assert_eq!(bits(&rig), (false, false, true));
+}
+
+#[test]
+fn a_limit_switch_that_is_not_looked_for_is_an_error() {
+    let mut rig = homing(19);
+    rig.write(START);
+    rig.ticks(50);
+    rig.digital.levels = 4;
+    rig.tick();
+    assert!(rig.has(HOMING_ERROR) && !rig.reached());
+    rig.rest();
+    assert_eq!(bits(&rig), (true, false, true));
+    assert_eq!(rig.actuals().homing_failure, 2);
+    assert_eq!(rig.state(), State::OperationEnabled, "no fault");
+}
+
+#[test]
+fn a_hard_stop_is_felt_by_the_motor_driver() {
+    let mut rig = homing(-3);
+    rig.configuration.homing.settings.block_time = 5;
+    rig.configuration.homing.settings.back_off = 40;
+    rig.stall = Some(false);
+    rig.post();
+    rig.write(START);
+    rig.ticks(60);
+    assert!(!rig.has(HOMING_ERROR));
+    rig.stall = Some(true);
+    let mut blocked_at = 0;
+    for _ in 0..7 {
+        blocked_at = rig.motor.position;
+        rig.tick();
+    }
+    rig.stall = Some(false);
+    rig.until("attained", |rig| rig.has(HOMING_ATTAINED));
+    assert_eq!(rig.actuals().position_actual, -40);
+    assert!((rig.motor.position + 40 - blocked_at).abs() <= 10);
+    assert_eq!(rig.state(), State::OperationEnabled);
+}
+
+#[test]
+fn power_that_goes_in_motion_takes_the_home_position_along() {
+    let mut rig = homing(37);
+    rig.write(START);
+    rig.ticks(3);
+    rig.write(0x00);
+    rig.ticks(3);
+    assert!(rig.actuals().referenced, "at rest nothing is lost");
+    rig.commands.mode = 1;
+    rig.enable();
+    rig.set_point(100_000, 0);
+    rig.ticks(50);
+    rig.write(0x00);
+    rig.ticks(2);
+    assert!(!rig.actuals().referenced);
+}
+
+/// A drive in profile position with limit switches at inputs 2 and 3.
+fn limited() -> Rig {
+    let mut rig = homing(0);
+    rig.commands.mode = 1;
+    rig.post();
+    rig.ticks(3);
+    rig
+}
+
+#[test]
+fn m54_a_limit_switch_stops_and_leaves_the_way_back_free() {
+    let mut rig = limited();
+    rig.set_point(100_000, 0);
+    rig.ticks(200);
+    let met = rig.motor.position;
+    rig.digital.levels = 4;
+    rig.tick();
+    assert!(rig.has(INTERNAL_LIMIT));
+    let stopped = rig.rest();
+    // 10,000 steps/s on 1,000,000 steps/s², and what was under way.
+    assert!((50..120).contains(&(stopped - met)), "{}", stopped - met);
+    assert_eq!(rig.actuals().digital_inputs, 0x0004_0002);
+    rig.ticks(100);
+    assert!(!rig.reached(), "m36: not at the target");
+    assert_eq!(rig.state(), State::OperationEnabled);
+    assert_eq!(rig.notices(), []);
+    // On into the switch: refused. Back: at once.
+    rig.set_point(200_000, 0);
+    rig.ticks(50);
+    assert_eq!(rig.motor.position, stopped);
+    assert!(rig.acknowledged());
+    rig.set_point(0, 0);
+    rig.ticks(100);
+    assert!(rig.motor.position < stopped);
+    rig.digital.levels = 0;
+    assert_eq!(rig.rest(), 0);
+    rig.ticks(20);
+    assert!(rig.reached() && !rig.has(INTERNAL_LIMIT));
+    let target_reached = rig.has(TARGET_REACHED);
+    assert!(target_reached);
+}
+
+#[test]
+fn m55_a_limit_switch_active_at_power_on_lets_the_motor_away() {
+    let mut rig = Rig::new();
+    rig.configuration.inputs.negative_limit = 2;
+    rig.digital.levels = 2;
+    rig.ticks(2);
+    rig.enable();
+    rig.set_point(-10, 0);
+    rig.ticks(50);
+    assert_eq!(rig.motor.position, 0);
+    rig.set_point(1_000, 0);
+    rig.ticks(20);
+    rig.digital.levels = 0;
+    assert_eq!(rig.rest(), 1_000);
+}
+
+#[test]
+fn m56_both_limit_switches_are_a_fault_and_nothing_moves() {
+    let mut rig = limited();
+    rig.digital.levels = 6;
+    rig.ticks(5);
+    assert_eq!(rig.state(), State::Fault);
+    assert_eq!(rig.actuals().error_code, 0x8612);
+    // It returns as long as the drive is enabled with both of them.
+    rig.write(0x80);
+    rig.ticks(3);
+    rig.write(0x00);
+    rig.ticks(3);
+    rig.digital.levels = 4;
+    rig.ticks(2);
+    rig.write(0x80);
+    rig.ticks(2);
+    assert_eq!(rig.state(), State::SwitchOnDisabled);
+}

@@ -1,0 +1,172 @@
+//! A switch at the axis, and the wire that leads from it to an input of the drive.
+
+use std::ops::RangeInclusive;
+
+use canopen::{Duration, Instant};
+
+/// A limit or home switch. Positions are in steps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Switch {
+    /// Where it is active.
+    pub range: RangeInclusive<i64>,
+    /// So many steps beyond its edge it changes, in either direction.
+    pub hysteresis: u32,
+    /// So long its contact bounces after each change.
+    pub bounce: Duration,
+    /// Its wire is low while it is active.
+    pub normally_closed: bool,
+}
+
+impl Switch {
+    /// Active from this position on downwards: a negative limit switch.
+    pub fn up_to(edge: i64) -> Self {
+        Self::within(i64::MIN / 2..=edge)
+    }
+
+    /// Active from this position on upwards: a positive limit switch.
+    pub fn from(edge: i64) -> Self {
+        Self::within(edge..=i64::MAX / 2)
+    }
+
+    /// Active in this range: a home switch.
+    pub fn within(range: RangeInclusive<i64>) -> Self {
+        Self {
+            range,
+            hysteresis: 0,
+            bounce: Duration::from_ticks(0),
+            normally_closed: false,
+        }
+    }
+
+    /// The same with a hysteresis of so many steps to both sides of each edge.
+    #[must_use]
+    pub fn with_hysteresis(self, hysteresis: u32) -> Self {
+        Self { hysteresis, ..self }
+    }
+
+    /// The same with a contact that bounces for so long.
+    #[must_use]
+    pub fn bouncing(self, bounce: Duration) -> Self {
+        Self { bounce, ..self }
+    }
+
+    /// The same with a wire that is low while the switch is active.
+    #[must_use]
+    pub fn normally_closed(self) -> Self {
+        Self {
+            normally_closed: true,
+            ..self
+        }
+    }
+
+    /// Whether it is active at a position, after it was (not) active.
+    fn is_active(&self, position: i64, was_active: bool) -> bool {
+        let beyond = i64::from(self.hysteresis);
+        let margin = if was_active { -beyond } else { beyond };
+        self.range.start() + margin <= position && position <= self.range.end() - margin
+    }
+}
+
+/// What an input has seen since the drive looked last.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sensed {
+    /// The wire is high.
+    pub level: bool,
+    /// The count of pulses or of the encoder at the first rising edge.
+    pub rose: Option<i64>,
+    /// The same at the first falling edge.
+    pub fell: Option<i64>,
+}
+
+impl Sensed {
+    /// The wire goes to this level, at this count.
+    pub(super) fn see(&mut self, level: bool, count: i64) {
+        if level != self.level {
+            self.level = level;
+            let edge = if level {
+                &mut self.rose
+            } else {
+                &mut self.fell
+            };
+            edge.get_or_insert(count);
+        }
+    }
+
+    /// What was seen. The edges are forgotten.
+    pub(super) fn take(&mut self) -> Self {
+        let level = self.level;
+        std::mem::replace(
+            self,
+            Self {
+                level,
+                ..Self::default()
+            },
+        )
+    }
+}
+
+/// A switch at work.
+#[derive(Clone, Debug)]
+pub(super) struct Contact {
+    switch: Switch,
+    active: bool,
+    /// It bounces until then.
+    restless_until: Option<Instant>,
+    wire: Sensed,
+}
+
+impl Contact {
+    /// A switch mounted while the axis is at `position`.
+    pub(super) fn new(switch: Switch, position: i64) -> Self {
+        let active = switch.is_active(position, false);
+        let level = active != switch.normally_closed;
+        Self {
+            switch,
+            active,
+            restless_until: None,
+            wire: Sensed {
+                level,
+                ..Sensed::default()
+            },
+        }
+    }
+
+    pub(super) const fn is_active(&self) -> bool {
+        self.active
+    }
+
+    /// The axis has come to `position` by one step; `count` is what the drive counts there, `now` when.
+    pub(super) fn follow(&mut self, position: i64, count: i64, now: Instant) {
+        let active = self.switch.is_active(position, self.active);
+        if active == self.active {
+            return;
+        }
+        self.active = active;
+        let level = active != self.switch.normally_closed;
+        self.wire.see(level, count);
+        if self.switch.bounce.ticks() > 0 {
+            self.restless_until = Some(now + self.switch.bounce);
+            self.wire.see(!level, count);
+            self.wire.see(level, count);
+        }
+    }
+
+    /// What the drive sees at `now`; `chance` decides while the contact bounces.
+    pub(super) fn look(
+        &mut self,
+        now: Instant,
+        count: i64,
+        chance: impl FnOnce() -> bool,
+    ) -> Sensed {
+        let rest = self.active != self.switch.normally_closed;
+        let level = match self.restless_until {
+            Some(until) if now < until => chance(),
+            _ => {
+                self.restless_until = None;
+                rest
+            }
+        };
+        self.wire.see(level, count);
+        self.wire.take()
+    }
+}

@@ -1,0 +1,156 @@
+//! What lies along the axis: switches, index pulses, end stops.
+
+use std::ops::RangeInclusive;
+
+use canopen::Instant;
+
+use super::contact::{Contact, Sensed, Switch};
+
+/// The inputs of the drive that the plant is wired to: 1 negative limit, 2 positive limit, 3 home switch, 4 index.
+pub const WIRES: usize = 4;
+
+/// What is mounted along the axis. Positions are in steps, from where the motor stood at its first power-on unless the
+/// axis says otherwise.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Track {
+    /// The negative limit switch, on input 1.
+    pub negative_limit: Option<Switch>,
+    /// The positive limit switch, on input 2.
+    pub positive_limit: Option<Switch>,
+    /// The home switch, on input 3.
+    pub home: Option<Switch>,
+    /// The index pulses, on input 4.
+    pub index: Option<Index>,
+    /// The axis cannot leave this range: beyond it pulses are lost.
+    pub stops: Option<RangeInclusive<i64>>,
+    /// The axis is round: the switches are there again after so many steps.
+    pub turn: Option<u32>,
+}
+
+/// Index pulses: one at `first`, and one every `distance` steps from there in both directions. A pulse is one step wide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Index {
+    /// One of them.
+    pub first: i64,
+    /// From one to the next, at least 1.
+    pub distance: u32,
+}
+
+impl Index {
+    fn is_at(&self, position: i64) -> bool {
+        (position - self.first).rem_euclid(i64::from(self.distance.max(1))) == 0
+    }
+}
+
+/// Which switches are active.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SwitchStates {
+    /// The negative limit switch.
+    pub negative_limit: bool,
+    /// The positive limit switch.
+    pub positive_limit: bool,
+    /// The home switch.
+    pub home: bool,
+}
+
+/// The track at work.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Surroundings {
+    /// Negative limit, positive limit, home.
+    contacts: [Option<Contact>; 3],
+    index: Option<Index>,
+    index_wire: Sensed,
+    stops: Option<RangeInclusive<i64>>,
+    turn: Option<u32>,
+    /// State of the generator that decides how contacts bounce.
+    chance: u64,
+}
+
+impl Surroundings {
+    /// What is mounted, with the axis at `position`.
+    pub(super) fn new(track: &Track, position: i64, seed: u64) -> Self {
+        let place = around(track.turn, position);
+        let contact =
+            |switch: &Option<Switch>| switch.clone().map(|switch| Contact::new(switch, place));
+        Self {
+            contacts: [
+                contact(&track.negative_limit),
+                contact(&track.positive_limit),
+                contact(&track.home),
+            ],
+            index: track.index,
+            index_wire: Sensed {
+                level: track.index.is_some_and(|index| index.is_at(position)),
+                ..Sensed::default()
+            },
+            stops: track.stops.clone(),
+            turn: track.turn,
+            chance: seed | 1,
+        }
+    }
+
+    /// Whether the axis can be at a position.
+    pub(super) fn is_free(&self, position: i64) -> bool {
+        self.stops
+            .as_ref()
+            .is_none_or(|stops| stops.contains(&position))
+    }
+
+    /// Nothing is mounted that a step could change.
+    pub(super) fn is_empty(&self) -> bool {
+        self.contacts.iter().all(Option::is_none) && self.index.is_none() && self.stops.is_none()
+    }
+
+    /// The axis has come to `position` by one step; `count` is what the drive counts there.
+    pub(super) fn follow(&mut self, position: i64, count: i64, now: Instant) {
+        let place = around(self.turn, position);
+        for contact in self.contacts.iter_mut().flatten() {
+            contact.follow(place, count, now);
+        }
+        if let Some(index) = self.index {
+            self.index_wire.see(index.is_at(position), count);
+        }
+    }
+
+    /// What the inputs have seen since the last look.
+    pub(super) fn look(&mut self, now: Instant, count: i64) -> [Sensed; WIRES] {
+        let mut sensed = [Sensed::default(); WIRES];
+        let chance = &mut self.chance;
+        for (contact, wire) in self.contacts.iter_mut().zip(&mut sensed) {
+            if let Some(contact) = contact {
+                *wire = contact.look(now, count, || toss(chance));
+            }
+        }
+        let [.., index] = &mut sensed;
+        *index = self.index_wire.take();
+        sensed
+    }
+
+    pub(super) fn states(&self) -> SwitchStates {
+        let [negative_limit, positive_limit, home] = self
+            .contacts
+            .each_ref()
+            .map(|contact| contact.as_ref().is_some_and(Contact::is_active));
+        SwitchStates {
+            negative_limit,
+            positive_limit,
+            home,
+        }
+    }
+}
+
+/// Where a position is on an axis that may be round.
+fn around(turn: Option<u32>, position: i64) -> i64 {
+    match turn {
+        Some(turn) if turn > 0 => position.rem_euclid(turn.into()),
+        _ => position,
+    }
+}
+
+/// A coin, from xorshift64: the same seed tosses the same sides.
+fn toss(state: &mut u64) -> bool {
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    *state >> 63 == 1
+}
