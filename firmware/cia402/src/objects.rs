@@ -322,7 +322,7 @@ pub trait Objects {
 
     /// The parameter that an object sets or shows.
     fn parameter(entry: &Entry) -> Option<Parameter> {
-        Parameter::at(entry.index, entry.sub)
+        Parameter::in_profile(entry.index, entry.sub)
     }
 
     /// What `number`, written to an object of a parameter, means to the drive.

@@ -4,6 +4,10 @@
 //! for it beside that one or instead of it: a binding (`*.bind.toml`) names the parameter, and `od-gen` checks it against
 //! [`ALL`].
 
+/// The first object of the drive profile. A parameter with a home below it is at home in a data sheet that has such an object with
+/// the parameter's name, and in no other.
+pub const PROFILE: u16 = 0x6000;
+
 /// Which way a value goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
@@ -195,6 +199,16 @@ parameters! {
 }
 
 impl Parameter {
+    /// The parameter that is at home in this object of the drive profile. Objects of the manufacturer mean something else in
+    /// every device.
+    pub const fn in_profile(index: u16, sub: u8) -> Option<Self> {
+        if index < PROFILE {
+            None
+        } else {
+            Self::at(index, sub)
+        }
+    }
+
     /// Whether it commands the drive, and is not something that is set up ([`crate::Configuration`]).
     pub(crate) const fn is_command(self) -> bool {
         matches!(

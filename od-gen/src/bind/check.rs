@@ -71,7 +71,9 @@ impl Reader<'_> {
         let ((index, sub), parameter) = (object?, parameter?);
         let model = self.model;
         let entry = model.entry(index, sub)?;
-        if let Some(own) = Parameter::at(index, sub).filter(|own| *own != parameter.parameter) {
+        if let Some(own) =
+            Parameter::in_profile(index, sub).filter(|own| *own != parameter.parameter)
+        {
             let home = parameters::ALL.iter().find(|other| other.parameter == own);
             let message = format!(
                 "{} is {} in CiA 402",

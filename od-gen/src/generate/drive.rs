@@ -31,8 +31,13 @@ pub(super) fn write(layout: &Layout<'_>, bound: &[Binding]) -> String {
             Direction::Shown => setter(parameter, sites),
         });
     }
-    if !bound.is_empty() {
+    let elsewhere = |(parameter, sites): &(&Description, Vec<Site<'_>>)| {
+        sites.iter().any(|site| !site.is_in_profile(parameter))
+    };
+    if all.iter().any(elsewhere) {
         methods.push(parameter(&all));
+    }
+    if !bound.is_empty() {
         methods.extend(converted(&all));
         methods.extend(carry_over(&all));
         methods.extend(agree(&all));
@@ -120,7 +125,7 @@ fn parameter(all: &[(&Description, Vec<Site<'_>>)]) -> String {
          use ::cia402::Parameter;\n        match (entry.index, entry.sub) {\n",
     );
     for (parameter, sites) in all {
-        for site in sites.iter().filter(|site| !site.is_home_of(parameter)) {
+        for site in sites.iter().filter(|site| !site.is_in_profile(parameter)) {
             out += &format!(
                 "            {} => Some(Parameter::{:?}),\n",
                 key(site.row),
@@ -128,7 +133,7 @@ fn parameter(all: &[(&Description, Vec<Site<'_>>)]) -> String {
             );
         }
     }
-    out + "            (index, sub) => Parameter::at(index, sub),\n        }\n    }\n"
+    out + "            (index, sub) => Parameter::in_profile(index, sub),\n        }\n    }\n"
 }
 
 /// What a number that is written means to the drive.

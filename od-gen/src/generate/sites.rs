@@ -1,8 +1,9 @@
 //! The objects that stand for a parameter of the drive.
 
-use cia402::parameters::Description;
+use cia402::parameters::{Description, PROFILE};
 
 use super::layout::{Layout, Place, Row};
+use super::names::snake_case;
 use crate::bind::Binding;
 
 /// An object that stands for a parameter.
@@ -29,9 +30,14 @@ impl Site<'_> {
         (self.row.object.index, self.row.entry.sub)
     }
 
-    /// Whether it is the parameter's home in CiA 402.
+    /// Whether it is the parameter's home.
     pub(super) fn is_home_of(&self, parameter: &Description) -> bool {
         self.key() == parameter.home
+    }
+
+    /// Whether it is the parameter's home in CiA 402.
+    pub(super) fn is_in_profile(&self, parameter: &Description) -> bool {
+        self.is_home_of(parameter) && parameter.home.0 >= PROFILE
     }
 
     /// What its default means to the drive.
@@ -68,7 +74,11 @@ pub(super) fn sites<'a>(
     let is_bound = sites.iter().any(|site| site.is_home_of(parameter));
     // What the application has is its own.
     let row = layout.row(index, sub);
-    let row = row.filter(|row| row.place != Place::Application && !is_bound);
+    let row = row.filter(|row| {
+        // An object of the manufacturer is the parameter's home by its name alone.
+        let is_home = index >= PROFILE || snake_case(&row.entry.name) == parameter.name;
+        row.place != Place::Application && !is_bound && is_home
+    });
     if let Some(row) = row {
         sites.push(Site {
             row,

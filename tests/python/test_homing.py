@@ -1,0 +1,114 @@
+"""Homing by python-canopen's own `BaseNode402.homing()`, and what it leaves behind.
+
+It looks at bits 13, 12 and 10 of the statusword from the moment it has set the start bit on, which it never takes back.
+"""
+
+import pathlib
+
+import pytest
+
+from conftest import EDS, NODE_ID, add
+from canopen.profiles.p402 import BaseNode402
+from frames import wait_until
+
+PLANTS = pathlib.Path(__file__).resolve().parents[2] / "sim" / "plants"
+
+ATTAINED = 0x1000
+ERROR = 0x2000
+TARGET_REACHED = 0x0400
+
+#: python-canopen waits so long for a homing to end, in seconds.
+PATIENCE = 60
+
+
+def prepare(drive, method):
+    """Operational, with its PDOs known to python-canopen."""
+    drive.sdo[0x6098].raw = method
+    drive.sdo[0x6099][1].raw = 20_000
+    drive.sdo[0x6099][2].raw = 2_000
+    drive.sdo[0x609A].raw = 500_000
+    drive.sdo[0x60FD].raw  # it is there
+    drive.tpdo.read()
+    drive.rpdo.read()
+    drive.setup_402_state_machine()
+    drive.nmt.state = "OPERATIONAL"
+    return drive
+
+
+def on_axis(start, connect, plant):
+    """A virtual drive on one of the ready axes."""
+    network = connect(start(arguments=["--plant", PLANTS / plant]))
+    return add(network, BaseNode402(NODE_ID, str(EDS)))
+
+
+@pytest.mark.parametrize("method", [35, 37])
+def test_home_is_here(drive, method):
+    prepare(drive, method)
+    drive.sdo[0x607C].raw = -4_321
+    assert drive.homing(timeout=PATIENCE)
+    assert drive.sdo[0x6041].raw & (ERROR | ATTAINED | TARGET_REACHED) == ATTAINED | TARGET_REACHED
+    assert drive.sdo[0x6064].raw == -4_321
+    assert drive.sdo[0x2034][1].raw == 1
+
+
+def test_is_homed_as_long_as_the_home_position_is_known(drive):
+    prepare(drive, 37)
+    assert not drive.is_homed()
+    assert drive.homing(timeout=PATIENCE)
+    assert drive.is_homed()
+    # In another mode, and without power, nothing is forgotten.
+    drive.op_mode = "PROFILED POSITION"
+    drive.state = "SWITCHED ON"
+    drive.state = "OPERATION ENABLED"
+    assert drive.is_homed()
+
+
+def test_without_its_switch_homing_fails_and_says_so(drive):
+    prepare(drive, 24)
+    # No input is for a home switch.
+    drive.sdo[0x2031][3].raw = 0
+    assert not drive.homing(timeout=PATIENCE)
+    assert drive.sdo[0x6041].raw & (ERROR | ATTAINED) == ERROR
+    assert drive.sdo[0x2034][2].raw == 1
+    assert drive.sdo[0x6064].raw == 0
+
+
+@pytest.mark.only("virtual")
+@pytest.mark.parametrize("method", [17, 18, 23, 24, 25, 26, 27, 28, 29, 30])
+def test_a_belt_is_homed_by_its_switches(start, connect, method):
+    drive = prepare(on_axis(start, connect, "belt.toml"), method)
+    # Its limit switches are normally closed.
+    drive.sdo[0x2032].raw = 0b11
+    drive.sdo[0x607C].raw = 100
+    assert drive.homing(timeout=PATIENCE)
+    # Home is where the switch was; the motor has gone on for as long as it took to stop.
+    assert 0 < abs(drive.sdo[0x6064].raw - 100) < 200
+
+
+@pytest.mark.only("virtual")
+def test_a_lead_screw_is_homed_by_limit_switch_and_index(start, connect):
+    drive = prepare(on_axis(start, connect, "lead_screw.toml"), 1)
+    before = drive.sdo[0x6064].raw
+    assert before == 0
+    assert drive.homing(timeout=PATIENCE)
+    # The motor stood at 60,000, the first index pulse right of the limit switch is at 1,100.
+    drive.op_mode = "PROFILED POSITION"
+    drive.sdo[0x607A].raw = 58_900
+    drive.sdo[0x6081].raw = 50_000
+    drive.sdo[0x6040].raw = 0x0F
+    drive.sdo[0x6040].raw = 0x1F
+    wait_until(lambda: drive.sdo[0x6064].raw == 58_900, "the motor back where it was")
+
+
+@pytest.mark.only("virtual")
+def test_a_limit_switch_that_is_met_is_an_error(start, connect):
+    # The home switch is behind the motor: method 19 looks for it in the other direction.
+    drive = prepare(on_axis(start, connect, "belt.toml"), 19)
+    drive.sdo[0x2032].raw = 0b11
+    assert not drive.homing(timeout=PATIENCE)
+    assert drive.sdo[0x60FD].raw & 0b111 == 0b010
+    assert drive.sdo[0x2034][2].raw == 2
+    # The way back is free.
+    drive.sdo[0x6040].raw = 0x0F
+    drive.sdo[0x2030][1].raw = 0b10
+    assert drive.homing(timeout=PATIENCE)
