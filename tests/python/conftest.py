@@ -28,6 +28,7 @@ def pytest_addoption(parser):
     parser.addoption(
         "--test-device", default=ROOT / "target" / "debug" / "serve_test_device", help="the plain test device's program"
     )
+    parser.addoption("--axis402", default=ROOT / "target" / "debug" / "axis402", help="the master's command line")
     parser.addoption("--xtask", default=ROOT / "target" / "debug" / "xtask", help="the program that runs the emulator")
     parser.addoption("--image", help="the firmware's ELF file; without it, it is built")
 
@@ -76,7 +77,7 @@ def patience():
 
 @pytest.fixture(scope="session")
 def programs(pytestconfig):
-    return Programs(*[pytestconfig.getoption(name) for name in ("--sim", "--test-device", "--xtask", "--image")])
+    return Programs(*[pytestconfig.getoption(name) for name in ("--sim", "--test-device", "--axis402", "--xtask", "--image")])
 
 
 @pytest.fixture

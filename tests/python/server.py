@@ -80,6 +80,10 @@ class Slcan:
         self.port = port
         self.server = Server(command)
 
+    def for_axis402(self):
+        """How `axis402` is told to go on the bus."""
+        return ["--slcan", f"127.0.0.1:{self.port}"]
+
     def connect(self, bitrate=1_000_000):
         """A master on the bus."""
         network = canopen.Network()
@@ -97,6 +101,10 @@ class Socketcan:
     def __init__(self, command):
         self.server = Server(command)
 
+    def for_axis402(self):
+        """How `axis402` is told to go on the bus."""
+        return ["--socketcan", self.INTERFACE]
+
     def connect(self):
         """A master on the bus."""
         network = canopen.Network()
@@ -107,9 +115,10 @@ class Socketcan:
 class Programs:
     """Where the programs are, and how each kind of device is started."""
 
-    def __init__(self, sim, test_device, xtask, image):
+    def __init__(self, sim, test_device, axis402, xtask, image):
         self.sim = sim
         self.test_device = test_device
+        self.axis402 = axis402
         self.xtask = xtask
         self.image = image
 

@@ -64,9 +64,9 @@ impl Step {
             Self::Host => "Rust tests on the PC",
             Self::Fuzz => "node, SDO server and LSS slave under a fuzzer",
             Self::Firmware => "images for the target, no panic path",
-            Self::Python => "python-canopen against the virtual drive, data sheets",
-            Self::Qemu => "python-canopen against the firmware in QEMU",
-            Self::Socketcan => "python-canopen against the virtual drive on SocketCAN",
+            Self::Python => "python-canopen and axis402 against the virtual drive, data sheets",
+            Self::Qemu => "python-canopen and axis402 against the firmware in QEMU",
+            Self::Socketcan => "python-canopen and axis402 against the virtual drive on SocketCAN",
         }
     }
 
@@ -172,7 +172,7 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
             }
         }
         Step::Qemu => {
-            let built = checks([Image::Qemu.build_command()?])?;
+            let built = checks([Image::Qemu.build_command()?, devices()])?;
             if built.failed > 0 {
                 built
             } else {
@@ -201,7 +201,7 @@ fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the programs that the Python tests serve: the virtual drive and the plain test device.
+/// Builds the programs of the Python tests: the virtual drive, the plain test device, and a master's command line.
 fn devices() -> Command {
     cargo(&[
         "build",
@@ -213,6 +213,8 @@ fn devices() -> Command {
         "sim",
         "--bin",
         "serve_test_device",
+        "--bin",
+        "axis402",
     ])
 }
 
@@ -293,6 +295,8 @@ fn pytest(python: &Path, target: &str) -> Command {
         .arg(place::built("sim"))
         .arg("--test-device")
         .arg(place::built("serve_test_device"))
+        .arg("--axis402")
+        .arg(place::built("axis402"))
         .arg("--xtask")
         .arg(place::built("xtask"));
     command
