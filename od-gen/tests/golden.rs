@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use od_gen::model::DefaultValue;
 use od_gen::{Colour, Model, Options, Report, generate, read};
 
 fn model(file: &str) -> Model {
@@ -151,4 +152,38 @@ fn the_data_sheets_of_this_repository_are_clean() {
             }
         }
     }
+}
+
+#[test]
+fn o04_a_data_sheet_as_vendors_ship_them_is_read() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/vendor.eds");
+    let report = Report::read(&path).unwrap();
+    assert_eq!(report.render(Colour::Never), "");
+    let mut silenced: Vec<&str> = report
+        .silenced
+        .iter()
+        .map(|(finding, _)| finding.rule.name)
+        .collect();
+    silenced.sort_unstable();
+    let expected = [
+        "list-numbering",
+        "no-sub-0",
+        "trailing-comment",
+        "trailing-comment",
+        "unknown-key",
+        "unknown-section",
+    ];
+    assert_eq!(silenced, expected);
+    let model = report.model;
+    let default = |index, sub| model.entry(index, sub).unwrap().default.clone();
+    assert_eq!(model.device.vendor_name, "Nobody & S\u{f6}hne");
+    assert_eq!(model.device.product_number, Some(18));
+    assert_eq!(default(0x2000, 0), DefaultValue::number(-1));
+    assert_eq!(default(0x2001, 0), DefaultValue::number(u64::MAX.into()));
+    assert_eq!(default(0x2002, 0), DefaultValue::number(i64::MIN.into()));
+    assert_eq!(default(0x2003, 0), DefaultValue::number(10), "added");
+    assert_eq!(default(0x2003, 1), DefaultValue::Real(-5.0));
+    assert_eq!(default(0x2ABC, 0), DefaultValue::number(-128));
+    assert_eq!(default(0x5FFF, 0), DefaultValue::Text(vec![0, 0xFF, 0xA0]));
+    assert!(default(0x1200, 2).adds_node_id() && default(0x1014, 0).adds_node_id());
 }

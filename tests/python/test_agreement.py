@@ -57,7 +57,7 @@ def readable(text):
 
 
 def theirs(data_sheet):
-    source = io.StringIO(readable(data_sheet.read_text(encoding="utf-8")))
+    source = io.StringIO(readable(data_sheet.read_text(encoding="utf-8-sig")))
     source.name = data_sheet.name
     dictionary = canopen.import_od(source, NODE_ID)
     for index, item in dictionary.items():
