@@ -83,6 +83,11 @@ pub(super) fn compare(place: &Place, before: &Entry, after: &Entry, out: &mut Di
     out.change(place, "ObjFlags", &flags(before), &flags(after), false);
     let group = |entry: &Entry| entry.storage.map_or("none", |group| group.name());
     out.change(place, "Storage", group(before), group(after), false);
+    let memory = |entry: &Entry| match entry.is_with_application {
+        true => "application",
+        false => "dictionary",
+    };
+    out.change(place, "Memory", memory(before), memory(after), false);
     let unit = |entry: &Entry| entry.unit().unwrap_or_default().to_owned();
     out.change(
         place,

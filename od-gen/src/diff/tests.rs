@@ -165,3 +165,13 @@ fn flags_of_an_object_with_sub_indices_are_compared() {
     )];
     assert_eq!(differences(&flagged), ["~ 1018h ObjFlags: 0x0 -> 0x3"]);
 }
+
+#[test]
+fn who_has_a_value_is_a_difference() {
+    let given = ("[2006]\n", "[2006]\n;Memory=application\n");
+    let found = differences(&[given]);
+    assert!(
+        found.contains(&"~ 2006h Memory: dictionary -> application".into()),
+        "{found:?}"
+    );
+}

@@ -190,6 +190,20 @@ struct Station {
 }
 
 impl Station {
+    fn booted() -> Self {
+        let settings = Settings {
+            node_id: NodeId::new(4).unwrap(),
+            bit_rate: BitRate::Kbit1000,
+        };
+        let mut station = Self {
+            node: Node::new(Dictionary::new(), settings),
+            application: Hooked(Application::default()),
+            now: Instant::from_ticks(0),
+        };
+        station.node.boot(Reset::Node, station.now, &mut station.application);
+        station
+    }
+
     fn request(&mut self, data: &[u8; 8]) -> Vec<u8> {
         self.now += canopen::Duration::from_ticks(1000);
         let frame = Frame::data_frame(0x604, data);
@@ -202,16 +216,7 @@ impl Station {
 }
 
 fn over_the_bus() {
-    let settings = Settings {
-        node_id: NodeId::new(4).unwrap(),
-        bit_rate: BitRate::Kbit1000,
-    };
-    let mut station = Station {
-        node: Node::new(Dictionary::new(), settings),
-        application: Hooked(Application::default()),
-        now: Instant::from_ticks(0),
-    };
-    station.node.boot(Reset::Node, station.now, &mut station.application);
+    let mut station = Station::booted();
     // 24 bits: -2 is there; 5 is more, 4 then is not.
     assert_eq!(station.request(&[0x40, 0x01, 0x20, 0, 0, 0, 0, 0]), [0x47, 0x01, 0x20, 0, 0xFE, 0xFF, 0xFF, 0]);
     assert_eq!(station.request(&[0x27, 0x01, 0x20, 0, 5, 0, 0, 0]), [0x60, 0x01, 0x20, 0, 0, 0, 0, 0]);
@@ -234,16 +239,7 @@ fn over_the_bus() {
 
 /// Numbers that are not in memory.
 fn with_the_application() {
-    let settings = Settings {
-        node_id: NodeId::new(4).unwrap(),
-        bit_rate: BitRate::Kbit1000,
-    };
-    let mut station = Station {
-        node: Node::new(Dictionary::new(), settings),
-        application: Hooked(Application::default()),
-        now: Instant::from_ticks(0),
-    };
-    station.node.boot(Reset::Node, station.now, &mut station.application);
+    let mut station = Station::booted();
     // 64 bits travel in two segments.
     assert_eq!(station.request(&[0x40, 0x1A, 0x20, 0, 0, 0, 0, 0]), [0x41, 0x1A, 0x20, 0, 8, 0, 0, 0]);
     assert_eq!(station.request(&[0x60, 0, 0, 0, 0, 0, 0, 0]), [0, 8, 7, 6, 5, 4, 3, 2]);

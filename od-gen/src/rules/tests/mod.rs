@@ -18,6 +18,14 @@ struct Case {
     good: &'static [&'static str],
 }
 
+const fn case(
+    rule: &'static str,
+    bad: &'static [&'static str],
+    good: &'static [&'static str],
+) -> Case {
+    Case { rule, bad, good }
+}
+
 fn cases() -> impl Iterator<Item = &'static Case> {
     communication::CASES
         .iter()

@@ -1,99 +1,95 @@
 //! Rules of PDOs.
 
-use super::Case;
+use super::{Case, case};
 
 pub(super) const CASES: &[Case] = &[
-    Case {
-        rule: "pdo-count",
-        bad: &["@NrOfTXPDO=1"],
-        good: &["@NrOfTXPDO=0"],
-    },
-    Case {
-        rule: "pdo-without-mapping",
-        bad: &["1800:1 U32 rw $NODEID+0x180", "1800:2 U8 rw 255"],
-        good: &[
+    case("pdo-count", &["@NrOfTXPDO=1"], &["@NrOfTXPDO=0"]),
+    case(
+        "pdo-without-mapping",
+        &["1800:1 U32 rw $NODEID+0x180", "1800:2 U8 rw 255"],
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
         ],
-    },
-    Case {
-        rule: "mapping-without-pdo",
-        bad: &["1A00:0 U8 rw 1", "1A00:1 U32 rw 0x10010008"],
-        good: &[
+    ),
+    case(
+        "mapping-without-pdo",
+        &["1A00:0 U8 rw 1", "1A00:1 U32 rw 0x10010008"],
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
         ],
-    },
-    Case {
-        rule: "pdo-gap",
-        bad: &[
+    ),
+    case(
+        "pdo-gap",
+        &[
             "1801:1 U32 rw $NODEID+0x280",
             "1801:2 U8 rw 255",
             "1A01:0 U8 rw 1",
             "1A01:1 U32 rw 0x10010008",
         ],
-        good: &[
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
         ],
-    },
-    Case {
-        rule: "pdo-without-objects",
-        bad: &[
+    ),
+    case(
+        "pdo-without-objects",
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 0",
             "1A00:1 U32 rw 0",
         ],
-        good: &[
+        &[
             "1800:1 U32 rw $NODEID+0x80000180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 0",
             "1A00:1 U32 rw 0",
         ],
-    },
-    Case {
-        rule: "reserved-transmission-type",
-        bad: &[
+    ),
+    case(
+        "reserved-transmission-type",
+        &[
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 252",
             "1600:0 U8 rw 1",
             "1600:1 U32 rw 0x20000008",
             "2000 U8 rw 0 map",
         ],
-        good: &[
+        &[
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 254",
             "1600:0 U8 rw 1",
             "1600:1 U32 rw 0x20000008",
             "2000 U8 rw 0 map",
         ],
-    },
-    Case {
-        rule: "synchronous-pdo-without-sync",
-        bad: &[
+    ),
+    case(
+        "synchronous-pdo-without-sync",
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 1",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
         ],
-        good: &[
+        &[
             "1005 U32 rw 0x80",
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 1",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
         ],
-    },
-    Case {
-        rule: "sync-start-without-counter",
-        bad: &[
+    ),
+    case(
+        "sync-start-without-counter",
+        &[
             "1005 U32 rw 0x80",
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 1",
@@ -101,7 +97,7 @@ pub(super) const CASES: &[Case] = &[
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
         ],
-        good: &[
+        &[
             "1005 U32 rw 0x80",
             "1019 U8 rw 10",
             "1800:1 U32 rw $NODEID+0x180",
@@ -110,25 +106,25 @@ pub(super) const CASES: &[Case] = &[
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
         ],
-    },
-    Case {
-        rule: "predefined-cob-id",
-        bad: &[
+    ),
+    case(
+        "predefined-cob-id",
+        &[
             "1800:1 U32 rw $NODEID+0x280",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
         ],
-        good: &[
+        &[
             "1800:1 U32 rw $NODEID+0x40000180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
         ],
-    },
-    Case {
-        rule: "pdo-beyond-the-predefined-set",
-        bad: &[
+    ),
+    case(
+        "pdo-beyond-the-predefined-set",
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
@@ -150,7 +146,7 @@ pub(super) const CASES: &[Case] = &[
             "1A04:0 U8 rw 1",
             "1A04:1 U32 rw 0x10010008",
         ],
-        good: &[
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
@@ -172,10 +168,10 @@ pub(super) const CASES: &[Case] = &[
             "1A04:0 U8 rw 0",
             "1A04:1 U32 rw 0",
         ],
-    },
-    Case {
-        rule: "cob-id-used-twice",
-        bad: &[
+    ),
+    case(
+        "cob-id-used-twice",
+        &[
             "node 5",
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
@@ -186,7 +182,7 @@ pub(super) const CASES: &[Case] = &[
             "1A01:0 U8 rw 1",
             "1A01:1 U32 rw 0x10010008",
         ],
-        good: &[
+        &[
             "node 5",
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
@@ -197,92 +193,92 @@ pub(super) const CASES: &[Case] = &[
             "1A01:0 U8 rw 1",
             "1A01:1 U32 rw 0x10010008",
         ],
-    },
-    Case {
-        rule: "mapping-gap",
-        bad: &[
+    ),
+    case(
+        "mapping-gap",
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 2",
             "1A00:1 U32 rw 0",
             "1A00:2 U32 rw 0x10010008",
         ],
-        good: &[
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
             "1A00:2 U32 rw 0",
         ],
-    },
-    Case {
-        rule: "mapped-object-missing",
-        bad: &[
+    ),
+    case(
+        "mapped-object-missing",
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x20000008",
         ],
-        good: &[
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x20000008",
             "2000 U8 ro 0 map",
         ],
-    },
-    Case {
-        rule: "mapped-object-unmappable",
-        bad: &[
+    ),
+    case(
+        "mapped-object-unmappable",
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x20000008",
             "2000 U8 ro 0",
         ],
-        good: &[
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x20000008",
             "2000 U8 rw 0 map",
         ],
-    },
-    Case {
-        rule: "mapped-direction",
-        bad: &[
+    ),
+    case(
+        "mapped-direction",
+        &[
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
             "1600:0 U8 rw 1",
             "1600:1 U32 rw 0x20000008",
             "2000 U8 ro 0 map",
         ],
-        good: &[
+        &[
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
             "1600:0 U8 rw 1",
             "1600:1 U32 rw 0x20000008",
             "2000 U8 wo 0 map",
         ],
-    },
-    Case {
-        rule: "mapped-length",
-        bad: &[
+    ),
+    case(
+        "mapped-length",
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010010",
         ],
-        good: &[
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 1",
             "1A00:1 U32 rw 0x10010008",
         ],
-    },
-    Case {
-        rule: "mapped-length",
-        bad: &[
+    ),
+    case(
+        "mapped-length",
+        &[
             "@Granularity=1",
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
@@ -290,7 +286,7 @@ pub(super) const CASES: &[Case] = &[
             "1600:1 U32 rw 0x20000007",
             "2000 I16 rw 0 map",
         ],
-        good: &[
+        &[
             "@Granularity=1",
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
@@ -298,17 +294,17 @@ pub(super) const CASES: &[Case] = &[
             "1600:1 U32 rw 0x20000007",
             "2000 U16 rw 0 map",
         ],
-    },
-    Case {
-        rule: "mapped-twice",
-        bad: &[
+    ),
+    case(
+        "mapped-twice",
+        &[
             "1800:1 U32 rw $NODEID+0x180",
             "1800:2 U8 rw 255",
             "1A00:0 U8 rw 2",
             "1A00:1 U32 rw 0x10010008",
             "1A00:2 U32 rw 0x10010008",
         ],
-        good: &[
+        &[
             "&Dummy0005=1",
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
@@ -316,10 +312,10 @@ pub(super) const CASES: &[Case] = &[
             "1600:1 U32 rw 0x00050008",
             "1600:2 U32 rw 0x00050008",
         ],
-    },
-    Case {
-        rule: "mapping-too-long",
-        bad: &[
+    ),
+    case(
+        "mapping-too-long",
+        &[
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
             "1600:0 U8 rw 3",
@@ -330,7 +326,7 @@ pub(super) const CASES: &[Case] = &[
             "2001 U32 rw 0 map",
             "2002 U8 rw 0 map",
         ],
-        good: &[
+        &[
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
             "1600:0 U8 rw 2",
@@ -341,17 +337,17 @@ pub(super) const CASES: &[Case] = &[
             "2001 U32 rw 0 map",
             "2002 U8 rw 0 map",
         ],
-    },
-    Case {
-        rule: "mapping-granularity",
-        bad: &[
+    ),
+    case(
+        "mapping-granularity",
+        &[
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
             "1600:0 U8 rw 1",
             "1600:1 U32 rw 0x20000001",
             "2000 BOOL rw 0 map",
         ],
-        good: &[
+        &[
             "@Granularity=1",
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
@@ -359,26 +355,26 @@ pub(super) const CASES: &[Case] = &[
             "1600:1 U32 rw 0x20000001",
             "2000 BOOL rw 0 map",
         ],
-    },
-    Case {
-        rule: "dummy-mapping",
-        bad: &[
+    ),
+    case(
+        "dummy-mapping",
+        &[
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
             "1600:0 U8 rw 1",
             "1600:1 U32 rw 0x00050008",
         ],
-        good: &[
+        &[
             "&Dummy0005=1",
             "1400:1 U32 rw $NODEID+0x200",
             "1400:2 U8 rw 255",
             "1600:0 U8 rw 1",
             "1600:1 U32 rw 0x00050008",
         ],
-    },
-    Case {
-        rule: "const-mappable",
-        bad: &["2000 U8 const 1 map"],
-        good: &["2000 U8 const 1"],
-    },
+    ),
+    case(
+        "const-mappable",
+        &["2000 U8 const 1 map"],
+        &["2000 U8 const 1"],
+    ),
 ];
