@@ -77,13 +77,15 @@ fn b27_a_domain_that_fails_ends_the_download_at_once() {
 #[test]
 fn b27_a_domain_that_fails_ends_the_upload_at_once() {
     let mut bench = Bench::node(4);
-    bench.device().firmware.domains.insert(0x2002, data(30));
-    bench.device().firmware.fails_at = Some((14, AbortCode::HardwareError));
+    bench.device().firmware.domains.insert(0x2002, data(200));
+    bench.device().firmware.fails_at = Some((150, AbortCode::HardwareError));
     bench.send("604: A4 02 20 00 7F");
-    bench.expect("584: C6 02 20 00 1E");
+    bench.expect("584: C6 02 20 00 C8");
     bench.send("604: A3");
-    bench.expect(&format!("584: 01 {}", hex(&data(30)[..7])));
-    bench.expect(&format!("584: 02 {}", hex(&data(30)[7..14])));
+    // The application is asked for 64 bytes at once, as many as the buffer of this device holds: 126 to 189 are refused.
+    for (seqno, segment) in (1..).zip(data(126).chunks(7)) {
+        bench.expect(&format!("584: {seqno:02X} {}", hex(segment)));
+    }
     bench.expect("584: 80 02 20 00 00 00 06 06");
     bench.silence(2_000);
 }

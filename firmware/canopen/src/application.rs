@@ -40,7 +40,7 @@ pub trait Application<D: Dictionary> {
     }
 
     /// Puts the bytes of a streamed object from `position` on into `into`, and returns how many those are: fewer than there is
-    /// room for only where the value ends. Lost segments are sent again, so a position may be asked for
+    /// room for only where the value ends. It is asked for more than one segment at once. Lost segments are sent again, so a position may be asked for
     /// more than once, and its bytes stay what they were until the next [`Application::size`].
     ///
     /// # Errors

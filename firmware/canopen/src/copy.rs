@@ -20,8 +20,22 @@ pub(crate) fn copy(to: &mut [u8], from: &[u8]) {
         }
         return;
     }
-    for (to, from) in to.iter_mut().zip(from) {
-        *to = *from;
+    copy_many(to, from, length);
+}
+
+/// Copies more than eight bytes, two words at a time: the processor takes words from any address, and `memcpy` would spend most of
+/// its time on those that are not at whole words.
+#[inline(never)]
+fn copy_many(to: &mut [u8], from: &[u8], length: usize) {
+    let (pairs, _) = to.as_chunks_mut::<8>();
+    for (to, from) in pairs.iter_mut().zip(from.as_chunks::<8>().0) {
+        // Word by word: of eight bytes the compiler would make a call of `memcpy` for all of them.
+        let (to, from) = copy_chunk::<4>(to, from);
+        copy_chunk::<4>(to, from);
+    }
+    let done = length & !7;
+    if let (Some(to), Some(from)) = (to.get_mut(done..), from.get(done..)) {
+        copy_few(to, from, length & 7);
     }
 }
 

@@ -41,7 +41,7 @@ use transmit::TransmitQueue;
 
 use crate::application::Application;
 use crate::can_controller::Controller;
-use crate::cia301::emergency::{Emergency, ReceivedEmergency};
+use crate::cia301::emergency::{Emergency, Meant, ReceivedEmergency};
 use crate::cia301::error_behaviour::CommunicationError;
 use crate::cia301::nmt::{NmtState, Reset};
 use crate::cia301::sdo;
@@ -282,7 +282,8 @@ impl<D: Dictionary> Node<D> {
 
     /// An error is gone: its register bits fall and "error reset" is sent.
     pub fn clear(&mut self, code: u16, now: Instant) {
-        self.services.clear(&mut self.dictionary, code, now);
+        self.services
+            .clear(&mut self.dictionary, Meant::all(code), now);
     }
 
     /// The NMT state.

@@ -622,12 +622,14 @@ fn b27_the_application_cannot_take_more() {
 #[test]
 fn b27_the_application_cannot_give_more() {
     let mut device = Device::new();
-    device.firmware.stream.value = vec![1; 70];
-    device.firmware.stream.fails_at = Some((20, AbortCode::HardwareError));
-    exchange(&mut device, "A4 14 20 00 7F", &["C6 14 20 00 46"]);
-    let sent = device.ask(&request("A3"));
-    assert_eq!(sent.len(), 3);
-    assert_eq!(sent[2], abort(0x2014, 0, 0x0606_0000));
+    device.firmware.stream.value = vec![1; 1000];
+    device.firmware.stream.fails_at = Some((950, AbortCode::HardwareError));
+    exchange(&mut device, "A4 14 20 00 7F", &["C6 14 20 00 E8 03"]);
+    assert_eq!(device.ask(&request("A3")).len(), 127);
+    // It was asked for 900 bytes at once, as many as the buffer holds: there is one segment more.
+    let sent = device.ask(&request("A2 7F 7F"));
+    assert_eq!(sent.len(), 2);
+    assert_eq!(sent[1], abort(0x2014, 0, 0x0606_0000));
     idle(&mut device);
 }
 

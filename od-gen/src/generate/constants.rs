@@ -24,12 +24,16 @@ pub(super) fn write(model: &Model, layout: &Layout<'_>) -> String {
     out
 }
 
+/// Bytes that an SDO server needs at least: a segment, and one more.
+const SHORTEST_BUFFER: u16 = 8;
+
 /// The places that the services of the device need.
 fn counts(model: &Model, layout: &Layout<'_>) -> String {
     let (rpdos, tpdos) = (model.rpdo_count(), model.tpdo_count());
     let (servers, consumers) = (model.sdo_server_count(), model.heartbeat_consumer_count());
     let mapped = model.mapped_object_count();
-    let longest = layout.longest_in_ram();
+    // What the application serves piece by piece passes through the buffer too.
+    let longest = layout.longest_in_ram().max(SHORTEST_BUFFER);
     format!(
         "/// Receive PDOs, transmit PDOs, SDO servers, heartbeat consumers, objects in a PDO, bytes of the longest value in RAM.\n\
          pub type Counts = ::canopen::od::Count<{rpdos}, {tpdos}, {servers}, {consumers}, {mapped}, {longest}>;\n\n"

@@ -49,8 +49,48 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
-    #[inline(never)]
+    /// A frame for an SDO server. Most frames of a long transfer are segments, and those have a way of their own.
+    #[inline]
     fn receive_sdo<A: Application<D>>(
+        &mut self,
+        server: usize,
+        request: &[u8; 8],
+        now: Instant,
+        application: &mut A,
+    ) {
+        let is_segment = self.sdo.is_in_segments(server)
+            && self.receive_segment(server, request, now, application);
+        if !is_segment {
+            self.receive_request(server, request, now, application);
+        }
+    }
+
+    /// Returns whether the frame is the next segment of a transfer, and served.
+    #[inline(never)]
+    fn receive_segment<A: Application<D>>(
+        &mut self,
+        server: usize,
+        request: &[u8; 8],
+        now: Instant,
+        application: &mut A,
+    ) -> bool {
+        let mut streams = Streams {
+            dictionary: &self.dictionary,
+            application,
+        };
+        if self.is_mute {
+            return false;
+        }
+        let Some(deadline) = self.sdo.pass(server, request, now, &mut streams) else {
+            return false;
+        };
+        self.queue.set_answers(self.sdo.pending().is_some());
+        self.wake_at(deadline);
+        true
+    }
+
+    #[inline(never)]
+    fn receive_request<A: Application<D>>(
         &mut self,
         server: usize,
         request: &[u8; 8],

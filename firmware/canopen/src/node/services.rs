@@ -2,7 +2,7 @@
 //! place that knows which code owns which index.
 
 use crate::application::Application;
-use crate::cia301::emergency::{self, Emergency};
+use crate::cia301::emergency::{self, Emergency, Meant};
 use crate::cia301::error_behaviour::{self, CommunicationError};
 use crate::cia301::error_report::ErrorReport;
 use crate::cia301::guarding::{self, Guarding};
@@ -210,10 +210,11 @@ impl<C: Counts> Services<C> {
         self.errors_changed();
     }
 
-    /// An error is gone.
-    pub(super) fn clear<D: Dictionary>(&mut self, dictionary: &mut D, code: u16, now: Instant) {
+    /// These errors are gone.
+    #[inline(never)]
+    pub(super) fn clear<D: Dictionary>(&mut self, dictionary: &mut D, errors: Meant, now: Instant) {
         self.emergency
-            .clear(dictionary, code, self.may_send_emergency, now);
+            .clear(dictionary, errors, self.may_send_emergency, now);
         self.errors_changed();
     }
 
@@ -224,9 +225,7 @@ impl<C: Counts> Services<C> {
         emergency: &Emergency,
         now: Instant,
     ) {
-        self.emergency
-            .clear_one(dictionary, emergency, self.may_send_emergency, now);
-        self.errors_changed();
+        self.clear(dictionary, Meant::one(emergency), now);
     }
 
     fn end_life_guarding_error<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
@@ -240,7 +239,7 @@ impl<C: Counts> Services<C> {
     /// Communication starts anew: what was known of other nodes is void, and so are the errors of it.
     fn clear_network_errors<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
         for code in [emergency::code::ERROR_CONTROL, emergency::code::COLLISION] {
-            self.clear(dictionary, code, now);
+            self.clear(dictionary, Meant::all(code), now);
         }
     }
 

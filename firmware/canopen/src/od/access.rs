@@ -34,22 +34,7 @@ impl Table {
     /// # Errors
     /// The object, or only the sub-index, does not exist.
     pub fn position(&self, index: u16, sub: u8) -> Result<usize, AccessError> {
-        let wanted = key(index, sub);
-        self.entries
-            .binary_search_by_key(&wanted, Entry::key)
-            .map_err(|gap| {
-                // A missing sub-index has a brother on one side of the gap.
-                let is_brother = |position: usize| {
-                    self.entries
-                        .get(position)
-                        .is_some_and(|entry| entry.index == index)
-                };
-                if is_brother(gap) || is_brother(gap.wrapping_sub(1)) {
-                    AccessError::NoSubIndex
-                } else {
-                    AccessError::NoObject
-                }
-            })
+        self.search(index, sub).map(|(position, _)| position)
     }
 
     /// The entry at `index`, `sub`.
@@ -57,8 +42,33 @@ impl Table {
     /// # Errors
     /// The object, or only the sub-index, does not exist.
     pub fn find(&self, index: u16, sub: u8) -> Result<&'static Entry, AccessError> {
-        let position = self.position(index, sub)?;
-        self.entries.get(position).ok_or(AccessError::NoObject)
+        self.search(index, sub).map(|(_, entry)| entry)
+    }
+
+    fn search(&self, index: u16, sub: u8) -> Result<(usize, &'static Entry), AccessError> {
+        let wanted = key(index, sub);
+        let word = wanted << 8;
+        let position = self.entries.partition_point(|entry| entry.word() < word);
+        match self.entries.get(position) {
+            Some(entry) if entry.key() == wanted => Ok((position, entry)),
+            _ => Err(self.missing(index, position)),
+        }
+    }
+
+    /// What is missing between the entry at `gap` and the one before it: a sub-index has a brother on one side.
+    #[cold]
+    #[inline(never)]
+    fn missing(&self, index: u16, gap: usize) -> AccessError {
+        let is_brother = |position: usize| {
+            self.entries
+                .get(position)
+                .is_some_and(|entry| entry.index == index)
+        };
+        if is_brother(gap) || is_brother(gap.wrapping_sub(1)) {
+            AccessError::NoSubIndex
+        } else {
+            AccessError::NoObject
+        }
     }
 
     /// The entries of the objects in a range of indices, in ascending order.

@@ -53,7 +53,7 @@ pub trait Counts: Debug {
 
 /// A device with so many receive PDOs, transmit PDOs, SDO servers, and heartbeat consumers (entries of 1016h). Behind that may
 /// be said how many objects a PDO maps (64 at most, each a bit), and how many bytes the longest value in RAM has: an SDO server
-/// refuses a longer one with 05040005h, out of memory.
+/// refuses a longer one with 05040005h, out of memory, and with less than eight bytes every upload of what the application serves.
 #[derive(Debug)]
 pub struct Count<
     const RPDOS: usize,

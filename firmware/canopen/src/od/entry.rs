@@ -145,14 +145,15 @@ pub struct Limits {
 
 /// One sub-index of one object: 12 bytes of flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C)]
+#[repr(C, align(4))]
 pub struct Entry {
-    /// Index, 0001h to FFFFh.
-    pub index: u16,
-    /// Sub-index, 0 for an object without any.
-    pub sub: u8,
+    // These three are one word of memory, the index its high half: a search loads it at once.
     /// Data type.
     pub data_type: DataType,
+    /// Sub-index, 0 for an object without any.
+    pub sub: u8,
+    /// Index, 0001h to FFFFh.
+    pub index: u16,
     /// Offset in RAM, or in flash with [`Attributes::ROM`].
     pub offset: u16,
     /// Length in bytes; for a string that can be written, its capacity.
@@ -172,6 +173,12 @@ impl Entry {
     /// Index and sub-index as one number; the table is sorted by it.
     pub const fn key(&self) -> u32 {
         key(self.index, self.sub)
+    }
+
+    /// Its first word as it lies in memory (little-endian): [`Entry::key`], and below it the data type.
+    #[inline]
+    pub(super) const fn word(&self) -> u32 {
+        (self.index as u32) << 16 | (self.sub as u32) << 8 | self.data_type as u32
     }
 
     /// Where the value lies.

@@ -21,10 +21,12 @@ impl Multiplexer {
     /// That of an initiate frame: index and sub-index in bytes 1 to 3.
     #[inline]
     pub(crate) const fn of(frame: &[u8; 8]) -> Self {
-        let [_, low, high, sub, ..] = *frame;
+        // One load: the first word of the frame.
+        let [command, low, high, sub, ..] = *frame;
+        let word = u32::from_le_bytes([command, low, high, sub]);
         Self {
-            index: u16::from_le_bytes([low, high]),
-            sub,
+            index: (word >> 8) as u16,
+            sub: (word >> 24) as u8,
         }
     }
 }
@@ -150,9 +152,12 @@ mod server {
 /// The command specifier of an abort, both ways.
 const ABORT: u8 = 4 << 5;
 
+/// The bits of the command specifier in byte 0.
+const SPECIFIER: u8 = 7 << 5;
+
 /// The command specifier in byte 0.
 const fn specifier(command: u8) -> u8 {
-    command & 0xE0
+    command & SPECIFIER
 }
 
 impl<'a> Request<'a> {
@@ -161,6 +166,20 @@ impl<'a> Request<'a> {
     pub(crate) const fn is_abort(frame: &[u8; 8]) -> bool {
         let [command, ..] = *frame;
         specifier(command) == ABORT
+    }
+
+    /// Whether a frame asks for the next part of a value, with this toggle bit.
+    #[inline]
+    pub(crate) const fn is_upload_segment(frame: &[u8; 8], toggle: bool) -> bool {
+        let [command, ..] = *frame;
+        command & (SPECIFIER | TOGGLE) == client::UPLOAD_SEGMENT | toggle_bit(toggle)
+    }
+
+    /// Whether a frame is seven bytes of a value that is not over, with this toggle bit.
+    #[inline]
+    pub(crate) const fn is_full_segment(frame: &[u8; 8], toggle: bool) -> bool {
+        let [command, ..] = *frame;
+        command == client::DOWNLOAD_SEGMENT | toggle_bit(toggle)
     }
 
     /// Reads a request.
@@ -276,16 +295,16 @@ impl<'a> Payload<'a> {
     fn emit(self, specifier: u8, object: Multiplexer) -> [u8; 8] {
         match self {
             Self::Expedited(data) => {
-                // Byte by byte: for so few a call of memcpy would cost more than the rest of the answer.
-                let (bytes, empty) = match *data {
-                    [a, b, c, d, ..] => ([a, b, c, d], 0),
-                    [a, b, c] => ([a, b, c, 0], 1),
-                    [a, b] => ([a, b, 0, 0], 2),
-                    [a] => ([a, 0, 0, 0], 3),
-                    [] => ([0; 4], 3),
+                // As one number: for so few a call of memcpy would cost more than the rest of the answer.
+                let (number, empty) = match *data {
+                    [a, b, c, d, ..] => (u32::from_le_bytes([a, b, c, d]), 0),
+                    [a, b, c] => (u32::from_le_bytes([a, b, c, 0]), 1),
+                    [a, b] => (u16::from_le_bytes([a, b]).into(), 2),
+                    [a] => (a.into(), 3),
+                    [] => (0, 3),
                 };
                 let command = specifier | empty << 2 | EXPEDITED | SIZED;
-                emit_long(command, object, u32::from_le_bytes(bytes))
+                emit_long(command, object, number)
             }
             Self::ExpeditedUnsized(data) => {
                 emit_long(specifier | EXPEDITED, object, u32::from_le_bytes(*data))
@@ -313,9 +332,9 @@ fn segment(frame: &[u8; 8]) -> &[u8] {
 
 #[inline]
 fn emit_long(command: u8, object: Multiplexer, number: u32) -> [u8; 8] {
-    let [low, high] = object.index.to_le_bytes();
-    let [a, b, c, d] = number.to_le_bytes();
-    [command, low, high, object.sub, a, b, c, d]
+    // Two words: put together byte by byte, the compiler would keep the frame in memory.
+    let first = u32::from(command) | u32::from(object.index) << 8 | u32::from(object.sub) << 24;
+    (u64::from(first) | u64::from(number) << 32).to_le_bytes()
 }
 
 #[inline]

@@ -63,16 +63,6 @@ impl ActiveErrors {
         true
     }
 
-    /// Removes this error; `false` if it did not stand.
-    pub(super) fn remove(&mut self, emergency: &Emergency) -> bool {
-        self.remove_alike(emergency.history_word(), u32::MAX)
-    }
-
-    /// Removes every error with this code; `false` if there was none.
-    pub(super) fn remove_all(&mut self, code: u16) -> bool {
-        self.remove_alike(code.into(), CODE)
-    }
-
     /// The errors that stand, as history words: the code in the low half.
     pub(super) fn words(&self) -> impl Iterator<Item = u32> {
         let standing = self.standing.iter().map(|error| error.history_word);
@@ -86,14 +76,13 @@ impl ActiveErrors {
             .fold(self.other_bits, |bits, error| bits | error.register)
     }
 
-    /// Removes the errors whose history word is this one in the bits of `mask`.
-    #[inline(never)]
-    fn remove_alike(&mut self, history_word: u32, mask: u32) -> bool {
+    /// Removes the errors that are meant; `false` if there was none.
+    pub(super) fn remove(&mut self, meant: Meant) -> bool {
         if self.standing.is_empty() {
-            // No error of the list, no other one.
+            // The others are only there when the list is full.
             return false;
         }
-        let is_gone = |word: u32| (word ^ history_word) & mask == 0;
+        let is_gone = |word: u32| (word ^ meant.history_word) & meant.mask == 0;
         let number = |errors: &Self| (errors.standing.len(), errors.others.len());
         let before = number(self);
         self.standing.retain(|error| !is_gone(error.history_word));
@@ -121,5 +110,27 @@ impl ActiveErrors {
     }
 }
 
-/// The bits of a history word with the emergency error code.
-const CODE: u32 = 0xFFFF;
+/// Which errors are meant: those whose history word is this one in the bits of the mask.
+#[derive(Clone, Copy, Debug)]
+pub struct Meant {
+    history_word: u32,
+    mask: u32,
+}
+
+impl Meant {
+    /// This error; others with its code stand.
+    pub const fn one(emergency: &Emergency) -> Self {
+        Self {
+            history_word: emergency.history_word(),
+            mask: u32::MAX,
+        }
+    }
+
+    /// Every error with this code, the low half of a history word.
+    pub const fn all(code: u16) -> Self {
+        Self {
+            history_word: code as u32,
+            mask: 0xFFFF,
+        }
+    }
+}

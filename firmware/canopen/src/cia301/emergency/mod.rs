@@ -23,6 +23,7 @@ mod parameters;
 mod producer;
 mod queue;
 
+pub use active::Meant;
 pub use consumer::ReceivedEmergency;
 pub(crate) use history::is_present;
 pub use producer::Producer;

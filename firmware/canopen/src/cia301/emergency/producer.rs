@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use super::Emergency;
-use super::active::ActiveErrors;
+use super::active::{ActiveErrors, Meant};
 use super::history::History;
 use super::queue::EmergencyQueue;
 use crate::od::{self, Dictionary, Entry, Location};
@@ -66,34 +66,17 @@ impl Producer {
         }
     }
 
-    /// This error is gone, others with the same code stand. Nothing happens if it did not stand. `may_send` as in
-    /// [`Producer::report`].
-    pub fn clear_one<D: Dictionary>(
-        &mut self,
-        dictionary: &mut D,
-        emergency: &Emergency,
-        may_send: bool,
-        now: Instant,
-    ) {
-        if self.active.remove(emergency) {
-            self.tell_gone(dictionary, may_send, now);
-        }
-    }
-
-    /// Every error with this code is gone. Nothing happens if none stood. `may_send` as in [`Producer::report`].
+    /// These errors are gone. Nothing happens if none of them stood. `may_send` as in [`Producer::report`].
     pub fn clear<D: Dictionary>(
         &mut self,
         dictionary: &mut D,
-        code: u16,
+        errors: Meant,
         may_send: bool,
         now: Instant,
     ) {
-        if self.active.remove_all(code) {
-            self.tell_gone(dictionary, may_send, now);
+        if !self.active.remove(errors) {
+            return;
         }
-    }
-
-    fn tell_gone<D: Dictionary>(&mut self, dictionary: &mut D, may_send: bool, now: Instant) {
         let register = self.show_register(dictionary);
         if may_send {
             self.queue.push(message(NO_ERROR, register, [0; 5]), now);

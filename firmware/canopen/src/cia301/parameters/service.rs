@@ -142,7 +142,8 @@ impl Parameters {
     /// Whether a change of this entry is a change of the configuration that 1020h dates, in the dictionary or in the store.
     #[inline]
     pub(crate) fn is_dated(&self, entry: &Entry) -> bool {
-        (self.is_dated || !self.is_stale)
+        // Without a store nothing differs from it.
+        (self.is_dated || self.has_store && !self.is_stale)
             && entry.storage_group().is_some()
             && entry.index != VERIFY_CONFIGURATION
     }

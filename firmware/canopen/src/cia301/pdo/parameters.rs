@@ -90,6 +90,22 @@ pub(super) enum Record {
     Mapping,
 }
 
+/// What a communication parameter says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Communication {
+    /// An 11-bit identifier.
+    pub(super) cob_id: u16,
+    /// Whether a remote frame may ask for the PDO (bit 30 of the COB-ID is 0).
+    pub(super) allows_request: bool,
+    pub(super) transmission_type: TransmissionType,
+    /// The SYNC counter that a cyclic PDO starts with; 0 for any.
+    pub(super) sync_start: u8,
+    /// The inhibit time in multiples of 100 µs; 0 for none.
+    pub(super) inhibit_time: u32,
+    /// The event timer in milliseconds, of a receive PDO its deadline; 0 for none.
+    pub(super) event_timer: u32,
+}
+
 /// The records of one PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Parameters {
@@ -137,36 +153,29 @@ impl Parameters {
         CobId(number(dictionary, self.communication(), 1).unwrap_or(CobId::INVALID))
     }
 
-    /// The identifier of a PDO in use; `None` while it is not valid, or cannot be an 11-bit identifier.
-    pub(super) fn identifier<D: Dictionary>(self, dictionary: &D) -> Option<u16> {
-        let cob_id = self.cob_id(dictionary);
-        (cob_id.is_valid() && cob_id.is_base_frame()).then(|| cob_id.identifier())
-    }
-
     /// The transmission type; `None` when it is not supported or missing.
-    pub(super) fn transmission_type<D: Dictionary>(
-        self,
-        dictionary: &D,
-    ) -> Option<TransmissionType> {
+    fn transmission_type<D: Dictionary>(self, dictionary: &D) -> Option<TransmissionType> {
         let number = u8::try_from(number(dictionary, self.communication(), 2)?).ok()?;
         TransmissionType::new(number, self.direction)
     }
 
-    /// The inhibit time in multiples of 100 µs; 0 for none.
-    pub(super) fn inhibit_time<D: Dictionary>(self, dictionary: &D) -> u32 {
-        number(dictionary, self.communication(), 3).unwrap_or(0)
-    }
-
-    /// Whether a remote frame may ask for the PDO (bit 30 of the COB-ID is 0).
-    pub(super) fn allows_request<D: Dictionary>(self, dictionary: &D) -> bool {
-        self.cob_id(dictionary).0 & NO_RTR == 0
-    }
-
-    /// The SYNC counter that a cyclic PDO starts with; 0 for any.
-    pub(super) fn sync_start<D: Dictionary>(self, dictionary: &D) -> u8 {
-        number(dictionary, self.communication(), 6)
-            .and_then(|start| u8::try_from(start).ok())
-            .unwrap_or(0)
+    /// What the communication parameter says; `None` for a PDO that is not valid, that cannot have an 11-bit identifier, or whose
+    /// transmission type is not supported or missing.
+    #[inline(never)]
+    pub(super) fn communicate<D: Dictionary>(self, dictionary: &D) -> Option<Communication> {
+        let cob_id = self.cob_id(dictionary);
+        if !cob_id.is_valid() || !cob_id.is_base_frame() {
+            return None;
+        }
+        let number = |sub| number(dictionary, self.communication(), sub).unwrap_or(0);
+        Some(Communication {
+            cob_id: cob_id.identifier(),
+            allows_request: cob_id.0 & NO_RTR == 0,
+            transmission_type: self.transmission_type(dictionary)?,
+            sync_start: u8::try_from(number(6)).unwrap_or(0),
+            inhibit_time: number(3),
+            event_timer: number(5),
+        })
     }
 
     /// The event timer in milliseconds, of a receive PDO its deadline; 0 for none.

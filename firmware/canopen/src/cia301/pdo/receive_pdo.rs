@@ -159,20 +159,20 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
 
     /// For a PDO that has just been made.
     fn take_parameters<D: Dictionary>(&mut self, dictionary: &D, parameters: Parameters) {
-        let (Some(cob_id), Some(transmission_type), Ok(mapping)) = (
-            parameters.identifier(dictionary),
-            parameters.transmission_type(dictionary),
+        let (Some(communication), Ok(mapping)) = (
+            parameters.communicate(dictionary),
             parameters.resolve::<D, Unpacking<M>>(dictionary),
         ) else {
             return;
         };
+        let transmission_type = communication.transmission_type;
         if mapping.length() > 0
             && let Some(transmission_type) = transmission_type.with(mapping.addressing())
         {
-            self.cob_id = cob_id;
+            self.cob_id = communication.cob_id;
             self.kind = Kind::new(transmission_type);
             self.mapping = mapping;
-            self.deadline = milliseconds(parameters.event_timer(dictionary));
+            self.deadline = milliseconds(communication.event_timer);
         }
     }
 

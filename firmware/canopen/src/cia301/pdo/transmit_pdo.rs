@@ -110,25 +110,24 @@ impl<M: Slots<Source>> TransmitPdo<M> {
 
     /// For a PDO that has just been made.
     fn take_parameters<D: Dictionary>(&mut self, dictionary: &D, parameters: Parameters) {
-        let (Some(cob_id), Some(transmission_type), Ok(mapping)) = (
-            parameters.identifier(dictionary),
-            parameters.transmission_type(dictionary),
+        let (Some(communication), Ok(mapping)) = (
+            parameters.communicate(dictionary),
             parameters.resolve::<D, Packing<M>>(dictionary),
         ) else {
             return;
         };
+        let transmission_type = communication.transmission_type;
         if mapping.length() > 0
             && let Some(transmission_type) = transmission_type.with(mapping.addressing())
         {
-            self.cob_id = cob_id;
+            self.cob_id = communication.cob_id;
             self.number = parameters.number;
             self.transmission_type = transmission_type;
-            self.allows_request = parameters.allows_request(dictionary);
-            self.sync_start = parameters.sync_start(dictionary);
+            self.allows_request = communication.allows_request;
+            self.sync_start = communication.sync_start;
             self.mapping = mapping;
-            self.inhibit_time =
-                Duration::from_ticks(u64::from(parameters.inhibit_time(dictionary)) * 100);
-            self.event_timer = milliseconds(parameters.event_timer(dictionary));
+            self.inhibit_time = Duration::from_ticks(u64::from(communication.inhibit_time) * 100);
+            self.event_timer = milliseconds(communication.event_timer);
             self.every = match transmission_type {
                 TransmissionType::Cyclic(every) => every,
                 _ => 0,

@@ -178,7 +178,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     }
 
     #[inline]
-    fn wait_for_segment(&mut self, now: Instant) {
+    pub(super) fn wait_for_segment(&mut self, now: Instant) {
         self.block.is_reminded = false;
         self.deadline = now + HALF;
     }

@@ -1,7 +1,7 @@
 //! Download: the client writes an object, expedited or in segments.
 
 use super::AbortCode;
-use super::objects::Objects;
+use super::objects::{Objects, Streams};
 use super::server::{Place, Server, Step};
 use crate::copy::copy;
 use crate::od::Entry;
@@ -149,10 +149,10 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
 
     /// Takes the next bytes of the value.
     #[inline]
-    pub(super) fn append<O: Objects>(
+    pub(super) fn append<S: Streams>(
         &mut self,
         data: &[u8],
-        objects: &mut O,
+        streams: &mut S,
     ) -> Result<(), AbortCode> {
         let position = self.position;
         let end = position.saturating_add(data.len() as u32);
@@ -160,9 +160,9 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             return Err(AbortCode::LengthTooHigh);
         }
         if let Place::Sink(entry) = self.place
-            && O::ARE_THERE
+            && S::ARE_THERE
         {
-            if let Err(code) = objects.write_at(entry, position, data) {
+            if let Err(code) = streams.write_at(entry, position, data) {
                 self.place = Place::Nowhere;
                 return Err(code);
             }

@@ -33,6 +33,7 @@ mod crc;
 mod download;
 mod objects;
 pub(crate) mod parameters;
+mod segments;
 mod server;
 mod servers;
 mod upload;

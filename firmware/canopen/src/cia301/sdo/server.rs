@@ -4,6 +4,7 @@ use super::answers::Answers;
 use super::block::Block;
 use super::objects::{Completion, Objects, Streams};
 use super::parameters::CobIds;
+use super::upload::Ahead;
 use super::{AbortCode, TIME_OUT};
 use crate::od::{Entry, Unused};
 use crate::time::{Instant, NEVER, has_come};
@@ -72,6 +73,8 @@ pub struct Server<B> {
     pub(super) most: u32,
     /// Bytes sent or taken.
     pub(super) position: u32,
+    /// Upload: what the buffer holds of a value that the application gives.
+    pub(super) ahead: Ahead,
     pub(super) block: Block,
     pub(super) buffer: B,
     /// The answer for when the owner of an object is done with it.
@@ -93,6 +96,7 @@ impl<B: Unused> Unused for Server<B> {
         size: None,
         most: 0,
         position: 0,
+        ahead: Ahead::NOTHING,
         block: Block::new(),
         buffer: B::UNUSED,
         confirmation: [0; 8],

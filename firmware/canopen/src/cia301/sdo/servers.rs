@@ -115,6 +115,37 @@ impl<C: Counts> Servers<C> {
             .position(|server| server.request == cob_id)
     }
 
+    /// Whether the next frame for a server may be for [`Servers::pass`].
+    #[inline]
+    pub(crate) fn is_in_segments(&self, number: usize) -> bool {
+        let server = self.servers.as_ref().get(number);
+        server.is_some_and(Server::is_in_segments)
+    }
+
+    /// Gives the next segment of a transfer to a server, while nothing waits for the bus. Returns when the server wants to be called;
+    /// `None` if the frame is something else, which [`Servers::receive`] has to look at.
+    #[inline]
+    pub(crate) fn pass<S: Streams>(
+        &mut self,
+        number: usize,
+        request: &[u8; 8],
+        now: Instant,
+        streams: &mut S,
+    ) -> Option<Instant> {
+        if self.lowest != NO_COB_ID {
+            return None;
+        }
+        let server = self.servers.as_mut().get_mut(number)?;
+        if !server.pass(request, now, streams) {
+            return None;
+        }
+        if server.is_pending() {
+            self.lowest = server.response;
+            self.next = number as u16;
+        }
+        Some(server.deadline())
+    }
+
     /// Gives a request to a server. `objects` makes the dictionary from what the other servers have under way. Returns when the
     /// server wants to be called; `None` if the request was not executed, as its answer would have had no room.
     #[inline]

@@ -11,6 +11,27 @@ use crate::wire::sdo::{Multiplexer, Payload, Response};
 /// Data bytes of one segment.
 const SEGMENT: u32 = 7;
 
+/// What the buffer holds of a value that the application gives. It is asked for many bytes at once: a segment alone is too few
+/// for a call.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ahead {
+    /// The position of the first byte.
+    start: u32,
+    /// How many bytes.
+    length: u16,
+    /// The value ends behind them.
+    is_end: bool,
+}
+
+impl Ahead {
+    /// Nothing.
+    pub(super) const NOTHING: Self = Self {
+        start: 0,
+        length: 0,
+        is_end: false,
+    };
+}
+
 /// The next bytes of a value, but for the bytes themselves: those are in the frame that they travel in, behind byte 0.
 #[derive(Clone, Copy)]
 pub(super) struct Piece {
@@ -24,22 +45,26 @@ impl Piece {
     /// Up to seven bytes from the start of what is left.
     #[inline]
     fn of(rest: &[u8], frame: &mut [u8; 8]) -> Self {
+        if let Some(eight) = rest.first_chunk::<8>() {
+            *frame = segment_of(eight);
+            return Self {
+                empty: 0,
+                is_last: false,
+            };
+        }
         let [_, data @ ..] = frame;
-        let empty = match rest.first_chunk::<7>() {
-            Some(seven) => {
-                *data = *seven;
-                0
-            }
-            None => {
-                copy_few(data, rest, rest.len());
-                7_u8.saturating_sub(rest.len() as u8)
-            }
-        };
+        copy_few(data, rest, rest.len());
         Self {
-            empty,
-            is_last: rest.len() <= SEGMENT as usize,
+            empty: 7_u8.saturating_sub(rest.len() as u8),
+            is_last: true,
         }
     }
+}
+
+/// The first seven of eight bytes as they lie in a frame, behind byte 0, which is 0.
+#[inline]
+pub(super) fn segment_of(eight: &[u8; 8]) -> [u8; 8] {
+    (u64::from_le_bytes(*eight) << 8).to_le_bytes()
 }
 
 /// The frame with its command, which goes where a 0 is.
@@ -89,7 +114,13 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
                 (Place::Snapshot, Some(bytes.len() as u32))
             }
             Value::Constant(bytes) => (Place::Constant(bytes), Some(bytes.len() as u32)),
-            Value::Streamed(entry, size) => (Place::Source(entry), size),
+            Value::Streamed(entry, size) => {
+                self.ahead = Ahead::NOTHING;
+                if self.buffer.as_ref().len() <= SEGMENT as usize {
+                    return Err(AbortCode::OutOfMemory);
+                }
+                (Place::Source(entry), size)
+            }
         };
         Ok(())
     }
@@ -180,7 +211,13 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             }
             Place::Constant(value) => value,
             Place::Source(entry) if S::ARE_THERE => {
-                return self.streamed_piece(entry, streams, frame);
+                if !self.has_ahead() {
+                    self.read_ahead(entry, streams)?;
+                }
+                let offset = self.position.wrapping_sub(self.ahead.start) as usize;
+                let length = usize::from(self.ahead.length);
+                let rest = self.buffer.as_ref().get(offset..length);
+                return Ok(Piece::of(rest.unwrap_or(&[]), frame));
             }
             _ => &[],
         };
@@ -188,32 +225,37 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         Ok(Piece::of(rest, frame))
     }
 
-    /// The next bytes from the application. One more than a segment has is asked for where only that tells whether it is the
-    /// last one.
+    /// Whether the buffer has the next segment of what the application gives, and tells whether it is the last one.
+    #[inline]
+    fn has_ahead(&self) -> bool {
+        let offset = self.position.wrapping_sub(self.ahead.start);
+        let left = u32::from(self.ahead.length).checked_sub(offset);
+        left.is_some_and(|left| self.ahead.is_end || left > SEGMENT)
+    }
+
+    /// Fills the buffer with the next bytes from the application.
     #[inline(never)]
-    fn streamed_piece<S: Streams>(
+    fn read_ahead<S: Streams>(
         &mut self,
         entry: &'static Entry,
         streams: &mut S,
-        frame: &mut [u8; 8],
-    ) -> Result<Piece, AbortCode> {
+    ) -> Result<(), AbortCode> {
         let position = self.position;
-        let Some(size) = self.size else {
-            let mut bytes = [0; 8];
-            let got = streams.read_at(entry, position, &mut bytes)?;
-            return Ok(Piece::of(bytes.get(..got).unwrap_or(&bytes), frame));
-        };
-        let left = size.saturating_sub(position);
-        let wanted = left.min(SEGMENT) as u8;
-        let [_, data @ ..] = frame;
-        let room = data.get_mut(..usize::from(wanted)).unwrap_or(&mut []);
-        if streams.read_at(entry, position, room)? < usize::from(wanted) {
+        let left = self.size.map(|size| size.saturating_sub(position) as usize);
+        let buffer = self.buffer.as_mut();
+        let most = buffer.len().min(usize::from(u16::MAX));
+        let wanted = left.map_or(most, |left| left.min(most));
+        let room = buffer.get_mut(..wanted).unwrap_or(&mut []);
+        let got = streams.read_at(entry, position, room)?.min(wanted);
+        if left.is_some() && got < wanted {
             // The application has announced more.
             return Err(AbortCode::NotTransferable);
         }
-        Ok(Piece {
-            empty: 7_u8.saturating_sub(wanted),
-            is_last: left <= SEGMENT,
-        })
+        self.ahead = Ahead {
+            start: position,
+            length: got as u16,
+            is_end: got < wanted || left == Some(got),
+        };
+        Ok(())
     }
 }
