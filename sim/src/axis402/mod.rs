@@ -16,6 +16,8 @@ mod problem;
 mod run;
 mod save;
 mod scan;
+#[cfg(test)]
+mod walk_through;
 
 pub use configuration::{dump, load};
 pub use console::Console;
