@@ -7,8 +7,8 @@ use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream, ToSocketAddrs};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::SyncSender;
-use std::thread;
+use std::sync::mpsc::{SyncSender, TrySendError};
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use canopen::Frame;
@@ -30,6 +30,9 @@ const WRITE: Duration = Duration::from_secs(2);
 /// How long an adapter may take to reply to a command. One that never replies costs this once for each command.
 const REPLY: Duration = Duration::from_millis(200);
 
+/// How often the reader looks whether there is room for what has come.
+const ROOM: Duration = Duration::from_millis(1);
+
 /// Where an adapter is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -45,6 +48,7 @@ pub struct SlcanClient {
     place: Place,
     connection: Connection,
     ended: Arc<AtomicBool>,
+    reader: Option<JoinHandle<()>>,
     failures: SyncSender<Incoming>,
 }
 
@@ -73,13 +77,14 @@ impl SlcanClient {
             Arc::clone(&ended),
             incoming.clone(),
         );
-        thread::Builder::new()
+        let reader = thread::Builder::new()
             .name("slcan adapter".to_owned())
             .spawn(move || read_lines(reader, &stop, &incoming))?;
         Ok(Self {
             place: place.clone(),
             connection,
             ended,
+            reader: Some(reader),
             failures,
         })
     }
@@ -100,10 +105,12 @@ impl SlcanClient {
 
 impl Drop for SlcanClient {
     fn drop(&mut self) {
-        self.ended.store(true, Ordering::Relaxed);
+        self.ended.store(true, Ordering::SeqCst);
         // It may be gone already.
         let _ = self.connection.write_all(b"C\r");
         self.connection.close();
+        // Until then it would take the replies to whoever opens this adapter next.
+        let _ = self.reader.take().map(JoinHandle::join);
     }
 }
 
@@ -114,17 +121,17 @@ fn lost(error: io::Error) -> Incoming {
 fn read_lines(mut connection: Connection, ended: &AtomicBool, incoming: &SyncSender<Incoming>) {
     let mut decoder = Decoder::new();
     let mut bytes = [0; 4096];
-    while !ended.load(Ordering::Relaxed) {
+    while !ended.load(Ordering::SeqCst) {
         let received = match connection.read(&mut bytes) {
             Ok([]) => {
                 let closed = "the SLCAN adapter closed the connection".to_owned();
-                let _ = incoming.send(Incoming::Failed(closed));
+                deliver(Incoming::Failed(closed), ended, incoming);
                 return;
             }
             Ok(received) => received,
             Err(error) if is_only_late(&error) => continue,
             Err(error) => {
-                let _ = incoming.send(lost(error));
+                deliver(lost(error), ended, incoming);
                 return;
             }
         };
@@ -143,11 +150,25 @@ fn read_lines(mut connection: Connection, ended: &AtomicBool, incoming: &SyncSen
                 // Replies, and what adapters say besides.
                 _ => continue,
             };
-            if incoming.send(message).is_err() {
+            if !deliver(message, ended, incoming) {
                 return;
             }
         }
     }
+}
+
+/// Hands a message over, when there is room for it. Returns false if nobody wants it any more: what an adapter says while its channel
+/// is closed is no failure of the one that is opened next.
+fn deliver(mut message: Incoming, ended: &AtomicBool, incoming: &SyncSender<Incoming>) -> bool {
+    while !ended.load(Ordering::SeqCst) {
+        match incoming.try_send(message) {
+            Ok(()) => return true,
+            Err(TrySendError::Full(back)) => message = back,
+            Err(TrySendError::Disconnected(_)) => return false,
+        }
+        thread::sleep(ROOM);
+    }
+    false
 }
 
 const BEL: u8 = 0x07;

@@ -5,11 +5,13 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::process::{Command, Output};
 use std::sync::mpsc::SyncSender;
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use sim::bus::live::{Incoming, LiveBus};
+use sim::bus::slcan_client::Place;
 use sim::drive::Setup;
 use sim::serve::Server;
+use slcan::AdapterBitRate;
 
 /// A drive behind an SLCAN adapter on a free port; it ends with the test.
 struct Served {
@@ -97,6 +99,11 @@ fn a_drive_is_put_into_service() {
     served.told(&["nmt", "start", "4"]);
     let told = served.told(&["monitor", "4", "-n", "1"]);
     assert!(told.ends_with("TPDO 1: switch on disabled\n"), "{told}");
+
+    let told = served.told(&["lss", "bitrate", "500"]);
+    assert_eq!(told, "at 500 kbit/s 1 of 1 nodes answer\n");
+    let told = served.told(&["--bitrate", "500", "lss", "bitrate", "1000"]);
+    assert_eq!(told, "at 1000 kbit/s 1 of 1 nodes answer\n");
 
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("drive.dcf");
@@ -289,6 +296,23 @@ fn an_adapter_that_goes_away_is_told() {
     ];
     assert_refused(&read, "SLCAN adapter", 1);
     goes.join().unwrap();
+}
+
+#[test]
+fn a_channel_that_is_opened_anew_has_no_failure_of_the_old_one() {
+    let served = Served::start(Setup::with_node_id(1, 4));
+    let place = Place::Tcp(served.address.to_string());
+    let rates = [500, 1_000].map(|kbit| {
+        let mut all = (0..=8).filter_map(AdapterBitRate::from_digit);
+        all.find(|rate| rate.kbit_per_second() == kbit).unwrap()
+    });
+    let mut bus = LiveBus::new();
+    bus.use_adapter(&place, Some(rates[1])).unwrap();
+    for rate in rates.into_iter().cycle().take(40) {
+        assert!(bus.set_adapter_bit_rate(rate).unwrap());
+        let heard = bus.receive(Instant::now());
+        assert!(!matches!(heard, Some(Incoming::Failed(_))), "{heard:?}");
+    }
 }
 
 /// Carries bytes between a serial port and a TCP connection, as the cable of an adapter would.
