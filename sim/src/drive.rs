@@ -11,8 +11,8 @@ use canopen::od::Dictionary;
 use canopen::settings::{PowerOn, Sources, Wish};
 use canopen::time::NEVER;
 use canopen::{
-    BitRate, BitTiming, Configuration, ControllerState, Duration, Event, Frame, Instant, NodeId,
-    Settings,
+    Application, BitRate, BitTiming, Configuration, ControllerState, Duration, Event, Frame,
+    Instant, NodeId, Settings,
 };
 use cia402::inputs::DigitalInputs;
 use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects};
@@ -106,13 +106,13 @@ pub struct MotionSample {
     pub position: i64,
 }
 
-/// A drive with the dictionary `D`; on power it boots, then it lives on frames and time.
+/// A drive with the dictionary `D` and the application `A` of its firmware; on power it boots, then it lives on frames and time.
 #[derive(Debug)]
-pub struct VirtualDrive<D: Dictionary> {
+pub struct VirtualDrive<D: Dictionary, A = ()> {
     setup: Setup,
     powered: bool,
     was_reset: bool,
-    device: Device<D>,
+    device: Device<D, A>,
     drive: Drive,
     exchange: Exchange,
     plant: Plant,
@@ -130,7 +130,7 @@ pub struct VirtualDrive<D: Dictionary> {
     samples: Option<Vec<MotionSample>>,
 }
 
-impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
+impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDrive<D, A> {
     /// A drive without power; it gets it when it is polled for the first time.
     pub fn new(mut setup: Setup) -> Self {
         let power_on = setup.first_power_on();
@@ -185,7 +185,7 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
     }
 
     /// The CANopen half, for its dictionary and state.
-    pub fn device(&self) -> &Device<D> {
+    pub fn device(&self) -> &Device<D, A> {
         &self.device
     }
 
@@ -335,8 +335,9 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
     }
 }
 
-impl<D> Station for VirtualDrive<D>
+impl<D, A> Station for VirtualDrive<D, A>
 where
+    A: Application<D> + Default + std::fmt::Debug + 'static,
     D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
 {
     fn receive(&mut self, frame: &Frame, now: Instant) {
@@ -415,12 +416,16 @@ fn digital(wires: [Sensed; WIRES]) -> DigitalInputs {
 }
 
 /// The CANopen half of a drive, without power.
-fn device<D: Dictionary + Objects + Default>(power_on: &PowerOn, serial_number: u32) -> Device<D> {
+fn device<D, A>(power_on: &PowerOn, serial_number: u32) -> Device<D, A>
+where
+    D: Dictionary + Objects + Default,
+    A: Application<D> + Default,
+{
     let settings = Settings {
         node_id: power_on.node_id.value,
         bit_rate: bit_rate(power_on),
     };
-    Device::new(D::default(), settings, serial_number)
+    Device::with_application(D::default(), settings, serial_number, A::default())
         .with_parameter_store()
         .started(power_on)
         .detecting()

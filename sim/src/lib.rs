@@ -1,6 +1,6 @@
 //! The virtual drive: the firmware's own core on a PC, with a simulated motor and real CAN frames.
 //!
-//! - [`drive`]: the virtual drive; [`plant`]: its motor; [`flash`]: where it keeps its settings.
+//! - [`drive`]: the virtual drive; [`plant`]: its motor; [`machine`]: what its firmware serves beside the drive; [`flash`]: where it keeps its settings.
 //! - [`bus`]: where frames travel. An in-process bus on virtual time, SLCAN over TCP, SocketCAN.
 //! - [`master`]: a CANopen master, on the in-process bus or on a real one.
 //! - [`data_sheet`]: what the objects of a device are called.
@@ -16,6 +16,7 @@ pub mod data_sheet;
 pub mod demo;
 pub mod drive;
 pub mod flash;
+pub mod machine;
 pub mod master;
 pub mod plant;
 pub mod serve;
@@ -28,4 +29,5 @@ pub mod dictionary {
 }
 
 /// The generic drive on a PC.
-pub type Axis402 = drive::VirtualDrive<dictionary::Dictionary>;
+pub type Axis402 =
+    drive::VirtualDrive<dictionary::Dictionary, dictionary::Hooked<machine::Machine>>;

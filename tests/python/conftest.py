@@ -1,8 +1,7 @@
 """What the tests share: the programs, a fresh device for every test, and a master connected to it.
 
 `--target virtual` is a virtual drive that serves SLCAN, `--target firmware` the firmware image in QEMU, and
-`--target socketcan` a virtual drive on `vcan0`. Without it the virtual drive is tested. What the drive has no object for is
-put to the plain test device in its place, which is no firmware.
+`--target socketcan` a virtual drive on `vcan0`. Without it the virtual drive is tested.
 """
 
 import pathlib
@@ -25,9 +24,6 @@ NODE_ID = 10
 def pytest_addoption(parser):
     parser.addoption("--target", action="append", choices=["virtual", "firmware", "socketcan"])
     parser.addoption("--sim", default=ROOT / "target" / "debug" / "sim", help="the virtual drive's program")
-    parser.addoption(
-        "--test-device", default=ROOT / "target" / "debug" / "serve_test_device", help="the plain test device's program"
-    )
     parser.addoption("--axis402", default=ROOT / "target" / "debug" / "axis402", help="the master's command line")
     parser.addoption("--xtask", default=ROOT / "target" / "debug" / "xtask", help="the program that runs the emulator")
     parser.addoption("--image", help="the firmware's ELF file; without it, it is built")
@@ -77,7 +73,7 @@ def patience():
 
 @pytest.fixture(scope="session")
 def programs(pytestconfig):
-    return Programs(*[pytestconfig.getoption(name) for name in ("--sim", "--test-device", "--axis402", "--xtask", "--image")])
+    return Programs(*[pytestconfig.getoption(name) for name in ("--sim", "--axis402", "--xtask", "--image")])
 
 
 @pytest.fixture
@@ -103,17 +99,6 @@ def start(programs, kind, started):
 
     def start(store=None, arguments=()):
         started.append(programs.start(kind, store, arguments))
-        return started[-1]
-
-    return start
-
-
-@pytest.fixture
-def start_test_device(programs, kind, started):
-    """Starts a plain test device."""
-
-    def start():
-        started.append(programs.start_test_device(kind))
         return started[-1]
 
     return start

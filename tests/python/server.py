@@ -115,9 +115,8 @@ class Socketcan:
 class Programs:
     """Where the programs are, and how each kind of device is started."""
 
-    def __init__(self, sim, test_device, axis402, xtask, image):
+    def __init__(self, sim, axis402, xtask, image):
         self.sim = sim
-        self.test_device = test_device
         self.axis402 = axis402
         self.xtask = xtask
         self.image = image
@@ -136,15 +135,5 @@ class Programs:
             command += ["--store", store / "parameters.bin"] if store else []
         command += arguments
         bus = Socketcan(command) if kind == "socketcan" else Slcan(command, port)
-        bus.server.wait_until_ready()
-        return bus
-
-    def start_test_device(self, kind):
-        """Starts the plain device of `tests/eds/test-device.eds`."""
-        port = free_port()
-        if kind == "socketcan":
-            bus = Socketcan([self.test_device, "--socketcan", Socketcan.INTERFACE])
-        else:
-            bus = Slcan([self.test_device, "--slcan", f"127.0.0.1:{port}"], port)
         bus.server.wait_until_ready()
         return bus

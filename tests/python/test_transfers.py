@@ -1,4 +1,4 @@
-"""Segmented and block transfers: of many thousand bytes with the test device, of the drive's own values with the drive."""
+"""Segmented and block transfers: of many thousand bytes, and of the drive's own values."""
 
 import random
 
@@ -6,15 +6,16 @@ import canopen
 import pytest
 from canopen.sdo import SdoAbortedError
 
-from conftest import NODE_ID, add
+from conftest import NODE_ID
+from frames import Frames
 from test_sdo import LIVE, entries
 
-#: Objects of the test device.
-DOMAIN, OTHER_DOMAIN = 0x2002, 0x2013
+#: A DOMAIN, and how many bytes it takes.
+USER_MEMORY, ROOM = 0x2020, 20_480
 
 #: Around what an expedited transfer (4 bytes), a segment (7) and a sub-block (889) hold, one whose last segment begins like the
 #: frame that ends a block download (455), and many sub-blocks.
-LENGTHS = [1, 2, 4, 5, 6, 7, 8, 13, 14, 15, 128, 455, 882, 888, 889, 890, 896, 1778, 1779, 5000, 20_000]
+LENGTHS = [1, 2, 4, 5, 6, 7, 8, 13, 14, 15, 128, 455, 882, 888, 889, 890, 896, 1778, 1779, 5000, 20_000, ROOM]
 
 #: What is written to the drive.
 VALUES = [(0x607A, -123_456), (0x6081, 54_321), (0x6083, 1), (0x6068, 65_535), (0x605A, 6), (0x1017, 0)]
@@ -39,62 +40,67 @@ def upload(node, index, block, subindex=0, **how):
         return stream.read()
 
 
-@pytest.fixture
-def domains(start_test_device, connect):
-    """The test device with a node-ID, Pre-operational."""
-    network = connect(start_test_device())
-    return add(network, canopen.RemoteNode(NODE_ID, canopen.ObjectDictionary()))
-
-
-@pytest.mark.only("virtual", "socketcan")
 @pytest.mark.parametrize("block", [False, True], ids=["segmented", "block"])
-def test_what_is_written_is_read_by_both_kinds_of_transfer(domains, block):
+def test_what_is_written_is_read_by_both_kinds_of_transfer(node, block):
     for length in LENGTHS:
         data = some_bytes(length)
-        download(domains, DOMAIN, data, block)
-        assert upload(domains, DOMAIN, False) == data, length
-        assert upload(domains, DOMAIN, True) == data, length
+        download(node, USER_MEMORY, data, block)
+        assert upload(node, USER_MEMORY, False) == data, length
+        assert upload(node, USER_MEMORY, True) == data, length
 
 
-@pytest.mark.only("virtual", "socketcan")
-def test_a_download_without_a_checksum(domains):
+def test_a_download_without_a_checksum(node):
     # An upload without one is beyond python-canopen: it expects a checksum from a server that is able to give one.
     data = some_bytes(3000)
-    download(domains, DOMAIN, data, True, request_crc_support=False)
-    assert upload(domains, DOMAIN, True) == data
+    download(node, USER_MEMORY, data, True, request_crc_support=False)
+    assert upload(node, USER_MEMORY, True) == data
 
 
-@pytest.mark.only("virtual", "socketcan")
 @pytest.mark.parametrize("size", [1, 2, 40, 126])
-def test_a_client_chooses_the_size_of_the_sub_blocks(domains, monkeypatch, size):
+def test_a_client_chooses_the_size_of_the_sub_blocks(node, monkeypatch, size):
     data = some_bytes(2000)
-    download(domains, DOMAIN, data, True)
+    download(node, USER_MEMORY, data, True)
     monkeypatch.setattr(canopen.sdo.client.BlockUploadStream, "blksize", size)
-    assert upload(domains, DOMAIN, True) == data
+    assert upload(node, USER_MEMORY, True) == data
 
 
-@pytest.mark.only("virtual", "socketcan")
-def test_an_abandoned_transfer_changes_nothing(domains):
-    download(domains, DOMAIN, b"what was there before", True)
+def test_an_abandoned_transfer_changes_nothing(node):
+    download(node, USER_MEMORY, b"what was there before", True)
     for block in (False, True):
-        stream = domains.sdo.open(DOMAIN, mode="wb", buffering=0, size=100, block_transfer=block)
+        stream = node.sdo.open(USER_MEMORY, mode="wb", buffering=0, size=100, block_transfer=block)
         stream.write(some_bytes(7))
-        domains.sdo.abort()
-        assert upload(domains, DOMAIN, True) == b"what was there before"
+        node.sdo.abort()
+        assert upload(node, USER_MEMORY, True) == b"what was there before"
         # python-canopen would send the end of the transfer when it forgets the stream.
         stream._initialized, stream._done = False, True
 
 
-@pytest.mark.only("virtual", "socketcan")
-def test_a_wrong_checksum_changes_nothing(domains):
-    download(domains, OTHER_DOMAIN, b"what was there before", True)
-    stream = domains.sdo.open(OTHER_DOMAIN, mode="wb", buffering=0, size=14, block_transfer=True)
+def test_a_wrong_checksum_changes_nothing(node):
+    download(node, USER_MEMORY, b"what was there before", True)
+    stream = node.sdo.open(USER_MEMORY, mode="wb", buffering=0, size=14, block_transfer=True)
     stream.write(b"seven b")
     stream.write(b"and 7 m")
     stream._crc.process(b"what was never sent")
     with pytest.raises(SdoAbortedError, match="0x05040004"):
         stream.close()
-    assert upload(domains, OTHER_DOMAIN, True) == b"what was there before"
+    assert upload(node, USER_MEMORY, True) == b"what was there before"
+
+
+def test_the_user_memory_outlives_a_reset_of_the_node(node):
+    data = some_bytes(1000)
+    download(node, USER_MEMORY, data, True)
+    boot_up = Frames(node.network, 0x700 + NODE_ID)
+    node.nmt.send_command(0x81)
+    assert boot_up.next() == b"\x00"
+    assert upload(node, USER_MEMORY, True) == data
+
+
+@pytest.mark.parametrize("block", [False, True], ids=["segmented", "block"])
+def test_more_than_the_user_memory_holds_is_refused(node, block):
+    download(node, USER_MEMORY, b"what was there before", True)
+    with pytest.raises(SdoAbortedError, match="0x06070012"):
+        download(node, USER_MEMORY, bytes(ROOM + 1), block)
+    assert upload(node, USER_MEMORY, True) == b"what was there before"
 
 
 def test_every_value_of_the_drive_is_the_same_in_a_block(node):

@@ -6,7 +6,7 @@ use sim::drive::{Setup, VirtualDrive};
 use crate::line::Line;
 
 /// The virtual drive with the dictionary of `eds/axis402.eds`.
-pub type AxisDrive = VirtualDrive<sim::dictionary::Dictionary>;
+pub type AxisDrive = sim::Axis402;
 
 /// A virtual drive and a script on one bus.
 pub type DriveBench = Line<AxisDrive>;

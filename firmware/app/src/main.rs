@@ -30,6 +30,8 @@ mod inbox;
 #[forbid(unsafe_code)]
 mod lights;
 #[forbid(unsafe_code)]
+mod machine;
+#[forbid(unsafe_code)]
 mod node;
 #[forbid(unsafe_code)]
 mod outbox;
@@ -48,6 +50,7 @@ mod app {
     use crate::control::{Control, RATE_HZ, TIMING};
     use crate::inbox::{self, Inbox, Lost};
     use crate::lights::{Panel, Signals};
+    use crate::machine::Machine;
     use crate::node::Node;
     use crate::settings;
 
@@ -84,6 +87,7 @@ mod app {
             parameters,
             inputs,
             serial_number,
+            user_memory,
         } = Selected::start(cx.device);
 
         let bit_rates = <Selected as Board>::Bus::BIT_RATES;
@@ -98,10 +102,12 @@ mod app {
         let (pulses, player) = step_interrupt::split(cx.local.steps, steps, TIMING);
         let (inbox, received) = Inbox::new(cx.local.frames, cx.local.lost);
         let mut exchange = Exchange::new();
+        let machine = Machine::new(user_memory);
         let mut node = Node::new(
             settings,
             &power_on,
             serial_number,
+            machine,
             received,
             cx.local.lost,
             store,

@@ -24,9 +24,10 @@ use rtic::Mutex;
 
 use crate::board::{Board, Bus, Receive, Selected};
 use crate::clock;
-use crate::dictionary::Dictionary;
+use crate::dictionary::{Dictionary, Hooked};
 use crate::inbox::{Lost, Received, Stamped};
 use crate::lights::Signals;
+use crate::machine::Machine;
 use crate::outbox::Outbox;
 use crate::settings::{self, Parameters};
 use crate::share::Locked;
@@ -40,7 +41,7 @@ type Receiver = <Selected as Board>::Receiver;
 
 /// The CANopen device and what belongs to its task.
 pub struct Node {
-    device: Device<Dictionary>,
+    device: Device<Dictionary, Hooked<Machine>>,
     received: Received,
     lost: &'static Lost,
     lost_before: u32,
@@ -71,11 +72,13 @@ impl Node {
         settings: Settings,
         power_on: &PowerOn,
         serial_number: u32,
+        machine: Machine,
         received: Received,
         lost: &'static Lost,
         store: Parameters<<Selected as Board>::Parameters>,
     ) -> Self {
-        let device = Device::new(Dictionary::new(), settings, serial_number)
+        let machine = Hooked(machine);
+        let device = Device::with_application(Dictionary::new(), settings, serial_number, machine)
             .supporting(CanBus::BIT_RATES)
             .started(power_on)
             .detecting();

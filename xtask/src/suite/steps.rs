@@ -201,18 +201,14 @@ fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the programs of the Python tests: the virtual drive, the plain test device, and a master's command line.
+/// Builds the programs of the Python tests: the virtual drive, and a master's command line.
 fn devices() -> Command {
     cargo(&[
         "build",
         "--package",
         "sim",
-        "--package",
-        "tests",
         "--bin",
         "sim",
-        "--bin",
-        "serve_test_device",
         "--bin",
         "axis402",
     ])
@@ -293,8 +289,6 @@ fn pytest(python: &Path, target: &str) -> Command {
     command
         .arg("--sim")
         .arg(place::built("sim"))
-        .arg("--test-device")
-        .arg(place::built("serve_test_device"))
         .arg("--axis402")
         .arg(place::built("axis402"))
         .arg("--xtask")

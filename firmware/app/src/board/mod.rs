@@ -15,6 +15,7 @@ use embedded_storage::nor_flash::NorFlash;
 use stm32f4xx_hal::pac;
 
 use crate::inbox::Inbox;
+use crate::machine::Room;
 use crate::settings::Inputs;
 use motion::step_interrupt::StepTimer;
 
@@ -22,6 +23,7 @@ use motion::step_interrupt::StepTimer;
 mod qemu;
 #[cfg(feature = "stm32f405")]
 mod stm32f405;
+mod user_memory;
 
 #[cfg(feature = "qemu")]
 pub use qemu::Qemu as Selected;
@@ -79,6 +81,8 @@ pub struct Parts<B: Board> {
     pub inputs: Inputs,
     /// Object 1018h:4 unless production has given another, the same at every start and different on every board.
     pub serial_number: u32,
+    /// Room for object 2020h, twice.
+    pub user_memory: [Room; 2],
 }
 
 /// The receiving half of a CAN controller.

@@ -15,7 +15,7 @@ use cortex_m_rt::{exception, ExceptionFrame};
 use cortex_m_semihosting::{debug, heprintln};
 use stm32f4xx_hal::pac;
 
-use super::{Board, Lights, Parts, Stage};
+use super::{user_memory, Board, Lights, Parts, Stage};
 use crate::settings::Inputs;
 
 /// The emulated board.
@@ -47,6 +47,8 @@ impl Board for Qemu {
                 factory_reset: false,
             },
             serial_number: 1,
+            // SAFETY: the peripherals exist once, so this function is called once.
+            user_memory: unsafe { user_memory::take() },
         }
     }
 

@@ -32,7 +32,7 @@ use stm32f4xx_hal::rcc::{Config, Enable};
 use stm32f4xx_hal::signature::Uid;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-use super::{Board, Parts};
+use super::{user_memory, Board, Parts};
 
 /// The board.
 pub struct Stm32f405;
@@ -120,6 +120,8 @@ impl Board for Stm32f405 {
             parameters: flash::ParameterSectors::new(device.FLASH),
             inputs: switches::read(&digits, &factory_reset),
             serial_number: serial_number(),
+            // SAFETY: the peripherals exist once, so this function is called once.
+            user_memory: unsafe { user_memory::take() },
         }
     }
 
