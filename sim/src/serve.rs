@@ -125,8 +125,11 @@ impl Server {
     /// Lets the drive do what is due now, and sends its frames. Returns when it wants its next turn.
     pub fn turn(&mut self) -> WallClock {
         let now = self.now();
-        let wake = self.drive.poll(now);
-        self.send_frames();
+        let mut wake = self.drive.poll(now);
+        // Some times begin when a frame has left.
+        while self.send_frames() {
+            wake = self.drive.poll(now);
+        }
         self.tell_events();
         let sleep = wake
             .checked_duration_since(now)
@@ -161,11 +164,15 @@ impl Server {
         }
     }
 
-    fn send_frames(&mut self) {
+    /// Sends what the drive has to send; returns whether that was anything.
+    fn send_frames(&mut self) -> bool {
+        let mut has_sent = false;
         while let Some(frame) = self.drive.transmit() {
             let bit_rate = self.bit_rate();
             self.send(&frame, Source::Own, bit_rate);
+            has_sent = true;
         }
+        has_sent
     }
 
     fn send(&mut self, frame: &Frame, source: Source, bit_rate: Option<u32>) {

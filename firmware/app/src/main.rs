@@ -34,8 +34,6 @@ mod machine;
 #[forbid(unsafe_code)]
 mod node;
 #[forbid(unsafe_code)]
-mod outbox;
-#[forbid(unsafe_code)]
 mod settings;
 #[forbid(unsafe_code)]
 mod share;

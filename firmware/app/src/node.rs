@@ -6,8 +6,8 @@
 //!
 //! The contract:
 //! - One run takes no more frames than can wait, so timers and the watchdog are served under any load of the bus.
-//! - A frame the controller has no room for is kept and offered again, the most urgent first; none is dropped here,
-//!   unless the device is reset: then the boot-up message is the first.
+//! - The device keeps its frames until the controller has room for them; those that had to make way for others are offered again
+//!   ([`Outbox`]). None is dropped here, unless the device is reset: then the boot-up message is the first.
 //! - Settings and parameters are stored only while the drive is safe, as writing to flash stops the processor. A master that
 //!   does not switch the drive off gets an error, in time. Commands come from this task too, so none can switch the drive on
 //!   while flash is written. One run writes one chunk, or the settings.
@@ -18,7 +18,7 @@ use canopen::cia303::{Pattern, Signal};
 use canopen::cia305::Detection;
 use canopen::node::StoreError;
 use canopen::settings::PowerOn;
-use canopen::{BitRate, BitTiming, Configuration, Duration, Event, Instant, Settings};
+use canopen::{BitRate, BitTiming, Configuration, Duration, Event, Instant, Outbox, Settings};
 use cia402::{Device, DriveSignal, Exchange, Share};
 use rtic::Mutex;
 
@@ -28,13 +28,15 @@ use crate::dictionary::{Dictionary, Hooked};
 use crate::inbox::{Lost, Received, Stamped};
 use crate::lights::Signals;
 use crate::machine::Machine;
-use crate::outbox::Outbox;
 use crate::settings::{self, Parameters};
-use crate::share::Locked;
+use crate::share::{Locked, LockedBus};
 
 /// Writing to flash may stop the processor for a while, so it waits until the motor has no current; a master that asks
 /// for it while the drive is enabled is answered with an error after this time.
 const STORE_PATIENCE: Duration = Duration::millis(50);
+
+/// As many frames may have to make way as a controller has mailboxes.
+const MAILBOXES: usize = 3;
 
 type CanBus = <Selected as Board>::Bus;
 type Receiver = <Selected as Board>::Receiver;
@@ -47,8 +49,8 @@ pub struct Node {
     lost_before: u32,
     /// The controller is to start again after bus-off.
     restarts: bool,
-    /// Frames the controller had no room for.
-    outbox: Outbox,
+    /// Frames that had to make way for others.
+    outbox: Outbox<MAILBOXES>,
     store: Parameters<<Selected as Board>::Parameters>,
     /// Settings that wait to be stored, and until when they may.
     to_store: Option<(Configuration, Instant)>,
@@ -307,8 +309,8 @@ impl Node {
         }
     }
 
-    /// Hands frames to the controller until it has no more room. While the node is mute, a frame that has no room yet waits
-    /// as well; after a reset it is void: the first frame is the boot-up message.
+    /// Hands frames to the controller until it has no more room. While the node is mute, a frame that had to make way waits as
+    /// well; after a reset it is void: the first frame is the boot-up message.
     fn send(&mut self, bus: &mut impl Mutex<T = CanBus>) {
         let node = self.device.node();
         if node.is_mute() {
@@ -317,9 +319,7 @@ impl Node {
             }
             return;
         }
-        self.outbox.send(
-            || self.device.transmit(),
-            |frame| bus.lock(|bus| bus.send(frame)),
-        );
+        self.device.drop_late(clock::now());
+        self.outbox.send(&mut self.device, &mut LockedBus(bus));
     }
 }

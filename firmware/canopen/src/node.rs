@@ -174,7 +174,8 @@ impl<D: Dictionary> Node<D> {
     /// silent until [`Node::load_parameters`].
     ///
     /// [`Reset::Node`] loads every object and forgets the errors that stand (who still sees one reports it again).
-    /// [`Reset::Communication`] loads 1000h to 1FFFh, except the identity object 1018h, which the firmware fills in.
+    /// [`Reset::Communication`] loads 1000h to 1FFFh, except the identity object 1018h, which the firmware fills in. Errors that
+    /// stand are told again after the boot-up message, as for an error that a device finds when it starts (CiA 301, 7.2.8.1).
     pub fn boot<A: Application<D>>(&mut self, reset: Reset, now: Instant, application: &mut A) {
         self.silence();
         self.serve_sdo(now, application);
@@ -193,6 +194,9 @@ impl<D: Dictionary> Node<D> {
         }
         self.services
             .configure(&mut self.dictionary, self.node_id, now);
+        if reset == Reset::Communication {
+            self.services.emergency.show_history(&mut self.dictionary);
+        }
         if !self.services.parameters.reset(reset) {
             self.end_boot(now);
         }
@@ -206,6 +210,8 @@ impl<D: Dictionary> Node<D> {
         if self.node_id.is_configured() {
             self.queue.push_boot_up();
             self.enter(NmtState::PreOperational, now);
+            self.services.emergency.tell_all(now);
+            self.services.timers_changed = true;
             if startup::starts_itself(&self.dictionary) {
                 self.enter(NmtState::Operational, now);
             }

@@ -352,24 +352,6 @@ fn e10_a_message_that_waits_is_dropped_by_stop() {
 }
 
 #[test]
-fn errors_stand_through_a_reset_of_communication_and_not_through_one_of_the_node() {
-    let mut device = Device::new();
-    report(&mut device, OVERCURRENT);
-    device.send("000#8204");
-    device.serve_reset();
-    assert_eq!(device.sent(), ["704#00"]);
-    assert_eq!(device.value(0x1001, 0), [3]);
-    assert_eq!(clear(&mut device, 0x2310), ["084#0000000000000000"]);
-    report(&mut device, OVERCURRENT);
-    device.send("000#8104");
-    assert_eq!(device.serve_reset(), Reset::Node);
-    assert_eq!(device.sent(), ["704#00"]);
-    assert_eq!(device.value(0x1001, 0), [0]);
-    assert_eq!(device.value(0x1003, 0), [0]);
-    assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
-}
-
-#[test]
 fn many_different_errors_at_once_never_lose_the_register() {
     let mut device = Device::new();
     for number in 1..=40 {
@@ -433,4 +415,53 @@ fn a_mapped_error_register_is_sent_when_it_changes() {
     device.node.clear(0xFF01, device.now);
     device.poll();
     assert_eq!(device.sent(), ["084#0000000000000000", "184#00"]);
+}
+
+#[test]
+fn errors_that_stand_are_told_again_after_reset_communication() {
+    let mut device = Device::new();
+    let motor = Emergency {
+        code: 0x7121,
+        register: ErrorRegister::CURRENT,
+        info: [1, 2, 3, 4, 5],
+    };
+    let gone = Emergency {
+        code: 0x4310,
+        register: ErrorRegister::TEMPERATURE,
+        info: [0; 5],
+    };
+    let supply = Emergency {
+        code: 0x3120,
+        register: ErrorRegister::VOLTAGE,
+        info: [0; 5],
+    };
+    for error in [motor, gone, supply] {
+        device.node.report(error, device.now);
+    }
+    device.node.clear(gone.code, device.now);
+    device.sent();
+    device.send("000#8204");
+    device.serve_reset();
+    device.poll();
+    assert_eq!(
+        device.sent(),
+        ["704#00", "084#2171070102030405", "084#2031070000000000"]
+    );
+    assert_eq!(device.value(0x1001, 0), [0x07]);
+    assert_eq!(device.value(0x1003, 0), [2]);
+    assert_eq!(device.value(0x1003, 1), [0x20, 0x31, 0, 0]);
+    assert_eq!(device.value(0x1003, 2), [0x21, 0x71, 1, 2]);
+    // They are the same errors: not told once more, and over once.
+    device.node.report(motor, device.now);
+    assert_eq!(device.sent(), [""; 0]);
+    device.node.clear(motor.code, device.now);
+    assert_eq!(device.sent(), ["084#0000050000000000"]);
+    // Reset node forgets them, and who still sees one reports it.
+    device.send("000#8104");
+    assert_eq!(device.serve_reset(), Reset::Node);
+    device.poll();
+    assert_eq!(device.sent(), ["704#00"]);
+    assert_eq!(device.value(0x1001, 0), [0]);
+    assert_eq!(device.value(0x1003, 0), [0]);
+    assert_eq!(report(&mut device, supply), ["084#2031050000000000"]);
 }

@@ -4,7 +4,7 @@ mod device;
 
 use canopen::Duration;
 use canopen::cia301::time_stamp::TimeOfDay;
-use device::{Device, Sent, abort};
+use device::{Device, Sent, abort, frame};
 
 fn write_u32(device: &mut Device, index: u16, value: u32) -> Vec<String> {
     let [low, high] = index.to_le_bytes();
@@ -297,4 +297,34 @@ fn p36_the_stamp_of_a_frame_says_whether_it_came_after_the_window() {
     device.put("204#0200000000000000");
     device.send("080#");
     assert_eq!(device.value(0x2003, 0), [1, 0, 0, 0]);
+}
+
+#[test]
+fn p36_a_synchronous_pdo_does_not_leave_after_the_window_though_frames_wait_to_be_given() {
+    let mut device = Device::new();
+    device.ask("604#2300140104020080");
+    device.ask("604#2F00140201000000");
+    device.ask("604#2300140104020000");
+    // TPDO 1 at every SYNC, and by an event that waits.
+    device.ask("604#2300180184010080");
+    device.ask("604#2F00180201000000");
+    device.ask("604#2300180184010000");
+    write_u32(&mut device, 0x1007, 5_000);
+    device.send("000#0104");
+    device.send("080#");
+    let received = device.now + Duration::from_ticks(4_999);
+    device.now += Duration::from_ticks(5_000);
+    device.node.drop_late(received);
+    assert!(device.node.pending().is_some(), "the window is open");
+    device.node.drop_late(device.now);
+    assert_eq!(device.node.pending(), None);
+    // A frame that arrived within the window is in time whenever it is given.
+    device.node.receive(
+        &frame("204#0700000000000000"),
+        received,
+        &mut device.firmware,
+    );
+    device.send("080#");
+    assert_eq!(device.value(0x2003, 0), [7, 0, 0, 0]);
+    assert_eq!(device.sent().len(), 1);
 }

@@ -21,6 +21,7 @@ use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
 use canopen::node::StoreError;
 use canopen::od::{self, Dictionary};
+use canopen::outbox::{Pending, Sender};
 use canopen::settings::PowerOn;
 use canopen::{Application, BitRate, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
@@ -160,6 +161,11 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         self.node.transmit(&mut self.hooks)
     }
 
+    /// Drops what is too late to be sent ([`Node::drop_late`]).
+    pub fn drop_late(&mut self, now: Instant) {
+        self.node.drop_late(now);
+    }
+
     /// The next event for the firmware. Resets do not show here: the device stops the drive, then boots by itself. Of
     /// changes of the NMT state that the firmware does not fetch some may be left out, never the last one; what it has to do
     /// is not ([`Node::event`]).
@@ -271,6 +277,16 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             let commands = self.hooks.commands(self.node.dictionary(), network);
             exchange.lock(|exchange| exchange.post(commands));
         }
+    }
+}
+
+impl<D: Dictionary + Objects, A: Application<D>> Sender for Device<D, A> {
+    fn pending(&self) -> Option<Pending> {
+        self.node.pending()
+    }
+
+    fn take(&mut self) -> Option<Frame> {
+        self.transmit()
     }
 }
 

@@ -13,8 +13,10 @@ use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::cia301::time_stamp::TimeOfDay;
 use canopen::node::StoreError;
 use canopen::od::{self, DayTime, StorageGroup, Value};
+use canopen::outbox::{Mailboxes, Room};
 use canopen::{
-    Application, BitRate, ControllerState, Duration, Frame, Instant, Node, NodeId, Settings,
+    Application, BitRate, ControllerState, Domain, Duration, Frame, Instant, Node, NodeId, Outbox,
+    Settings,
 };
 use cia402::binding::{self, Conversion, Number};
 use cia402::inputs::{self, Captured, DigitalInputs};
@@ -41,7 +43,7 @@ mod dictionary {
     include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));
 }
 
-use dictionary::Dictionary;
+use dictionary::{Dictionary, Hooked, Hooks, Streams};
 
 /// The same objects in a device that was compiled with all that the crate can do, whatever its data sheet lists.
 struct Everything(Dictionary);
@@ -376,8 +378,45 @@ impl ParameterStore for AnyStore {
     }
 }
 
+/// An application with the DOMAIN of the drive.
+struct Machine(Domain<[u8; 64]>);
+
+impl Hooks for Machine {}
+
+impl Streams for Machine {
+    type UserMemory = Domain<[u8; 64]>;
+
+    fn user_memory(&mut self) -> &mut Self::UserMemory {
+        &mut self.0
+    }
+}
+
+/// Mailboxes that may say anything.
+struct AnyMailboxes;
+
+impl Mailboxes for AnyMailboxes {
+    fn room(&mut self, cob_id: u16) -> Room {
+        look(cob_id.into());
+        match any() {
+            0 => Room::None,
+            1 => Room::Free,
+            _ => Room::InPlaceOfAnother,
+        }
+    }
+
+    fn put(&mut self, frame: &Frame) -> Option<Frame> {
+        look(frame.length().into());
+        (any() == 0).then(any_frame)
+    }
+}
+
 #[inline(never)]
-fn drive(device: &mut Device<Dictionary>, drive: &mut Drive, exchange: &mut impl Share) {
+fn drive(
+    device: &mut Device<Dictionary, Hooked<Machine>>,
+    drive: &mut Drive,
+    exchange: &mut impl Share,
+    outbox: &mut Outbox<3>,
+) {
     match any() {
         0 => device.power_on(any_time(), exchange),
         1 => look(device.poll(any_time(), exchange).ticks() as u32),
@@ -411,6 +450,10 @@ fn drive(device: &mut Device<Dictionary>, drive: &mut Drive, exchange: &mut impl
         8 => device.frames_lost(any(), any_time()),
         9 => device.set_restart_delay((any() == 0).then_some(Duration::from_ticks(any_u64()))),
         10 => device.serve_store(&mut AnyStore, any_time(), exchange),
+        11 => outbox.send(device, &mut AnyMailboxes),
+        12 => outbox.clear(),
+        14 => device.drop_late(any_time()),
+        13 => look(device.application().0 .0.value().len() as u32),
         _ => device.receive(&any_frame(), any_time(), exchange),
     }
 }
@@ -576,7 +619,10 @@ fn values() {
 #[entry]
 fn main() -> ! {
     let mut exchange = Exchange::new();
-    let mut device = Device::new(Dictionary::new(), any_settings(), any()).with_parameter_store();
+    let machine = Hooked(Machine(Domain::new([0; 64], [0; 64])));
+    let mut device = Device::with_application(Dictionary::new(), any_settings(), any(), machine)
+        .with_parameter_store();
+    let mut outbox = Outbox::new();
     let mut plain = Node::new(Everything(Dictionary::new()), any_settings())
         .with_parameter_store()
         .detecting()
@@ -595,7 +641,7 @@ fn main() -> ! {
         while any() != 0 {
             node(&mut plain);
             commissioning.advance(&plain);
-            drive(&mut device, &mut driver, &mut exchange);
+            drive(&mut device, &mut driver, &mut exchange, &mut outbox);
             axis(&mut stepper);
             homing(&mut search);
             plan(config.clock);

@@ -9,7 +9,8 @@
 //! reads the timer that counts and handles the hard fault, `bin/no_panic.rs` has cells the compiler cannot see through
 //! and the function that does not exist.
 
-use canopen::{BitRate, ControllerState, Frame};
+use canopen::outbox::Mailboxes;
+use canopen::{BitRate, ControllerState};
 use cortex_m::peripheral::SYST;
 use embedded_storage::nor_flash::NorFlash;
 use stm32f4xx_hal::pac;
@@ -95,7 +96,7 @@ pub trait Receive<B> {
 }
 
 /// The sending half of a CAN controller, and the state of the whole.
-pub trait Bus {
+pub trait Bus: Mailboxes {
     /// The bit rates that can be made from the controller's clock, 100 kbit/s among them if it is one.
     const BIT_RATES: &'static [BitRate];
 
@@ -119,10 +120,6 @@ pub trait Bus {
 
     /// Whether the controller has seen a frame that it could not read since the last call, or since it began to listen.
     fn error_seen(&mut self) -> bool;
-
-    /// Takes the frame, or gives back one to offer again after the next transmit interrupt: this one if there is no room, or
-    /// one of lower priority that had to make way for it.
-    fn send(&mut self, frame: &Frame) -> Option<Frame>;
 
     /// The transmit interrupt.
     fn on_sent(&mut self);

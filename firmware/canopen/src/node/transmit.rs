@@ -12,7 +12,9 @@ use crate::application::Application;
 use crate::cia301::nmt::NmtState;
 use crate::cia305;
 use crate::od::Dictionary;
+use crate::outbox::Pending;
 use crate::settings::NodeId;
+use crate::time::Instant;
 use crate::wire::{Frame, cob_id};
 
 /// Most LSS answers that wait. A master has one request in flight.
@@ -174,6 +176,45 @@ impl<D: Dictionary> Node<D> {
         } else {
             None
         }
+    }
+
+    /// Drops synchronous PDOs whose SYNC window (1007h) is over at `now`, so that none leaves late: to be called before
+    /// [`Node::transmit`] where [`Node::poll`] was not called for this moment, as frames that arrived before it still wait to be given.
+    /// An event of transmission type 0 is kept for the next SYNC.
+    #[inline]
+    pub fn drop_late(&mut self, now: Instant) {
+        if self.services.sync.is_window_over(now) {
+            self.services.tpdos.window_passed();
+        }
+    }
+
+    /// What [`Node::transmit`] would give now: a controller that has no room for it is better not asked to take it, as process data
+    /// is replaced by newer data here. [`Outbox`](crate::Outbox) sees to that.
+    pub fn pending(&self) -> Option<Pending> {
+        if self.is_mute {
+            return None;
+        }
+        if self.queue.has(waiting::BOOT_UP) {
+            return Some(Pending {
+                cob_id: cob_id::error_control(self.node_id),
+                is_process_data: false,
+            });
+        }
+        let emergency = self.services.emergency.pending().unwrap_or(NO_COB_ID);
+        let pdo = self.services.tpdos.pending().unwrap_or(NO_COB_ID);
+        let fixed = self.pending_fixed().unwrap_or(NO_COB_ID);
+        let (cob_id, is_process_data) = if emergency <= pdo && emergency <= fixed {
+            (emergency, false)
+        } else if pdo <= fixed {
+            (pdo, self.services.tpdos.is_pending_replaced())
+        } else {
+            let (timing, _) = self.pending_timing();
+            (fixed, fixed == timing)
+        };
+        (cob_id != NO_COB_ID).then_some(Pending {
+            cob_id,
+            is_process_data,
+        })
     }
 
     #[inline(never)]

@@ -4,6 +4,7 @@
 //! fast as the host can send; when the inbox is full the receive interrupt is switched off and the byte stays where it
 //! is, which holds up the sender.
 
+use canopen::outbox::{Mailboxes, Room};
 use canopen::{BitRate, ControllerState, Frame};
 use cortex_m::peripheral::NVIC;
 use slcan::{Channel, Decoder};
@@ -41,6 +42,19 @@ impl SerialBus {
     }
 }
 
+impl Mailboxes for SerialBus {
+    fn room(&mut self, _cob_id: u16) -> Room {
+        Room::Free
+    }
+
+    fn put(&mut self, frame: &Frame) -> Option<Frame> {
+        if self.channel.is_open() {
+            self.write(&slcan::encode(frame));
+        }
+        None
+    }
+}
+
 impl Bus for SerialBus {
     const BIT_RATES: &'static [BitRate] = &BitRate::ALL;
 
@@ -58,13 +72,6 @@ impl Bus for SerialBus {
 
     fn error_seen(&mut self) -> bool {
         false
-    }
-
-    fn send(&mut self, frame: &Frame) -> Option<Frame> {
-        if self.channel.is_open() {
-            self.write(&slcan::encode(frame));
-        }
-        None
     }
 
     fn on_sent(&mut self) {}

@@ -3,8 +3,8 @@
 //! - Sending: the controller offers the frame with the lowest identifier of its mailboxes to the bus, and repeats it
 //!   until it has gone out. A frame gets a mailbox only if it goes before everything that waits there, so two frames
 //!   with the same identifier leave in the order they came. With all three full, the lowest priority gives way: it is
-//!   taken back and returned to be offered again. So nothing is lost, and an urgent frame never waits behind three
-//!   others.
+//!   taken back and returned to be offered again ([`canopen::Outbox`]). So nothing is lost, and an urgent frame never waits
+//!   behind three others.
 //! - Receiving: every frame passes the filter. A frame that finds the FIFO full is lost and counted.
 //! - Errors: the controller is error passive from 128 errors on, and bus-off after 256 transmit errors; each raises the error
 //!   interrupt. It stays bus-off until it is started again, when the device says so, and 128 times 11 recessive bits have
@@ -14,6 +14,7 @@
 
 use bxcan::filter::Mask32;
 use bxcan::{Fifo, Interrupts};
+use canopen::outbox::{Mailboxes, Room};
 use canopen::{BitRate, ControllerState, Frame};
 use embedded_can::{ExtendedId, Frame as _, Id, StandardId};
 use stm32f4xx_hal::can::Can;
@@ -45,6 +46,35 @@ impl Controller {
             .ier()
             .modify(|_, w| w.bofie().set_bit().epvie().set_bit());
         Self { can }
+    }
+}
+
+impl Mailboxes for Controller {
+    fn room(&mut self, cob_id: u16) -> Room {
+        let can = registers();
+        let waiting = |mailbox: usize| {
+            let waiting = can.tx(mailbox).tir().read();
+            // The upper eleven bits, of an extended identifier too.
+            waiting
+                .txrq()
+                .bit_is_set()
+                .then(|| (waiting.bits() >> 21) as u16)
+        };
+        let waiting = [waiting(0), waiting(1), waiting(2)];
+        if waiting.iter().flatten().any(|id| *id <= cob_id) {
+            Room::None
+        } else if waiting.iter().all(Option::is_some) {
+            Room::InPlaceOfAnother
+        } else {
+            Room::Free
+        }
+    }
+
+    fn put(&mut self, frame: &Frame) -> Option<Frame> {
+        match self.can.transmit(&to_controller(frame)?) {
+            Ok(status) => status.dequeued_frame().and_then(from_controller),
+            Err(_full) => Some(*frame),
+        }
     }
 }
 
@@ -93,13 +123,6 @@ impl Bus for Controller {
         // 7 is left as it is until the next frame, whole (0) or broken (1 to 6).
         registers().esr().modify(|_, w| w.lec().set(7));
         (1..=6).contains(&code)
-    }
-
-    fn send(&mut self, frame: &Frame) -> Option<Frame> {
-        match self.can.transmit(&to_controller(frame)?) {
-            Ok(status) => status.dequeued_frame().and_then(from_controller),
-            Err(_full) => Some(*frame),
-        }
     }
 
     fn on_sent(&mut self) {
@@ -151,7 +174,8 @@ fn registers() -> &'static pac::can1::RegisterBlock {
     // SAFETY: `Controller` owns CAN1, and its methods touch one register after the other. What is touched here, `bxcan` does
     // not use: the interrupt enables of bus-off and error passive, once at the start, the error flag, the last error code, and the
     // read-only status;
-    // or it uses it the same way: the request to leave the bus, and the return from bus-off, which it only sets.
+    // or it uses it the same way: the request to leave the bus, and the return from bus-off, which it only sets. What waits in
+    // the mailboxes is read only.
     unsafe { &*pac::CAN1::ptr() }
 }
 

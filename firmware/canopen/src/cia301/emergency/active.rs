@@ -15,6 +15,20 @@ const MOST_OTHERS: usize = 16;
 struct Standing {
     history_word: u32,
     register: u8,
+    /// What the history has no room for: the last three bytes of its information.
+    rest: [u8; 3],
+}
+
+impl Standing {
+    fn emergency(&self) -> Emergency {
+        let [low, high, a, b] = self.history_word.to_le_bytes();
+        let [c, d, e] = self.rest;
+        Emergency {
+            code: u16::from_le_bytes([low, high]),
+            register: self.register,
+            info: [a, b, c, d, e],
+        }
+    }
 }
 
 /// The list of errors that stand. One that finds no room in it is told to the master all the same, and once; its bits stay
@@ -52,9 +66,11 @@ impl ActiveErrors {
             return false;
         }
         let register = emergency.register | ErrorRegister::GENERIC;
+        let [_, _, rest @ ..] = emergency.info;
         let error = Standing {
             history_word,
             register,
+            rest,
         };
         if self.standing.push(error).is_err() {
             self.add_other(history_word);
@@ -74,6 +90,11 @@ impl ActiveErrors {
         self.standing
             .iter()
             .fold(self.other_bits, |bits, error| bits | error.register)
+    }
+
+    /// The errors of the list, oldest first.
+    pub(super) fn all(&self) -> impl Iterator<Item = Emergency> {
+        self.standing.iter().map(Standing::emergency)
     }
 
     /// Removes the errors that are meant; `false` if there was none.

@@ -66,6 +66,23 @@ impl Producer {
         }
     }
 
+    /// The errors that stand are in the history, which has just been emptied: reset communication.
+    pub fn show_history<D: Dictionary>(&self, dictionary: &mut D) {
+        for error in self.active.all() {
+            self.history.insert(dictionary, error.history_word());
+        }
+    }
+
+    /// Tells of every error that stands, the oldest first: the first state with emergency messages is entered, and whoever listened
+    /// before may not listen now.
+    pub fn tell_all(&mut self, now: Instant) {
+        let register = self.active.register();
+        for error in self.active.all() {
+            self.queue
+                .push(message(error.code, register, error.info), now);
+        }
+    }
+
     /// These errors are gone. Nothing happens if none of them stood. `may_send` as in [`Producer::report`].
     pub fn clear<D: Dictionary>(
         &mut self,

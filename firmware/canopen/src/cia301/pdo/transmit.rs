@@ -371,6 +371,13 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         self.is_pending().then_some(self.lowest)
     }
 
+    /// Whether newer data takes the place of what [`Transmit::take`] has given: not so for multiplexed PDOs, each of which names
+    /// another object.
+    pub(crate) fn is_pending_replaced(&self) -> bool {
+        let first = self.pdos.as_ref().get(usize::from(self.lowest_number));
+        first.is_some_and(|pdo| pdo.addressing().is_none())
+    }
+
     /// The PDO to send first, for the bus; its place is empty afterwards.
     pub fn take(&mut self) -> Option<Frame> {
         if !self.is_pending() {

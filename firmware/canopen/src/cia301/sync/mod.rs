@@ -206,6 +206,12 @@ impl Sync {
         is_over
     }
 
+    /// Whether the window is over, and nobody has been told yet.
+    #[inline]
+    pub const fn is_window_over(&self, now: Instant) -> bool {
+        has_come(self.window_end, now)
+    }
+
     /// [`Sync::poll`] has nothing to do before this moment.
     #[inline]
     pub const fn deadline(&self) -> Instant {

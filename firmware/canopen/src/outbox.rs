@@ -1,0 +1,156 @@
+//! Between the device and the mailboxes of a CAN controller.
+//!
+//! A controller sends the lowest identifier of its few mailboxes first. So that an urgent frame never waits behind others, one of
+//! them has to make way when all mailboxes are taken; it waits here, and goes back when there is room.
+//!
+//! The contract:
+//! - The device is asked for a frame only when a mailbox takes it. Until then it waits in the device, in the place of its
+//!   communication object, where process data is replaced by newer data.
+//! - Of frames with the same identifier the older leaves first, but process data that waits here is void when the device has
+//!   newer data for the same identifier: it leaves once, with the newest values.
+//! - Nothing else is lost. When all places are taken no further frame has to make way.
+
+use crate::Frame;
+use crate::application::Application;
+use crate::node::Node;
+use crate::od::Dictionary;
+
+/// What the device would send next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pending {
+    /// Its identifier, the lowest of what waits in the device.
+    pub cob_id: u16,
+    /// Whether newer data takes the place of older data: PDO, SYNC and TIME. SDO, emergency messages, error control and LSS are
+    /// sent one and all.
+    pub is_process_data: bool,
+}
+
+/// Who has frames to send.
+pub trait Sender {
+    /// What [`Sender::take`] would give now; `None` if nothing.
+    fn pending(&self) -> Option<Pending>;
+
+    /// The next frame.
+    fn take(&mut self) -> Option<Frame>;
+}
+
+/// A node with its application.
+impl<D: Dictionary, A: Application<D>> Sender for (&mut Node<D>, &mut A) {
+    fn pending(&self) -> Option<Pending> {
+        self.0.pending()
+    }
+
+    fn take(&mut self) -> Option<Frame> {
+        self.0.transmit(self.1)
+    }
+}
+
+/// Whether the mailboxes have room for a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Room {
+    /// Not before one that waits there has left: those that wait are more urgent, or one has the same identifier.
+    None,
+    /// A mailbox is free for it.
+    Free,
+    /// All are taken, and one of lower priority would make way for it.
+    InPlaceOfAnother,
+}
+
+/// The transmit mailboxes of a CAN controller. Frames with one identifier leave in the order in which they are put.
+pub trait Mailboxes {
+    /// What there is for a frame with this 11-bit identifier.
+    fn room(&mut self, cob_id: u16) -> Room;
+
+    /// Takes the frame, for which there is room. Gives back the one that had to make way, or this one if there is no room after all.
+    fn put(&mut self, frame: &Frame) -> Option<Frame>;
+}
+
+/// Frames that had to make way, at most `PLACES` of them.
+#[derive(Debug)]
+pub struct Outbox<const PLACES: usize> {
+    waiting: [Option<Frame>; PLACES],
+}
+
+impl<const PLACES: usize> Outbox<PLACES> {
+    /// Nothing waits.
+    pub const fn new() -> Self {
+        Self {
+            waiting: [None; PLACES],
+        }
+    }
+
+    /// What waits is void: the device starts anew.
+    pub fn clear(&mut self) {
+        *self = Self::new();
+    }
+
+    /// Hands frames to the mailboxes, the most urgent first, until there is no room or nothing is left. To be called after each call
+    /// of the device, and when a mailbox has become free.
+    pub fn send(&mut self, device: &mut impl Sender, mailboxes: &mut impl Mailboxes) {
+        loop {
+            let pending = device.pending();
+            let of_device = pending.map(|pending| pending.cob_id);
+            let (place, own) = match (self.first(), of_device) {
+                (None, None) => return,
+                (Some((place, own)), of_device) if of_device.is_none_or(|id| own <= id) => {
+                    (Some(place), own)
+                }
+                (_, of_device) => (None, of_device.unwrap_or_default()),
+            };
+            if place.is_some()
+                && pending.is_some_and(|next| next.is_process_data && next.cob_id == own)
+            {
+                // The device has newer data for it.
+                self.remove(place);
+                continue;
+            }
+            match mailboxes.room(own) {
+                Room::None => return,
+                Room::InPlaceOfAnother if place.is_none() && self.is_full() => return,
+                Room::Free | Room::InPlaceOfAnother => {}
+            }
+            let frame = match place {
+                Some(_) => self.remove(place),
+                None => device.take(),
+            };
+            let Some(frame) = frame else { return };
+            if let Some(back) = mailboxes.put(&frame) {
+                self.keep(back);
+                if back.id() == frame.id() {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// The most urgent frame that waits: its place and its identifier.
+    fn first(&self) -> Option<(usize, u16)> {
+        let waiting = self.waiting.iter().enumerate();
+        waiting
+            .filter_map(|(place, frame)| Some((place, frame.as_ref()?.standard_id()?)))
+            .min_by_key(|(_, cob_id)| *cob_id)
+    }
+
+    fn is_full(&self) -> bool {
+        self.waiting.iter().all(Option::is_some)
+    }
+
+    fn remove(&mut self, place: Option<usize>) -> Option<Frame> {
+        self.waiting.get_mut(place?)?.take()
+    }
+
+    fn keep(&mut self, frame: Frame) {
+        if let Some(free) = self.waiting.iter_mut().find(|place| place.is_none()) {
+            *free = Some(frame);
+        }
+    }
+}
+
+impl<const PLACES: usize> Default for Outbox<PLACES> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests;
