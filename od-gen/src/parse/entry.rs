@@ -256,7 +256,11 @@ fn check_limits(entry: &mut Entry, section: &Section<'_>, findings: &mut Finding
     };
     let span = entry.places.of(Field::DefaultValue);
     let message = format!("DefaultValue {text} is {outside}");
-    findings.report(&rule::DEFAULT_OUTSIDE_LIMITS, span, message);
+    let finding = findings.report(&rule::DEFAULT_OUTSIDE_LIMITS, span, message);
+    let is_zero = |limit: Option<Limit>| limit == Some(Limit::Integer(0));
+    if is_zero(entry.low_limit) && is_zero(entry.high_limit) {
+        finding.help("some tools write 0 and 0 where there are no limits: remove both");
+    }
 }
 
 fn check_constant(entry: &Entry, section: &Section<'_>, findings: &mut Findings) {

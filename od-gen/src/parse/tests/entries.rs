@@ -373,3 +373,18 @@ fn an_allowance_of_an_object_is_for_its_sub_indices_too() {
         "and it silences nothing there"
     );
 }
+
+#[test]
+fn limits_of_0_and_0_may_be_meant_as_none() {
+    let old = "LowLimit=-5\nDefaultValue=-1\n";
+    assert_eq!(SMALL.matches(old).count(), 1);
+    let help = |limits: &str| {
+        let new = format!("{limits}DefaultValue=-1\n");
+        let report = Report::new("small.eds", &SMALL.replacen(old, &new, 1));
+        let finding = report.findings.into_iter().next();
+        finding.and_then(|finding| finding.help)
+    };
+    assert_eq!(help("LowLimit=-5\nHighLimit=-3\n"), None);
+    let none = "some tools write 0 and 0 where there are no limits: remove both";
+    assert_eq!(help("LowLimit=0\nHighLimit=0\n").as_deref(), Some(none));
+}
