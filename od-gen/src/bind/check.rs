@@ -9,7 +9,7 @@ use toml::{Spanned, Value};
 
 use super::file::{File, Row, place};
 use super::place::{entry, indices, name};
-use super::{Binding, Meaning};
+use super::{Binding, Meaning, home};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
 use crate::model::{Access, Entry, Model, Object};
@@ -299,9 +299,8 @@ impl Reader<'_> {
     /// The default of an object that is taken means something to the drive; that of one that follows the object of CiA 402 is
     /// never seen.
     fn default(&mut self, entry: &Entry, parameter: &Description, binding: &Binding) -> Option<()> {
-        let (index, sub) = parameter.home;
         let is_home = (binding.index, binding.sub) == parameter.home;
-        let follows = binding.is_shown && !is_home && self.model.entry(index, sub).is_some();
+        let follows = binding.is_shown && !is_home && home(self.model, parameter).is_some();
         if parameter.direction == Direction::Shown || follows {
             return Some(());
         }

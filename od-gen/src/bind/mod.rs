@@ -29,10 +29,11 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use cia402::binding::Conversion;
-use cia402::parameters::Description;
+use cia402::parameters::{Description, PROFILE};
 
 use crate::diagnostic::{Colour, Diagnostic, Findings, Severity, render};
-use crate::model::Model;
+use crate::generate::snake_case;
+use crate::model::{Entry, Model};
 use crate::source::Source;
 
 /// One object that stands for a parameter.
@@ -140,6 +141,21 @@ impl BindingReport {
         let rendered = findings.map(|finding| render(finding, &self.source, colour) + "\n");
         rendered.collect::<Vec<_>>().join("\n")
     }
+}
+
+/// The object that a parameter has without a binding: that of CiA 402, or one of the manufacturer that is called by the parameter's
+/// name.
+pub fn home<'a>(model: &'a Model, parameter: &Description) -> Option<&'a Entry> {
+    let (index, sub) = parameter.home;
+    let entry = model.entry(index, sub)?;
+    is_home(entry, parameter).then_some(entry)
+}
+
+/// Whether the entry at the place of a parameter's home is its home.
+pub(crate) fn is_home(entry: &Entry, parameter: &Description) -> bool {
+    let (index, _) = parameter.home;
+    let is_meant = index >= PROFILE || snake_case(&entry.name) == parameter.name;
+    is_meant && !entry.is_with_application
 }
 
 /// The file with the bindings of a data sheet: its name with `.bind.toml` in place of the extension.

@@ -23,6 +23,7 @@ use crate::bind::Binding;
 use crate::model::Model;
 pub use figures::Figures;
 use layout::Layout;
+pub(crate) use names::snake_case;
 
 /// What is generated beside the dictionary itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

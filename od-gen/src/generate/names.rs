@@ -124,7 +124,7 @@ fn numbered(
 }
 
 /// `Max. motor-speed (rpm)` is `max_motor_speed_rpm`.
-pub(super) fn snake_case(name: &str) -> String {
+pub(crate) fn snake_case(name: &str) -> String {
     let words = name
         .split(|letter: char| !letter.is_ascii_alphanumeric())
         .filter(|word| !word.is_empty());

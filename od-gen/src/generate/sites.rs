@@ -3,8 +3,7 @@
 use cia402::parameters::{Description, PROFILE};
 
 use super::layout::{Layout, Place, Row};
-use super::names::snake_case;
-use crate::bind::Binding;
+use crate::bind::{self, Binding};
 
 /// An object that stands for a parameter.
 #[derive(Debug)]
@@ -72,13 +71,8 @@ pub(super) fn sites<'a>(
         .collect();
     let (index, sub) = parameter.home;
     let is_bound = sites.iter().any(|site| site.is_home_of(parameter));
-    // What the application has is its own.
     let row = layout.row(index, sub);
-    let row = row.filter(|row| {
-        // An object of the manufacturer is the parameter's home by its name alone.
-        let is_home = index >= PROFILE || snake_case(&row.entry.name) == parameter.name;
-        row.place != Place::Application && !is_bound && is_home
-    });
+    let row = row.filter(|row| bind::is_home(row.entry, parameter) && !is_bound);
     if let Some(row) = row {
         sites.push(Site {
             row,

@@ -99,6 +99,17 @@ mod bindings {
     }
 
     #[test]
+    fn what_happens_to_be_at_a_place_of_ours_stays_what_it_is() {
+        let mut dictionary = dictionaries::lmd::Dictionary::new();
+        dictionary.set_bridge_on_settle_time_bridge_on_settle_time(250);
+        Objects::set_homing_failure(&mut dictionary, 3);
+        assert_eq!(
+            dictionary.bridge_on_settle_time_bridge_on_settle_time(),
+            250
+        );
+    }
+
+    #[test]
     fn a_write_to_one_object_shows_in_the_other() {
         use canopen::od::{self, Dictionary};
         let mut dictionary = dictionaries::s200::Dictionary::new();

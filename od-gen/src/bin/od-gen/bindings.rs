@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::process::ExitCode;
 
 use cia402::parameters::{ALL, Direction};
+use od_gen::bind;
 
 use crate::Failure;
 use crate::arguments::Bindings;
@@ -14,8 +15,7 @@ pub(crate) fn run(arguments: &Bindings) -> Result<ExitCode, Failure> {
     let bindings = input::bindings(&arguments.file, &model)?;
     let mut text = String::new();
     for parameter in ALL {
-        let (index, sub) = parameter.home;
-        let home = model.entry(index, sub).map(|_| (index, sub));
+        let home = bind::home(&model, parameter).map(|_| parameter.home);
         let own = bindings
             .iter()
             .filter(|binding| binding.parameter == parameter);
