@@ -150,6 +150,8 @@ impl Server {
         if bit_rate.is_none() || bit_rate == own {
             let now = self.now();
             self.drive.receive(frame, now);
+            // What changed by this frame goes out before the answer to the next one, as on a board.
+            self.drive.poll(now);
             self.send_frames();
         } else if self.drive.is_silent() {
             let now = self.now();

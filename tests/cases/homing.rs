@@ -195,6 +195,27 @@ fn d23_the_bits_that_masters_wait_for() {
 }
 
 #[test]
+fn m47_a_statusword_that_is_read_right_behind_the_start_shows_it() {
+    for pause in [0, 130, 333, 999] {
+        let mut drive = homing(axis(window(), 0), 37);
+        for again in [false, true] {
+            drive.drain(20);
+            drive.run_micros(pause);
+            drive.queue("204 [2] 1F 00");
+            drive.queue("604: 40 41 60 00 00 00 00 00");
+            // The TPDO goes first, so that a master that keeps its last value has it too.
+            drive.expect("184 [2] 37 02");
+            let first = drive.drain_until("584: 4B 41 60 00 37 xx 00 00", 5);
+            assert_eq!(first.bytes()[5] & 0x34, 0, "again: {again}, pause: {pause}");
+            drive.run_millis(5);
+            drive.command(0x0F);
+            drive.run_millis(10);
+            assert_eq!(drive.statusword() & 0x3400, 0x1400);
+        }
+    }
+}
+
+#[test]
 fn d24_taking_the_start_bit_back_interrupts() {
     let mut drive = homing(axis(window(), 0), 24);
     drive.command(0x1F);
@@ -368,4 +389,33 @@ fn m74_what_is_known_of_home_does_not_outlive_the_power() {
     drive.axis().power_cycle();
     drive.drain(100);
     assert_eq!(drive.read_u8(0x2034, 1), 0);
+}
+
+#[test]
+fn m54_a_limit_switch_stops_the_velocity_modes_too() {
+    for mode in [2, 3] {
+        let mut drive = homing(axis(window(), 40_000), 0);
+        let set = |drive: &mut DriveBench, velocity: i32| match mode {
+            2 => drive.write_u16(0x6042, 0, (velocity as i16).cast_unsigned()),
+            _ => drive.write_i32(0x60FF, 0, velocity),
+        };
+        drive.write_u8(0x6060, 0, mode);
+        // Bits 4, 5 and 6 of the controlword let the ramp generator of mode 2 go.
+        drive.command(0x7F);
+        set(&mut drive, 10_000);
+        drive.run_millis(3_000);
+        let rotor = drive.axis().plant().rotor();
+        assert!((50_050..50_400).contains(&rotor), "mode {mode}: {rotor}");
+        assert_ne!(drive.statusword() & INTERNAL_LIMIT, 0);
+        // Faster into the switch: no. Away from it: at once.
+        set(&mut drive, 12_000);
+        drive.run_millis(500);
+        assert_eq!(drive.axis().plant().rotor(), rotor, "mode {mode}");
+        set(&mut drive, -10_000);
+        drive.run_millis(1_000);
+        let left = drive.axis().plant().rotor();
+        assert!((40_000..42_000).contains(&left), "mode {mode}: {left}");
+        assert_eq!(drive.statusword() & INTERNAL_LIMIT, 0);
+        drive.reaches(OPERATION_ENABLED, 1);
+    }
 }

@@ -130,7 +130,7 @@ impl Model {
 
 /// The modes of the drive.
 fn is_there(mode: i8) -> bool {
-    (0..=3).contains(&mode)
+    matches!(mode, 0..=3 | 6)
 }
 
 fn any_action() -> impl Strategy<Value = Action> {

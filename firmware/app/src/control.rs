@@ -22,6 +22,7 @@ use rtic::Mutex;
 
 use crate::board::{Board, Selected, Stage};
 use crate::clock;
+use crate::edges::Edges;
 use crate::inbox::Lost;
 use crate::share::Locked;
 
@@ -50,6 +51,7 @@ pub struct Control {
     pulses: Pulses,
     stage: <Selected as Board>::Stage,
     lost: &'static Lost,
+    edges: &'static Edges,
     lost_before: u32,
     /// The motor had current after the last tick.
     powered: bool,
@@ -57,12 +59,18 @@ pub struct Control {
 
 impl Control {
     /// A drive that stands, without power.
-    pub fn new(pulses: Pulses, stage: <Selected as Board>::Stage, lost: &'static Lost) -> Self {
+    pub fn new(
+        pulses: Pulses,
+        stage: <Selected as Board>::Stage,
+        lost: &'static Lost,
+        edges: &'static Edges,
+    ) -> Self {
         Self {
             drive: Drive::new(config()),
             pulses,
             stage,
             lost,
+            edges,
             lost_before: 0,
             powered: false,
         }
@@ -86,7 +94,9 @@ impl Control {
                 .stage
                 .fault()
                 .or((overrun && !harmless).then_some(CAN_OVERRUN)),
-            ..Inputs::default()
+            digital: self.edges.take(Selected::input_levels()),
+            // A step/direction driver does not tell.
+            stall: None,
         };
         let outputs = self.drive.tick(
             clock::now(),

@@ -3,6 +3,7 @@
 //! | task | priority | raised by | does |
 //! |---|---|---|---|
 //! | `step` | 5 | step timer | step pulses, counted |
+//! | `first_input`, `inputs` | 5 | an edge of a digital input | captures the position |
 //! | `can_received`, `serial` | 4 | CAN controller | stamps frames and queues them |
 //! | `can_sent`, `can_error` | 4 | CAN controller | room for the next frame; errors |
 //! | `control` | 3 | system timer, 1 kHz | state machine, mode, planner |
@@ -26,6 +27,8 @@ mod control;
 #[forbid(unsafe_code)]
 mod dictionary;
 #[forbid(unsafe_code)]
+mod edges;
+#[forbid(unsafe_code)]
 mod inbox;
 #[forbid(unsafe_code)]
 mod lights;
@@ -44,8 +47,9 @@ mod app {
     use cia402::Exchange;
     use motion::step_interrupt::{self, Player};
 
-    use crate::board::{self, Board, Bus, Parts, Receive, Selected};
+    use crate::board::{self, Board, Bus, InputLines, Parts, Receive, Selected};
     use crate::control::{Control, RATE_HZ, TIMING};
+    use crate::edges::Edges;
     use crate::inbox::{self, Inbox, Lost};
     use crate::lights::{Panel, Signals};
     use crate::machine::Machine;
@@ -61,11 +65,16 @@ mod app {
         reception: (<Selected as Board>::Receiver, Inbox),
         #[lock_free]
         node: Node,
+        #[lock_free]
+        step: (
+            Player<'static, <Selected as Board>::Steps>,
+            <Selected as Board>::InputLines,
+            &'static Edges,
+        ),
     }
 
     #[local]
     struct Local {
-        player: Player<'static, <Selected as Board>::Steps>,
         control: Control,
         panel: Panel<<Selected as Board>::Lights>,
     }
@@ -74,6 +83,7 @@ mod app {
         steps: step_interrupt::Shared = step_interrupt::Shared::new(),
         frames: inbox::Memory = inbox::Memory::new(),
         lost: Lost = Lost::new(),
+        edges: Edges = Edges::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local, init::Monotonics) {
         let Parts {
@@ -82,6 +92,7 @@ mod app {
             mut bus,
             stage,
             lights,
+            input_lines,
             parameters,
             inputs,
             serial_number,
@@ -119,10 +130,10 @@ mod app {
             alive: true,
             reception: (receiver, inbox),
             node,
+            step: (player, input_lines, cx.local.edges),
         };
         let local = Local {
-            player,
-            control: Control::new(pulses, stage, cx.local.lost),
+            control: Control::new(pulses, stage, cx.local.lost, cx.local.edges),
             panel: Panel::new(lights),
         };
         (shared, local, init::Monotonics())
@@ -135,9 +146,21 @@ mod app {
         }
     }
 
-    #[task(binds = TIM2, priority = 5, local = [player])]
+    #[task(binds = TIM2, priority = 5, shared = [step])]
     fn step(cx: step::Context) {
-        cx.local.player.on_interrupt();
+        cx.shared.step.0.on_interrupt();
+    }
+
+    #[task(binds = EXTI4, priority = 5, shared = [step])]
+    fn first_input(cx: first_input::Context) {
+        let (player, lines, edges) = cx.shared.step;
+        edges.note(lines.take(), Selected::input_levels(), player.position());
+    }
+
+    #[task(binds = EXTI9_5, priority = 5, shared = [step])]
+    fn inputs(cx: inputs::Context) {
+        let (player, lines, edges) = cx.shared.step;
+        edges.note(lines.take(), Selected::input_levels(), player.position());
     }
 
     #[task(binds = CAN1_RX0, priority = 4, shared = [bus, reception])]

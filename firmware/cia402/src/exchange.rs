@@ -10,6 +10,9 @@ use heapless::Deque;
 use crate::configuration::Configuration;
 use crate::controlword::{Command, NEW_SET_POINT};
 use crate::faults::FaultNotice;
+use crate::modes::Mode;
+use crate::state_machine::State;
+use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
 
 /// Everything the control tick needs from the bus: one consistent copy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -166,6 +169,14 @@ impl Actuals {
     };
 }
 
+impl Actuals {
+    /// Whether an edge of bit 4 begins homing.
+    fn is_ready_to_home(&self) -> bool {
+        self.mode_display == Mode::Homing.code()
+            && State::from_statusword(self.statusword) == Some(State::OperationEnabled)
+    }
+}
+
 /// News of faults that wait for the device; more than one tick can bring.
 const NOTICES: usize = 16;
 
@@ -183,6 +194,9 @@ pub struct Exchange {
     taken: u32,
     /// The count that the newest actual values answer.
     answered: u32,
+    /// An edge of bit 4 is on its way to a tick, or the tick that took it has not published yet.
+    start_posted: bool,
+    start_taken: bool,
     newest: Actuals,
     before: Actuals,
     notices: Deque<FaultNotice, NOTICES>,
@@ -199,6 +213,8 @@ impl Exchange {
             posted: 0,
             taken: 0,
             answered: 0,
+            start_posted: false,
+            start_taken: false,
             newest: Actuals::NONE,
             before: Actuals::NONE,
             notices: Deque::new(),
@@ -209,6 +225,7 @@ impl Exchange {
     /// Posts commands. They replace those that no tick has taken yet, but for edges and commands to stop, which add up, and
     /// for a set-point whose edge has not been seen yet.
     pub fn post(&mut self, commands: Commands) {
+        self.start_posted |= commands.rising & NEW_SET_POINT != 0;
         self.commands = commands.after(&self.commands);
         self.posted = self.posted.wrapping_add(1);
     }
@@ -231,6 +248,7 @@ impl Exchange {
             *commands = self.commands;
             self.commands.forget_passed();
             self.taken = self.posted;
+            self.start_taken |= core::mem::take(&mut self.start_posted);
         }
     }
 
@@ -239,15 +257,23 @@ impl Exchange {
         self.before = self.newest;
         self.newest = actuals;
         self.answered = self.taken;
+        self.start_taken = false;
     }
 
     /// The newest actual values that were there at `stamp`. A stamp older than the last two ticks gets the older of them.
+    ///
+    /// Homing that is about to begin shows as begun, without waiting for the tick: a master that reads the statusword right behind
+    /// its start would take the bits from before for the result.
     pub fn actuals_at(&self, stamp: Instant) -> Actuals {
-        if self.newest.at <= stamp {
+        let mut actuals = if self.newest.at <= stamp {
             self.newest
         } else {
             self.before
+        };
+        if (self.start_posted || self.start_taken) && actuals.is_ready_to_home() {
+            actuals.statusword &= !(TARGET_REACHED | HOMING_ATTAINED | HOMING_ERROR);
         }
+        actuals
     }
 
     /// Whether a tick that has seen the latest commands found power off and the motor at rest.

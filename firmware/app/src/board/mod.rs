@@ -56,6 +56,8 @@ pub trait Board: Sized {
     type Stage: Stage + Send;
     /// The lights.
     type Lights: Lights + Send;
+    /// The interrupt of the digital inputs.
+    type InputLines: InputLines + Send;
     /// The flash sectors of the parameter store, all of them and nothing else, from address 0.
     type Parameters: NorFlash + Send;
 
@@ -65,6 +67,9 @@ pub trait Board: Sized {
 
     /// A free-running counter of 32 bits, [`Board::TICKS_PER_MICROSECOND`] a microsecond. Any task may read it.
     fn ticks() -> u32;
+
+    /// The levels of the digital inputs, input `n` in bit `n − 1`; 0 of those that are not there. Any task may read them.
+    fn input_levels() -> u8;
 
     /// What the processor does when there is nothing to do; returns at the latest with the next interrupt.
     fn idle();
@@ -77,6 +82,7 @@ pub struct Parts<B: Board> {
     pub bus: B::Bus,
     pub stage: B::Stage,
     pub lights: B::Lights,
+    pub input_lines: B::InputLines,
     pub parameters: B::Parameters,
     /// What was read of the switches.
     pub inputs: Inputs,
@@ -135,6 +141,13 @@ pub trait Bus: Mailboxes {
 /// The bit rate cannot be made from the clock of the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unreachable;
+
+/// The interrupt of the digital inputs.
+pub trait InputLines {
+    /// The inputs of which an edge has come since the last call, in the order of [`Board::input_levels`]. Called from the input
+    /// interrupt.
+    fn take(&mut self) -> u8;
+}
 
 /// The power stage of the motor, its monitors, and the watchdog over the tasks.
 pub trait Stage {

@@ -94,6 +94,11 @@ impl<'a, T: StepTimer> Player<'a, T> {
         &self.timer
     }
 
+    /// The position in steps (modulo 2³²): every pulse that has begun, forward less reverse.
+    pub fn position(&self) -> i32 {
+        self.shared.position.load(Ordering::Relaxed)
+    }
+
     /// The step interrupt.
     pub fn on_interrupt(&mut self) {
         if self.shared.drop.load(Ordering::Acquire) {

@@ -15,7 +15,7 @@ use cortex_m_rt::{exception, ExceptionFrame};
 use cortex_m_semihosting::{debug, heprintln};
 use stm32f4xx_hal::pac;
 
-use super::{user_memory, Board, Lights, Parts, Stage};
+use super::{user_memory, Board, InputLines, Lights, Parts, Stage};
 use crate::settings::Inputs;
 
 /// The emulated board.
@@ -31,6 +31,7 @@ impl Board for Qemu {
     type Bus = serial::SerialBus;
     type Stage = IdealStage;
     type Lights = NoLights;
+    type InputLines = NoLines;
     type Parameters = parameter_file::ParameterFile;
 
     fn start(device: pac::Peripherals) -> Parts<Self> {
@@ -40,6 +41,7 @@ impl Board for Qemu {
             bus: serial::SerialBus::new(device.USART2),
             stage: IdealStage,
             lights: NoLights,
+            input_lines: NoLines,
             parameters: parameter_file::ParameterFile::open(),
             // The machine has no pins.
             inputs: Inputs {
@@ -54,6 +56,11 @@ impl Board for Qemu {
 
     fn ticks() -> u32 {
         virtual_nanoseconds()
+    }
+
+    fn input_levels() -> u8 {
+        // The machine has no pins: what is not connected is low.
+        0
     }
 
     fn idle() {
@@ -83,6 +90,15 @@ impl Stage for IdealStage {
     fn set_power(&mut self, _on: bool) {}
 
     fn feed_watchdog(&mut self) {}
+}
+
+/// Nothing is connected to the inputs.
+pub struct NoLines;
+
+impl InputLines for NoLines {
+    fn take(&mut self) -> u8 {
+        0
+    }
 }
 
 /// Nobody sees the lights.

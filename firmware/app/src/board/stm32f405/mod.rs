@@ -7,6 +7,7 @@
 //! | PA2 | enable | low is on, as most drivers have it; pull it up outside, for the time before the firmware runs |
 //! | PA3 | fault | input with pull-up, low is a fault of the stage |
 //! | PC0 | supply | input with pull-up, low is no supply of the stage |
+//! | PA4 to PA9 | digital inputs 1 to 6 | inputs with pull-down, each edge an interrupt |
 //! | PB12 to PB15 | rotary switch ×01h | inputs with pull-up, the lowest bit first; a switch closes to ground |
 //! | PC8 to PC11 | rotary switch ×10h | the same |
 //! | PC1 | factory reset | input with pull-up; low for 100 ms from power-up on: what was stored is forgotten |
@@ -19,6 +20,7 @@
 mod bit_timing;
 mod can;
 mod flash;
+mod input_lines;
 mod stage;
 mod step_timer;
 mod switches;
@@ -53,6 +55,7 @@ impl Board for Stm32f405 {
     type Receiver = can::Receiver;
     type Bus = can::Controller;
     type Stage = stage::StepStage;
+    type InputLines = input_lines::Lines;
     type Lights = stage::PinLights<PC6<Output>, PC7<Output>, PC12<Output>>;
     type Parameters = flash::ParameterSectors;
 
@@ -98,6 +101,17 @@ impl Board for Stm32f405 {
             a.pa1.into_push_pull_output(),
         );
 
+        let inputs = [
+            a.pa4.into_pull_down_input().erase(),
+            a.pa5.into_pull_down_input().erase(),
+            a.pa6.into_pull_down_input().erase(),
+            a.pa7.into_pull_down_input().erase(),
+            a.pa8.into_pull_down_input().erase(),
+            a.pa9.into_pull_down_input().erase(),
+        ];
+        let mut syscfg = device.SYSCFG.constrain(&mut rcc);
+        let input_lines = input_lines::Lines::new(inputs, &mut syscfg, device.EXTI);
+
         let digits = [
             b.pb12.into_pull_up_input().erase(),
             b.pb13.into_pull_up_input().erase(),
@@ -117,6 +131,7 @@ impl Board for Stm32f405 {
             bus: can::Controller::new(controller),
             stage,
             lights,
+            input_lines,
             parameters: flash::ParameterSectors::new(device.FLASH),
             inputs: switches::read(&digits, &factory_reset),
             serial_number: serial_number(),
@@ -128,6 +143,10 @@ impl Board for Stm32f405 {
     fn ticks() -> u32 {
         // SAFETY: reading the counter of TIM5 has no effect, and nobody writes the timer once it runs.
         unsafe { (*pac::TIM5::ptr()).cnt().read().bits() }
+    }
+
+    fn input_levels() -> u8 {
+        input_lines::levels()
     }
 
     fn idle() {
