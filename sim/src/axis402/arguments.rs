@@ -176,6 +176,9 @@ pub(super) enum Od {
         /// Values only
         #[arg(long, short)]
         bare: bool,
+        /// Write the bytes of the one object into this file, such as those of a DOMAIN
+        #[arg(long, short, value_name = "FILE", conflicts_with_all = ["bare", "data_type"])]
+        output: Option<PathBuf>,
         #[command(flatten)]
         sheet: Sheet,
     },
@@ -187,8 +190,11 @@ pub(super) enum Od {
         #[arg(value_name = "OBJECT")]
         object: String,
         /// Decimal, hexadecimal with 0x, or text
-        #[arg(allow_hyphen_values = true)]
-        value: String,
+        #[arg(allow_hyphen_values = true, required_unless_present = "file")]
+        value: Option<String>,
+        /// Write the bytes of this file, such as those of a DOMAIN
+        #[arg(long, value_name = "FILE", conflicts_with_all = ["value", "data_type"])]
+        file: Option<PathBuf>,
         /// The type, where no data sheet knows it: u8, i16, u32, f32, string, bytes, ...
         #[arg(long = "type", value_name = "TYPE", value_parser = value::data_type)]
         data_type: Option<DataType>,

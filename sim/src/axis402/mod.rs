@@ -25,7 +25,7 @@ pub use lss::{Numbering, Setting, find, number, set, switch_bit_rate};
 pub use monitor::{Watch, monitor};
 pub use nmt::nmt;
 pub use node::Node;
-pub use object::{read, write};
+pub use object::{fetch, put, read, write};
 pub use problem::Problem;
 pub use run::run;
 pub use save::{Group, save};

@@ -67,6 +67,35 @@ pub fn write<L: Line>(
         .map_err(|failure| Problem::with_node(node.id, failure))
 }
 
+/// The bytes of an object as they travel: of a DOMAIN the file that the device keeps there.
+///
+/// # Errors
+/// As [`read`].
+pub fn fetch<L: Line>(
+    master: &mut Master<L>,
+    node: &Node,
+    object: &str,
+) -> Result<Vec<u8>, Problem> {
+    let address = find(&node.sheet, object)?;
+    node.upload(master, address)
+        .map_err(|failure| Problem::with_node(node.id, failure))
+}
+
+/// Writes bytes as they are, as [`fetch`] reads them.
+///
+/// # Errors
+/// As [`write`].
+pub fn put<L: Line>(
+    master: &mut Master<L>,
+    node: &Node,
+    object: &str,
+    bytes: &[u8],
+) -> Result<(), Problem> {
+    let address = find(&node.sheet, object)?;
+    node.download(master, address, bytes)
+        .map_err(|failure| Problem::with_node(node.id, failure))
+}
+
 fn find(sheet: &DataSheet, object: &str) -> Result<Address, Problem> {
     sheet.find(object).map_err(Problem::Usage)
 }

@@ -76,7 +76,7 @@ fn refusal(service: u8, error: u8) -> String {
         (0x13, 1) => "the device does not support this bit rate",
         (0x17, 1) => "the device does not store by LSS",
         (0x17, 2) => "the device cannot access its memory",
-        (_, 0xFF) => "an error of its own kind",
+        (_, 0xFF) => "an error of the device's own kind, such as a value that its build fixes",
         _ => "an error the standard does not name",
     };
     format!("LSS service {service:02X}h is refused with error {error:02X}h: {why}")

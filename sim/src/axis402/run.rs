@@ -187,22 +187,42 @@ fn perform_od<L: Line>(
             objects,
             data_type,
             bare,
+            output,
             sheet,
         } => {
             let sheet = read_sheet(sheet, console)?;
             let node = Node::meet(master, *node, sheet)?;
+            if let Some(file) = output {
+                let [object] = objects.as_slice() else {
+                    let many = "one object goes into one file";
+                    return Err(Problem::Usage(many.to_owned()));
+                };
+                let bytes = super::fetch(master, &node, object)?;
+                return write_file(file, &bytes);
+            }
             super::read(master, &node, objects, *data_type, *bare, console)
         }
         Od::Write {
             node,
             object,
             value,
+            file,
             data_type,
             sheet,
         } => {
             let sheet = read_sheet(sheet, console)?;
+            let bytes = match file {
+                Some(file) => Some(std::fs::read(file).map_err(|error| unreadable(file, error))?),
+                None => None,
+            };
             let node = Node::meet(master, *node, sheet)?;
-            super::write(master, &node, object, value, *data_type)
+            match (bytes, value) {
+                (Some(bytes), _) => super::put(master, &node, object, &bytes),
+                (None, value) => {
+                    let value = value.as_deref().unwrap_or_default();
+                    super::write(master, &node, object, value, *data_type)
+                }
+            }
         }
         Od::Dump {
             node,
@@ -222,9 +242,7 @@ fn perform_od<L: Line>(
             };
             let name = file.file_name().unwrap_or_default().to_string_lossy();
             dcf::commission(&mut model, commissioning, &name);
-            std::fs::write(file, od_gen::print(&model)).map_err(|error| {
-                Problem::Usage(format!("cannot write {}: {}", file.display(), plain(error)))
-            })
+            write_file(file, od_gen::print(&model).as_bytes())
         }
         Od::Load { node, file } => {
             let report = report(file, console)?;
@@ -250,9 +268,7 @@ fn read_sheet(sheet: &Sheet, console: &mut Console<'_>) -> Result<Option<Arc<Dat
 
 /// What a file holds. Mistakes in it are no reason to leave a device alone, but they are told.
 fn report(file: &Path, console: &mut Console<'_>) -> Result<Report, Problem> {
-    let report = Report::read(file).map_err(|error| {
-        Problem::Usage(format!("cannot read {}: {}", file.display(), plain(error)))
-    })?;
+    let report = Report::read(file).map_err(|error| unreadable(file, error))?;
     if report.model.objects.is_empty() {
         let file = file.display();
         return Err(Problem::Usage(format!(
@@ -268,6 +284,36 @@ fn report(file: &Path, console: &mut Console<'_>) -> Result<Report, Problem> {
     Ok(report)
 }
 
+fn unreadable(file: &Path, error: io::Error) -> Problem {
+    Problem::Usage(format!("cannot read {}: {}", file.display(), plain(error)))
+}
+
+fn write_file(file: &Path, bytes: &[u8]) -> Result<(), Problem> {
+    std::fs::write(file, bytes).map_err(|error| {
+        Problem::Usage(format!("cannot write {}: {}", file.display(), plain(error)))
+    })
+}
+
 fn milliseconds(count: u32) -> Duration {
     Duration::from_ticks(u64::from(count) * 1_000)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_adapter_is_a_port_or_an_address() {
+        for address in ["127.0.0.1:2402", "[::1]:2402", "pc:2402"] {
+            assert_eq!(place(address, 1), Place::Tcp(address.to_owned()));
+        }
+        for port in [
+            "/dev/ttyACM0",
+            "COM3",
+            "/dev/serial/by-path/pci-0:1",
+            "ttyS0:fast",
+        ] {
+            assert_eq!(place(port, 9_600), Place::Serial(port.to_owned(), 9_600));
+        }
+    }
 }

@@ -76,7 +76,8 @@ fn present<L: Line>(
 /// Hears answers and heartbeats until there was no answer for as long as one may take.
 fn listen<L: Line>(master: &mut Master<L>, nodes: &mut BTreeMap<u8, Found>) -> Result<(), Problem> {
     loop {
-        let answer = master.wait_for("an answer", QUIET, |frame| {
+        let quiet = QUIET.max(master.answer_time() / 20);
+        let answer = master.wait_for("an answer", quiet, |frame| {
             id_of(frame, 0x580).filter(|_| frame.full_payload().is_some())
         });
         let is_over = match answer {
@@ -100,7 +101,7 @@ fn listen<L: Line>(master: &mut Master<L>, nodes: &mut BTreeMap<u8, Found>) -> R
     }
 }
 
-/// The silence after which nobody answers any more.
+/// The silence after which nobody answers any more; longer for a person who is patient.
 const QUIET: Duration = Duration::from_ticks(150_000);
 
 /// The node of a frame in this group of the predefined connection set.

@@ -75,6 +75,11 @@ impl<L: Line> Master<L> {
         self.line.now()
     }
 
+    /// How long an answer may take.
+    pub fn answer_time(&self) -> Duration {
+        self.answer_time
+    }
+
     /// How long an answer may take; returns how long it might before.
     pub fn set_answer_time(&mut self, answer_time: Duration) -> Duration {
         std::mem::replace(&mut self.answer_time, answer_time)

@@ -100,12 +100,23 @@ fn a_drive_is_put_into_service() {
     let told = served.told(&["monitor", "4", "-n", "1"]);
     assert!(told.ends_with("TPDO 1: switch on disabled\n"), "{told}");
 
+    let folder = tempfile::tempdir().unwrap();
+    let name = folder.path().join("name");
+    let name = name.to_str().unwrap();
+    served.told(&["od", "read", "4", "1008", "-o", name]);
+    assert_eq!(
+        std::fs::read(name).unwrap(),
+        b"Axis402 CiA 402 drive".as_slice()
+    );
+    std::fs::write(name, 777u32.to_le_bytes()).unwrap();
+    served.told(&["od", "write", "4", "6084", "--file", name]);
+    assert_eq!(served.told(&["od", "read", "-b", "4", "6084"]), "777\n");
+
     let told = served.told(&["lss", "bitrate", "500"]);
     assert_eq!(told, "at 500 kbit/s 1 of 1 nodes answer\n");
     let told = served.told(&["--bitrate", "500", "lss", "bitrate", "1000"]);
     assert_eq!(told, "at 1000 kbit/s 1 of 1 nodes answer\n");
 
-    let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("drive.dcf");
     let file = file.to_str().unwrap();
     served.told(&["od", "dump", "4", "-o", file]);
@@ -202,6 +213,12 @@ fn mistakes_are_one_line_and_exit_code_2() {
         2,
     );
     assert_refused(&with(&["od", "read", "4"]), "OBJECT", 2);
+    assert_refused(&with(&["od", "write", "4", "6083"]), "VALUE", 2);
+    assert_refused(
+        &with(&["od", "write", "4", "6083", "1", "--file", "x"]),
+        "--file",
+        2,
+    );
     assert_refused(
         &with(&["od", "read", "4", "1000", "--type", "u9"]),
         "no type",
