@@ -294,6 +294,7 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
             self.plant.pulses_mut().drop_all();
         }
         self.plant.energise(outputs.power_stage);
+        self.plant.open_brake(outputs.brake_released);
         if let Some(samples) = &mut self.samples {
             samples.push(MotionSample {
                 at: now,

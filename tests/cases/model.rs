@@ -140,7 +140,7 @@ fn any_action() -> impl Strategy<Value = Action> {
         3 => any::<u16>().prop_map(|controlword| Action::Controlword(controlword & !0x10)),
         2 => prop::sample::select(vec![0_i16, 1, 2, 3, 5, 6, 7]).prop_map(Action::QuickStopOption),
         1 => (0_i16..=1, 0_i16..=1).prop_map(|(shutdown, disable)| Action::LeavingOptions(shutdown, disable)),
-        3 => prop::sample::select(vec![0_i8, 1, 2, 3, 3, 4, 5, -1]).prop_map(Action::Mode),
+        3 => prop::sample::select(vec![0_i8, 1, 2, 3, 3, 4, 5, 6, -1]).prop_map(Action::Mode),
         2 => (-10_000_i16..=10_000).prop_map(Action::Velocity),
         1 => Just(Action::FaultAppears),
         2 => Just(Action::FaultGoes),

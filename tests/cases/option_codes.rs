@@ -144,3 +144,24 @@ fn d29_and_m16_with_6007h_0_the_loss_of_the_network_stops_nothing() {
         assert_eq!(drive.position(), 100_000);
     }
 }
+
+#[test]
+fn m05_a_holding_brake_opens_under_current_and_closes_before_it_goes() {
+    let mut drive = DriveBench::started(4);
+    drive.write_u16(0x2040, 1, 40);
+    drive.write_u16(0x2040, 2, 60);
+    drive.enable();
+    assert!(drive.axis().plant().is_brake_open());
+    drive.begin_move(1_000);
+    drive.run_millis(10);
+    assert_eq!(drive.position(), 0, "it is not open yet");
+    drive.reaches_target(1_000);
+    assert_eq!(drive.position(), 1_000);
+    drive.command(0x07);
+    drive.run_millis(5);
+    assert!(!drive.axis().plant().is_brake_open());
+    drive.stays_in(OPERATION_ENABLED, 45);
+    assert!(drive.axis().plant().is_energised());
+    drive.reaches(SWITCHED_ON, 20);
+    assert!(!drive.axis().plant().is_energised());
+}

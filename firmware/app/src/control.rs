@@ -105,6 +105,7 @@ impl Control {
             &mut Locked(&mut exchange),
         );
         self.stage.set_power(outputs.power_stage);
+        self.stage.set_brake(outputs.brake_released);
         self.powered = outputs.power_stage;
         if outputs.drop_pulses && self.pulses.pending() > 0 {
             self.pulses.drop_all();

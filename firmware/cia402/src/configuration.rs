@@ -6,6 +6,7 @@
 
 use motion::homing;
 
+use crate::brake::BrakeTimes;
 use crate::inputs::InputConfiguration;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
@@ -13,6 +14,8 @@ use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp
 /// Everything that is set up, as the objects say it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Configuration {
+    /// 2040h.
+    pub brake: BrakeTimes,
     /// 6007h.
     pub abort_connection: AbortConnectionOption,
     /// 605Ah.
@@ -152,6 +155,10 @@ fn ramp(speed: u32, seconds: u16, dimension: (i32, i32)) -> u32 {
 impl Configuration {
     /// What holds before anything is set up.
     pub const NONE: Self = Self {
+        brake: BrakeTimes {
+            release: 0,
+            engage: 0,
+        },
         abort_connection: AbortConnectionOption::QuickStop,
         quick_stop: QuickStopOption::QuickStopRamp,
         shutdown: Stop::PowerOff,
@@ -181,6 +188,10 @@ impl Configuration {
     /// of the standard.
     pub fn of<D: Objects>(dictionary: &D) -> Self {
         Self {
+            brake: BrakeTimes {
+                release: dictionary.brake_release_time(),
+                engage: dictionary.brake_engage_time(),
+            },
             abort_connection: AbortConnectionOption::from_code(
                 dictionary.abort_connection_option_code(),
             )

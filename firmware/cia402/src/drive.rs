@@ -7,6 +7,7 @@
 use canopen::{Duration, Instant};
 use motion::{AxisConfig, PulseSink};
 
+use crate::brake::Brake;
 use crate::configuration::Configuration;
 use crate::controlword::{Command, FAULT_RESET};
 use crate::exchange::{Actuals, Commands, Share};
@@ -50,6 +51,8 @@ pub struct Inputs {
 pub struct Outputs {
     /// Current in the motor.
     pub power_stage: bool,
+    /// The brake is open.
+    pub brake_released: bool,
     /// Pulses not yet sent must be dropped: the power is off, or there is no ramp to stop on.
     pub drop_pulses: bool,
 }
@@ -64,6 +67,7 @@ pub struct Drive {
     modes: Modes,
     faults: Faults,
     motor: Motor,
+    brake: Brake,
     monitor: Monitor,
     /// What the monitor found in this tick.
     observed: Observed,
@@ -93,6 +97,7 @@ impl Drive {
             modes: Modes::new(),
             faults: Faults::default(),
             motor: Motor::new(outlast_tick(config)),
+            brake: Brake::new(),
             monitor: Monitor::new(config.tick),
             observed: Observed::default(),
             lost: false,
@@ -148,7 +153,7 @@ impl Drive {
             self.restart();
             0
         } else {
-            self.change_state(inputs, command, displaced);
+            self.change_state(now, inputs, command, displaced);
             let blocked = self.blocked(inputs, position);
             self.operate(now, position, elapsed, blocked, command)
         };
@@ -173,6 +178,7 @@ impl Drive {
         });
         Outputs {
             power_stage: self.power,
+            brake_released: self.brake.is_released(),
             drop_pulses: !self.power || self.motor.is_cut(),
         }
     }
@@ -224,7 +230,13 @@ impl Drive {
     }
 
     /// Faults, then the state machine, then what a transition does to the motor.
-    fn change_state(&mut self, inputs: &Inputs, command: Option<Command>, displaced: bool) {
+    fn change_state(
+        &mut self,
+        now: Instant,
+        inputs: &Inputs,
+        command: Option<Command>,
+        displaced: bool,
+    ) {
         let both_limits = self.switches.both_limits();
         let detected = self.faults.detect(
             inputs,
@@ -240,7 +252,7 @@ impl Drive {
             remote,
             quick_stop: self.configuration.quick_stop,
             at_once: self.leaving(command) == Some(Stop::PowerOff),
-            standstill: self.motor.standstill(),
+            standstill: self.motor.standstill() && self.is_held_by_brake(now, remote, command),
             fault: reaction.is_some(),
             fault_reset: reset && !self.faults.cause_stands(),
         };
@@ -252,6 +264,10 @@ impl Drive {
         } else if reaction == Some(Reaction::PowerOff) {
             self.power_off();
         }
+        self.brake.set(
+            self.power && (self.brake.is_released() || !self.is_leaving(remote, command)),
+            now,
+        );
     }
 
     /// What is left of remote control: whether there is one, the command, and the fault that its loss is. A reset of the device
@@ -280,6 +296,27 @@ impl Drive {
                 (false, command, None)
             }
         }
+    }
+
+    /// Whether the state is about to be left with the power going off, once the motor stands.
+    fn is_leaving(&self, remote: bool, command: Option<Command>) -> bool {
+        match self.machine.state() {
+            State::OperationEnabled => matches!(self.leaving(command), Some(Stop::Ramp(_))),
+            State::QuickStopActive => !remote || !self.machine.quick_stop().stays(),
+            State::FaultReactionActive => true,
+            _ => false,
+        }
+    }
+
+    /// Before the power goes off, the brake closes on a motor that stands. True as well where the power stays on, or is off.
+    fn is_held_by_brake(&mut self, now: Instant, remote: bool, command: Option<Command>) -> bool {
+        if !self.power || !self.is_leaving(remote, command) {
+            return true;
+        }
+        if self.motor.standstill() {
+            self.brake.set(false, now);
+        }
+        self.brake.is_closed(self.configuration.brake, now)
     }
 
     /// How operation ends with a command that leaves it by 605Bh or 605Ch; `None` for any other.
@@ -393,6 +430,7 @@ impl Drive {
                     blocked,
                     elapsed,
                     position,
+                    is_brake_open: self.brake.is_open(self.configuration.brake, now),
                     motor: &mut self.motor,
                 });
                 if self.motor.is_barred() {

@@ -20,6 +20,7 @@
 extern crate std;
 
 pub mod binding;
+pub mod brake;
 pub mod configuration;
 pub mod controlword;
 pub mod device;

@@ -79,6 +79,14 @@ pub trait Objects {
     fn set_homing_failure(&mut self, value: u8) {
         let _ = value;
     }
+    /// 2040h:1 in milliseconds.
+    fn brake_release_time(&self) -> u16 {
+        0
+    }
+    /// 2040h:2 in milliseconds.
+    fn brake_engage_time(&self) -> u16 {
+        0
+    }
     /// 6007h: 3, quick stop.
     fn abort_connection_option_code(&self) -> i16 {
         3

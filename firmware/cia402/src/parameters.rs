@@ -136,6 +136,8 @@ parameters! {
     InputDebounce "input_debounce" 0x2033 0 U8 Taken "ms";
     HomingReferenced "homing_referenced" 0x2034 1 U8 Shown "";
     HomingFailure "homing_failure" 0x2034 2 U8 Shown "";
+    BrakeReleaseTime "brake_release_time" 0x2040 1 U16 Taken "ms";
+    BrakeEngageTime "brake_engage_time" 0x2040 2 U16 Taken "ms";
     AbortConnectionOptionCode "abort_connection_option_code" 0x6007 0 I16 Taken "";
     ErrorCode "error_code" 0x603F 0 U16 Shown "";
     Controlword "controlword" 0x6040 0 U16 Taken "";

@@ -26,6 +26,7 @@ pub struct Plant {
     pulses: PulsePlayer,
     now: Instant,
     energised: bool,
+    is_brake_open: bool,
     /// Where the motor stands along the axis.
     rotor: i64,
     /// Where it stood at power-on: the drive counts from there.
@@ -49,6 +50,7 @@ impl Plant {
             now,
             energised: false,
             rotor: 0,
+            is_brake_open: false,
             origin: 0,
             surroundings: Surroundings::default(),
             blocked: false,
@@ -73,6 +75,7 @@ impl Plant {
         self.pulses = PulsePlayer::default();
         self.now = now;
         self.energised = false;
+        self.is_brake_open = false;
         self.fault = None;
     }
 
@@ -122,6 +125,16 @@ impl Plant {
     /// Whether there is current in the motor.
     pub fn is_energised(&self) -> bool {
         self.energised
+    }
+
+    /// The holding brake opens or closes.
+    pub fn open_brake(&mut self, open: bool) {
+        self.is_brake_open = open;
+    }
+
+    /// Whether the holding brake is open.
+    pub fn is_brake_open(&self) -> bool {
+        self.is_brake_open
     }
 
     /// The position in steps as the drive counts it: every pulse that left, by its direction, or the encoder.

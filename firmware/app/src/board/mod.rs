@@ -160,6 +160,9 @@ pub trait Stage {
     /// Current in the motor, or none.
     fn set_power(&mut self, on: bool);
 
+    /// Opens the holding brake, or closes it.
+    fn set_brake(&mut self, open: bool);
+
     /// Every task is alive.
     fn feed_watchdog(&mut self);
 }

@@ -23,7 +23,7 @@ use motion::{Direction, Limits};
 
 use super::Context;
 use crate::configuration::HomingConfiguration;
-use crate::controlword::{HALT, NEW_SET_POINT};
+use crate::controlword::NEW_SET_POINT;
 use crate::inputs::InputConfiguration;
 use crate::motor::{Motor, Refused};
 use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
@@ -189,7 +189,7 @@ impl Homing {
         };
         match self.progress {
             Progress::Idle => at_rest,
-            Progress::UnderWay(_) if context.commands.controlword & HALT != 0 => at_rest,
+            Progress::UnderWay(_) if context.is_halted() => at_rest,
             Progress::UnderWay(_) => 0,
             Progress::Attained => HOMING_ATTAINED | at_rest,
             Progress::Failed => HOMING_ERROR | at_rest,
@@ -203,7 +203,7 @@ fn seen(context: &Context<'_>) -> Seen {
         elapsed: context.elapsed,
         position: context.position as i32,
         standstill: context.motor.standstill(),
-        halt: context.commands.controlword & HALT != 0,
+        halt: context.is_held(),
         negative_limit: context.switches.negative_limit.state,
         positive_limit: context.switches.positive_limit.state,
         home: context.switches.home.state,

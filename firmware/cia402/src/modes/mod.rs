@@ -105,6 +105,7 @@ pub(crate) struct Context<'a> {
     /// The lowest and the highest position the motor may go to by 607Dh, in steps; [`Context::NO_TRAVEL`] where it may go
     /// anywhere.
     pub(crate) travel: (i64, i64),
+    pub(crate) is_brake_open: bool,
     pub(crate) motor: &'a mut Motor,
 }
 
@@ -115,6 +116,11 @@ impl Context<'_> {
     /// Controlword bit 8.
     pub(crate) const fn is_halted(&self) -> bool {
         self.commands.controlword & HALT != 0
+    }
+
+    /// The motor is not to move: halt, or the brake is not open yet.
+    pub(crate) const fn is_held(&self) -> bool {
+        self.is_halted() || !self.is_brake_open
     }
 
     /// Stops on the ramp of 605Dh.

@@ -81,7 +81,8 @@ pub(super) struct ProfilePosition {
     /// The motion behind a target that is passed.
     beyond: KeptVelocity,
     acknowledge: bool,
-    halted: bool,
+    /// Halt, or the brake is not open yet.
+    held: bool,
     /// The mode began in this tick: an edge of bit 4 is older than it.
     begins: bool,
     window: Dwell,
@@ -97,7 +98,7 @@ impl ProfilePosition {
             direction: 0,
             beyond: KeptVelocity::new(),
             acknowledge: false,
-            halted: false,
+            held: false,
             begins: true,
             window: Dwell::new(),
         }
@@ -118,10 +119,10 @@ impl ProfilePosition {
     /// One control tick; returns statusword bits 10 to 12.
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let controlword = context.commands.controlword;
-        let was_halted = self.halted;
-        self.halted = context.is_halted();
+        let was_held = self.held;
+        self.held = context.is_held();
 
-        if self.progress == Progress::UnderWay && !was_halted {
+        if self.progress == Progress::UnderWay && !was_held {
             self.look_for_the_end(context);
         }
         if self.progress != Progress::UnderWay
@@ -132,12 +133,12 @@ impl ProfilePosition {
         let edge = context.commands.rising & NEW_SET_POINT != 0 && !self.begins;
         self.begins = false;
         let taken = edge && self.take(context);
-        match (was_halted, self.halted) {
+        match (was_held, self.held) {
             (false, true) => context.halt(),
             (true, false) => self.resume(context),
             _ => {}
         }
-        if self.progress == Progress::Passed && !self.halted {
+        if self.progress == Progress::Passed && !self.held {
             self.go_beyond(context);
         }
 
@@ -238,7 +239,7 @@ impl ProfilePosition {
         self.target = set_point.target;
         self.progress = Progress::UnderWay;
         self.window = Dwell::new();
-        if !self.halted {
+        if !self.held {
             self.start(set_point, context.motor);
         }
     }
@@ -253,7 +254,7 @@ impl ProfilePosition {
         let end = stoppable(next.limits.deceleration, room).min(set_point.limits.velocity);
         set_point.end_velocity = set_point.end_velocity.max(end);
         self.current = Some(set_point);
-        if !self.halted {
+        if !self.held {
             self.start(set_point, context.motor);
         }
     }
@@ -334,7 +335,7 @@ impl ProfilePosition {
 
     fn is_reached(&mut self, context: &Context<'_>, limited: Limited) -> bool {
         let configuration = context.configuration;
-        if self.halted {
+        if context.is_halted() {
             return context.motor.standstill();
         }
         if limited.target || self.progress == Progress::Impossible {

@@ -20,7 +20,7 @@ use crate::statusword::{INTERNAL_LIMIT, SLIPPAGE, SPEED_ZERO, TARGET_REACHED};
 #[derive(Debug)]
 pub(super) struct ProfileVelocity {
     motion: KeptVelocity,
-    halted: bool,
+    held: bool,
     reached: Dwell,
     moving: Dwell,
 }
@@ -29,7 +29,7 @@ impl ProfileVelocity {
     pub(super) const fn new() -> Self {
         Self {
             motion: KeptVelocity::new(),
-            halted: false,
+            held: false,
             reached: Dwell::new(),
             moving: Dwell::new(),
         }
@@ -49,11 +49,11 @@ impl ProfileVelocity {
             limits,
             travel: context.travel,
         };
-        if !context.is_halted() {
-            self.halted = false;
+        if !context.is_held() {
+            self.held = false;
             self.motion.follow(order, context.motor);
-        } else if !self.halted {
-            self.halted = true;
+        } else if !self.held {
+            self.held = true;
             self.motion.forget();
             context.halt();
         }
@@ -76,7 +76,7 @@ impl ProfileVelocity {
         let is_limited = is_cut || self.motion.is_limited(context.motor);
         let slips = context.observed.slippage.unsigned_abs() > configuration.max_slippage;
         let bit = |condition, bit| if condition { bit } else { 0 };
-        let reached = if self.halted {
+        let reached = if context.is_halted() {
             context.motor.standstill()
         } else {
             reached

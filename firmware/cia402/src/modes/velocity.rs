@@ -68,7 +68,8 @@ impl Velocity {
                     self.motion.forget();
                     self.stop(context);
                 }
-                return self.bits(context, context.motor.standstill(), false);
+                let reached = context.motor.standstill() && context.is_brake_open;
+                return self.bits(context, reached, false);
             }
             Control::Locked(velocity) => velocity,
             Control::Reference => self.asked,
@@ -114,7 +115,7 @@ impl Velocity {
 
     fn controlled_by(&self, context: &Context<'_>) -> Control {
         let controlword = context.commands.controlword;
-        if context.is_halted() {
+        if context.is_held() {
             Control::Halt
         } else if controlword & ENABLE_RAMP == 0 {
             Control::Disabled

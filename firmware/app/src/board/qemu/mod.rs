@@ -89,6 +89,8 @@ impl Stage for IdealStage {
 
     fn set_power(&mut self, _on: bool) {}
 
+    fn set_brake(&mut self, _open: bool) {}
+
     fn feed_watchdog(&mut self) {}
 }
 

@@ -83,6 +83,7 @@ impl Board for Stm32f405 {
             enable,
             a.pa3.into_pull_up_input(),
             c.pc0.into_pull_up_input(),
+            c.pc2.into_push_pull_output(),
             watchdog,
         );
         let lights = stage::PinLights::new(

@@ -1,7 +1,7 @@
 //! The power stage's pins, the lights and the watchdog.
 
 use embedded_hal::digital::OutputPin;
-use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PC0};
+use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PC0, PC2};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
@@ -15,6 +15,7 @@ pub struct StepStage {
     enable: PA2<Output>,
     fault: PA3<Input>,
     supply: PC0<Input>,
+    brake: PC2<Output>,
     watchdog: IndependentWatchdog,
 }
 
@@ -24,12 +25,14 @@ impl StepStage {
         enable: PA2<Output>,
         fault: PA3<Input>,
         supply: PC0<Input>,
+        brake: PC2<Output>,
         watchdog: IndependentWatchdog,
     ) -> Self {
         Self {
             enable,
             fault,
             supply,
+            brake,
             watchdog,
         }
     }
@@ -50,6 +53,14 @@ impl Stage for StepStage {
             self.enable.set_low();
         } else {
             self.enable.set_high();
+        }
+    }
+
+    fn set_brake(&mut self, open: bool) {
+        if open {
+            self.brake.set_high();
+        } else {
+            self.brake.set_low();
         }
     }
 

@@ -1,5 +1,6 @@
 //! The drive as a whole, on virtual time.
 
+mod brake;
 mod faults;
 mod network;
 mod options;

@@ -1,0 +1,64 @@
+//! The holding brake: it is opened after the motor has current, and closed before the current goes.
+//!
+//! A brake takes its time. Transition 4 does not wait for it: the drive shows operation enabled at once, and its modes hold the
+//! motor until the brake is open (2040h:1). Where operation ends on a ramp, the motor keeps its current until the brake has
+//! closed (2040h:2); the transition that takes the current away follows then. Where the current must go at once, the brake falls with
+//! it.
+
+use canopen::{Duration, Instant};
+
+/// How long the brake takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BrakeTimes {
+    /// 2040h:1, from the order to open until the motor may move, in milliseconds.
+    pub release: u16,
+    /// 2040h:2, from the order to close until the current may go, in milliseconds.
+    pub engage: u16,
+}
+
+/// The brake.
+#[derive(Debug)]
+pub(crate) struct Brake {
+    is_released: bool,
+    /// When it was told so.
+    since: Instant,
+}
+
+impl Brake {
+    /// A brake that is closed.
+    pub(crate) const fn new() -> Self {
+        Self {
+            is_released: false,
+            since: Instant::from_ticks(0),
+        }
+    }
+
+    /// It opens, or closes.
+    pub(crate) fn set(&mut self, release: bool, now: Instant) {
+        if self.is_released != release {
+            self.is_released = release;
+            self.since = now;
+        }
+    }
+
+    /// Whether it is told to open.
+    pub(crate) const fn is_released(&self) -> bool {
+        self.is_released
+    }
+
+    /// Whether the motor may move.
+    pub(crate) fn is_open(&self, times: BrakeTimes, now: Instant) -> bool {
+        self.is_released && self.has_had(times.release, now)
+    }
+
+    /// Whether it holds the motor.
+    pub(crate) fn is_closed(&self, times: BrakeTimes, now: Instant) -> bool {
+        !self.is_released && self.has_had(times.engage, now)
+    }
+
+    fn has_had(&self, milliseconds: u16, now: Instant) -> bool {
+        let time = Duration::from_ticks(u64::from(milliseconds) * 1000);
+        now.checked_duration_since(self.since)
+            .is_some_and(|passed| passed >= time)
+    }
+}
