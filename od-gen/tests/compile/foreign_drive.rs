@@ -7,7 +7,7 @@ mod dictionary {
 }
 
 use canopen::{BitRate, Duration, Frame, Instant, NodeId, Settings};
-use cia402::{Actuals, Device, Exchange};
+use cia402::{Actuals, Commands, Configuration, Device, Exchange};
 use dictionary::Dictionary;
 
 struct Station {
@@ -29,6 +29,13 @@ impl Station {
             }
         }
         answer
+    }
+
+    /// What the next control tick would take.
+    fn commands(&mut self) -> Commands {
+        let (mut commands, mut configuration) = (Commands::NONE, Configuration::NONE);
+        self.exchange.take(&mut commands, &mut configuration);
+        commands
     }
 
     /// Writes so many bytes of a number.
@@ -61,22 +68,22 @@ fn main() {
     station.device.power_on(station.now, &mut station.exchange);
 
     // At power-on: 500 tenths are 5000 steps/s; 6083h and its shadow 2007h (in thousands) agree.
-    let commands = station.exchange.take_commands();
+    let commands = station.commands();
     assert_eq!((commands.profile_velocity, commands.mode), (5000, 0));
     assert_eq!((commands.profile_acceleration, commands.profile_deceleration), (1000, 1000));
     assert_eq!(station.read(0x2007), 1);
 
     // What is written means steps to the drive: 1.6 in a micrometre.
     assert_eq!(station.write(0x2003, 4, 1000)[0], OK);
-    assert_eq!(station.exchange.take_commands().target_position, 1600);
+    assert_eq!(station.commands().target_position, 1600);
     assert_eq!(station.write(0x2006, 2, 123)[0], OK);
-    assert_eq!(station.exchange.take_commands().profile_velocity, 1230);
+    assert_eq!(station.commands().profile_velocity, 1230);
     assert_eq!(station.write(0x2012, 1, 1)[0], OK);
-    assert_eq!(station.exchange.take_commands().profile_deceleration, 20_000);
+    assert_eq!(station.commands().profile_deceleration, 20_000);
 
     // A mode by its number there; one that has none, and one that 2002h does not offer.
     assert_eq!(station.write(0x2000, 1, 7)[0], OK);
-    assert_eq!(station.exchange.take_commands().mode, 1);
+    assert_eq!(station.commands().mode, 1);
     assert_eq!(station.write(0x2000, 1, 1)[4..], [0x30, 0, 0x09, 0x06]);
     // 1000 micrometres too many.
     assert_eq!(station.write(0x2003, 4, i32::MAX)[4..], [0x31, 0, 0x09, 0x06]);
@@ -85,10 +92,10 @@ fn main() {
     // Two objects for one parameter: each follows the other, within the limits of the one that the drive reads.
     assert_eq!(station.write(0x2007, 2, 20)[0], OK);
     assert_eq!(station.read(0x6083), 20_000);
-    assert_eq!(station.exchange.take_commands().profile_acceleration, 20_000);
+    assert_eq!(station.commands().profile_acceleration, 20_000);
     assert_eq!(station.write(0x6083, 4, 7_600)[0], OK);
     assert_eq!(station.read(0x2007), 8);
-    assert_eq!(station.exchange.take_commands().profile_acceleration, 7_600);
+    assert_eq!(station.commands().profile_acceleration, 7_600);
     assert_eq!(station.write(0x2007, 2, 1001)[4..], [0x31, 0, 0x09, 0x06]);
     assert_eq!(station.write(0x2007, 2, 0)[4..], [0x32, 0, 0x09, 0x06]);
 
