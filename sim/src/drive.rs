@@ -86,6 +86,11 @@ impl Setup {
         self.choose(stored.or(self.settings))
     }
 
+    /// The serial number of production.
+    fn produced(&mut self) -> Option<u32> {
+        self.store.serial_number().ok().flatten()
+    }
+
     /// The sources in their order.
     fn choose(&self, stored: Option<Configuration>) -> PowerOn {
         let sources = Sources {
@@ -141,7 +146,7 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
         Self {
             powered: false,
             was_reset: false,
-            device: device(&power_on, setup.serial_number),
+            device: device(&power_on, setup.serial_number).produced(setup.produced()),
             drive: Drive::new(drive_config()),
             exchange: Exchange::new(),
             plant,
@@ -162,7 +167,7 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
     /// motor stays where it is mounted but counts from 0 again, as a drive without an encoder does.
     pub fn power_cycle(&mut self) {
         let power_on = self.setup.power_on();
-        self.device = device(&power_on, self.setup.serial_number);
+        self.device = device(&power_on, self.setup.serial_number).produced(self.setup.produced());
         self.drive = Drive::new(drive_config());
         self.exchange = Exchange::new();
         self.bit_rate = bit_rate(&power_on);

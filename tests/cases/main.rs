@@ -3,6 +3,7 @@
 //! One module per service; the name of a listed case begins with its id.
 
 mod can_layer;
+mod commissioning;
 mod controller;
 mod data_sheet;
 mod detection;

@@ -100,8 +100,7 @@ mod app {
         } = Selected::start(cx.device);
 
         let bit_rates = <Selected as Board>::Bus::BIT_RATES;
-        let (mut store, power_on) = settings::load(parameters, &inputs, bit_rates);
-        let serial_number = settings::serial_number(&mut store, serial_number);
+        let (store, power_on) = settings::load(parameters, &inputs, bit_rates);
         let settings = Settings {
             node_id: power_on.node_id.value,
             bit_rate: (power_on.bit_timing.value.bit_rate())

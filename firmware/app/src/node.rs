@@ -77,13 +77,14 @@ impl Node {
         machine: Machine,
         received: Received,
         lost: &'static Lost,
-        store: Parameters<<Selected as Board>::Parameters>,
+        mut store: Parameters<<Selected as Board>::Parameters>,
     ) -> Self {
         let machine = Hooked(machine);
         let device = Device::with_application(Dictionary::new(), settings, serial_number, machine)
             .supporting(CanBus::BIT_RATES)
             .started(power_on)
-            .detecting();
+            .detecting()
+            .produced(settings::serial_number(&mut store));
         let device = match store {
             Some(_) => device.with_parameter_store(),
             None => device,

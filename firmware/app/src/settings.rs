@@ -78,12 +78,9 @@ pub fn load<F: NorFlash>(
     (store, power_on)
 }
 
-/// The serial number that production has given to the device; without one, that of the chip.
-pub fn serial_number<F: NorFlash>(store: &mut Parameters<F>, of_chip: u32) -> u32 {
-    match store.as_mut().map(Store::serial_number) {
-        Some(Ok(Some(number))) => number,
-        _ => of_chip,
-    }
+/// The serial number that production has given to the device, if it has.
+pub fn serial_number<F: NorFlash>(store: &mut Parameters<F>) -> Option<u32> {
+    store.as_mut()?.serial_number().ok().flatten()
 }
 
 /// Stores the settings.

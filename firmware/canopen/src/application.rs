@@ -30,6 +30,13 @@ pub trait Application<D: Dictionary> {
         let _ = (dictionary, entry);
     }
 
+    /// Whether the write that [`Application::written`] has just been told of is done. With [`Completion::Later`] the answer to an SDO
+    /// waits for [`Node::complete_write`](crate::Node::complete_write), as for a value that is being stored.
+    fn completion(&mut self, dictionary: &D, entry: &Entry) -> Completion {
+        let _ = (dictionary, entry);
+        Completion::Now
+    }
+
     /// A client begins to read a streamed object: its present size in bytes, or `None` if that is not known before its end.
     ///
     /// # Errors

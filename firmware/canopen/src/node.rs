@@ -48,7 +48,7 @@ use crate::cia301::sdo;
 use crate::cia302::startup;
 use crate::cia305::{self, LssEvent};
 use crate::od::{self, Dictionary};
-use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings};
+use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings, Wish};
 use crate::time::{Instant, NEVER, earlier, has_come};
 use crate::wire::sdo::Multiplexer;
 
@@ -261,6 +261,38 @@ impl<D: Dictionary> Node<D> {
         self.lss.bit_rate_found(bit_rate);
         self.is_mute = self.must_be_mute(now);
         self.services.timers_changed = true;
+    }
+
+    /// Configures and stores node-ID and bit rate without LSS, as an object of the manufacturer does. The node-ID counts from the
+    /// next reset on, the bit rate from the next power-on. [`Event::StoreSettings`] follows; [`Node::is_storing_settings`] is false
+    /// when it has been served.
+    ///
+    /// # Errors
+    /// [`cia305::Refused`]: the build has fixed it, or the controller does not make the bit rate.
+    pub fn configure_and_store(&mut self, wish: &Wish) -> Result<(), cia305::Refused> {
+        self.lss.configure_and_store(wish)?;
+        self.serve_lss_events();
+        Ok(())
+    }
+
+    /// Whether [`Event::StoreSettings`] has not been served yet.
+    pub fn is_storing_settings(&self) -> bool {
+        self.lss.is_storing()
+    }
+
+    /// Node-ID and bit rate as they are stored, with all that was configured since.
+    pub fn configuration(&self) -> Configuration {
+        self.lss.configuration()
+    }
+
+    /// Whether the node-ID can be configured: the build has not fixed it.
+    pub fn takes_node_id(&self) -> bool {
+        self.lss.takes_node_id()
+    }
+
+    /// Whether this bit rate can be configured: the build has not fixed another, and the controller makes it.
+    pub fn takes(&self, timing: BitTiming) -> bool {
+        self.lss.takes(timing)
     }
 
     /// The result of storing the settings of [`Event::StoreSettings`]; sends the answer to the LSS master, or asks to

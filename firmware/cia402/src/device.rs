@@ -12,6 +12,7 @@
 //! makes that; the device is silent meanwhile. Reset node also resets a fault; reset communication leaves it, and 1001h
 //! shows it.
 
+pub(crate) mod commissioning;
 mod controller;
 mod storage;
 
@@ -22,7 +23,7 @@ use canopen::cia301::sdo::AbortCode;
 use canopen::node::StoreError;
 use canopen::od::{self, Dictionary};
 use canopen::outbox::{Pending, Sender};
-use canopen::settings::PowerOn;
+use canopen::settings::Source;
 use canopen::{Application, BitRate, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
 use crate::configuration::Configuration;
@@ -66,6 +67,10 @@ pub struct Device<D: Dictionary, A = ()> {
     counters: Counters,
     /// Parameters are to be stored, and since then the motor is not safe.
     unsafe_since: Option<Instant>,
+    /// Where node-ID and bit rate come from.
+    sources: (Source, Source),
+    /// What 5FF0h shows.
+    configuration: canopen::Configuration,
 }
 
 impl<D: Dictionary + Objects> Device<D> {
@@ -86,6 +91,8 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     ) -> Self {
         Self {
             node: Node::new(dictionary, settings),
+            sources: commissioning::UNTOLD,
+            configuration: settings.configuration(),
             hooks: Hooks::new(serial_number, application),
             phase: Phase::Off,
             network: Network::Resetting { restart: false },
@@ -98,12 +105,6 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     /// The same device on a controller that reaches these bit rates only; LSS refuses the others.
     pub fn supporting(mut self, bit_rates: &[BitRate]) -> Self {
         self.node = self.node.supporting(bit_rates);
-        self
-    }
-
-    /// The same device after a power-on with these sources of node-ID and bit rate ([`canopen::Node::started`]).
-    pub fn started(mut self, power_on: &PowerOn) -> Self {
-        self.node = self.node.started(power_on);
         self
     }
 
@@ -129,6 +130,8 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             return;
         }
         self.refresh(stamp, exchange);
+        let newest = exchange.lock(|exchange| exchange.actuals_at(canopen::time::NEVER));
+        self.hooks.protection.prepare(newest.has_power(), stamp);
         self.node.receive(frame, stamp, &mut self.hooks);
         self.take_reset();
         self.post(exchange);
@@ -153,6 +156,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         self.take_reset();
         self.post(exchange);
         self.serve_controller();
+        self.serve_commissioning();
         deadline
     }
 
@@ -177,6 +181,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     /// The result of [`Event::StoreSettings`].
     pub fn settings_stored(&mut self, result: Result<(), StoreError>) {
         self.node.settings_stored(result);
+        self.end_storing_settings(result);
     }
 
     /// The owner of an object has finished a write that was to be completed later ([`Node::complete_write`]).
@@ -201,10 +206,12 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 
     fn boot<X: Share>(&mut self, reset: Reset, now: Instant, exchange: &mut X) {
         self.phase = Phase::Running;
+        self.hooks.protection.load();
         self.node.boot(reset, now, &mut self.hooks);
         self.take_reset();
         self.refresh(now, exchange);
         self.start_controller();
+        self.start_commissioning();
         self.hooks.touch();
         self.post(exchange);
     }

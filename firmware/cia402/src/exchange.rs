@@ -148,6 +148,19 @@ pub struct Actuals {
 }
 
 impl Actuals {
+    /// Whether the power stage is on, or may be so in a moment.
+    pub fn has_power(&self) -> bool {
+        matches!(
+            State::from_statusword(self.statusword),
+            Some(
+                State::SwitchedOn
+                    | State::OperationEnabled
+                    | State::QuickStopActive
+                    | State::FaultReactionActive
+            )
+        )
+    }
+
     /// What is known before the first tick: a drive that is not ready to switch on.
     pub const NONE: Self = Self {
         at: Instant::from_ticks(0),

@@ -21,12 +21,14 @@ use motion::homing::Method;
 
 use crate::controlword::ControlwordHistory;
 use crate::device::RESTART_DELAY;
+use crate::device::commissioning::Commissioning;
 use crate::exchange::Commands;
 use crate::inputs::InputFunction;
 use crate::modes::Mode;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
 use crate::parameters::Parameter;
+use crate::protection::{PASSWORD, PRODUCTION, Protection};
 
 const IDENTITY: u16 = 0x1018;
 const SERIAL_NUMBER: u8 = 4;
@@ -54,10 +56,14 @@ pub(crate) struct Hooks<A> {
     written: bool,
     configured: bool,
     delay_written: bool,
+    pub(crate) protection: Protection,
+    pub(crate) commissioning: Commissioning,
+    /// The serial number of production; 0 for none.
+    produced: u32,
 }
 
 impl<A> Hooks<A> {
-    pub(crate) const fn new(serial_number: u32, application: A) -> Self {
+    pub(crate) fn new(serial_number: u32, application: A) -> Self {
         Self {
             application,
             serial_number,
@@ -65,6 +71,17 @@ impl<A> Hooks<A> {
             written: true,
             configured: true,
             delay_written: false,
+            protection: Protection::default(),
+            commissioning: Commissioning::default(),
+            produced: 0,
+        }
+    }
+
+    /// Production has given this serial number.
+    pub(crate) fn produce(&mut self, serial_number: Option<u32>) {
+        if let Some(number) = serial_number {
+            self.serial_number = number;
+            self.produced = number;
         }
     }
 
@@ -124,6 +141,9 @@ impl<A> Hooks<A> {
 
 impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
     fn validate(&mut self, dictionary: &D, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
+        let protected = self.protection.check(dictionary, entry, value);
+        protected.inspect_err(|code| self.protection.refused(entry, *code))?;
+        self.commissioning.check(entry, value)?;
         if let Some(parameter) = D::parameter(entry)
             && let Some(number) = od::number(entry, value)
         {
@@ -143,7 +163,18 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         self.written |= parameter.is_some();
         self.configured |= parameter.is_some_and(|parameter| !parameter.is_command());
         self.delay_written |= entry.index == RESTART_DELAY;
+        if entry.index >> 4 == PASSWORD >> 4 {
+            self.protection.written(dictionary, entry);
+            self.commissioning.written(dictionary, entry);
+        }
         self.application.written(dictionary, entry);
+    }
+
+    fn completion(&mut self, dictionary: &D, entry: &Entry) -> Completion {
+        if self.commissioning.is_waiting(entry) {
+            return Completion::Later;
+        }
+        self.application.completion(dictionary, entry)
     }
 
     fn size(&mut self, dictionary: &D, entry: &Entry) -> Result<Option<u32>, AbortCode> {
@@ -195,6 +226,10 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
     fn power_on(&mut self, dictionary: &mut D) {
         // Power-on values hold the serial number 0 of the data sheet. A dictionary without 1018h:4 has no place for it.
         let _ = write_u32(dictionary, IDENTITY, SERIAL_NUMBER, self.serial_number);
+        let _ = write_u32(dictionary, PRODUCTION, 1, self.produced);
+        self.protection.reset();
+        self.protection.load();
+        self.protection.show(dictionary);
         self.application.power_on(dictionary);
         dictionary.agree();
         self.history = ControlwordHistory::new(dictionary.controlword());

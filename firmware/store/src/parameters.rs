@@ -253,6 +253,10 @@ impl<F: NorFlash> ParameterStore for Store<F> {
     ) -> Result<usize, StoreError> {
         self.read_chunk(set, number, chunk).map_err(medium)
     }
+
+    fn keep_serial_number(&mut self, number: u32) -> Result<(), StoreError> {
+        self.save_serial_number(number).map_err(medium)
+    }
 }
 
 fn medium<E>(_: Error<E>) -> StoreError {

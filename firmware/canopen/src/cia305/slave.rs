@@ -5,7 +5,7 @@ use super::identity::Identity;
 use super::request::{Request, answer};
 use super::sequence::Sequence;
 use crate::node::StoreError;
-use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings, Source};
+use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings, Source, Wish};
 use crate::time::{Duration, Instant, NEVER};
 
 /// What the node has to do after a request. Taken with [`Slave::event`].
@@ -57,6 +57,10 @@ enum Storing {
     Again(Configuration),
 }
 
+/// What was to be configured cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Refused;
+
 /// What of the settings cannot be configured, as the build has fixed it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Fixed {
@@ -87,6 +91,8 @@ pub struct Slave {
     scan: Scan,
     switch: Option<Switch>,
     storing: Storing,
+    /// A master waits for the answer to service 17h.
+    owes_answer: bool,
     event: Option<LssEvent>,
 }
 
@@ -107,6 +113,7 @@ impl Slave {
             scan: Scan::IDLE,
             switch: None,
             storing: Storing::Idle,
+            owes_answer: false,
             event: None,
         }
     }
@@ -257,7 +264,59 @@ impl Slave {
             Err(StoreError::NotSupported) => 0x01,
             Err(StoreError::Medium) => 0x02,
         };
-        Some(message(answer::STORED, &[error]))
+        core::mem::take(&mut self.owes_answer).then(|| message(answer::STORED, &[error]))
+    }
+
+    /// Configures and stores by another way than the services, such as an object: node-ID or bit rate or both. Then ask
+    /// [`Slave::event`]; [`Slave::is_storing`] is false when it is done.
+    ///
+    /// # Errors
+    /// The build has fixed it, or this device does not make the bit rate; nothing has changed.
+    pub fn configure_and_store(&mut self, wish: &Wish) -> Result<(), Refused> {
+        let timing_is_good = wish.bit_timing.is_none_or(|timing| self.takes(timing));
+        let node_id_is_good = wish.node_id.is_none() || self.takes_node_id();
+        if !timing_is_good || !node_id_is_good {
+            return Err(Refused);
+        }
+        if let Some(node_id) = wish.node_id {
+            self.pending.node_id = node_id;
+            self.kept.node_id = node_id;
+        }
+        if let Some(timing) = wish.bit_timing {
+            self.pending.bit_timing = timing;
+            self.kept.bit_timing = timing;
+        }
+        self.store();
+        Ok(())
+    }
+
+    /// Whether settings are being stored.
+    pub const fn is_storing(&self) -> bool {
+        !matches!(self.storing, Storing::Idle)
+    }
+
+    /// What is stored, with all that was configured since.
+    pub const fn configuration(&self) -> Configuration {
+        self.kept
+    }
+
+    /// Whether the node-ID can be configured: the build has not fixed it.
+    pub const fn takes_node_id(&self) -> bool {
+        !self.fixed.node_id
+    }
+
+    /// Whether this bit rate can be configured.
+    pub const fn takes(&self, timing: BitTiming) -> bool {
+        !self.fixed.bit_timing && self.supported & bit(timing) != 0
+    }
+
+    fn store(&mut self) {
+        if let Storing::Idle = self.storing {
+            self.storing = Storing::Running;
+            self.event = Some(LssEvent::Store(self.kept));
+        } else {
+            self.storing = Storing::Again(self.kept);
+        }
     }
 
     /// Whether nothing may be sent because the bit rate is being switched.
@@ -304,12 +363,8 @@ impl Slave {
                 None
             }
             Request::Store => {
-                if let Storing::Idle = self.storing {
-                    self.storing = Storing::Running;
-                    self.event = Some(LssEvent::Store(self.kept));
-                } else {
-                    self.storing = Storing::Again(self.kept);
-                }
+                self.owes_answer = true;
+                self.store();
                 None
             }
             Request::InquireIdentity { step } => {

@@ -206,7 +206,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         od::put(self.dictionary, entry, value);
         self.application.written(self.dictionary, entry);
         self.end_write_of_value(entry, is_changed);
-        Ok(Completion::Now)
+        Ok(self.application.completion(self.dictionary, entry))
     }
 
     fn begin_write(&mut self, entry: &'static Entry, size: Option<u32>) -> Result<(), AbortCode> {

@@ -18,6 +18,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     /// The same device on a board that stores parameters: the firmware calls [`Device::serve_store`].
     pub fn with_parameter_store(mut self) -> Self {
         self.node = self.node.with_parameter_store();
+        self.hooks.commissioning.support();
         self
     }
 
@@ -34,11 +35,14 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         exchange: &mut X,
     ) {
         if self.node.is_loading() {
+            self.hooks.protection.load();
             self.node.load_parameters(store, now, &mut self.hooks);
+            self.start_commissioning();
             self.refresh(now, exchange);
             self.hooks.touch();
             self.post(exchange);
         }
+        self.store_serial_number(store, exchange);
         if !self.node.is_storing() {
             self.unsafe_since = None;
         } else if exchange.lock(|exchange| exchange.is_safe()) {

@@ -138,4 +138,13 @@ pub trait ParameterStore {
         number: u16,
         chunk: &mut [u8; CHUNK],
     ) -> Result<usize, StoreError>;
+
+    /// Keeps the serial number that production gives to the device, for ever.
+    ///
+    /// # Errors
+    /// [`StoreError::NotSupported`]: this store keeps none. Otherwise the medium failed, or another number is kept already.
+    fn keep_serial_number(&mut self, number: u32) -> Result<(), StoreError> {
+        let _ = number;
+        Err(StoreError::NotSupported)
+    }
 }

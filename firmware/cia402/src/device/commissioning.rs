@@ -1,0 +1,243 @@
+//! Node-ID, bit rate and serial number as objects of the manufacturer.
+//!
+//! | object | holds |
+//! |---|---|
+//! | 5FF0h:1 | node-ID, 1 to 127, or 255 for none |
+//! | 5FF0h:2 | bit rate, an index of the LSS bit timing table 0; 9 to find it |
+//! | 5FF0h:3, :4 | where node-ID and bit rate of this power-on come from: 0 factory, 1 store, 2 switches, 3 build |
+//! | 5FF2h:1 | serial number that production has given, 0 for none |
+//!
+//! 5FF0h:1 and :2 are what LSS stores with 17h, in another way: a value that is written is stored at once, and the answer comes when it is
+//! safe. A node-ID counts from the next reset on, a bit rate from the next power-on. They show what is stored, with what LSS has
+//! configured since, whatever source counts now.
+//!
+//! The serial number is written once, in production ([`crate::protection`]), stored at once, and is 1018h:4 from the next NMT reset
+//! node on. A dictionary may leave these objects out.
+
+use canopen::cia301::parameters::ParameterStore;
+use canopen::cia301::sdo::AbortCode;
+use canopen::node::StoreError;
+use canopen::od::{self, Dictionary, Entry};
+use canopen::settings::{PowerOn, Source, Wish};
+use canopen::{Application, BitTiming, Configuration, NodeId};
+
+use super::Device;
+use crate::exchange::Share;
+use crate::objects::Objects;
+use crate::protection::{NETWORK, PRODUCTION};
+
+/// The sub-indices of 5FF0h.
+const NODE_ID: u8 = 1;
+const BIT_TIMING: u8 = 2;
+const SOURCE_OF_NODE_ID: u8 = 3;
+const SOURCE_OF_BIT_TIMING: u8 = 4;
+
+/// The sub-index of 5FF2h.
+const SERIAL_NUMBER: u8 = 1;
+
+/// What the hooks know of these objects, and what has been written to them.
+#[derive(Debug, Default)]
+pub(crate) struct Commissioning {
+    takes_node_id: bool,
+    /// The bit rates that can be configured, a bit for each index.
+    timings: u16,
+    /// There is a store for a serial number.
+    has_store: bool,
+    /// 5FF0h was written, and what; the answer waits for the store.
+    settings: Option<(u8, Wish)>,
+    settings_are_ordered: bool,
+    /// 5FF2h:1 was written; the answer waits for the store.
+    serial_number: Option<u32>,
+}
+
+impl Commissioning {
+    /// There is a store.
+    pub(crate) const fn support(&mut self) {
+        self.has_store = true;
+    }
+
+    /// Whether one of these objects may get a value.
+    pub(crate) fn check(&self, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
+        match (entry.index, entry.sub, value) {
+            (NETWORK, NODE_ID | BIT_TIMING, _) if self.settings.is_some() => {
+                Err(AbortCode::DeviceState)
+            }
+            (NETWORK, NODE_ID, [_]) if !self.takes_node_id => Err(AbortCode::DeviceState),
+            (NETWORK, NODE_ID | BIT_TIMING, [number]) => match wish(entry.sub, *number) {
+                Some(Wish {
+                    bit_timing: Some(timing),
+                    ..
+                }) if !self.takes(timing) => Err(AbortCode::InvalidValue),
+                Some(_) => Ok(()),
+                None => Err(AbortCode::InvalidValue),
+            },
+            (PRODUCTION, SERIAL_NUMBER, _) if !self.has_store => Err(AbortCode::NotTransferable),
+            (PRODUCTION, SERIAL_NUMBER, _) if self.serial_number.is_some() => {
+                Err(AbortCode::DeviceState)
+            }
+            // It stands for "none".
+            (PRODUCTION, SERIAL_NUMBER, [0, 0, 0, 0]) => Err(AbortCode::InvalidValue),
+            _ => Ok(()),
+        }
+    }
+
+    /// One of these objects was written. Returns whether the answer waits for the store.
+    pub(crate) fn written<D: Dictionary>(&mut self, dictionary: &D, entry: &Entry) {
+        match (entry.index, entry.sub) {
+            (NETWORK, sub @ (NODE_ID | BIT_TIMING)) => {
+                let number = od::read_u8(dictionary, NETWORK, sub);
+                self.settings = number
+                    .and_then(|number| wish(sub, number))
+                    .map(|wish| (sub, wish));
+                self.settings_are_ordered = false;
+            }
+            (PRODUCTION, SERIAL_NUMBER) => {
+                self.serial_number = od::read_u32(dictionary, PRODUCTION, SERIAL_NUMBER);
+            }
+            _ => {}
+        }
+    }
+
+    /// Whether the answer to a write of this entry waits for the store.
+    pub(crate) const fn is_waiting(&self, entry: &Entry) -> bool {
+        match (entry.index, entry.sub) {
+            (NETWORK, NODE_ID | BIT_TIMING) => self.settings.is_some(),
+            (PRODUCTION, SERIAL_NUMBER) => self.serial_number.is_some(),
+            _ => false,
+        }
+    }
+
+    const fn takes(&self, timing: BitTiming) -> bool {
+        self.timings & bit(timing) != 0
+    }
+}
+
+const fn bit(timing: BitTiming) -> u16 {
+    1_u16.wrapping_shl(timing.table_index() as u32)
+}
+
+/// What a number at 5FF0h:1 or :2 asks for.
+fn wish(sub: u8, number: u8) -> Option<Wish> {
+    Some(match sub {
+        NODE_ID => Wish {
+            node_id: Some(NodeId::new(number)?),
+            bit_timing: None,
+        },
+        _ => Wish {
+            node_id: None,
+            bit_timing: Some(BitTiming::from_table_index(number)?),
+        },
+    })
+}
+
+impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+    /// The same device after a power-on with these sources of node-ID and bit rate ([`canopen::Node::started`]); 5FF0h shows them.
+    pub fn started(mut self, power_on: &PowerOn) -> Self {
+        self.node = self.node.started(power_on);
+        self.sources = (power_on.node_id.source, power_on.bit_timing.source);
+        self
+    }
+
+    /// The same device with the serial number that production has given to it, if it has: it goes before the one of
+    /// [`Device::new`].
+    pub fn produced(mut self, serial_number: Option<u32>) -> Self {
+        self.hooks.produce(serial_number);
+        self
+    }
+
+    /// Boot: the objects are at their power-on values.
+    pub(super) fn start_commissioning(&mut self) {
+        let commissioning = &mut self.hooks.commissioning;
+        commissioning.takes_node_id = self.node.takes_node_id();
+        commissioning.timings = (0..=BitTiming::AUTOMATIC_INDEX)
+            .filter_map(BitTiming::from_table_index)
+            .filter(|timing| self.node.takes(*timing))
+            .fold(0, |timings, timing| timings | bit(timing));
+        self.show_configuration();
+    }
+
+    /// Has stored what was written, and shows what LSS has configured.
+    pub(super) fn serve_commissioning(&mut self) {
+        let commissioning = &mut self.hooks.commissioning;
+        if let Some((sub, wish)) = commissioning.settings
+            && !commissioning.settings_are_ordered
+        {
+            commissioning.settings_are_ordered = true;
+            if self.node.configure_and_store(&wish).is_err() {
+                self.end_settings(sub, Err(AbortCode::InvalidValue));
+            }
+        }
+        if self.hooks.protection.is_stale() {
+            self.hooks.protection.serve(self.node.dictionary_mut());
+        }
+        if self.configuration != self.node.configuration() {
+            self.show_configuration();
+        }
+    }
+
+    /// What the firmware says of settings that were to be stored ([`canopen::Event::StoreSettings`]).
+    pub(super) fn end_storing_settings(&mut self, result: Result<(), StoreError>) {
+        if let Some((sub, _)) = self.hooks.commissioning.settings
+            && self.hooks.commissioning.settings_are_ordered
+            && !self.node.is_storing_settings()
+        {
+            self.end_settings(sub, result.map_err(AbortCode::from));
+        }
+    }
+
+    fn end_settings(&mut self, sub: u8, result: Result<(), AbortCode>) {
+        self.hooks.commissioning.settings = None;
+        self.node.complete_write(NETWORK, sub, result);
+        self.show_configuration();
+    }
+
+    /// Stores a serial number that was written; the drive has no power then.
+    pub(super) fn store_serial_number<S: ParameterStore, X: Share>(
+        &mut self,
+        store: &mut S,
+        exchange: &mut X,
+    ) {
+        let Some(number) = self.hooks.commissioning.serial_number else {
+            return;
+        };
+        let result = if exchange.lock(|exchange| exchange.is_safe()) {
+            store.keep_serial_number(number).map_err(AbortCode::from)
+        } else if exchange.lock(|exchange| exchange.actuals_at(canopen::time::NEVER).safe) {
+            // The next control tick knows for sure.
+            return;
+        } else {
+            Err(AbortCode::DeviceState)
+        };
+        self.hooks.commissioning.serial_number = None;
+        match result {
+            Ok(()) => self.hooks.produce(Some(number)),
+            Err(_) => {
+                od::write_u32(self.node.dictionary_mut(), PRODUCTION, SERIAL_NUMBER, 0);
+            }
+        }
+        self.node.complete_write(PRODUCTION, SERIAL_NUMBER, result);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn show_configuration(&mut self) {
+        self.configuration = self.node.configuration();
+        let Configuration {
+            node_id,
+            bit_timing,
+        } = self.configuration;
+        let (of_node_id, of_bit_timing) = self.sources;
+        for (sub, value) in [
+            (NODE_ID, node_id.get()),
+            (BIT_TIMING, bit_timing.table_index()),
+            (SOURCE_OF_NODE_ID, of_node_id as u8),
+            (SOURCE_OF_BIT_TIMING, of_bit_timing as u8),
+        ] {
+            // A dictionary without the object has no place for it.
+            let _ = od::write_u8(self.node.dictionary_mut(), NETWORK, sub, value);
+        }
+    }
+}
+
+/// Where a device that was told nothing has its settings from.
+pub(super) const UNTOLD: (Source, Source) = (Source::Factory, Source::Factory);

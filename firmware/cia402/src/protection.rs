@@ -1,0 +1,223 @@
+//! What may be written when, beside the rules of each object.
+//!
+//! - [`LOCKED_WHILE_POWERED`]: objects that must not change while the power stage is on. 08000022h.
+//! - A password, for products that want one (5FF1h): while it is set and has not been given, objects of the manufacturer (2000h to
+//!   5FFFh) cannot be written. 08000022h. It guards against mistakes, not against attackers: a master that restores the parameters
+//!   (1011h) takes it away, and so does a factory reset.
+//! - [`PRODUCTION_ONLY`]: objects that production writes. They take "prod" at 5FF1h:1 first, which counts until the next power-on, and
+//!   only while the device has no serial number of its own. 08000022h.
+//!
+//! | object | |
+//! |---|---|
+//! | 5FF1h:1 | the password is given here, or "prod". A wrong one locks again, is answered with 06090030h, and for a second no other is taken: 08000022h |
+//! | 5FF1h:2 | a new password, stored with the parameters; 0 for none |
+//! | 5FF1h:3 | access: 0 there is no password, 1 locked, 2 open, 3 production |
+//!
+//! A dictionary without these objects has no password and no production mode.
+
+use core::ops::RangeInclusive;
+
+use canopen::cia301::sdo::AbortCode;
+use canopen::od::{self, Dictionary, Entry};
+use canopen::{Duration, Instant};
+
+/// Node-ID and bit rate.
+pub(crate) const NETWORK: u16 = 0x5FF0;
+/// The password.
+pub(crate) const PASSWORD: u16 = 0x5FF1;
+/// What production writes.
+pub(crate) const PRODUCTION: u16 = 0x5FF2;
+
+/// The sub-indices of 5FF1h.
+const GIVEN: u8 = 1;
+const NEW: u8 = 2;
+const ACCESS: u8 = 3;
+
+/// Objects that must not change while the power stage is on: what a position, a velocity or a torque means (polarity, encoder,
+/// gear, feed, factors, units, ratings), what the motor is, and what takes the flash to be stored.
+pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 10] = [
+    NETWORK..=NETWORK,
+    PRODUCTION..=PRODUCTION,
+    0x6075..=0x6076,
+    0x607E..=0x607E,
+    0x608F..=0x6092,
+    0x6096..=0x6097,
+    0x60A8..=0x60AA,
+    0x6402..=0x6404,
+    0x6406..=0x6407,
+    0x6410..=0x6410,
+];
+
+/// Objects that only production writes.
+pub const PRODUCTION_ONLY: [u16; 1] = [PRODUCTION];
+
+/// Objects that a password guards.
+const GUARDED: RangeInclusive<u16> = 0x2000..=0x5FFF;
+
+/// Written to 5FF1h:1 it opens what production writes.
+const PRODUCTION_MODE: u32 = u32::from_le_bytes(*b"prod");
+
+/// How long no password is taken after a wrong one.
+const PENALTY: Duration = Duration::from_ticks(1_000_000);
+
+/// Who has given what, and how the drive is.
+#[derive(Debug, Default)]
+pub(crate) struct Protection {
+    powered: bool,
+    /// What was stored is being loaded: what once passed the rules is put back.
+    loading: bool,
+    open: bool,
+    production: bool,
+    now: Option<Instant>,
+    /// 5FF1h:3 is not what it should be.
+    is_stale: bool,
+    /// No password is taken before.
+    penalty_until: Option<Instant>,
+}
+
+impl Protection {
+    /// A frame comes at this moment.
+    pub(crate) fn prepare(&mut self, powered: bool, now: Instant) {
+        self.powered = powered;
+        self.loading = false;
+        self.now = Some(now);
+    }
+
+    /// What was stored will be loaded.
+    pub(crate) fn load(&mut self) {
+        self.loading = true;
+    }
+
+    /// Whether an object may be written now.
+    pub(crate) fn check<D: Dictionary>(
+        &self,
+        dictionary: &D,
+        entry: &Entry,
+        value: &[u8],
+    ) -> Result<(), AbortCode> {
+        if self.loading {
+            return Ok(());
+        }
+        let index = entry.index;
+        let is_locked = self.powered && is_among(&LOCKED_WHILE_POWERED, index);
+        if is_locked || PRODUCTION_ONLY.contains(&index) && !self.production {
+            return Err(AbortCode::DeviceState);
+        }
+        if index == PASSWORD && entry.sub == GIVEN {
+            return self.check_given(dictionary, value);
+        }
+        if GUARDED.contains(&index) && !self.is_open(dictionary) {
+            return Err(AbortCode::DeviceState);
+        }
+        Ok(())
+    }
+
+    /// A wrong password passes here as well: it has an effect, and [`Protection::written`] tells of it.
+    fn check_given<D: Dictionary>(&self, dictionary: &D, value: &[u8]) -> Result<(), AbortCode> {
+        let is_penalty = match (self.now, self.penalty_until) {
+            (Some(now), Some(until)) => now < until,
+            _ => false,
+        };
+        if is_penalty {
+            return Err(AbortCode::DeviceState);
+        }
+        let is_good = value
+            .first_chunk()
+            .is_some_and(|bytes| self.accepts(dictionary, u32::from_le_bytes(*bytes)));
+        if is_good {
+            Ok(())
+        } else {
+            Err(AbortCode::InvalidValue)
+        }
+    }
+
+    /// What [`Protection::check`] refused was written to this object: a wrong password counts.
+    pub(crate) fn refused(&mut self, entry: &Entry, code: AbortCode) {
+        if entry.index == PASSWORD && entry.sub == GIVEN && code == AbortCode::InvalidValue {
+            self.open = false;
+            self.production = false;
+            self.is_stale = true;
+            self.penalty_until = self.now.and_then(|now| now.checked_add_duration(PENALTY));
+        }
+    }
+
+    /// An object was written.
+    pub(crate) fn written<D: Dictionary>(&mut self, dictionary: &mut D, entry: &Entry) {
+        if entry.index == PASSWORD && !self.loading {
+            if entry.sub == GIVEN {
+                let given = od::read_u32(dictionary, PASSWORD, GIVEN).unwrap_or(0);
+                self.production = given == PRODUCTION_MODE && has_no_serial_number(dictionary);
+                self.open = self.production || is_password(dictionary, given);
+                od::write_u32(dictionary, PASSWORD, GIVEN, 0);
+            } else if entry.sub == NEW {
+                // Whoever has set it knows it.
+                self.open = true;
+            }
+        }
+        if entry.index == PASSWORD {
+            self.show(dictionary);
+        }
+    }
+
+    /// Whether [`Protection::serve`] has something to do.
+    pub(crate) const fn is_stale(&self) -> bool {
+        self.is_stale
+    }
+
+    /// Shows what a refused write has changed.
+    pub(crate) fn serve<D: Dictionary>(&mut self, dictionary: &mut D) {
+        if core::mem::take(&mut self.is_stale) {
+            self.show(dictionary);
+        }
+    }
+
+    /// 5FF1h:3.
+    pub(crate) fn show<D: Dictionary>(&self, dictionary: &mut D) {
+        let access = if self.production {
+            3
+        } else if password(dictionary) == 0 {
+            0
+        } else if self.open {
+            2
+        } else {
+            1
+        };
+        od::write_u8(dictionary, PASSWORD, ACCESS, access);
+    }
+
+    /// The device starts anew: the password is to be given again.
+    pub(crate) fn reset(&mut self) {
+        *self = Self {
+            penalty_until: self.penalty_until,
+            now: self.now,
+            ..Self::default()
+        };
+    }
+
+    fn accepts<D: Dictionary>(&self, dictionary: &D, given: u32) -> bool {
+        is_password(dictionary, given)
+            || given == PRODUCTION_MODE && has_no_serial_number(dictionary)
+    }
+
+    fn is_open<D: Dictionary>(&self, dictionary: &D) -> bool {
+        self.open || password(dictionary) == 0
+    }
+}
+
+/// The password; 0 for none.
+fn password<D: Dictionary>(dictionary: &D) -> u32 {
+    od::read_u32(dictionary, PASSWORD, NEW).unwrap_or(0)
+}
+
+fn is_password<D: Dictionary>(dictionary: &D, given: u32) -> bool {
+    given != 0 && given == password(dictionary)
+}
+
+/// Production has not written the serial number yet, and there is a place for it.
+fn has_no_serial_number<D: Dictionary>(dictionary: &D) -> bool {
+    od::read_u32(dictionary, PRODUCTION, 1) == Some(0)
+}
+
+fn is_among(ranges: &[RangeInclusive<u16>], index: u16) -> bool {
+    ranges.iter().any(|range| range.contains(&index))
+}
