@@ -257,6 +257,50 @@ mod tests {
     }
 
     #[test]
+    fn block_transfers_are_followed() {
+        let frames: [(u16, &[u8]); 16] = [
+            (0x604, &[0xC6, 0x20, 0x20, 0, 10, 0, 0, 0]),
+            (0x584, &[0xA4, 0x20, 0x20, 0, 2, 0, 0, 0]),
+            // Both look like other requests; the second is lost.
+            (0x604, &[0x01, b'T', b'e', b'n', b' ', b'b', b'y', b't']),
+            (0x584, &[0xA2, 1, 2, 0, 0, 0, 0, 0]),
+            (0x604, &[0x81, b'e', b's', b'.', 0, 0, 0, 0]),
+            (0x584, &[0xA2, 1, 2, 0, 0, 0, 0, 0]),
+            (0x604, &[0xD1, 0x34, 0x12, 0, 0, 0, 0, 0]),
+            (0x584, &[0xA1, 0, 0, 0, 0, 0, 0, 0]),
+            (0x604, &[0xA4, 0x20, 0x20, 0, 127, 0, 0, 0]),
+            (0x584, &[0xC6, 0x20, 0x20, 0, 5, 0, 0, 0]),
+            (0x604, &[0xA3, 0, 0, 0, 0, 0, 0, 0]),
+            (0x584, &[0x81, 1, 2, 3, 4, 5, 0, 0]),
+            (0x604, &[0xA2, 1, 127, 0, 0, 0, 0, 0]),
+            (0x584, &[0xC9, 0, 0, 0, 0, 0, 0, 0]),
+            (0x604, &[0xA1, 0, 0, 0, 0, 0, 0, 0]),
+            (0x584, &[0x80, 0x20, 0x20, 0, 0, 0, 4, 5]),
+        ];
+        assert_eq!(
+            meanings(&frames),
+            [
+                "SDO block write 2020h user memory, 10 bytes",
+                "SDO block: go ahead, 2 segments at a time",
+                "SDO block segment 1",
+                "SDO block: taken up to segment 1",
+                "SDO block segment 1, the last",
+                "SDO block: taken up to segment 1",
+                "SDO block end: \"Ten bytes.\"",
+                "SDO written",
+                "SDO block read 2020h user memory, 127 segments at a time",
+                "SDO block answer, 5 bytes",
+                "SDO block: go ahead",
+                "SDO block segment 1, the last",
+                "SDO block: taken up to segment 1",
+                "SDO block end: 21542142465",
+                "SDO read",
+                "SDO abort 05040000h: SDO protocol timed out",
+            ]
+        );
+    }
+
+    #[test]
     fn lss_services_are_known() {
         let frames: [(u16, &[u8]); 4] = [
             (0x7E5, &[0x51, 0, 0, 0, 0, 0x80, 0, 0]),
@@ -273,5 +317,24 @@ mod tests {
                 "LSS: refused, error 2",
             ]
         );
+    }
+
+    proptest::proptest! {
+        /// What a bus carries is not in the hands of who watches it.
+        #[test]
+        fn no_traffic_is_too_strange_to_be_told(
+            frames: Vec<(u8, [u8; 8], u8)>,
+        ) {
+            let mut interpreter = Interpreter::new(DataSheet::axis402());
+            let objects = [MappedObject::new(0x6041, 13), MappedObject::new(0x6064, 255)];
+            interpreter.learn_pdo(0x184, 4, "TPDO 1", &objects);
+            for (kind, bytes, length) in frames {
+                // Mostly SDO, where one frame depends on another.
+                let cob_id = [0x604, 0x584, 0x184, 0x084, 0x7E4, 0x7E5, 0x704, 0x604, 0x584];
+                let cob_id = cob_id[usize::from(kind) % cob_id.len()];
+                let length = if kind & 0x80 != 0 { 8 } else { usize::from(length) % 9 };
+                interpreter.meaning(&Frame::data_frame(cob_id, &bytes[..length]));
+            }
+        }
     }
 }

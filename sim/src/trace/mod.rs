@@ -7,6 +7,7 @@ mod lss;
 mod meaning;
 mod objects;
 mod sdo;
+mod sdo_block;
 mod words;
 
 pub use abort::{abort_code, abort_words};

@@ -28,7 +28,7 @@ pub fn value(sheet: &DataSheet, index: u16, sub: u8, bytes: &[u8]) -> String {
     match index {
         0x6040 => words::controlword(number as u16),
         0x6041 => words::statusword(number as u16),
-        _ if bytes.len() > 8 => format!("\"{}\"", String::from_utf8_lossy(bytes)),
+        _ if bytes.len() > 8 => long(bytes),
         0x1000..=0x1FFF if bytes.len() > 1 => {
             format!("{number:0width$X}h", width = 2 * bytes.len())
         }
@@ -37,6 +37,14 @@ pub fn value(sheet: &DataSheet, index: u16, sub: u8, bytes: &[u8]) -> String {
             (((number << unused) as i64) >> unused).to_string()
         }
         _ => number.to_string(),
+    }
+}
+
+/// A text as it is; what is none by its length.
+fn long(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) if !text.contains(|letter: char| letter.is_control()) => format!("\"{text}\""),
+        _ => format!("{} bytes", bytes.len()),
     }
 }
 
@@ -93,6 +101,7 @@ mod tests {
         assert_eq!(value(0x1000, 0, &0x0004_0192u32.to_le_bytes()), "00040192h");
         assert_eq!(value(0x6040, 0, &[0x06, 0x00]), "shutdown");
         assert_eq!(value(0x1008, 0, b"Axis402 drive"), "\"Axis402 drive\"");
+        assert_eq!(value(0x2020, 0, &[0; 20]), "20 bytes");
         assert_eq!(value(0x6060, 0, &[0xFF]), "-1");
     }
 }
