@@ -73,11 +73,12 @@ macro_rules! communication_parameter {
 macro_rules! transmit_parameter {
     ($index:expr, $cob_id:expr) => {
         [
-            u8_($index, 0, CONST, &[5]),
+            u8_($index, 0, CONST, &[6]),
             u32_($index, 1, RW | NODE_ID, $cob_id),
             u8_($index, 2, RW, &[255]),
             u16_($index, 3, RW, &[0, 0]),
             u16_($index, 5, RW, &[0, 0]),
+            u8_($index, 6, RW, &[0]),
         ]
     };
 }

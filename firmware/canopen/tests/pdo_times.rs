@@ -1,0 +1,232 @@
+//! When a transmit PDO is sent, under random changes, SYNCs and times: as the transmission type says, with the newest values, never
+//! within the inhibit time, and never later than the event timer.
+
+mod device;
+
+use canopen::Duration;
+use device::Device;
+use proptest::prelude::*;
+
+/// The object that TPDO 1 maps first, 32 bits.
+const VALUE: u16 = 0x2005;
+
+/// Parameters of TPDO 1.
+#[derive(Clone, Copy, Debug, Default)]
+struct Times {
+    transmission_type: u8,
+    /// In multiples of 100 µs.
+    inhibit_time: u16,
+    /// In milliseconds, 0 for none.
+    event_timer: u16,
+    sync_start: u8,
+    /// 1019h, 0 for SYNCs without a counter.
+    overflow: u8,
+}
+
+/// A device in Operational, and what it has sent: when, in microseconds, and which value.
+struct Rig {
+    device: Device,
+    value: u32,
+    sent: Vec<(u64, u32)>,
+}
+
+impl Rig {
+    fn new(times: Times) -> Self {
+        let mut device = Device::new();
+        let write = |device: &mut Device, what: String| {
+            let answer = device.ask(&what);
+            assert!(answer[0].starts_with("584#60"), "{what}: {answer:?}");
+        };
+        write(
+            &mut device,
+            format!("604#2F191000{:02X}000000", times.overflow),
+        );
+        write(&mut device, "604#2300180184010080".into());
+        write(
+            &mut device,
+            format!("604#2F001802{:02X}000000", times.transmission_type),
+        );
+        for (sub, time) in [(3, times.inhibit_time), (5, times.event_timer)] {
+            let [low, high] = time.to_le_bytes();
+            write(
+                &mut device,
+                format!("604#2B0018{sub:02X}{low:02X}{high:02X}0000"),
+            );
+        }
+        write(
+            &mut device,
+            format!("604#2F001806{:02X}000000", times.sync_start),
+        );
+        write(&mut device, "604#2300180184010000".into());
+        let mut rig = Self {
+            device,
+            value: 0,
+            sent: Vec::new(),
+        };
+        rig.device.send("000#0104");
+        rig.take();
+        rig
+    }
+
+    /// What the device sends now; what has left may start a time.
+    fn take(&mut self) {
+        let now = self.device.now.ticks();
+        for frame in self.device.sent() {
+            let data = frame.strip_prefix("184#").expect("only the PDO is sent");
+            let value = u32::from_str_radix(&data[..8], 16).unwrap().swap_bytes();
+            assert_eq!(value, self.value, "the newest value");
+            self.sent.push((now, value));
+        }
+    }
+
+    /// Lets time pass; the device is called at each of its deadlines, and not in between.
+    fn pass(&mut self, microseconds: u64) {
+        let end = self.device.now + Duration::from_ticks(microseconds);
+        loop {
+            self.device.poll();
+            self.take();
+            let deadline = self.device.poll();
+            if deadline > end {
+                self.device.now = end;
+                return;
+            }
+            self.device.now = deadline;
+        }
+    }
+
+    fn change(&mut self, value: u32) {
+        self.value = value;
+        self.device.set_value(VALUE, 0, &value.to_le_bytes());
+        self.device.poll();
+        self.take();
+    }
+
+    fn sync(&mut self, counter: Option<u8>) {
+        let counter = counter.map(|counter| format!("{counter:02X}"));
+        self.device
+            .put(&format!("080#{}", counter.unwrap_or_default()));
+        self.take();
+        self.device.poll();
+    }
+
+    fn now(&self) -> u64 {
+        self.device.now.ticks()
+    }
+}
+
+/// What happens on the bus and in the device.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    Change(u32),
+    Pass(u64),
+    Sync,
+}
+
+fn steps() -> impl Strategy<Value = Vec<Step>> {
+    let step = prop_oneof![
+        (0..4_u32).prop_map(Step::Change),
+        (0..30_000_u64).prop_map(Step::Pass),
+        Just(Step::Sync),
+    ];
+    prop::collection::vec(step, 1..60)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 128, ..ProptestConfig::default() })]
+
+    #[test]
+    fn p31_p32_events_keep_the_inhibit_time_and_the_event_timer(
+        transmission_type in 254..=255_u8,
+        inhibit_time in prop_oneof![Just(0_u16), 1..200_u16],
+        event_timer in prop_oneof![Just(0_u16), 1..50_u16],
+        steps in steps(),
+    ) {
+        let mut rig = Rig::new(Times { transmission_type, inhibit_time, event_timer, ..Times::default() });
+        let inhibit = u64::from(inhibit_time) * 100;
+        let longest = (u64::from(event_timer) * 1000).max(inhibit);
+        let start = rig.now();
+        let mut changes = 0;
+        for step in steps {
+            let before = (rig.sent.len(), rig.value);
+            match step {
+                Step::Change(value) => {
+                    rig.change(value);
+                    if value != before.1 {
+                        changes += 1;
+                        // Without an inhibit time it is sent at once.
+                        prop_assert!(inhibit != 0 || rig.sent.len() == before.0 + 1);
+                    }
+                }
+                Step::Pass(time) => rig.pass(time),
+                Step::Sync => {
+                    rig.sync(None);
+                    prop_assert_eq!(rig.sent.len(), before.0, "SYNC is nothing to it");
+                }
+            }
+        }
+        rig.pass(inhibit);
+        rig.device.poll();
+        rig.take();
+        prop_assert_eq!(rig.sent[0], (start, 0), "once when Operational is entered");
+        prop_assert_eq!(rig.sent.last().unwrap().1, rig.value, "no change is left out");
+        for pair in rig.sent.windows(2) {
+            let gap = pair[1].0 - pair[0].0;
+            prop_assert!(gap >= inhibit, "{gap} µs within the inhibit time {inhibit} µs");
+            prop_assert!(event_timer == 0 || gap <= longest, "{gap} µs, event timer {event_timer} ms");
+            prop_assert!(event_timer != 0 || inhibit != 0 || pair[0].1 != pair[1].1);
+        }
+        let silence = rig.now() - rig.sent.last().unwrap().0;
+        prop_assert!(event_timer == 0 || silence < longest.max(1));
+        prop_assert!(event_timer != 0 || rig.sent.len() <= 1 + changes, "only changes are events");
+    }
+
+    #[test]
+    fn p25_p27_p28_synchronous_pdos_are_sent_at_the_sync_that_is_theirs(
+        transmission_type in prop_oneof![Just(0_u8), 1..=6_u8, Just(240_u8)],
+        sync_start in prop_oneof![Just(0_u8), 1..=10_u8],
+        overflow in prop_oneof![Just(0_u8), Just(10_u8)],
+        steps in steps(),
+        syncs in 1..5_usize,
+    ) {
+        let every = transmission_type;
+        let mut rig = Rig::new(Times { transmission_type, sync_start, overflow, ..Times::default() });
+        let mut counter = 0;
+        let mut count = 0;
+        let mut awaits_start = sync_start != 0 && overflow != 0 && every != 0;
+        // Of type 0: what was last sampled, and whether there was another value since.
+        let (mut content, mut is_due) = (0, false);
+        let mut expected = Vec::new();
+        for step in steps {
+            match step {
+                Step::Change(value) => {
+                    rig.change(value);
+                    is_due |= value != content;
+                }
+                Step::Pass(time) => rig.pass(time),
+                // More of them, so that many PDOs are sent.
+                Step::Sync => for _ in 0..syncs {
+                    counter = counter % 10 + 1;
+                    count += 1;
+                    let is_sent = if every == 0 {
+                        is_due
+                    } else if awaits_start {
+                        awaits_start = counter != sync_start;
+                        !awaits_start
+                    } else {
+                        count >= u32::from(every)
+                    };
+                    if is_sent || awaits_start {
+                        count = 0;
+                    }
+                    if is_sent {
+                        expected.push((rig.now(), rig.value));
+                        (content, is_due) = (rig.value, false);
+                    }
+                    rig.sync((overflow != 0).then_some(counter));
+                },
+            }
+        }
+        rig.pass(1_000_000);
+        prop_assert_eq!(rig.sent, expected);
+    }
+}
