@@ -16,8 +16,8 @@
 //! - Settings to store, a switch of the bit rate and a reset are told whatever else waits to be told.
 //! - Time is the stamp of a frame and the moment given to [`Node::poll`]. Give every frame that has arrived before calling
 //!   it: what is silent at that moment has timed out.
-//! - Some times begin when a frame leaves: that of a client to confirm a sub-block, and the inhibit time of emergency
-//!   messages. Call [`Node::poll`] once more after [`Node::transmit`] has given frames, or they begin with the next call only.
+//! - Some times begin when a frame leaves: that of a client to confirm a sub-block, and the inhibit times of emergency
+//!   messages and of PDOs. Call [`Node::poll`] once more after [`Node::transmit`] has given frames, or they begin with the next call only.
 //! - Nothing here waits, allocates or panics, whatever the bus brings.
 
 mod controller;

@@ -543,11 +543,11 @@ fn what_is_stored_is_what_a_master_would_write() {
         .position(|entry| *entry == (0x1800, 2))
         .unwrap();
     assert_eq!(
-        order[first..first + 3],
-        [(0x1800, 2), (0x1800, 3), (0x1800, 5)]
+        order[first..first + 4],
+        [(0x1800, 2), (0x1800, 3), (0x1800, 5), (0x1800, 6)]
     );
-    assert_eq!(order[first + 3], (0x1A00, 1));
-    assert_eq!(order[first + 11..first + 13], [(0x1A00, 0), (0x1800, 1)]);
+    assert_eq!(order[first + 4], (0x1A00, 1));
+    assert_eq!(order[first + 12..first + 14], [(0x1A00, 0), (0x1800, 1)]);
     assert_eq!(order.last(), Some(&(0x1005, 0)));
     // Every stored entry once.
     let mut sorted = order.clone();

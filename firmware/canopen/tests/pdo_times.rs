@@ -180,6 +180,37 @@ proptest! {
         prop_assert!(event_timer != 0 || rig.sent.len() <= 1 + changes, "only changes are events");
     }
 
+    /// However long each frame waits for the bus, and whatever has changed since.
+    #[test]
+    fn p31_the_inhibit_time_begins_when_a_frame_leaves(
+        inhibit_time in 1..200_u16,
+        event_timer in prop_oneof![Just(0_u16), 1..50_u16],
+        waits in prop::collection::vec(0..40_000_u64, 1..30),
+    ) {
+        let mut rig = Rig::new(Times { transmission_type: 255, inhibit_time, event_timer, ..Times::default() });
+        let mut left_at = rig.now();
+        for (value, wait) in (1..).zip(waits) {
+            rig.value = value;
+            rig.device.set_value(VALUE, 0, &value.to_le_bytes());
+            let free_at = left_at + u64::from(inhibit_time) * 100;
+            // Called at each of its deadlines, the device has something to send when its time has come, and not before.
+            while rig.device.node.pending().is_none() {
+                rig.device.now = rig.device.poll().min(rig.device.now + Duration::millis(100));
+                prop_assert!(rig.device.now.ticks() <= free_at.max(left_at + 1));
+                rig.device.poll();
+            }
+            prop_assert!(rig.now() >= free_at, "{} µs early", free_at - rig.now());
+            // The bus is busy, while the device is called.
+            for _ in 0..4 {
+                rig.device.now += Duration::from_ticks(wait / 4);
+                rig.device.poll();
+            }
+            rig.take();
+            rig.device.poll();
+            left_at = rig.now();
+        }
+    }
+
     #[test]
     fn p25_p27_p28_synchronous_pdos_are_sent_at_the_sync_that_is_theirs(
         transmission_type in prop_oneof![Just(0_u8), 1..=6_u8, Just(240_u8)],

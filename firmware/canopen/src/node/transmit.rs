@@ -228,11 +228,19 @@ impl<D: Dictionary> Node<D> {
         // Mostly one thing waits.
         match (is_emergency, is_pdo, self.queue.waiting) {
             (false, false, waiting::ANSWER) => self.take_answer(application),
-            (false, true, 0) => self.services.tpdos.take(),
+            (false, true, 0) => self.take_pdo(),
             (false, false, _) => self.take_fixed(application),
             (true, false, 0) => self.services.emergency.take(),
             _ => self.take_lowest(application),
         }
+    }
+
+    /// The PDO to send first; its inhibit time begins with the next [`Node::poll`].
+    #[inline]
+    fn take_pdo(&mut self) -> Option<Frame> {
+        let frame = self.services.tpdos.take();
+        self.services.values_changed |= self.services.tpdos.needs_time();
+        frame
     }
 
     /// The frame with the lowest identifier, whatever it is. Of equals an emergency message goes first, then a PDO.
@@ -245,7 +253,7 @@ impl<D: Dictionary> Node<D> {
         if emergency <= pdo && emergency <= fixed {
             self.services.emergency.take()
         } else if pdo <= fixed {
-            self.services.tpdos.take()
+            self.take_pdo()
         } else {
             self.take_fixed(application)
         }

@@ -9,7 +9,7 @@
 //! | 254, 255 | when Operational is entered, when a mapped value has changed, and when the event timer runs out |
 //!
 //! Change is found by comparing: an application only has to put its values into the dictionary. The inhibit time
-//! (multiples of 100 µs) spaces the transmissions of types 254 and 255, and wins over the event timer (milliseconds), which
+//! (multiples of 100 µs) spaces the transmissions of types 254 and 255, from when one has left, and wins over the event timer (milliseconds), which
 //! starts anew with each transmission.
 //!
 //! A request is a remote frame with the COB-ID. The other types answer one too, if bit 30 of the COB-ID is 0: types 0 to 240
@@ -71,6 +71,8 @@ pub struct Transmit<S, M> {
     synchronous: u16,
     /// Whether there are PDOs with times to look at.
     has_times: bool,
+    /// An inhibit time is to begin.
+    needs_time: bool,
     /// That of the device.
     node_id: u8,
     objects: PhantomData<M>,
@@ -87,6 +89,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             plain: 0,
             synchronous: 0,
             has_times: false,
+            needs_time: false,
             node_id: 0,
             objects: PhantomData,
         }
@@ -250,6 +253,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     /// Looks for changes and timers that have run out. Called whenever values may have changed; returns when it wants to be
     /// called again at the latest.
     pub fn poll<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> Instant {
+        self.needs_time = false;
         if !self.is_operational {
             return NEVER;
         }
@@ -361,6 +365,12 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         Ok(())
     }
 
+    /// Whether [`Transmit::poll`] is to be called now: the inhibit time of a PDO begins when it has been taken.
+    #[inline]
+    pub(crate) const fn needs_time(&self) -> bool {
+        self.needs_time
+    }
+
     /// Whether a PDO waits to be taken.
     pub const fn is_pending(&self) -> bool {
         self.lowest != NOT_IN_USE
@@ -383,11 +393,12 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         if !self.is_pending() {
             return None;
         }
-        let frame = self
+        let pdo = self
             .pdos
             .as_mut()
-            .get_mut(usize::from(self.lowest_number))?
-            .take();
+            .get_mut(usize::from(self.lowest_number))?;
+        let frame = pdo.take();
+        self.needs_time |= pdo.has_inhibit_time();
         self.find_lowest();
         frame
     }

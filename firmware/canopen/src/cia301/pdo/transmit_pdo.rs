@@ -55,6 +55,8 @@ pub struct TransmitPdo<M> {
     /// How far the objects of the scanner lists have been sent.
     scan: Scan,
     inhibit_time: Duration,
+    /// A frame has left, and the inhibit time has not begun yet.
+    has_left: bool,
     /// The end of the inhibit time.
     free_at: Instant,
     /// Zero for none.
@@ -79,6 +81,7 @@ impl<M: Slots<Source>> Unused for TransmitPdo<M> {
         is_due: false,
         scan: Scan::START,
         inhibit_time: Duration::from_ticks(0),
+        has_left: false,
         free_at: Instant::from_ticks(0),
         event_timer: Duration::from_ticks(0),
         event_at: NEVER,
@@ -104,6 +107,7 @@ impl<M: Slots<Source>> TransmitPdo<M> {
             next.free_at = self.free_at;
             next.inhibit_time = self.inhibit_time;
         }
+        next.has_left = self.has_left;
         *self = next;
         true
     }
@@ -315,6 +319,7 @@ impl<M: Slots<Source>> TransmitPdo<M> {
                 NEVER
             }
             TransmissionType::Event => {
+                self.start_inhibit_time(now);
                 let present = self.mapping.pack(ram, rom);
                 if self.is_waiting {
                     // Not on the bus yet: the newest values take its place, and cost no transmission of their own.
@@ -355,6 +360,7 @@ impl<M: Slots<Source>> TransmitPdo<M> {
             self.is_due = true;
             self.restart_event_timer(now);
         }
+        self.start_inhibit_time(now);
         if self.is_due && !self.is_waiting && has_come(self.free_at, now) {
             if let Some(entry) = self.scan.next(dictionary) {
                 let message = Message {
@@ -428,11 +434,26 @@ impl<M: Slots<Source>> TransmitPdo<M> {
             return None;
         }
         self.is_waiting = false;
+        self.has_left = self.has_inhibit_time();
         Some(Frame::of_length(
             self.cob_id,
             self.content,
             self.mapping.length(),
         ))
+    }
+
+    /// The inhibit time begins when a frame leaves, however long it has waited for the bus.
+    fn start_inhibit_time(&mut self, now: Instant) {
+        if self.has_left || self.is_waiting && self.has_inhibit_time() {
+            self.has_left = false;
+            self.free_at = after(now, self.inhibit_time);
+        }
+    }
+
+    /// Whether frames keep a distance.
+    #[inline]
+    pub(super) fn has_inhibit_time(&self) -> bool {
+        self.inhibit_time.ticks() != 0 && self.is_looked_at_closely()
     }
 
     fn is_event_driven(&self) -> bool {

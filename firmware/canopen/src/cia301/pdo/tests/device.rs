@@ -222,6 +222,9 @@ impl Device {
             assert_eq!(frame.standard_id(), Some(cob_id));
             frames.push((cob_id, frame.payload().to_vec()));
         }
+        if self.transmit.needs_time() {
+            self.transmit.poll(&self.objects, self.now);
+        }
         frames
     }
 
