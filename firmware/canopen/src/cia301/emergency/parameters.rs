@@ -19,7 +19,7 @@ impl Producer {
     /// Takes its parameters from the dictionary, after power-on values have been loaded.
     pub fn configure<D: Dictionary>(&mut self, dictionary: &D) {
         self.history.configure::<D>();
-        self.register = od::find::<D>(0x1001, 0).ok();
+        self.find_register::<D>();
         let cob_id = od::read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::INVALID);
         self.queue.set_cob_id(CobId(cob_id));
         self.configure_inhibit_time(dictionary);

@@ -6,7 +6,7 @@ use super::Emergency;
 use super::active::{ActiveErrors, Meant};
 use super::history::History;
 use super::queue::EmergencyQueue;
-use crate::od::{self, Dictionary, Entry, Location};
+use crate::od::{self, Dictionary, Location};
 use crate::time::Instant;
 use crate::wire::Frame;
 
@@ -16,8 +16,8 @@ pub struct Producer {
     active: ActiveErrors,
     pub(super) history: History,
     pub(super) queue: EmergencyQueue,
-    /// Object 1001h.
-    pub(super) register: Option<&'static Entry>,
+    /// Where object 1001h lies in RAM, one byte.
+    register: Option<u16>,
 }
 
 impl Producer {
@@ -100,20 +100,31 @@ impl Producer {
         }
     }
 
+    /// Looks for 1001h.
+    pub(super) fn find_register<D: Dictionary>(&mut self) {
+        self.register = match od::find::<D>(0x1001, 0) {
+            Ok(entry) if entry.size == 1 => match entry.location() {
+                Location::Ram(offset) => Some(offset),
+                Location::Rom(_) | Location::Application => None,
+            },
+            _ => None,
+        };
+    }
+
     /// Writes the error register to 1001h: after an error came or went, and after power-on values were loaded.
     pub fn show_register<D: Dictionary>(&self, dictionary: &mut D) -> u8 {
         let register = self.active.register();
-        if let Some(entry) = self.register {
-            od::put(dictionary, entry, &[register]);
+        if let Some(at) = self.register
+            && let Some(place) = dictionary.ram_mut().get_mut(usize::from(at))
+        {
+            *place = register;
         }
         register
     }
 
     /// Whether the error register or the history may lie in these places of RAM.
     pub fn shows_in(&self, places: &Range<u16>) -> bool {
-        let register = self.register.map(Entry::location);
-        let has_register =
-            matches!(register, Some(Location::Ram(offset)) if places.contains(&offset));
+        let has_register = self.register.is_some_and(|at| places.contains(&at));
         has_register || self.history.lies_in(places)
     }
 
