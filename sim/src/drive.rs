@@ -288,6 +288,7 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
         let inputs = Inputs {
             supply: self.plant.supply,
             position: self.plant.position(),
+            warning: self.plant.warning,
             fault: self.plant.fault,
             digital: digital(self.plant.look()),
             stall: None,

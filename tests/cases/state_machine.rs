@@ -237,6 +237,20 @@ fn m13_voltage_enabled_follows_the_supply() {
 }
 
 #[test]
+fn m14_a_warning_shows_in_bit_7_and_by_an_emergency_and_changes_no_state() {
+    let mut drive = DriveBench::enabled(4);
+    drive.drain(1);
+    drive.axis().plant_mut().warning = Some(0x4210);
+    drive.drain_until("084: 10 42 ..", 10);
+    assert_ne!(drive.statusword() & 0x80, 0);
+    drive.stays_in(OPERATION_ENABLED, 50);
+    drive.axis().plant_mut().warning = None;
+    drive.drain_until("084: 00 00 ..", 10);
+    assert_eq!(drive.statusword() & 0x80, 0);
+    assert_eq!(drive.read_u16(0x603F, 0), 0);
+}
+
+#[test]
 fn m17_reserved_bits_of_the_controlword_read_back() {
     let mut drive = DriveBench::started(4);
     drive.write_u16(0x6040, 0, 0xF806);

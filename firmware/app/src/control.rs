@@ -90,6 +90,8 @@ impl Control {
         let inputs = Inputs {
             supply: self.stage.supply(),
             position: self.pulses.position(),
+            // No board has a sensor for it yet.
+            warning: None,
             fault: self
                 .stage
                 .fault()

@@ -40,6 +40,9 @@ pub struct Inputs {
     pub position: i64,
     /// A fault the board has found, as a CiA 402 error code; it stands as long as it is reported.
     pub fault: Option<u16>,
+    /// What the board warns of, as a CiA 402 error code (temperature, load): statusword bit 7 and an emergency message as long as
+    /// it is reported. It changes no state.
+    pub warning: Option<u16>,
     /// The digital inputs.
     pub digital: DigitalInputs,
     /// The motor driver senses that the motor is blocked; `None` if it has no such sense.

@@ -118,8 +118,10 @@ pub(crate) struct Faults {
     no_supply: bool,
     both_limits: bool,
     late: bool,
+    /// What the board warns of.
+    board_warning: Option<u16>,
     standing: Vec<u16, STANDING>,
-    notices: Deque<FaultNotice, { 2 * STANDING + 2 }>,
+    notices: Deque<FaultNotice, { 2 * STANDING + 4 }>,
 }
 
 impl Faults {
@@ -133,6 +135,7 @@ impl Faults {
         both_limits: bool,
     ) -> Option<Reaction> {
         let mut reaction = None;
+        self.warn(inputs.warning);
         if inputs.fault != self.board {
             self.board = inputs.fault;
             if let Some(code) = inputs.fault {
@@ -200,6 +203,20 @@ impl Faults {
         }
     }
 
+    /// What the board warns of now.
+    fn warn(&mut self, warning: Option<u16>) {
+        if warning == self.board_warning {
+            return;
+        }
+        if let Some(code) = self.board_warning {
+            self.notify(FaultNotice::Cleared(code));
+        }
+        if let Some(code) = warning {
+            self.notify(FaultNotice::Raised(code));
+        }
+        self.board_warning = warning;
+    }
+
     /// Pulses came too late (a warning), or the motor stands again and nothing is late any more.
     pub(crate) fn pulses_late(&mut self, late: bool) {
         if late != self.late {
@@ -213,7 +230,7 @@ impl Faults {
 
     /// Statusword bit 7.
     pub(crate) const fn warning(&self) -> bool {
-        self.late
+        self.late || self.board_warning.is_some()
     }
 
     /// 603Fh: the code of the last fault since power-on; 0 before the first.
@@ -239,6 +256,7 @@ mod tests {
     const CALM: Inputs = Inputs {
         supply: true,
         position: 0,
+        warning: None,
         fault: None,
         digital: crate::inputs::DigitalInputs::NONE,
         stall: None,

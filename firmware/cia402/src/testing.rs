@@ -104,6 +104,7 @@ pub(crate) struct Rig {
     history: ControlwordHistory,
     pub(crate) supply: bool,
     pub(crate) fault: Option<u16>,
+    pub(crate) warning: Option<u16>,
     pub(crate) digital: DigitalInputs,
     pub(crate) stall: Option<bool>,
     pub(crate) outputs: Outputs,
@@ -147,6 +148,7 @@ impl Rig {
             history: ControlwordHistory::new(0),
             supply: true,
             fault: None,
+            warning: None,
             digital: DigitalInputs::NONE,
             stall: None,
             outputs: Outputs::default(),
@@ -203,6 +205,7 @@ impl Rig {
         let inputs = Inputs {
             supply: self.supply,
             position: self.motor.position,
+            warning: self.warning,
             fault: self.fault,
             digital: self.digital,
             stall: self.stall,

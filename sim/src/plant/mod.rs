@@ -38,6 +38,8 @@ pub struct Plant {
     pub supply: bool,
     /// A fault the power stage reports, as a CiA 402 error code (2310h: over-current ...).
     pub fault: Option<u16>,
+    /// What the power stage warns of, as a CiA 402 error code (4210h: temperature ...).
+    pub warning: Option<u16>,
     /// The drive counts what the motor does. Else it counts the pulses that left, and knows nothing of those that were lost.
     pub encoder: bool,
 }
@@ -56,6 +58,7 @@ impl Plant {
             blocked: false,
             supply: true,
             fault: None,
+            warning: None,
             encoder: false,
         }
     }
@@ -77,6 +80,7 @@ impl Plant {
         self.energised = false;
         self.is_brake_open = false;
         self.fault = None;
+        self.warning = None;
     }
 
     /// Lets the motor run until `now`.

@@ -431,6 +431,7 @@ fn drive(
             let inputs = Inputs {
                 supply: any() == 0,
                 position: any_u64() as i64,
+                warning: (any() == 0).then_some(any() as u16),
                 fault: (any() == 0).then_some(any() as u16),
                 digital: DigitalInputs {
                     levels: any() as u8,

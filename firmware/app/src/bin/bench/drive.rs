@@ -76,6 +76,7 @@ fn tick(drive: &mut Drive, now: Instant, motor: &mut Motor, exchange: &mut Timed
     let inputs = Inputs {
         supply: true,
         position: motor.position,
+        warning: None,
         fault: None,
         ..Inputs::default()
     };

@@ -89,6 +89,7 @@ impl Station {
         let inputs = Inputs {
             supply: true,
             position: self.motor.position,
+            warning: None,
             fault: self.fault,
             ..Inputs::default()
         };

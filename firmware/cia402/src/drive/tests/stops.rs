@@ -213,6 +213,25 @@ fn a_stop_without_a_ramp_stops_the_pulses() {
 }
 
 #[test]
+fn m14_a_warning_of_the_board_shows_and_changes_no_state() {
+    use crate::faults::FaultNotice;
+    let mut rig = cruising();
+    rig.warning = Some(0x4210);
+    rig.ticks(5);
+    assert!(rig.has(statusword::WARNING));
+    assert_eq!(rig.state(), State::OperationEnabled);
+    assert_eq!(rig.speed(), 10);
+    assert_eq!(rig.actuals().error_code, 0, "no fault");
+    rig.warning = None;
+    rig.tick();
+    assert!(!rig.has(statusword::WARNING));
+    assert_eq!(
+        rig.notices(),
+        [FaultNotice::Raised(0x4210), FaultNotice::Cleared(0x4210)]
+    );
+}
+
+#[test]
 fn pulses_that_come_late_are_a_warning_and_none_is_lost() {
     use crate::faults::{FaultNotice, PULSES_LATE};
     let mut rig = cruising();
