@@ -63,7 +63,7 @@ def pytest_make_parametrize_id(val):
 def patience():
     """python-canopen's patience is for a PC that does nothing else; what it waits for must come, but may come late."""
     for name in vars(BaseNode402):
-        if name.startswith("TIMEOUT_SWITCH"):
+        if name.startswith(("TIMEOUT_SWITCH", "TIMEOUT_CHECK")):
             setattr(BaseNode402, name, 10)
     canopen.sdo.SdoClient.RESPONSE_TIMEOUT = 3
     canopen.lss.LssMaster.RESPONSE_TIMEOUT = 3
