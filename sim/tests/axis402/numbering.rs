@@ -98,6 +98,8 @@ fn node_ids_run_out_with_a_word_about_the_device_that_got_none() {
         "{line}"
     );
     assert!(bench.output.starts_with("node 127: "), "{}", bench.output);
+    // It is not left in configuration state: it can be found again.
+    assert!(bench.told(find).ends_with("1 device without a node-ID\n"));
 }
 
 #[test]
@@ -183,7 +185,6 @@ fn nobody_is_set_where_it_is_not_clear_who() {
 #[test]
 fn the_whole_bus_goes_to_another_bit_rate_and_stays_there() {
     let (mut bench, drives) = Bench::with_drives(&[4, 5]);
-    bench.master.line_mut();
     let delay = Duration::from_ticks(100_000);
     let told = bench
         .told(|master, console| switch_bit_rate(master, BitRate::Kbit250, true, delay, console));
