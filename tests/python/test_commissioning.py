@@ -65,7 +65,9 @@ def test_node_id_and_bit_rate_come_back_after_a_power_cycle(restart, connect, co
     bus = restart()
     network = connect(bus, 500_000)
     assert node_id_by_lss(network) == NODE_ID
-    assert network.add_node(NODE_ID, str(EDS)).sdo[0x1000].raw == 0x40192
+    drive = network.add_node(NODE_ID, str(EDS))
+    stored, number_of_500_kbit = 1, 2
+    assert [drive.sdo["Node-ID and bit rate"][sub].raw for sub in range(1, 5)] == [NODE_ID, number_of_500_kbit, stored, stored]
     network.disconnect()
     # An adapter does not know at which rate the emulated serial line is; the virtual drive's does.
     if kind == "virtual":
