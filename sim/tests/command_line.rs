@@ -41,6 +41,8 @@ fn mistakes_are_one_line_and_exit_code_2() {
     );
     assert_refused(&serve(&["--bitrate", "100"]), "1000, 800");
     assert_refused(&serve(&["--serial", "0xGG"]), "0xGG");
+    assert_refused(&serve(&["--switches", "100"]), "two hexadecimal digits");
+    assert_refused(&serve(&["--switches", "GG"]), "two hexadecimal digits");
     assert_refused(
         &serve(&["--store", "/no/such/folder/drive.bin"]),
         "cannot use the store /no/such/folder/drive.bin: no such file or directory\n",
@@ -194,4 +196,26 @@ fn a_store_serves_one_drive_at_a_time() {
     ];
     let (_running, _) = Running::start(&arguments);
     assert_refused(&arguments, "another drive uses it");
+}
+
+#[test]
+fn a_factory_reset_forgets_the_settings_before_the_drive_starts() {
+    use canopen::{BitRate, BitTiming, Configuration, NodeId};
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.bin");
+    let configured = Configuration {
+        node_id: NodeId::new(9).unwrap(),
+        bit_timing: BitTiming::Fixed(BitRate::Kbit125),
+    };
+    let store = || sim::flash::Flash::in_file(&path).unwrap().into_store();
+    store().save(&configured).unwrap();
+    let file = path.to_str().unwrap();
+    let arguments = ["serve", "--slcan", "127.0.0.1:0", "--store", file];
+    drop(Running::start(&arguments));
+    assert_eq!(store().load(), Ok(Some(configured)));
+    drop(Running::start(
+        &[&arguments[..], &["--factory-reset"]].concat(),
+    ));
+    assert_eq!(store().load(), Ok(Some(Configuration::default())));
 }

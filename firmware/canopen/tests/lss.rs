@@ -291,3 +291,18 @@ fn l18_lss_works_in_operational_and_stopped() {
         );
     }
 }
+
+#[test]
+fn l19_a_device_that_gives_its_node_id_away_is_silent_after_the_next_reset() {
+    let mut device = Device::new();
+    device.send("7E5#0401000000000000");
+    assert_eq!(device.ask("7E5#11FF000000000000"), ["7E4#1100000000000000"]);
+    device.send("7E5#0400000000000000");
+    // Not before the reset.
+    assert_eq!(device.ask("604#4000100000000000").len(), 1);
+    device.send("000#8204");
+    device.serve_reset();
+    assert!(device.pass(2_000).is_empty());
+    assert!(device.ask("604#4000100000000000").is_empty());
+    assert_eq!(device.ask("7E5#4C00000000000000"), ["7E4#5000000000000000"]);
+}

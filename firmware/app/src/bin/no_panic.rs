@@ -344,6 +344,11 @@ fn any_controller_state() -> ControllerState {
 struct AnyStore;
 
 impl ParameterStore for AnyStore {
+    fn keep_serial_number(&mut self, number: u32) -> Result<(), StoreError> {
+        look(number);
+        any_result()
+    }
+
     fn begin(&mut self, sets: ParameterSets) -> Result<(), StoreError> {
         look(sets.has(ParameterSet::Communication).into());
         any_result()
@@ -421,6 +426,7 @@ fn drive(
         0 => device.power_on(any_time(), exchange),
         1 => look(device.poll(any_time(), exchange).ticks() as u32),
         2 => device.settings_stored(any_result()),
+        15 => device.bit_rate_found(any_bit_rate(), any_time()),
         3 => look(device.event().is_some().into()),
         4 => {
             if let Some(frame) = device.transmit() {
@@ -622,7 +628,10 @@ fn main() -> ! {
     let mut exchange = Exchange::new();
     let machine = Hooked(Machine(Domain::new([0; 64], [0; 64])));
     let mut device = Device::with_application(Dictionary::new(), any_settings(), any(), machine)
-        .with_parameter_store();
+        .with_parameter_store()
+        .detecting()
+        .started(&any_power_on())
+        .produced((any() == 0).then(any));
     let mut outbox = Outbox::new();
     let mut plain = Node::new(Everything(Dictionary::new()), any_settings())
         .with_parameter_store()

@@ -29,5 +29,6 @@ pub mod nmt;
 pub mod parameters;
 pub mod pdo;
 pub mod sdo;
+pub mod serial_number;
 pub mod sync;
 pub mod time_stamp;

@@ -25,6 +25,7 @@ mod stage;
 mod step_timer;
 mod switches;
 
+use canopen::cia301::serial_number::fold;
 use cortex_m_rt::{exception, ExceptionFrame};
 use defmt_rtt as _;
 use stm32f4xx_hal::gpio::{Output, PC12, PC6, PC7};
@@ -155,8 +156,7 @@ impl Board for Stm32f405 {
     }
 }
 
-/// The 96 bits that ST gives each chip, folded to 32 by FNV-1a: different chips of one batch differ in few bits, and all
-/// bits of the fold depend on each of them.
+/// The 96 bits that ST gives each chip, folded to 32: place on the wafer, number of the wafer, lot (RM0090, 39.1).
 fn serial_number() -> u32 {
     let uid = Uid::get();
     let [x, y] = [uid.x().to_le_bytes(), uid.y().to_le_bytes()];
@@ -166,9 +166,7 @@ fn serial_number() -> u32 {
         .chain(y)
         .chain(wafer)
         .chain(uid.lot_num().bytes());
-    bytes.fold(0x811C_9DC5, |hash, byte| {
-        (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
-    })
+    fold(bytes)
 }
 
 /// A bug was found. The motor loses its current at once; the watchdog starts the board anew.

@@ -275,6 +275,43 @@ fn l07_a_second_store_waits_for_the_first() {
     assert!(slave.event().is_some());
 }
 
+#[test]
+fn what_an_object_stores_is_told_to_no_lss_master() {
+    let wish = Wish {
+        node_id: NodeId::new(7),
+        bit_timing: None,
+    };
+    let mut slave = in_configuration();
+    slave.configure_and_store(&wish).unwrap();
+    assert!(slave.is_storing());
+    let stored_by_object = LssEvent::Store(stored(7, BitRate::Kbit1000));
+    assert_eq!(slave.event(), Some(stored_by_object));
+    assert_eq!(slave.settings_stored(Ok(())), None, "nobody has asked");
+    assert!(!slave.is_storing());
+    assert_eq!(slave.pending_node_id().get(), 7);
+    // A master that asks meanwhile gets its answer when its own settings are stored.
+    slave.configure_and_store(&wish).unwrap();
+    slave.event();
+    slave.ask(&[0x11, 8]);
+    slave.ask(&[0x17]);
+    assert_eq!(slave.settings_stored(Ok(())), None);
+    let stored_by_master = LssEvent::Store(stored(8, BitRate::Kbit1000));
+    assert_eq!(slave.event(), Some(stored_by_master));
+    assert_eq!(slave.settings_stored(Ok(())), Some(message(&[0x17, 0])));
+}
+
+#[test]
+fn an_object_configures_no_more_than_lss_does() {
+    let unreachable = Wish {
+        node_id: NodeId::new(7),
+        bit_timing: Some(BitTiming::Fixed(BitRate::Kbit800)),
+    };
+    let mut slave = slave(4).supporting(&[BitRate::Kbit500]);
+    assert!(slave.configure_and_store(&unreachable).is_err());
+    assert_eq!(slave.pending_node_id().get(), 4, "nothing has changed");
+    assert_eq!(slave.event(), None);
+}
+
 /// The four words of switch state selective.
 const ADDRESS: [(u8, u32); 4] = [
     (0x40, 0x1122_3344),
