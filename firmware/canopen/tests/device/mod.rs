@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+pub mod block;
 mod objects;
 pub mod ram_store;
 mod stream;
