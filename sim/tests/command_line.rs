@@ -50,6 +50,20 @@ fn mistakes_are_one_line_and_exit_code_2() {
 }
 
 #[test]
+fn a_mistake_in_an_axis_is_one_line_with_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("axis.toml");
+    std::fs::write(&path, "start = 1\nspeed = 5\n").unwrap();
+    let path = path.to_str().unwrap();
+    let serve = |plant| ["serve", "--slcan", "127.0.0.1:0", "--plant", plant];
+    assert_refused(&serve(path), "axis.toml:2: unknown field `speed`");
+    assert_refused(
+        &serve("/no/such/axis.toml"),
+        "cannot read /no/such/axis.toml: no such file or directory\n",
+    );
+}
+
+#[test]
 fn a_busy_port_is_one_line_and_exit_code_2() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();

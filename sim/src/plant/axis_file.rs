@@ -189,3 +189,6 @@ impl File {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
