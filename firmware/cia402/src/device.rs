@@ -129,9 +129,8 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         if self.phase != Phase::Running {
             return;
         }
-        self.refresh(stamp, exchange);
-        let newest = exchange.lock(|exchange| exchange.actuals_at(canopen::time::NEVER));
-        self.hooks.protection.prepare(newest.has_power(), stamp);
+        let actuals = self.refresh(stamp, exchange);
+        self.hooks.protection.prepare(actuals.has_power(), stamp);
         self.node.receive(frame, stamp, &mut self.hooks);
         self.take_reset();
         self.post(exchange);
