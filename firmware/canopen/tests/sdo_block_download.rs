@@ -4,8 +4,8 @@ mod device;
 
 use canopen::cia301::sdo::AbortCode;
 use device::block::{
-    INVALID_COMMAND, LETTERS, OPEN, TIMED_OUT, answer, crc, exchange, idle, open_letters, refused,
-    request, segment,
+    INVALID_COMMAND, LETTERS, OPEN, READY, TIMED_OUT, answer, crc, exchange, idle, open_letters,
+    refused, request, segment,
 };
 use device::{Device, abort};
 
@@ -76,6 +76,29 @@ fn b10_the_last_segment_is_lost() {
     assert_eq!(device.pass(700), [(500, answer("A2 02 7F"))]);
     exchange(&mut device, "81 4F 50 51 52 53 54 00", &["A2 01 7F"]);
     exchange(&mut device, "C5 34 10", &["A1"]);
+    assert_eq!(device.value(0x2001, 0), b"ABCDEFGHIJKLMNOPQRST");
+}
+
+#[test]
+fn b10_a_client_that_pauses_and_goes_on_in_its_sub_block_does_not_write_twice() {
+    // A size and a checksum are not told: nothing else would find it.
+    let mut device = Device::new();
+    exchange(&mut device, "C0 01 20 00", &[READY]);
+    exchange(&mut device, LETTERS[0], &[]);
+    assert_eq!(device.pass(600), [(500, answer("A2 01 7F"))]);
+    refused(&mut device, LETTERS[1], (0x2001, 0), 0x0504_0003);
+    // The rest of the sub-block is under way.
+    exchange(&mut device, LETTERS[2], &[]);
+    assert_eq!(device.value(0x2001, 0), b"hello");
+    idle(&mut device);
+
+    // One that has heard it begins anew with what was not confirmed.
+    exchange(&mut device, "C0 01 20 00", &[READY]);
+    exchange(&mut device, LETTERS[0], &[]);
+    assert_eq!(device.pass(600), [(500, answer("A2 01 7F"))]);
+    exchange(&mut device, "01 48 49 4A 4B 4C 4D 4E", &[]);
+    exchange(&mut device, "82 4F 50 51 52 53 54 00", &["A2 02 7F"]);
+    exchange(&mut device, "C5", &["A1"]);
     assert_eq!(device.value(0x2001, 0), b"ABCDEFGHIJKLMNOPQRST");
 }
 

@@ -25,6 +25,8 @@ pub(super) struct Block {
     pub(super) held: [u8; 7],
     /// Download: the client was told again what has arrived.
     pub(super) is_reminded: bool,
+    /// Download: with the last reminder a sub-block was confirmed that the client may not have finished.
+    pub(super) is_cut: bool,
 }
 
 impl Block {
@@ -41,6 +43,7 @@ impl Block {
             closing: 0,
             held: [0; 7],
             is_reminded: false,
+            is_cut: false,
         }
     }
 }

@@ -116,6 +116,10 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         if segment.seqno == 0 {
             return Some(self.abort(self.object, AbortCode::InvalidSequenceNumber, objects));
         }
+        if self.block.is_reminded && self.block.is_cut {
+            self.block.ahead = segment.seqno;
+            return Some(self.abort_in_sub_block(AbortCode::InvalidSequenceNumber, now, objects));
+        }
         let is_repetition = segment.seqno <= self.block.seqno
             || (self.block.seqno == 0 && command == self.block.closing);
         if is_repetition {
@@ -161,10 +165,14 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// The client has been silent for half of the server's patience. Perhaps the end of its sub-block was lost, and it waits:
     /// confirms what has come. If nothing has come since the last answer, that may have been lost itself, or the client is just
     /// slow. It would take a number for the answer to what it sends next, so it gets none.
+    ///
+    /// The next sub-block begins with segment 1. A client that goes on with another number has not heard of this: what it took for
+    /// unconfirmed later it would send twice, so the transfer ends.
     pub(super) fn remind(&mut self) -> Option<[u8; 8]> {
         self.deadline += HALF;
         self.block.is_reminded = true;
         let has_come = self.block.seqno != 0 || self.block.ahead != 0;
+        self.block.is_cut = has_come;
         has_come.then(|| self.confirm(0))
     }
 
