@@ -152,7 +152,7 @@ mod tests {
         ] {
             assert_eq!(found(text), Ok(Address::new(0x6064, 0)), "{text}");
         }
-        assert_eq!(found("serial number"), Ok(Address::new(0x1018, 4)));
+        assert_eq!(found("revision number"), Ok(Address::new(0x1018, 3)));
         assert_eq!(
             found("Identity object: Serial number"),
             Ok(Address::new(0x1018, 4))

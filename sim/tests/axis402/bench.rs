@@ -71,7 +71,9 @@ impl Bench {
         &mut self,
         command: impl FnOnce(&mut Master<Simulated>, &mut Console<'_>) -> Result<T, Problem>,
     ) -> String {
-        self.run(command).unwrap();
+        if let Err(problem) = self.run(command) {
+            panic!("{problem:?} after\n{}{}", self.output, self.progress);
+        }
         self.output.clone()
     }
 

@@ -39,12 +39,10 @@ fn a_dump_tells_every_value_with_its_name() {
     ] {
         assert!(told.contains(line), "{told}");
     }
-    let readable = node
-        .sheet
-        .model()
-        .entries()
-        .filter(|(_, entry)| entry.access.is_readable());
-    // The list of errors is empty.
+    // A DOMAIN has no value; the list of errors is empty.
+    let readable = node.sheet.model().entries().filter(|(_, entry)| {
+        entry.access.is_readable() && entry.data_type != od_gen::DataType::Domain
+    });
     assert_eq!(told.lines().count() + 8, readable.count());
     let absent = "8 values of the data sheet are not there\n";
     assert!(bench.progress.ends_with(absent), "{}", bench.progress);
@@ -56,6 +54,8 @@ fn a_configuration_goes_from_one_drive_to_another() {
     bench.master.write(4, 0x6083, 0, 77_777u32).unwrap();
     bench.master.write(4, 0x607D, 1, -5i32).unwrap();
     bench.master.write(4, 0x1017, 0, 250u16).unwrap();
+    // Its node-ID, set by its own object; every drive has its own.
+    bench.master.write(4, 0x5FF0, 1, 4u8).unwrap();
     let mapping = PdoSetup {
         cob_id: 0x384,
         transmission_type: 1,
@@ -86,6 +86,13 @@ fn a_configuration_goes_from_one_drive_to_another() {
     // Loaded twice, there is nothing left to write.
     let told = bench.told(|master, console| load(master, &node, &dcf, console));
     assert!(told.starts_with("0 values written, "), "{told}");
+    // Two nodes with one node-ID would be the end of both.
+    bench.master.take_received();
+    bench
+        .master
+        .nmt(sim::master::NmtCommand::ResetCommunication, 5);
+    let boot = Duration::from_ticks(1_000_000);
+    bench.master.expect_boot_up(5, boot).unwrap();
 }
 
 #[test]

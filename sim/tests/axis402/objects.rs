@@ -14,18 +14,18 @@ fn names(names: &[&str]) -> Vec<String> {
 fn objects_are_read_by_number_and_by_name() {
     let (mut bench, _) = Bench::with_drives(&[4]);
     let node = bench.meet(4);
-    let wanted = names(&["6041", "serial number", "1008h", "0x6064:0"]);
+    let wanted = names(&["6041", "revision number", "1008h", "0x6064:0"]);
     let told = bench.told(|master, console| read(master, &node, &wanted, None, false, console));
     assert_eq!(
         told,
         "6041h:00 Statusword: 0x0250 (switch on disabled)\n\
-         1018h:04 Identity object: Serial number: 1\n\
+         1018h:03 Identity object: Revision number: 0x00010000\n\
          1008h:00 Manufacturer device name: Axis402 CiA 402 drive\n\
          6064h:00 Position actual value: 0\n"
     );
     let told =
         bench.told(|master, console| read(master, &node, &wanted[1..2], None, true, console));
-    assert_eq!(told, "1\n");
+    assert_eq!(told, "0x00010000\n");
 }
 
 #[test]
