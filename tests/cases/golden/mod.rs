@@ -1,5 +1,6 @@
 //! Whole conversations as candump would show them. A change of any frame or any time shows here.
 
+mod drive_faults;
 mod faults;
 mod process_data;
 
