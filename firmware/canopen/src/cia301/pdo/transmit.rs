@@ -389,6 +389,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     }
 
     /// The PDO to send first, for the bus; its place is empty afterwards.
+    #[inline]
     pub fn take(&mut self) -> Option<Frame> {
         if !self.is_pending() {
             return None;
@@ -398,7 +399,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             .as_mut()
             .get_mut(usize::from(self.lowest_number))?;
         let frame = pdo.take();
-        self.needs_time |= pdo.has_inhibit_time();
+        self.needs_time |= pdo.has_left();
         self.find_lowest();
         frame
     }

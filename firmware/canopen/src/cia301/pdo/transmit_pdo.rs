@@ -442,6 +442,12 @@ impl<M: Slots<Source>> TransmitPdo<M> {
         ))
     }
 
+    /// Whether its inhibit time is to begin.
+    #[inline]
+    pub(super) const fn has_left(&self) -> bool {
+        self.has_left
+    }
+
     /// The inhibit time begins when a frame leaves, however long it has waited for the bus.
     fn start_inhibit_time(&mut self, now: Instant) {
         if self.has_left || self.is_waiting && self.has_inhibit_time() {
