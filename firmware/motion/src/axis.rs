@@ -360,6 +360,10 @@ fn between(before: &(Ticks, State), after: &(Ticks, State), t: Ticks) -> State {
         .checked_div(length)
         .unwrap_or(0);
     let blend = |from: i64, to: i64| {
+        // So it is with the velocity in a cruise, where most of the time is spent.
+        if from == to {
+            return from;
+        }
         let change = i128::from(to.wrapping_sub(from)).wrapping_mul(part.into()) >> 16;
         from.wrapping_add(change as i64)
     };

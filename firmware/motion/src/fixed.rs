@@ -71,8 +71,12 @@ impl Velocity {
 
     /// The nearest whole number of steps/s, saturating.
     pub fn steps_per_second(self, clock: Clock) -> i32 {
-        let product = u128::from(self.0.unsigned_abs()).wrapping_mul(u128::from(clock.hz()));
-        let magnitude = i32::try_from(product.wrapping_add(1 << 55) >> 56).unwrap_or(i32::MAX);
+        // The product has up to 94 bits; of the lower half only what carries over counts.
+        let bits = self.0.unsigned_abs();
+        let hz = u64::from(clock.hz());
+        let low = u64::from(bits as u32).wrapping_mul(hz) >> 32;
+        let product = (bits >> 32).wrapping_mul(hz).saturating_add(low);
+        let magnitude = i32::try_from(product.saturating_add(1 << 23) >> 24).unwrap_or(i32::MAX);
         if self.0 < 0 {
             magnitude.wrapping_neg()
         } else {
