@@ -53,6 +53,28 @@ pub struct Commands {
     pub profile_deceleration: u32,
     /// 60FFh in steps/s.
     pub target_velocity: i32,
+    /// The set-point of an edge of bit 4 behind which a master went on writing before the tick took its copy; `None` where the
+    /// set-point is in the values above.
+    pub passed_set_point: Option<SetPoint>,
+}
+
+/// What a set-point of profile position is made from: the objects and bits as they were at the edge of bit 4.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SetPoint {
+    /// 6040h, of which bits 5, 6 and 9 count.
+    pub controlword: u16,
+    /// 607Ah in user units (steps).
+    pub target_position: i32,
+    /// 6081h in steps/s.
+    pub profile_velocity: u32,
+    /// 6082h in steps/s.
+    pub end_velocity: u32,
+    /// 60F2h.
+    pub positioning_option: u16,
+    /// 6083h in steps/s².
+    pub profile_acceleration: u32,
+    /// 6084h in steps/s².
+    pub profile_deceleration: u32,
 }
 
 impl Commands {
@@ -74,12 +96,13 @@ impl Commands {
         profile_acceleration: 0,
         profile_deceleration: 0,
         target_velocity: 0,
+        passed_set_point: None,
     };
 
     /// Puts what is only posted once on top of `earlier` commands that no tick has taken yet.
     fn after(mut self, earlier: &Self) -> Self {
         if earlier.rising & !self.rising & NEW_SET_POINT != 0 {
-            self.keep_set_point(earlier);
+            self.passed_set_point = Some(earlier.set_point());
         }
         self.rising |= earlier.rising;
         self.shutdown_first |= earlier.shutdown_first && self.stop.is_none();
@@ -94,19 +117,21 @@ impl Commands {
         self.rising = 0;
         self.stop = None;
         self.shutdown_first = false;
+        self.passed_set_point = None;
     }
 
-    /// A set-point is what the objects held at the edge of bit 4, even if a master went on writing before the next tick.
-    fn keep_set_point(&mut self, earlier: &Self) {
-        use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, RELATIVE};
-        let bits = CHANGE_IMMEDIATELY | CHANGE_ON_SET_POINT | RELATIVE;
-        self.controlword = (self.controlword & !bits) | (earlier.controlword & bits);
-        self.target_position = earlier.target_position;
-        self.profile_velocity = earlier.profile_velocity;
-        self.end_velocity = earlier.end_velocity;
-        self.positioning_option = earlier.positioning_option;
-        self.profile_acceleration = earlier.profile_acceleration;
-        self.profile_deceleration = earlier.profile_deceleration;
+    /// The set-point of the last edge of bit 4. Only profile position reads it: whatever else the drive does goes by the newest
+    /// values.
+    pub(crate) fn set_point(&self) -> SetPoint {
+        self.passed_set_point.unwrap_or(SetPoint {
+            controlword: self.controlword,
+            target_position: self.target_position,
+            profile_velocity: self.profile_velocity,
+            end_velocity: self.end_velocity,
+            positioning_option: self.positioning_option,
+            profile_acceleration: self.profile_acceleration,
+            profile_deceleration: self.profile_deceleration,
+        })
     }
 }
 

@@ -135,6 +135,7 @@ impl<A> Hooks<A> {
             profile_acceleration: dictionary.profile_acceleration(),
             profile_deceleration: dictionary.profile_deceleration(),
             target_velocity: dictionary.target_velocity(),
+            passed_set_point: None,
         }
     }
 }

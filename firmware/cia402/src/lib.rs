@@ -47,7 +47,7 @@ pub use configuration::Configuration;
 pub use controlword::Command;
 pub use device::Device;
 pub use drive::{Drive, DriveConfig, Inputs, Outputs};
-pub use exchange::{Actuals, Commands, Exchange, Share};
+pub use exchange::{Actuals, Commands, Exchange, SetPoint, Share};
 pub use indicator::{DriveLight, DriveSignal};
 pub use modes::Mode;
 pub use objects::Objects;

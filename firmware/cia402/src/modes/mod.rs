@@ -143,16 +143,10 @@ impl Context<'_> {
             .min(self.motor.max_velocity())
     }
 
-    /// A velocity and the profile ramps 6083h and 6084h, within 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach; and
-    /// whether one of them was cut.
-    pub(crate) fn limits(&self, velocity: u32) -> (Limits, bool) {
-        let asked = Limits {
-            velocity,
-            acceleration: self.commands.profile_acceleration,
-            deceleration: self.commands.profile_deceleration,
-        };
+    /// A velocity and ramps, within 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach; and whether one of them was cut.
+    pub(crate) fn within(&self, asked: Limits) -> (Limits, bool) {
         let limits = Limits {
-            velocity: velocity.min(self.max_velocity()),
+            velocity: asked.velocity.min(self.max_velocity()),
             acceleration: asked.acceleration.min(self.configuration.max_acceleration),
             deceleration: asked.deceleration.min(self.configuration.max_deceleration),
         };

@@ -29,6 +29,7 @@ use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, NEW_SET_POINT, RELATIVE};
 use crate::dwell::Dwell;
+use crate::exchange;
 use crate::motor::Motor;
 use crate::statusword::{INTERNAL_LIMIT, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
 
@@ -152,10 +153,11 @@ impl ProfilePosition {
 
     /// Takes the set-point in the commands, if there is room. Returns whether it did.
     fn take(&mut self, context: &mut Context<'_>) -> bool {
-        let controlword = context.commands.controlword;
+        let given = context.commands.set_point();
+        let controlword = given.controlword;
         let immediately = controlword & CHANGE_IMMEDIATELY != 0;
         let waits = !immediately && self.progress == Progress::UnderWay;
-        let set_point = self.read(context, waits);
+        let set_point = self.read(given, context, waits);
         if !waits {
             self.next = None;
             self.begin(set_point, context);
@@ -170,14 +172,13 @@ impl ProfilePosition {
         true
     }
 
-    /// The set-point in the commands, within all limits.
-    fn read(&self, context: &Context<'_>, waits: bool) -> SetPoint {
-        let commands = context.commands;
-        let asked = i64::from(commands.target_position);
-        let wanted = if commands.controlword & RELATIVE == 0 {
+    /// A set-point within all limits.
+    fn read(&self, given: exchange::SetPoint, context: &Context<'_>, waits: bool) -> SetPoint {
+        let asked = i64::from(given.target_position);
+        let wanted = if given.controlword & RELATIVE == 0 {
             asked
         } else {
-            let base = match commands.positioning_option {
+            let base = match given.positioning_option {
                 1 if !waits => context.demand.position,
                 2 if !waits => i64::from(context.position as i32),
                 _ => self.target,
@@ -188,11 +189,15 @@ impl ProfilePosition {
         let low = low.max(i64::from(i32::MIN));
         let high = high.min(i64::from(i32::MAX));
         let target = wanted.max(low).min(high);
-        let (limits, is_cut) = context.limits(commands.profile_velocity);
+        let (limits, is_cut) = context.within(Limits {
+            velocity: given.profile_velocity,
+            acceleration: given.profile_acceleration,
+            deceleration: given.profile_deceleration,
+        });
         SetPoint {
             target,
             limits,
-            end_velocity: commands.end_velocity,
+            end_velocity: given.end_velocity,
             limited: Limited {
                 target: target != wanted,
                 profile: is_cut,

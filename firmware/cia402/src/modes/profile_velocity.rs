@@ -11,6 +11,8 @@
 //! Bit 10, target reached: 606Ch has been within 606Dh of 60FFh for 606Eh; during halt the motor stands. Bit 12, speed: 0 as soon as
 //! 606Ch has been above 606Fh for 6070h, 1 otherwise. Bit 13, slippage error: 606Bh and 606Ch differ by more than 60F8h.
 
+use motion::Limits;
+
 use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::dwell::Dwell;
@@ -43,7 +45,11 @@ impl ProfileVelocity {
     /// One control tick; returns statusword bits 10 to 13.
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let asked = context.commands.target_velocity;
-        let (limits, is_cut) = context.limits(asked.unsigned_abs());
+        let (limits, is_cut) = context.within(Limits {
+            velocity: asked.unsigned_abs(),
+            acceleration: context.commands.profile_acceleration,
+            deceleration: context.commands.profile_deceleration,
+        });
         let order = Order {
             velocity: signed(limits.velocity, asked),
             limits,

@@ -271,3 +271,14 @@ fn a_velocity_is_kept_across_the_end_of_32_bits() {
     assert_eq!(rig.actuals().following_error.abs() / 2, 0);
     assert!(rig.reached() && !rig.limited());
 }
+
+#[test]
+fn ramps_written_behind_an_edge_of_bit_4_count_at_once() {
+    let mut rig = enabled();
+    rig.commands.target_velocity = 10_000;
+    rig.write(0x1F);
+    rig.commands.profile_acceleration = 1_000_000;
+    rig.post();
+    let ticks = rig.until("velocity", |rig| rig.actuals().velocity_demand == 10_000);
+    assert!(ticks <= 15, "{ticks}");
+}

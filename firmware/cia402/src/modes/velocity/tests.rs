@@ -152,3 +152,20 @@ fn m44_the_software_limit_holds_here_too() {
     run(&mut rig, -10_000);
     assert_eq!(rig.rest(), -300);
 }
+
+#[test]
+fn the_last_controlword_between_two_ticks_counts() {
+    let mut rig = enabled();
+    rig.write(0x0F);
+    rig.tick();
+    run(&mut rig, 10_000);
+    rig.write(0x1F);
+    rig.write(RUN);
+    ticks_to(&mut rig, 10_000);
+    rig.write(0x0F);
+    rig.rest();
+    rig.write(RUN);
+    rig.write(0x1F);
+    rig.ticks(50);
+    assert_eq!(rig.speed(), 0, "bits 5 and 6 are 0");
+}

@@ -1,6 +1,7 @@
 //! Controlword bit 4 and statusword bit 12: which set-points are taken, and when they begin.
 
 use super::{IMMEDIATELY, RELATIVE};
+use crate::option_codes::Stop;
 use crate::state_machine::State;
 use crate::testing::Rig;
 
@@ -178,4 +179,22 @@ fn m27_what_is_written_after_the_edge_is_for_the_next_set_point() {
     rig.commands.profile_velocity = 0;
     rig.write(0x0F | RELATIVE);
     assert_eq!(rig.rest(), 400);
+}
+
+#[test]
+fn what_is_written_behind_the_edge_counts_for_all_but_the_set_point() {
+    let mut rig = Rig::enabled();
+    rig.configuration.fault_reaction = Stop::on_fault(1).unwrap();
+    rig.set_point(100_000, 0);
+    rig.commands.profile_velocity = 1_000;
+    rig.commands.target_position = 5;
+    rig.commands.profile_deceleration = 1_000_000;
+    rig.write(0x0F | RELATIVE);
+    rig.ticks(200);
+    assert_eq!(rig.speed(), 10, "its 6081h");
+    assert_eq!(rig.actuals().position_demand / 1_000, 1, "its target");
+    let begin = rig.motor.position;
+    rig.fault = Some(0x4210);
+    let stopped = rig.rest() - begin;
+    assert!((50..90).contains(&stopped), "the newest 6084h: {stopped}");
 }
