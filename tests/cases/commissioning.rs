@@ -76,6 +76,10 @@ fn flash_that_fails_is_told_to_who_writes_the_node_id() {
     setup.store = flash.into_store();
     let mut bench = DriveBench::with(setup, 4);
     bench.refused("604: 2F F0 5F 01 0B 00 00 00", 0x0606_0000);
+    // What was refused takes no effect, neither now nor later.
+    assert_eq!(bench.try_read(0x5FF0, 1), Ok(vec![4]));
+    bench.send("000 [2] 82 04");
+    bench.drain_until("704 [1] 00", 100);
 }
 
 #[test]
@@ -205,21 +209,80 @@ fn after_a_wrong_password_none_is_taken_for_a_second() {
     order(&mut bench, PASSWORD, TAKEN);
 }
 
+/// Opens what production writes.
+const PRODUCTION: &str = "604: 23 F1 5F 01 70 72 6F 64";
+const SERIAL: &str = "604: 23 F2 5F 01 78 56 34 12";
+const GIVEN: &str = "584: 60 F2 5F 01 00 00 00 00";
+
 #[test]
 fn production_writes_the_serial_number_once() {
-    const PRODUCTION: &str = "604: 23 F1 5F 01 70 72 6F 64";
-    const SERIAL: &str = "604: 23 F2 5F 01 78 56 34 12";
     let mut bench = DriveBench::booted(4);
     assert_eq!(bench.read_u32(0x1018, 4), 1);
     bench.refused(SERIAL, 0x0800_0022);
     order(&mut bench, PRODUCTION, TAKEN);
     assert_eq!(bench.try_read(0x5FF1, 3), Ok(vec![3]));
     bench.refused("604: 23 F2 5F 01 00 00 00 00", 0x0609_0030);
-    order(&mut bench, SERIAL, "584: 60 F2 5F 01 00 00 00 00");
+    order(&mut bench, SERIAL, GIVEN);
+    assert_eq!(bench.read_u32(0x5FF2, 1), 0x1234_5678);
+    // That was all production had to do: a second number is refused at once, and so is the key.
+    assert_eq!(bench.try_read(0x5FF1, 3), Ok(vec![0]));
+    bench.refused("604: 23 F2 5F 01 79 56 34 12", 0x0800_0022);
+    bench.refused(PRODUCTION, 0x0609_0030);
     assert_eq!(bench.read_u32(0x5FF2, 1), 0x1234_5678);
     restart(&mut bench, 4);
     assert_eq!(bench.read_u32(0x1018, 4), 0x1234_5678);
     assert_eq!(bench.read_u32(0x5FF2, 1), 0x1234_5678);
     bench.refused(PRODUCTION, 0x0609_0030);
     bench.refused(SERIAL, 0x0800_0022);
+}
+
+#[test]
+fn a_serial_number_that_is_not_stored_is_not_shown_and_may_be_tried_again() {
+    let mut setup = Setup::with_node_id(1, 4);
+    let mut flash = setup.store.release();
+    flash.break_down();
+    setup.store = flash.into_store();
+    let mut bench = DriveBench::with(setup, 4);
+    order(&mut bench, PRODUCTION, TAKEN);
+    for _ in 0..2 {
+        bench.refused(SERIAL, 0x0606_0000);
+        assert_eq!(bench.read_u32(0x5FF2, 1), 0);
+        assert_eq!(bench.try_read(0x5FF1, 3), Ok(vec![3]));
+    }
+}
+
+/// A drive with password 1234, locked by a wrong one, after the second in which none is taken.
+fn locked() -> DriveBench {
+    let mut bench = DriveBench::booted(4);
+    bench.write_u32(0x5FF1, 2, 1_234);
+    bench.refused("604: 23 F1 5F 01 D3 04 00 00", 0x0609_0030);
+    bench.drain(1_000);
+    bench
+}
+
+#[test]
+fn production_opens_nothing_that_the_password_guards() {
+    let mut bench = locked();
+    order(&mut bench, PRODUCTION, TAKEN);
+    bench.refused("604: 2B 11 20 00 0A 00 00 00", 0x0800_0022);
+    bench.refused("604: 23 F1 5F 02 00 00 00 00", 0x0800_0022);
+    bench.refused("604: 2F F0 5F 01 0B 00 00 00", 0x0800_0022);
+    // Whoever has given both may do both.
+    order(&mut bench, PASSWORD, TAKEN);
+    bench.write_u16(0x2011, 0, 10);
+    order(&mut bench, SERIAL, GIVEN);
+    bench.write_u16(0x2011, 0, 20);
+}
+
+#[test]
+fn a_password_guards_objects_of_any_length() {
+    let mut bench = locked();
+    bench.refused("604: 21 20 20 00 0A 00 00 00", 0x0800_0022);
+    bench.refused("604: C2 20 20 00 0A 00 00 00", 0x0800_0022);
+    order(&mut bench, PASSWORD, TAKEN);
+    order(
+        &mut bench,
+        "604: 21 20 20 00 0A 00 00 00",
+        "584: 60 20 20 00 00 00 00 00",
+    );
 }

@@ -85,6 +85,11 @@ impl<A> Hooks<A> {
         }
     }
 
+    /// The serial number that production has given; 0 for none.
+    pub(crate) const fn produced(&self) -> u32 {
+        self.produced
+    }
+
     /// Whether 2011h was written since the last call.
     pub(crate) const fn take_delay_written(&mut self) -> bool {
         let written = self.delay_written;
@@ -198,6 +203,8 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         entry: &Entry,
         size: Option<u32>,
     ) -> Result<(), AbortCode> {
+        // Its bytes come later, and no rule asks for them.
+        self.protection.check(dictionary, entry, &[])?;
         self.application.begin_write(dictionary, entry, size)
     }
 

@@ -4,8 +4,8 @@
 //! - A password, for products that want one (5FF1h): while it is set and has not been given, objects of the manufacturer (2000h to
 //!   5FFFh) cannot be written. 08000022h. It guards against mistakes, not against attackers: a master that restores the parameters
 //!   (1011h) takes it away, and so does a factory reset.
-//! - [`PRODUCTION_ONLY`]: objects that production writes. They take "prod" at 5FF1h:1 first, which counts until the next power-on, and
-//!   only while the device has no serial number of its own. 08000022h.
+//! - [`PRODUCTION_ONLY`]: objects that production writes. They take "prod" at 5FF1h:1 first, and nothing but that: it opens no other
+//!   object. It counts until the serial number is stored or the node is reset, and only while the device has none of its own. 08000022h.
 //!
 //! | object | |
 //! |---|---|
@@ -100,8 +100,16 @@ impl Protection {
         }
         let index = entry.index;
         let is_locked = self.powered && is_among(&LOCKED_WHILE_POWERED, index);
-        if is_locked || PRODUCTION_ONLY.contains(&index) && !self.production {
+        if is_locked {
             return Err(AbortCode::DeviceState);
+        }
+        if PRODUCTION_ONLY.contains(&index) {
+            // The password of the product is not for production to know.
+            return if self.production {
+                Ok(())
+            } else {
+                Err(AbortCode::DeviceState)
+            };
         }
         if index == PASSWORD && entry.sub == GIVEN {
             return self.check_given(dictionary, value);
@@ -146,8 +154,9 @@ impl Protection {
         if entry.index == PASSWORD && !self.loading {
             if entry.sub == GIVEN {
                 let given = od::read_u32(dictionary, PASSWORD, GIVEN).unwrap_or(0);
-                self.production = given == PRODUCTION_MODE && has_no_serial_number(dictionary);
-                self.open = self.production || is_password(dictionary, given);
+                // Each opens its own and leaves the other as it is.
+                self.production |= given == PRODUCTION_MODE && has_no_serial_number(dictionary);
+                self.open |= is_password(dictionary, given);
                 od::write_u32(dictionary, PASSWORD, GIVEN, 0);
             } else if entry.sub == NEW {
                 // Whoever has set it knows it.
@@ -169,6 +178,12 @@ impl Protection {
         if core::mem::take(&mut self.is_stale) {
             self.show(dictionary);
         }
+    }
+
+    /// Production has done its work.
+    pub(crate) fn end_production<D: Dictionary>(&mut self, dictionary: &mut D) {
+        self.production = false;
+        self.show(dictionary);
     }
 
     /// 5FF1h:3.

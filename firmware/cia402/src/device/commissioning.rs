@@ -209,12 +209,13 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             Err(AbortCode::DeviceState)
         };
         self.hooks.commissioning.serial_number = None;
-        match result {
-            Ok(()) => self.hooks.produce(Some(number)),
-            Err(_) => {
-                od::write_u32(self.node.dictionary_mut(), PRODUCTION, SERIAL_NUMBER, 0);
-            }
+        let dictionary = self.node.dictionary_mut();
+        if result.is_ok() {
+            self.hooks.produce(Some(number));
+            self.hooks.protection.end_production(dictionary);
         }
+        // Whatever was written, the object tells what is stored.
+        od::write_u32(dictionary, PRODUCTION, SERIAL_NUMBER, self.hooks.produced());
         self.node.complete_write(PRODUCTION, SERIAL_NUMBER, result);
     }
 
