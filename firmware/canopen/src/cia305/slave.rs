@@ -68,6 +68,13 @@ struct Fixed {
     bit_timing: bool,
 }
 
+/// What was pending and kept before [`Slave::configure_and_store`], as far as nothing was configured since.
+#[derive(Clone, Copy, Debug, Default)]
+struct Undo {
+    node_id: Option<(NodeId, NodeId)>,
+    bit_timing: Option<(BitTiming, BitTiming)>,
+}
+
 /// Answer to 11h and 13h: an error of the manufacturer, whose number follows.
 const SPECIFIC_ERROR: u8 = 0xFF;
 
@@ -85,6 +92,8 @@ pub struct Slave {
     /// What is stored, with all that was configured since. It differs from what is pending if at power-on another source went
     /// before the store, such as switches.
     kept: Configuration,
+    /// What comes back if it cannot be stored.
+    undo: Undo,
     fixed: Fixed,
     supported: u16,
     sequence: Sequence,
@@ -104,6 +113,10 @@ impl Slave {
             active: settings,
             pending: settings.configuration(),
             kept: settings.configuration(),
+            undo: Undo {
+                node_id: None,
+                bit_timing: None,
+            },
             fixed: Fixed {
                 node_id: false,
                 bit_timing: false,
@@ -259,6 +272,10 @@ impl Slave {
             }
             Storing::Running => self.storing = Storing::Idle,
         }
+        let undo = core::mem::take(&mut self.undo);
+        if result.is_err() {
+            self.put_back(undo);
+        }
         let error = match result {
             Ok(()) => 0x00,
             Err(StoreError::NotSupported) => 0x01,
@@ -268,7 +285,8 @@ impl Slave {
     }
 
     /// Configures and stores by another way than the services, such as an object: node-ID or bit rate or both. Then ask
-    /// [`Slave::event`]; [`Slave::is_storing`] is false when it is done.
+    /// [`Slave::event`]; [`Slave::is_storing`] is false when it is done. If it cannot be stored, what was configured before comes
+    /// back, unless a master has configured it anew meanwhile.
     ///
     /// # Errors
     /// The build has fixed it, or this device does not make the bit rate; nothing has changed.
@@ -279,15 +297,30 @@ impl Slave {
             return Err(Refused);
         }
         if let Some(node_id) = wish.node_id {
+            let before = (self.pending.node_id, self.kept.node_id);
+            self.undo.node_id.get_or_insert(before);
             self.pending.node_id = node_id;
             self.kept.node_id = node_id;
         }
         if let Some(timing) = wish.bit_timing {
+            let before = (self.pending.bit_timing, self.kept.bit_timing);
+            self.undo.bit_timing.get_or_insert(before);
             self.pending.bit_timing = timing;
             self.kept.bit_timing = timing;
         }
         self.store();
         Ok(())
+    }
+
+    fn put_back(&mut self, undo: Undo) {
+        if let Some((pending, kept)) = undo.node_id {
+            self.pending.node_id = pending;
+            self.kept.node_id = kept;
+        }
+        if let Some((pending, kept)) = undo.bit_timing {
+            self.pending.bit_timing = pending;
+            self.kept.bit_timing = kept;
+        }
     }
 
     /// Whether settings are being stored.
@@ -384,6 +417,7 @@ impl Slave {
         if self.fixed.node_id {
             return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
         }
+        self.undo.node_id = None;
         self.pending.node_id = node_id;
         self.kept.node_id = node_id;
         Ok(())
@@ -397,6 +431,7 @@ impl Slave {
         if self.supported & bit(timing) == 0 {
             return Err(OUT_OF_RANGE);
         }
+        self.undo.bit_timing = None;
         self.pending.bit_timing = timing;
         self.kept.bit_timing = timing;
         Ok(())

@@ -433,3 +433,46 @@ fn l12_fastscan_is_not_for_the_configuration_state() {
         None
     );
 }
+
+/// A slave whose object was just told of node-ID 9 and 250 kbit/s; the store is at it.
+fn told_by_an_object() -> Slave {
+    let mut slave = in_configuration();
+    slave.ask(&[0x11, 0x07]);
+    let wish = Wish {
+        node_id: NodeId::new(9),
+        bit_timing: Some(BitTiming::Fixed(BitRate::Kbit250)),
+    };
+    slave.configure_and_store(&wish).unwrap();
+    assert!(matches!(slave.event(), Some(LssEvent::Store(_))));
+    slave
+}
+
+#[test]
+fn what_an_object_was_told_takes_no_effect_if_it_cannot_be_stored() {
+    let mut slave = told_by_an_object();
+    assert_eq!(slave.settings_stored(Err(StoreError::Medium)), None);
+    assert!(!slave.is_storing());
+    let timing = BitTiming::Fixed(BitRate::Kbit1000);
+    assert_eq!(slave.configuration().bit_timing, timing);
+    assert_eq!(slave.configuration().node_id.get(), 7);
+    assert_eq!(slave.reset().get(), 7);
+}
+
+#[test]
+fn what_a_master_configures_meanwhile_stays_even_if_the_object_cannot_be_stored() {
+    let mut slave = told_by_an_object();
+    slave.ask(&[0x11, 0x09]);
+    slave.settings_stored(Err(StoreError::Medium));
+    let timing = BitTiming::Fixed(BitRate::Kbit1000);
+    assert_eq!(slave.configuration().bit_timing, timing);
+    assert_eq!(slave.reset().get(), 9);
+}
+
+#[test]
+fn what_is_stored_stays_even_if_the_next_store_fails() {
+    let mut slave = told_by_an_object();
+    slave.settings_stored(Ok(()));
+    slave.ask(&[0x17]);
+    slave.settings_stored(Err(StoreError::Medium));
+    assert_eq!(slave.reset().get(), 9);
+}
