@@ -34,7 +34,8 @@ pub struct Inputs {
     pub factory_reset: bool,
 }
 
-/// Opens the store, forgets what is in it if a factory reset is asked for, and finds out what the device starts with.
+/// Opens the store, forgets what is in it if a factory reset is asked for, and finds out what the device starts with. Settings that
+/// the flash does not forget do not count while the input is held: a device that nobody reaches is reached again.
 pub fn load<F: NorFlash>(
     sectors: F,
     inputs: &Inputs,
@@ -43,14 +44,18 @@ pub fn load<F: NorFlash>(
     // All of the board's sectors. They are far smaller than 4 GiB.
     let range = 0..sectors.capacity() as u32;
     let mut store = Store::new(sectors, range).ok();
+    let mut is_void = false;
     if let (true, Some(store)) = (inputs.factory_reset, &mut store) {
         match store.forget() {
             Ok(()) => defmt::warn!("factory reset"),
-            Err(error) => defmt::error!("factory reset: {}", defmt::Display2Format(&error)),
+            Err(error) => {
+                defmt::error!("factory reset: {}", defmt::Display2Format(&error));
+                is_void = true;
+            }
         }
     }
     let stored = match store.as_mut().map(Store::load) {
-        Some(Ok(stored)) => stored,
+        Some(Ok(stored)) => stored.filter(|_| !is_void),
         Some(Err(error)) => {
             defmt::error!("parameters: {}", defmt::Display2Format(&error));
             None

@@ -186,16 +186,17 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// Factory reset: settings and parameters are as if none were ever stored. Each change is whole when the power fails, and
-    /// the order given again does what was left. What is forgotten already costs no flash.
+    /// the order given again does what was left. What is forgotten already costs no flash. Settings are forgotten even if the
+    /// parameters cannot be: they are what brings a lost device back.
     ///
     /// # Errors
-    /// As [`Store::save`].
+    /// As [`Store::save`]: something is not forgotten.
     pub fn forget(&mut self) -> Result<(), Error<F::Error>> {
-        self.forget_parameters()?;
-        if matches!(self.settings(), Ok(None)) {
-            return Ok(());
+        let parameters = self.forget_parameters();
+        if !matches!(self.settings(), Ok(None)) {
+            self.save(&Configuration::default())?;
         }
-        self.save(&Configuration::default())
+        parameters
     }
 
     /// Begins the log anew, with what can still be read of settings and serial number.

@@ -3,7 +3,7 @@
 use canopen::cia301::parameters::{ParameterSet, ParameterSets, ParameterStore};
 use canopen::{BitRate, BitTiming, Configuration, NodeId};
 
-use super::Flash;
+use super::{Flash, Refusal};
 use crate::{Error, Store};
 
 const CONFIGURED: Configuration = Configuration {
@@ -79,6 +79,15 @@ fn a_power_cut_at_any_byte_leaves_each_as_it_was_or_forgotten() {
             break;
         }
     }
+}
+
+#[test]
+fn settings_are_forgotten_even_if_the_parameters_cannot_be() {
+    let mut flash = device();
+    flash.stumbles = true;
+    let mut store = flash.store();
+    assert_eq!(store.forget(), Err(Error::Flash(Refusal::Stumbled)));
+    assert_eq!(store.load(), Ok(Some(Configuration::default())));
 }
 
 #[test]

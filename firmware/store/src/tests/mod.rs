@@ -18,6 +18,8 @@ use embedded_storage::nor_flash::{
 enum Refusal {
     /// There is no power any more.
     PowerCut,
+    /// This once it failed; the next write may not.
+    Stumbled,
     /// The driver was called against its contract.
     Misuse(NorFlashErrorKind),
 }
@@ -25,7 +27,7 @@ enum Refusal {
 impl NorFlashError for Refusal {
     fn kind(&self) -> NorFlashErrorKind {
         match self {
-            Self::PowerCut => NorFlashErrorKind::Other,
+            Self::PowerCut | Self::Stumbled => NorFlashErrorKind::Other,
             Self::Misuse(kind) => *kind,
         }
     }
@@ -42,6 +44,8 @@ struct Flash<const SECTOR: usize, const WORD: usize> {
     erases: usize,
     /// Programming does nothing, as on a worn-out or write-protected device.
     deaf: bool,
+    /// The next write fails.
+    stumbles: bool,
 }
 
 impl<const SECTOR: usize, const WORD: usize> Flash<SECTOR, WORD> {
@@ -56,6 +60,7 @@ impl<const SECTOR: usize, const WORD: usize> Flash<SECTOR, WORD> {
             changes: Vec::new(),
             erases: 0,
             deaf: false,
+            stumbles: false,
         }
     }
 
@@ -154,6 +159,9 @@ impl<const SECTOR: usize, const WORD: usize> NorFlash for Flash<SECTOR, WORD> {
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Refusal> {
         check_write(self, offset, bytes.len()).map_err(Refusal::Misuse)?;
+        if core::mem::take(&mut self.stumbles) {
+            return Err(Refusal::Stumbled);
+        }
         if self.deaf {
             return Ok(());
         }
