@@ -145,6 +145,8 @@ pub(super) enum Lss {
         #[command(flatten)]
         store: Store,
     },
+    /// Let all devices store node-ID and bit rate as they have been set
+    Store,
 }
 
 #[derive(Debug, Args)]

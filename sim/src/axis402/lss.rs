@@ -12,7 +12,7 @@ const ATTEMPTS: u32 = 4;
 const BOOT_TIME: Duration = Duration::from_ticks(3_000_000);
 
 /// How long a device may take to store; erasing flash takes its time.
-const STORE_TIME: Duration = Duration::from_ticks(5_000_000);
+pub(super) const STORE_TIME: Duration = Duration::from_ticks(5_000_000);
 
 /// How to number devices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +41,8 @@ pub struct Setting {
 /// # Errors
 /// [`Problem::Failed`] if a device answers in riddles, or the bus cannot be used.
 pub fn find<L: Line>(master: &mut Master<L>, console: &mut Console<'_>) -> Result<(), Problem> {
+    // A device that somebody has left in configuration state is not heard in a scan.
+    master.lss_switch_to_waiting();
     waiting_afterwards(master, |master| {
         let mut count = 0;
         // A device that was found is in configuration state and takes no part in the next scan.
@@ -65,6 +67,8 @@ pub fn number<L: Line>(
     numbering: Numbering,
     console: &mut Console<'_>,
 ) -> Result<(), Problem> {
+    // A device that somebody has left in configuration state is not heard in a scan.
+    master.lss_switch_to_waiting();
     let used = scan::used(master, console)?;
     let mut free = (numbering.first..=127).filter(|id| !used.contains(id));
     waiting_afterwards(master, |master| {
@@ -142,71 +146,6 @@ pub fn set<L: Line>(
     })
 }
 
-/// Switches the whole bus to another bit rate: all devices, and the adapter of this master. `delay` is the silence before and after
-/// the switch.
-///
-/// # Errors
-/// [`Problem::Failed`] if nobody answers or somebody refuses; then all stay where they are.
-pub fn switch_bit_rate<L: Line>(
-    master: &mut Master<L>,
-    bit_rate: BitRate,
-    stores: bool,
-    delay: Duration,
-    console: &mut Console<'_>,
-) -> Result<(), Problem> {
-    let before = scan::used(master, console)?.len();
-    let kbit = bit_rate.kbit_per_second();
-    let switched = waiting_afterwards(master, |master| {
-        master.lss_switch_to_configuration();
-        let configured = master.lss_configure_bit_timing(bit_rate);
-        configured.map_err(|failure| silence(failure, "no device answers"))?;
-        no_one_refuses(master, 0x13)?;
-        if stores {
-            store(master, console)?;
-            no_one_refuses(master, 0x17)?;
-        }
-        master.lss_activate_bit_timing(delay);
-        // The adapter changes in the middle of the silence after the devices have changed.
-        master.wait(delay + delay / 2)?;
-        let switched = master
-            .line_mut()
-            .set_bit_rate(bit_rate)
-            .map_err(Failure::from)?;
-        master.wait(delay)?;
-        Ok(switched)
-    })?;
-    if !switched {
-        return console.say(&format!(
-            "the devices are at {kbit} kbit/s now; set the interface to it as well"
-        ));
-    }
-    let after = scan::used(master, console)?.len();
-    console.say(&format!(
-        "at {kbit} kbit/s {after} of {before} nodes answer"
-    ))
-}
-
-/// Other devices may have answered behind the first.
-fn no_one_refuses<L: Line>(master: &mut Master<L>, service: u8) -> Result<(), Problem> {
-    master.wait(Duration::from_ticks(50_000))?;
-    for (_, frame) in master.take_received() {
-        let answer = frame
-            .full_payload()
-            .filter(|_| frame.standard_id() == Some(0x7E4));
-        if let Some([command, error, ..]) = answer
-            && *command == service
-            && *error != 0
-        {
-            return Err(Failure::LssRefused {
-                service,
-                error: *error,
-            }
-            .into());
-        }
-    }
-    Ok(())
-}
-
 /// Two devices with one node-ID would be the end of both.
 fn is_the_only_one<L: Line>(master: &mut Master<L>) -> Result<(), Problem> {
     master.take_received();
@@ -230,7 +169,7 @@ fn is_the_only_one<L: Line>(master: &mut Master<L>) -> Result<(), Problem> {
 }
 
 /// Does something with devices in configuration state; they are in waiting state afterwards, whatever became of it.
-fn waiting_afterwards<L: Line, T>(
+pub(super) fn waiting_afterwards<L: Line, T>(
     master: &mut Master<L>,
     work: impl FnOnce(&mut Master<L>) -> Result<T, Problem>,
 ) -> Result<T, Problem> {
@@ -285,7 +224,7 @@ fn expect_boot_up<L: Line>(master: &mut Master<L>, node_id: NodeId) -> Result<()
 }
 
 /// What it means that nothing came; any other failure as it is.
-fn silence(failure: Failure, meaning: &str) -> Problem {
+pub(super) fn silence(failure: Failure, meaning: &str) -> Problem {
     match failure {
         Failure::Timeout { .. } => Problem::Failed(meaning.to_owned()),
         other => other.into(),

@@ -5,6 +5,7 @@
 //! [`crate::master::Master`] and a [`Console`]; the tests run them on the simulated bus, [`run`] on an adapter.
 
 mod arguments;
+mod bit_rate;
 mod configuration;
 mod console;
 mod lss;
@@ -19,9 +20,10 @@ mod scan;
 #[cfg(test)]
 mod walk_through;
 
+pub use bit_rate::{BitRateSwitch, store_settings, switch_bit_rate};
 pub use configuration::{dump, load};
 pub use console::Console;
-pub use lss::{Numbering, Setting, find, number, set, switch_bit_rate};
+pub use lss::{Numbering, Setting, find, number, set};
 pub use monitor::{Watch, monitor};
 pub use nmt::nmt;
 pub use node::Node;

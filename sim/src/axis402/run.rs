@@ -6,14 +6,14 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use canopen::Duration;
+use canopen::{BitRate, Duration};
 use clap::Parser;
 use od_gen::Report;
 use od_gen::dcf;
 use od_gen::model::{Commissioning, FileKind};
 
 use super::arguments::{Bus, Command, CommandLine, Lss, Od, Sheet};
-use super::{Console, Node, Numbering, Problem, Setting, Watch};
+use super::{BitRateSwitch, Console, Node, Numbering, Problem, Setting, Watch};
 use crate::bus::live::{Incoming, LiveBus};
 use crate::bus::slcan_client::Place;
 use crate::cli;
@@ -110,7 +110,7 @@ fn perform<L: Line>(
 ) -> Result<(), Problem> {
     match &command_line.command {
         Command::Scan => super::scan(master, console),
-        Command::Lss(lss) => perform_lss(master, lss, console),
+        Command::Lss(lss) => perform_lss(master, lss, &command_line.bus, console),
         Command::Od(od) => perform_od(master, od, &command_line.bus, console),
         Command::Save { node, group } => {
             let sheet = DataSheet::standard();
@@ -139,6 +139,7 @@ fn perform<L: Line>(
 fn perform_lss<L: Line>(
     master: &mut Master<L>,
     lss: &Lss,
+    bus: &Bus,
     console: &mut Console<'_>,
 ) -> Result<(), Problem> {
     match lss {
@@ -169,9 +170,20 @@ fn perform_lss<L: Line>(
             super::set(master, setting, console)
         }
         Lss::Bitrate { rate, delay, store } => {
-            let delay = milliseconds((*delay).into());
-            super::switch_bit_rate(master, *rate, !store.no_store, delay, console)
+            let switch = BitRateSwitch {
+                to: *rate,
+                from: bus.slcan.as_ref().and_then(|_| {
+                    let kbit = bus.bitrate.kbit_per_second();
+                    BitRate::ALL
+                        .into_iter()
+                        .find(|rate| rate.kbit_per_second() == kbit)
+                }),
+                store: !store.no_store,
+                delay: milliseconds((*delay).into()),
+            };
+            super::switch_bit_rate(master, switch, console)
         }
+        Lss::Store => super::store_settings(master, console),
     }
 }
 

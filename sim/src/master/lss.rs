@@ -136,10 +136,7 @@ impl<L: Line> Master<L> {
     /// # Errors
     /// [`Failure::LineDown`] only: silence means that there is none.
     pub fn lss_is_anyone_unconfigured(&mut self) -> Result<bool, Failure> {
-        while (self.line.inbox())
-            .take_from(0, |frame| answer(frame, 0x50))
-            .is_some()
-        {}
+        self.forget_answers(0x50);
         self.send_data(REQUEST, &request(0x4C, 0));
         match self.lss_answer(0x50, self.answer_time) {
             Ok(_) => Ok(true),
@@ -204,6 +201,30 @@ impl<L: Line> Master<L> {
         self.lss_answer(request[0], within)
     }
 
+    /// Sends a request to all slaves in configuration state and hears `count` answers, or what comes `within` the time: answers
+    /// that are the same may merge into one on the bus.
+    ///
+    /// # Errors
+    /// [`Failure::Timeout`] if none came.
+    pub fn lss_ask_all(
+        &mut self,
+        request: [u8; 8],
+        count: usize,
+        within: Duration,
+    ) -> Result<Vec<[u8; 8]>, Failure> {
+        self.forget_answers(request[0]);
+        let end = self.now() + within;
+        let mut answers = vec![self.lss_ask(request, within)?];
+        while answers.len() < count {
+            match self.lss_answer(request[0], end - self.now()) {
+                Ok(answer) => answers.push(answer),
+                Err(Failure::Timeout { .. }) => break,
+                Err(failure) => return Err(failure),
+            }
+        }
+        Ok(answers)
+    }
+
     fn lss_configure(&mut self, request: [u8; 8]) -> Result<(), Failure> {
         let [service, error, ..] = self.lss_ask(request, self.answer_time)?;
         if error == 0 {
@@ -227,6 +248,14 @@ impl<L: Line> Master<L> {
             found = true;
         }
         Ok(found)
+    }
+
+    /// Late answers to this service must not pass for new ones.
+    fn forget_answers(&mut self, command: u8) {
+        while (self.line.inbox())
+            .take_from(0, |frame| answer(frame, command))
+            .is_some()
+        {}
     }
 
     fn lss_answer(&mut self, command: u8, within: Duration) -> Result<[u8; 8], Failure> {

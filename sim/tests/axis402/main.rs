@@ -2,6 +2,7 @@
 //! the program itself through an adapter.
 
 mod bench;
+mod bit_rate;
 mod configuration;
 mod monitoring;
 mod numbering;

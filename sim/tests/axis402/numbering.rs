@@ -1,8 +1,8 @@
 //! `axis402 lss`.
 
-use canopen::{BitRate, Duration, NodeId};
+use canopen::{Duration, NodeId};
 use sim::Axis402;
-use sim::axis402::{Numbering, Setting, find, number, scan, set, switch_bit_rate};
+use sim::axis402::{Numbering, Setting, find, number, scan, set};
 use sim::bus::simulated::Interference;
 use sim::drive::Setup;
 use sim::master::Identity;
@@ -51,6 +51,16 @@ fn every_device_without_a_node_id_is_found_and_none_is_changed() {
     );
     // They are in waiting state again and can be found once more.
     assert_eq!(bench.told(find).lines().count(), 3);
+}
+
+#[test]
+fn devices_that_somebody_left_in_configuration_state_are_found_and_numbered() {
+    let (mut bench, _) = Bench::with_drives(&[255]);
+    bench.master.lss_switch_to_configuration();
+    assert!(bench.told(find).ends_with("1 device without a node-ID\n"));
+    bench.master.lss_switch_to_configuration();
+    let told = bench.told(|master, console| number(master, NUMBERING, console));
+    assert!(told.ends_with("1 device has a node-ID now\n"), "{told}");
 }
 
 #[test]
@@ -180,33 +190,6 @@ fn nobody_is_set_where_it_is_not_clear_who() {
     assert!(bench.told(scan).starts_with("no node answers, and"));
     let (line, _) = refusal(Bench::new().run(|master, console| set(master, setting, console)));
     assert!(line.starts_with("no device has "), "{line}");
-}
-
-#[test]
-fn the_whole_bus_goes_to_another_bit_rate_and_stays_there() {
-    let (mut bench, drives) = Bench::with_drives(&[4, 5]);
-    let delay = Duration::from_ticks(100_000);
-    let told = bench
-        .told(|master, console| switch_bit_rate(master, BitRate::Kbit250, true, delay, console));
-    assert_eq!(told, "at 250 kbit/s 2 of 2 nodes answer\n");
-    for (drive, node_id) in [(0, 4), (1, 5)] {
-        bench.master.station_mut(drives[drive]).power_cycle();
-        // LSS stored the rate; the node-ID is that of its set-up.
-        bench
-            .master
-            .expect_boot_up(node_id, Duration::from_ticks(1_000_000))
-            .unwrap();
-    }
-}
-
-#[test]
-fn a_bus_without_devices_stays_at_its_bit_rate() {
-    let delay = Duration::from_ticks(100_000);
-    let (line, code) =
-        refusal(Bench::new().run(|master, console| {
-            switch_bit_rate(master, BitRate::Kbit250, true, delay, console)
-        }));
-    assert_eq!((line.as_str(), code), ("no device answers", 1));
 }
 
 #[test]
