@@ -357,7 +357,8 @@ impl Drive {
         match stop {
             Stop::PowerOff => self.power_off(),
             Stop::Ramp(ramp) if !self.motor.standstill() => {
-                self.motor.stop(self.deceleration(ramp));
+                // A fault in a quick stop, say, must not make that gentler.
+                self.motor.stop_no_gentler(self.deceleration(ramp));
             }
             Stop::Ramp(_) => {}
         }
@@ -385,9 +386,11 @@ impl Drive {
         Some(inputs.stall == Some(true) || behind.unsigned_abs() >= window)
     }
 
-    /// The limit switches, in every mode but homing: a motion into one is stopped on the quick stop ramp, and none begins.
-    fn mind_limits(&mut self) {
-        let barred = if self.modes.is_homing() {
+    /// The limit switches, always but while homing looks for one: a motion into one is stopped on the quick stop ramp, and none
+    /// begins. Returns bit 11 of the statusword.
+    fn mind_limits(&mut self) -> u16 {
+        let is_homing = self.machine.state() == State::OperationEnabled && self.modes.is_homing();
+        let barred = if is_homing {
             Barred::default()
         } else {
             self.switches.barred()
@@ -396,6 +399,11 @@ impl Drive {
             let deceleration = self.deceleration(StopRamp::QuickStop);
             self.motor.stop_at_limit(deceleration);
             self.modes.limit_met();
+        }
+        if barred == Barred::default() {
+            0
+        } else {
+            statusword::INTERNAL_LIMIT
         }
     }
 
@@ -418,9 +426,9 @@ impl Drive {
                     // The transition waits until the motor stands.
                     let deceleration = self.deceleration(ramp);
                     self.modes.interrupt(&mut self.motor, deceleration);
-                    return 0;
+                    return self.mind_limits();
                 }
-                self.mind_limits();
+                let limit = self.mind_limits();
                 let bits = self.modes.tick(&mut Context {
                     now,
                     mode: self.modes.active(),
@@ -436,16 +444,16 @@ impl Drive {
                     is_brake_open: self.brake.is_open(self.configuration.brake, now),
                     motor: &mut self.motor,
                 });
-                if self.motor.is_barred() {
-                    bits | statusword::INTERNAL_LIMIT
-                } else {
-                    bits
-                }
+                bits | limit
             }
-            State::QuickStopActive
-                if self.machine.quick_stop().stays() && self.motor.standstill() =>
-            {
-                statusword::TARGET_REACHED
+            State::QuickStopActive | State::FaultReactionActive => {
+                let stays = state == State::QuickStopActive && self.machine.quick_stop().stays();
+                let bits = if stays && self.motor.standstill() {
+                    statusword::TARGET_REACHED
+                } else {
+                    0
+                };
+                bits | self.mind_limits()
             }
             _ => 0,
         }

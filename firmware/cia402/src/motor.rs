@@ -1,6 +1,6 @@
 //! The axis as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
 
-use motion::{AdvanceError, Axis, AxisConfig, Demand, Direction, Limits, PulseSink};
+use motion::{AdvanceError, Axis, AxisConfig, Demand, Direction, Limits, PlanError, PulseSink};
 
 /// The directions that limit switches bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,8 +40,10 @@ pub(crate) struct Motor {
     /// The home position is known.
     referenced: bool,
     barred: Barred,
-    /// A limit switch is stopping the motor.
-    stopping_at_limit: bool,
+    /// The deceleration of the stop under way, in steps/s².
+    stopping: Option<u32>,
+    /// The deceleration with which a limit switch stops the motor, in steps/s², as long as it still moves into the switch.
+    stopping_at_limit: Option<u32>,
 }
 
 impl Motor {
@@ -56,7 +58,8 @@ impl Motor {
             shift: 0,
             referenced: false,
             barred: Barred::default(),
-            stopping_at_limit: false,
+            stopping: None,
+            stopping_at_limit: None,
         }
     }
 
@@ -95,26 +98,45 @@ impl Motor {
     pub(crate) fn meets_limit(&mut self, barred: Barred) -> bool {
         self.barred = barred;
         if barred == Barred::default() {
-            self.stopping_at_limit = false;
+            self.stopping_at_limit = None;
             return false;
         }
         let into = self
             .axis
             .heading()
             .is_some_and(|direction| barred.bars(direction));
-        self.stopping_at_limit &= into;
-        into && !self.stopping_at_limit
+        if !into {
+            self.stopping_at_limit = None;
+        }
+        into && self.stopping_at_limit.is_none()
     }
 
-    /// Slows down because of a limit switch. No gentler stop takes its place.
+    /// Slows down because of a limit switch. Nothing gentler takes its place: no other stop, and no motion away from the switch.
     pub(crate) fn stop_at_limit(&mut self, deceleration: u32) {
-        self.stop(deceleration);
-        self.stopping_at_limit = true;
+        self.stop_no_gentler(deceleration);
+        self.stopping_at_limit = self.stopping;
     }
 
-    /// Whether a limit switch is in the way to one side at least.
-    pub(crate) fn is_barred(&self) -> bool {
-        self.barred != Barred::default()
+    /// Slows down to a standstill, on the ramp of the stop that is under way if that is harder. No ramp is the hardest.
+    pub(crate) fn stop_no_gentler(&mut self, deceleration: u32) {
+        let least = self.stopping.filter(|_| deceleration > 0).unwrap_or(0);
+        self.stop(deceleration.max(least));
+    }
+
+    /// While a limit switch stops the motor, a motion away from it begins with no gentler ramp.
+    fn at_limit(&self, limits: Limits) -> Limits {
+        let least = self.stopping_at_limit.unwrap_or(0);
+        Limits {
+            deceleration: limits.deceleration.max(least),
+            ..limits
+        }
+    }
+
+    /// A motion takes the place of a stop, unless it is refused.
+    fn begun(&mut self, result: Result<(), PlanError>) -> Result<(), Refused> {
+        result.map_err(|_| Refused)?;
+        self.stopping = None;
+        Ok(())
     }
 
     /// Looks at the motor at the start of a tick. `position` is where it really is; the axis takes it over while the motor
@@ -162,7 +184,8 @@ impl Motor {
     /// Moves to a position, from whatever the motor does now. On an error nothing changes.
     pub(crate) fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), Refused> {
         self.is_free(target.saturating_sub(self.axis.committed_position()))?;
-        self.axis.move_to(target, limits).map_err(|_| Refused)
+        let result = self.axis.move_to(target, self.at_limit(limits));
+        self.begun(result)
     }
 
     /// Moves through a position with an end velocity in steps/s and keeps that. On an error nothing changes.
@@ -173,9 +196,9 @@ impl Motor {
         limits: Limits,
     ) -> Result<(), Refused> {
         self.is_free(target.saturating_sub(self.axis.committed_position()))?;
-        self.axis
-            .move_through(target, end_velocity, limits)
-            .map_err(|_| Refused)
+        let limits = self.at_limit(limits);
+        let result = self.axis.move_through(target, end_velocity, limits);
+        self.begun(result)
     }
 
     /// The position from which the next command begins, in steps.
@@ -186,7 +209,8 @@ impl Motor {
     /// Ramps to a velocity in steps/s and keeps it, from whatever the motor does now. On an error nothing changes.
     pub(crate) fn ramp_to(&mut self, velocity: i32, limits: Limits) -> Result<(), Refused> {
         self.is_free(velocity.into())?;
-        self.axis.ramp_to(velocity, limits).map_err(|_| Refused)
+        let result = self.axis.ramp_to(velocity, self.at_limit(limits));
+        self.begun(result)
     }
 
     /// Whether no limit switch bars a motion of this sign.
@@ -211,10 +235,10 @@ impl Motor {
     /// Slows down to a standstill. A deceleration that gives no ramp, such as 0, stops the pulses at once: a drive that is
     /// told to stop never goes on.
     pub(crate) fn stop(&mut self, deceleration: u32) {
-        if self.stopping_at_limit {
-            return;
-        }
-        if self.axis.stop(deceleration).is_err() {
+        let deceleration = deceleration.max(self.stopping_at_limit.unwrap_or(0));
+        if self.axis.stop(deceleration).is_ok() {
+            self.stopping = Some(deceleration);
+        } else {
             self.cut_off();
         }
     }
@@ -223,7 +247,8 @@ impl Motor {
     pub(crate) fn cut_off(&mut self) {
         // Without current a motor runs on, nobody knows where to.
         self.referenced &= self.standstill;
-        self.stopping_at_limit = false;
+        self.stopping = None;
+        self.stopping_at_limit = None;
         self.axis.abort();
         self.at_rest = true;
         self.cut = true;
@@ -239,6 +264,10 @@ impl Motor {
     pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) -> bool {
         let result = self.axis.advance(pulses);
         self.at_rest = self.axis.is_at_rest();
+        if self.at_rest {
+            self.stopping = None;
+            self.stopping_at_limit = None;
+        }
         result != Err(AdvanceError::Underrun)
     }
 }

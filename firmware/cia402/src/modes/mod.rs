@@ -207,7 +207,7 @@ impl Modes {
 
     /// Whether the mode at work looks for the home position, and minds the limit switches itself.
     pub(crate) const fn is_homing(&self) -> bool {
-        matches!(self.active, Mode::Homing) && self.homing.is_under_way()
+        matches!(self.active, Mode::Homing) && !self.interrupted && self.homing.is_under_way()
     }
 
     /// 2034h:2: why homing failed last.

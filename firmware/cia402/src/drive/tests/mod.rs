@@ -2,6 +2,7 @@
 
 mod brake;
 mod faults;
+mod limits;
 mod network;
 mod options;
 mod states;

@@ -1,0 +1,168 @@
+//! Limit switches that become active while the motor stops, or turns round, for another reason.
+
+use crate::configuration::VelocityConfiguration;
+use crate::inputs::InputConfiguration;
+use crate::modes::Mode;
+use crate::option_codes::{AbortConnectionOption, Stop};
+use crate::state_machine::State;
+use crate::testing::{Rig, quick_stop};
+
+/// Input 2 is the negative limit switch, 3 the positive one.
+const POSITIVE: u8 = 4;
+
+/// 30,000 steps/s, on 100,000 steps/s² 4,500 steps to rest and on 1,000,000 steps/s² 450; 90 are under way.
+const QUICK: i64 = 600;
+
+/// A drive that cruises at 30 steps a tick.
+fn cruising(mode: Mode) -> Rig {
+    let mut rig = Rig::new();
+    rig.configuration.inputs = InputConfiguration {
+        negative_limit: 2,
+        positive_limit: 4,
+        ..InputConfiguration::NONE
+    };
+    rig.configuration.velocity = VelocityConfiguration {
+        acceleration: 100_000,
+        deceleration: 100_000,
+        quick_stop: 1_000_000,
+        ..VelocityConfiguration::NONE
+    };
+    rig.commands.mode = mode.code();
+    rig.commands.profile_velocity = 30_000;
+    rig.enable();
+    go(&mut rig, mode, 1);
+    rig.ticks(400);
+    assert_eq!(rig.speed(), 30);
+    rig
+}
+
+fn go(rig: &mut Rig, mode: Mode, sign: i16) {
+    match mode {
+        Mode::Velocity => rig.commands.vl_target_velocity = 30_000 * sign,
+        _ => rig.commands.target_velocity = 30_000 * i32::from(sign),
+    }
+    if mode == Mode::ProfilePosition {
+        rig.set_point(1_000_000 * i32::from(sign), 0x20);
+    } else {
+        rig.write(0x7F);
+    }
+}
+
+/// How much farther the motor goes before it stands or turns round.
+fn overrun(rig: &mut Rig) -> i64 {
+    let begin = rig.motor.position;
+    while rig.speed() > 0 {}
+    rig.motor.position - begin
+}
+
+#[test]
+fn d31_a_command_away_from_a_limit_switch_makes_its_stop_no_gentler() {
+    for mode in [Mode::ProfilePosition, Mode::ProfileVelocity, Mode::Velocity] {
+        let mut rig = cruising(mode);
+        rig.digital.levels = POSITIVE;
+        rig.ticks(2);
+        go(&mut rig, mode, -1);
+        let way = overrun(&mut rig);
+        assert!(way < QUICK, "{mode:?}: {way} steps into the end stop");
+        rig.ticks(50);
+        assert!(rig.speed() < 0, "{mode:?}: the way back is free");
+    }
+}
+
+#[test]
+fn m54_a_limit_switch_hardens_every_stop_that_leaves_operation() {
+    type Leave = fn(&mut Rig);
+    let ways: [(&str, Leave); 6] = [
+        ("605Ch = 1", |rig| rig.write(0x07)),
+        ("605Bh = 1", |rig| rig.write(0x06)),
+        ("605Ah = 1", |rig| rig.write(0x02)),
+        ("605Ah = 5", |rig| {
+            rig.configuration.quick_stop = quick_stop(5);
+            rig.write(0x02);
+        }),
+        ("605Eh = 1", |rig| rig.fault = Some(0x4210)),
+        ("6007h = 1", |rig| {
+            rig.commands.remote = false;
+            rig.commands.connection_error = Some(0x8130);
+            rig.post();
+        }),
+    ];
+    for (what, leave) in ways {
+        let mut rig = cruising(Mode::ProfilePosition);
+        rig.configuration.quick_stop = quick_stop(1);
+        rig.configuration.shutdown = Stop::on_leaving(1).unwrap();
+        rig.configuration.fault_reaction = Stop::on_fault(1).unwrap();
+        rig.configuration.abort_connection = AbortConnectionOption::FaultSignal;
+        leave(&mut rig);
+        rig.tick();
+        assert!(rig.outputs.power_stage, "{what}");
+        rig.digital.levels = POSITIVE;
+        rig.tick();
+        assert!(rig.limited(), "{what}: bit 11");
+        let way = overrun(&mut rig);
+        assert!(way < QUICK, "{what}: {way} steps into the end stop");
+    }
+}
+
+#[test]
+fn a_limit_switch_makes_no_stop_gentler() {
+    let mut rig = cruising(Mode::ProfilePosition);
+    rig.configuration.quick_stop_deceleration = 100_000;
+    rig.commands.profile_deceleration = 1_000_000;
+    rig.write(0x07);
+    rig.tick();
+    rig.digital.levels = POSITIVE;
+    rig.tick();
+    let way = overrun(&mut rig);
+    assert!(way < QUICK, "{way} steps");
+}
+
+#[test]
+fn a_limit_switch_that_homing_looked_for_stops_it_once_it_is_left() {
+    let mut rig = cruising(Mode::ProfilePosition);
+    rig.configuration.homing.method = 18;
+    rig.configuration.homing.search_speed = 30_000;
+    rig.configuration.homing.zero_speed = 1_000;
+    rig.configuration.homing.acceleration = 100_000;
+    rig.write(0x10F);
+    rig.rest();
+    rig.commands.mode = Mode::Homing.code();
+    rig.write(0x0F);
+    rig.ticks(2);
+    rig.write(0x1F);
+    rig.ticks(400);
+    assert_eq!(rig.speed(), 30);
+    rig.write(0x07);
+    rig.tick();
+    rig.digital.levels = POSITIVE;
+    let way = overrun(&mut rig);
+    assert!(way < QUICK, "{way} steps");
+}
+
+#[test]
+fn m10_a_fault_makes_a_quick_stop_no_gentler() {
+    let mut rig = cruising(Mode::ProfilePosition);
+    rig.configuration.fault_reaction = Stop::on_fault(1).unwrap();
+    rig.configuration.quick_stop = quick_stop(2);
+    rig.write(0x02);
+    rig.tick();
+    rig.fault = Some(0x4210);
+    rig.tick();
+    assert_eq!(rig.state(), State::FaultReactionActive);
+    let way = overrun(&mut rig);
+    assert!(way < QUICK, "{way} steps");
+}
+
+#[test]
+fn a_halt_after_a_command_away_from_a_limit_switch_is_not_lost() {
+    let mut rig = cruising(Mode::ProfilePosition);
+    rig.digital.levels = POSITIVE;
+    rig.ticks(2);
+    go(&mut rig, Mode::ProfilePosition, -1);
+    rig.ticks(2);
+    rig.write(0x13F);
+    let way = overrun(&mut rig);
+    assert!(way < QUICK, "{way} steps");
+    rig.ticks(50);
+    assert_eq!(rig.speed(), 0, "it is halted");
+}
