@@ -80,7 +80,7 @@ pub struct Homing {
 }
 
 impl Homing {
-    /// Begins with the motor at rest. Nothing moves before the first tick.
+    /// Begins. Nothing is ordered before the motor is at rest; what it passes until then does not count.
     ///
     /// # Errors
     /// [`Failure::NotFitted`] if the method needs what is not there.
@@ -147,14 +147,30 @@ impl Homing {
     fn step(&mut self, seen: &Seen) -> Result<Outcome, Failure> {
         let passed = self.watch(seen)?;
         let was_halted = core::mem::replace(&mut self.halted, seen.halt);
-        if self.halted && !was_halted {
-            return Ok(Outcome::UnderWay(Order::Stop));
-        }
-        if was_halted && !self.halted {
-            return Ok(Outcome::UnderWay(self.resume()));
-        }
         // What a halt brings to rest has not arrived.
-        let arrived = seen.standstill && !self.halted;
+        let arrived = seen.standstill && !self.halted && !was_halted;
+        let order = match self.go_on(seen, passed, arrived)? {
+            Outcome::UnderWay(order) => order,
+            end => return Ok(end),
+        };
+        // What is seen in a halt counts, but nothing begins to move: what was ordered is ordered again after it.
+        Ok(Outcome::UnderWay(match (was_halted, self.halted, order) {
+            (_, _, Order::CutOff) => Order::CutOff,
+            (false, true, _) => Order::Stop,
+            (true, true, Order::Run(..) | Order::Go(_)) => Order::GoOn,
+            (true, false, Order::GoOn) => self.resume(),
+            _ => order,
+        }))
+    }
+
+    /// What the phase makes of what is seen. `passed` is the edge passed in this tick; `arrived` says that the motor has come to
+    /// rest where it was to.
+    fn go_on(
+        &mut self,
+        seen: &Seen,
+        passed: Option<(i32, bool)>,
+        arrived: bool,
+    ) -> Result<Outcome, Failure> {
         let order = match self.phase {
             Phase::Choosing if arrived => return self.choose(seen),
             Phase::Approaching => self.approach(seen)?,
@@ -232,6 +248,10 @@ impl Homing {
     }
 
     fn choose_run(&mut self, seen: &Seen, approach: &Approach) -> Result<Order, Failure> {
+        if self.runs == 0 {
+            // Passed before the first run, in who knows which direction.
+            self.passed = None;
+        }
         let Some(mut direction) = self.heading(approach) else {
             let direction = approach.last();
             self.free_way(seen, direction)?;

@@ -2,6 +2,7 @@
 
 mod axis;
 mod bounds;
+mod interruptions;
 mod results;
 mod starts;
 
