@@ -109,8 +109,10 @@ fn our_own_data_sheets_are_in_canonical_form() {
         let output = od_gen(&["fmt", "--check", &format!("../eds/{name}.eds")]);
         assert!(output.status.success(), "{name}: {output:?}");
     }
-    let output = od_gen(&["fmt", "--check", "../tests/eds/test-device.eds"]);
-    assert!(output.status.success(), "{output:?}");
+    for name in ["test-device", "multiplexed-device"] {
+        let output = od_gen(&["fmt", "--check", &format!("../tests/eds/{name}.eds")]);
+        assert!(output.status.success(), "{name}: {output:?}");
+    }
 }
 
 #[test]

@@ -18,6 +18,7 @@ mod lss_nmt_states;
 mod lss_power_cuts;
 mod model;
 mod modes;
+mod mpdo;
 mod nmt;
 mod nmt_startup;
 mod option_codes;

@@ -17,6 +17,7 @@ pub mod drive;
 pub mod firmware;
 pub mod late;
 pub mod line;
+pub mod multiplexed_node;
 pub mod notation;
 pub mod plain_node;
 pub mod plugged;
@@ -30,4 +31,9 @@ pub use plain_node::Bench;
 /// The dictionary of `eds/test-device.eds`.
 pub mod test_device {
     include!(concat!(env!("OUT_DIR"), "/test_device.rs"));
+}
+
+/// The dictionary of `eds/multiplexed-device.eds`.
+pub mod multiplexed_device {
+    include!(concat!(env!("OUT_DIR"), "/multiplexed_device.rs"));
 }
