@@ -154,24 +154,30 @@ class Bus:
         return True
 
     def change_bit_rate(self, addresses, bitrate, delay=0.5):
-        """Lets these drives store a bit rate, one after the other; then they switch to it together after `delay` seconds of
-        silence, stay silent as long again, and the master goes with them. False if the master's rate is not its own to change:
-        then the drives use the new one from the next power-on."""
+        """Tells these drives a bit rate, one after the other; then they switch to it together after `delay` seconds of silence, stay
+        silent as long again, and the master goes with them. They store it when all of them are there again. False if the master's
+        rate is not its own to change: then the drives store at once, and use the new one from the next power-on."""
         for address in addresses:
             self.select(address)
             self.lss.configure_bit_timing(BIT_RATES[bitrate])
+            self.lss.send_switch_state_global(self.lss.WAITING_STATE)
+        moves = self.interface != "socketcan"
+        if moves:
+            self.lss.send_switch_state_global(self.lss.CONFIGURATION_STATE)
+            self.lss.activate_bit_timing(round(delay * 1000))
+            self.network.disconnect()
+            time.sleep(delay)
+            self.connect(bitrate)
+            time.sleep(delay + 0.1)
+            self.lss.send_switch_state_global(self.lss.WAITING_STATE)
+            for address in addresses:
+                self.select(address)
+                self.lss.send_switch_state_global(self.lss.WAITING_STATE)
+        for address in addresses:
+            self.select(address)
             self.lss.store_configuration()
             self.lss.send_switch_state_global(self.lss.WAITING_STATE)
-        if self.interface == "socketcan":
-            return False
-        self.lss.send_switch_state_global(self.lss.CONFIGURATION_STATE)
-        self.lss.activate_bit_timing(round(delay * 1000))
-        self.network.disconnect()
-        time.sleep(delay)
-        self.connect(bitrate)
-        time.sleep(delay + 0.1)
-        self.lss.send_switch_state_global(self.lss.WAITING_STATE)
-        return True
+        return moves
 
     def describe(self, node_id):
         """Who the node says it is."""
