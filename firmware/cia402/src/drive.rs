@@ -398,7 +398,7 @@ impl Drive {
         if self.motor.meets_limit(barred) {
             let deceleration = self.deceleration(StopRamp::QuickStop);
             self.motor.stop_at_limit(deceleration);
-            self.modes.limit_met();
+            self.modes.limit_met(&self.motor);
         }
         if barred == Barred::default() {
             0

@@ -214,7 +214,7 @@ impl Motor {
     }
 
     /// Whether no limit switch bars a motion of this sign.
-    fn is_free(&self, way: i64) -> Result<(), Refused> {
+    pub(crate) fn is_free(&self, way: i64) -> Result<(), Refused> {
         if way > 0 && self.barred.forward || way < 0 && self.barred.reverse {
             Err(Refused)
         } else {

@@ -5,6 +5,7 @@
 //!   falls, and a change of sign passes through standstill.
 //! - With a limit ahead the motion is a move to the limit at this velocity, so it slows down in time and ends on the limit exactly.
 //!   Motion away from a limit is always free, also from beyond it.
+//! - A limit switch ends the motion into it for good: it takes another velocity to move again, even once the switch is released.
 
 use motion::Limits;
 
@@ -33,6 +34,8 @@ enum Course {
     ToLimit,
     /// It cannot be carried out for now: the motor stands, or comes to rest.
     Barred,
+    /// A limit switch has ended it, or kept it from beginning.
+    AtSwitch,
 }
 
 /// The motion.
@@ -55,9 +58,25 @@ impl KeptVelocity {
         *self = Self::new();
     }
 
-    /// Carries out an order. Nothing is planned while it stays the same; what is barred is tried again.
+    /// A limit switch is stopping the motor. A motion away from it goes on.
+    pub(super) fn limit_met(&mut self, motor: &Motor) {
+        let is_into = |order: Order| motor.is_free(order.velocity.into()).is_err();
+        if self.order.is_some_and(is_into) {
+            self.course = Course::AtSwitch;
+        } else {
+            self.forget();
+        }
+    }
+
+    /// Carries out an order. Nothing is planned while it stays the same; what software limits bar is tried again, what a limit
+    /// switch has ended is not, unless another velocity is asked for.
     pub(super) fn follow(&mut self, order: Order, motor: &mut Motor) {
-        if self.order != Some(order) || self.course == Course::Barred {
+        let is_new = if self.course == Course::AtSwitch {
+            self.order.map(|order| order.velocity) != Some(order.velocity)
+        } else {
+            self.order != Some(order) || self.course == Course::Barred
+        };
+        if is_new {
             self.order = Some(order);
             self.course = begin(order, motor);
         }
@@ -68,7 +87,7 @@ impl KeptVelocity {
         match self.course {
             Course::None | Course::Free => false,
             Course::ToLimit => motor.is_ending(),
-            Course::Barred => true,
+            Course::Barred | Course::AtSwitch => true,
         }
     }
 }
@@ -82,6 +101,10 @@ fn begin(order: Order, motor: &mut Motor) -> Course {
     if velocity == 0 {
         stop(motor, limits.deceleration);
         return Course::Free;
+    }
+    if motor.is_free(velocity.into()).is_err() {
+        stop(motor, limits.deceleration);
+        return Course::AtSwitch;
     }
     let end = if velocity > 0 { high } else { low };
     let result = if Context::NO_TRAVEL.0 < end && end < Context::NO_TRAVEL.1 {

@@ -216,9 +216,12 @@ impl Modes {
     }
 
     /// A limit switch is stopping the motor: what the mode was after is not reached.
-    pub(crate) fn limit_met(&mut self) {
-        if self.active == Mode::ProfilePosition {
-            self.profile_position.limit_met();
+    pub(crate) fn limit_met(&mut self, motor: &Motor) {
+        match self.active {
+            Mode::NoMode | Mode::Homing => {}
+            Mode::ProfilePosition => self.profile_position.limit_met(),
+            Mode::Velocity => self.velocity.limit_met(motor),
+            Mode::ProfileVelocity => self.profile_velocity.limit_met(motor),
         }
     }
 

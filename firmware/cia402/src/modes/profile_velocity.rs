@@ -16,6 +16,7 @@ use motion::Limits;
 use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::dwell::Dwell;
+use crate::motor::Motor;
 use crate::statusword::{INTERNAL_LIMIT, SLIPPAGE, SPEED_ZERO, TARGET_REACHED};
 
 /// The mode.
@@ -40,6 +41,11 @@ impl ProfileVelocity {
     /// The mode begins, whatever the motor does.
     pub(super) const fn enter(&mut self) {
         *self = Self::new();
+    }
+
+    /// A limit switch is stopping the motor.
+    pub(super) fn limit_met(&mut self, motor: &Motor) {
+        self.motion.limit_met(motor);
     }
 
     /// One control tick; returns statusword bits 10 to 13.

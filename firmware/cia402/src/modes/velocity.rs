@@ -15,6 +15,7 @@ use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::configuration::VelocityConfiguration;
 use crate::controlword::{ENABLE_RAMP, REFERENCE_RAMP, UNLOCK_RAMP};
+use crate::motor::Motor;
 use crate::statusword::{INTERNAL_LIMIT, TARGET_REACHED};
 
 /// Who decides on the velocity.
@@ -54,6 +55,11 @@ impl Velocity {
     /// The mode begins, whatever the motor does.
     pub(super) const fn enter(&mut self) {
         *self = Self::new();
+    }
+
+    /// A limit switch is stopping the motor.
+    pub(super) fn limit_met(&mut self, motor: &Motor) {
+        self.motion.limit_met(motor);
     }
 
     /// One control tick; returns statusword bits 10 and 11.

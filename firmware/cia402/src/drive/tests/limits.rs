@@ -166,3 +166,54 @@ fn a_halt_after_a_command_away_from_a_limit_switch_is_not_lost() {
     rig.ticks(50);
     assert_eq!(rig.speed(), 0, "it is halted");
 }
+
+fn keep(rig: &mut Rig, mode: Mode, velocity: i16) {
+    match mode {
+        Mode::Velocity => rig.commands.vl_target_velocity = velocity,
+        _ => rig.commands.target_velocity = velocity.into(),
+    }
+    rig.post();
+}
+
+#[test]
+fn a_velocity_that_a_limit_switch_ended_is_not_taken_up_by_itself() {
+    for mode in [Mode::ProfileVelocity, Mode::Velocity] {
+        let mut rig = cruising(mode);
+        rig.digital.levels = POSITIVE;
+        rig.ticks(200);
+        assert!(rig.limited(), "{mode:?}");
+        // The switch is released by hand.
+        rig.digital.levels = 0;
+        rig.ticks(50);
+        assert!(rig.speed() == 0 && rig.limited(), "{mode:?}");
+        rig.commands.profile_acceleration = 200_000;
+        rig.configuration.velocity.acceleration = 200_000;
+        rig.post();
+        rig.ticks(50);
+        assert!(rig.speed() == 0 && rig.limited(), "{mode:?}: a ramp");
+        rig.digital.levels = POSITIVE;
+        rig.tick();
+        keep(&mut rig, mode, 4_000);
+        rig.ticks(50);
+        rig.digital.levels = 0;
+        rig.ticks(50);
+        assert!(rig.speed() == 0 && rig.limited(), "{mode:?}: too early");
+        keep(&mut rig, mode, 5_000);
+        rig.ticks(100);
+        assert!(rig.speed() == 5 && !rig.limited(), "{mode:?}");
+    }
+}
+
+#[test]
+fn a_limit_switch_met_while_turning_round_does_not_end_the_way_back() {
+    for mode in [Mode::ProfileVelocity, Mode::Velocity] {
+        let mut rig = cruising(mode);
+        go(&mut rig, mode, -1);
+        rig.ticks(20);
+        rig.digital.levels = POSITIVE;
+        let way = overrun(&mut rig);
+        assert!(way < QUICK, "{mode:?}: {way} steps");
+        rig.ticks(50);
+        assert!(rig.speed() < 0, "{mode:?}");
+    }
+}
