@@ -126,14 +126,14 @@ impl Context<'_> {
     /// Stops on the ramp of 605Dh.
     pub(crate) fn halt(&mut self) {
         if !self.motor.standstill() {
-            let deceleration = ramp_in(
-                self.mode,
-                self.configuration.halt,
-                self.commands,
-                self.configuration,
-            );
+            let deceleration = self.deceleration(self.configuration.halt);
             self.motor.stop(deceleration);
         }
+    }
+
+    /// The deceleration of a ramp in the mode at work, in steps/s². 60C6h caps it.
+    pub(crate) fn deceleration(&self, ramp: StopRamp) -> u32 {
+        ramp_in(self.mode, ramp, self.commands, self.configuration)
     }
 
     /// The fastest the motor may go, in steps/s.

@@ -3,6 +3,7 @@
 //! - 6042h counts at once. Its amount is raised to 6046h:1 and cut to 6046h:2 (bit 11); 0 stays 0. Multiplied by 604Ch:1 and
 //!   divided by 604Ch:2 it is a number of steps/s, and so are 6043h, 6044h, 6046h and the speeds of 6048h to 604Ah.
 //! - 6048h, 6049h and 604Ah are a speed and the seconds for it: the ramps to speed up, to slow down, and of a quick stop.
+//!   60C5h and 60C6h cap them.
 //! - Controlword bit 4, enable ramp: 0 stops the motor on the quick stop ramp. Bit 5, unlock ramp: 0 holds the velocity where it is.
 //!   Bit 6, reference ramp: 0 takes 0 for 6042h. All three are 1 in normal operation.
 //! - Halt (bit 8) stops on the ramp of 605Dh, which here means 6049h or 604Ah. Software limits hold as in profile velocity.
@@ -16,6 +17,7 @@ use super::kept_velocity::{KeptVelocity, Order};
 use crate::configuration::VelocityConfiguration;
 use crate::controlword::{ENABLE_RAMP, REFERENCE_RAMP, UNLOCK_RAMP};
 use crate::motor::Motor;
+use crate::option_codes::StopRamp;
 use crate::statusword::{INTERNAL_LIMIT, TARGET_REACHED};
 
 /// Who decides on the velocity.
@@ -80,19 +82,18 @@ impl Velocity {
             Control::Locked(velocity) => velocity,
             Control::Reference => self.asked,
         };
-        let top = context.max_velocity();
-        let amount = velocity.unsigned_abs().min(top);
+        let (limits, is_cut) = context.within(Limits {
+            velocity: velocity.unsigned_abs(),
+            acceleration: profile.acceleration,
+            deceleration: profile.deceleration,
+        });
         let order = Order {
-            velocity: super::profile_velocity::signed(amount, velocity),
-            limits: Limits {
-                velocity: amount,
-                acceleration: profile.acceleration,
-                deceleration: profile.deceleration,
-            },
+            velocity: super::profile_velocity::signed(limits.velocity, velocity),
+            limits,
             travel: context.travel,
         };
         self.motion.follow(order, context.motor);
-        let is_cut = self.is_cut || amount != velocity.unsigned_abs();
+        let is_cut = self.is_cut || is_cut;
         self.bits(context, context.demand.velocity == self.asked, is_cut)
     }
 
@@ -138,9 +139,8 @@ impl Velocity {
         if self.control == Control::Halt {
             context.halt();
         } else if !context.motor.standstill() {
-            context
-                .motor
-                .stop(context.configuration.velocity.quick_stop);
+            let deceleration = context.deceleration(StopRamp::QuickStop);
+            context.motor.stop(deceleration);
         }
     }
 

@@ -169,3 +169,22 @@ fn the_last_controlword_between_two_ticks_counts() {
     rig.ticks(50);
     assert_eq!(rig.speed(), 0, "bits 5 and 6 are 0");
 }
+
+#[test]
+fn m39_the_greatest_ramps_hold_here_too() {
+    let mut rig = enabled();
+    rig.configuration.max_acceleration = 50_000;
+    rig.configuration.max_deceleration = 25_000;
+    run(&mut rig, 10_000);
+    let speeding = ticks_to(&mut rig, 10_000);
+    assert!((198..=204).contains(&speeding), "60C5h: {speeding}");
+    assert!(rig.limited());
+    run(&mut rig, 0);
+    let slowing = ticks_to(&mut rig, 0);
+    assert!((398..=404).contains(&slowing), "60C6h: {slowing}");
+    run(&mut rig, 10_000);
+    ticks_to(&mut rig, 10_000);
+    rig.write(RUN & !0x10);
+    let stopping = ticks_to(&mut rig, 0);
+    assert!((398..=404).contains(&stopping), "60C6h: {stopping}");
+}
