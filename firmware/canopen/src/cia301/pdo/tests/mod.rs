@@ -4,6 +4,7 @@ mod configuration;
 mod deadlines;
 mod device;
 mod multiplexed;
+mod multiplexed_properties;
 pub(crate) mod objects;
 mod properties;
 mod receiving;
