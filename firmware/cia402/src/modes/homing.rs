@@ -3,8 +3,8 @@
 //! A rising edge of controlword bit 4 begins with method 6098h, speeds 6099h, acceleration 609Ah, home offset 607Ch and the readings
 //! 2030h as they are at that moment; a later write counts for the next time. How the methods go is in [`motion::homing`].
 //! - Afterwards 6064h is 607Ch at the home position; the motor has stopped a little behind it.
-//! - Bit 4 that falls interrupts: the motor slows down with 609Ah, and what was known of the home position before is still
-//!   known. So it is after a failure.
+//! - Bit 4 that falls interrupts: the motor slows down with 609Ah, at most 60C6h, and what was known of the home position before
+//!   is still known. So it is after a failure. On the way back to the home position that is already known anew.
 //! - Halt (bit 8) slows down with 609Ah; releasing it goes on.
 //! - Edges count while the mode is at work only, as in profile position. Nothing begins without operation enabled.
 //! - A method that is not supported, or needs a switch that no input is for, fails at once and moves nothing. 2034h:2 tells why
@@ -25,12 +25,12 @@ use super::Context;
 use crate::configuration::HomingConfiguration;
 use crate::controlword::NEW_SET_POINT;
 use crate::inputs::InputConfiguration;
-use crate::motor::{Motor, Refused};
+use crate::motor::Refused;
 use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
 
 /// 2034h:2 while homing has not failed.
 const NO_FAILURE: u8 = 0;
-/// 2034h:2: 6098h is no method, or a speed or the acceleration is 0.
+/// 2034h:2: 6098h is no method, a speed or the acceleration is 0, or a move would cross the end of the 32-bit count.
 const NO_METHOD: u8 = 7;
 
 /// 2034h:2.
@@ -60,6 +60,30 @@ enum Progress {
 struct Search {
     engine: engine::Homing,
     configuration: HomingConfiguration,
+    /// What the master's count has beyond the engine's, modulo 2³²: home has its name before the motor drives back to it, while
+    /// the engine goes on in the count in which it found home.
+    shift: i32,
+}
+
+impl Search {
+    /// What the engine is told.
+    fn seen(&self, context: &Context<'_>) -> Seen {
+        let seen = seen(context);
+        Seen {
+            position: seen.position.wrapping_sub(self.shift),
+            ..seen
+        }
+    }
+
+    /// From now on the engine's position `home` has its name.
+    fn set_home(&mut self, context: &mut Context<'_>, home: i32) {
+        let name = self.configuration.position_at_home();
+        let known_as = home.wrapping_add(self.shift);
+        context.motor.set_home(context.position, known_as, name);
+        let change = name.wrapping_sub(known_as);
+        context.position = context.position.wrapping_add(change.into());
+        self.shift = self.shift.wrapping_add(change);
+    }
 }
 
 /// The mode.
@@ -107,7 +131,7 @@ impl Homing {
             if is_asked {
                 self.go_on(context);
             } else {
-                self.interrupt(context.motor);
+                self.interrupt(context);
             }
         } else if edge {
             self.begin(context);
@@ -135,6 +159,7 @@ impl Homing {
                 self.progress = Progress::UnderWay(Search {
                     engine,
                     configuration,
+                    shift: 0,
                 });
             }
             Err(failure) => self.fail(code(failure)),
@@ -145,33 +170,33 @@ impl Homing {
         let Progress::UnderWay(search) = &mut self.progress else {
             return;
         };
-        let configuration = search.configuration;
-        match search.engine.tick(&seen(context)) {
+        match search.engine.tick(&search.seen(context)) {
             Outcome::UnderWay(order) => {
-                if carry_out(order, &configuration, context).is_err() {
-                    self.interrupt(context.motor);
+                if carry_out(order, search, context).is_err() {
+                    self.interrupt(context);
                     self.fail(NO_METHOD);
                 }
             }
             Outcome::Attained(home) => {
-                context
-                    .motor
-                    .set_home(context.position, home, configuration.position_at_home());
+                search.set_home(context, home);
                 self.progress = Progress::Attained;
             }
             Outcome::Failed(failure) => {
-                self.interrupt(context.motor);
+                self.interrupt(context);
                 self.fail(code(failure));
             }
         }
     }
 
     /// Gives up what is under way.
-    fn interrupt(&mut self, motor: &mut Motor) {
+    fn interrupt(&mut self, context: &mut Context<'_>) {
         if let Progress::UnderWay(search) = &self.progress
-            && !motor.standstill()
+            && !context.motor.standstill()
         {
-            motor.stop(search.configuration.acceleration);
+            let most = context.configuration.max_deceleration;
+            context
+                .motor
+                .stop(search.configuration.acceleration.min(most));
         }
         self.progress = Progress::Idle;
     }
@@ -197,7 +222,7 @@ impl Homing {
     }
 }
 
-/// What the engine is told.
+/// What is seen, in the master's count.
 fn seen(context: &Context<'_>) -> Seen {
     Seen {
         elapsed: context.elapsed,
@@ -223,18 +248,14 @@ const fn fitted(inputs: &InputConfiguration, block: bool) -> Fitted {
 }
 
 /// What the engine wants.
-fn carry_out(
-    order: Order,
-    configuration: &HomingConfiguration,
-    context: &mut Context<'_>,
-) -> Result<(), Refused> {
+fn carry_out(order: Order, search: &mut Search, context: &mut Context<'_>) -> Result<(), Refused> {
+    let configuration = search.configuration;
     let max_velocity = context.max_velocity();
     let limits = |velocity: u32| Limits {
         velocity: velocity.min(max_velocity),
         acceleration: (configuration.acceleration).min(context.configuration.max_acceleration),
         deceleration: (configuration.acceleration).min(context.configuration.max_deceleration),
     };
-    let motor = &mut *context.motor;
     match order {
         Order::GoOn => {}
         Order::Run(direction, speed) => {
@@ -243,7 +264,7 @@ fn carry_out(
                 Speed::Zero => configuration.zero_speed,
             };
             let velocity = i32::try_from(speed).unwrap_or(i32::MAX);
-            return motor.ramp_to(
+            return context.motor.ramp_to(
                 match direction {
                     Direction::Forward => velocity,
                     Direction::Reverse => velocity.wrapping_neg(),
@@ -252,12 +273,22 @@ fn carry_out(
             );
         }
         Order::Stop => {
-            if !motor.standstill() {
-                motor.stop(limits(0).deceleration);
+            if !context.motor.standstill() {
+                context.motor.stop(limits(0).deceleration);
             }
         }
-        Order::Go(target) => return motor.move_to(target.into(), limits(configuration.zero_speed)),
-        Order::CutOff => motor.cut_off(),
+        Order::Go(target) | Order::Return(target) => {
+            let limits = limits(configuration.zero_speed);
+            if let Order::Return(home) = order {
+                search.set_home(context, home);
+            }
+            // The short way, or none: the axis does not go to a position beyond the end of the count.
+            let from = context.position as i32;
+            let way = target.wrapping_add(search.shift).wrapping_sub(from);
+            let target = i64::from(from).saturating_add(way.into());
+            return context.motor.move_to(target, limits);
+        }
+        Order::CutOff => context.motor.cut_off(),
     }
     Ok(())
 }

@@ -190,7 +190,7 @@ impl Homing {
             }
             Phase::Finishing if arrived && self.settings.returns && seen.position != self.home => {
                 self.phase = Phase::Returning;
-                Order::Go(self.home)
+                Order::Return(self.home)
             }
             Phase::Finishing | Phase::Returning if arrived => {
                 return Ok(Outcome::Attained(self.home));

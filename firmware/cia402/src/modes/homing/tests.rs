@@ -356,3 +356,56 @@ fn m56_both_limit_switches_are_a_fault_and_nothing_moves() {
     rig.ticks(2);
     assert_eq!(rig.state(), State::SwitchOnDisabled);
 }
+
+#[test]
+fn m48_an_interrupted_homing_slows_down_no_faster_than_allowed() {
+    let mut rig = homing(19);
+    rig.configuration.max_deceleration = 20_000;
+    rig.post();
+    rig.write(START);
+    rig.ticks(200);
+    let begin = rig.motor.position;
+    rig.write(0x0F);
+    let way = rig.rest() - begin;
+    // 10,000 steps/s on 20,000 steps/s², not on 200,000.
+    assert!((2_500..2_600).contains(&way), "{way}");
+}
+
+/// Homing that drives back, with the end of the 32-bit count at position 490, 10 steps before the switch.
+fn across_the_count(offset: i32) -> Rig {
+    let mut rig = homing(37);
+    rig.configuration.homing.offset = i32::MAX - 490;
+    rig.post();
+    rig.write(START);
+    rig.ticks(3);
+    rig.write(0x0F);
+    rig.configuration.homing.method = 19;
+    rig.configuration.homing.acceleration = 20_000;
+    rig.configuration.homing.settings.returns = true;
+    rig.configuration.homing.offset = offset;
+    rig.post();
+    rig.write(START);
+    rig
+}
+
+#[test]
+fn the_way_back_home_is_the_short_one_across_the_end_of_the_count() {
+    let mut rig = across_the_count(250);
+    until(&mut rig, 500, |rig| {
+        rig.has(HOMING_ATTAINED) || rig.has(HOMING_ERROR)
+    });
+    assert_eq!(bits(&rig), (false, true, true));
+    assert_eq!(rig.actuals().position_actual, 250);
+    assert!((498..=500).contains(&rig.motor.position));
+}
+
+#[test]
+fn a_way_back_that_the_count_cannot_go_is_an_error() {
+    // Behind home the count has begun anew.
+    let mut rig = across_the_count(i32::MIN);
+    until(&mut rig, 500, |rig| rig.has(HOMING_ERROR));
+    rig.ticks(100);
+    assert_eq!(bits(&rig), (true, false, true));
+    assert_eq!(rig.actuals().homing_failure, 7);
+    assert!((470..500).contains(&rig.motor.position));
+}

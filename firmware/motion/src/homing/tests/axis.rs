@@ -178,7 +178,9 @@ impl Bench {
             Order::GoOn => self.goal,
             Order::Run(direction, at) => Goal::Velocity(speed(at) * i64::from(direction.sign())),
             Order::Stop => Goal::Velocity(0),
-            Order::Go(target) => Goal::Position(target.into(), speed(Speed::Zero)),
+            Order::Go(target) | Order::Return(target) => {
+                Goal::Position(target.into(), speed(Speed::Zero))
+            }
             Order::CutOff => {
                 self.velocity = 0;
                 Goal::Velocity(0)
