@@ -1,5 +1,6 @@
 //! Each kind of fault of the drive as candump shows it, from operation enabled on: its emergency message, the statusword, its reset.
 
+use sim::plant::{Axis, STEP_CLOCK_HZ, Switch, Track};
 use tests::drive::DriveBench;
 
 /// The fault comes and goes, and a rising edge of controlword bit 7 resets it.
@@ -42,4 +43,46 @@ fn a_supply_that_is_lost() {
 #[test]
 fn a_fault_whose_cause_stands_returns() {
     insta::assert_snapshot!(trace_of(|drive| drive.set_fault(Some(0x2310)), |_| {}));
+}
+
+/// A warning changes no state, so there is nothing to reset: it is gone when the motor stands again.
+#[test]
+fn pulses_that_come_too_late() {
+    let mut drive = DriveBench::enabled(4);
+    drive.run_millis(20);
+    drive.begin_move(100);
+    // The step clock runs on for 3 ms in which no tick comes: what was handed out is played, and nothing is left.
+    let late = 3 * STEP_CLOCK_HZ / 1_000;
+    drive
+        .axis()
+        .plant_mut()
+        .pulses_mut()
+        .play(late.into(), |_, _| {});
+    drive.reaches_target(500);
+    assert_eq!(drive.position(), 100, "no pulse is lost");
+    insta::assert_snapshot!(drive.candump());
+}
+
+#[test]
+fn a_motor_that_is_not_where_its_pulses_lead() {
+    insta::assert_snapshot!(trace_of(
+        |drive| drive.axis().plant_mut().displace(-1),
+        |_| {}
+    ));
+}
+
+#[test]
+fn both_limit_switches_at_once() {
+    let between = |negative, positive| Axis {
+        track: Track {
+            negative_limit: Some(Switch::up_to(negative)),
+            positive_limit: Some(Switch::from(positive)),
+            ..Track::default()
+        },
+        ..Axis::default()
+    };
+    insta::assert_snapshot!(trace_of(
+        |drive| drive.axis().plant_mut().mount(&between(10, -10)),
+        |drive| drive.axis().plant_mut().mount(&between(-1_000, 1_000))
+    ));
 }
