@@ -84,7 +84,7 @@ pub fn fetch<L: Line>(
 /// Writes bytes as they are, as [`fetch`] reads them.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn put<L: Line>(
     master: &mut Master<L>,
     node: &Node,
