@@ -251,7 +251,12 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
         let Some(detection) = &mut self.detection else {
             return NEVER;
         };
-        let deadline = detection.poll(now);
+        let mut deadline = detection.poll(now);
+        if detection.is_over() {
+            // This controller leaves at once: on this bus frames take no time.
+            detection.left(now);
+            deadline = detection.poll(now);
+        }
         self.bit_rate = detection.bit_rate();
         if detection.found().is_some() {
             self.detection = None;
@@ -380,7 +385,7 @@ where
     fn error_seen(&mut self, now: Instant) {
         self.run_until(now);
         if let Some(detection) = &mut self.detection {
-            detection.error_seen(now);
+            detection.error_seen();
             self.serve_detection(now);
         }
     }

@@ -11,6 +11,8 @@
 //! - Settings and parameters are stored only while the drive is safe, as writing to flash stops the processor. A master that
 //!   does not switch the drive off gets an error, in time. Commands come from this task too, so none can switch the drive on
 //!   while flash is written. One run writes one chunk, or the settings.
+//! - A bit rate is looked for with the frames and errors of that bit rate alone: what was received before the controller has left
+//!   another one never counts for it.
 //! - The bit rate changes at the moment the device said, not earlier, and after the frame that is on the bus then; one this board cannot make was refused before.
 
 use canopen::cia301::nmt::NmtState;
@@ -150,19 +152,23 @@ impl Node {
             return;
         };
         if bus.lock(|bus| bus.error_seen()) {
-            detection.error_seen(now);
+            detection.error_seen();
         }
         detection.poll(now);
-        let bit_rate = detection.bit_rate();
-        let found = detection.found().is_some();
-        if !found && bit_rate == self.bit_rate {
+        if !detection.is_over() {
             return;
         }
         // A frame on the bus may take a while; it is asked again after the next control tick.
         if !bus.lock(|bus| bus.leave()) {
             return;
         }
-        if found {
+        // What came until then came at this bit rate. The device never saw them on the bus, so they are not for it.
+        while self.received.dequeue().is_some() {
+            detection.frame_received();
+        }
+        detection.left(now);
+        let bit_rate = detection.bit_rate();
+        if detection.found().is_some() {
             defmt::info!("found {=u32} kbit/s", bit_rate.kbit_per_second());
             self.detection = None;
             bus.lock(|bus| self.start(bit_rate, bus));
@@ -300,6 +306,10 @@ impl Node {
                 return;
             }
             self.switch = None;
+            if timing == BitTiming::Automatic {
+                // What came at the old bit rate says nothing about the one to be found.
+                while self.received.dequeue().is_some() {}
+            }
             bus.lock(|bus| match timing {
                 BitTiming::Fixed(bit_rate) => {
                     self.detection = None;

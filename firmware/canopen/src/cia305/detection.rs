@@ -11,8 +11,12 @@
 //!   [`PATIENCE`], which is longer than a second: a heartbeat a second is enough to be found.
 //! - Nothing is sent before a bit rate is found. The frame that shows it is not acknowledged and not served.
 //!
-//! The device is a value, as always: the firmware sets its controller to [`Detection::bit_rate`] in silent mode and tells what it
-//! sees.
+//! - A controller leaves a bit rate no sooner than the frame ends that is on the bus. What it receives until then speaks for the old
+//!   bit rate: a whole frame shows that it was right, such as the second attempt at one that was disturbed; an error says nothing new.
+//!
+//! The search is a value, as always: the firmware sets its controller to [`Detection::bit_rate`] in silent mode and tells what it
+//! sees. When [`Detection::is_over`] it takes the controller off the bus, tells of the frames that came before, and then, with
+//! [`Detection::left`], that it is done.
 
 use crate::settings::BitRate;
 use crate::time::{Duration, Instant};
@@ -41,6 +45,8 @@ pub struct Detection {
     /// The place of the one that is tried.
     place: usize,
     until: Instant,
+    /// The controller is to leave this bit rate.
+    over: bool,
     found: bool,
 }
 
@@ -54,6 +60,7 @@ impl Detection {
             supported: if mask == 0 { u16::MAX } else { mask },
             place: DETECTABLE.len(),
             until: now,
+            over: false,
             found: false,
         };
         detection.go_on(now);
@@ -71,31 +78,41 @@ impl Detection {
         self.found.then(|| self.bit_rate())
     }
 
+    /// Whether the controller is to leave [`Detection::bit_rate`], as the try has ended or the search has.
+    pub const fn is_over(&self) -> bool {
+        self.over || self.found
+    }
+
+    /// The controller has left [`Detection::bit_rate`], and all frames it had received there were told: unless one has shown that
+    /// this is the one, the next is tried from now on.
+    pub fn left(&mut self, now: Instant) {
+        if !self.found {
+            self.go_on(now);
+        }
+    }
+
     /// A whole frame arrived at [`Detection::bit_rate`].
     pub fn frame_received(&mut self) {
         self.found = true;
     }
 
     /// A broken frame was seen at [`Detection::bit_rate`]: it is the wrong one.
-    pub fn error_seen(&mut self, now: Instant) {
-        if !self.found {
-            self.go_on(now);
-        }
+    pub const fn error_seen(&mut self) {
+        self.over = true;
     }
 
-    /// Lets time pass. Returns when it wants to be called again; look at [`Detection::bit_rate`] after each call.
+    /// Lets time pass. Returns when it wants to be called again; look at [`Detection::is_over`] after each call.
     pub fn poll(&mut self, now: Instant) -> Instant {
-        if self.found {
+        self.over |= now >= self.until;
+        if self.is_over() {
             return crate::time::NEVER;
-        }
-        if now >= self.until {
-            self.go_on(now);
         }
         self.until
     }
 
     /// Tries the next bit rate.
     fn go_on(&mut self, now: Instant) {
+        self.over = false;
         self.until = now.checked_add_duration(PATIENCE).unwrap_or(now);
         // Once round: at least one is supported.
         for _ in DETECTABLE {
@@ -122,6 +139,12 @@ mod tests {
         START + Duration::from_ticks(milliseconds * 1_000)
     }
 
+    /// A broken frame, and the controller leaves at once.
+    fn end_try(detection: &mut Detection, now: Instant) {
+        detection.error_seen();
+        detection.left(now);
+    }
+
     #[test]
     fn every_bit_rate_is_tried_in_order_and_from_the_beginning_again() {
         let mut detection = Detection::new(&DETECTABLE, START);
@@ -130,7 +153,10 @@ mod tests {
             tried.push(detection.bit_rate().kbit_per_second());
             let until = detection.poll(after(round * 1_200));
             assert_eq!(until, after((round + 1) * 1_200));
+            assert!(!detection.is_over());
             detection.poll(until);
+            assert!(detection.is_over());
+            detection.left(until);
         }
         let order = [1000, 500, 250, 125, 800, 100, 50, 20, 10];
         assert_eq!(tried, order.repeat(2));
@@ -142,14 +168,14 @@ mod tests {
         let mut detection = Detection::new(&[BitRate::Kbit20, BitRate::Kbit125], START);
         for expected in [125, 20, 125, 20] {
             assert_eq!(detection.bit_rate().kbit_per_second(), expected);
-            detection.error_seen(START);
+            end_try(&mut detection, START);
         }
     }
 
     #[test]
     fn a_broken_frame_ends_a_try_at_once_and_the_next_has_its_full_time() {
         let mut detection = Detection::new(&DETECTABLE, START);
-        detection.error_seen(after(1_000));
+        end_try(&mut detection, after(1_000));
         assert_eq!(detection.bit_rate(), BitRate::Kbit500);
         assert_eq!(detection.poll(after(1_000)), after(2_200));
     }
@@ -157,12 +183,45 @@ mod tests {
     #[test]
     fn a_whole_frame_ends_the_search() {
         let mut detection = Detection::new(&DETECTABLE, START);
-        detection.error_seen(START);
+        end_try(&mut detection, START);
         detection.frame_received();
+        assert!(detection.is_over());
         assert_eq!(detection.found(), Some(BitRate::Kbit500));
-        detection.error_seen(after(1));
+        end_try(&mut detection, after(1));
         assert_eq!(detection.poll(after(60_000)), crate::time::NEVER);
         assert_eq!(detection.found(), Some(BitRate::Kbit500));
+    }
+
+    #[test]
+    fn a_whole_frame_while_the_controller_leaves_shows_the_bit_rate_that_it_leaves() {
+        for is_silent in [false, true] {
+            let mut detection = Detection::new(&DETECTABLE, START);
+            if is_silent {
+                detection.poll(after(1_200));
+            } else {
+                detection.error_seen();
+            }
+            assert!(detection.is_over());
+            // The second attempt at the frame, before the controller is off the bus.
+            detection.frame_received();
+            detection.left(after(1_201));
+            assert_eq!(detection.found(), Some(BitRate::Kbit1000));
+        }
+    }
+
+    #[test]
+    fn errors_while_the_controller_leaves_pass_over_no_bit_rate() {
+        let mut detection = Detection::new(&DETECTABLE, START);
+        for _ in 0..3 {
+            detection.error_seen();
+            detection.poll(after(5_000));
+            assert_eq!(detection.bit_rate(), BitRate::Kbit1000);
+        }
+        detection.left(after(5_000));
+        assert_eq!(detection.bit_rate(), BitRate::Kbit500);
+        // Its time begins when the controller listens.
+        assert_eq!(detection.poll(after(5_000)), after(6_200));
+        assert!(!detection.is_over());
     }
 
     #[test]
@@ -170,7 +229,7 @@ mod tests {
         let mut detection = Detection::new(&[], START);
         for rate in DETECTABLE {
             assert_eq!(detection.bit_rate(), rate);
-            detection.error_seen(START);
+            end_try(&mut detection, START);
         }
     }
 
@@ -178,6 +237,6 @@ mod tests {
     fn at_the_end_of_time_nothing_goes_wrong() {
         let mut detection = Detection::new(&DETECTABLE, crate::time::NEVER);
         detection.poll(crate::time::NEVER);
-        detection.error_seen(crate::time::NEVER);
+        end_try(&mut detection, crate::time::NEVER);
     }
 }

@@ -32,9 +32,10 @@ impl Commissioning {
         let signal = DriveSignal::new(any() as u16, any() as u16);
         look(self.drive.advance(signal).into());
         match any() {
-            0 => self.detection.error_seen(any_time()),
+            0 => self.detection.error_seen(),
             1 => self.detection.frame_received(),
             2 => self.detection = Detection::new(&[any_bit_rate()], any_time()),
+            3 if self.detection.is_over() => self.detection.left(any_time()),
             _ => look(self.detection.poll(any_time()).ticks() as u32),
         }
         look(self.detection.bit_rate() as u32 + u32::from(self.detection.found().is_some()));
