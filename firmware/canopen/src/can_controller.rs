@@ -14,6 +14,9 @@ use crate::time::{Duration, Instant, NEVER, earlier, has_come};
 pub enum ControllerState {
     /// Few errors: it takes part in full.
     ErrorActive,
+    /// It takes part in full, but one of its error counters has reached the warning limit, 96. The red light tells
+    /// (CiA 303-3); no emergency message does.
+    Warning,
     /// Many errors: it no longer disturbs the frames of others.
     ErrorPassive,
     /// Too many errors: it has left the bus, until it is started again.
@@ -102,7 +105,7 @@ impl Controller {
         }
         self.restart_at = NEVER;
         match state {
-            ControllerState::ErrorActive => {}
+            ControllerState::ErrorActive | ControllerState::Warning => {}
             ControllerState::ErrorPassive => count(&mut self.counters.error_passive, 1),
             ControllerState::BusOff => {
                 count(&mut self.counters.bus_off, 1);

@@ -145,6 +145,18 @@ fn e09_error_passive_is_told_once_with_its_end() {
 }
 
 #[test]
+fn e09_the_warning_limit_is_for_the_light_alone() {
+    let mut device = Device::new();
+    enter(&mut device, ControllerState::Warning);
+    assert!(device.sent().is_empty());
+    enter(&mut device, ControllerState::ErrorPassive);
+    assert_eq!(device.sent(), ["084#2081110000000000"]);
+    enter(&mut device, ControllerState::Warning);
+    assert_eq!(device.sent(), [ENDED]);
+    assert_eq!(device.node.counters().error_passive, 1);
+}
+
+#[test]
 fn e09_error_passive_and_bus_off_end_together() {
     let mut device = Device::new();
     enter(&mut device, ControllerState::ErrorPassive);

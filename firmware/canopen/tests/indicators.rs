@@ -52,6 +52,7 @@ fn a_device_that_is_being_configured_says_so() {
 fn the_controller_shows_in_the_red_light() {
     let mut device = Device::new();
     for (state, expected) in [
+        (ControllerState::Warning, CommunicationState::WarningLimit),
         (
             ControllerState::ErrorPassive,
             CommunicationState::WarningLimit,

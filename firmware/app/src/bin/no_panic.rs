@@ -335,7 +335,8 @@ fn network(node: &mut Node<Everything>) {
 fn any_controller_state() -> ControllerState {
     match any() {
         0 => ControllerState::ErrorActive,
-        1 => ControllerState::ErrorPassive,
+        1 => ControllerState::Warning,
+        2 => ControllerState::ErrorPassive,
         _ => ControllerState::BusOff,
     }
 }

@@ -31,7 +31,9 @@ impl<D: Dictionary> Node<D> {
             self.clear_error(&CommunicationError::BusOff.emergency(), now);
         }
         match state {
-            ControllerState::ErrorActive => self.clear_error(&ERROR_PASSIVE, now),
+            ControllerState::ErrorActive | ControllerState::Warning => {
+                self.clear_error(&ERROR_PASSIVE, now);
+            }
             ControllerState::ErrorPassive => self.report(ERROR_PASSIVE, now),
             ControllerState::BusOff => self.communication_error(CommunicationError::BusOff, now),
         }
@@ -61,7 +63,7 @@ impl<D: Dictionary> Node<D> {
     /// The errors of the controller outlive a reset, which has made the emergency producer forget them.
     pub(super) fn report_controller_again(&mut self, now: Instant) {
         match self.controller.state {
-            ControllerState::ErrorActive => {}
+            ControllerState::ErrorActive | ControllerState::Warning => {}
             ControllerState::ErrorPassive => self.report(ERROR_PASSIVE, now),
             ControllerState::BusOff => self.report(CommunicationError::BusOff.emergency(), now),
         }

@@ -23,7 +23,9 @@ impl<D: Dictionary> Node<D> {
     fn communication_state(&self) -> CommunicationState {
         let of_controller = match self.controller.state {
             ControllerState::ErrorActive => CommunicationState::NoError,
-            ControllerState::ErrorPassive => CommunicationState::WarningLimit,
+            ControllerState::Warning | ControllerState::ErrorPassive => {
+                CommunicationState::WarningLimit
+            }
             ControllerState::BusOff => CommunicationState::BusOff,
         };
         let standing = self.services.emergency.standing().map(of_error);

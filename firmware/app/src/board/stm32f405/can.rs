@@ -142,6 +142,8 @@ impl Bus for Controller {
             ControllerState::BusOff
         } else if status.epvf().bit_is_set() {
             ControllerState::ErrorPassive
+        } else if status.ewgf().bit_is_set() {
+            ControllerState::Warning
         } else {
             ControllerState::ErrorActive
         }
