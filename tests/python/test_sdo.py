@@ -10,6 +10,10 @@ LIVE = {0x1001, 0x603F, 0x6041, 0x6061, 0x6062, 0x6063, 0x6064}
 #: The serial number is the device's own.
 SERIAL_NUMBER = (0x1018, 4)
 
+#: Node-ID and bit rate in use, and where they came from: the default is a device that nobody has configured.
+NODE_ID_AND_BIT_RATE = 0x5FF0
+LIVE |= {NODE_ID_AND_BIT_RATE}
+
 
 def entries(dictionary):
     """Every readable entry of the dictionary; below 1000h are data types, not objects."""
@@ -42,6 +46,10 @@ def test_every_entry_has_the_length_and_the_default_of_the_data_sheet(node):
             # A DOMAIN has no default: it begins empty.
             default = b"" if entry.data_type == datatypes.DOMAIN else entry.default
             assert entry.decode_raw(data) == default, name
+
+
+def test_the_node_id_can_be_read_where_it_is_set(node):
+    assert node.sdo[NODE_ID_AND_BIT_RATE][1].raw == node.id
 
 
 def test_what_is_written_is_read(node):
