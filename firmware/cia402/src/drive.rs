@@ -4,19 +4,23 @@
 //! the next segments, and publishes statusword, mode display and actual values together. The motor has power in
 //! operation enabled, quick stop active and fault reaction active, and nowhere else.
 
+mod command;
+mod report;
+mod stopping;
+
 use canopen::{Duration, Instant};
 use motion::{AxisConfig, PulseSink};
 
 use crate::brake::Brake;
 use crate::configuration::Configuration;
 use crate::controlword::{Command, FAULT_RESET};
-use crate::exchange::{Actuals, Commands, Share};
+use crate::exchange::{Commands, Share};
 use crate::faults::{Faults, Reaction};
 use crate::inputs::{DigitalInputs, Switches};
-use crate::modes::{Context, Mode, Modes};
+use crate::modes::{Context, Modes};
 use crate::monitor::{Monitor, Observed};
-use crate::motor::{Barred, Motor};
-use crate::option_codes::{AbortConnectionOption, Stop, StopRamp};
+use crate::motor::Motor;
+use crate::option_codes::Stop;
 use crate::state_machine::{Conditions, State, StateMachine, Transition};
 use crate::statusword;
 
@@ -200,26 +204,6 @@ impl Drive {
         }
     }
 
-    /// The command of this tick: one to stop that was overwritten since the last tick, else "shutdown" if a master in a
-    /// hurry has gone past it already, else the one that stands in the controlword.
-    fn given_command(&mut self) -> Option<Command> {
-        let commands = &self.commands;
-        let standing = Command::decode(commands.controlword);
-        let leads_up = matches!(standing, Some(Command::SwitchOn | Command::EnableOperation));
-        let hurried =
-            commands.remote && leads_up && (self.shutdown_first || commands.shutdown_first);
-        // It waits one tick at most: for the stop or the fault reset that came before it.
-        let resets = self.machine.state() == State::Fault && commands.rising & FAULT_RESET != 0;
-        self.shutdown_first = hurried && (commands.stop.is_some() || resets);
-        if commands.stop.is_some() {
-            commands.stop
-        } else if hurried && self.machine.state() == State::SwitchOnDisabled {
-            Some(Command::Shutdown)
-        } else {
-            standing
-        }
-    }
-
     /// Whether there is no power and nothing that still has to be done: the device may start anew.
     fn is_idle(&self) -> bool {
         !self.power && self.motor.standstill() && self.machine.state() != State::FaultReactionActive
@@ -273,64 +257,6 @@ impl Drive {
         );
     }
 
-    /// What is left of remote control: whether there is one, the command, and the fault that its loss is. A reset of the device
-    /// always stops the motor; otherwise 6007h says what the loss means to a drive with power.
-    fn under_6007h(
-        &mut self,
-        command: Option<Command>,
-    ) -> (bool, Option<Command>, Option<Reaction>) {
-        let Some(code) = self
-            .commands
-            .connection_error
-            .filter(|_| !self.commands.remote)
-        else {
-            self.is_abandoned = false;
-            return (self.commands.remote, command, None);
-        };
-        match self.configuration.abort_connection {
-            AbortConnectionOption::NoAction => (true, command, None),
-            AbortConnectionOption::FaultSignal if self.power && !self.is_abandoned => {
-                self.is_abandoned = true;
-                self.faults.connection_lost(code);
-                (true, None, Some(Reaction::AsConfigured))
-            }
-            AbortConnectionOption::DisableVoltage => (true, Some(Command::DisableVoltage), None),
-            AbortConnectionOption::FaultSignal | AbortConnectionOption::QuickStop => {
-                (false, command, None)
-            }
-        }
-    }
-
-    /// Whether the state is about to be left with the power going off, once the motor stands.
-    fn is_leaving(&self, remote: bool, command: Option<Command>) -> bool {
-        match self.machine.state() {
-            State::OperationEnabled => matches!(self.leaving(command), Some(Stop::Ramp(_))),
-            State::QuickStopActive => !remote || !self.machine.quick_stop().stays(),
-            State::FaultReactionActive => true,
-            _ => false,
-        }
-    }
-
-    /// Before the power goes off, the brake closes on a motor that stands. True as well where the power stays on, or is off.
-    fn is_held_by_brake(&mut self, now: Instant, remote: bool, command: Option<Command>) -> bool {
-        if !self.power || !self.is_leaving(remote, command) {
-            return true;
-        }
-        if self.motor.standstill() {
-            self.brake.set(false, now);
-        }
-        self.brake.is_closed(self.configuration.brake, now)
-    }
-
-    /// How operation ends with a command that leaves it by 605Bh or 605Ch; `None` for any other.
-    fn leaving(&self, command: Option<Command>) -> Option<Stop> {
-        match command {
-            Some(Command::Shutdown) => Some(self.configuration.shutdown),
-            Some(Command::SwitchOn) => Some(self.configuration.disable_operation),
-            _ => None,
-        }
-    }
-
     /// The action of a transition (CiA 402-2, "transition events and actions").
     fn carry_out(&mut self, transition: Transition, reaction: Option<Reaction>) {
         match transition.to {
@@ -353,29 +279,6 @@ impl Drive {
         }
     }
 
-    fn stop(&mut self, stop: Stop) {
-        match stop {
-            Stop::PowerOff => self.power_off(),
-            Stop::Ramp(ramp) if !self.motor.standstill() => {
-                // A fault in a quick stop, say, must not make that gentler.
-                self.motor.stop_no_gentler(self.deceleration(ramp));
-            }
-            Stop::Ramp(_) => {}
-        }
-    }
-
-    fn deceleration(&self, ramp: StopRamp) -> u32 {
-        self.modes
-            .deceleration(ramp, &self.commands, &self.configuration)
-    }
-
-    fn power_off(&mut self) {
-        if self.power {
-            self.power = false;
-            self.motor.cut_off();
-        }
-    }
-
     /// Whether the motor is blocked: the motor driver says so, or it is too far behind its pulses. `None` if neither can tell.
     fn blocked(&self, inputs: &Inputs, position: i64) -> Option<bool> {
         let window = self.configuration.homing.block_window;
@@ -384,27 +287,6 @@ impl Drive {
         }
         let behind = self.motor.demand().position.wrapping_sub(position) as i32;
         Some(inputs.stall == Some(true) || behind.unsigned_abs() >= window)
-    }
-
-    /// The limit switches, always but while homing looks for one: a motion into one is stopped on the quick stop ramp, and none
-    /// begins. Returns bit 11 of the statusword.
-    fn mind_limits(&mut self) -> u16 {
-        let is_homing = self.machine.state() == State::OperationEnabled && self.modes.is_homing();
-        let barred = if is_homing {
-            Barred::default()
-        } else {
-            self.switches.barred()
-        };
-        if self.motor.meets_limit(barred) {
-            let deceleration = self.deceleration(StopRamp::QuickStop);
-            self.motor.stop_at_limit(deceleration);
-            self.modes.limit_met(&self.motor);
-        }
-        if barred == Barred::default() {
-            0
-        } else {
-            statusword::INTERNAL_LIMIT
-        }
     }
 
     /// The mode of operation. Returns its bits of the statusword.
@@ -458,47 +340,6 @@ impl Drive {
             _ => 0,
         }
     }
-
-    fn actuals(&self, now: Instant, inputs: &Inputs, mode_bits: u16) -> Actuals {
-        let state = self.machine.state();
-        let bit = |condition, bit| if condition { bit } else { 0 };
-        let position = wrap(self.motor.position_of(inputs.position));
-        let demand = self.motor.demand();
-        let mode = self.modes.active();
-        let vl = |velocity| match mode {
-            Mode::Velocity => self.configuration.velocity.shown(velocity),
-            _ => 0,
-        };
-        Actuals {
-            at: now,
-            statusword: state.statusword()
-                | bit(inputs.supply, statusword::VOLTAGE_ENABLED)
-                | bit(self.faults.warning(), statusword::WARNING)
-                | bit(self.commands.remote, statusword::REMOTE)
-                | bit(
-                    self.lost && mode == Mode::ProfilePosition,
-                    statusword::FOLLOWING_ERROR,
-                )
-                | mode_bits,
-            mode_display: mode.code(),
-            error_code: self.faults.error_code(),
-            vl_velocity_demand: vl(demand.velocity),
-            vl_velocity_actual: vl(self.observed.velocity),
-            position_demand: wrap(demand.position),
-            position_actual_internal: position,
-            position_actual: position,
-            velocity_demand: demand.velocity,
-            velocity_actual: self.observed.velocity,
-            following_error: self.observed.following_error,
-            digital_inputs: self.switches.word(),
-            referenced: self.motor.is_referenced(),
-            homing_failure: self.modes.homing_failure(),
-            safe: !self.power
-                && self.settled
-                && matches!(state, State::SwitchOnDisabled | State::Fault)
-                && self.commands.restart == self.restarted,
-        }
-    }
 }
 
 /// Where the motor may go by 607Dh. The limits are off while the minimum is not below the maximum, and one at the end of what 32
@@ -519,12 +360,6 @@ fn travel((low, high): (i32, i32)) -> (i64, i64) {
         high.into()
     };
     (low, high)
-}
-
-/// A position as 32 bits show it: beyond their end it goes on at the other, in 6062h, 6063h and 6064h alike, as pulses and
-/// encoders are counted.
-fn wrap(position: i64) -> i32 {
-    position as i32
 }
 
 /// The axis with segments at least as long as a tick, so that with two of them a tick may come a whole tick late.

@@ -1,0 +1,57 @@
+//! Which command a tick obeys: what the master wrote, what it wrote too fast to be seen, and what 6007h makes of its silence.
+
+use super::Drive;
+use crate::controlword::{Command, FAULT_RESET};
+use crate::faults::Reaction;
+use crate::option_codes::AbortConnectionOption;
+use crate::state_machine::State;
+
+impl Drive {
+    /// The command of this tick: one to stop that was overwritten since the last tick, else "shutdown" if a master in a
+    /// hurry has gone past it already, else the one that stands in the controlword.
+    pub(super) fn given_command(&mut self) -> Option<Command> {
+        let commands = &self.commands;
+        let standing = Command::decode(commands.controlword);
+        let leads_up = matches!(standing, Some(Command::SwitchOn | Command::EnableOperation));
+        let hurried =
+            commands.remote && leads_up && (self.shutdown_first || commands.shutdown_first);
+        // It waits one tick at most: for the stop or the fault reset that came before it.
+        let resets = self.machine.state() == State::Fault && commands.rising & FAULT_RESET != 0;
+        self.shutdown_first = hurried && (commands.stop.is_some() || resets);
+        if commands.stop.is_some() {
+            commands.stop
+        } else if hurried && self.machine.state() == State::SwitchOnDisabled {
+            Some(Command::Shutdown)
+        } else {
+            standing
+        }
+    }
+
+    /// What is left of remote control: whether there is one, the command, and the fault that its loss is. A reset of the device
+    /// always stops the motor; otherwise 6007h says what the loss means to a drive with power.
+    pub(super) fn under_6007h(
+        &mut self,
+        command: Option<Command>,
+    ) -> (bool, Option<Command>, Option<Reaction>) {
+        let Some(code) = self
+            .commands
+            .connection_error
+            .filter(|_| !self.commands.remote)
+        else {
+            self.is_abandoned = false;
+            return (self.commands.remote, command, None);
+        };
+        match self.configuration.abort_connection {
+            AbortConnectionOption::NoAction => (true, command, None),
+            AbortConnectionOption::FaultSignal if self.power && !self.is_abandoned => {
+                self.is_abandoned = true;
+                self.faults.connection_lost(code);
+                (true, None, Some(Reaction::AsConfigured))
+            }
+            AbortConnectionOption::DisableVoltage => (true, Some(Command::DisableVoltage), None),
+            AbortConnectionOption::FaultSignal | AbortConnectionOption::QuickStop => {
+                (false, command, None)
+            }
+        }
+    }
+}

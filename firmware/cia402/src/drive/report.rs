@@ -1,0 +1,58 @@
+//! What a tick publishes: statusword, mode display and actual values of one moment.
+
+use canopen::Instant;
+
+use super::{Drive, Inputs};
+use crate::exchange::Actuals;
+use crate::modes::Mode;
+use crate::state_machine::State;
+use crate::statusword;
+
+impl Drive {
+    pub(super) fn actuals(&self, now: Instant, inputs: &Inputs, mode_bits: u16) -> Actuals {
+        let state = self.machine.state();
+        let bit = |condition, bit| if condition { bit } else { 0 };
+        let position = wrap(self.motor.position_of(inputs.position));
+        let demand = self.motor.demand();
+        let mode = self.modes.active();
+        let vl = |velocity| match mode {
+            Mode::Velocity => self.configuration.velocity.shown(velocity),
+            _ => 0,
+        };
+        Actuals {
+            at: now,
+            statusword: state.statusword()
+                | bit(inputs.supply, statusword::VOLTAGE_ENABLED)
+                | bit(self.faults.warning(), statusword::WARNING)
+                | bit(self.commands.remote, statusword::REMOTE)
+                | bit(
+                    self.lost && mode == Mode::ProfilePosition,
+                    statusword::FOLLOWING_ERROR,
+                )
+                | mode_bits,
+            mode_display: mode.code(),
+            error_code: self.faults.error_code(),
+            vl_velocity_demand: vl(demand.velocity),
+            vl_velocity_actual: vl(self.observed.velocity),
+            position_demand: wrap(demand.position),
+            position_actual_internal: position,
+            position_actual: position,
+            velocity_demand: demand.velocity,
+            velocity_actual: self.observed.velocity,
+            following_error: self.observed.following_error,
+            digital_inputs: self.switches.word(),
+            referenced: self.motor.is_referenced(),
+            homing_failure: self.modes.homing_failure(),
+            safe: !self.power
+                && self.settled
+                && matches!(state, State::SwitchOnDisabled | State::Fault)
+                && self.commands.restart == self.restarted,
+        }
+    }
+}
+
+/// A position as 32 bits show it: beyond their end it goes on at the other, in 6062h, 6063h and 6064h alike, as pulses and
+/// encoders are counted.
+fn wrap(position: i64) -> i32 {
+    position as i32
+}

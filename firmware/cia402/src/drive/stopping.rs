@@ -1,0 +1,91 @@
+//! How a motion ends that the mode of operation did not end: the option codes, the brake, the limit switches.
+
+use canopen::Instant;
+
+use super::Drive;
+use crate::controlword::Command;
+use crate::motor::Barred;
+use crate::option_codes::{Stop, StopRamp};
+use crate::state_machine::State;
+use crate::statusword;
+
+impl Drive {
+    /// Whether the state is about to be left with the power going off, once the motor stands.
+    pub(super) fn is_leaving(&self, remote: bool, command: Option<Command>) -> bool {
+        match self.machine.state() {
+            State::OperationEnabled => matches!(self.leaving(command), Some(Stop::Ramp(_))),
+            State::QuickStopActive => !remote || !self.machine.quick_stop().stays(),
+            State::FaultReactionActive => true,
+            _ => false,
+        }
+    }
+
+    /// Before the power goes off, the brake closes on a motor that stands. True as well where the power stays on, or is off.
+    pub(super) fn is_held_by_brake(
+        &mut self,
+        now: Instant,
+        remote: bool,
+        command: Option<Command>,
+    ) -> bool {
+        if !self.power || !self.is_leaving(remote, command) {
+            return true;
+        }
+        if self.motor.standstill() {
+            self.brake.set(false, now);
+        }
+        self.brake.is_closed(self.configuration.brake, now)
+    }
+
+    /// How operation ends with a command that leaves it by 605Bh or 605Ch; `None` for any other.
+    pub(super) fn leaving(&self, command: Option<Command>) -> Option<Stop> {
+        match command {
+            Some(Command::Shutdown) => Some(self.configuration.shutdown),
+            Some(Command::SwitchOn) => Some(self.configuration.disable_operation),
+            _ => None,
+        }
+    }
+
+    pub(super) fn stop(&mut self, stop: Stop) {
+        match stop {
+            Stop::PowerOff => self.power_off(),
+            Stop::Ramp(ramp) if !self.motor.standstill() => {
+                // A fault in a quick stop, say, must not make that gentler.
+                self.motor.stop_no_gentler(self.deceleration(ramp));
+            }
+            Stop::Ramp(_) => {}
+        }
+    }
+
+    pub(super) fn deceleration(&self, ramp: StopRamp) -> u32 {
+        self.modes
+            .deceleration(ramp, &self.commands, &self.configuration)
+    }
+
+    pub(super) fn power_off(&mut self) {
+        if self.power {
+            self.power = false;
+            self.motor.cut_off();
+        }
+    }
+
+    /// The limit switches, always but while homing looks for one: a motion into one is stopped on the quick stop ramp, and none
+    /// begins. Returns bit 11 of the statusword.
+    pub(super) fn mind_limits(&mut self) -> u16 {
+        let is_homing = self.machine.state() == State::OperationEnabled && self.modes.is_homing();
+        let barred = if is_homing {
+            Barred::default()
+        } else {
+            self.switches.barred()
+        };
+        if self.motor.meets_limit(barred) {
+            let deceleration = self.deceleration(StopRamp::QuickStop);
+            self.motor.stop_at_limit(deceleration);
+            self.modes.limit_met(&self.motor);
+        }
+        if barred == Barred::default() {
+            0
+        } else {
+            statusword::INTERNAL_LIMIT
+        }
+    }
+}
