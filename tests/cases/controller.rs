@@ -243,3 +243,36 @@ fn c02_frames_that_the_drive_lost_are_told_once() {
     bench.send("604: 40 00 10 00");
     bench.expect("584: 43 00 10 00 ..");
 }
+
+#[test]
+fn s26_the_drive_waits_for_a_client_as_long_as_it_is_told() {
+    let mut bench = DriveBench::booted(4);
+    bench.write_u16(0x5FF3, 0, 4_000);
+    bench.send("604: 21 17 10 00 02");
+    bench.expect("584: 60 17 10 00");
+    bench.silence(3_990);
+    bench.expect("584: 80 17 10 00 00 00 04 05");
+    // Too short to be of use.
+    assert_eq!(
+        bench.try_write(0x5FF3, 0, &9_u16.to_le_bytes()),
+        Err(0x0609_0032)
+    );
+    bench.write_u16(0x5FF3, 0, 10);
+    bench.send("604: 21 17 10 00 02");
+    bench.expect("584: 60 17 10 00");
+    bench.silence(9);
+    bench.expect("584: 80 17 10 00 00 00 04 05");
+}
+
+#[test]
+fn b26_a_client_of_a_block_download_is_reminded_after_half_of_the_time() {
+    let mut bench = DriveBench::booted(4);
+    bench.write_u16(0x5FF3, 0, 4_000);
+    bench.send("604: C2 20 20 00 15 00 00 00");
+    bench.expect("584: A4 20 20 00 7F");
+    bench.send("604: 01 41 42 43 44 45 46 47");
+    bench.silence(1_990);
+    bench.expect("584: A2 01 7F");
+    bench.silence(1_990);
+    bench.expect("584: 80 20 20 00 00 00 04 05");
+}

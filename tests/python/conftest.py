@@ -20,6 +20,9 @@ EDS = ROOT / "eds" / "axis402.eds"
 #: The node-ID that the tests give to the device.
 NODE_ID = 10
 
+#: How long the drive waits for the next frame of a transfer, and what it is told here: milliseconds.
+SDO_TIME_OUT, SERVER_PATIENCE = 0x5FF3, 20_000
+
 
 def pytest_addoption(parser):
     parser.addoption("--target", action="append", choices=["virtual", "firmware", "socketcan"])
@@ -138,6 +141,8 @@ def add(network, node):
     """Gives the device a node-ID; python-canopen learns its state from the boot-up."""
     network.add_node(node)
     give_node_id(network, node.id)
+    # A master on a busy PC may pause for longer than the second that a server grants.
+    node.sdo.download(SDO_TIME_OUT, 0, SERVER_PATIENCE.to_bytes(2, "little"))
     return node
 
 

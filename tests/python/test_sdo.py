@@ -4,6 +4,8 @@ import pytest
 from canopen.objectdictionary import ODVariable, datatypes
 from canopen.sdo import SdoAbortedError
 
+from conftest import SDO_TIME_OUT
+
 #: Objects whose present value is the drive's affair, not the data sheet's default.
 LIVE = {0x1001, 0x603F, 0x6041, 0x6061, 0x6062, 0x6063, 0x6064}
 
@@ -13,6 +15,9 @@ SERIAL_NUMBER = (0x1018, 4)
 #: Node-ID and bit rate in use, and where they came from: the default is a device that nobody has configured.
 NODE_ID_AND_BIT_RATE = 0x5FF0
 LIVE |= {NODE_ID_AND_BIT_RATE}
+
+#: Every test begins with a write to it.
+LIVE |= {SDO_TIME_OUT}
 
 
 def entries(dictionary):

@@ -49,7 +49,7 @@ use crate::cia302::startup;
 use crate::cia305::{self, LssEvent};
 use crate::od::{self, Dictionary};
 use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings, Wish};
-use crate::time::{Instant, NEVER, earlier, has_come};
+use crate::time::{Duration, Instant, NEVER, earlier, has_come};
 use crate::wire::sdo::Multiplexer;
 
 /// What the firmware around the device has to know or to do. Taken with [`Node::event`].
@@ -304,6 +304,12 @@ impl<D: Dictionary> Node<D> {
             self.queue.push_lss(answer);
         }
         self.serve_lss_events();
+    }
+
+    /// How long the SDO servers wait for the next frame of a client ([`sdo::TIME_OUT`] unless this is called). It holds
+    /// from the next frame on.
+    pub fn set_sdo_time_out(&mut self, time_out: Duration) {
+        self.sdo.set_time_out(time_out);
     }
 
     /// The owner of an object has finished a write that was to be completed later ([`sdo::Completion::Later`]): the client gets

@@ -16,7 +16,7 @@ pub(crate) mod commissioning;
 mod controller;
 mod storage;
 
-pub(crate) use controller::RESTART_DELAY;
+pub(crate) use controller::{RESTART_DELAY, SDO_TIME_OUT};
 
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;

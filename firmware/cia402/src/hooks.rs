@@ -20,8 +20,8 @@ use canopen::od::{self, Dictionary, Entry, write_u32};
 use motion::homing::Method;
 
 use crate::controlword::ControlwordHistory;
-use crate::device::RESTART_DELAY;
 use crate::device::commissioning::Commissioning;
+use crate::device::{RESTART_DELAY, SDO_TIME_OUT};
 use crate::exchange::Commands;
 use crate::inputs::InputFunction;
 use crate::modes::Mode;
@@ -90,7 +90,7 @@ impl<A> Hooks<A> {
         self.produced
     }
 
-    /// Whether 2011h was written since the last call.
+    /// Whether 2011h or 5FF3h was written since the last call.
     pub(crate) const fn take_delay_written(&mut self) -> bool {
         let written = self.delay_written;
         self.delay_written = false;
@@ -170,6 +170,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         self.configured |= parameter.is_some_and(|parameter| !parameter.is_command());
         self.delay_written |= entry.index == RESTART_DELAY;
         if entry.index >> 4 == PASSWORD >> 4 {
+            self.delay_written |= entry.index == SDO_TIME_OUT;
             self.protection.written(dictionary, entry);
             self.commissioning.written(dictionary, entry);
         }

@@ -1,9 +1,11 @@
-//! The CAN controller of the drive: its state and what it has lost, and two objects of the manufacturer.
+//! The CAN controller of the drive: its state and what it has lost, and three objects of the manufacturer that say how long to wait
+//! and what went wrong.
 //!
 //! | object | holds |
 //! |---|---|
 //! | 2010h | counters since power-on: error passive, bus-off, restarts, received frames lost, queue overflows |
 //! | 2011h | how long the controller stays off the bus after bus-off, in ms; FFFFh: until the next power-on |
+//! | 5FF3h | how long an SDO server waits for the next frame of a client, in ms |
 //!
 //! A dictionary may leave them out.
 
@@ -16,6 +18,7 @@ use crate::objects::Objects;
 
 const COUNTERS: u16 = 0x2010;
 pub(crate) const RESTART_DELAY: u16 = 0x2011;
+pub(crate) const SDO_TIME_OUT: u16 = 0x5FF3;
 
 /// Emergency error code "CAN overrun" (CiA 301, table 26).
 const OVERRUN: u16 = 0x8110;
@@ -52,7 +55,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 
     /// Boot: the objects are at their power-on values.
     pub(super) fn start_controller(&mut self) {
-        self.read_restart_delay();
+        self.read_delays();
         self.show_counters();
     }
 
@@ -64,10 +67,10 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         }
     }
 
-    /// Shows what was counted, and takes a new delay.
+    /// Shows what was counted, and takes new delays.
     pub(super) fn serve_controller(&mut self) {
         if self.hooks.take_delay_written() {
-            self.read_restart_delay();
+            self.read_delays();
         }
         if self.node.counters() != self.counters {
             self.show_counters();
@@ -76,10 +79,14 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 
     #[cold]
     #[inline(never)]
-    fn read_restart_delay(&mut self) {
+    fn read_delays(&mut self) {
         if let Some(milliseconds) = od::read_u16(self.node.dictionary(), RESTART_DELAY, 0) {
             let delay = (milliseconds != STAY_OFF).then(|| Duration::millis(milliseconds.into()));
             self.node.set_restart_delay(delay);
+        }
+        if let Some(milliseconds) = od::read_u16(self.node.dictionary(), SDO_TIME_OUT, 0) {
+            self.node
+                .set_sdo_time_out(Duration::millis(milliseconds.into()));
         }
     }
 

@@ -15,7 +15,7 @@
 //! A segment in its place is handed on at once; only the last one waits for the end frame, which tells how many of its bytes
 //! count. After a gap nothing is taken until the sub-block is over; the client then goes on behind what is confirmed,
 //! numbering from 1 again. Should the end of a sub-block be lost, the server confirms by itself after half of its
-//! patience ([`TIME_OUT`]), once.
+//! patience, once.
 //!
 //! While segments are expected every frame is one, whatever it looks like. So when the server aborts in the middle of
 //! a sub-block, the rest of it, which is under way already, is followed by its numbers and ignored: it must not be taken
@@ -23,14 +23,11 @@
 
 use super::objects::{Objects, Streams};
 use super::server::{Server, Step};
-use super::{AbortCode, TIME_OUT, crc};
+use super::{AbortCode, crc};
 use crate::time::{Duration, Instant};
 use crate::wire::sdo::{
     ABORT_COMMAND, BlockRequest, BlockResponse, BlockSegment, MOST_SEGMENTS, Multiplexer,
 };
-
-/// From the last segment to the server's own confirmation, and from there to the abort.
-const HALF: Duration = Duration::from_ticks(TIME_OUT.ticks() / 2);
 
 impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// Gets ready for the first sub-block.
@@ -169,7 +166,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// The next sub-block begins with segment 1. A client that goes on with another number has not heard of this: what it took for
     /// unconfirmed later it would send twice, so the transfer ends.
     pub(super) fn remind(&mut self) -> Option<[u8; 8]> {
-        self.deadline += HALF;
+        self.deadline += self.half_time_out();
         self.block.is_reminded = true;
         let has_come = self.block.seqno != 0 || self.block.ahead != 0;
         self.block.is_cut = has_come;
@@ -181,14 +178,19 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         if self.block.is_reminded {
             self.deadline
         } else {
-            self.deadline + HALF
+            self.deadline + self.half_time_out()
         }
+    }
+
+    #[inline]
+    const fn half_time_out(&self) -> Duration {
+        Duration::from_ticks(self.time_out.ticks() / 2)
     }
 
     #[inline]
     pub(super) fn wait_for_segment(&mut self, now: Instant) {
         self.block.is_reminded = false;
-        self.deadline = now + HALF;
+        self.deadline = now + self.half_time_out();
     }
 
     /// Ends the transfer with this code; the rest of the sub-block is to be ignored.

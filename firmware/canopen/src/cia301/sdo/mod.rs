@@ -17,7 +17,7 @@
 //!   lies. What the application serves piece by piece ([`Attributes::STREAMED`](crate::od::Attributes::STREAMED)) may have any length.
 //! - A new initiate request drops a transfer that is open, without an abort. Only within a sub-block it cannot: there
 //!   every frame is a segment.
-//! - If the client is silent for [`TIME_OUT`] in a transfer, the server aborts it. The stamp of a segment counts: one
+//! - If the client is silent for the time-out ([`TIME_OUT`] by default) in a transfer, the server aborts it. The stamp of a segment counts: one
 //!   that comes too late gets this abort as its answer, also when the server has not been called meanwhile. While a frame of
 //!   the server waits for the bus, the client is not late.
 //! - Each server has room for two answers, and an answer is never dropped. A request whose answer has no room is not executed,
@@ -46,7 +46,8 @@ pub use servers::Servers;
 
 use crate::time::Duration;
 
-/// How long the server waits for the next frame of a transfer, in each step.
+/// How long a server waits for the next frame of a transfer, in each step, unless it is told otherwise
+/// ([`Node::set_sdo_time_out`](crate::Node::set_sdo_time_out)).
 pub const TIME_OUT: Duration = Duration::from_ticks(1_000_000);
 
 /// Stands for "no identifier": no 11-bit identifier is equal to it.

@@ -7,7 +7,7 @@ use super::parameters::CobIds;
 use super::upload::Ahead;
 use super::{AbortCode, TIME_OUT};
 use crate::od::{Entry, Unused};
-use crate::time::{Instant, NEVER, has_come};
+use crate::time::{Duration, Instant, NEVER, has_come};
 use crate::wire::sdo::{BlockRequest, Multiplexer, Request, Response};
 
 /// What the server waits for.
@@ -85,6 +85,8 @@ pub struct Server<B> {
     /// The identifier of answers.
     pub(super) response: u16,
     pub(super) deadline: Instant,
+    /// How long the client may be silent.
+    pub(super) time_out: Duration,
 }
 
 impl<B: Unused> Unused for Server<B> {
@@ -104,6 +106,7 @@ impl<B: Unused> Unused for Server<B> {
         request: super::NO_COB_ID,
         response: super::NO_COB_ID,
         deadline: NEVER,
+        time_out: TIME_OUT,
     };
 }
 
@@ -328,7 +331,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// The client has answered in time: the next frame may take as long again.
     #[inline]
     pub(super) fn wait(&mut self, now: Instant) {
-        self.deadline = now + TIME_OUT;
+        self.deadline = now + self.time_out;
     }
 
     /// Nothing is open any more.

@@ -7,7 +7,7 @@ use super::parameters::CobIds;
 use super::server::Server;
 use crate::od::{Counts, Dictionary, Entry, Slots};
 use crate::settings::NodeId;
-use crate::time::{Instant, NEVER, earlier};
+use crate::time::{Duration, Instant, NEVER, earlier};
 use crate::wire::Frame;
 use crate::wire::sdo::Multiplexer;
 
@@ -82,6 +82,13 @@ impl<C: Counts> Servers<C> {
             server.configure(cob_ids);
         }
         self.find_lowest();
+    }
+
+    /// How long clients may be silent within a transfer, counted from the next frame on.
+    pub(crate) fn set_time_out(&mut self, time_out: Duration) {
+        for server in self.servers.as_mut() {
+            server.time_out = time_out;
+        }
     }
 
     /// The identifiers of all servers that are on, in any NMT state.
