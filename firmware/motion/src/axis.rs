@@ -10,7 +10,7 @@ use heapless::Deque;
 
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Position, State, Velocity};
-use crate::plan::{Limits, Plan, PlanError};
+use crate::plan::{Goal, Limits, Plan, PlanError};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::train::{Chord, Train};
 
@@ -100,11 +100,7 @@ impl Axis {
     /// # Errors
     /// [`PlanError`]; the motion goes on as it was.
     pub fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), PlanError> {
-        let limits = self.within_timing(limits);
-        self.plan = self
-            .plan
-            .then_move_to(self.clock, self.horizon, target, limits)?;
-        Ok(())
+        self.redirect(Goal::Rest(target), limits)
     }
 
     /// Moves through `target` with `end_velocity` in steps/s and keeps that; see [`Plan::then_move_through`].
@@ -117,11 +113,7 @@ impl Axis {
         end_velocity: u32,
         limits: Limits,
     ) -> Result<(), PlanError> {
-        let limits = self.within_timing(limits);
-        self.plan =
-            self.plan
-                .then_move_through(self.clock, self.horizon, target, end_velocity, limits)?;
-        Ok(())
+        self.redirect(Goal::Pass(target, end_velocity), limits)
     }
 
     /// Ramps to `velocity` in steps/s and keeps it.
@@ -129,11 +121,7 @@ impl Axis {
     /// # Errors
     /// [`PlanError`]; the motion goes on as it was.
     pub fn ramp_to(&mut self, velocity: i32, limits: Limits) -> Result<(), PlanError> {
-        let limits = self.within_timing(limits);
-        self.plan = self
-            .plan
-            .then_velocity(self.clock, self.horizon, velocity, limits)?;
-        Ok(())
+        self.redirect(Goal::Velocity(velocity), limits)
     }
 
     /// Ramps to rest at `deceleration` steps/s²: halt and quick stop. The axis comes to rest on a whole step.
@@ -337,11 +325,12 @@ impl Axis {
         self.mark(self.plan.state_at(self.horizon));
     }
 
-    fn within_timing(&self, limits: Limits) -> Limits {
-        Limits {
+    fn redirect(&mut self, goal: Goal, limits: Limits) -> Result<(), PlanError> {
+        let limits = Limits {
             velocity: limits.velocity.min(self.max_velocity()),
             ..limits
-        }
+        };
+        self.plan.redirect(self.clock, self.horizon, goal, limits)
     }
 
     fn demand_of(&self, state: State) -> Demand {

@@ -42,5 +42,5 @@ pub use axis::{AdvanceError, Axis, AxisConfig, Demand};
 pub use clock::{Clock, Ticks};
 pub use fixed::{Position, State, Velocity};
 pub use plan::phase::Phase;
-pub use plan::{Limits, Plan, PlanError};
+pub use plan::{Goal, Limits, Plan, PlanError};
 pub use record::{Direction, DriverTiming, PulseSink, Record};

@@ -29,6 +29,17 @@ pub struct Limits {
     pub deceleration: u32,
 }
 
+/// What a motion is after.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Goal {
+    /// To stand at this position, in whole steps.
+    Rest(i64),
+    /// To pass this position, in whole steps, with this velocity in steps/s (6082h), and keep it; see [`Plan::then_move_through`].
+    Pass(i64, u32),
+    /// To keep this velocity in steps/s; 0 is a stop.
+    Velocity(i32),
+}
+
 /// Why there is no plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlanError {
@@ -72,8 +83,14 @@ pub struct Plan {
 
 impl Plan {
     /// Standing at a whole step (modulo 2³²) from tick `start` on.
-    pub fn at_rest(position_steps: i64, start: Ticks) -> Self {
-        Course::new(start, Exact::at_rest(position_steps), false).rest_at(0)
+    pub const fn at_rest(position_steps: i64, start: Ticks) -> Self {
+        Self {
+            start,
+            end: start,
+            phases: [Phase::NONE; MOST_PHASES],
+            count: 0,
+            rest: Exact::at_rest(position_steps).position,
+        }
     }
 
     /// Profile position: moves to `target_steps` and stops there, in the shortest time that `limits` allow.
@@ -90,7 +107,9 @@ impl Plan {
         target_steps: i64,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        move_to::plan(clock, start, from.into(), target_steps, 0, limits)
+        let mut plan = Self::at_rest(0, start);
+        plan.make(clock, start, from.into(), Goal::Rest(target_steps), limits)?;
+        Ok(plan)
     }
 
     /// Profile velocity: ramps to `steps_per_second` and keeps it; 0 is a stop, the ramp of halt and quick stop.
@@ -106,7 +125,15 @@ impl Plan {
         steps_per_second: i32,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        velocity::plan(clock, start, from.into(), steps_per_second, limits)
+        let mut plan = Self::at_rest(0, start);
+        plan.make(
+            clock,
+            start,
+            from.into(),
+            Goal::Velocity(steps_per_second),
+            limits,
+        )?;
+        Ok(plan)
     }
 
     /// [`Plan::move_to`] from the state that this plan has at tick `at`, without rounding it first: planning a move again to the
@@ -121,7 +148,7 @@ impl Plan {
         target_steps: i64,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        move_to::plan(clock, at, self.exact_at(at), target_steps, 0, limits)
+        self.then_move_through(clock, at, target_steps, 0, limits)
     }
 
     /// Moves through `target_steps` with `end_velocity` in steps/s (6082h), cut to that of `limits`, from the state that this plan
@@ -138,8 +165,9 @@ impl Plan {
         end_velocity: u32,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        let from = self.exact_at(at);
-        move_to::plan(clock, at, from, target_steps, end_velocity, limits)
+        let mut next = *self;
+        next.redirect(clock, at, Goal::Pass(target_steps, end_velocity), limits)?;
+        Ok(next)
     }
 
     /// [`Plan::velocity`] from the state that this plan has at tick `at`, without rounding it first.
@@ -153,7 +181,42 @@ impl Plan {
         steps_per_second: i32,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        velocity::plan(clock, at, self.exact_at(at), steps_per_second, limits)
+        let mut next = *self;
+        next.redirect(clock, at, Goal::Velocity(steps_per_second), limits)?;
+        Ok(next)
+    }
+
+    /// Leaves for another goal at tick `at`, from the state that this plan has there, without rounding it first. On an error the
+    /// plan stays as it was. This is the way an axis takes: a plan is large, and copies of it are dear.
+    ///
+    /// # Errors
+    /// As [`Plan::move_to`].
+    pub fn redirect(
+        &mut self,
+        clock: Clock,
+        at: Ticks,
+        goal: Goal,
+        limits: Limits,
+    ) -> Result<(), PlanError> {
+        let from = self.exact_at(at);
+        self.make(clock, at, from, goal, limits)
+    }
+
+    fn make(
+        &mut self,
+        clock: Clock,
+        start: Ticks,
+        from: Exact,
+        goal: Goal,
+        limits: Limits,
+    ) -> Result<(), PlanError> {
+        match goal {
+            Goal::Rest(target) => move_to::plan(self, clock, start, from, (target, 0), limits),
+            Goal::Pass(target, end_velocity) => {
+                move_to::plan(self, clock, start, from, (target, end_velocity), limits)
+            }
+            Goal::Velocity(velocity) => velocity::plan(self, clock, start, from, velocity, limits),
+        }
     }
 
     /// The state at tick `t`: before the start that at the start, after the end that at the end.
@@ -218,32 +281,30 @@ impl Plan {
 /// Strings phases together, in a frame whose zero is the start and whose positive direction is that of the motion.
 ///
 /// Working in this frame makes a mirrored motion the exact mirror image, bit by bit.
-struct Course {
-    start: Ticks,
+struct Course<'a> {
+    plan: &'a mut Plan,
     origin: i128,
     reverse: bool,
-    phases: [Phase; MOST_PHASES],
-    count: u8,
     elapsed: Offset,
     travelled: i128,
 }
 
-impl Course {
-    fn new(start: Ticks, from: Exact, reverse: bool) -> Self {
+impl<'a> Course<'a> {
+    /// Begins to write over `plan`: from now on nothing may fail.
+    fn new(plan: &'a mut Plan, start: Ticks, from: Exact, reverse: bool) -> Self {
+        plan.start = start;
+        plan.count = 0;
         Self {
-            start,
+            plan,
             origin: from.position,
             reverse,
-            phases: [Phase::NONE; MOST_PHASES],
-            count: 0,
             elapsed: 0,
             travelled: 0,
         }
     }
 
-    /// Brakes from `speed` against the direction of the motion to standstill.
-    fn turn_back(&mut self, speed: u128, half_deceleration: u128, time: Offset) {
-        let way = ramp_way(speed, half_deceleration, time, true);
+    /// Brakes from `speed` against the direction of the motion to standstill, which takes `time` and `way`.
+    fn turn_back(&mut self, speed: u128, half_deceleration: u128, time: Offset, way: u128) {
         let curve = self.curve(
             speed.cast_signed().wrapping_neg(),
             half_deceleration.cast_signed(),
@@ -278,7 +339,7 @@ impl Course {
     }
 
     /// Brakes to standstill exactly at `target`, in the frame.
-    fn land(mut self, target: i128, half_deceleration: u128, time: Offset) -> Plan {
+    fn land(mut self, target: i128, half_deceleration: u128, time: Offset) {
         let begin = self.elapsed;
         self.elapsed = begin.saturating_add(time);
         let curve = Parabola {
@@ -287,12 +348,13 @@ impl Course {
             half_acceleration: half_deceleration.cast_signed().wrapping_neg(),
         };
         self.push(curve, begin, self.elapsed);
-        self.rest_at(target)
+        self.rest_at(target);
     }
 
     /// Ends the plan here, standing at `position` in the frame.
-    fn rest_at(self, position: i128) -> Plan {
+    fn rest_at(self, position: i128) {
         let end = self
+            .plan
             .start
             .saturating_add(ticks_up(self.elapsed))
             .min(Ticks::MAX - 1);
@@ -301,25 +363,15 @@ impl Course {
         } else {
             position
         };
-        let rest = self.origin.wrapping_add(turned);
-        self.finish(end, rest)
+        self.plan.end = end;
+        self.plan.rest = self.origin.wrapping_add(turned);
     }
 
     /// Keeps `speed` for ever.
-    fn never_end(mut self, speed: u128) -> Plan {
+    fn never_end(mut self, speed: u128) {
         self.cruise(speed, 0, 0);
-        let rest = self.origin;
-        self.finish(Ticks::MAX, rest)
-    }
-
-    fn finish(self, end: Ticks, rest: i128) -> Plan {
-        Plan {
-            start: self.start,
-            end,
-            phases: self.phases,
-            count: self.count,
-            rest,
-        }
+        self.plan.end = Ticks::MAX;
+        self.plan.rest = self.origin;
     }
 
     /// A curve that begins here.
@@ -341,18 +393,17 @@ impl Course {
 
     #[inline(never)]
     fn push(&mut self, curve: Parabola, begin: Offset, anchor: Offset) {
-        let phase = curve.phase(self.start, begin, anchor, self.origin, self.reverse);
+        let plan = &mut *self.plan;
+        let start = plan.start.saturating_add(ticks_up(begin));
         // A phase that ended before its first tick came is written over.
-        let last = usize::from(self.count)
-            .checked_sub(1)
-            .and_then(|last| self.phases.get_mut(last));
-        if let Some(last) = last
-            && last.start() == phase.start()
-        {
-            *last = phase;
-        } else if let Some(free) = self.phases.get_mut(usize::from(self.count)) {
-            *free = phase;
-            self.count = self.count.saturating_add(1);
+        let last = usize::from(plan.count).checked_sub(1);
+        let last = last.and_then(|last| plan.phases.get(last));
+        if last.is_none_or(|last| last.start() != start) {
+            plan.count = plan.count.saturating_add(1);
+        }
+        let place = usize::from(plan.count).wrapping_sub(1);
+        if let Some(place) = plan.phases.get_mut(place) {
+            *place = curve.phase(plan.start, start, anchor, self.origin, self.reverse);
         }
     }
 }

@@ -12,13 +12,13 @@ use crate::wide::Wide;
 
 /// Plans the move in a frame in which the way still to go is positive.
 pub(super) fn plan(
+    plan: &mut Plan,
     clock: Clock,
     start: Ticks,
     from: Exact,
-    target_steps: i64,
-    end_velocity: u32,
+    (target_steps, end_velocity): (i64, u32),
     limits: Limits,
-) -> Result<Plan, PlanError> {
+) -> Result<(), PlanError> {
     if limits.velocity == 0 {
         return Err(PlanError::ZeroVelocity);
     }
@@ -53,56 +53,49 @@ pub(super) fn plan(
     }
     let stop_way = ramp_way(speed, half_deceleration, stop_time, true);
 
-    if end_velocity != 0 && gap != 0 {
-        let end = End::new(clock, end_velocity.min(limits.velocity), half_deceleration);
-        let way = gap.checked_add(end.way).ok_or(PlanError::OutOfRange)?;
-        if approaching && way <= stop_way.saturating_add(indistinct(stop_time)) {
-            // Too fast for the end velocity: it comes about behind the target.
-            let mut course = Course::new(start, from, target_behind);
-            let time = ramp_time(speed.saturating_sub(end.speed), half_deceleration);
-            course.brake(speed, half_deceleration, time);
-            return Ok(course.never_end(end.speed));
-        }
-        let route = Route {
-            clock,
-            limits,
-            half_deceleration,
-            end,
-        };
-        let mut course = Course::new(start, from, target_behind);
-        if approaching || speed == 0 {
-            return Ok(route.follow(course, speed, way, gap.cast_signed()));
-        }
-        course.turn_back(speed, half_deceleration, stop_time);
-        let way = way.checked_add(stop_way).ok_or(PlanError::OutOfRange)?;
-        return Ok(route.follow(course, 0, way, gap.cast_signed()));
-    }
-
-    if approaching && gap.abs_diff(stop_way) <= indistinct(stop_time) {
-        // The target is exactly at the stopping distance: brake, and nothing else.
-        let course = Course::new(start, from, target_behind);
-        return Ok(course.land(gap.cast_signed(), half_deceleration, stop_time));
-    }
+    let end = if end_velocity == 0 || gap == 0 {
+        End::REST
+    } else {
+        End::new(clock, end_velocity.min(limits.velocity), half_deceleration)
+    };
+    let way = gap.checked_add(end.way).ok_or(PlanError::OutOfRange)?;
     let route = Route {
         clock,
         limits,
         half_deceleration,
-        end: End::REST,
+        end,
     };
-    if approaching && gap < stop_way {
-        // Too fast to stop in time: brake, turn round, come back.
-        let mut course = Course::new(start, from, !target_behind);
-        course.turn_back(speed, half_deceleration, stop_time);
-        let way = stop_way.wrapping_sub(gap);
-        return Ok(route.follow(course, 0, way, gap.cast_signed().wrapping_neg()));
+    let goal = gap.cast_signed();
+    if approaching {
+        let spare = way.cast_signed().wrapping_sub(stop_way.cast_signed());
+        if spare.unsigned_abs() <= indistinct(stop_time) && route.end.speed == 0 {
+            // The target is exactly at the stopping distance: brake, and nothing else.
+            let course = Course::new(plan, start, from, target_behind);
+            course.land(goal, half_deceleration, stop_time);
+        } else if spare <= indistinct(stop_time).cast_signed() && route.end.speed != 0 {
+            // Too fast for the end velocity: it comes about behind the target.
+            let mut course = Course::new(plan, start, from, target_behind);
+            let time = ramp_time(speed.saturating_sub(route.end.speed), half_deceleration);
+            course.brake(speed, half_deceleration, time);
+            course.never_end(route.end.speed);
+        } else if spare < 0 {
+            // Too fast to stop in time: brake, turn round, come back.
+            let mut course = Course::new(plan, start, from, !target_behind);
+            course.turn_back(speed, half_deceleration, stop_time, stop_way);
+            route.follow(course, 0, spare.unsigned_abs(), goal.wrapping_neg());
+        } else {
+            let course = Course::new(plan, start, from, target_behind);
+            route.follow(course, speed, way, goal);
+        }
+        return Ok(());
     }
-    let mut course = Course::new(start, from, target_behind);
-    if approaching || speed == 0 {
-        return Ok(route.follow(course, speed, gap, gap.cast_signed()));
+    let way = way.checked_add(stop_way).ok_or(PlanError::OutOfRange)?;
+    let mut course = Course::new(plan, start, from, target_behind);
+    if speed != 0 {
+        course.turn_back(speed, half_deceleration, stop_time, stop_way);
     }
-    course.turn_back(speed, half_deceleration, stop_time);
-    let way = gap.checked_add(stop_way).ok_or(PlanError::OutOfRange)?;
-    Ok(route.follow(course, 0, way, gap.cast_signed()))
+    route.follow(course, 0, way, goal);
+    Ok(())
 }
 
 /// How far a gap and a stopping distance may lie apart and still mean the same.
@@ -150,9 +143,10 @@ struct Route {
 impl Route {
     /// Goes `way` at first `speed`, to `target` in the course's frame; the way is that to rest, behind the target if there is an end
     /// velocity.
-    fn follow(&self, mut course: Course, mut speed: Fine, mut way: u128, target: i128) -> Plan {
+    fn follow(&self, mut course: Course<'_>, mut speed: Fine, mut way: u128, target: i128) {
         if way == 0 {
-            return course.rest_at(target);
+            course.rest_at(target);
+            return;
         }
         let top = self.clock.speed(self.limits.velocity);
         let half_acceleration = self.clock.half_acceleration(self.limits.acceleration);
@@ -166,7 +160,8 @@ impl Route {
             // The way is too short for the end velocity: it comes about behind the target.
             let time = ramp_time(self.end.speed.wrapping_sub(speed), half_acceleration);
             course.accelerate(speed, half_acceleration, time);
-            return course.never_end(self.end.speed);
+            course.never_end(self.end.speed);
+            return;
         }
         if peak > speed {
             let time = ramp_time(peak.wrapping_sub(speed), half_acceleration);
@@ -176,9 +171,10 @@ impl Route {
         way = way.saturating_sub(ramp_way(peak, self.half_deceleration, stop_time, true));
         course.cruise(peak, cruise_time(way, peak), way);
         if self.end.speed == 0 {
-            return course.land(target, self.half_deceleration, stop_time);
+            course.land(target, self.half_deceleration, stop_time);
+        } else {
+            course.pass(target, &self.end, self.half_deceleration, stop_time);
         }
-        course.pass(target, &self.end, self.half_deceleration, stop_time)
     }
 
     /// The speed at which acceleration from `speed` must turn into braking if there is no limit to it:
@@ -215,9 +211,9 @@ impl Route {
     }
 }
 
-impl Course {
+impl Course<'_> {
     /// Brakes from a speed that takes `stop_time` to rest, passes `target` with what is left, and keeps it.
-    fn pass(mut self, target: i128, end: &End, half_deceleration: Fine, stop_time: Offset) -> Plan {
+    fn pass(mut self, target: i128, end: &End, half_deceleration: Fine, stop_time: Offset) {
         let begin = self.elapsed;
         let rest = begin.saturating_add(stop_time);
         let curve = Parabola {
@@ -228,7 +224,7 @@ impl Course {
         self.push(curve, begin, rest);
         self.elapsed = rest.saturating_sub(end.time).max(begin);
         self.travelled = target;
-        self.never_end(end.speed)
+        self.never_end(end.speed);
     }
 }
 

@@ -90,32 +90,42 @@ pub(crate) struct Parabola {
 }
 
 impl Parabola {
-    /// The phase that begins at `begin` and whose coefficients hold at `anchor`, both from tick `start`.
+    /// The phase that begins at tick `begin` and whose coefficients hold at `anchor`, which counts from tick `start`.
     ///
     /// `origin` is the position at `start`; `reverse` turns the frame round.
     pub(crate) fn phase(
         self,
         start: Ticks,
-        begin: Offset,
+        begin: Ticks,
         anchor: Offset,
         origin: i128,
         reverse: bool,
     ) -> Phase {
         // Move the coefficients from the anchor down to the whole tick before it.
-        let fraction = i128::from(anchor as u32);
-        let half_gain = self.half_acceleration.wrapping_mul(fraction) >> 32;
-        let back = self.velocity.wrapping_sub(half_gain).wrapping_mul(fraction) >> 32;
+        let fraction = anchor as u32;
+        let half_gain = part(self.half_acceleration, fraction);
+        let back = part(self.velocity.wrapping_sub(half_gain), fraction);
         let velocity = self.velocity.wrapping_sub(half_gain.wrapping_mul(2));
         let position = self.position.wrapping_sub(back);
         let turn = |value: i128| if reverse { value.wrapping_neg() } else { value };
         Phase {
-            start: start.saturating_add(ticks_up(begin)),
+            start: begin,
             anchor: start.saturating_add((anchor >> 32) as u64),
             position: origin.wrapping_add(turn(position)),
             velocity: turn(velocity),
             half_acceleration: turn(self.half_acceleration),
         }
     }
+}
+
+/// ⌊value · fraction / 2³²⌋, for a value of at most 127 bits.
+fn part(value: i128, fraction: u32) -> i128 {
+    if value == 0 || fraction == 0 {
+        return 0;
+    }
+    let high = (value >> 32).wrapping_mul(fraction.into());
+    let low = u64::from(value as u32).wrapping_mul(fraction.into()) >> 32;
+    high.wrapping_add(low.into())
 }
 
 /// An offset rounded up to whole ticks.

@@ -1,18 +1,19 @@
 //! Profile velocity: a ramp to another velocity, and the stop.
 
-use super::phase::ramp_time;
+use super::phase::{ramp_time, ramp_way};
 use super::{Course, Limits, Plan, PlanError};
 use crate::clock::{Clock, Ticks};
 use crate::fixed::Exact;
 
 /// Plans the ramp in a frame in which the velocity to reach is positive; for a stop, the one to leave.
 pub(super) fn plan(
+    plan: &mut Plan,
     clock: Clock,
     start: Ticks,
     from: Exact,
     steps_per_second: i32,
     limits: Limits,
-) -> Result<Plan, PlanError> {
+) -> Result<(), PlanError> {
     if limits.deceleration == 0 {
         return Err(PlanError::ZeroDeceleration);
     }
@@ -20,7 +21,7 @@ pub(super) fn plan(
     let speed = from.velocity.unsigned_abs();
 
     if steps_per_second == 0 {
-        let mut course = Course::new(start, from, from.velocity < 0);
+        let mut course = Course::new(plan, start, from, from.velocity < 0);
         if speed != 0 {
             course.brake(
                 speed,
@@ -29,7 +30,8 @@ pub(super) fn plan(
             );
         }
         let stop = course.travelled;
-        return Ok(course.rest_at(stop));
+        course.rest_at(stop);
+        return Ok(());
     }
     if limits.velocity == 0 {
         return Err(PlanError::ZeroVelocity);
@@ -40,14 +42,12 @@ pub(super) fn plan(
     let goal = clock.speed(steps_per_second.unsigned_abs().min(limits.velocity));
     let half_acceleration = clock.half_acceleration(limits.acceleration);
 
-    let mut course = Course::new(start, from, steps_per_second < 0);
+    let mut course = Course::new(plan, start, from, steps_per_second < 0);
     let mut speed = speed;
     if speed != 0 && (from.velocity < 0) != (steps_per_second < 0) {
-        course.turn_back(
-            speed,
-            half_deceleration,
-            ramp_time(speed, half_deceleration),
-        );
+        let time = ramp_time(speed, half_deceleration);
+        let way = ramp_way(speed, half_deceleration, time, true);
+        course.turn_back(speed, half_deceleration, time, way);
         speed = 0;
     }
     if speed > goal {
@@ -60,5 +60,6 @@ pub(super) fn plan(
         let time = ramp_time(goal.wrapping_sub(speed), half_acceleration);
         course.accelerate(speed, half_acceleration, time);
     }
-    Ok(course.never_end(goal))
+    course.never_end(goal);
+    Ok(())
 }

@@ -5,8 +5,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use motion::step_interrupt::{self, Edge, StepTimer};
 use motion::{
-    Axis, AxisConfig, Clock, Direction, DriverTiming, Limits, Plan, Position, PulseSink, Record,
-    State, Ticks, Velocity,
+    Axis, AxisConfig, Clock, Direction, DriverTiming, Goal, Limits, Plan, Position, PulseSink,
+    Record, State, Ticks, Velocity,
 };
 
 use crate::{count, row};
@@ -46,9 +46,10 @@ impl PulseSink for Played {
     }
 }
 
+/// Plans as an axis does, over the plan that was.
 #[inline(never)]
-fn plan(clock: Clock, from: State, target: i64, limits: Limits) -> Plan {
-    Plan::move_to(clock, 0, from, target, limits).unwrap()
+fn plan(clock: Clock, plan: &mut Plan, target: i64, limits: Limits) {
+    plan.redirect(clock, 0, Goal::Rest(target), limits).unwrap();
 }
 
 #[inline(never)]
@@ -60,19 +61,16 @@ fn advance(axis: &mut Axis, sink: &mut Played) {
 /// All workloads of motion.
 pub fn run() {
     let clock = Clock::new(HZ).unwrap();
-    let at_rest = State {
-        position: Position::from_steps(0),
-        velocity: Velocity::ZERO,
-    };
     // The reference vectors T01, a long trapezoid, and T14, a target inside the stopping distance: overshoot and return.
     let limits = Limits {
         velocity: 100_000,
         acceleration: 500_000,
         deceleration: 500_000,
     };
-    let (t01, ended) = count(|| black_box(plan(clock, black_box(at_rest), 100_000, limits)));
+    let mut planned = Plan::at_rest(0, 0);
+    let (t01, ()) = count(|| plan(clock, black_box(&mut planned), 100_000, limits));
     assert_eq!(
-        ended.state_at(Ticks::MAX).position,
+        planned.state_at(Ticks::MAX).position,
         Position::from_steps(100_000)
     );
     row("motion: plan T01, from rest", t01);
@@ -81,9 +79,10 @@ pub fn run() {
         position: Position::from_steps(0),
         velocity: Velocity::from_steps_per_second(clock, 50_000),
     };
-    let (t14, ended) = count(|| black_box(plan(clock, black_box(moving), 1_000, limits)));
+    let mut planned = Plan::velocity(clock, 0, moving, 50_000, limits).unwrap();
+    let (t14, ()) = count(|| plan(clock, black_box(&mut planned), 1_000, limits));
     assert_eq!(
-        ended.state_at(Ticks::MAX).position,
+        planned.state_at(Ticks::MAX).position,
         Position::from_steps(1_000)
     );
     row("motion: plan T14, overshoot and return", t14);
