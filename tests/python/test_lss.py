@@ -34,7 +34,7 @@ def identity(lss):
 def test_fastscan_finds_the_unconfigured_drive(lss):
     expected = identity(lss)
     # Every bit that is 1 costs one time-out, and an answer that comes late spoils the scan.
-    lss.RESPONSE_TIMEOUT = 0.5
+    lss.RESPONSE_TIMEOUT = 1
     found, words = lss.fast_scan()
     assert found
     assert words == expected
@@ -48,7 +48,7 @@ def test_fastscan_finds_the_unconfigured_drive(lss):
 def test_fastscan_finds_two_drives_in_turn(start, connect):
     serials = (0x12345678, 0x12345679)
     network = connect([start(arguments=["--serial", serial]) for serial in serials][0])
-    network.lss.RESPONSE_TIMEOUT = 0.5
+    network.lss.RESPONSE_TIMEOUT = 1
     for node_id, serial in enumerate(serials, start=1):
         boot_up = Frames(network, 0x700 + node_id)
         assert network.lss.fast_scan() == (True, [0, 0x402, 0x10000, serial])
