@@ -178,6 +178,7 @@ mod tests {
         ] {
             assert_eq!(u32::from(ours.code()), theirs as u32);
             assert_eq!(format!("{ours:?}"), format!("{theirs:?}"));
+            assert_eq!(ours.size().unwrap_or_default(), theirs.size());
         }
     }
 

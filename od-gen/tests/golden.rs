@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use od_gen::model::DefaultValue;
-use od_gen::{Colour, Model, Options, Report, generate, read};
+use od_gen::{Colour, Figures, Model, Options, Report, generate, read};
 
 fn model(file: &str) -> Model {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(file);
@@ -188,4 +188,14 @@ fn o04_a_data_sheet_as_vendors_ship_them_is_read() {
     assert_eq!(default(0x2ABC, 0), DefaultValue::number(-128));
     assert_eq!(default(0x5FFF, 0), DefaultValue::Text(vec![0, 0xFF, 0xA0]));
     assert!(default(0x1200, 2).adds_node_id() && default(0x1014, 0).adds_node_id());
+}
+
+#[test]
+fn descriptors_and_limits_of_a_data_sheet_take_at_most_twelve_bytes_an_entry() {
+    for file in ["axis402", "lmd", "nanotec", "s200", "tc1"] {
+        let figures = Figures::of(&model(&format!("../eds/{file}.eds")));
+        let (entries, bytes) = (figures.entries, figures.descriptors + figures.limits);
+        assert!(entries > 100, "{file}");
+        assert!(bytes <= 12 * entries, "{file}: {bytes} for {entries}");
+    }
 }

@@ -63,7 +63,7 @@ fn o01_every_object_has_the_type_access_and_default_of_the_data_sheet() {
                 let refused = drive.try_write(
                     object.index,
                     sheet.sub,
-                    &vec![0; usize::from(entry.size).max(1)],
+                    &vec![0; usize::from(entry.size()).max(1)],
                 );
                 assert_eq!(
                     refused,

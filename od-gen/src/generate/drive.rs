@@ -149,8 +149,10 @@ fn converted(all: &[(&Description, Vec<Site<'_>>)]) -> Option<String> {
             // What the drive reads keeps its own limits.
             if let Some(home) = home.filter(|home| home.binding.is_none()) {
                 let (least, most) = home.row.entry.integer_limits();
-                low = low.max(least.unwrap_or(i64::MIN));
-                high = high.min(most.unwrap_or(i64::MAX));
+                let narrow =
+                    |limit: Option<i128>| limit.and_then(|limit| i64::try_from(limit).ok());
+                low = low.max(narrow(least).unwrap_or(i64::MIN));
+                high = high.min(narrow(most).unwrap_or(i64::MAX));
             }
             arms += &format!(
                 "            {} => {{\n                \

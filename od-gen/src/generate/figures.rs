@@ -4,10 +4,7 @@ use super::layout::Layout;
 use crate::model::Model;
 
 /// Bytes of a descriptor: `canopen::od::Entry`.
-const DESCRIPTOR: usize = 12;
-
-/// Bytes of a pair of limits: `canopen::od::Limits`.
-const LIMITS: usize = 16;
+const DESCRIPTOR: usize = 10;
 
 /// What a dictionary takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +28,7 @@ impl Figures {
         Self {
             entries: layout.rows.len(),
             descriptors: layout.rows.len() * DESCRIPTOR,
-            limits: layout.limits.len() * LIMITS,
+            limits: layout.limits.len(),
             values: layout.rom.len() + layout.defaults.len(),
             ram: layout.defaults.len(),
         }

@@ -28,14 +28,14 @@ pub(super) struct Layout<'a> {
     pub(super) rom: Vec<u8>,
     /// The block in RAM at power-on.
     pub(super) defaults: Vec<u8>,
-    /// Limits, each pair once.
-    pub(super) limits: Vec<(i64, i64)>,
+    /// Limits: the lowest number and the highest one, each as it travels; equal pairs once.
+    pub(super) limits: Vec<u8>,
     /// Where each storage group lies in RAM.
     pub(super) storage: [Range<usize>; 3],
     /// Where byte sequences stand in the block in flash, so that none need be there twice.
     known: HashMap<Vec<u8>, usize>,
-    /// The number of each pair of limits.
-    numbers: HashMap<(i64, i64), usize>,
+    /// Where each pair of limits stands, by its bytes.
+    pairs: HashMap<Vec<u8>, usize>,
 }
 
 /// One value.
@@ -46,7 +46,7 @@ pub(super) struct Row<'a> {
     /// The name of its getter.
     pub(super) name: String,
     pub(super) place: Place,
-    /// Which of the limits.
+    /// Where its limits are; an even number.
     pub(super) limits: Option<usize>,
     /// The group that stores it.
     pub(super) storage: Option<StorageGroup>,
@@ -70,7 +70,7 @@ impl<'a> Layout<'a> {
             limits: Vec::new(),
             storage: [0..0, 0..0, 0..0],
             known: HashMap::new(),
-            numbers: HashMap::new(),
+            pairs: HashMap::new(),
         };
         let names = names::getters(model);
         let entries = model
@@ -166,58 +166,48 @@ impl<'a> Layout<'a> {
     }
 
     fn limits_of(&mut self, entry: &Entry) -> Option<usize> {
-        let limits = limits(entry)?;
+        let pair = limits(entry)?;
         let list = &mut self.limits;
-        Some(*self.numbers.entry(limits).or_insert_with(|| {
-            list.push(limits);
-            list.len() - 1
+        Some(*self.pairs.entry(pair).or_insert_with_key(|pair| {
+            let at = list.len();
+            list.extend(pair);
+            at
         }))
     }
 }
 
-/// The limits as the firmware compares them; `None` where there are none beside the type's own.
-fn limits(entry: &Entry) -> Option<(i64, i64)> {
-    if entry.data_type.is_real() {
-        if entry.low_limit.is_none() && entry.high_limit.is_none() {
+/// The lowest and the highest number as they travel; `None` where there are no limits beside the type's own.
+fn limits(entry: &Entry) -> Option<Vec<u8>> {
+    let (low, high) = if entry.data_type.is_real() {
+        real_limits(entry)?
+    } else {
+        let (low_limit, high_limit) = entry.integer_limits();
+        if low_limit.is_none() && high_limit.is_none() {
             return None;
         }
-        let key = |limit: Option<Limit>, none: f64| match limit {
-            Some(Limit::Real(value)) => real_key(value, entry.data_type),
-            Some(Limit::Integer(_)) | None => real_key(none, entry.data_type),
-        };
-        let low = key(entry.low_limit, f64::NEG_INFINITY);
-        let high = key(entry.high_limit, f64::INFINITY);
-        // Both zeros are the same number: the lower one is the low limit, the higher one the high limit.
-        let low = if low == 0 { -1 } else { low };
-        let high = if high == -1 { 0 } else { high };
-        return Some((low, high));
-    }
-    let (low_limit, high_limit) = entry.integer_limits();
-    if low_limit.is_none() && high_limit.is_none() {
-        return None;
-    }
-    let (low, high) = entry.data_type.range()?;
-    // Of all types only UNSIGNED64 has a larger range; there the largest number stands for no limit.
-    let own = |limit: i128| i64::try_from(limit).unwrap_or(i64::MAX);
-    Some((
-        low_limit.unwrap_or(own(low)),
-        high_limit.unwrap_or(own(high)),
-    ))
+        let (low, high) = entry.data_type.range()?;
+        let (low, high) = (low_limit.unwrap_or(low), high_limit.unwrap_or(high));
+        (DefaultValue::number(low), DefaultValue::number(high))
+    };
+    let bytes = |limit| transfer::bytes(&limit, entry.data_type, 0);
+    Some([bytes(low), bytes(high)].concat())
 }
 
-/// A REAL number as the integer that `canopen::od::Limits` has for it.
-fn real_key(value: f64, data_type: DataType) -> i64 {
-    let bits = if data_type == DataType::Real32 {
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "it was rounded to a REAL32 when it was read"
-        )]
-        let bits = (value as f32).to_bits();
-        i64::from(bits.cast_signed()) << 32
-    } else {
-        value.to_bits().cast_signed()
+/// Those of a REAL.
+fn real_limits(entry: &Entry) -> Option<(DefaultValue, DefaultValue)> {
+    if entry.low_limit.is_none() && entry.high_limit.is_none() {
+        return None;
+    }
+    let number = |limit: Option<Limit>, none: f64| match limit {
+        Some(Limit::Real(value)) => value,
+        Some(Limit::Integer(_)) | None => none,
     };
-    bits ^ ((bits >> 63) & i64::MAX)
+    let low = number(entry.low_limit, f64::NEG_INFINITY);
+    let high = number(entry.high_limit, f64::INFINITY);
+    // Both zeros are the same number: the lower one is the low limit, the higher one the high limit.
+    let low = if low == 0.0 { -0.0 } else { low };
+    let high = if high == 0.0 { 0.0 } else { high };
+    Some((DefaultValue::Real(low), DefaultValue::Real(high)))
 }
 
 /// Whether a value can lie in flash: `const` objects, strings nobody can write, and the sub-index 0 of a record or an array whose

@@ -8,12 +8,7 @@ pub(super) fn write(layout: &Layout<'_>) -> String {
     let ram_size = layout.defaults.len();
     let entries: String = layout.rows.iter().map(entry).collect();
     let count = layout.rows.len();
-    let limits: String = layout
-        .limits
-        .iter()
-        .map(|(low, high)| format!("        Limits {{ low: {low}, high: {high} }},\n"))
-        .collect();
-    let limit_count = layout.limits.len();
+    let (limits, limits_size) = (bytes(&layout.limits), layout.limits.len());
     let (rom, rom_size) = (bytes(&layout.rom), layout.rom.len());
     let defaults = bytes(&layout.defaults);
     let range = |range: &std::ops::Range<usize>| format!("{}..{}", range.start, range.end);
@@ -27,7 +22,7 @@ pub(super) fn write(layout: &Layout<'_>) -> String {
         "\
 #[rustfmt::skip]
 mod table {{
-    use ::canopen::od::{{Attributes, DataType, Entry, Limits, Table}};
+    use ::canopen::od::{{Attributes, DataType, Entry, Table}};
 
     pub(super) const RAM_SIZE: usize = {ram_size};
 
@@ -42,7 +37,7 @@ mod table {{
     pub(super) static ENTRIES: [Entry; {count}] = [
 {entries}    ];
 
-    static LIMITS: [Limits; {limit_count}] = [
+    static LIMITS: [u8; {limits_size}] = [
 {limits}    ];
 
     static ROM: [u8; {rom_size}] = [
@@ -52,17 +47,6 @@ mod table {{
 {defaults}    ];
 
     const NONE: u16 = Entry::NO_LIMITS;
-
-    const fn entry(
-        (index, sub): (u16, u8),
-        data_type: DataType,
-        offset: u16,
-        size: u16,
-        attributes: u16,
-        limits: u16,
-    ) -> Entry {{
-        Entry {{ index, sub, data_type, offset, size, attributes: Attributes(attributes), limits }}
-    }}
 }}
 "
     )
@@ -70,19 +54,22 @@ mod table {{
 
 /// One line of the table; its comment is the name of its getter.
 fn entry(row: &Row<'_>) -> String {
-    let (index, sub, size) = (row.object.index, row.entry.sub, row.entry.size);
+    let (index, sub) = (row.object.index, row.entry.sub);
     let data_type = variant(row.entry.data_type);
     let offset = match row.place {
         Place::Ram(offset) | Place::Rom(offset) => offset,
         Place::Application => 0,
     };
     let attributes = attributes(row);
-    let limits = row
-        .limits
-        .map_or_else(|| "NONE".into(), |number| number.to_string());
+    // Of a number the place of its limits, of everything else its length.
+    let detail = match (row.entry.data_type.size(), row.limits) {
+        (None, _) => row.entry.size.to_string(),
+        (Some(_), Some(at)) => (at / 2).to_string(),
+        (Some(_), None) => "NONE".into(),
+    };
     let name = &row.name;
     format!(
-        "        // {name}\n        entry((0x{index:04X}, {sub}), DataType::{data_type}, {offset}, {size}, {attributes}, {limits}),\n"
+        "        // {name}\n        Entry::new((0x{index:04X}, {sub}), DataType::{data_type}, {offset}, {detail}, {attributes}),\n"
     )
 }
 

@@ -149,14 +149,13 @@ fn limits_are_kept_once_each() {
         }
     }
     let layout = Layout::new(&model);
-    let shared = layout
-        .limits
-        .iter()
-        .filter(|limits| **limits == (0, 7))
-        .count();
-    assert_eq!(shared, 1);
-    assert!(
-        layout.limits.contains(&(1, i64::MAX)),
+    let of = |index, sub| layout.row(index, sub).unwrap().limits.unwrap();
+    assert_eq!(layout.limits[of(0x1018, 0)..][..2], [0, 7]);
+    assert_eq!(of(0x1018, 0), of(0x2001, 0));
+    let wide = [1_u64, u64::MAX].map(u64::to_le_bytes).concat();
+    assert_eq!(
+        layout.limits[of(0x2005, 0)..][..16],
+        wide,
         "UNSIGNED64 without HighLimit"
     );
 }

@@ -104,15 +104,12 @@ impl Entry {
     }
 
     /// The limits of an integer where they are narrower than its type's own.
-    pub fn integer_limits(&self) -> (Option<i64>, Option<i64>) {
+    pub fn integer_limits(&self) -> (Option<i128>, Option<i128>) {
         let Some((low, high)) = self.data_type.range() else {
             return (None, None);
         };
-        let narrower = |limit: Option<Limit>, own: i128| {
-            let value = limit?.integer().filter(|value| *value != own)?;
-            // The largest means none in the firmware.
-            i64::try_from(value).ok().filter(|value| *value < i64::MAX)
-        };
+        let narrower =
+            |limit: Option<Limit>, own: i128| limit?.integer().filter(|value| *value != own);
         (
             narrower(self.low_limit, low),
             narrower(self.high_limit, high),

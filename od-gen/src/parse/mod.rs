@@ -88,6 +88,14 @@ pub(crate) fn parse(
         let message = "the values of the dictionary take more than 64 KiB";
         findings.report(&rule::DICTIONARY_TOO_LARGE, Span::START, message);
     }
+    // Two limits for each, and their place is counted in pairs of bytes.
+    let limited = model.entries().map(|(_, entry)| entry);
+    let limited = limited.filter(|entry| entry.low_limit.is_some() || entry.high_limit.is_some());
+    let sizes = limited.map(|entry| usize::from(entry.size));
+    if sizes.sum::<usize>() > LARGEST_DICTIONARY {
+        let message = "the limits of the dictionary take more than 128 KiB";
+        findings.report(&rule::DICTIONARY_TOO_LARGE, Span::START, message);
+    }
     (model, broken)
 }
 

@@ -36,14 +36,6 @@ pub(super) fn limit(
     let number = Number::parse(written.text);
     let number = findings.take(&rule::NOT_A_NUMBER, written.span, number)?;
     let value = fit(number, data_type, written, &rule::LIMIT_TYPE, findings)?;
-    let own = data_type.range().is_some_and(|(_, high)| value == high);
-    // The firmware keeps limits in 64 signed bits, of which the largest means none.
-    if value >= i64::MAX.into() && !own {
-        let Written { key, text, .. } = written;
-        let message =
-            format!("the device does not check {key} {text}: it keeps limits below 2^63-1");
-        findings.report(&rule::LIMIT_TOO_LARGE, written.span, message);
-    }
     Some(Some(Limit::Integer(value)))
 }
 

@@ -13,7 +13,6 @@ pub(crate) const RULES: &[&Rule] = &[
     &DEFAULT_TYPE,
     &LIMIT_TYPE,
     &LIMIT_OF_NO_NUMBER,
-    &LIMIT_TOO_LARGE,
     &VALUE_OF_A_DOMAIN,
     &LOW_ABOVE_HIGH,
     &DEFAULT_OUTSIDE_LIMITS,
@@ -91,13 +90,6 @@ pub(crate) static LIMIT_OF_NO_NUMBER: Rule = Rule::warning(
     "limit-of-no-number",
     "Only numbers have limits.",
     "A limit of a string or a domain means nothing, and is left out.",
-);
-
-pub(crate) static LIMIT_TOO_LARGE: Rule = Rule::warning(
-    "limit-too-large",
-    "Limits stay below 2^63-1.",
-    "The firmware keeps limits in 64 signed bits. Such a limit of an UNSIGNED64 stays in the data sheet, and the device \
-     does not check it.",
 );
 
 pub(crate) static VALUE_OF_A_DOMAIN: Rule = Rule::warning(
@@ -196,6 +188,6 @@ pub(crate) static MEMORY: Rule = Rule::error(
 
 pub(crate) static DICTIONARY_TOO_LARGE: Rule = Rule::fatal(
     "dictionary-too-large",
-    "The values of a dictionary take at most 64 KiB.",
+    "The values of a dictionary take at most 64 KiB, and their limits twice as much.",
     "Descriptors hold 16-bit offsets.",
 );

@@ -180,7 +180,7 @@ fn values() {
     assert_eq!(DESCRIPTIONS[position], "rw INTEGER24, -1000 to 1000, -2 at power-on");
     let position = table.position(0x2019, 0).unwrap();
     assert_eq!(DESCRIPTIONS[position], "What runs after power-on. (rw VISIBLE_STRING, up to 4000 bytes)");
-    assert_eq!(size_of_val(&table.entries[0]), 12);
+    assert_eq!(size_of_val(&table.entries[0]), 10);
 }
 
 struct Station {

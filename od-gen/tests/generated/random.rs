@@ -180,8 +180,8 @@ fn main() {
         let value = od::value(&dictionary, entry).to_vec();
         match entry.location() {
             Location::Application => assert!(value.is_empty()),
-            _ if entry.data_type.is_variable() => assert!(value.len() <= usize::from(entry.size)),
-            _ => assert_eq!(value.len(), usize::from(entry.size)),
+            _ if entry.is_variable() => assert!(value.len() <= usize::from(entry.size())),
+            _ => assert_eq!(value.len(), usize::from(entry.size())),
         }
         if entry.location() != Location::Application {
             assert_eq!(od::check(table, entry, &value), Ok(()), "{entry:?}");

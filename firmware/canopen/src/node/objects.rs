@@ -125,7 +125,7 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
     #[cold]
     #[inline(never)]
     fn number(&mut self, entry: &Entry) -> Result<&[u8], AbortCode> {
-        let size = usize::from(entry.size);
+        let size = usize::from(entry.size());
         let room = self.number.get_mut(..size).ok_or(AbortCode::General)?;
         let given = self.application.read_at(self.dictionary, entry, 0, room)?;
         let whole = (given == size).then_some(&*room);
@@ -175,7 +175,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         }
         Ok(match entry.location() {
             Location::Ram(_) => Value::Variable(od::value(self.dictionary, entry)),
-            Location::Rom(offset) => Value::Constant(od::constant(D::TABLE, offset, entry.size)),
+            Location::Rom(offset) => Value::Constant(od::constant(D::TABLE, offset, entry.size())),
             Location::Application if !D::FEATURES.streams => Value::Constant(&[]),
             Location::Application if !entry.is_streamed() => Value::Variable(self.number(entry)?),
             Location::Application => {

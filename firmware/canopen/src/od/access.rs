@@ -96,7 +96,7 @@ pub fn find<D: Dictionary + ?Sized>(index: u16, sub: u8) -> Result<&'static Entr
 pub fn value<'a, D: Dictionary + ?Sized>(dictionary: &'a D, entry: &Entry) -> &'a [u8] {
     match entry.location() {
         Location::Ram(_) => present(dictionary.ram(), entry),
-        Location::Rom(_) => slot(D::TABLE.rom, entry.offset, entry.size),
+        Location::Rom(_) => slot(D::TABLE.rom, entry.offset, entry.size()),
         Location::Application => &[],
     }
 }
@@ -113,11 +113,11 @@ pub fn constant(table: &Table, offset: u16, size: u16) -> &'static [u8] {
 /// - [`AbortCode::ValueTooHigh`], [`AbortCode::ValueTooLow`]: outside LowLimit and HighLimit, or a BOOLEAN above 1.
 #[inline(never)]
 pub fn check(table: &Table, entry: &Entry, bytes: &[u8]) -> Result<(), AbortCode> {
-    let size = usize::from(entry.size);
+    let size = usize::from(entry.size());
     if bytes.len() > size {
         return Err(AbortCode::LengthTooHigh);
     }
-    if entry.data_type.is_variable() {
+    if entry.is_variable() {
         return Ok(());
     }
     if bytes.len() < size {
@@ -126,27 +126,48 @@ pub fn check(table: &Table, entry: &Entry, bytes: &[u8]) -> Result<(), AbortCode
     if entry.data_type == DataType::Boolean && bytes.first().is_some_and(|byte| *byte > 1) {
         return Err(AbortCode::ValueTooHigh);
     }
-    if entry.limits == Entry::NO_LIMITS {
-        return Ok(());
+    match entry.limits() {
+        None => Ok(()),
+        Some(at) => check_limits(table, entry.data_type, at, bytes),
     }
-    let Some(limits) = table.limits.get(usize::from(entry.limits)) else {
+}
+
+/// Whether a number lies between the limits at this place, ends included.
+fn check_limits(
+    table: &Table,
+    data_type: DataType,
+    at: usize,
+    bytes: &[u8],
+) -> Result<(), AbortCode> {
+    let size = bytes.len();
+    let limits = table.limits.get(at..at.saturating_add(2 * size));
+    let Some((low, high)) = limits.and_then(|limits| limits.split_at_checked(size)) else {
         return Ok(());
     };
-    let Some(number) = comparable(entry, bytes) else {
-        // An UNSIGNED64 above `i64::MAX`: only a dictionary without a HighLimit has room for it.
-        let unlimited = limits.high == i64::MAX;
-        return if unlimited {
-            Ok(())
-        } else {
-            Err(AbortCode::ValueTooHigh)
-        };
-    };
-    if number > limits.high {
+    let number = rank(data_type, bytes);
+    if number > rank(data_type, high) {
         Err(AbortCode::ValueTooHigh)
-    } else if number < limits.low {
+    } else if number < rank(data_type, low) {
         Err(AbortCode::ValueTooLow)
     } else {
         Ok(())
+    }
+}
+
+/// A number that is the larger the larger the value is, for values of one type. Those of a REAL are in the order of the numbers, the
+/// lower zero before the higher one and NaN beyond the ends.
+#[inline]
+fn rank(data_type: DataType, bytes: &[u8]) -> u64 {
+    const SIGN: u64 = 1 << 63;
+    let unused = 64u32.wrapping_sub(8 * bytes.len() as u32);
+    let raw = little_endian(bytes).wrapping_shl(unused);
+    if data_type.is_real() && raw >= SIGN {
+        // Sign and magnitude: the larger the magnitude of a negative number, the less it is.
+        !raw
+    } else if data_type.is_real() || data_type.is_signed() {
+        raw ^ SIGN
+    } else {
+        raw
     }
 }
 
@@ -175,34 +196,21 @@ pub fn put<D: Dictionary + ?Sized>(dictionary: &mut D, entry: &Entry, bytes: &[u
     }
 }
 
-/// A value as a number, sign-extended. `None` for a string, a REAL, a wrong length, and an UNSIGNED64 above `i64::MAX`
-/// (limits cannot be written for those).
+/// A value as a number, sign-extended. `None` for a string, a REAL, a wrong length, and an UNSIGNED64 above `i64::MAX`.
 pub fn number(entry: &Entry, bytes: &[u8]) -> Option<i64> {
     let data_type = entry.data_type;
-    let is_integer =
-        !data_type.is_variable() && !matches!(data_type, DataType::Real32 | DataType::Real64);
-    if !is_integer || bytes.len() != usize::from(entry.size) {
+    let is_integer = !entry.is_variable() && !data_type.is_real();
+    if !is_integer || bytes.len() != usize::from(entry.size()) {
         return None;
     }
     let raw = little_endian(bytes);
     if data_type.is_signed() {
         // Up to the top and back down: the shift right of a signed number copies its sign.
-        let unused = 64u32.saturating_sub(u32::from(entry.size).saturating_mul(8));
+        let unused = 64u32.saturating_sub(u32::from(entry.size()).saturating_mul(8));
         Some(raw.wrapping_shl(unused).cast_signed().wrapping_shr(unused))
     } else {
         i64::try_from(raw).ok()
     }
-}
-
-/// What is compared with limits: a number itself; of a REAL its bits, in the order of the numbers ([`Limits`]).
-fn comparable(entry: &Entry, bytes: &[u8]) -> Option<i64> {
-    if !matches!(entry.data_type, DataType::Real32 | DataType::Real64) {
-        return number(entry, bytes);
-    }
-    let unused = 64u32.saturating_sub(u32::from(entry.size).saturating_mul(8));
-    let bits = little_endian(bytes).wrapping_shl(unused).cast_signed();
-    // Sign and magnitude: the larger the magnitude of a negative number, the less it is.
-    Some(bits ^ (bits.wrapping_shr(63) & i64::MAX))
 }
 
 /// Sets the objects of a range of indices to their power-on values, the node-ID added where the data sheet says $NODEID. All
@@ -228,7 +236,7 @@ pub fn load_defaults<D: Dictionary + ?Sized>(
 
 /// The power-on value of a number in RAM, the node-ID added to it; its bytes and zeros behind them.
 pub fn node_id_default<D: Dictionary + ?Sized>(entry: &Entry, node_id: u8) -> [u8; 8] {
-    let default = slot(D::TABLE.defaults, entry.offset, entry.size.min(8));
+    let default = slot(D::TABLE.defaults, entry.offset, entry.size().min(8));
     let sum = little_endian(default).wrapping_add(u64::from(node_id));
     sum.to_le_bytes()
 }
@@ -299,7 +307,7 @@ fn read<D: Dictionary + ?Sized, const N: usize>(
     sub: u8,
 ) -> Option<[u8; N]> {
     let entry = find::<D>(index, sub).ok()?;
-    if entry.data_type.is_variable() {
+    if entry.is_variable() {
         return None;
     }
     value(dictionary, entry).try_into().ok()
@@ -310,7 +318,7 @@ fn write<D: Dictionary + ?Sized>(dictionary: &mut D, index: u16, sub: u8, bytes:
     let Ok(entry) = find::<D>(index, sub) else {
         return false;
     };
-    let fits = !entry.data_type.is_variable() && usize::from(entry.size) == bytes.len();
+    let fits = !entry.is_variable() && usize::from(entry.size()) == bytes.len();
     let in_ram = matches!(entry.location(), Location::Ram(_));
     if fits && in_ram {
         put(dictionary, entry, bytes);
@@ -323,21 +331,21 @@ const LENGTH_PREFIX: u16 = 2;
 
 /// Bytes that an entry takes in RAM.
 fn room(entry: &Entry) -> u16 {
-    if entry.data_type.is_variable() {
-        entry.size.saturating_add(LENGTH_PREFIX)
+    if entry.is_variable() {
+        entry.size().saturating_add(LENGTH_PREFIX)
     } else {
-        entry.size
+        entry.size()
     }
 }
 
 /// The present bytes of an entry in RAM.
 fn present<'a>(ram: &'a [u8], entry: &Entry) -> &'a [u8] {
-    if !entry.data_type.is_variable() {
-        return slot(ram, entry.offset, entry.size);
+    if !entry.is_variable() {
+        return slot(ram, entry.offset, entry.size());
     }
     match *slot(ram, entry.offset, LENGTH_PREFIX) {
         [low, high] => {
-            let length = u16::from_le_bytes([low, high]).min(entry.size);
+            let length = u16::from_le_bytes([low, high]).min(entry.size());
             slot(ram, entry.offset.saturating_add(LENGTH_PREFIX), length)
         }
         _ => &[],
@@ -346,17 +354,17 @@ fn present<'a>(ram: &'a [u8], entry: &Entry) -> &'a [u8] {
 
 /// Writes the bytes of an entry in RAM, never more than its own.
 fn put_at(ram: &mut [u8], offset: u16, entry: &Entry, bytes: &[u8]) {
-    if entry.data_type.is_variable() {
+    if entry.is_variable() {
         let length = u16::try_from(bytes.len())
             .unwrap_or(u16::MAX)
-            .min(entry.size);
+            .min(entry.size());
         copy(slot_mut(ram, offset, LENGTH_PREFIX), &length.to_le_bytes());
         copy(
             slot_mut(ram, offset.saturating_add(LENGTH_PREFIX), length),
             bytes,
         );
     } else {
-        copy(slot_mut(ram, offset, entry.size), bytes);
+        copy(slot_mut(ram, offset, entry.size()), bytes);
     }
 }
 

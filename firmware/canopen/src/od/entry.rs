@@ -35,10 +35,27 @@ pub enum DataType {
 impl DataType {
     /// Whether values differ in length (strings and domains).
     pub const fn is_variable(self) -> bool {
-        matches!(
-            self,
-            Self::VisibleString | Self::OctetString | Self::UnicodeString | Self::Domain
-        )
+        self.size() == 0
+    }
+
+    /// Length in bytes; 0 for what differs in length.
+    pub const fn size(self) -> u16 {
+        match self {
+            Self::Boolean | Self::Integer8 | Self::Unsigned8 => 1,
+            Self::Integer16 | Self::Unsigned16 => 2,
+            Self::Integer24 | Self::Unsigned24 => 3,
+            Self::Integer32 | Self::Unsigned32 | Self::Real32 => 4,
+            Self::Integer40 | Self::Unsigned40 => 5,
+            Self::TimeOfDay | Self::TimeDifference | Self::Integer48 | Self::Unsigned48 => 6,
+            Self::Integer56 | Self::Unsigned56 => 7,
+            Self::Integer64 | Self::Unsigned64 | Self::Real64 => 8,
+            Self::VisibleString | Self::OctetString | Self::UnicodeString | Self::Domain => 0,
+        }
+    }
+
+    /// Whether it is REAL32 or REAL64.
+    pub const fn is_real(self) -> bool {
+        matches!(self, Self::Real32 | Self::Real64)
     }
 
     /// Whether the number is signed.
@@ -115,6 +132,9 @@ impl Attributes {
     /// Stored with [`StorageGroup::Manufacturer`].
     pub const MANUFACTURER: u16 = (StorageGroup::Manufacturer as u16) << Self::STORAGE_SHIFT;
 
+    /// Where the length of a number begins, in bytes ([`DataType::size`]); 0 for what differs in length. [`Entry::new`] puts it there.
+    const SIZE_SHIFT: u32 = 12;
+
     /// Whether all of these bits are set.
     pub const fn has(self, bits: u16) -> bool {
         self.0 & bits == bits
@@ -133,19 +153,9 @@ pub enum StorageGroup {
     Manufacturer = 3,
 }
 
-/// Inclusive limits of a number. Those of a REAL are its bits at the top of 64, those below the sign inverted in a
-/// negative number: as integers these are in the order of the numbers, NaN beyond the ends.
+/// One sub-index of one object: 10 bytes of flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
-    /// LowLimit of the data sheet, or the type's own.
-    pub low: i64,
-    /// HighLimit of the data sheet, or the type's own. `i64::MAX` is no limit: an UNSIGNED64 may be above it.
-    pub high: i64,
-}
-
-/// One sub-index of one object: 12 bytes of flash.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C, align(4))]
+#[repr(C)]
 pub struct Entry {
     // These three are one word of memory, the index its high half: a search loads it at once.
     /// Data type.
@@ -156,19 +166,67 @@ pub struct Entry {
     pub index: u16,
     /// Offset in RAM, or in flash with [`Attributes::ROM`].
     pub offset: u16,
-    /// Length in bytes; for a string that can be written, its capacity.
-    pub size: u16,
+    /// What there is beside: of a number the place of its limits, of everything else its length.
+    detail: u16,
     /// Access, mapping and default rules.
     pub attributes: Attributes,
-    /// Number of its limits in [`super::Table::limits`]; [`Entry::NO_LIMITS`] for none.
-    pub limits: u16,
 }
 
-const _: () = assert!(size_of::<Entry>() == 12);
+const _: () = assert!(size_of::<Entry>() == 10);
 
 impl Entry {
     /// No limits beside those of the type.
     pub const NO_LIMITS: u16 = u16::MAX;
+
+    /// A line of the table. Of a number `detail` is the place of its limits in [`super::Table::limits`], counted in pairs of bytes, or
+    /// [`Entry::NO_LIMITS`]. Of what differs in length it is the length in bytes; for a string that can be written, its capacity.
+    pub const fn new(
+        (index, sub): (u16, u8),
+        data_type: DataType,
+        offset: u16,
+        detail: u16,
+        attributes: u16,
+    ) -> Self {
+        Self {
+            data_type,
+            sub,
+            index,
+            offset,
+            detail,
+            attributes: Attributes(attributes | data_type.size() << Attributes::SIZE_SHIFT),
+        }
+    }
+
+    /// Length in bytes; for a string that can be written, its capacity.
+    #[inline]
+    pub const fn size(&self) -> u16 {
+        match self.attributes.0 >> Attributes::SIZE_SHIFT {
+            0 => self.detail,
+            size => size,
+        }
+    }
+
+    /// Whether values differ in length: [`DataType::is_variable`].
+    #[inline]
+    pub const fn is_variable(&self) -> bool {
+        self.attributes.0 < 1 << Attributes::SIZE_SHIFT
+    }
+
+    /// Whether a number has limits beside those of its type.
+    #[inline]
+    pub const fn has_limits(&self) -> bool {
+        !self.is_variable() && self.detail != Self::NO_LIMITS
+    }
+
+    /// Where the limits of a number begin, in bytes of [`super::Table::limits`]; `None` where there are none.
+    #[inline]
+    pub(super) const fn limits(&self) -> Option<usize> {
+        if self.has_limits() {
+            Some(self.detail as usize * 2)
+        } else {
+            None
+        }
+    }
 
     /// Index and sub-index as one number; the table is sorted by it.
     pub const fn key(&self) -> u32 {
@@ -194,7 +252,7 @@ impl Entry {
 
     /// Whether it comes and goes piece by piece.
     pub const fn is_streamed(&self) -> bool {
-        self.attributes.has(Attributes::STREAMED) && self.data_type.is_variable()
+        self.attributes.has(Attributes::STREAMED) && self.is_variable()
     }
 
     /// The group that stores it; `None` for what is lost at power-off.

@@ -118,11 +118,15 @@ impl Table {
         if default >= MULTIPLEXED {
             return true;
         }
-        let limits = match self.limits.split_at_checked(entry.limits as usize) {
-            Some((_, [limits, ..])) => limits.high,
-            _ => i64::MAX,
+        // An UNSIGNED8: its limits are two bytes.
+        let highest = match entry.limits() {
+            Some(at) => match self.limits.split_at_checked(at) {
+                Some((_, [_, high, ..])) => *high,
+                _ => u8::MAX,
+            },
+            None => u8::MAX,
         };
-        !is_constant && limits >= MULTIPLEXED as i64
+        !is_constant && highest >= MULTIPLEXED
     }
 }
 

@@ -6,7 +6,7 @@
 //! generated type adds a typed getter and setter for each object, so code never meets an offset.
 //!
 //! Layout of a value: numbers take the bytes of their type. A string that can be written takes a `u16` with its present
-//! length and then [`Entry::size`] bytes; a string that cannot be written lies in flash, `size` bytes, no prefix. The values
+//! length and then [`Entry::size`] bytes; a string that cannot be written lies in flash, as many bytes, no prefix. The values
 //! of each storage group lie side by side. A DOMAIN, and what is too long for RAM, lies with the application.
 
 mod access;
@@ -22,7 +22,7 @@ pub use access::{
     put, read_u8, read_u16, read_u32, set, value, write_u8, write_u16, write_u32,
 };
 pub use counts::{Count, Counts, Slots, Unused};
-pub use entry::{Access, Attributes, DataType, Entry, Limits, Location, StorageGroup, key};
+pub use entry::{Access, Attributes, DataType, Entry, Location, StorageGroup, key};
 pub use features::Features;
 pub use typed::{
     DayTime, OutOfRange, Value, bytes_at, give, put_at, signed, signed_bytes, unsigned,
@@ -38,8 +38,8 @@ pub struct Table {
     pub rom: &'static [u8],
     /// The power-on image of the RAM block, node-ID not yet added to entries with [`Attributes::NODE_ID`].
     pub defaults: &'static [u8],
-    /// Limits that entries refer to by number.
-    pub limits: &'static [Limits],
+    /// Limits that entries refer to by their place: the lowest and the highest number, each as it travels on the bus. Entries share them.
+    pub limits: &'static [u8],
     /// The part of the RAM block that holds each storage group, in the order of [`StorageGroup`]; [`Table::stored`] gives it.
     pub storage: [Range<u16>; 3],
 }

@@ -1,6 +1,6 @@
 //! A small object dictionary, written as a list; offsets are computed when this is compiled.
 
-use canopen::od::{Attributes, Count, DataType, Dictionary, Entry, Limits, StorageGroup, Table};
+use canopen::od::{Attributes, Count, DataType, Dictionary, Entry, StorageGroup, Table};
 
 /// One line of the list.
 struct Line {
@@ -211,7 +211,8 @@ const fn storage(line: &Line) -> u16 {
     (group as u16) << Attributes::STORAGE_SHIFT
 }
 
-const LIMITS: &[Limits] = &[Limits { low: 10, high: 20 }, Limits { low: -5, high: 5 }];
+/// 10 to 20, and -5 to 5.
+const LIMITS: &[u8] = &[10, 20, 0xFB, 5];
 
 /// Bytes in RAM, bytes in flash, entries.
 const fn sizes() -> (usize, usize, usize) {
@@ -246,15 +247,7 @@ struct Layout {
 }
 
 const fn layout() -> Layout {
-    let nothing = Entry {
-        index: 0,
-        sub: 0,
-        data_type: DataType::Boolean,
-        offset: 0,
-        size: 0,
-        attributes: Attributes(0),
-        limits: Entry::NO_LIMITS,
-    };
+    let nothing = Entry::new((0, 0), DataType::Boolean, 0, Entry::NO_LIMITS, 0);
     let mut all = Layout {
         entries: [nothing; ENTRIES],
         defaults: [0; RAM],
@@ -271,15 +264,17 @@ const fn layout() -> Layout {
             } else {
                 line.default.len()
             };
-            all.entries[entry] = Entry {
-                index: line.index,
-                sub: line.sub,
-                data_type: line.data_type,
-                offset: if in_rom { rom as u16 } else { ram as u16 },
-                size: size as u16,
-                attributes: Attributes(line.attributes | storage(line)),
-                limits: line.limits,
-            };
+            all.entries[entry] = Entry::new(
+                (line.index, line.sub),
+                line.data_type,
+                if in_rom { rom as u16 } else { ram as u16 },
+                if line.data_type.is_variable() {
+                    size as u16
+                } else {
+                    line.limits
+                },
+                line.attributes | storage(line),
+            );
             if line.capacity > 0 {
                 all.defaults[ram] = line.default.len() as u8;
                 ram += 2;

@@ -75,7 +75,7 @@ impl Run {
                 let entry =
                     &Dictionary::TABLE.entries[random.below(Dictionary::TABLE.entries.len())];
                 let [low, high] = entry.index.to_le_bytes();
-                let size = (entry.size.clamp(1, 4) as u8 - 1) & 3;
+                let size = (entry.size().clamp(1, 4) as u8 - 1) & 3;
                 let command = if random.below(2) == 0 {
                     0x23 | (3 - size) << 2
                 } else {

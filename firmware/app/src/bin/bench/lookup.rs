@@ -7,15 +7,10 @@ use crate::{count, row};
 
 /// `N` entries: records with eight sub-indices each, as in the manufacturer's area.
 const fn entries<const N: usize>() -> [Entry; N] {
-    let mut entries = [Entry {
-        index: 0x2000,
-        sub: 0,
-        data_type: DataType::Unsigned8,
-        offset: 0,
-        size: 1,
-        attributes: Attributes(Attributes::READ | Attributes::ROM),
-        limits: Entry::NO_LIMITS,
-    }; N];
+    let attributes = Attributes::READ | Attributes::ROM;
+    let first = (0x2000, 0);
+    let entry = Entry::new(first, DataType::Unsigned8, 0, Entry::NO_LIMITS, attributes);
+    let mut entries = [entry; N];
     let mut at = 0;
     while at < N {
         entries[at].index = 0x2000 + (at / 8) as u16;

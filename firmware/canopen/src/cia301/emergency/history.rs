@@ -41,7 +41,7 @@ impl History {
                 .range(INDEX..=INDEX)
                 .iter()
                 .map_while(|entry| match entry.location() {
-                    Location::Ram(offset) => Some((usize::from(offset), usize::from(entry.size))),
+                    Location::Ram(offset) => Some((usize::from(offset), usize::from(entry.size()))),
                     Location::Rom(_) | Location::Application => None,
                 });
         if let (Some((count, 1)), Some((first, WORD))) = (places.next(), places.next()) {

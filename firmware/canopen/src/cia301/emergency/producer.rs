@@ -103,7 +103,7 @@ impl Producer {
     /// Looks for 1001h.
     pub(super) fn find_register<D: Dictionary>(&mut self) {
         self.register = match od::find::<D>(0x1001, 0) {
-            Ok(entry) if entry.size == 1 => match entry.location() {
+            Ok(entry) if entry.size() == 1 => match entry.location() {
                 Location::Ram(offset) => Some(offset),
                 Location::Rom(_) | Location::Application => None,
             },

@@ -220,11 +220,11 @@ fn write<W: Writer>(
         return Err(AbortCode::UnsupportedAccess);
     }
     let default = od::node_id_default::<W::Dictionary>(entry, node_id);
-    let value = if value.is_empty() && !entry.data_type.is_variable() {
+    let value = if value.is_empty() && !entry.is_variable() {
         if !entry.attributes.has(Attributes::NODE_ID) {
             return Err(AbortCode::LengthMismatch);
         }
-        default.get(..usize::from(entry.size)).unwrap_or(&[])
+        default.get(..usize::from(entry.size())).unwrap_or(&[])
     } else {
         value
     };

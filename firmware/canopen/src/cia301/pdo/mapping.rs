@@ -65,8 +65,8 @@ impl MappingEntry {
         }
         let position = table.position(self.index(), self.sub())?;
         let entry = table.entries.get(position).ok_or(AbortCode::NoObject)?;
-        let has_length = is_whole(entry.data_type, entry.size, self.bits())
-            || is_part(entry.data_type, entry.size, self.bits());
+        let has_length = is_whole(entry.data_type, entry.size(), self.bits())
+            || is_part(entry.data_type, entry.size(), self.bits());
         match u16::try_from(position) {
             Ok(position) if has_length && is_mappable(entry, direction) => Ok(Target::Object {
                 position,
@@ -80,7 +80,7 @@ impl MappingEntry {
 
 /// Whether the data sheet and the access of an object allow this direction.
 pub(super) fn is_mappable(entry: &Entry, direction: Direction) -> bool {
-    let is_here = !entry.data_type.is_variable() && !entry.attributes.has(Attributes::STREAMED);
+    let is_here = !entry.is_variable() && !entry.attributes.has(Attributes::STREAMED);
     let is_allowed = match direction {
         // The rules of communication objects are kept by SDO only.
         Direction::Receive => {

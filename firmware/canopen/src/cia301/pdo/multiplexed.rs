@@ -101,7 +101,7 @@ pub(super) fn object<D: Dictionary>(
 ) -> Option<&'static Entry> {
     find::<D>(index, sub)
         .ok()
-        .filter(|entry| is_mappable(entry, direction) && entry.size <= MOST_BYTES)
+        .filter(|entry| is_mappable(entry, direction) && entry.size() <= MOST_BYTES)
 }
 
 /// The value of an object, the bytes that it does not have 0.

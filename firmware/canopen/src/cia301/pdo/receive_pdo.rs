@@ -363,7 +363,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
             Addressing::Source => multiplexed::dispatch(dictionary, &message),
         };
         if let Some(entry) = entry {
-            let length = usize::from(entry.size);
+            let length = usize::from(entry.size());
             let value = message.value.get(..length).unwrap_or(&message.value);
             if check(D::TABLE, entry, value).is_ok()
                 && application.validate(dictionary, entry, value).is_ok()

@@ -33,8 +33,7 @@ impl Destination {
     const LIMITED: u8 = 1 << 7;
 
     fn new(entry_position: u16, entry: &Entry, position: u8, bits: u8) -> Self {
-        let is_limited =
-            entry.limits != Entry::NO_LIMITS || (entry.data_type == DataType::Boolean && bits != 1);
+        let is_limited = entry.has_limits() || (entry.data_type == DataType::Boolean && bits != 1);
         Self {
             entry: entry_position,
             position: position | if is_limited { Self::LIMITED } else { 0 },
@@ -69,7 +68,7 @@ impl Destination {
             return frame.get(begin..end).unwrap_or(&[]);
         }
         *room = self.odd_value(frame);
-        room.get(..usize::from(entry.size)).unwrap_or(&[])
+        room.get(..usize::from(entry.size())).unwrap_or(&[])
     }
 
     #[cold]
@@ -155,7 +154,7 @@ impl<M: Slots<Destination>> Unpacking<M> {
         self.addressing.is_some()
             || self.objects().iter().any(|object| {
                 object.entry(table).is_some_and(|entry| {
-                    let end = entry.offset.saturating_add(entry.size);
+                    let end = entry.offset.saturating_add(entry.size());
                     entry.offset < watched.end && watched.start < end
                 })
             })

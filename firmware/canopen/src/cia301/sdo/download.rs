@@ -76,7 +76,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         size: Option<u32>,
         objects: &mut O,
     ) -> Result<(), AbortCode> {
-        let bound = u32::from(entry.size);
+        let bound = u32::from(entry.size());
         let is_streamed = O::ARE_THERE && entry.is_streamed();
         let most = if is_streamed && bound == 0 {
             u32::MAX
@@ -87,7 +87,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             if size > most {
                 return Err(AbortCode::LengthTooHigh);
             }
-            if size < bound && !is_streamed && !entry.data_type.is_variable() {
+            if size < bound && !is_streamed && !entry.is_variable() {
                 return Err(AbortCode::LengthTooLow);
             }
         }
@@ -209,8 +209,8 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
 
 /// The bytes that count in an expedited value whose length the client does not tell: as many as the object has.
 fn of_length<'a>(value: &'a [u8; 4], entry: &Entry) -> &'a [u8] {
-    if entry.size == 0 {
+    if entry.size() == 0 {
         return value;
     }
-    value.get(..usize::from(entry.size)).unwrap_or(value)
+    value.get(..usize::from(entry.size())).unwrap_or(value)
 }

@@ -5,7 +5,7 @@ use std::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::od::{Count, Limits, StorageGroup};
+use crate::od::{Count, StorageGroup};
 
 const RW: u16 = Attributes::READ | Attributes::WRITE;
 const CONST: u16 = Attributes::READ | Attributes::ROM | Attributes::CONSTANT;
@@ -18,19 +18,22 @@ const fn entry(
     size: u16,
     attributes: u16,
 ) -> Entry {
-    Entry {
-        index,
-        sub,
-        data_type,
-        offset,
-        size,
-        attributes: Attributes(attributes),
-        limits: Entry::NO_LIMITS,
-    }
+    let detail = match data_type.is_variable() {
+        true => size,
+        false => Entry::NO_LIMITS,
+    };
+    Entry::new((index, sub), data_type, offset, detail, attributes)
 }
 
 const fn limited(entry: Entry, limits: u16) -> Entry {
-    Entry { limits, ..entry }
+    let key = (entry.index, entry.sub);
+    Entry::new(
+        key,
+        entry.data_type,
+        entry.offset,
+        limits,
+        entry.attributes.0,
+    )
 }
 
 static TABLE: Table = Table {
@@ -49,7 +52,7 @@ static TABLE: Table = Table {
         entry(0x1018, 2, DataType::Unsigned32, 4, 4, Attributes::READ),
         limited(entry(0x2000, 0, DataType::Integer16, 8, 2, RW), 0),
         entry(0x2001, 0, DataType::VisibleString, 10, 6, RW),
-        limited(entry(0x2002, 0, DataType::Unsigned64, 18, 8, RW), 1),
+        limited(entry(0x2002, 0, DataType::Unsigned64, 18, 8, RW), 2),
         entry(0x2003, 0, DataType::Boolean, 26, 1, RW),
         entry(0x6000, 0, DataType::Integer8, 27, 1, RW),
         entry(0xFFFF, 0xFF, DataType::Unsigned16, 28, 2, RW),
@@ -66,15 +69,11 @@ static TABLE: Table = Table {
         0x34, 0x12, // FFFFh:FFh
     ],
     limits: &[
-        Limits {
-            low: -10,
-            high: 300,
-        },
-        Limits {
-            low: 1,
-            high: i64::MAX,
-        },
-        Limits { low: 0, high: 1000 },
+        0xF6, 0xFF, 0x2C, 0x01, // 2000h: -10 to 300
+        1, 0, 0, 0, 0, 0, 0, 0, // 2002h: 1 to 2^64 - 1
+        255, 255, 255, 255, 255, 255, 255, 255, //
+        0, 0, 0, 0, 0, 0, 0, 0, // 0 to 2^63
+        0, 0, 0, 0, 0, 0, 0, 0x80,
     ],
     storage: [0..4, 8..10, 18..31],
 };
@@ -207,16 +206,15 @@ fn limits_include_their_ends() {
 }
 
 #[test]
-fn an_unsigned64_above_the_signed_numbers_needs_a_dictionary_without_high_limit() {
+fn limits_of_an_unsigned64_reach_above_the_signed_numbers() {
     let entry = at(0x2002, 0);
     assert_eq!(check(&TABLE, entry, &u64::MAX.to_le_bytes()), Ok(()));
     assert_eq!(check(&TABLE, entry, &[0; 8]), Err(AbortCode::ValueTooLow));
-    let bounded = limited(*entry, 2);
-    assert_eq!(
-        check(&TABLE, &bounded, &u64::MAX.to_le_bytes()),
-        Err(AbortCode::ValueTooHigh)
-    );
-    assert_eq!(check(&TABLE, &bounded, &1000u64.to_le_bytes()), Ok(()));
+    let bounded = limited(*entry, 10);
+    let checked = |number: u64| check(&TABLE, &bounded, &number.to_le_bytes());
+    assert_eq!(checked((1 << 63) + 1), Err(AbortCode::ValueTooHigh));
+    assert_eq!(checked(1 << 63), Ok(()));
+    assert_eq!(checked(0), Ok(()));
 }
 
 #[test]
@@ -347,10 +345,60 @@ proptest! {
     fn any_entry_on_any_memory_is_safe_to_read(ram in any::<[u8; 30]>(), offset in any::<u16>(), size in any::<u16>()) {
         let dictionary = Small(ram);
         for data_type in [DataType::Unsigned32, DataType::OctetString] {
-            let length = value(&dictionary, &entry(0x2000, 0, data_type, offset, size, RW)).len();
-            prop_assert!(length <= 30 && length <= usize::from(size));
+            let entry = entry(0x2000, 0, data_type, offset, size, RW);
+            let length = value(&dictionary, &entry).len();
+            prop_assert!(length <= 30 && length <= usize::from(entry.size()));
         }
     }
+
+    #[test]
+    fn limits_are_compared_as_numbers_of_every_length(low in any::<i64>(), high in any::<i64>(), number in any::<i64>()) {
+        for (data_type, unused) in [
+            (DataType::Integer8, 56),
+            (DataType::Integer24, 40),
+            (DataType::Integer32, 32),
+            (DataType::Integer56, 8),
+            (DataType::Integer64, 0),
+        ] {
+            let narrow = |number: i64| number >> unused;
+            let unsigned = |number: i64| number.cast_unsigned() >> unused;
+            let expected = |is_low: bool, is_high: bool| match (is_low, is_high) {
+                (_, true) => Err(AbortCode::ValueTooHigh),
+                (true, _) => Err(AbortCode::ValueTooLow),
+                _ => Ok(()),
+            };
+            let signed = [low, high, number].map(narrow);
+            let is_out = expected(signed[2] < signed[0], signed[2] > signed[1]);
+            prop_assert_eq!(checked(data_type, signed), is_out);
+            let is_out = expected(
+                unsigned(number) < unsigned(low),
+                unsigned(number) > unsigned(high),
+            );
+            let same_length = match data_type {
+                DataType::Integer8 => DataType::Unsigned8,
+                DataType::Integer24 => DataType::Unsigned24,
+                DataType::Integer32 => DataType::Unsigned32,
+                DataType::Integer56 => DataType::Unsigned56,
+                _ => DataType::Unsigned64,
+            };
+            prop_assert_eq!(checked(same_length, signed), is_out);
+        }
+    }
+}
+
+/// What a write of the third number is answered between the first and the second one.
+fn checked(data_type: DataType, [low, high, number]: [i64; 3]) -> Result<(), AbortCode> {
+    let size = usize::from(data_type.size());
+    let bytes = |number: i64| number.to_le_bytes()[..size].to_vec();
+    let table = Table {
+        entries: &[],
+        rom: &[],
+        defaults: &[],
+        limits: [bytes(low), bytes(high)].concat().leak(),
+        storage: Table::NO_STORAGE,
+    };
+    let entry = limited(entry(0x2000, 0, data_type, 0, 0, RW), 0);
+    check(&table, &entry, &bytes(number))
 }
 
 #[test]
@@ -377,22 +425,13 @@ fn a_value_with_the_application_is_not_in_memory() {
 
 #[test]
 fn limits_of_real_numbers_are_in_the_order_of_the_numbers() {
-    let key = |value: f32| {
-        let bits = i64::from(value.to_bits().cast_signed()) << 32;
-        bits ^ ((bits >> 63) & i64::MAX)
-    };
-    static LIMITED: std::sync::OnceLock<[Limits; 1]> = std::sync::OnceLock::new();
-    let limits = LIMITED.get_or_init(|| {
-        [Limits {
-            low: key(-1.5),
-            high: key(2.25),
-        }]
-    });
+    // -1.5 and 2.25.
+    static LIMITS: [u8; 8] = [0, 0, 0xC0, 0xBF, 0, 0, 0x10, 0x40];
     let table = Table {
         entries: &[],
         rom: &[],
         defaults: &[],
-        limits,
+        limits: &LIMITS,
         storage: Table::NO_STORAGE,
     };
     let real = limited(entry(0x2000, 0, DataType::Real32, 0, 4, RW), 0);

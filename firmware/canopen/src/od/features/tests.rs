@@ -1,17 +1,9 @@
 use super::*;
-use crate::od::{DataType, Limits};
+use crate::od::DataType;
 
 /// A table with entries of these indices, sub-indices and attributes; all values are at the same place.
 const fn entry(index: u16, sub: u8, attributes: u16, limits: u16) -> Entry {
-    Entry {
-        index,
-        sub,
-        data_type: DataType::Unsigned8,
-        offset: 0,
-        size: 1,
-        attributes: Attributes(attributes),
-        limits,
-    }
+    Entry::new((index, sub), DataType::Unsigned8, 0, limits, attributes)
 }
 
 fn features(entries: &'static [Entry], default: &'static [u8]) -> Features {
@@ -19,7 +11,7 @@ fn features(entries: &'static [Entry], default: &'static [u8]) -> Features {
         entries,
         rom: default,
         defaults: default,
-        limits: &[Limits { low: 0, high: 8 }, Limits { low: 0, high: 254 }],
+        limits: &[0, 8, 0, 254],
         storage: Table::NO_STORAGE,
     })
 }

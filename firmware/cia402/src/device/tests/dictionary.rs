@@ -123,15 +123,7 @@ const RAM: usize = {
 };
 
 const fn layout() -> ([Entry; OBJECTS.len()], [u8; RAM]) {
-    let blank = Entry {
-        index: 0,
-        sub: 0,
-        data_type: U8,
-        offset: 0,
-        size: 0,
-        attributes: Attributes(0),
-        limits: Entry::NO_LIMITS,
-    };
+    let blank = Entry::new((0, 0), U8, 0, Entry::NO_LIMITS, 0);
     let mut entries = [blank; OBJECTS.len()];
     let mut defaults = [0; RAM];
     let mut offset = 0;
@@ -139,15 +131,8 @@ const fn layout() -> ([Entry; OBJECTS.len()], [u8; RAM]) {
     while object < OBJECTS.len() {
         let (index, sub, data_type, attributes, value) = OBJECTS[object];
         let size = size(data_type);
-        entries[object] = Entry {
-            index,
-            sub,
-            data_type,
-            offset,
-            size,
-            attributes: Attributes(attributes),
-            limits: Entry::NO_LIMITS,
-        };
+        let key = (index, sub);
+        entries[object] = Entry::new(key, data_type, offset, Entry::NO_LIMITS, attributes);
         let mut byte = 0;
         while byte < size {
             defaults[(offset + byte) as usize] = (value >> (8 * byte)) as u8;

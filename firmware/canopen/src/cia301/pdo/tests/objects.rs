@@ -1,6 +1,6 @@
 //! A small dictionary with four PDOs each way, written by hand.
 
-use crate::od::{Attributes, Count, DataType, Dictionary, Entry, Limits, Table};
+use crate::od::{Attributes, Count, DataType, Dictionary, Entry, Table};
 
 const RW: u16 = Attributes::READ | Attributes::WRITE;
 const BOTH: u16 = RW | Attributes::RPDO | Attributes::TPDO;
@@ -23,19 +23,18 @@ impl Entries {
         attributes: u16,
     ) -> Self {
         let is_rom = attributes & Attributes::ROM != 0;
-        self.entries[self.count] = Entry {
-            index,
-            sub,
-            data_type,
-            offset: if is_rom {
-                (sub as u16 - 1) * 4
-            } else {
-                self.ram
-            },
-            size,
-            attributes: Attributes(attributes),
-            limits: if index == 0x2007 { 0 } else { Entry::NO_LIMITS },
+        let offset = if is_rom {
+            (sub as u16 - 1) * 4
+        } else {
+            self.ram
         };
+        let detail = match index {
+            _ if data_type.is_variable() => size,
+            0x2007 => 0,
+            _ => Entry::NO_LIMITS,
+        };
+        let key = (index, sub);
+        self.entries[self.count] = Entry::new(key, data_type, offset, detail, attributes);
         self.count += 1;
         if !is_rom {
             self.ram += if data_type.is_variable() {
@@ -83,15 +82,7 @@ impl Entries {
 }
 
 const fn entries() -> Entries {
-    let unused = Entry {
-        index: 0xFFFF,
-        sub: 0xFF,
-        data_type: DataType::Unsigned8,
-        offset: 0,
-        size: 0,
-        attributes: Attributes(0),
-        limits: 0,
-    };
+    let unused = Entry::new((0xFFFF, 0xFF), DataType::Unsigned8, 0, Entry::NO_LIMITS, 0);
     let mut table = Entries {
         entries: [unused; 384],
         count: 0,
@@ -193,7 +184,7 @@ impl Dictionary for Objects {
         entries: &ENTRIES,
         rom: &[0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88],
         defaults: &[0; RAM],
-        limits: &[Limits { low: -10, high: 10 }],
+        limits: &[0xF6, 10],
         storage: Table::NO_STORAGE,
     };
 

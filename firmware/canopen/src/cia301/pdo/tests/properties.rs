@@ -145,7 +145,7 @@ proptest! {
             rest >>= bits;
             if let Ok(entry) = find::<Objects>(u16::from_le_bytes([low, high]), sub) {
                 let bytes = number.to_le_bytes();
-                put(&mut plain, entry, &bytes[..usize::from(entry.size)]);
+                put(&mut plain, entry, &bytes[..usize::from(entry.size())]);
             }
         }
         prop_assert_eq!(planned.ram(), plain.ram());

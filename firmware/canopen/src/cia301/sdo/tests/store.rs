@@ -11,15 +11,8 @@ static STRING_ENTRY: Entry = entry(0x2000, 4000, 0);
 static STREAM_ENTRY: Entry = entry(0x2001, 0, Attributes::STREAMED);
 
 const fn entry(index: u16, size: u16, attributes: u16) -> Entry {
-    Entry {
-        index,
-        sub: 0,
-        data_type: DataType::OctetString,
-        offset: 0,
-        size,
-        attributes: Attributes(Attributes::READ | Attributes::WRITE | attributes),
-        limits: Entry::NO_LIMITS,
-    }
+    let attributes = Attributes::READ | Attributes::WRITE | attributes;
+    Entry::new((index, 0), DataType::OctetString, 0, size, attributes)
 }
 
 /// The values; both objects show the same one.
