@@ -4,12 +4,16 @@
 //! plan has become records; these are sent and stay. A new command plans from the state at the horizon, which is at most some three
 //! segments ahead of the motor, so it takes effect there, whatever the axis was doing.
 //!
+//! In place of a plan the axis can follow a path of set-points ([`Axis::follow`]), each with its tick of that time: on that tick it
+//! is exactly there. Any other order ends the path and begins where it has led to.
+//!
 //! Every pulse is accounted for: [`Axis::committed_position`] is always the sum of the pulses handed to the sink.
 
 use heapless::Deque;
 
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Position, State, Velocity};
+use crate::path::{FollowError, Path};
 use crate::plan::{Goal, Limits, Plan, PlanError};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::train::{Chord, Train};
@@ -66,6 +70,8 @@ const CHORDS_PER_SEGMENT: u64 = 32;
 pub struct Axis {
     clock: Clock,
     plan: Plan,
+    /// The set-points that are followed; in their place the plan stands still.
+    path: Option<Path>,
     train: Train,
     /// The commit horizon: up to here the plan has become records, but for one open period.
     horizon: Ticks,
@@ -84,6 +90,7 @@ impl Axis {
         let mut axis = Self {
             clock: config.clock,
             plan: Plan::at_rest(0, 0),
+            path: None,
             train: Train::new(config.timing, config.segment, 0, 0),
             horizon: 0,
             handed: 0,
@@ -139,6 +146,45 @@ impl Axis {
         )
     }
 
+    /// Follows set-points: goes in a straight line from the one before, or from where the axis is at the commit horizon, and is at `to`
+    /// at tick `end` of its time. To stay somewhere for a while, follow the position where the axis is.
+    ///
+    /// Behind the last set-point the axis goes on at its velocity for two segments, then it stands; so a set-point that
+    /// is late by that much makes no pause.
+    ///
+    /// # Errors
+    /// [`FollowError`]; the motion goes on as it was.
+    pub fn follow(&mut self, end: Ticks, to: Position) -> Result<(), FollowError> {
+        self.go_on(end, to, None)
+    }
+
+    /// As [`Axis::follow`], on a cubic that begins with the velocity that the axis has there and ends with `velocity`.
+    ///
+    /// # Errors
+    /// [`FollowError`]; the motion goes on as it was.
+    pub fn follow_smoothly(
+        &mut self,
+        end: Ticks,
+        to: Position,
+        velocity: Velocity,
+    ) -> Result<(), FollowError> {
+        self.go_on(end, to, Some(velocity))
+    }
+
+    /// Where the next set-point is gone to from, and at which tick: the last set-point, or the commit horizon if that is later.
+    pub fn course_end(&self) -> (Ticks, State) {
+        match &self.path {
+            Some(path) if path.end().0 >= self.horizon => path.end(),
+            _ => (self.horizon, self.state_at(self.horizon)),
+        }
+    }
+
+    /// The tick of the axis' time that is being played now, if the sink still has `pending` ticks to play. It stands
+    /// while the axis is at rest.
+    pub const fn played(&self, pending: Ticks) -> Ticks {
+        self.handed.saturating_sub(pending)
+    }
+
     /// The power is off: forgets the motion and stands, with no ramp, at [`Axis::committed_position`], which is returned.
     ///
     /// The caller clears the sink. If that held records not yet played, the motor is not there: the caller says where it is with
@@ -187,7 +233,7 @@ impl Axis {
 
     /// What is being played now, if the sink still has `pending` ticks to play.
     pub fn demand(&self, pending: Ticks) -> Demand {
-        let played = self.handed.saturating_sub(pending);
+        let played = self.played(pending);
         let mut before: Option<&(Ticks, State)> = None;
         for point in &self.trace {
             if point.0 > played {
@@ -206,26 +252,29 @@ impl Axis {
 
     /// Whether the motion has ended and all its records have been handed out. The sink may still be playing them.
     pub fn is_at_rest(&self) -> bool {
-        self.plan.end().is_some_and(|end| end <= self.horizon)
+        self.end().is_some_and(|end| end <= self.horizon)
             && self.train.next().is_none()
             && self.train.is_closed(self.horizon)
-            && self.train.due(self.plan.state_at(self.horizon).position) == 0
+            && self.train.due(self.state_at(self.horizon).position) == 0
     }
 
     /// The velocity at the commit horizon in steps/s: that from which the next command begins.
     pub fn committed_velocity(&self) -> i32 {
-        self.demand_of(self.plan.state_at(self.horizon)).velocity
+        self.demand_of(self.state_at(self.horizon)).velocity
     }
 
     /// Whether the commit horizon has reached the last phase of the motion, the ramp to rest, or its end.
     pub fn is_ending(&self) -> bool {
+        if let Some(path) = &self.path {
+            return path.end().0 <= self.horizon;
+        }
         let last = self.plan.phases().last();
         self.plan.end().is_some() && last.is_none_or(|last| last.start() <= self.horizon)
     }
 
     /// The direction in which the axis moves at the commit horizon; `None` if it stands there.
     pub fn heading(&self) -> Option<Direction> {
-        match self.plan.state_at(self.horizon).velocity.bits() {
+        match self.state_at(self.horizon).velocity.bits() {
             0 => None,
             1.. => Some(Direction::Forward),
             _ => Some(Direction::Reverse),
@@ -235,8 +284,7 @@ impl Axis {
     /// Where the motion ends, in whole steps: the target, or where a stop comes to rest. For a velocity that is kept, the position
     /// at the commit horizon.
     pub fn target(&self) -> i64 {
-        self.plan
-            .state_at(self.plan.end().unwrap_or(self.horizon))
+        self.state_at(self.end().unwrap_or(self.horizon))
             .position
             .whole_steps()
     }
@@ -247,6 +295,39 @@ impl Axis {
             .hz()
             .checked_div(self.train.timing().shortest_period())
             .unwrap_or(0)
+    }
+
+    fn go_on(
+        &mut self,
+        end: Ticks,
+        to: Position,
+        velocity: Option<Velocity>,
+    ) -> Result<(), FollowError> {
+        let horizon = self.horizon;
+        if let Some(path) = &mut self.path {
+            return path.go_on(horizon, end, to, velocity);
+        }
+        let grace = self.train.segment().saturating_mul(2);
+        let mut path = Path::new(horizon, self.plan.state_at(horizon), grace);
+        path.go_on(horizon, end, to, velocity)?;
+        self.path = Some(path);
+        Ok(())
+    }
+
+    /// Where the plan or the path is at tick `t`.
+    fn state_at(&self, t: Ticks) -> State {
+        match &self.path {
+            None => self.plan.state_at(t),
+            Some(path) => path.exact_at(t).rounded(),
+        }
+    }
+
+    /// The tick from which the axis stands; `None` if it never does.
+    fn end(&self) -> Option<Ticks> {
+        match &self.path {
+            None => self.plan.end(),
+            Some(path) => Some(path.rest()),
+        }
     }
 
     /// Hands out the records made.
@@ -264,26 +345,25 @@ impl Axis {
     /// Makes the records of the next chord.
     fn compose(&mut self) {
         let begin = self.horizon;
-        let from = self.plan.state_at(begin);
+        let from = self.state_at(begin);
         let segment = self.train.segment();
-        if self.plan.end().is_some_and(|end| end <= begin) && self.train.due(from.position) == 0 {
+        if self.end().is_some_and(|end| end <= begin) && self.train.due(from.position) == 0 {
             self.train.close(begin);
             self.horizon = begin.max(self.train.pen());
-            self.mark(self.plan.state_at(self.horizon));
+            self.mark(self.state_at(self.horizon));
             return;
         }
-        let corner = self
-            .plan
-            .next_corner(begin)
-            .map_or(Ticks::MAX, |corner| corner.saturating_sub(begin));
-        let length = self
-            .plan
-            .longest_chord(begin)
+        let (corner, longest) = match &self.path {
+            None => (self.plan.next_corner(begin), self.plan.longest_chord(begin)),
+            Some(path) => (path.next_corner(begin), path.longest_chord(begin)),
+        };
+        let corner = corner.map_or(Ticks::MAX, |corner| corner.saturating_sub(begin));
+        let length = longest
             .min(self.train.longest_chord(from.velocity))
             .max(segment / CHORDS_PER_SEGMENT)
             .min(corner);
         let end = begin.saturating_add(length);
-        let to = self.plan.state_at(end);
+        let to = self.state_at(end);
         self.train.draw(&Chord {
             from: (begin, from.position),
             to: (end, to.position),
@@ -312,6 +392,7 @@ impl Axis {
     /// The motion has ended: from now on the axis stands on the whole step that the pulses have reached.
     fn settle(&mut self) {
         self.plan = Plan::at_rest(self.committed.into(), self.horizon);
+        self.path = None;
         self.moving = false;
     }
 
@@ -330,7 +411,16 @@ impl Axis {
             velocity: limits.velocity.min(self.max_velocity()),
             ..limits
         };
-        self.plan.redirect(self.clock, self.horizon, goal, limits)
+        let (clock, horizon) = (self.clock, self.horizon);
+        match &self.path {
+            None => self.plan.redirect(clock, horizon, goal, limits),
+            Some(path) => {
+                let from = path.exact_at(horizon);
+                self.plan.make(clock, horizon, from, goal, limits)?;
+                self.path = None;
+                Ok(())
+            }
+        }
     }
 
     fn demand_of(&self, state: State) -> Demand {

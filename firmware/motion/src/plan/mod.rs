@@ -202,7 +202,8 @@ impl Plan {
         self.make(clock, at, from, goal, limits)
     }
 
-    fn make(
+    /// Becomes the plan from this state at tick `start`, whatever it was. On an error it stays as it was.
+    pub(crate) fn make(
         &mut self,
         clock: Clock,
         start: Ticks,
