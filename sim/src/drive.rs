@@ -297,6 +297,9 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
             fault: self.plant.fault,
             digital: digital(self.plant.look()),
             stall: None,
+            supply_voltage: Some(self.plant.supply_voltage),
+            temperature: Some(self.plant.temperature),
+            analogue: Some(self.plant.analogue),
         };
         let outputs = self
             .drive
@@ -305,6 +308,8 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
             self.plant.pulses_mut().drop_all();
         }
         self.plant.energise(outputs.power_stage);
+        self.plant.set_driver(outputs.current, outputs.microsteps);
+        self.plant.set_outputs(outputs.digital);
         self.plant.open_brake(outputs.brake_released);
         if let Some(samples) = &mut self.samples {
             samples.push(MotionSample {
@@ -420,9 +425,8 @@ fn digital(wires: [Sensed; WIRES]) -> DigitalInputs {
     for (n, (wire, captured)) in wires.iter().zip(&mut inputs.captured).enumerate() {
         inputs.levels |= u8::from(wire.level) << n;
         inputs.changed |= u8::from(wire.rose.is_some() || wire.fell.is_some()) << n;
-        // The board's counter has 32 bits.
-        captured.rose = wire.rose.map(|count| count as i32);
-        captured.fell = wire.fell.map(|count| count as i32);
+        captured.rose = wire.rose;
+        captured.fell = wire.fell;
     }
     inputs
 }

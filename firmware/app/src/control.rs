@@ -14,7 +14,7 @@
 //! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
 //!   starts anew.
 
-use canopen::Duration;
+use canopen::{Duration, Instant};
 use cia402::{Drive, DriveConfig, Exchange, Inputs, State};
 use motion::step_interrupt::RecordQueue;
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
@@ -55,6 +55,8 @@ pub struct Control {
     lost_before: u32,
     /// The motor had current after the last tick.
     powered: bool,
+    /// What the board measured in the last tick. It stays here: the edges of the inputs are many words that seldom change.
+    inputs: Inputs,
 }
 
 impl Control {
@@ -73,6 +75,7 @@ impl Control {
             edges,
             lost_before: 0,
             powered: false,
+            inputs: Inputs::default(),
         }
     }
 
@@ -87,25 +90,22 @@ impl Control {
                 State::Fault | State::FaultReactionActive
             );
 
-        let inputs = Inputs {
-            supply: self.stage.supply(),
-            position: self.pulses.position(),
-            // No board has a sensor for it yet.
-            warning: None,
-            fault: self
-                .stage
-                .fault()
-                .or((overrun && !harmless).then_some(CAN_OVERRUN)),
-            digital: self.edges.take(Selected::input_levels()),
-            // A step/direction driver does not tell.
-            stall: None,
-        };
-        let outputs = self.drive.tick(
-            clock::now(),
-            &inputs,
-            &mut self.pulses,
-            &mut Locked(&mut exchange),
-        );
+        let now = clock::now();
+        let counter = Selected::ticks();
+        let inputs = &mut self.inputs;
+        inputs.supply = self.stage.supply();
+        inputs.position = self.pulses.position();
+        inputs.fault = self
+            .stage
+            .fault()
+            .or((overrun && !harmless).then_some(CAN_OVERRUN));
+        self.edges
+            .take(Selected::input_levels(), &mut inputs.digital, |ticks| {
+                nanoseconds(now, counter.wrapping_sub(ticks))
+            });
+        let outputs = self
+            .drive
+            .tick(now, inputs, &mut self.pulses, &mut Locked(&mut exchange));
         self.stage.set_power(outputs.power_stage);
         self.stage.set_brake(outputs.brake_released);
         self.powered = outputs.power_stage;
@@ -116,6 +116,12 @@ impl Control {
             self.stage.feed_watchdog();
         }
     }
+}
+
+/// The drive's time, modulo 2³² nanoseconds, so many counts of the board before `now`.
+fn nanoseconds(now: Instant, counts: u32) -> u32 {
+    let age = u64::from(counts) * 1_000 / u64::from(Selected::TICKS_PER_MICROSECOND);
+    (now.ticks() * 1_000).wrapping_sub(age) as u32
 }
 
 const fn config() -> DriveConfig {

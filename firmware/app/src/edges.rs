@@ -1,18 +1,43 @@
-//! Edges of the digital inputs on their way from the input interrupt to the control tick, each with the position at which it came.
+//! Edges of the digital inputs on their way from the input interrupt to the control tick, each with the position and the time at
+//! which it came.
 //!
-//! Of several edges of one kind between two control ticks the first one counts: what follows is the bouncing of a contact.
+//! There are two banks. The interrupt notes edges in the one that is open; the control tick opens the other one, then reads the
+//! first at leisure. The interrupt goes before the control tick and is never interrupted by it: once another bank is open, nobody
+//! writes to the old one. So no edge is lost or counted twice, and nothing is locked.
 
-use core::sync::atomic::{AtomicI32, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
-use cia402::inputs::{Captured, DigitalInputs, COUNT};
+use cia402::inputs::{Captured, DigitalInputs, Edge, Edges as Passed, COUNT};
 
-/// The memory that the interrupt and the control tick share. The interrupt writes a position only while its bit is 0, the control
-/// tick clears the bit after it has read the position: so neither sees half of the other's work.
+/// The memory that the interrupt and the control tick share.
 pub struct Edges {
-    /// Rising edges of input `n` in bit `n − 1`, falling ones 16 bits above.
+    banks: [Bank; 2],
+    /// Where the interrupt notes edges.
+    open: AtomicUsize,
+    /// The levels after the last interrupt.
+    levels: AtomicU32,
+}
+
+/// The edges between two control ticks.
+struct Bank {
+    /// The inputs that have risen in bits 0 to 5, those that have fallen 16 bits above.
     seen: AtomicU32,
-    rose: [AtomicI32; COUNT],
-    fell: [AtomicI32; COUNT],
+    rose: [Cell; COUNT],
+    fell: [Cell; COUNT],
+}
+
+/// The edges of one kind of one input.
+struct Cell {
+    count: AtomicU32,
+    first: Place,
+    last: Place,
+}
+
+/// Where and when an edge came.
+struct Place {
+    position: AtomicU32,
+    /// On the counter of the board.
+    ticks: AtomicU32,
 }
 
 const FELL: u32 = 16;
@@ -21,52 +46,123 @@ impl Edges {
     /// None yet.
     pub const fn new() -> Self {
         Self {
-            seen: AtomicU32::new(0),
-            rose: [const { AtomicI32::new(0) }; COUNT],
-            fell: [const { AtomicI32::new(0) }; COUNT],
+            banks: [const { Bank::new() }; 2],
+            open: AtomicUsize::new(0),
+            levels: AtomicU32::new(0),
         }
     }
 
-    /// The inputs in `changed` have come to `levels` at this position. Called from the input interrupt.
-    pub fn note(&self, changed: u8, levels: u8, position: i32) {
-        let seen = self.seen.load(Ordering::Relaxed);
-        let mut added = 0;
+    /// The inputs in `changed` have come to `levels` at this position and at this count of [`crate::board::Board::ticks`]. Called
+    /// from the input interrupt. An input that is where it was before has been elsewhere meanwhile: it has seen both edges.
+    pub fn note(&self, changed: u8, levels: u8, position: i32, ticks: u32) {
+        let bank = &self.banks[self.open.load(Ordering::Relaxed) & 1];
+        let before = self.levels.load(Ordering::Relaxed) as u8;
+        self.levels.store(levels.into(), Ordering::Relaxed);
         for input in (0..COUNT).filter(|input| changed & 1 << input != 0) {
-            let rises = levels & 1 << input != 0;
-            let (cells, bit) = if rises {
-                (&self.rose, 1 << input)
-            } else {
-                (&self.fell, 1 << input << FELL)
-            };
-            if seen & bit == 0 {
-                cells[input].store(position, Ordering::Relaxed);
-                added |= bit;
+            let is_high = levels & 1 << input != 0;
+            if (before & 1 << input != 0) == is_high {
+                bank.note(input, !is_high, position, ticks);
             }
+            bank.note(input, is_high, position, ticks);
         }
-        self.seen.fetch_or(added, Ordering::Release);
     }
 
-    /// What has come since the last call. Called from the control tick.
-    pub fn take(&self, levels: u8) -> DigitalInputs {
-        let mut inputs = DigitalInputs {
-            levels,
-            ..DigitalInputs::NONE
-        };
-        let seen = self.seen.load(Ordering::Acquire);
-        if seen == 0 {
-            return inputs;
+    /// Puts what has come since the last call, and the levels now, into `inputs`. Called from the control tick. `time` gives the
+    /// drive's time in nanoseconds for a count of the board.
+    pub fn take(&self, levels: u8, inputs: &mut DigitalInputs, time: impl Fn(u32) -> u32) {
+        inputs.levels = levels;
+        inputs.changed = 0;
+        let open = self.open.load(Ordering::Relaxed) & 1;
+        let bank = &self.banks[open];
+        if bank.seen.load(Ordering::Relaxed) == 0 {
+            return;
         }
+        self.open.store(open ^ 1, Ordering::SeqCst);
+        bank.take(inputs, time);
+    }
+}
+
+impl Bank {
+    const fn new() -> Self {
+        Self {
+            seen: AtomicU32::new(0),
+            rose: [const { Cell::new() }; COUNT],
+            fell: [const { Cell::new() }; COUNT],
+        }
+    }
+
+    fn note(&self, input: usize, rises: bool, position: i32, ticks: u32) {
+        let (cell, bit) = if rises {
+            (&self.rose[input], 1 << input)
+        } else {
+            (&self.fell[input], 1 << input << FELL)
+        };
+        let seen = self.seen.load(Ordering::Relaxed);
+        let mut count = 1;
+        if seen & bit == 0 {
+            cell.first.set(position, ticks);
+        } else {
+            count = cell.count.load(Ordering::Relaxed).wrapping_add(1);
+        }
+        cell.count.store(count, Ordering::Relaxed);
+        cell.last.set(position, ticks);
+        self.seen.store(seen | bit, Ordering::Relaxed);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn take(&self, inputs: &mut DigitalInputs, time: impl Fn(u32) -> u32) {
+        let seen = self.seen.load(Ordering::Relaxed);
         inputs.changed = (seen | seen >> FELL) as u8;
         for (input, captured) in inputs.captured.iter_mut().enumerate() {
-            let edge = |cells: &[AtomicI32; COUNT], bit: u32| {
-                (seen & bit != 0).then(|| cells[input].load(Ordering::Relaxed))
-            };
+            let edges =
+                |cells: &[Cell; COUNT], bit| (seen & bit != 0).then(|| cells[input].passed(&time));
             *captured = Captured {
-                rose: edge(&self.rose, 1 << input),
-                fell: edge(&self.fell, 1 << input << FELL),
+                rose: edges(&self.rose, 1 << input),
+                fell: edges(&self.fell, 1 << input << FELL),
             };
         }
-        self.seen.fetch_and(!seen, Ordering::Release);
-        inputs
+        self.seen.store(0, Ordering::Relaxed);
+    }
+}
+
+impl Cell {
+    const fn new() -> Self {
+        Self {
+            count: AtomicU32::new(0),
+            first: Place::new(),
+            last: Place::new(),
+        }
+    }
+
+    fn passed(&self, time: &impl Fn(u32) -> u32) -> Passed {
+        let count = self.count.load(Ordering::Relaxed);
+        Passed {
+            first: self.first.edge(time),
+            last: self.last.edge(time),
+            count: u16::try_from(count).unwrap_or(u16::MAX),
+        }
+    }
+}
+
+impl Place {
+    const fn new() -> Self {
+        Self {
+            position: AtomicU32::new(0),
+            ticks: AtomicU32::new(0),
+        }
+    }
+
+    fn set(&self, position: i32, ticks: u32) {
+        self.position
+            .store(position.cast_unsigned(), Ordering::Relaxed);
+        self.ticks.store(ticks, Ordering::Relaxed);
+    }
+
+    fn edge(&self, time: &impl Fn(u32) -> u32) -> Edge {
+        Edge {
+            position: self.position.load(Ordering::Relaxed).cast_signed(),
+            time: time(self.ticks.load(Ordering::Relaxed)),
+        }
     }
 }

@@ -153,13 +153,15 @@ mod app {
     #[task(binds = EXTI4, priority = 5, shared = [step])]
     fn first_input(cx: first_input::Context) {
         let (player, lines, edges) = cx.shared.step;
-        edges.note(lines.take(), Selected::input_levels(), player.position());
+        let (ticks, position) = (Selected::ticks(), player.position());
+        edges.note(lines.take(), Selected::input_levels(), position, ticks);
     }
 
     #[task(binds = EXTI9_5, priority = 5, shared = [step])]
     fn inputs(cx: inputs::Context) {
         let (player, lines, edges) = cx.shared.step;
-        edges.note(lines.take(), Selected::input_levels(), player.position());
+        let (ticks, position) = (Selected::ticks(), player.position());
+        edges.note(lines.take(), Selected::input_levels(), position, ticks);
     }
 
     #[task(binds = CAN1_RX0, priority = 4, shared = [bus, reception])]

@@ -51,6 +51,12 @@ pub struct Inputs {
     pub digital: DigitalInputs,
     /// The motor driver senses that the motor is blocked; `None` if it has no such sense.
     pub stall: Option<bool>,
+    /// The supply of the power stage in millivolts; `None` if the board cannot measure it. Then `supply` alone counts.
+    pub supply_voltage: Option<u32>,
+    /// The temperature of the power stage in tenths of a degree Celsius; `None` if the board cannot measure it.
+    pub temperature: Option<i16>,
+    /// The analogue input as its converter of 12 bits reads it, 0 ..= 4095; `None` if there is none.
+    pub analogue: Option<u16>,
 }
 
 /// What the board must do, set at the end of a tick.
@@ -62,6 +68,12 @@ pub struct Outputs {
     pub brake_released: bool,
     /// Pulses not yet sent must be dropped: the power is off, or there is no ramp to stop on.
     pub drop_pulses: bool,
+    /// The current that the motor driver is to put into the motor, in milliamperes; 0 without power.
+    pub current: u16,
+    /// How many pulses of a full step the motor driver is to be set to.
+    pub microsteps: u16,
+    /// The levels of the digital outputs, output `n` in bit `n − 1`.
+    pub digital: u8,
 }
 
 /// The drive.
@@ -187,6 +199,9 @@ impl Drive {
             power_stage: self.power,
             brake_released: self.brake.is_released(),
             drop_pulses: !self.power || self.motor.is_cut(),
+            current: 0,
+            microsteps: 0,
+            digital: 0,
         }
     }
 

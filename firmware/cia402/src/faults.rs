@@ -260,6 +260,9 @@ mod tests {
         fault: None,
         digital: crate::inputs::DigitalInputs::NONE,
         stall: None,
+        supply_voltage: None,
+        temperature: None,
+        analogue: None,
     };
 
     #[test]

@@ -29,10 +29,48 @@ pub struct DigitalInputs {
 /// Edges of an input since the last tick. A board that cannot capture leaves them out; then the position in the tick counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Captured {
-    /// The position in increments (modulo 2³²) at the first rising edge.
-    pub rose: Option<i32>,
-    /// The same at the first falling edge.
-    pub fell: Option<i32>,
+    /// The rising edges.
+    pub rose: Option<Edges>,
+    /// The falling edges.
+    pub fell: Option<Edges>,
+}
+
+/// An edge, as it was captured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Edge {
+    /// The board's count in increments, modulo 2³².
+    pub position: i32,
+    /// The drive's time in nanoseconds, modulo 2³².
+    pub time: u32,
+}
+
+/// The edges of one kind that an input has seen since the last tick. Of bouncing contacts the first is the true one, of a probe
+/// that is sampled continuously the last.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Edges {
+    /// The first.
+    pub first: Edge,
+    /// The last; the first again if there was one.
+    pub last: Edge,
+    /// How many there were, at least 1.
+    pub count: u16,
+}
+
+impl Edges {
+    /// A single edge.
+    pub const fn one(edge: Edge) -> Self {
+        Self {
+            first: edge,
+            last: edge,
+            count: 1,
+        }
+    }
+
+    /// A further edge.
+    pub const fn add(&mut self, edge: Edge) {
+        self.last = edge;
+        self.count = self.count.saturating_add(1);
+    }
 }
 
 /// What an input is for, 2031h.
@@ -49,6 +87,10 @@ pub enum InputFunction {
     Home = 3,
     /// 4: index pulses.
     Index = 4,
+    /// 5: touch probe 1.
+    TouchProbe1 = 5,
+    /// 6: touch probe 2.
+    TouchProbe2 = 6,
 }
 
 impl DigitalInputs {
@@ -72,6 +114,8 @@ impl InputFunction {
             2 => Some(Self::PositiveLimit),
             3 => Some(Self::Home),
             4 => Some(Self::Index),
+            5 => Some(Self::TouchProbe1),
+            6 => Some(Self::TouchProbe2),
             _ => None,
         }
     }
@@ -88,9 +132,11 @@ pub struct InputConfiguration {
     pub home: u8,
     /// Index pulses.
     pub index: u8,
+    /// Touch probes 1 and 2.
+    pub touch_probes: [u8; 2],
     /// 2032h: these inputs are active while they are low.
     pub inverted: u8,
-    /// 2033h: how long a switch must keep a level, in milliseconds. Index pulses are not debounced.
+    /// 2033h: how long a switch must keep a level, in milliseconds. Index pulses and touch probes are not debounced.
     pub debounce: u8,
 }
 
@@ -101,6 +147,7 @@ impl InputConfiguration {
         positive_limit: 0,
         home: 0,
         index: 0,
+        touch_probes: [0; 2],
         inverted: 0,
         debounce: 0,
     };
@@ -114,11 +161,14 @@ impl InputConfiguration {
         };
         let mut input = 1;
         for code in functions {
+            let [probe_1, probe_2] = &mut configuration.touch_probes;
             match InputFunction::from_code(code) {
                 Some(InputFunction::NegativeLimit) => configuration.negative_limit |= input,
                 Some(InputFunction::PositiveLimit) => configuration.positive_limit |= input,
                 Some(InputFunction::Home) => configuration.home |= input,
                 Some(InputFunction::Index) => configuration.index |= input,
+                Some(InputFunction::TouchProbe1) => *probe_1 |= input,
+                Some(InputFunction::TouchProbe2) => *probe_2 |= input,
                 Some(InputFunction::None) | None => {}
             }
             input <<= 1;
@@ -224,9 +274,9 @@ impl Look<'_> {
         for captured in &self.inputs.captured {
             if mask & input != 0 {
                 let rises = to_active != (self.inverted & input != 0);
-                let edge = if rises { captured.rose } else { captured.fell };
-                if let Some(edge) = edge {
-                    return Some(edge.wrapping_add(self.shift));
+                let edges = if rises { captured.rose } else { captured.fell };
+                if let Some(edges) = edges {
+                    return Some(edges.first.position.wrapping_add(self.shift));
                 }
             }
             input <<= 1;

@@ -107,6 +107,9 @@ pub(crate) struct Rig {
     pub(crate) warning: Option<u16>,
     pub(crate) digital: DigitalInputs,
     pub(crate) stall: Option<bool>,
+    pub(crate) supply_voltage: Option<u32>,
+    pub(crate) temperature: Option<i16>,
+    pub(crate) analogue: Option<u16>,
     pub(crate) outputs: Outputs,
     /// Where the tick found the motor.
     pub(crate) seen: i64,
@@ -151,6 +154,9 @@ impl Rig {
             warning: None,
             digital: DigitalInputs::NONE,
             stall: None,
+            supply_voltage: None,
+            temperature: None,
+            analogue: None,
             outputs: Outputs::default(),
             seen: 0,
             now: Instant::from_ticks(0),
@@ -209,6 +215,9 @@ impl Rig {
             fault: self.fault,
             digital: self.digital,
             stall: self.stall,
+            supply_voltage: self.supply_voltage,
+            temperature: self.temperature,
+            analogue: self.analogue,
         };
         self.digital.changed = 0;
         self.digital.captured = DigitalInputs::NONE.captured;

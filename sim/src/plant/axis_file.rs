@@ -39,6 +39,8 @@ struct File {
     positive_limit: Option<Limit>,
     home: Option<Home>,
     index: Option<IndexPulses>,
+    probe_1: Option<Home>,
+    probe_2: Option<Home>,
 }
 
 /// `[stops]`: the axis cannot leave this range.
@@ -62,7 +64,7 @@ struct Limit {
     normally_closed: bool,
 }
 
-/// `[home]`: active in a range; up to an end of the axis if one of its ends is left out.
+/// `[home]`, `[probe_1]`, `[probe_2]`: active in a range; up to an end of the axis if one of its ends is left out.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Home {
@@ -131,11 +133,18 @@ impl File {
                 self.start, stops.low, stops.high
             ));
         }
-        if let Some(home) = &self.home
-            && let (Some(from), Some(to)) = (home.from, home.to)
-            && from > to
-        {
-            return Err(format!("home: from = {from} is above to = {to}"));
+        let ranges = [
+            ("home", &self.home),
+            ("probe_1", &self.probe_1),
+            ("probe_2", &self.probe_2),
+        ];
+        for (name, range) in ranges {
+            if let Some(range) = range
+                && let (Some(from), Some(to)) = (range.from, range.to)
+                && from > to
+            {
+                return Err(format!("{name}: from = {from} is above to = {to}"));
+            }
         }
         if self.turn == Some(0) {
             return Err("turn = 0".to_owned());
@@ -161,6 +170,16 @@ impl File {
                 limit.normally_closed,
             )
         };
+        let within = |home: Home| {
+            let from = home.from.map_or(i64::MIN / 2, i64::from);
+            let to = home.to.map_or(i64::MAX / 2, i64::from);
+            fit(
+                Switch::within(from..=to),
+                home.hysteresis,
+                home.bounce_us,
+                home.normally_closed,
+            )
+        };
         Track {
             negative_limit: self.negative_limit.map(|switch| {
                 let at = Switch::up_to(switch.at.into());
@@ -170,16 +189,8 @@ impl File {
                 let at = Switch::from(switch.at.into());
                 limit(switch, at)
             }),
-            home: self.home.map(|home| {
-                let from = home.from.map_or(i64::MIN / 2, i64::from);
-                let to = home.to.map_or(i64::MAX / 2, i64::from);
-                fit(
-                    Switch::within(from..=to),
-                    home.hysteresis,
-                    home.bounce_us,
-                    home.normally_closed,
-                )
-            }),
+            home: self.home.map(within),
+            probes: [self.probe_1.map(within), self.probe_2.map(within)],
             index: self.index.map(|index| Index {
                 first: index.first.into(),
                 distance: index.distance,

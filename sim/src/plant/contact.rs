@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use canopen::{Duration, Instant};
+use cia402::inputs::{Edge, Edges};
 
 /// A limit or home switch. Positions are in steps.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -72,23 +73,31 @@ impl Switch {
 pub struct Sensed {
     /// The wire is high.
     pub level: bool,
-    /// The count of pulses or of the encoder at the first rising edge.
-    pub rose: Option<i64>,
-    /// The same at the first falling edge.
-    pub fell: Option<i64>,
+    /// The rising edges, at the count of pulses or of the encoder.
+    pub rose: Option<Edges>,
+    /// The falling edges.
+    pub fell: Option<Edges>,
 }
 
 impl Sensed {
-    /// The wire goes to this level, at this count.
-    pub(super) fn see(&mut self, level: bool, count: i64) {
+    /// The wire goes to this level, at this count and at this time in nanoseconds.
+    pub(super) fn see(&mut self, level: bool, (count, time): (i64, u64)) {
         if level != self.level {
             self.level = level;
-            let edge = if level {
+            let edges = if level {
                 &mut self.rose
             } else {
                 &mut self.fell
             };
-            edge.get_or_insert(count);
+            // The counters of a board have 32 bits.
+            let edge = Edge {
+                position: count as i32,
+                time: time as u32,
+            };
+            match edges {
+                Some(edges) => edges.add(edge),
+                None => *edges = Some(Edges::one(edge)),
+            }
         }
     }
 
@@ -135,19 +144,20 @@ impl Contact {
         self.active
     }
 
-    /// The axis has come to `position` by one step; `count` is what the drive counts there, `now` when.
-    pub(super) fn follow(&mut self, position: i64, count: i64, now: Instant) {
+    /// The axis has come to `position` by one step; `seen` is what the drive counts there and when that was in nanoseconds, `now`
+    /// when the plant has played it.
+    pub(super) fn follow(&mut self, position: i64, seen: (i64, u64), now: Instant) {
         let active = self.switch.is_active(position, self.active);
         if active == self.active {
             return;
         }
         self.active = active;
         let level = active != self.switch.normally_closed;
-        self.wire.see(level, count);
+        self.wire.see(level, seen);
         if self.switch.bounce.ticks() > 0 {
             self.restless_until = Some(now + self.switch.bounce);
-            self.wire.see(!level, count);
-            self.wire.see(level, count);
+            self.wire.see(!level, seen);
+            self.wire.see(level, seen);
         }
     }
 
@@ -155,7 +165,7 @@ impl Contact {
     pub(super) fn look(
         &mut self,
         now: Instant,
-        count: i64,
+        seen: (i64, u64),
         chance: impl FnOnce() -> bool,
     ) -> Sensed {
         let rest = self.active != self.switch.normally_closed;
@@ -166,7 +176,7 @@ impl Contact {
                 rest
             }
         };
-        self.wire.see(level, count);
+        self.wire.see(level, seen);
         self.wire.take()
     }
 }

@@ -11,7 +11,7 @@ mod track;
 
 pub use axis_file::Axis;
 pub use contact::{Sensed, Switch};
-pub use pulses::PulsePlayer;
+pub use pulses::{PulsePlayer, Pulses};
 pub use track::{Index, SwitchStates, Track, WIRES};
 
 use canopen::Instant;
@@ -34,8 +34,20 @@ pub struct Plant {
     surroundings: Surroundings,
     /// It ran into an end stop since the drive looked last.
     blocked: bool,
+    /// The motor driver puts so many milliamperes into the motor.
+    current: u16,
+    /// The motor driver makes a full step of so many pulses.
+    microsteps: u16,
+    /// The levels of the digital outputs.
+    outputs: u8,
     /// The supply of the power stage is there.
     pub supply: bool,
+    /// The supply of the power stage in millivolts.
+    pub supply_voltage: u32,
+    /// The temperature of the power stage in tenths of a degree Celsius.
+    pub temperature: i16,
+    /// What the converter of 12 bits at the analogue input reads.
+    pub analogue: u16,
     /// A fault the power stage reports, as a CiA 402 error code (2310h: over-current ...).
     pub fault: Option<u16>,
     /// What the power stage warns of, as a CiA 402 error code (4210h: temperature ...).
@@ -56,7 +68,13 @@ impl Plant {
             origin: 0,
             surroundings: Surroundings::default(),
             blocked: false,
+            current: 0,
+            microsteps: 0,
+            outputs: 0,
             supply: true,
+            supply_voltage: 24_000,
+            temperature: 250,
+            analogue: 0,
             fault: None,
             warning: None,
             encoder: false,
@@ -88,6 +106,7 @@ impl Plant {
         let Some(span) = now.checked_duration_since(self.now) else {
             return;
         };
+        let before = nanoseconds(self.now);
         self.now = now;
         let ticks = span.ticks() * u64::from(STEP_CLOCK_HZ / 1_000_000);
         let Self {
@@ -100,25 +119,35 @@ impl Plant {
             ..
         } = self;
         if surroundings.is_empty() {
-            pulses.play(ticks, |_, steps| *rotor += steps);
+            pulses.play(ticks, |pulses| *rotor += pulses.steps);
             return;
         }
-        pulses.play(ticks, |count, steps| {
-            for done in 1..=steps.abs() {
-                let next = *rotor + steps.signum();
-                if !surroundings.is_free(next) {
-                    *blocked = true;
-                    continue;
+        pulses.play(
+            ticks,
+            |Pulses {
+                 from,
+                 steps,
+                 at,
+                 period,
+             }| {
+                for done in 1..=steps.abs() {
+                    let next = *rotor + steps.signum();
+                    let ticks = at + (done.unsigned_abs() - 1) * u64::from(period);
+                    let time = before + ticks * 1_000_000_000 / u64::from(STEP_CLOCK_HZ);
+                    if !surroundings.is_free(next) {
+                        *blocked = true;
+                        continue;
+                    }
+                    *rotor = next;
+                    let count = if *encoder {
+                        next - *origin
+                    } else {
+                        from + done * steps.signum()
+                    };
+                    surroundings.follow(next, (count, time), now);
                 }
-                *rotor = next;
-                let count = if *encoder {
-                    next - *origin
-                } else {
-                    count + done * steps.signum()
-                };
-                surroundings.follow(next, count, now);
-            }
-        });
+            },
+        );
     }
 
     /// Current in the motor or not.
@@ -141,6 +170,32 @@ impl Plant {
         self.is_brake_open
     }
 
+    /// What the motor driver is set to: the current in milliamperes, and the pulses of a full step.
+    pub fn set_driver(&mut self, current: u16, microsteps: u16) {
+        self.current = current;
+        self.microsteps = microsteps;
+    }
+
+    /// The current in the motor, in milliamperes.
+    pub fn current(&self) -> u16 {
+        self.current
+    }
+
+    /// The pulses of a full step.
+    pub fn microsteps(&self) -> u16 {
+        self.microsteps
+    }
+
+    /// The drive sets its digital outputs: output `n` in bit `n − 1`.
+    pub fn set_outputs(&mut self, levels: u8) {
+        self.outputs = levels;
+    }
+
+    /// The levels of the digital outputs, output `n` in bit `n − 1`.
+    pub fn outputs(&self) -> u8 {
+        self.outputs
+    }
+
     /// The position in steps as the drive counts it: every pulse that left, by its direction, or the encoder.
     pub fn position(&self) -> i64 {
         if self.encoder {
@@ -160,13 +215,16 @@ impl Plant {
         self.pulses.displace(steps);
         self.rotor += steps;
         let count = self.position();
-        self.surroundings.follow(self.rotor, count, self.now);
+        let time = nanoseconds(self.now);
+        self.surroundings
+            .follow(self.rotor, (count, time), self.now);
     }
 
     /// What the inputs have seen since the last look.
     pub fn look(&mut self) -> [Sensed; WIRES] {
         let count = self.position();
-        self.surroundings.look(self.now, count)
+        self.surroundings
+            .look(self.now, (count, nanoseconds(self.now)))
     }
 
     /// Whether the motor ran into an end stop since the last call.
@@ -188,6 +246,11 @@ impl Plant {
     pub fn pulses_mut(&mut self) -> &mut PulsePlayer {
         &mut self.pulses
     }
+}
+
+/// A moment in nanoseconds.
+fn nanoseconds(now: Instant) -> u64 {
+    now.ticks() * 1_000
 }
 
 #[cfg(test)]

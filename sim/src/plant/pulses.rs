@@ -5,6 +5,19 @@ use std::collections::VecDeque;
 use motion::step_interrupt::CAPACITY;
 use motion::{PulseSink, Record, Ticks};
 
+/// Pulses in one direction at one speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pulses {
+    /// The position before them.
+    pub from: i64,
+    /// How many; negative if they are reverse.
+    pub steps: i64,
+    /// When the first of them leaves, in ticks from the call of [`PulsePlayer::play`].
+    pub at: Ticks,
+    /// Ticks from one to the next.
+    pub period: u32,
+}
+
 /// A queue of pulse records, with as much room as a board's ([`CAPACITY`]), and the counter of the pulses that left.
 #[derive(Clone, Debug, Default)]
 pub struct PulsePlayer {
@@ -18,9 +31,9 @@ pub struct PulsePlayer {
 }
 
 impl PulsePlayer {
-    /// Plays for so many ticks; time in which there is nothing to play passes too. Tells of the pulses that leave, in order: the
-    /// position before some in one direction, and how many, negative if they are reverse.
-    pub fn play(&mut self, mut ticks: Ticks, mut tell: impl FnMut(i64, i64)) {
+    /// Plays for so many ticks; time in which there is nothing to play passes too. Tells of the pulses that leave, in order.
+    pub fn play(&mut self, span: Ticks, mut tell: impl FnMut(Pulses)) {
+        let mut ticks = span;
         self.pending = self.pending.saturating_sub(ticks);
         while let Some(record) = self.queue.front().copied() {
             let period = u64::from(record.period.max(1));
@@ -36,12 +49,12 @@ impl PulsePlayer {
                 self.periods += 1;
             }
             let whole = (ticks / period).min(u64::from(record.repeat - self.periods)) as u16;
-            self.count(record, whole.into(), &mut tell);
+            self.count(record, whole.into(), span - ticks, &mut tell);
             self.periods += whole;
             ticks -= u64::from(whole) * period;
             if self.periods < record.repeat {
                 if ticks > 0 {
-                    self.count(record, 1, &mut tell);
+                    self.count(record, 1, span - ticks, &mut tell);
                     self.ticks = ticks;
                 }
                 return;
@@ -69,10 +82,15 @@ impl PulsePlayer {
         self.position += steps;
     }
 
-    fn count(&mut self, record: Record, pulses: i64, tell: &mut impl FnMut(i64, i64)) {
+    fn count(&mut self, record: Record, pulses: i64, at: Ticks, tell: &mut impl FnMut(Pulses)) {
         if record.width > 0 && pulses > 0 {
             let steps = pulses * i64::from(record.direction.sign());
-            tell(self.position, steps);
+            tell(Pulses {
+                from: self.position,
+                steps,
+                at,
+                period: record.period,
+            });
             self.position += steps;
         }
     }

@@ -1,4 +1,5 @@
 use canopen::{Duration, Instant};
+use cia402::inputs::Edges;
 use motion::Direction::{Forward, Reverse};
 use motion::{Direction, PulseSink, Record};
 use proptest::prelude::*;
@@ -40,14 +41,14 @@ fn each_pulse_is_a_step_and_silence_is_none() {
 fn a_pulse_counts_when_it_begins() {
     let mut player = PulsePlayer::default();
     player.push(record(1000, 2, 10, Forward)).unwrap();
-    player.play(1, |_, _| {});
+    player.play(1, |_| {});
     assert_eq!(player.position(), 1);
-    player.play(999, |_, _| {});
+    player.play(999, |_| {});
     assert_eq!(player.position(), 1);
-    player.play(1, |_, _| {});
+    player.play(1, |_| {});
     assert_eq!(player.position(), 2);
     player.drop_all();
-    player.play(5000, |_, _| {});
+    player.play(5000, |_| {});
     assert_eq!((player.position(), player.pending()), (2, 0));
 }
 
@@ -118,6 +119,15 @@ fn the_motor_runs_into_its_switches_and_out_again() {
     assert!(plant.switch_states().home, "turned by hand");
 }
 
+/// First, last and number of the edges of one kind.
+type Passed = Option<(i32, i32, u16)>;
+
+/// The level, the rising and the falling edges.
+fn seen(wire: Sensed) -> (bool, Passed, Passed) {
+    let passed = |edges: Edges| (edges.first.position, edges.last.position, edges.count);
+    (wire.level, wire.rose.map(passed), wire.fell.map(passed))
+}
+
 #[test]
 fn edges_are_caught_at_their_step_with_hysteresis() {
     let mut plant = on_axis(&Axis {
@@ -128,24 +138,20 @@ fn edges_are_caught_at_their_step_with_hysteresis() {
         ..Axis::default()
     });
     run(&mut plant, &[(Forward, 150)]);
-    let [_, _, home, _] = plant.look();
-    assert_eq!(
-        home,
-        Sensed {
-            level: true,
-            rose: Some(110),
-            fell: None
-        }
-    );
+    let [_, _, home, ..] = plant.look();
+    assert_eq!(seen(home), (true, Some((110, 110, 1)), None));
     run(&mut plant, &[(Forward, 150), (Reverse, 250)]);
-    let [_, _, home, _] = plant.look();
-    let expected = Sensed {
-        level: false,
-        rose: Some(190),
-        fell: Some(211),
-    };
-    assert_eq!(home, expected, "the first edge of each kind");
-    let [_, _, home, _] = plant.look();
+    let [_, _, home, ..] = plant.look();
+    assert_eq!(
+        seen(home),
+        (false, Some((190, 190, 1)), Some((211, 89, 2))),
+        "first and last edge of each kind"
+    );
+    // A step each microsecond, and a microsecond of rest after each move: 302 microseconds until the way back begins.
+    let fell = home.fell.unwrap();
+    let times = [fell.first.time, fell.last.time];
+    assert_eq!(times.map(|time| time / 1_000), [211, 302 + 300 - 90]);
+    let [_, _, home, ..] = plant.look();
     assert_eq!(home, Sensed::default(), "edges are told once");
 }
 
@@ -160,14 +166,7 @@ fn a_normally_closed_switch_is_low_where_it_is_active() {
     });
     assert!(plant.look()[0].level);
     run(&mut plant, &[(Reverse, 8)]);
-    assert_eq!(
-        plant.look()[0],
-        Sensed {
-            level: false,
-            rose: None,
-            fell: Some(-5)
-        }
-    );
+    assert_eq!(seen(plant.look()[0]), (false, None, Some((-5, -5, 1))));
 }
 
 #[test]
@@ -212,21 +211,16 @@ fn index_pulses_lie_a_turn_apart_on_both_sides() {
         ..Axis::default()
     });
     run(&mut plant, &[(Forward, 20)]);
-    let [.., index] = plant.look();
-    assert_eq!(
-        index,
-        Sensed {
-            level: false,
-            rose: Some(10),
-            fell: Some(11)
-        }
-    );
+    let [_, _, _, index, ..] = plant.look();
+    let expected = (false, Some((10, 10, 1)), Some((11, 11, 1)));
+    assert_eq!(seen(index), expected);
     run(&mut plant, &[(Reverse, 3_250)]);
-    let [.., index] = plant.look();
-    assert_eq!(index.rose, Some(10), "the first of two");
+    let [_, _, _, index, ..] = plant.look();
+    assert_eq!(seen(index).1, Some((10, 10 - 3_200, 2)), "two");
     run(&mut plant, &[(Reverse, 3_200)]);
-    let [.., index] = plant.look();
-    assert_eq!(index.rose, Some(10 - 2 * 3_200));
+    let [_, _, _, index, ..] = plant.look();
+    let third = 10 - 2 * 3_200;
+    assert_eq!(seen(index).1, Some((third, third, 1)));
 }
 
 #[test]
@@ -285,10 +279,10 @@ proptest! {
         }
         for cut in cuts {
             let before = player.pending();
-            player.play(cut, |_, _| {});
+            player.play(cut, |_| {});
             prop_assert_eq!(player.pending(), before.saturating_sub(cut));
         }
-        player.play(player.pending(), |_, _| {});
+        player.play(player.pending(), |_| {});
         prop_assert_eq!(player.position(), expected);
         prop_assert_eq!(player.free(), PulsePlayer::default().free());
     }

@@ -6,8 +6,9 @@ use canopen::Instant;
 
 use super::contact::{Contact, Sensed, Switch};
 
-/// The inputs of the drive that the plant is wired to: 1 negative limit, 2 positive limit, 3 home switch, 4 index.
-pub const WIRES: usize = 4;
+/// The inputs of the drive that the plant is wired to: 1 negative limit, 2 positive limit, 3 home switch, 4 index, 5 and 6 touch
+/// probes.
+pub const WIRES: usize = 6;
 
 /// What is mounted along the axis. Positions are in steps, from where the motor stood at its first power-on unless the
 /// axis says otherwise.
@@ -21,6 +22,8 @@ pub struct Track {
     pub home: Option<Switch>,
     /// The index pulses, on input 4.
     pub index: Option<Index>,
+    /// What touch probes 1 and 2 meet, on inputs 5 and 6.
+    pub probes: [Option<Switch>; 2],
     /// The axis cannot leave this range: beyond it pulses are lost.
     pub stops: Option<RangeInclusive<i64>>,
     /// The axis is round: the switches are there again after so many steps.
@@ -56,8 +59,8 @@ pub struct SwitchStates {
 /// The track at work.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surroundings {
-    /// Negative limit, positive limit, home.
-    contacts: [Option<Contact>; 3],
+    /// Negative limit, positive limit, home, touch probes 1 and 2.
+    contacts: [Option<Contact>; 5],
     index: Option<Index>,
     index_wire: Sensed,
     stops: Option<RangeInclusive<i64>>,
@@ -77,6 +80,8 @@ impl Surroundings {
                 contact(&track.negative_limit),
                 contact(&track.positive_limit),
                 contact(&track.home),
+                contact(&track.probes[0]),
+                contact(&track.probes[1]),
             ],
             index: track.index,
             index_wire: Sensed {
@@ -101,33 +106,38 @@ impl Surroundings {
         self.contacts.iter().all(Option::is_none) && self.index.is_none() && self.stops.is_none()
     }
 
-    /// The axis has come to `position` by one step; `count` is what the drive counts there.
-    pub(super) fn follow(&mut self, position: i64, count: i64, now: Instant) {
+    /// The axis has come to `position` by one step; `seen` is what the drive counts there, and when that was in nanoseconds.
+    pub(super) fn follow(&mut self, position: i64, seen: (i64, u64), now: Instant) {
         let place = around(self.turn, position);
         for contact in self.contacts.iter_mut().flatten() {
-            contact.follow(place, count, now);
+            contact.follow(place, seen, now);
         }
         if let Some(index) = self.index {
-            self.index_wire.see(index.is_at(position), count);
+            self.index_wire.see(index.is_at(position), seen);
         }
     }
 
     /// What the inputs have seen since the last look.
-    pub(super) fn look(&mut self, now: Instant, count: i64) -> [Sensed; WIRES] {
-        let mut sensed = [Sensed::default(); WIRES];
+    pub(super) fn look(&mut self, now: Instant, seen: (i64, u64)) -> [Sensed; WIRES] {
         let chance = &mut self.chance;
-        for (contact, wire) in self.contacts.iter_mut().zip(&mut sensed) {
-            if let Some(contact) = contact {
-                *wire = contact.look(now, count, || toss(chance));
-            }
-        }
-        let [.., index] = &mut sensed;
-        *index = self.index_wire.take();
-        sensed
+        let [negative_limit, positive_limit, home, probe_1, probe_2] =
+            self.contacts.each_mut().map(|contact| match contact {
+                Some(contact) => contact.look(now, seen, || toss(chance)),
+                None => Sensed::default(),
+            });
+        let index = self.index_wire.take();
+        [
+            negative_limit,
+            positive_limit,
+            home,
+            index,
+            probe_1,
+            probe_2,
+        ]
     }
 
     pub(super) fn states(&self) -> SwitchStates {
-        let [negative_limit, positive_limit, home] = self
+        let [negative_limit, positive_limit, home, ..] = self
             .contacts
             .each_ref()
             .map(|contact| contact.as_ref().is_some_and(Contact::is_active));

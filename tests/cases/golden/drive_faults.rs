@@ -57,7 +57,7 @@ fn pulses_that_come_too_late() {
         .axis()
         .plant_mut()
         .pulses_mut()
-        .play(late.into(), |_, _| {});
+        .play(late.into(), |_| {});
     drive.reaches_target(500);
     assert_eq!(drive.position(), 100, "no pulse is lost");
     insta::assert_snapshot!(drive.candump());

@@ -19,7 +19,7 @@ use canopen::{
     Settings,
 };
 use cia402::binding::{self, Conversion, Number};
-use cia402::inputs::{self, Captured, DigitalInputs};
+use cia402::inputs::{self, Captured, DigitalInputs, Edges};
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
@@ -367,6 +367,18 @@ impl Mailboxes for AnyMailboxes {
     }
 }
 
+/// Edges of an input.
+fn any_edges() -> Edges {
+    let edge = || inputs::Edge {
+        position: any() as i32,
+        time: any(),
+    };
+    let mut edges = Edges::one(edge());
+    edges.count = any() as u16;
+    edges.add(edge());
+    edges
+}
+
 #[inline(never)]
 fn drive(
     device: &mut Device<Dictionary, Hooked<Machine>>,
@@ -395,14 +407,18 @@ fn drive(
                     levels: any() as u8,
                     changed: any() as u8,
                     captured: [(); inputs::COUNT].map(|()| Captured {
-                        rose: (any() == 0).then(|| any() as i32),
-                        fell: (any() == 0).then(|| any() as i32),
+                        rose: (any() == 0).then(any_edges),
+                        fell: (any() == 0).then(any_edges),
                     }),
                 },
                 stall: (any() == 0).then(|| any() == 0),
+                supply_voltage: (any() == 0).then(any),
+                temperature: (any() == 0).then(|| any() as i16),
+                analogue: (any() == 0).then(|| any() as u16),
             };
             let outputs = drive.tick(any_time(), &inputs, &mut Sink, exchange);
             look(u32::from(outputs.power_stage) + u32::from(outputs.drop_pulses));
+            look(u32::from(outputs.current) + u32::from(outputs.digital));
         }
         6 => look(exchange.lock(|exchange| exchange.is_safe()).into()),
         7 => device.controller_changed(any_controller_state(), any_time(), exchange),

@@ -25,7 +25,11 @@ impl Bench {
             changed: u8::from(rose.is_some() || fell.is_some()) << 2,
             ..DigitalInputs::NONE
         };
-        inputs.captured[2] = Captured { rose, fell };
+        let one = |position| Edges::one(Edge { position, time: 0 });
+        inputs.captured[2] = Captured {
+            rose: rose.map(one),
+            fell: fell.map(one),
+        };
         let configuration = self.configuration.unwrap_or(HOME);
         self.switches
             .observe(&inputs, &configuration, self.position, 1_000, 1_000);
@@ -156,7 +160,10 @@ fn index_pulses_are_not_debounced() {
         changed: 0b1000,
         ..DigitalInputs::NONE
     };
-    inputs.captured[3].rose = Some(-5);
+    inputs.captured[3].rose = Some(Edges::one(Edge {
+        position: -5,
+        time: 0,
+    }));
     switches.observe(&inputs, &HOME, 0, 0, 1_000);
     assert_eq!(switches.index, Some(-5));
     switches.observe(&DigitalInputs::NONE, &HOME, 0, 0, 1_000);
@@ -182,8 +189,15 @@ fn functions_become_masks() {
             positive_limit: 0b00_0100,
             home: 0b01_0001,
             index: 0b00_1000,
+            touch_probes: [0; 2],
             inverted: 0x15,
             debounce: 7,
         }
     );
+}
+
+#[test]
+fn touch_probes_are_functions_of_inputs() {
+    let configuration = InputConfiguration::new([0, 6, 5, 5, 0, 0], 0, 0);
+    assert_eq!(configuration.touch_probes, [0b00_1100, 0b00_0010]);
 }

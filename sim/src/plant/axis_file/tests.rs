@@ -17,7 +17,9 @@ fn every_key_is_understood() {
          [negative_limit]\nat = -8\nhysteresis = 2\nbounce_us = 300\nnormally_closed = true\n\
          [positive_limit]\nat = 18\n\
          [home]\nfrom = 3\nto = 6\nhysteresis = 1\n\
-         [index]\nfirst = 4\ndistance = 50\n",
+         [index]\nfirst = 4\ndistance = 50\n\
+         [probe_1]\nfrom = 7\nto = 8\n\
+         [probe_2]\nto = 9\n",
     );
     let expected = Axis {
         start: -5,
@@ -36,6 +38,7 @@ fn every_key_is_understood() {
                 first: 4,
                 distance: 50,
             }),
+            probes: [Some(Switch::within(7..=8)), Some(Switch::up_to(9))],
             stops: Some(-10..=20),
             turn: Some(100),
         },
