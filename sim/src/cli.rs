@@ -6,12 +6,13 @@ use std::process::ExitCode;
 
 use canopen::settings::{Switches, Wish};
 use canopen::{BitRate, BitTiming, Configuration, NodeId};
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
 
 use crate::demo::{self, Demo};
 use crate::drive::Setup;
 use crate::flash::Flash;
+use crate::plan;
 use crate::plant::Axis;
 use crate::serve::{Service, serve};
 use crate::system_error::plain;
@@ -36,6 +37,8 @@ enum Command {
     Demo(DemoArguments),
     /// Run a drive for masters of other programs until stopped
     Serve(ServeArguments),
+    /// Plan a move, play its pulses and measure how well they follow the plan
+    Plan(plan::Arguments),
 }
 
 #[derive(Debug, Default, Args)]
@@ -91,8 +94,8 @@ struct ServeArguments {
 pub fn run(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
     let command_line = match CommandLine::try_parse_from(arguments) {
         Ok(command_line) => command_line,
-        // Nothing else is required there.
-        Err(error) if error.kind() == ErrorKind::MissingRequiredArgument => {
+        // Of `serve` nothing else is required.
+        Err(error) if is_without_bus(&error) => {
             return fail(
                 PROGRAM,
                 "a bus is missing: --slcan ADDRESS:PORT or --socketcan INTERFACE",
@@ -106,11 +109,22 @@ pub fn run(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode 
             Err(problem) => fail(PROGRAM, &problem),
         },
         Some(Command::Demo(arguments)) => run_demo(arguments),
+        Some(Command::Plan(arguments)) => {
+            conclude_plan(plan::show(&arguments, &mut io::stdout().lock()))
+        }
         None => run_demo(DemoArguments {
             node_id: demo::NODE_ID,
             ..DemoArguments::default()
         }),
     }
+}
+
+/// Whether `serve` has not been given a bus.
+fn is_without_bus(error: &clap::Error) -> bool {
+    let missing = error.get(ContextKind::InvalidArg);
+    let is_bus = |missing: &String| missing.contains("--slcan");
+    error.kind() == ErrorKind::MissingRequiredArgument
+        && matches!(missing, Some(ContextValue::Strings(missing)) if missing.iter().any(is_bus))
 }
 
 fn run_demo(arguments: DemoArguments) -> ExitCode {
@@ -134,6 +148,18 @@ pub(crate) fn conclude(result: Result<(), demo::Problem>) -> ExitCode {
             fail(PROGRAM, &problem.to_string());
             ExitCode::FAILURE
         }
+    }
+}
+
+/// The exit code of a planned move: everything that can go wrong is in the command line.
+fn conclude_plan(result: Result<(), plan::Problem>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        // Whoever read the output has seen enough.
+        Err(plan::Problem::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(problem) => fail(PROGRAM, &problem.to_string()),
     }
 }
 

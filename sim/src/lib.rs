@@ -5,12 +5,13 @@
 //! - [`master`]: a CANopen master, on the in-process bus or on a real one.
 //! - [`data_sheet`]: what the objects of a device are called.
 //! - [`trace`]: frames in candump notation, with their meaning.
-//! - [`demo`] and [`serve`]: what the command line does.
+//! - [`demo`], [`serve`] and [`mod@plan`]: what the command line does.
 //! - [`mod@axis402`]: a master's command line for real buses.
 #![forbid(unsafe_code)]
 
 pub mod axis402;
 pub mod bus;
+mod chart;
 pub mod cli;
 pub mod data_sheet;
 pub mod demo;
@@ -18,6 +19,7 @@ pub mod drive;
 pub mod flash;
 pub mod machine;
 pub mod master;
+pub mod plan;
 pub mod plant;
 pub mod serve;
 mod system_error;

@@ -102,6 +102,16 @@ impl Axis {
         axis
     }
 
+    /// An axis that begins with `plan`, at its first tick: in motion, or standing somewhere.
+    pub fn on_plan(config: AxisConfig, plan: Plan) -> Self {
+        let mut axis = Self::new(config);
+        let begin = plan.start();
+        axis.handed = begin;
+        axis.set_position(plan.state_at(begin).position.whole_steps());
+        axis.plan = plan;
+        axis
+    }
+
     /// Moves to the absolute position `target`, in whole steps, −2³¹ ..= 2³¹−1. At any moment and from any velocity.
     ///
     /// # Errors

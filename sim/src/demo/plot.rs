@@ -3,11 +3,11 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use plotters::prelude::*;
+use plotters::style::{BLUE, RED};
 use rasciigraph::Config;
 
+use crate::chart::{self, Chart};
 use crate::drive::MotionSample;
-use crate::system_error::plain;
 
 /// Velocity is the distance of this many control ticks.
 const WINDOW: usize = 10;
@@ -84,40 +84,11 @@ pub fn in_terminal(samples: &[MotionSample], output: &mut dyn Write) -> io::Resu
 
 /// Writes both curves as SVG.
 pub fn as_svg(samples: &[MotionSample], path: &Path) -> Result<(), String> {
-    let mut picture = String::new();
-    draw(&Curves::of(samples), &mut picture).map_err(|error| error.to_string())?;
-    std::fs::write(path, picture).map_err(plain)
-}
-
-fn draw(curves: &Curves, picture: &mut String) -> Result<(), Box<dyn std::error::Error>> {
-    let area = SVGBackend::with_string(picture, (960, 600)).into_drawing_area();
-    area.fill(&WHITE)?;
-    let halves = area.split_evenly((2, 1));
-    let both = [
-        ("Position in steps", &curves.position, BLUE),
-        ("Velocity in steps/s", &curves.velocity, RED),
+    let curves = Curves::of(samples);
+    let end = curves.end();
+    let charts = [
+        Chart::new("Position in steps", BLUE, curves.position),
+        Chart::new("Velocity in steps/s", RED, curves.velocity),
     ];
-    for (half, (name, curve, colour)) in halves.iter().zip(both) {
-        let low = curve.iter().map(|(_, value)| *value).fold(0.0, f32::min);
-        let high = curve.iter().map(|(_, value)| *value).fold(0.0, f32::max);
-        let margin = (high - low).max(1.0) / 20.0;
-        let mut chart = ChartBuilder::on(half)
-            .margin(16)
-            .caption(name, ("sans-serif", 18))
-            .x_label_area_size(32)
-            .y_label_area_size(72)
-            .build_cartesian_2d(0.0..curves.end(), low - margin..high + margin)?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .x_desc("time in s")
-            .y_label_formatter(&|value| format!("{value:.0}"))
-            .draw()?;
-        chart.draw_series(LineSeries::new(
-            curve.iter().copied(),
-            colour.stroke_width(2),
-        ))?;
-    }
-    area.present()?;
-    Ok(())
+    chart::as_svg(&charts, end, path)
 }

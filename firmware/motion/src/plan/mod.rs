@@ -107,9 +107,7 @@ impl Plan {
         target_steps: i64,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        let mut plan = Self::at_rest(0, start);
-        plan.make(clock, start, from.into(), Goal::Rest(target_steps), limits)?;
-        Ok(plan)
+        Self::new(clock, start, from, Goal::Rest(target_steps), limits)
     }
 
     /// Profile velocity: ramps to `steps_per_second` and keeps it; 0 is a stop, the ramp of halt and quick stop.
@@ -125,14 +123,22 @@ impl Plan {
         steps_per_second: i32,
         limits: Limits,
     ) -> Result<Self, PlanError> {
+        Self::new(clock, start, from, Goal::Velocity(steps_per_second), limits)
+    }
+
+    /// A plan from `from` at tick `start` to any goal.
+    ///
+    /// # Errors
+    /// As [`Plan::move_to`].
+    pub fn new(
+        clock: Clock,
+        start: Ticks,
+        from: State,
+        goal: Goal,
+        limits: Limits,
+    ) -> Result<Self, PlanError> {
         let mut plan = Self::at_rest(0, start);
-        plan.make(
-            clock,
-            start,
-            from.into(),
-            Goal::Velocity(steps_per_second),
-            limits,
-        )?;
+        plan.make(clock, start, from.into(), goal, limits)?;
         Ok(plan)
     }
 

@@ -1,0 +1,78 @@
+//! Curves over time as a picture, one below the other.
+
+use std::path::Path;
+
+use plotters::prelude::*;
+
+use crate::system_error::plain;
+
+/// Width of a picture and height of each of its charts, in pixels.
+const WIDTH: u32 = 960;
+const HEIGHT: u32 = 300;
+
+/// One curve.
+pub(crate) struct Chart {
+    name: &'static str,
+    colour: RGBColor,
+    /// Time in seconds, and the value.
+    curve: Vec<(f32, f32)>,
+}
+
+impl Chart {
+    pub(crate) fn new(name: &'static str, colour: RGBColor, curve: Vec<(f32, f32)>) -> Self {
+        Self {
+            name,
+            colour,
+            curve,
+        }
+    }
+}
+
+/// Writes the charts as SVG, from second 0 to second `end`.
+pub(crate) fn as_svg(charts: &[Chart], end: f32, path: &Path) -> Result<(), String> {
+    let mut picture = String::new();
+    draw(charts, end, &mut picture).map_err(|error| error.to_string())?;
+    std::fs::write(path, picture).map_err(plain)
+}
+
+fn draw(
+    charts: &[Chart],
+    end: f32,
+    picture: &mut String,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let height = HEIGHT * charts.len() as u32;
+    let area = SVGBackend::with_string(picture, (WIDTH, height)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let parts = area.split_evenly((charts.len(), 1));
+    for (
+        part,
+        Chart {
+            name,
+            colour,
+            curve,
+        },
+    ) in parts.iter().zip(charts)
+    {
+        let low = curve.iter().map(|(_, value)| *value).fold(0.0, f32::min);
+        let high = curve.iter().map(|(_, value)| *value).fold(0.0, f32::max);
+        let margin = (high - low).max(1.0) / 20.0;
+        let mut chart = ChartBuilder::on(part)
+            .margin(16)
+            .caption(name, ("sans-serif", 18))
+            .x_label_area_size(32)
+            .y_label_area_size(72)
+            .build_cartesian_2d(0.0..end, low - margin..high + margin)?;
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .x_desc("time in s")
+            .y_label_formatter(&|value| format!("{value:.0}"))
+            .draw()?;
+        chart.draw_series(LineSeries::new(
+            curve.iter().copied(),
+            colour.stroke_width(2),
+        ))?;
+    }
+    area.present()?;
+    Ok(())
+}

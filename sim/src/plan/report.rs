@@ -1,0 +1,162 @@
+//! What is told about a planned move: as text, as JSON, as a picture.
+
+use std::fmt;
+use std::path::Path;
+
+use motion::{State, Ticks};
+use plotters::style::{BLUE, GREEN, RED};
+use serde::Serialize;
+
+use super::pulses::Played;
+use super::request::Move;
+use crate::chart::{self, Chart};
+
+/// Points of a curve.
+const POINTS: u64 = 1000;
+
+/// A stretch of the move.
+#[derive(Debug, Serialize)]
+struct Phase {
+    start_s: f64,
+    duration_s: f64,
+    /// At its start, in steps/s.
+    velocity: f64,
+    /// At its start, in steps/s².
+    acceleration: f64,
+}
+
+/// Everything that is told.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    duration_s: f64,
+    duration_ticks: Ticks,
+    /// The greatest speed, in steps/s.
+    peak_velocity: f64,
+    pulses: u64,
+    /// In steps from the start.
+    final_position: i64,
+    max_position_error_steps: f64,
+    max_step_time_error_s: f64,
+    phases: Vec<Phase>,
+}
+
+impl Report {
+    pub(super) fn of(planned: &Move, played: &Played) -> Self {
+        let rate = f64::from(planned.clock.hz());
+        let seconds = |ticks: Ticks| ticks as f64 / rate;
+        let starts: Vec<Ticks> = (planned.plan.phases().iter())
+            .map(|phase| phase.start())
+            .filter(|start| *start < planned.end)
+            .collect();
+        let ends = starts.iter().skip(1).copied().chain([planned.end]);
+        let phases: Vec<_> = (starts.iter().zip(ends))
+            .map(|(&start, end)| Phase {
+                start_s: seconds(start),
+                duration_s: seconds(end - start),
+                velocity: velocity(planned, planned.plan.state_at(start)),
+                acceleration: acceleration(planned, start),
+            })
+            .collect();
+        // Between two corners the speed has no peak, but corners fall between two ticks.
+        let corners = starts
+            .iter()
+            .flat_map(|&start| [start.saturating_sub(1), start]);
+        let peak_velocity = corners
+            .chain([planned.end])
+            .map(|tick| velocity(planned, planned.plan.state_at(tick)).abs())
+            .fold(0.0, f64::max);
+        Self {
+            duration_s: seconds(planned.end),
+            duration_ticks: planned.end,
+            peak_velocity,
+            pulses: played.pulses,
+            final_position: played.position,
+            max_position_error_steps: played.position_error,
+            max_step_time_error_s: played.time_error / rate,
+            phases,
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "duration        {:.9} s, {} ticks",
+            self.duration_s, self.duration_ticks
+        )?;
+        writeln!(f, "peak velocity   {:.3} steps/s", self.peak_velocity)?;
+        writeln!(
+            f,
+            "pulses          {}, to step {}",
+            self.pulses, self.final_position
+        )?;
+        writeln!(
+            f,
+            "greatest error  {:.4} steps, {:.3} µs",
+            self.max_position_error_steps,
+            self.max_step_time_error_s * 1e6
+        )?;
+        for phase in &self.phases {
+            writeln!(
+                f,
+                "from {:>14.9} s for {:>14.9} s: {:>14.3} steps/s, {:>14.1} steps/s²",
+                phase.start_s, phase.duration_s, phase.velocity, phase.acceleration
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// In steps/s.
+fn velocity(planned: &Move, state: State) -> f64 {
+    state.velocity.bits() as f64 / 2f64.powi(56) * f64::from(planned.clock.hz())
+}
+
+/// In steps/s², at a tick.
+fn acceleration(planned: &Move, tick: Ticks) -> f64 {
+    let phase = planned.plan.phases().iter().rev();
+    let phase = phase.into_iter().find(|phase| phase.start() <= tick);
+    phase.map_or(0.0, |phase| phase.acceleration(planned.clock) as f64)
+}
+
+/// Writes position, velocity and acceleration over time as SVG.
+pub(super) fn plot(planned: &Move, path: &Path) -> Result<(), String> {
+    let rate = f64::from(planned.clock.hz());
+    // The corners themselves, and the tick before each, keep edges sharp.
+    let mut ticks: Vec<Ticks> = (0..=POINTS)
+        .map(|point| (u128::from(planned.end) * u128::from(point) / u128::from(POINTS)) as Ticks)
+        .collect();
+    for phase in planned.plan.phases() {
+        ticks.extend([phase.start().saturating_sub(1), phase.start()]);
+    }
+    ticks.retain(|tick| *tick <= planned.end);
+    ticks.sort_unstable();
+    ticks.dedup();
+    let curve = |value: &dyn Fn(Ticks) -> f64| {
+        let points = ticks.iter().map(|&tick| (tick as f64 / rate, value(tick)));
+        points
+            .map(|(time, value)| (time as f32, value as f32))
+            .collect()
+    };
+    let position = |tick| {
+        let bits = planned.plan.state_at(tick).position.bits();
+        bits as f64 / 2f64.powi(32) - planned.origin as f64
+    };
+    let last = planned.end.saturating_sub(1);
+    let charts = [
+        Chart::new("Position in steps", BLUE, curve(&position)),
+        Chart::new(
+            "Velocity in steps/s",
+            RED,
+            curve(&|tick| velocity(planned, planned.plan.state_at(tick))),
+        ),
+        Chart::new(
+            "Acceleration in steps/s²",
+            GREEN,
+            curve(&|tick| acceleration(planned, tick.min(last))),
+        ),
+    ];
+    let end = (planned.end as f64 / rate).max(1e-6) as f32;
+    chart::as_svg(&charts, end, path)
+}

@@ -1,0 +1,128 @@
+//! From the command line to a plan.
+
+use motion::{
+    AxisConfig, Clock, DriverTiming, Goal, Limits, Plan, Position, State, Ticks, Velocity,
+};
+
+use super::Arguments;
+
+/// Shortest time of the step signal being high, and being low, in ns: what a fast driver chip needs.
+const PULSE: u32 = 100;
+/// From a change of direction to a pulse and the other way round, in ns.
+const TURN: u32 = 20;
+
+/// Pulses are made in segments of 250 µs, as in the drive. A move that lasts for hours gets longer ones, so that there are at
+/// most so many; no segment lasts longer than a second.
+const MOST_SEGMENTS: u64 = 10_000_000;
+
+/// A planned move.
+pub(super) struct Move {
+    pub(super) clock: Clock,
+    pub(super) plan: Plan,
+    pub(super) axis: AxisConfig,
+    /// Where it begins, in steps.
+    pub(super) origin: i64,
+    /// The tick at which the target is reached. The plan begins with tick 0.
+    pub(super) end: Ticks,
+}
+
+impl Move {
+    /// Plans what the command line asks for.
+    pub(super) fn of(arguments: &Arguments) -> Result<Self, String> {
+        let clock = Clock::new(arguments.clock).ok_or_else(|| {
+            format!(
+                "a clock of {} Hz is not supported: {} to {} Hz are",
+                arguments.clock,
+                Clock::SLOWEST,
+                Clock::FASTEST
+            )
+        })?;
+        let ticks = |nanoseconds: u32| {
+            let ticks = u64::from(clock.hz()) * u64::from(nanoseconds);
+            u32::try_from(ticks.div_ceil(1_000_000_000)).unwrap_or(u32::MAX)
+        };
+        let timing = DriverTiming {
+            pulse_high: ticks(PULSE),
+            pulse_low: ticks(PULSE),
+            direction_setup: ticks(TURN),
+            direction_hold: ticks(TURN),
+        };
+        let limits = Limits {
+            velocity: arguments.velocity,
+            acceleration: arguments.acceleration,
+            deceleration: arguments.deceleration.unwrap_or(arguments.acceleration),
+        };
+        let fastest = clock.hz() / timing.shortest_period();
+        let initial = arguments.initial_velocity.unsigned_abs();
+        for (name, velocity) in [
+            ("velocity", limits.velocity),
+            ("initial velocity", initial),
+            ("end velocity", arguments.end_velocity),
+        ] {
+            if velocity > fastest {
+                return Err(format!(
+                    "{name} of {velocity} steps/s is too high: pulses come at {fastest} steps/s at most with this clock"
+                ));
+            }
+        }
+        if arguments.end_velocity > limits.velocity {
+            return Err("the end velocity is above the profile velocity".to_owned());
+        }
+        let origin = origin(arguments.distance)?;
+        let target = origin + arguments.distance;
+        let goal = if arguments.end_velocity == 0 {
+            Goal::Rest(target)
+        } else {
+            Goal::Pass(target, arguments.end_velocity)
+        };
+        let from = State {
+            position: Position::from_steps(origin),
+            velocity: Velocity::from_steps_per_second(clock, arguments.initial_velocity),
+        };
+        let plan = Plan::new(clock, 0, from, goal, limits).map_err(|error| error.to_string())?;
+        let end = match plan.end() {
+            Some(end) => end,
+            None => passing(&plan, target)?,
+        };
+        let second = u64::from(clock.hz());
+        let segment = (end / MOST_SEGMENTS).clamp(second / 4000, second.min(1 << 28));
+        Ok(Self {
+            clock,
+            plan,
+            axis: AxisConfig {
+                clock,
+                segment: segment as u32,
+                timing,
+            },
+            origin,
+            end,
+        })
+    }
+}
+
+/// Where a move of this distance can begin, so that its target lies in the span of positions.
+fn origin(distance: i64) -> Result<i64, String> {
+    let (low, high) = (i64::from(i32::MIN), i64::from(i32::MAX));
+    match distance {
+        _ if low <= distance && distance <= high => Ok(0),
+        _ if (0..=high - low).contains(&distance) => Ok(low),
+        _ if (low - high..=0).contains(&distance) => Ok(high),
+        _ => Err(format!(
+            "a distance of {distance} steps is too long: {} is the most",
+            high - low
+        )),
+    }
+}
+
+/// The tick at which a plan that keeps its velocity passes the target.
+fn passing(plan: &Plan, target: i64) -> Result<Ticks, String> {
+    let last = plan.phases().last().map_or(0, |phase| phase.start());
+    let there = plan.state_at(last).position.bits();
+    let missed = there.wrapping_sub(Position::from_steps(target).bits());
+    // One tick later it may be a little further.
+    let slack = plan.state_at(last).velocity.bits().unsigned_abs() >> 23;
+    if missed.unsigned_abs() > slack + (1 << 16) {
+        return Err("the way is too short to come to the end velocity".to_owned());
+    }
+    Ok(last)
+}

@@ -1,0 +1,254 @@
+//! `sim plan` as a person or a script meets it: durations, pulses, errors, files.
+
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn run(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sim"));
+    command.arg("plan").args(arguments).output().unwrap()
+}
+
+/// The report of a move in JSON.
+fn report(arguments: &str) -> Value {
+    let arguments: Vec<_> = arguments.split_whitespace().chain(["--json"]).collect();
+    let output = run(&arguments);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {error}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn number(report: &Value, key: &str) -> f64 {
+    report[key].as_f64().unwrap()
+}
+
+/// One line on standard error that holds `part`, nothing else, and exit code 2.
+fn assert_refused(arguments: &str, part: &str) {
+    let output = run(&arguments.split_whitespace().collect::<Vec<_>>());
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments}: {error}");
+    assert_eq!(error.lines().count(), 1, "{arguments}: {error}");
+    assert!(error.contains(part), "{arguments}: {error}");
+    assert!(output.stdout.is_empty(), "{arguments}");
+}
+
+/// A decimal of the vectors, which are written as text.
+fn decimal(vector: &Value, key: &str) -> f64 {
+    match &vector[key] {
+        Value::String(text) => text.parse().unwrap(),
+        value => value.as_f64().unwrap(),
+    }
+}
+
+/// The reference vectors of trapezoids, at the default clock. Those over the full span of positions have tests of their own.
+#[test]
+fn the_reference_moves_take_their_time_and_land() {
+    let vectors = include_str!("../../firmware/motion/tests/motion-vectors.json");
+    let vectors: Value = serde_json::from_str(vectors).unwrap();
+    let mut checked = 0;
+    for vector in vectors["trapezoid"].as_array().unwrap() {
+        let distance = decimal(vector, "S");
+        if distance > 1e9 {
+            continue;
+        }
+        let report = report(&format!(
+            "--distance {distance} --velocity {} --acceleration {} --deceleration {} --initial-velocity {}",
+            decimal(vector, "vmax"),
+            decimal(vector, "a"),
+            decimal(vector, "d"),
+            decimal(vector, "v0"),
+        ));
+        let name = &vector["name"];
+        let late = number(&report, "duration_s") - decimal(vector, "T");
+        // A tick of 6 ns; the start velocity is rounded.
+        assert!(
+            (-1e-9..1e-8 + 1e-9 * decimal(vector, "T")).contains(&late),
+            "{name}: {late} s late"
+        );
+        assert_eq!(report["final_position"], distance as i64, "{name}");
+        let seconds = number(&report, "duration_ticks") / 168e6;
+        assert!(
+            (seconds - number(&report, "duration_s")).abs() < 1e-12,
+            "{name}"
+        );
+        let (low, high) = (decimal(vector, "xmin"), decimal(vector, "xmax"));
+        let way = (high - low) + (high - low - distance.abs());
+        let pulses = number(&report, "pulses");
+        assert!(
+            (pulses - way).abs() <= 2.0,
+            "{name}: {pulses} pulses for {way}"
+        );
+        let fastest = decimal(vector, "vpeak")
+            .abs()
+            .max(decimal(vector, "v0").abs());
+        let peak = number(&report, "peak_velocity");
+        assert!((peak / fastest - 1.0).abs() < 1e-5, "{name}: {peak}");
+        // The ramp of T20 is over within a segment.
+        let most = if decimal(vector, "a") > 5e6 { 0.5 } else { 0.1 };
+        let error = number(&report, "max_position_error_steps");
+        assert!(0.0 < error && error <= most, "{name}: {error}");
+        checked += 1;
+    }
+    assert_eq!(checked, 20);
+}
+
+#[test]
+fn pulses_stay_close_to_the_plan_at_high_rates() {
+    let half = report("--distance 500000 --velocity 500000 --acceleration 2000000");
+    assert!(number(&half, "max_position_error_steps") <= 0.1);
+    let full = report("--distance 500000 --velocity 1000000 --acceleration 5000000");
+    assert!(number(&full, "max_position_error_steps") <= 0.5);
+    assert!(number(&full, "max_step_time_error_s") <= 25e-6);
+}
+
+#[test]
+fn the_pulses_of_the_file_are_those_of_the_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pulses.csv");
+    let file = path.to_str().unwrap();
+    let report = report(&format!(
+        "--distance -300 --velocity 10000 --acceleration 100000 --pulses {file}"
+    ));
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("tick,position"));
+    let pulses: Vec<(u64, i64)> = lines
+        .map(|line| {
+            let (tick, position) = line.split_once(',').unwrap();
+            (tick.parse().unwrap(), position.parse().unwrap())
+        })
+        .collect();
+    assert_eq!(pulses.len(), 300);
+    assert_eq!(report["pulses"], 300);
+    assert!(
+        pulses
+            .windows(2)
+            .all(|pair| pair[0].0 < pair[1].0 && pair[0].1 - 1 == pair[1].1)
+    );
+    assert_eq!(pulses.last().unwrap().1, -300);
+    assert!(pulses.last().unwrap().0 < report["duration_ticks"].as_u64().unwrap());
+    // The first step comes when half of it is done: ½ = ½·a·t².
+    let first = pulses[0].0 as f64 / 168e6;
+    assert!(
+        (first - (1.0f64 / 100_000.0).sqrt()).abs() < 25e-6,
+        "{first}"
+    );
+}
+
+#[test]
+fn a_move_may_end_with_a_velocity() {
+    let report =
+        report("--distance 10000 --velocity 20000 --acceleration 100000 --end-velocity 5000");
+    // Up to 20,000 steps/s in 2,000 steps, down to 5,000 in 1,875.
+    let duration = 0.2 + 6_125.0 / 20_000.0 + 0.15;
+    assert!((number(&report, "duration_s") - duration).abs() < 1e-6);
+    assert_eq!(report["final_position"], 10_000);
+    assert_eq!(report["pulses"], 10_000);
+    assert_eq!(report["phases"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn the_clock_changes_the_ticks_and_not_the_time() {
+    let report = report("--distance 1000 --velocity 1000 --acceleration 10000 --clock 1000000");
+    assert!((number(&report, "duration_s") - 1.1).abs() < 2e-6);
+    assert_eq!(report["duration_ticks"], 1_100_000);
+}
+
+#[test]
+fn the_picture_shows_position_velocity_and_acceleration() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.svg");
+    let file = path.to_str().unwrap();
+    report(&format!(
+        "--distance 1000 --velocity 1000 --acceleration 10000 --plot {file}"
+    ));
+    let picture = std::fs::read_to_string(&path).unwrap();
+    assert!(picture.starts_with("<svg"));
+    for name in ["Position", "Velocity", "Acceleration"] {
+        assert!(picture.contains(name), "{name}");
+    }
+}
+
+#[test]
+fn without_json_there_is_text() {
+    let output = run(&[
+        "--distance",
+        "100000",
+        "--velocity",
+        "100000",
+        "--acceleration",
+        "500000",
+    ]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    for part in [
+        "1.200000000 s",
+        "201600000 ticks",
+        "100000, to step 100000",
+        "500000.0 steps/s²",
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_in_one_line() {
+    let limits = "--velocity 1000 --acceleration 1000";
+    assert_refused(
+        "--distance 5 --velocity 0 --acceleration 5",
+        "velocity limit is zero",
+    );
+    assert_refused(
+        "--distance 5 --velocity 5 --acceleration 0",
+        "acceleration limit is zero",
+    );
+    assert_refused(
+        "--distance 5 --velocity 5 --acceleration 5 --deceleration 0",
+        "deceleration limit is zero",
+    );
+    assert_refused(
+        &format!("--distance 4294967296 {limits}"),
+        "4294967295 is the most",
+    );
+    assert_refused(
+        &format!("--distance -4294967296 {limits}"),
+        "4294967295 is the most",
+    );
+    assert_refused(
+        &format!("--distance 9223372036854775807 {limits}"),
+        "is the most",
+    );
+    assert_refused(&format!("--distance many {limits}"), "many");
+    assert_refused("--velocity 5 --acceleration 5", "--distance");
+    assert_refused(
+        &format!("--distance 5 {limits} --clock 999999"),
+        "999999 Hz",
+    );
+    assert_refused(
+        "--distance 5 --velocity 6000000 --acceleration 5",
+        "velocity of 6000000 steps/s is too high",
+    );
+    assert_refused(
+        &format!("--distance 5 {limits} --initial-velocity -2147483648"),
+        "initial velocity of 2147483648",
+    );
+    assert_refused(
+        &format!("--distance 10 {limits} --end-velocity 999"),
+        "the way is too short to come to the end velocity",
+    );
+    assert_refused(
+        &format!("--distance 10000 {limits} --end-velocity 1001"),
+        "the end velocity is above the profile velocity",
+    );
+    assert_refused(
+        "--distance 5 --velocity 5 --acceleration 1 --initial-velocity 1000000",
+        "out of range",
+    );
+    assert_refused(
+        &format!("--distance 5 {limits} --pulses /no/such/folder/pulses.csv"),
+        "cannot write /no/such/folder/pulses.csv: no such file or directory",
+    );
+    assert_refused(
+        &format!("--distance 5 {limits} --plot /no/such/folder/plan.svg"),
+        "cannot write /no/such/folder/plan.svg: no such file or directory",
+    );
+}
