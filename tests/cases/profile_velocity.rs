@@ -133,7 +133,8 @@ fn m44_and_d31_the_software_limits_stop_the_motor_in_time() {
 #[test]
 fn m39_a_velocity_and_ramps_above_their_maximum_are_cut() {
     let mut drive = enabled();
-    for (index, maximum, velocity) in [(0x607F, 4_000, 4_000), (0x6080, 2_000, 2_000)] {
+    // 6080h counts revolutions of 3200 steps in a minute.
+    for (index, maximum, velocity) in [(0x607F, 4_000, 4_000), (0x6080, 30, 1_600)] {
         drive.write_u32(index, 0, maximum);
         drive.write_i32(0x60FF, 0, -10_000);
         drive.run_millis(150);

@@ -70,7 +70,7 @@ fn m31_60f2h_says_what_relative_set_points_count_from() {
         }
     }
     let mut drive = DriveBench::started(4);
-    for option in [3_u16, 4, 0x40, 0x100] {
+    for option in [3_u16, 4, 0x20, 0x100] {
         assert!(drive.try_write(0x60F2, 0, &option.to_le_bytes()).is_err());
     }
 }
@@ -79,7 +79,7 @@ fn m31_60f2h_says_what_relative_set_points_count_from() {
 fn m39_the_maxima_cap_the_profile_and_show_in_bit_11() {
     for (index, maximum) in [
         (0x607F, 4_000),
-        (0x6080, 4_000),
+        (0x6080, 75),
         (0x60C5, 20_000),
         (0x60C6, 20_000),
     ] {

@@ -10,10 +10,13 @@ use crate::brake::BrakeTimes;
 use crate::inputs::InputConfiguration;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
+use crate::units::Units;
 
 /// Everything that is set up, as the objects say it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Configuration {
+    /// 607Bh, 607Eh, 608Fh to 6092h, 6096h and 6097h. All else here is in increments, unless it says otherwise.
+    pub units: Units,
     /// 2040h.
     pub brake: BrakeTimes,
     /// 6007h.
@@ -30,22 +33,24 @@ pub struct Configuration {
     pub fault_reaction: Stop,
     /// 6085h in steps/s².
     pub quick_stop_deceleration: u32,
-    /// 607Dh:1 and :2 in user units (steps). They are off while the first is not below the second.
+    /// 607Dh:1 and :2 in user units. They are off while the first is not below the second.
     pub position_limits: (i32, i32),
-    /// 6065h in user units (steps); FFFFFFFFh is off.
+    /// 20E0h.
+    pub position_limit_options: PositionLimitOptions,
+    /// 6065h in steps; FFFFFFFFh is off.
     pub following_error_window: u32,
     /// 6066h in milliseconds.
     pub following_error_time_out: u16,
-    /// 6067h in user units (steps).
+    /// 6067h in steps; FFFFFFFFh is off.
     pub position_window: u32,
     /// 6068h in milliseconds.
     pub position_window_time: u16,
     /// 606Dh in steps/s.
-    pub velocity_window: u16,
+    pub velocity_window: u32,
     /// 606Eh in milliseconds.
     pub velocity_window_time: u16,
     /// 606Fh in steps/s.
-    pub velocity_threshold: u16,
+    pub velocity_threshold: u32,
     /// 6070h in milliseconds.
     pub velocity_threshold_time: u16,
     /// 60F8h in steps/s; a negative one counts as 0.
@@ -62,6 +67,31 @@ pub struct Configuration {
     pub inputs: InputConfiguration,
     /// 607Ch, 6098h, 6099h, 609Ah and 2030h.
     pub homing: HomingConfiguration,
+}
+
+/// How 607Dh is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PositionLimitOptions {
+    /// 20E0h bit 0: the limits are off until the home position is known.
+    pub need_home: bool,
+    /// 20E0h bit 1: they are positions as 6064h shows them. Else they count from the home position, as CiA 402-2 says: they
+    /// lie where they lie whatever 607Ch calls that.
+    pub are_as_shown: bool,
+}
+
+impl PositionLimitOptions {
+    /// As CiA 402-2 says.
+    pub const NONE: Self = Self {
+        need_home: false,
+        are_as_shown: false,
+    };
+
+    const fn of(options: u8) -> Self {
+        Self {
+            need_home: options & 1 << 0 != 0,
+            are_as_shown: options & 1 << 1 != 0,
+        }
+    }
 }
 
 /// What is set up of the velocity mode ("vl").
@@ -155,6 +185,7 @@ fn ramp(speed: u32, seconds: u16, dimension: (i32, i32)) -> u32 {
 impl Configuration {
     /// What holds before anything is set up.
     pub const NONE: Self = Self {
+        units: Units::NONE,
         brake: BrakeTimes {
             release: 0,
             engage: 0,
@@ -167,6 +198,7 @@ impl Configuration {
         fault_reaction: Stop::Ramp(StopRamp::QuickStop),
         quick_stop_deceleration: 0,
         position_limits: (i32::MIN, i32::MAX),
+        position_limit_options: PositionLimitOptions::NONE,
         following_error_window: u32::MAX,
         following_error_time_out: 0,
         position_window: u32::MAX,
@@ -187,7 +219,9 @@ impl Configuration {
     /// What the objects of a dictionary say. A code that means nothing (only a data sheet can hold one) counts as the default
     /// of the standard.
     pub fn of<D: Objects>(dictionary: &D) -> Self {
+        let units = Units::of(dictionary);
         Self {
+            units,
             brake: BrakeTimes {
                 release: dictionary.brake_release_time(),
                 engage: dictionary.brake_engage_time(),
@@ -205,25 +239,26 @@ impl Configuration {
             halt: StopRamp::on_halt(dictionary.halt_option_code()).unwrap_or(Self::NONE.halt),
             fault_reaction: Stop::on_fault(dictionary.fault_reaction_option_code())
                 .unwrap_or(Self::NONE.fault_reaction),
-            quick_stop_deceleration: dictionary.quick_stop_deceleration(),
+            quick_stop_deceleration: units.acceleration(dictionary.quick_stop_deceleration()),
             position_limits: (
                 dictionary.min_position_limit(),
                 dictionary.max_position_limit(),
             ),
-            following_error_window: dictionary.following_error_window(),
+            position_limit_options: PositionLimitOptions::of(dictionary.position_limit_options()),
+            following_error_window: units.window(dictionary.following_error_window()),
             following_error_time_out: dictionary.following_error_time_out(),
-            position_window: dictionary.position_window(),
+            position_window: units.window(dictionary.position_window()),
             position_window_time: dictionary.position_window_time(),
-            velocity_window: dictionary.velocity_window(),
+            velocity_window: units.speed_window(dictionary.velocity_window().into()),
             velocity_window_time: dictionary.velocity_window_time(),
-            velocity_threshold: dictionary.velocity_threshold(),
+            velocity_threshold: units.speed_window(dictionary.velocity_threshold().into()),
             velocity_threshold_time: dictionary.velocity_threshold_time(),
-            max_slippage: dictionary.max_slippage().max(0).unsigned_abs(),
-            max_velocity: dictionary
-                .max_profile_velocity()
-                .min(dictionary.max_motor_speed()),
-            max_acceleration: dictionary.max_acceleration(),
-            max_deceleration: dictionary.max_deceleration(),
+            max_slippage: units.speed_window(dictionary.max_slippage().max(0).unsigned_abs()),
+            max_velocity: units
+                .speed(dictionary.max_profile_velocity())
+                .min(units.motor_speed(dictionary.max_motor_speed())),
+            max_acceleration: units.acceleration(dictionary.max_acceleration()),
+            max_deceleration: units.acceleration(dictionary.max_deceleration()),
             velocity: VelocityConfiguration::of(dictionary),
             inputs: InputConfiguration::new(
                 [
@@ -237,7 +272,7 @@ impl Configuration {
                 dictionary.inputs_inverted(),
                 dictionary.input_debounce(),
             ),
-            homing: HomingConfiguration::of(dictionary),
+            homing: HomingConfiguration::of(dictionary, &units),
         }
     }
 }
@@ -254,7 +289,7 @@ pub struct HomingConfiguration {
     pub zero_speed: u32,
     /// 609Ah in steps/s².
     pub acceleration: u32,
-    /// 607Ch in user units (steps).
+    /// 607Ch in user units.
     pub offset: i32,
     /// Bit 0: 6064h is −607Ch at the home position, and not +607Ch.
     pub is_offset_subtracted: bool,
@@ -293,14 +328,14 @@ impl HomingConfiguration {
         block_window: 0,
     };
 
-    fn of<D: Objects>(dictionary: &D) -> Self {
+    fn of<D: Objects>(dictionary: &D, units: &Units) -> Self {
         let options = dictionary.homing_options();
         let has = |bit: u16| options & 1 << bit != 0;
         Self {
             method: dictionary.homing_method(),
-            search_speed: dictionary.homing_search_speed(),
-            zero_speed: dictionary.homing_zero_speed(),
-            acceleration: dictionary.homing_acceleration(),
+            search_speed: units.speed(dictionary.homing_search_speed()),
+            zero_speed: units.speed(dictionary.homing_zero_speed()),
+            acceleration: units.acceleration(dictionary.homing_acceleration()),
             offset: dictionary.home_offset(),
             is_offset_subtracted: has(0),
             starts_afresh: has(7),
@@ -321,7 +356,7 @@ impl HomingConfiguration {
         }
     }
 
-    /// What 6064h shows at the home position.
+    /// What 6064h shows at the home position, in user units.
     pub const fn position_at_home(&self) -> i32 {
         if self.is_offset_subtracted {
             self.offset.wrapping_neg()

@@ -276,6 +276,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         };
         if self.hooks.take_configured() {
             let configuration = Configuration::of(self.node.dictionary());
+            self.hooks.set_units(configuration.units);
             exchange.lock(|exchange| exchange.configure(configuration));
         }
         if self.hooks.take_written() || network != self.network {

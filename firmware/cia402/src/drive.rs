@@ -23,6 +23,7 @@ use crate::motor::Motor;
 use crate::option_codes::Stop;
 use crate::state_machine::{Conditions, State, StateMachine, Transition};
 use crate::statusword;
+use crate::units::{Frame, Travel, Units};
 
 /// What a drive is built from.
 #[derive(Clone, Copy, Debug)]
@@ -82,6 +83,12 @@ pub struct Drive {
     /// What the network wants, as of the last tick.
     commands: Commands,
     configuration: Configuration,
+    /// How the numbers of the user lie on the increments.
+    frame: Frame,
+    /// Where the motor may go.
+    travel: Travel,
+    /// What that was worked out for: the name of the home position, and whether it is known.
+    travel_for: (i32, bool),
     machine: StateMachine,
     modes: Modes,
     faults: Faults,
@@ -112,6 +119,9 @@ impl Drive {
         Self {
             commands: Commands::NONE,
             configuration: Configuration::NONE,
+            frame: Frame::default(),
+            travel: Travel::NONE,
+            travel_for: (0, false),
             machine: StateMachine::new(),
             modes: Modes::new(),
             faults: Faults::default(),
@@ -143,7 +153,9 @@ impl Drive {
         pulses: &mut S,
         exchange: &mut X,
     ) -> Outputs {
-        exchange.lock(|exchange| exchange.take(&mut self.commands, &mut self.configuration));
+        let units = self.configuration.units;
+        let is_configured =
+            exchange.lock(|exchange| exchange.take(&mut self.commands, &mut self.configuration));
         let command = self.given_command();
         let elapsed = now
             .checked_duration_since(self.ticked)
@@ -156,6 +168,7 @@ impl Drive {
             self.motor.lose_reference();
         }
         self.motor.observe(position, self.power, pulses);
+        self.look_at_units(is_configured, &units, position);
         self.switches.observe(
             &inputs.digital,
             &self.configuration.inputs,
@@ -202,6 +215,19 @@ impl Drive {
             current: 0,
             microsteps: 0,
             digital: 0,
+        }
+    }
+
+    /// Works out anew what hangs on units and limits, when they or the home position have changed.
+    fn look_at_units(&mut self, is_configured: bool, before: &Units, position: i64) {
+        if is_configured && self.configuration.units != *before {
+            self.frame.forget();
+        }
+        let referenced = self.motor.is_referenced();
+        let travel_for = (self.frame.home(), referenced);
+        if is_configured || travel_for != self.travel_for {
+            self.travel_for = travel_for;
+            self.travel = Travel::new(&self.configuration, &self.frame, position, referenced);
         }
     }
 
@@ -333,7 +359,8 @@ impl Drive {
                     configuration: &self.configuration,
                     demand: self.motor.demand(),
                     observed: self.observed,
-                    travel: travel(self.configuration.position_limits),
+                    travel: self.travel,
+                    frame: &mut self.frame,
                     switches: &self.switches,
                     blocked,
                     elapsed,
@@ -355,26 +382,6 @@ impl Drive {
             _ => 0,
         }
     }
-}
-
-/// Where the motor may go by 607Dh. The limits are off while the minimum is not below the maximum, and one at the end of what 32
-/// bits hold is none.
-fn travel((low, high): (i32, i32)) -> (i64, i64) {
-    let (none_below, none_above) = Context::NO_TRAVEL;
-    if low >= high {
-        return Context::NO_TRAVEL;
-    }
-    let low = if low == i32::MIN {
-        none_below
-    } else {
-        low.into()
-    };
-    let high = if high == i32::MAX {
-        none_above
-    } else {
-        high.into()
-    };
-    (low, high)
 }
 
 /// The axis with segments at least as long as a tick, so that with two of them a tick may come a whole tick late.

@@ -14,7 +14,8 @@ use crate::modes::Mode;
 use crate::state_machine::State;
 use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
 
-/// Everything the control tick needs from the bus: one consistent copy.
+/// Everything the control tick needs from the bus: one consistent copy. Velocities and accelerations are in increments already,
+/// positions in units of the user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Commands {
     /// 6040h as last written.
@@ -39,7 +40,7 @@ pub struct Commands {
     pub mode: i8,
     /// 6042h in units of the velocity mode.
     pub vl_target_velocity: i16,
-    /// 607Ah in user units (steps).
+    /// 607Ah in units of the user.
     pub target_position: i32,
     /// 6081h in steps/s.
     pub profile_velocity: u32,
@@ -63,7 +64,7 @@ pub struct Commands {
 pub struct SetPoint {
     /// 6040h, of which bits 5, 6 and 9 count.
     pub controlword: u16,
-    /// 607Ah in user units (steps).
+    /// 607Ah in units of the user.
     pub target_position: i32,
     /// 6081h in steps/s.
     pub profile_velocity: u32,
@@ -150,17 +151,17 @@ pub struct Actuals {
     pub vl_velocity_demand: i16,
     /// 6044h in units of the velocity mode; 0 outside of it.
     pub vl_velocity_actual: i16,
-    /// 6062h in user units (steps).
+    /// 6062h in units of the user.
     pub position_demand: i32,
     /// 6063h in increments (steps).
     pub position_actual_internal: i32,
-    /// 6064h in user units (steps).
+    /// 6064h in units of the user.
     pub position_actual: i32,
-    /// 606Bh in steps/s.
+    /// 606Bh in units of the user.
     pub velocity_demand: i32,
-    /// 606Ch in steps/s.
+    /// 606Ch in units of the user.
     pub velocity_actual: i32,
-    /// 60F4h in user units (steps).
+    /// 60F4h in units of the user.
     pub following_error: i32,
     /// 60FDh.
     pub digital_inputs: u32,
@@ -274,10 +275,11 @@ impl Exchange {
         self.is_configured = true;
     }
 
-    /// Brings a control tick's copies up to date. Edges and commands to stop are given once.
-    pub fn take(&mut self, commands: &mut Commands, configuration: &mut Configuration) {
-        if self.is_configured {
-            self.is_configured = false;
+    /// Brings a control tick's copies up to date. Edges and commands to stop are given once. Returns whether the configuration is
+    /// a new one.
+    pub fn take(&mut self, commands: &mut Commands, configuration: &mut Configuration) -> bool {
+        let is_configured = core::mem::take(&mut self.is_configured);
+        if is_configured {
             *configuration = self.configuration;
         }
         if self.taken == self.posted {
@@ -288,6 +290,7 @@ impl Exchange {
             self.taken = self.posted;
             self.start_taken |= core::mem::take(&mut self.start_posted);
         }
+        is_configured
     }
 
     /// Publishes what a control tick has made.

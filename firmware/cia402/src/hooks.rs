@@ -29,9 +29,14 @@ use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
 use crate::parameters::Parameter;
 use crate::protection::{PASSWORD, PRODUCTION, Protection};
+use crate::units::{Factors, SiUnit, Units};
 
 const IDENTITY: u16 = 0x1018;
 const SERIAL_NUMBER: u8 = 4;
+/// 60F2h: what relative set-points count from, and which way a rotary axis goes.
+const POSITIONING_OPTIONS: i64 = 0b1100_0011;
+/// 607Eh: of positions and of velocities.
+const POLARITIES: i64 = 0b1100_0000;
 
 /// What the network is to the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +58,7 @@ pub(crate) struct Hooks<A> {
     pub(crate) application: A,
     serial_number: u32,
     history: ControlwordHistory,
+    units: Units,
     written: bool,
     configured: bool,
     delay_written: bool,
@@ -68,6 +74,7 @@ impl<A> Hooks<A> {
             application,
             serial_number,
             history: ControlwordHistory::new(0),
+            units: Units::NONE,
             written: true,
             configured: true,
             delay_written: false,
@@ -117,8 +124,15 @@ impl<A> Hooks<A> {
         configured
     }
 
-    /// What the drive objects ask of the drive. What has passed in the controlword is given once.
+    /// The units that the master counts in from now on.
+    pub(crate) const fn set_units(&mut self, units: Units) {
+        self.units = units;
+    }
+
+    /// What the drive objects ask of the drive. What has passed in the controlword is given once. Velocities and accelerations become
+    /// increments here.
     pub(crate) fn commands<D: Objects>(&mut self, dictionary: &D, network: Network) -> Commands {
+        let units = &self.units;
         let passed = self.history.take();
         Commands {
             controlword: dictionary.controlword(),
@@ -134,12 +148,12 @@ impl<A> Hooks<A> {
             mode: dictionary.modes_of_operation(),
             vl_target_velocity: dictionary.vl_target_velocity(),
             target_position: dictionary.target_position(),
-            profile_velocity: dictionary.profile_velocity(),
-            end_velocity: dictionary.end_velocity(),
+            profile_velocity: units.speed(dictionary.profile_velocity()),
+            end_velocity: units.speed(dictionary.end_velocity()),
             positioning_option: dictionary.positioning_option_code(),
-            profile_acceleration: dictionary.profile_acceleration(),
-            profile_deceleration: dictionary.profile_deceleration(),
-            target_velocity: dictionary.target_velocity(),
+            profile_acceleration: units.acceleration(dictionary.profile_acceleration()),
+            profile_deceleration: units.acceleration(dictionary.profile_deceleration()),
+            target_velocity: units.velocity(dictionary.target_velocity()),
             passed_set_point: None,
         }
     }
@@ -278,9 +292,33 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
         Parameter::HaltOptionCode => code(number, StopRamp::on_halt),
         Parameter::FaultReactionOptionCode => code(number, Stop::on_fault),
         Parameter::PositioningOptionCode => match number {
-            0..=2 => Ok(()),
+            number if number & !POSITIONING_OPTIONS == 0 && number & 3 != 3 => Ok(()),
             _ => Err(AbortCode::InvalidValue),
         },
+        Parameter::PositionLimitOptions => match number {
+            0..=3 => Ok(()),
+            _ => Err(AbortCode::InvalidValue),
+        },
+        Parameter::Polarity => match number {
+            number if number & !POLARITIES == 0 => Ok(()),
+            _ => Err(AbortCode::InvalidValue),
+        },
+        Parameter::SiUnitPosition => named(number, SiUnit::Position),
+        Parameter::SiUnitVelocity => named(number, SiUnit::Velocity),
+        Parameter::SiUnitAcceleration => named(number, SiUnit::Acceleration),
+        Parameter::SiUnitJerk => named(number, SiUnit::Jerk),
+        Parameter::PositionEncoderIncrements
+        | Parameter::PositionEncoderRevolutions
+        | Parameter::VelocityEncoderIncrements
+        | Parameter::VelocityEncoderRevolutions
+        | Parameter::GearMotorRevolutions
+        | Parameter::GearShaftRevolutions
+        | Parameter::Feed
+        | Parameter::FeedShaftRevolutions
+        | Parameter::VelocityFactorNumerator
+        | Parameter::VelocityFactorDivisor
+        | Parameter::AccelerationFactorNumerator
+        | Parameter::AccelerationFactorDivisor => factor(parameter, number, dictionary),
         Parameter::ProfileAcceleration
         | Parameter::ProfileDeceleration
         | Parameter::QuickStopDeceleration
@@ -303,6 +341,26 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
         }
         _ => Ok(()),
     }
+}
+
+/// A factor is not 0, and the factors make ratios that can be represented.
+fn factor<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Result<(), AbortCode> {
+    let may_be_zero = parameter == Parameter::VelocityEncoderIncrements;
+    let number = u32::try_from(number)
+        .ok()
+        .filter(|number| *number != 0 || may_be_zero)
+        .ok_or(AbortCode::InvalidValue)?;
+    Units::new(Factors::of(dictionary).with(parameter, number))
+        .map(|_| ())
+        .ok_or(AbortCode::ParameterIncompatible)
+}
+
+/// A name of a unit is one of its kind.
+fn named(number: i64, unit: SiUnit) -> Result<(), AbortCode> {
+    u32::try_from(number)
+        .ok()
+        .filter(|value| unit.is_named_by(*value))
+        .map_or(Err(AbortCode::InvalidValue), |_| Ok(()))
 }
 
 /// An option code is one of those that mean something.

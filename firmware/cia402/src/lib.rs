@@ -42,6 +42,7 @@ pub mod state_machine;
 pub mod statusword;
 #[cfg(test)]
 mod testing;
+pub mod units;
 
 pub use configuration::Configuration;
 pub use controlword::Command;
@@ -54,3 +55,4 @@ pub use objects::Objects;
 pub use option_codes::QuickStopOption;
 pub use parameters::Parameter;
 pub use state_machine::{State, StateMachine};
+pub use units::Units;

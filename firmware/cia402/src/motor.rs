@@ -1,6 +1,8 @@
 //! The axis as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
 
-use motion::{AdvanceError, Axis, AxisConfig, Demand, Direction, Limits, PlanError, PulseSink};
+use motion::{
+    AdvanceError, Axis, AxisConfig, Demand, Direction, Limits, PlanError, PulseSink, Ticks,
+};
 
 /// The directions that limit switches bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,10 +25,12 @@ impl Barred {
 pub(crate) struct Refused;
 
 /// An axis, and what has become of its pulses. It counts as the master does, from the home position once that is known; the board
-/// counts on from where the motor stood at power-on.
+/// counts on from where the motor stood at power-on. Positions are increments, and do not wrap.
 #[derive(Debug)]
 pub(crate) struct Motor {
     axis: Axis,
+    /// Where the pulses handed out so far lead. The axis counts modulo 2³²; this goes on.
+    committed: i64,
     /// Nothing is planned, and every pulse has been handed out.
     at_rest: bool,
     /// At rest, and every pulse had left at the start of this tick.
@@ -51,6 +55,7 @@ impl Motor {
     pub(crate) fn new(config: AxisConfig) -> Self {
         Self {
             axis: Axis::new(config),
+            committed: 0,
             at_rest: true,
             standstill: true,
             demand: Demand::default(),
@@ -63,9 +68,15 @@ impl Motor {
         }
     }
 
-    /// The master's count for one of the board's.
+    /// The master's count for one of the board's, which may wrap.
     pub(crate) const fn position_of(&self, count: i64) -> i64 {
-        count.wrapping_add(self.shift)
+        self.near(count.wrapping_add(self.shift))
+    }
+
+    /// The position that is the same modulo 2³² and next to where the motor is.
+    const fn near(&self, position: i64) -> i64 {
+        let away = (position as i32).wrapping_sub(self.committed as i32);
+        self.committed.wrapping_add(away as i64)
     }
 
     /// What the master's count has beyond the board's, modulo 2³².
@@ -78,14 +89,30 @@ impl Motor {
         self.referenced
     }
 
-    /// The position `home` is found, and is to be called `name`. The motor stands at `position`.
-    pub(crate) fn set_home(&mut self, position: i64, home: i32, name: i32) {
-        let change = i64::from(name.wrapping_sub(home));
+    /// The position `home` (modulo 2³²) is found, and is to be called `name`. The motor stands at `position`. Returns by how much
+    /// all positions have changed.
+    pub(crate) fn set_home(&mut self, position: i64, home: i32, name: i64) -> i64 {
+        let away = i64::from(home.wrapping_sub(position as i32));
+        let change = name.wrapping_sub(position.wrapping_add(away));
         self.shift = self.shift.wrapping_add(change);
         self.referenced = true;
-        let position = position.wrapping_add(change);
+        self.stand_at(position.wrapping_add(change));
+        self.demand = self.demand_of(0);
+        change
+    }
+
+    /// The axis is told where the motor stands.
+    fn stand_at(&mut self, position: i64) {
         self.axis.set_position(position);
-        self.demand = self.axis.demand(0);
+        self.committed = position;
+    }
+
+    fn demand_of(&self, pending: Ticks) -> Demand {
+        let demand = self.axis.demand(pending);
+        Demand {
+            position: self.near(demand.position),
+            ..demand
+        }
     }
 
     /// The motor is not where its pulses should have taken it.
@@ -143,17 +170,17 @@ impl Motor {
     /// has no power, and after its pulses have been cut off.
     pub(crate) fn observe<S: PulseSink>(&mut self, position: i64, power: bool, pulses: &S) {
         if self.cut || !power && self.is_displaced(position) {
-            self.axis.set_position(position);
+            self.stand_at(position);
             self.cut = false;
         }
         let pending = pulses.pending();
         self.standstill = self.at_rest && pending == 0;
-        self.demand = self.axis.demand(pending);
+        self.demand = self.demand_of(pending);
     }
 
-    /// Whether the pulses handed out so far lead to another position than this one (in steps, modulo 2³²).
-    pub(crate) fn is_displaced(&self, position: i64) -> bool {
-        self.axis.committed_position() != i64::from(position as i32)
+    /// Whether the pulses handed out so far lead to another position than this one.
+    pub(crate) const fn is_displaced(&self, position: i64) -> bool {
+        self.committed != position
     }
 
     /// Whether the motor stood still at the start of this tick: nothing planned, and every pulse has left.
@@ -173,7 +200,13 @@ impl Motor {
 
     /// Where the present motion ends, in steps; at rest, where the motor stands.
     pub(crate) fn destination(&self) -> i64 {
-        self.axis.target()
+        self.near(self.axis.target())
+    }
+
+    /// The position in the count of the axis. One that is too far away stays so.
+    fn on_axis(&self, target: i64) -> i64 {
+        let way = target.saturating_sub(self.committed);
+        self.axis.committed_position().saturating_add(way)
     }
 
     /// The fastest the pulses can be sent, in steps/s.
@@ -181,9 +214,13 @@ impl Motor {
         self.axis.max_velocity()
     }
 
+    /// The longest way of one motion, in steps.
+    pub(crate) const REACH: i64 = u32::MAX as i64;
+
     /// Moves to a position, from whatever the motor does now. On an error nothing changes.
     pub(crate) fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), Refused> {
-        self.is_free(target.saturating_sub(self.axis.committed_position()))?;
+        self.is_free(target.saturating_sub(self.committed))?;
+        let target = self.on_axis(target);
         let result = self.axis.move_to(target, self.at_limit(limits));
         self.begun(result)
     }
@@ -195,15 +232,16 @@ impl Motor {
         end_velocity: u32,
         limits: Limits,
     ) -> Result<(), Refused> {
-        self.is_free(target.saturating_sub(self.axis.committed_position()))?;
+        self.is_free(target.saturating_sub(self.committed))?;
         let limits = self.at_limit(limits);
+        let target = self.on_axis(target);
         let result = self.axis.move_through(target, end_velocity, limits);
         self.begun(result)
     }
 
     /// The position from which the next command begins, in steps.
-    pub(crate) fn committed_position(&self) -> i64 {
-        self.axis.committed_position()
+    pub(crate) const fn committed_position(&self) -> i64 {
+        self.committed
     }
 
     /// Ramps to a velocity in steps/s and keeps it, from whatever the motor does now. On an error nothing changes.
@@ -263,6 +301,7 @@ impl Motor {
     /// pulse is lost by that.
     pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) -> bool {
         let result = self.axis.advance(pulses);
+        self.committed = self.near(self.axis.committed_position());
         self.at_rest = self.axis.is_at_rest();
         if self.at_rest {
             self.stopping = None;

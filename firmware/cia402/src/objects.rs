@@ -8,7 +8,7 @@ use canopen::od::Entry;
 use crate::parameters::Parameter;
 
 /// Typed access to the CiA 402 objects of a dictionary. Getters read what a master wrote; setters publish what the
-/// drive does. Units are the user units of CiA 402-2; with no factor group they are increments (steps), steps/s and
+/// drive does. Units are the user units of CiA 402-2 ([`crate::units`]); with no factor group they are increments (steps), steps/s and
 /// steps/s².
 pub trait Objects {
     /// 2030h:1: readings of the homing methods, see [`crate::configuration::HomingConfiguration`].
@@ -85,6 +85,10 @@ pub trait Objects {
     }
     /// 2040h:2 in milliseconds.
     fn brake_engage_time(&self) -> u16 {
+        0
+    }
+    /// 20E0h: how 607Dh is read, see [`crate::configuration::PositionLimitOptions`].
+    fn position_limit_options(&self) -> u8 {
         0
     }
     /// 6007h: 3, quick stop.
@@ -239,6 +243,14 @@ pub trait Objects {
     fn target_position(&self) -> i32 {
         0
     }
+    /// 607Bh:1. Positions wrap at the ends of 32 bits while minimum is not below maximum.
+    fn min_position_range_limit(&self) -> i32 {
+        i32::MIN
+    }
+    /// 607Bh:2.
+    fn max_position_range_limit(&self) -> i32 {
+        i32::MAX
+    }
     /// 607Ch.
     fn home_offset(&self) -> i32 {
         0
@@ -250,6 +262,10 @@ pub trait Objects {
     /// 607Dh:2.
     fn max_position_limit(&self) -> i32 {
         i32::MAX
+    }
+    /// 607Eh: bit 7 turns positions around, bit 6 velocities.
+    fn polarity(&self) -> u8 {
+        0
     }
     /// 607Fh.
     fn max_profile_velocity(&self) -> u32 {
@@ -279,6 +295,22 @@ pub trait Objects {
     fn quick_stop_deceleration(&self) -> u32 {
         self.profile_deceleration()
     }
+    /// 60A8h, see [`crate::units::SiUnit`].
+    fn si_unit_position(&self) -> u32 {
+        0
+    }
+    /// 60A9h.
+    fn si_unit_velocity(&self) -> u32 {
+        0
+    }
+    /// 60AAh.
+    fn si_unit_acceleration(&self) -> u32 {
+        0
+    }
+    /// 60ABh.
+    fn si_unit_jerk(&self) -> u32 {
+        0
+    }
     /// 60C5h.
     fn max_acceleration(&self) -> u32 {
         u32::MAX
@@ -302,6 +334,54 @@ pub trait Objects {
     /// 60FFh.
     fn target_velocity(&self) -> i32 {
         0
+    }
+    /// 608Fh:1; 0 where there is no such object: a unit of position is then an increment of the motor.
+    fn position_encoder_increments(&self) -> u32 {
+        0
+    }
+    /// 608Fh:2.
+    fn position_encoder_revolutions(&self) -> u32 {
+        1
+    }
+    /// 6090h:1; 0: as 608Fh.
+    fn velocity_encoder_increments(&self) -> u32 {
+        0
+    }
+    /// 6090h:2.
+    fn velocity_encoder_revolutions(&self) -> u32 {
+        1
+    }
+    /// 6091h:1.
+    fn gear_motor_revolutions(&self) -> u32 {
+        1
+    }
+    /// 6091h:2.
+    fn gear_shaft_revolutions(&self) -> u32 {
+        1
+    }
+    /// 6092h:1.
+    fn feed(&self) -> u32 {
+        1
+    }
+    /// 6092h:2.
+    fn feed_shaft_revolutions(&self) -> u32 {
+        1
+    }
+    /// 6096h:1.
+    fn velocity_factor_numerator(&self) -> u32 {
+        1
+    }
+    /// 6096h:2.
+    fn velocity_factor_divisor(&self) -> u32 {
+        1
+    }
+    /// 6097h:1.
+    fn acceleration_factor_numerator(&self) -> u32 {
+        1
+    }
+    /// 6097h:2.
+    fn acceleration_factor_divisor(&self) -> u32 {
+        1
     }
     /// 6098h; 0 is no method.
     fn homing_method(&self) -> i8 {

@@ -34,15 +34,16 @@ const NEW: u8 = 2;
 const ACCESS: u8 = 3;
 
 /// Objects that must not change while the power stage is on: what a position, a velocity or a torque means (polarity, encoder,
-/// gear, feed, factors, units, ratings), what the motor is, and what takes the flash to be stored.
-pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 10] = [
+/// gear, feed, factors, units, range, ratings), what the motor is, and what takes the flash to be stored.
+pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 11] = [
     NETWORK..=NETWORK,
     PRODUCTION..=PRODUCTION,
     0x6075..=0x6076,
+    0x607B..=0x607B,
     0x607E..=0x607E,
     0x608F..=0x6092,
     0x6096..=0x6097,
-    0x60A8..=0x60AA,
+    0x60A8..=0x60AB,
     0x6402..=0x6404,
     0x6406..=0x6407,
     0x6410..=0x6410,

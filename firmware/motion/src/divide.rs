@@ -5,7 +5,7 @@
 
 /// ⌊numerator · 2^(32 · digits) / divisor⌋ modulo 2¹²⁸, for a divisor of at most 96 bits; 0 for any other.
 #[inline(never)]
-pub(crate) fn quotient(numerator: u128, digits: u32, divisor: u128) -> u128 {
+pub fn quotient(numerator: u128, digits: u32, divisor: u128) -> u128 {
     // The divisor's leading bit becomes bit 95, so that its leading digit makes good estimates.
     let Some(shift) = divisor.leading_zeros().checked_sub(32) else {
         return 0;

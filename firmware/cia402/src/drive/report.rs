@@ -1,4 +1,5 @@
-//! What a tick publishes: statusword, mode display and actual values of one moment.
+//! What a tick publishes: statusword, mode display and actual values of one moment, in units of the user. Increments become
+//! these here and nowhere else.
 
 use canopen::Instant;
 
@@ -12,7 +13,9 @@ impl Drive {
     pub(super) fn actuals(&self, now: Instant, inputs: &Inputs, mode_bits: u16) -> Actuals {
         let state = self.machine.state();
         let bit = |condition, bit| if condition { bit } else { 0 };
-        let position = wrap(self.motor.position_of(inputs.position));
+        let units = &self.configuration.units;
+        let shown = |increments| units.range().shown(self.frame.position(increments, units));
+        let position = self.motor.position_of(inputs.position);
         let demand = self.motor.demand();
         let mode = self.modes.active();
         let vl = |velocity| match mode {
@@ -34,12 +37,12 @@ impl Drive {
             error_code: self.faults.error_code(),
             vl_velocity_demand: vl(demand.velocity),
             vl_velocity_actual: vl(self.observed.velocity),
-            position_demand: wrap(demand.position),
-            position_actual_internal: position,
-            position_actual: position,
-            velocity_demand: demand.velocity,
-            velocity_actual: self.observed.velocity,
-            following_error: self.observed.following_error,
+            position_demand: shown(demand.position),
+            position_actual_internal: position as i32,
+            position_actual: shown(position),
+            velocity_demand: units.velocity_in_units(demand.velocity),
+            velocity_actual: units.velocity_in_units(self.observed.velocity),
+            following_error: units.way_in_units(self.observed.following_error),
             digital_inputs: self.switches.word(),
             referenced: self.motor.is_referenced(),
             homing_failure: self.modes.homing_failure(),
@@ -49,10 +52,4 @@ impl Drive {
                 && self.commands.restart == self.restarted,
         }
     }
-}
-
-/// A position as 32 bits show it: beyond their end it goes on at the other, in 6062h, 6063h and 6064h alike, as pulses and
-/// encoders are counted.
-fn wrap(position: i64) -> i32 {
-    position as i32
 }

@@ -30,7 +30,7 @@ use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
 
 /// 2034h:2 while homing has not failed.
 const NO_FAILURE: u8 = 0;
-/// 2034h:2: 6098h is no method, a speed or the acceleration is 0, or a move would cross the end of the 32-bit count.
+/// 2034h:2: 6098h is no method, or a speed or the acceleration is 0.
 const NO_METHOD: u8 = 7;
 
 /// 2034h:2.
@@ -77,12 +77,13 @@ impl Search {
 
     /// From now on the engine's position `home` has its name.
     fn set_home(&mut self, context: &mut Context<'_>, home: i32) {
-        let name = self.configuration.position_at_home();
+        let user = self.configuration.position_at_home();
+        let name = context.configuration.units.position(user.into());
         let known_as = home.wrapping_add(self.shift);
-        context.motor.set_home(context.position, known_as, name);
-        let change = name.wrapping_sub(known_as);
-        context.position = context.position.wrapping_add(change.into());
-        self.shift = self.shift.wrapping_add(change);
+        let change = context.motor.set_home(context.position, known_as, name);
+        context.frame.found_home(user, name);
+        context.position = context.position.wrapping_add(change);
+        self.shift = self.shift.wrapping_add(change as i32);
     }
 }
 
@@ -282,10 +283,10 @@ fn carry_out(order: Order, search: &mut Search, context: &mut Context<'_>) -> Re
             if let Order::Return(home) = order {
                 search.set_home(context, home);
             }
-            // The short way, or none: the axis does not go to a position beyond the end of the count.
-            let from = context.position as i32;
-            let way = target.wrapping_add(search.shift).wrapping_sub(from);
-            let target = i64::from(from).saturating_add(way.into());
+            // The short way.
+            let from = context.position;
+            let way = target.wrapping_add(search.shift).wrapping_sub(from as i32);
+            let target = from.saturating_add(way.into());
             return context.motor.move_to(target, limits);
         }
         Order::CutOff => context.motor.cut_off(),

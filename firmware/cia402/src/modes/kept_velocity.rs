@@ -9,8 +9,8 @@
 
 use motion::Limits;
 
-use super::Context;
 use crate::motor::Motor;
+use crate::units::Travel;
 
 /// What is asked of the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub(super) struct Order {
     pub(super) velocity: i32,
     /// Its velocity is the greatest amount of the velocity above.
     pub(super) limits: Limits,
-    /// The lowest and the highest position in steps; see [`Context::travel`].
+    /// The lowest and the highest position in steps; see [`crate::units::Travel`].
     pub(super) travel: (i64, i64),
 }
 
@@ -30,6 +30,8 @@ enum Course {
     None,
     /// There is nothing in the way.
     Free,
+    /// There is a limit, further away than a motion can go.
+    Far,
     /// It ends at a limit.
     ToLimit,
     /// It cannot be carried out for now: the motor stands, or comes to rest.
@@ -74,7 +76,9 @@ impl KeptVelocity {
         let is_new = if self.course == Course::AtSwitch {
             self.order.map(|order| order.velocity) != Some(order.velocity)
         } else {
-            self.order != Some(order) || self.course == Course::Barred
+            self.order != Some(order)
+                || self.course == Course::Barred
+                || self.course == Course::Far && is_within_reach(end_of(order), motor)
         };
         if is_new {
             self.order = Some(order);
@@ -85,18 +89,31 @@ impl KeptVelocity {
     /// Whether a limit slows the motor down or holds it.
     pub(super) fn is_limited(&self, motor: &Motor) -> bool {
         match self.course {
-            Course::None | Course::Free => false,
+            Course::None | Course::Free | Course::Far => false,
             Course::ToLimit => motor.is_ending(),
             Course::Barred | Course::AtSwitch => true,
         }
     }
 }
 
+/// The limit in the direction of an order.
+const fn end_of(order: Order) -> i64 {
+    if order.velocity > 0 {
+        order.travel.1
+    } else {
+        order.travel.0
+    }
+}
+
+/// Whether a motion to a limit can be planned, the way to stop included.
+const fn is_within_reach(end: i64, motor: &Motor) -> bool {
+    let way = end.saturating_sub(motor.committed_position());
+    way.unsigned_abs() < Motor::REACH.unsigned_abs() / 2
+}
+
 fn begin(order: Order, motor: &mut Motor) -> Course {
     let Order {
-        velocity,
-        limits,
-        travel: (low, high),
+        velocity, limits, ..
     } = order;
     if velocity == 0 {
         stop(motor, limits.deceleration);
@@ -106,15 +123,22 @@ fn begin(order: Order, motor: &mut Motor) -> Course {
         stop(motor, limits.deceleration);
         return Course::AtSwitch;
     }
-    let end = if velocity > 0 { high } else { low };
-    let result = if Context::NO_TRAVEL.0 < end && end < Context::NO_TRAVEL.1 {
+    let end = end_of(order);
+    let has_end = Travel::NONE.increments.0 < end && end < Travel::NONE.increments.1;
+    let is_behind = if velocity > 0 {
+        end <= motor.committed_position()
+    } else {
+        end >= motor.committed_position()
+    };
+    let result = if has_end && (is_behind || is_within_reach(end, motor)) {
         stop(motor, limits.deceleration);
         let rest = motor.destination();
         let is_ahead = if velocity > 0 { rest < end } else { rest > end };
         let result = is_ahead.then(|| motor.move_to(end, limits));
         result.map(|result| result.map(|()| Course::ToLimit))
     } else {
-        Some(motor.ramp_to(velocity, limits).map(|()| Course::Free))
+        let course = if has_end { Course::Far } else { Course::Free };
+        Some(motor.ramp_to(velocity, limits).map(|()| course))
     };
     match result {
         Some(Ok(course)) => course,

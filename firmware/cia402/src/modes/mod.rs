@@ -21,6 +21,7 @@ use crate::inputs::Switches;
 use crate::monitor::Observed;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
+use crate::units::{Frame, Travel};
 
 use homing::Homing;
 use profile_position::ProfilePosition;
@@ -96,22 +97,31 @@ pub(crate) struct Context<'a> {
     pub(crate) blocked: Option<bool>,
     /// Microseconds since the last tick.
     pub(crate) elapsed: u32,
-    /// 6064h before it is cut to 32 bits.
+    /// Where the motor is, in increments.
     pub(crate) position: i64,
     /// What was being played when the tick began.
     pub(crate) demand: Demand,
     /// What the motor did.
     pub(crate) observed: Observed,
-    /// The lowest and the highest position the motor may go to by 607Dh, in steps; [`Context::NO_TRAVEL`] where it may go
-    /// anywhere.
-    pub(crate) travel: (i64, i64),
+    /// Where the motor may go by 607Dh.
+    pub(crate) travel: Travel,
+    pub(crate) frame: &'a mut Frame,
     pub(crate) is_brake_open: bool,
     pub(crate) motor: &'a mut Motor,
 }
 
 impl Context<'_> {
-    /// Just outside of what positions can be: there is no limit on that side.
-    pub(crate) const NO_TRAVEL: (i64, i64) = (i32::MIN as i64 - 1, i32::MAX as i64 + 1);
+    /// The position of a target of the user, in increments: of those that are shown like it, the one nearest to where the motor
+    /// should be. There 6062h and 6064h will read as it was given.
+    #[allow(dead_code, reason = "for the cyclic modes")]
+    pub(crate) fn target(&mut self, user: i32) -> i64 {
+        let units = &self.configuration.units;
+        let now = self.frame.position(self.demand.position, units);
+        let target = units.range().nearest(user.into(), now);
+        let increments = units.position(target);
+        self.frame.remember(target, increments);
+        increments
+    }
 
     /// Controlword bit 8.
     pub(crate) const fn is_halted(&self) -> bool {

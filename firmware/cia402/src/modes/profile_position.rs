@@ -32,13 +32,19 @@ use crate::dwell::Dwell;
 use crate::exchange;
 use crate::motor::Motor;
 use crate::statusword::{INTERNAL_LIMIT, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
+use crate::units::Rotation;
 
 /// 6067h: the window is not looked at.
 const WINDOW_OFF: u32 = u32::MAX;
+/// 60F2h: what relative set-points count from.
+const RELATIVE_TO: u16 = 3;
 
 /// A target with its profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct SetPoint {
+    /// In units of the user.
+    user: i64,
+    /// The same in increments.
     target: i64,
     limits: Limits,
     /// What is left of the velocity at the target, in steps/s.
@@ -75,8 +81,10 @@ pub(super) struct ProfilePosition {
     progress: Progress,
     /// The set-point that waits.
     next: Option<SetPoint>,
-    /// The target that relative ones count from, and that bit 10 means.
+    /// The target that bit 10 means.
     target: i64,
+    /// The same in units of the user, that relative ones count from; none since operation was enabled.
+    user: Option<i64>,
     /// On which side of the target the motor was when the set-point began: the sign of the way to go.
     direction: i64,
     /// The motion behind a target that is passed.
@@ -96,6 +104,7 @@ impl ProfilePosition {
             progress: Progress::Done,
             next: None,
             target: 0,
+            user: None,
             direction: 0,
             beyond: KeptVelocity::new(),
             acknowledge: false,
@@ -174,35 +183,82 @@ impl ProfilePosition {
 
     /// A set-point within all limits.
     fn read(&self, given: exchange::SetPoint, context: &Context<'_>, waits: bool) -> SetPoint {
-        let asked = i64::from(given.target_position);
-        let wanted = if given.controlword & RELATIVE == 0 {
-            asked
+        let units = &context.configuration.units;
+        let at = |increments| context.frame.position(increments, units);
+        let here = if waits {
+            self.previous(context)
         } else {
-            let base = match given.positioning_option {
-                1 if !waits => context.demand.position,
-                2 if !waits => i64::from(context.position as i32),
-                _ => self.target,
-            };
-            base.saturating_add(asked)
+            at(context.demand.position)
         };
-        let (low, high) = context.travel;
-        let low = low.max(i64::from(i32::MIN));
-        let high = high.min(i64::from(i32::MAX));
-        let target = wanted.max(low).min(high);
+        let wanted = self.wanted(given, context, waits, here);
+        let (low, high) = context.travel.user;
+        let (least, most) = units.range().within_reach(here);
+        let user = wanted.max(least).min(most).max(low).min(high);
+        let far = units.position(user);
+        let start = if waits {
+            self.target
+        } else {
+            context.motor.committed_position()
+        };
+        let target = far
+            .max(start.saturating_sub(Motor::REACH))
+            .min(start.saturating_add(Motor::REACH));
+        let user = if target == far {
+            user
+        } else {
+            units.position_in_units(target)
+        };
         let (limits, is_cut) = context.within(Limits {
             velocity: given.profile_velocity,
             acceleration: given.profile_acceleration,
             deceleration: given.profile_deceleration,
         });
         SetPoint {
+            user,
             target,
             limits,
             end_velocity: given.end_velocity,
             limited: Limited {
-                target: target != wanted,
+                target: user != wanted,
                 profile: is_cut,
             },
         }
+    }
+
+    /// The previous target in units of the user.
+    fn previous(&self, context: &Context<'_>) -> i64 {
+        let units = &context.configuration.units;
+        self.user
+            .unwrap_or_else(|| context.frame.position(self.target, units))
+    }
+
+    /// The target that is asked for, in units of the user, on the count that goes on behind the ends of 607Bh. `here` is where the
+    /// motor should be, or will be when a set-point that waits begins.
+    fn wanted(
+        &self,
+        given: exchange::SetPoint,
+        context: &Context<'_>,
+        waits: bool,
+        here: i64,
+    ) -> i64 {
+        let units = &context.configuration.units;
+        let asked = i64::from(given.target_position);
+        let at = |increments| context.frame.position(increments, units);
+        if given.controlword & RELATIVE != 0 {
+            let base = match given.positioning_option & RELATIVE_TO {
+                1 => here,
+                2 if !waits => at(context.position),
+                _ => self.previous(context),
+            };
+            return base.saturating_add(asked);
+        }
+        let rotation = Rotation::of(given.positioning_option);
+        let from = if waits || rotation == Rotation::Linear {
+            here
+        } else {
+            at(rest(context.motor, given.profile_deceleration))
+        };
+        units.range().target(asked, from, rotation)
     }
 
     /// The set-point under way may have come to its end.
@@ -230,7 +286,7 @@ impl ProfilePosition {
             .saturating_sub(context.motor.committed_position());
         self.direction = way.signum();
         if set_point.end_velocity != 0 {
-            let (low, high) = context.travel;
+            let (low, high) = context.travel.increments;
             let limit = if way < 0 { low } else { high };
             let room = limit.saturating_sub(set_point.target).unsigned_abs();
             let end = if way == 0 {
@@ -242,6 +298,8 @@ impl ProfilePosition {
         }
         self.current = Some(set_point);
         self.target = set_point.target;
+        self.user = Some(set_point.user);
+        context.frame.remember(set_point.user, set_point.target);
         self.progress = Progress::UnderWay;
         self.window = Dwell::new();
         if !self.held {
@@ -281,7 +339,7 @@ impl ProfilePosition {
                 velocity,
                 ..set_point.limits
             },
-            travel: context.travel,
+            travel: context.travel.increments,
         };
         self.beyond.follow(order, context.motor);
     }
@@ -358,7 +416,7 @@ impl ProfilePosition {
         if configuration.position_window == WINDOW_OFF {
             return self.progress == Progress::Done;
         }
-        let distance = distance(context.position, self.target);
+        let distance = context.position.abs_diff(self.target);
         self.window.has_held(
             context.now,
             distance <= u64::from(configuration.position_window),
@@ -381,9 +439,19 @@ fn stoppable(deceleration: u32, steps: u64) -> u32 {
     u32::try_from(velocity(steps.saturating_sub(reserve))).unwrap_or(u32::MAX)
 }
 
-/// How far apart two positions are, modulo 2³² as they are shown.
-fn distance(position: i64, target: i64) -> u64 {
-    u64::from((position.wrapping_sub(target) as i32).unsigned_abs())
+/// Where the motor would come to rest, in steps.
+fn rest(motor: &Motor, deceleration: u32) -> i64 {
+    let velocity = i64::from(motor.committed_velocity());
+    let square = velocity
+        .unsigned_abs()
+        .saturating_mul(velocity.unsigned_abs());
+    let way = square
+        .checked_div(u64::from(deceleration).saturating_mul(2))
+        .unwrap_or(0);
+    let way = i64::try_from(way).unwrap_or(i64::MAX);
+    // Rounded up, so that it is not passed.
+    let way = way.saturating_add(1).saturating_mul(velocity.signum());
+    motor.committed_position().saturating_add(way)
 }
 
 impl Limited {

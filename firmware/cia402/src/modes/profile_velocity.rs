@@ -59,7 +59,7 @@ impl ProfileVelocity {
         let order = Order {
             velocity: signed(limits.velocity, asked),
             limits,
-            travel: context.travel,
+            travel: context.travel.increments,
         };
         if !context.is_held() {
             self.held = false;
@@ -77,12 +77,12 @@ impl ProfileVelocity {
         let velocity = context.observed.velocity;
         let reached = self.reached.has_held(
             context.now,
-            velocity.abs_diff(asked) <= u32::from(configuration.velocity_window),
+            velocity.abs_diff(asked) <= configuration.velocity_window,
             configuration.velocity_window_time,
         );
         let moving = self.moving.has_held(
             context.now,
-            velocity.unsigned_abs() > u32::from(configuration.velocity_threshold),
+            velocity.unsigned_abs() > configuration.velocity_threshold,
             configuration.velocity_threshold_time,
         );
         let is_limited = is_cut || self.motion.is_limited(context.motor);

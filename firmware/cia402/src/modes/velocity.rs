@@ -90,7 +90,7 @@ impl Velocity {
         let order = Order {
             velocity: super::profile_velocity::signed(limits.velocity, velocity),
             limits,
-            travel: context.travel,
+            travel: context.travel.increments,
         };
         self.motion.follow(order, context.motor);
         let is_cut = self.is_cut || is_cut;

@@ -49,7 +49,7 @@ pub enum PlanError {
     ZeroAcceleration,
     /// The deceleration limit is 0: the axis would never stop.
     ZeroDeceleration,
-    /// The target lies outside −2³¹ ..= 2³¹−1 steps, or braking takes the axis 2³² steps or more from it.
+    /// The target is 2³² steps or more away, or braking takes the axis that far from it.
     OutOfRange,
 }
 
@@ -93,7 +93,8 @@ impl Plan {
         }
     }
 
-    /// Profile position: moves to `target_steps` and stops there, in the shortest time that `limits` allow.
+    /// Profile position: moves to `target_steps` and stops there, in the shortest time that `limits` allow. A target beyond
+    /// −2³¹ ..= 2³¹−1 lies behind the end of that span, where positions wrap.
     ///
     /// Starts at any velocity: if the axis moves away from the target, or too fast to stop before it, it brakes, turns and
     /// comes back.

@@ -28,19 +28,10 @@ pub(super) fn plan(
     if limits.deceleration == 0 {
         return Err(PlanError::ZeroDeceleration);
     }
-    if i32::try_from(target_steps).is_err() {
-        return Err(PlanError::OutOfRange);
-    }
-
-    let target = Exact::at_rest(target_steps).position;
-    let gap = target.abs_diff(from.position);
+    let (gap, is_back) = way_to(target_steps, from).ok_or(PlanError::OutOfRange)?;
     let speed = from.velocity.unsigned_abs();
     // On the target but still moving, the target counts as ahead: it will be overshot.
-    let target_behind = if gap == 0 {
-        from.velocity < 0
-    } else {
-        target < from.position
-    };
+    let target_behind = if gap == 0 { from.velocity < 0 } else { is_back };
     let approaching = speed != 0 && (from.velocity < 0) == target_behind;
 
     let half_deceleration = clock.half_acceleration(limits.deceleration);
@@ -96,6 +87,19 @@ pub(super) fn plan(
     }
     route.follow(course, 0, way, goal);
     Ok(())
+}
+
+/// How far it is to a target, Q96 steps, and whether it lies behind. `None` if that is 2³² steps or more: positions wrap there.
+fn way_to(target_steps: i64, from: Exact) -> Option<(u128, bool)> {
+    let steps = target_steps.checked_sub((from.position >> 96) as i64)?;
+    let distance = u32::try_from(steps.unsigned_abs()).ok()?;
+    let distance = u128::from(distance) << 96;
+    let part = from.position.cast_unsigned() & ((1 << 96) - 1);
+    Some(if steps > 0 {
+        (distance.wrapping_sub(part), false)
+    } else {
+        (distance.wrapping_add(part), true)
+    })
 }
 
 /// How far a gap and a stopping distance may lie apart and still mean the same.

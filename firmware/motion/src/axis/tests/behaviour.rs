@@ -326,7 +326,7 @@ fn a_refused_command_changes_nothing() {
         ),
         Err(PlanError::ZeroDeceleration)
     );
-    assert_eq!(axis.move_to(1 << 31, T01), Err(PlanError::OutOfRange));
+    assert_eq!(axis.move_to(1 << 33, T01), Err(PlanError::OutOfRange));
     assert_eq!(axis.stop(0), Err(PlanError::ZeroDeceleration));
     run(&mut axis, &mut sink);
     assert_eq!(sink.position, 5_000);
@@ -433,5 +433,21 @@ fn one_step_per_second_to_a_million() {
             // Half a step, and a tenth for chords, even at a million steps per second.
             assert!(sink.worst <= 0.6, "{} steps off", sink.worst);
         }
+    }
+}
+
+#[test]
+fn a_move_goes_on_across_the_end_of_the_span() {
+    let (mut axis, mut sink) = axis(FAST);
+    for (from, way) in [
+        (i64::from(i32::MAX) - 10, 1_000_i64),
+        (i64::from(i32::MIN) + 10, -1_000),
+    ] {
+        axis.set_position(from);
+        sink.position = from;
+        axis.move_to(from + way, T01).unwrap();
+        run(&mut axis, &mut sink);
+        assert_eq!(sink.position, from + way);
+        assert_eq!(axis.committed_position(), i64::from((from + way) as i32));
     }
 }

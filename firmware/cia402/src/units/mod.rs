@@ -1,0 +1,309 @@
+//! Units of the user (CiA 402-2, "factor group"): what a number of a master is in increments, and back.
+//!
+//! The drive counts increments: steps, increments/s, increments/s². A master may count in units of its own:
+//!
+//! - positions: one unit is 608Fh · 6091h / 6092h increments (encoder resolution, gear ratio, feed constant);
+//! - velocities: position units/s times 6096h. Where 6090h:1 is not 0, 6090h takes the place of 608Fh;
+//! - accelerations: velocity units/s times 6097h; jerk: that per second;
+//! - 6080h: revolutions of the motor per minute, where 608Fh is there; increments/s elsewhere;
+//! - 607Eh: bit 7 turns the sign of positions around, bit 6 that of velocities. Homing looks for its switches in the directions
+//!   of the increments all the same;
+//! - 607Bh: the range in which positions are shown. Behind its end they go on at the other. The drive counts on.
+//!
+//! The contract:
+//! - Conversions are exact rationals, rounded once to the nearest, halves away from zero. Nothing adds up.
+//! - What is too large for the number it becomes stops at its end; a limit of the drive is met there, and bit 11 tells.
+//! - An amount that is not 0 does not become 0: a velocity limit or a ramp is at least one increment per second (squared).
+//! - The factors are multiplied and reduced when one of them is written. While a unit is an increment, a conversion is a comparison.
+
+mod frame;
+mod range;
+mod ratio;
+mod si;
+mod travel;
+
+use crate::objects::Objects;
+use crate::parameters::Parameter;
+pub(crate) use frame::Frame;
+pub use range::{Range, Rotation};
+pub use ratio::Ratio;
+pub use si::SiUnit;
+pub(crate) use travel::Travel;
+
+/// 607Eh: positions are turned around.
+const POSITION_POLARITY: u8 = 1 << 7;
+/// 607Eh: velocities are turned around.
+const VELOCITY_POLARITY: u8 = 1 << 6;
+
+/// A window that is not looked at: FFFFFFFFh.
+const OFF: u32 = u32::MAX;
+
+/// The objects that units are made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Factors {
+    /// 608Fh: increments and motor revolutions; `None` where a data sheet has no such object.
+    pub position_encoder: Option<(u32, u32)>,
+    /// 6090h: the same for velocities; with 0 increments as 608Fh.
+    pub velocity_encoder: (u32, u32),
+    /// 6091h: motor and shaft revolutions.
+    pub gear: (u32, u32),
+    /// 6092h: feed and shaft revolutions.
+    pub feed: (u32, u32),
+    /// 6096h: numerator and divisor.
+    pub velocity: (u32, u32),
+    /// 6097h: numerator and divisor.
+    pub acceleration: (u32, u32),
+    /// 607Eh.
+    pub polarity: u8,
+    /// 607Bh: minimum and maximum.
+    pub range: (i32, i32),
+}
+
+impl Factors {
+    /// What the objects say.
+    pub fn of<D: Objects>(dictionary: &D) -> Self {
+        let encoder = (
+            dictionary.position_encoder_increments(),
+            dictionary.position_encoder_revolutions(),
+        );
+        Self {
+            position_encoder: (encoder.0 != 0).then_some(encoder),
+            velocity_encoder: (
+                dictionary.velocity_encoder_increments(),
+                dictionary.velocity_encoder_revolutions(),
+            ),
+            gear: (
+                dictionary.gear_motor_revolutions(),
+                dictionary.gear_shaft_revolutions(),
+            ),
+            feed: (dictionary.feed(), dictionary.feed_shaft_revolutions()),
+            velocity: (
+                dictionary.velocity_factor_numerator(),
+                dictionary.velocity_factor_divisor(),
+            ),
+            acceleration: (
+                dictionary.acceleration_factor_numerator(),
+                dictionary.acceleration_factor_divisor(),
+            ),
+            polarity: dictionary.polarity(),
+            range: (
+                dictionary.min_position_range_limit(),
+                dictionary.max_position_range_limit(),
+            ),
+        }
+    }
+}
+
+impl Factors {
+    /// The same with another number in one of the objects. An object that is no factor changes nothing.
+    pub fn with(mut self, parameter: Parameter, number: u32) -> Self {
+        let encoder = self.position_encoder.unwrap_or((1, 1));
+        match parameter {
+            Parameter::PositionEncoderIncrements => {
+                self.position_encoder = Some((number, encoder.1));
+            }
+            Parameter::PositionEncoderRevolutions => {
+                self.position_encoder = Some((encoder.0, number));
+            }
+            Parameter::VelocityEncoderIncrements => self.velocity_encoder.0 = number,
+            Parameter::VelocityEncoderRevolutions => self.velocity_encoder.1 = number,
+            Parameter::GearMotorRevolutions => self.gear.0 = number,
+            Parameter::GearShaftRevolutions => self.gear.1 = number,
+            Parameter::Feed => self.feed.0 = number,
+            Parameter::FeedShaftRevolutions => self.feed.1 = number,
+            Parameter::VelocityFactorNumerator => self.velocity.0 = number,
+            Parameter::VelocityFactorDivisor => self.velocity.1 = number,
+            Parameter::AccelerationFactorNumerator => self.acceleration.0 = number,
+            Parameter::AccelerationFactorDivisor => self.acceleration.1 = number,
+            _ => {}
+        }
+        self
+    }
+}
+
+/// What the units of the user are in increments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Units {
+    position: Ratio,
+    velocity: Ratio,
+    acceleration: Ratio,
+    /// Increments/s of a revolution of the motor per minute.
+    motor_speed: Ratio,
+    polarity: u8,
+    range: Range,
+}
+
+impl Units {
+    /// Units are increments.
+    pub const NONE: Self = Self {
+        position: Ratio::ONE,
+        velocity: Ratio::ONE,
+        acceleration: Ratio::ONE,
+        motor_speed: Ratio::ONE,
+        polarity: 0,
+        range: Range::ALL,
+    };
+
+    /// The units that these factors make. `None` if a factor is 0, or if a ratio in lowest terms has more than 64 bits.
+    pub fn new(factors: Factors) -> Option<Self> {
+        let position_encoder = factors.position_encoder.unwrap_or((1, 1));
+        let velocity_encoder = match factors.velocity_encoder {
+            (0, _) => position_encoder,
+            given => given,
+        };
+        let (motor, shaft) = factors.gear;
+        let (feed, turns) = factors.feed;
+        let of_velocity = factors.velocity;
+        let of_acceleration = factors.acceleration;
+        Some(Self {
+            position: Ratio::of(
+                [position_encoder.0, motor, turns],
+                [position_encoder.1, shaft, feed],
+            )?,
+            velocity: Ratio::of(
+                [velocity_encoder.0, motor, turns, of_velocity.1],
+                [velocity_encoder.1, shaft, feed, of_velocity.0],
+            )?,
+            acceleration: Ratio::of(
+                [
+                    velocity_encoder.0,
+                    motor,
+                    turns,
+                    of_velocity.1,
+                    of_acceleration.1,
+                ],
+                [
+                    velocity_encoder.1,
+                    shaft,
+                    feed,
+                    of_velocity.0,
+                    of_acceleration.0,
+                ],
+            )?,
+            motor_speed: match factors.position_encoder {
+                None => Ratio::ONE,
+                Some((increments, revolutions)) => Ratio::of([increments, 1], [revolutions, 60])?,
+            },
+            polarity: factors.polarity,
+            range: Range::new(factors.range),
+        })
+    }
+
+    /// The units of a dictionary. Its rules keep out factors that make none; those of a data sheet that do count as increments.
+    pub fn of<D: Objects>(dictionary: &D) -> Self {
+        Self::new(Factors::of(dictionary)).unwrap_or(Self::NONE)
+    }
+
+    /// Increments of a position, on the count that goes on behind the ends of 607Bh.
+    #[inline]
+    pub fn position(&self, user: i64) -> i64 {
+        self.with_position_polarity(self.position.to_increments(user))
+    }
+
+    /// The position in units of the user, on the count that goes on behind the ends of 607Bh.
+    #[inline]
+    pub fn position_in_units(&self, increments: i64) -> i64 {
+        self.with_position_polarity(self.position.to_units(increments))
+    }
+
+    /// Increments of a way or an offset, with its sign (60B0h).
+    #[inline]
+    pub fn way(&self, user: i32) -> i64 {
+        self.position(user.into())
+    }
+
+    /// A way in units of the user, with its sign (60F4h).
+    pub fn way_in_units(&self, increments: i32) -> i32 {
+        nearest(self.position_in_units(increments.into()))
+    }
+
+    /// Increments of a window: 6065h, 6067h. FFFFFFFFh stays what it is, "off", and nothing else becomes that.
+    pub fn window(&self, user: u32) -> u32 {
+        if user == OFF {
+            return OFF;
+        }
+        let increments = self.position.to_increments(user.into());
+        u32::try_from(increments).unwrap_or(OFF).min(OFF - 1)
+    }
+
+    /// Increments/s of a velocity, with its sign (60FFh, 60B1h).
+    #[inline]
+    pub fn velocity(&self, user: i32) -> i32 {
+        let increments = self.velocity.to_increments(user.into());
+        nearest(self.with_velocity_polarity(increments))
+    }
+
+    /// A velocity in units of the user (606Bh, 606Ch).
+    #[inline]
+    pub fn velocity_in_units(&self, increments: i32) -> i32 {
+        let user = self.velocity.to_units(increments.into());
+        nearest(self.with_velocity_polarity(user))
+    }
+
+    /// Increments/s of an amount that is to be reached or not exceeded (6081h, 607Fh, 6099h): at least 1, unless it is 0.
+    pub fn speed(&self, user: u32) -> u32 {
+        amount(self.velocity, user)
+    }
+
+    /// Increments/s of a velocity window or threshold (606Dh, 606Fh, 60F8h), to the nearest.
+    pub fn speed_window(&self, user: u32) -> u32 {
+        u32::try_from(self.velocity.to_increments(user.into())).unwrap_or(u32::MAX)
+    }
+
+    /// Increments/s of a speed of the motor (6080h).
+    pub fn motor_speed(&self, user: u32) -> u32 {
+        amount(self.motor_speed, user)
+    }
+
+    /// Increments/s² of a ramp (6083h, 6084h, 60C5h): at least 1, unless it is 0.
+    pub fn acceleration(&self, user: u32) -> u32 {
+        amount(self.acceleration, user)
+    }
+
+    /// Increments/s³ of a jerk (60A4h), whose unit is that of the acceleration per second: at least 1, unless it is 0.
+    pub fn jerk(&self, user: u32) -> u32 {
+        amount(self.acceleration, user)
+    }
+
+    /// Whether positions are turned around.
+    pub const fn has_position_polarity(&self) -> bool {
+        self.polarity & POSITION_POLARITY != 0
+    }
+
+    /// Where positions wrap.
+    pub const fn range(&self) -> Range {
+        self.range
+    }
+
+    const fn with_position_polarity(&self, number: i64) -> i64 {
+        turned(number, self.polarity & POSITION_POLARITY != 0)
+    }
+
+    const fn with_velocity_polarity(&self, number: i64) -> i64 {
+        turned(number, self.polarity & VELOCITY_POLARITY != 0)
+    }
+}
+
+const fn turned(number: i64, is_turned: bool) -> i64 {
+    if is_turned {
+        number.saturating_neg()
+    } else {
+        number
+    }
+}
+
+/// The nearest number of 32 bits.
+#[inline]
+fn nearest(number: i64) -> i32 {
+    let end = if number < 0 { i32::MIN } else { i32::MAX };
+    i32::try_from(number).unwrap_or(end)
+}
+
+/// An amount in increments: at least 1, unless it is 0.
+fn amount(ratio: Ratio, user: u32) -> u32 {
+    if ratio.is_one() || user == 0 {
+        return user;
+    }
+    let increments = ratio.to_increments(user.into()).max(1);
+    u32::try_from(increments).unwrap_or(u32::MAX)
+}

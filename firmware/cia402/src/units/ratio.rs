@@ -1,0 +1,199 @@
+//! Exact ratios of increments to units.
+
+use motion::quotient;
+
+/// A ratio of two positive numbers in lowest terms: how many increments a unit is.
+///
+/// A conversion is one product of 128 bits and one division, rounded to the nearest, halves away from zero; so it treats both
+/// directions alike. A result beyond 64 bits stops at their end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ratio {
+    increments: u64,
+    units: u64,
+}
+
+impl Ratio {
+    /// A unit is an increment.
+    pub const ONE: Self = Self {
+        increments: 1,
+        units: 1,
+    };
+
+    /// The product of `over` divided by the product of `under`. `None` if one of them is 0, or if what is left in lowest terms
+    /// does not fit in 64 bits.
+    pub fn of<const N: usize>(mut over: [u32; N], mut under: [u32; N]) -> Option<Self> {
+        for numerator in &mut over {
+            for denominator in &mut under {
+                let divisor = greatest_common_divisor(*numerator, *denominator);
+                *numerator = numerator.checked_div(divisor)?;
+                *denominator = denominator.checked_div(divisor)?;
+            }
+        }
+        let product = |factors: [u32; N]| {
+            let product = factors.iter().try_fold(1_u64, |product, factor| {
+                product.checked_mul(u64::from(*factor))
+            });
+            product.filter(|product| *product != 0)
+        };
+        Some(Self {
+            increments: product(over)?,
+            units: product(under)?,
+        })
+    }
+
+    /// Increments for a number of units.
+    #[inline]
+    pub fn to_increments(self, units: i64) -> i64 {
+        if self.is_one() {
+            units
+        } else {
+            scaled(units, self.increments, self.units)
+        }
+    }
+
+    /// Units for a number of increments.
+    #[inline]
+    pub fn to_units(self, increments: i64) -> i64 {
+        if self.is_one() {
+            increments
+        } else {
+            scaled(increments, self.units, self.increments)
+        }
+    }
+
+    /// Whether a unit is an increment.
+    #[inline]
+    pub const fn is_one(self) -> bool {
+        // In lowest terms.
+        self.increments == 1 && self.units == 1
+    }
+}
+
+/// `value * numerator / denominator`, rounded to the nearest, halves away from zero.
+#[inline(never)]
+fn scaled(value: i64, numerator: u64, denominator: u64) -> i64 {
+    let amount = rounded(value.unsigned_abs(), numerator, denominator);
+    let amount = i64::try_from(amount).unwrap_or(i64::MAX);
+    if value < 0 {
+        amount.wrapping_neg()
+    } else {
+        amount
+    }
+}
+
+fn rounded(value: u64, numerator: u64, denominator: u64) -> u128 {
+    let product = u128::from(value).wrapping_mul(u128::from(numerator));
+    let whole = if denominator == 1 {
+        return product;
+    } else {
+        quotient(product, 0, denominator.into())
+    };
+    // The remainder is less than the denominator: the lower half has all of it.
+    let rest = (product as u64).wrapping_sub((whole as u64).wrapping_mul(denominator));
+    let is_half = rest >= denominator.wrapping_sub(rest);
+    whole.saturating_add(is_half.into())
+}
+
+/// The greatest number that divides both; of 0 and a number that number.
+fn greatest_common_divisor(mut a: u32, mut b: u32) -> u32 {
+    while let Some(rest) = a.checked_rem(b) {
+        a = b;
+        b = rest;
+    }
+    a
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn exact(value: i64, numerator: u64, denominator: u64) -> i64 {
+        let (n, d) = (i128::from(numerator), i128::from(denominator));
+        let product = i128::from(value).unsigned_abs() * n.unsigned_abs();
+        let rounded = (product / d.unsigned_abs())
+            + u128::from((product % d.unsigned_abs()) * 2 >= d.unsigned_abs());
+        let amount = i64::try_from(rounded).unwrap_or(i64::MAX);
+        if value < 0 { -amount } else { amount }
+    }
+
+    #[test]
+    fn a_third_of_ten_is_rounded_to_the_nearest() {
+        let ratio = Ratio::of([10, 1], [3, 1]).unwrap();
+        assert_eq!(ratio.to_increments(1), 3);
+        assert_eq!(ratio.to_increments(2), 7);
+        assert_eq!(ratio.to_increments(-2), -7);
+        assert_eq!(ratio.to_increments(10_000), 33_333);
+        assert_eq!(ratio.to_units(33_333), 10_000);
+    }
+
+    #[test]
+    fn halves_go_away_from_zero() {
+        let half = Ratio::of([1], [2]).unwrap();
+        assert_eq!((half.to_increments(3), half.to_increments(-3)), (2, -2));
+        assert_eq!((half.to_increments(1), half.to_increments(-1)), (1, -1));
+    }
+
+    #[test]
+    fn factors_that_cancel_are_one() {
+        let ratio = Ratio::of([3200, 7, 100], [700, 3200, 1]).unwrap();
+        assert!(ratio.is_one());
+    }
+
+    #[test]
+    fn m73_what_cannot_be_represented_is_none() {
+        assert_eq!(Ratio::of([0, 1], [1, 1]), None);
+        assert_eq!(Ratio::of([1, 1], [1, 0]), None);
+        assert_eq!(Ratio::of([u32::MAX; 3], [1; 3]), None);
+        assert_eq!(Ratio::of([1; 3], [u32::MAX; 3]), None);
+        assert!(Ratio::of([u32::MAX, u32::MAX, 1], [1, 1, u32::MAX - 1]).is_some());
+    }
+
+    #[test]
+    fn m73_results_beyond_64_bits_stop_at_their_end() {
+        let large = Ratio::of([u32::MAX, u32::MAX], [1, 1]).unwrap();
+        assert_eq!(large.to_increments(i64::MIN), -i64::MAX);
+        assert_eq!(large.to_increments(i64::from(i32::MAX)), i64::MAX);
+        let small = Ratio::of([1, 1], [u32::MAX, u32::MAX]).unwrap();
+        assert_eq!(small.to_units(i64::MAX), i64::MAX);
+        assert_eq!(small.to_increments(i64::from(i32::MAX)), 0);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2048))]
+
+        #[test]
+        fn m73_conversions_are_exact(
+            over in prop::array::uniform2(1..u32::MAX),
+            under in prop::array::uniform2(1..u32::MAX),
+            s in 0u32..32, u in 0u32..32, value: i64, v in 0u32..64,
+        ) {
+            let over = over.map(|n| (n >> s).max(1));
+            let under = under.map(|n| (n >> u).max(1));
+            let Some(ratio) = Ratio::of(over, under) else {
+                return Ok(());
+            };
+            let value = value >> v;
+            let product = |factors: [u32; 2]| u64::from(factors[0]) * u64::from(factors[1]);
+            let expected = exact(value, product(over), product(under));
+            prop_assert_eq!(ratio.to_increments(value), expected);
+            prop_assert_eq!(ratio.to_increments(value.saturating_neg()), expected.saturating_neg());
+        }
+
+        #[test]
+        fn m73_there_and_back_is_the_same_or_next_to_it(over: u32, under: u32, value: i32) {
+            let (over, under) = (over.max(1), under.max(1));
+            let ratio = Ratio::of([over], [under]).unwrap();
+            let value = i64::from(value);
+            let increments = ratio.to_increments(value);
+            let back = ratio.to_units(increments);
+            if over >= under {
+                prop_assert_eq!(back, value);
+            }
+            // Never more than a unit, or half an increment.
+            let half = i64::from(under.div_ceil(over).div_ceil(2)).max(1);
+            prop_assert!((back - value).abs() <= half);
+            prop_assert!((ratio.to_increments(back) - increments).abs() <= 1);
+        }
+    }
+}
