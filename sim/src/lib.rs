@@ -1,6 +1,7 @@
 //! The virtual drive: the firmware's own core on a PC, with a simulated motor and real CAN frames.
 //!
 //! - [`drive`]: the virtual drive; [`plant`]: its motor; [`machine`]: what its firmware serves beside the drive; [`flash`]: where it keeps its settings.
+//! - [`timer_model`]: the timers of the board that make step pulses, register by register.
 //! - [`bus`]: where frames travel. An in-process bus on virtual time, SLCAN over TCP, SocketCAN.
 //! - [`master`]: a CANopen master, on the in-process bus or on a real one.
 //! - [`data_sheet`]: what the objects of a device are called.
@@ -23,6 +24,7 @@ pub mod plan;
 pub mod plant;
 pub mod serve;
 mod system_error;
+pub mod timer_model;
 pub mod trace;
 
 /// The object dictionary of the generic drive, made from `eds/axis402.eds`.

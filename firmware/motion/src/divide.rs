@@ -66,7 +66,7 @@ fn times(number: u128, digit: u32) -> u128 {
 
 /// numerator / divisor, or the largest digit if that is less. The divisor's leading bit is set.
 #[inline]
-fn estimate(numerator: u64, divisor: u32) -> u32 {
+pub(crate) fn estimate(numerator: u64, divisor: u32) -> u32 {
     let high = (numerator >> 32) as u32;
     if high >= divisor {
         return u32::MAX;

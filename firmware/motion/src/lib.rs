@@ -25,6 +25,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod advanced_timer;
 pub mod axis;
 pub mod clock;
 mod divide;

@@ -30,6 +30,10 @@ impl Direction {
     }
 }
 
+/// The shortest record, in ticks: half a microsecond at 168 MHz, so that an advanced timer has loaded the next one when it
+/// ends ([`crate::advanced_timer`]).
+pub const SHORTEST_RECORD: u32 = 84;
+
 /// `repeat` timer periods of `period` ticks each, each beginning with a pulse of `width` ticks; a width of 0 is silence.
 ///
 /// On an advanced timer these are the three words that one DMA burst writes: auto-reload, repetition counter and compare.
@@ -86,7 +90,7 @@ pub trait PulseSink {
 /// What the stepper driver's inputs need, in ticks (from its datasheet). Larger values than a timer can do are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DriverTiming {
-    /// Shortest time of the step signal being high: 1 ..= 65535.
+    /// Shortest time of the step signal being high: 1 ..= 32767.
     pub pulse_high: u32,
     /// Shortest time of the step signal being low, at least 1. Take more where records need time to be loaded:
     /// no record is shorter than `pulse_high + pulse_low`.
@@ -101,10 +105,13 @@ impl DriverTiming {
     /// Longest of each of these times. A tenth of a second at 168 MHz: far more than any driver needs.
     const LONGEST: u32 = 1 << 24;
 
+    /// The widest pulse: half of what a timer of 16 bits can do, so that a longer period has two parts with the pulse in one.
+    const WIDEST: u32 = i16::MAX as u32;
+
     /// Each time brought into its range.
     pub(crate) fn checked(self) -> Self {
         Self {
-            pulse_high: self.pulse_high.clamp(1, u32::from(u16::MAX)),
+            pulse_high: self.pulse_high.clamp(1, Self::WIDEST),
             pulse_low: self.pulse_low.clamp(1, Self::LONGEST),
             direction_setup: self.direction_setup.min(Self::LONGEST),
             direction_hold: self.direction_hold.min(Self::LONGEST),

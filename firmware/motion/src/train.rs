@@ -10,19 +10,19 @@
 use heapless::Deque;
 
 use crate::clock::Ticks;
+use crate::divide::estimate;
 use crate::fixed::{Position, Velocity};
-use crate::record::{Direction, DriverTiming, Record};
+use crate::record::{Direction, DriverTiming, Record, SHORTEST_RECORD};
 
-/// Records that one chord can make at most: three for the open period, one more at a change of direction, two runs in each
-/// part, and one for a long silence.
-const MOST_RECORDS: usize = 5 + 2 * PARTS as usize;
-
-/// Parts of a chord in which the two kinds of period take turns, once it has many pulses. At each turn the pulses are ahead or behind by
-/// at most pulses² / (4 · parts · ticks) steps.
-const PARTS: u32 = 4;
+/// Records that one chord can make at most: three for the open period, one more at a change of direction, three runs, and one for
+/// a long silence.
+const MOST_RECORDS: usize = 8;
 
 /// The pulses of a run are counted in 16 bits.
-const LONGEST_RUN: u64 = u16::MAX as u64;
+const LONGEST_RUN: u32 = u16::MAX as u32;
+
+/// From so many pulses in a chord on, the open period before it is as long as the periods in it.
+const MANY: u32 = 8;
 
 /// A stretch of the plan, taken as a straight line.
 #[derive(Debug, Clone, Copy)]
@@ -88,27 +88,26 @@ impl Train {
         &self.timing
     }
 
-    /// The length of a segment in ticks: no record is longer.
+    /// The length of a segment in ticks. No record is longer, but for a run that begins with the last pulse before its chord.
     pub(crate) const fn segment(&self) -> u64 {
         self.segment
     }
 
     /// The longest chord at `velocity`, in ticks: so that no run has more pulses than a record can count, and that evenly
-    /// spaced pulses stay within an eighth of a step of the chord.
+    /// spaced pulses stay within three sixteenths of a step of the chord.
     pub(crate) fn longest_chord(&self, velocity: Velocity) -> u64 {
-        // v² · length / (4 · parts) ≤ ⅛, with v in Q24.
+        // Two kinds of period, one in the middle of the other: v² · length / 8 ≤ 3/16, with v in Q24.
+        const MOST: u64 = 3 << 47;
         let speed = velocity.bits().unsigned_abs() >> 32;
         let square = speed.wrapping_mul(speed);
         let longest = self
             .segment
-            .min(self.shortest_period().saturating_mul(LONGEST_RUN));
+            .min(self.shortest_period().saturating_mul(LONGEST_RUN.into()));
         // Divisions are dear, and this one seldom limits.
-        if longest.saturating_mul(square) <= u64::from(PARTS) << 47 {
+        if longest.saturating_mul(square) <= MOST {
             return longest;
         }
-        (u64::from(PARTS) << 47)
-            .checked_div(square)
-            .unwrap_or(longest)
+        MOST.checked_div(square).unwrap_or(longest)
     }
 
     /// The tick up to which there are records.
@@ -177,7 +176,7 @@ impl Train {
         let least = if self.pulse {
             self.turn_hold()
         } else {
-            self.shortest_period()
+            self.shortest_record()
         };
         let open = now.saturating_sub(self.pen);
         if self.pulse || open > 0 {
@@ -195,54 +194,79 @@ impl Train {
         end: Ticks,
         speeding_up: bool,
     ) {
-        let shortest = self.shortest_period();
-        let first = first.max(self.earliest(direction));
-        if first > end {
-            return;
-        }
-        let mut gaps = u64::from(pulses.wrapping_sub(1));
-        let mut span = last.saturating_sub(first);
-        if span < gaps.saturating_mul(shortest) {
-            // Too dense for the driver: at its highest rate, and what does not fit is due in the next chord.
-            let room = (end.wrapping_sub(first) as u32)
-                .checked_div(shortest as u32)
-                .unwrap_or(0);
-            gaps = gaps.min(room.into());
-            span = gaps.saturating_mul(shortest);
-        }
-        // A chord is no longer than a segment, so that 32 bits hold its ticks.
-        let gaps = gaps.min(LONGEST_RUN) as u32;
-        let span = span as u32;
-
-        self.open_pulse(first, direction);
-        if let (Some(base), Some(longer)) = (span.checked_div(gaps), span.checked_rem(gaps)) {
-            let crowded = gaps.saturating_mul(gaps).saturating_mul(2) > span;
-            let parts = if crowded { PARTS } else { 1 };
-            for part in 0..parts {
-                let share = |of: u32| of * (part + 1) / parts - of * part / parts;
-                let long = (base.wrapping_add(1), share(longer));
-                let short = (base, share(gaps).saturating_sub(share(longer)));
-                for (period, repeat) in if speeding_up {
-                    [long, short]
-                } else {
-                    [short, long]
-                } {
-                    self.make(period.into(), repeat.into(), true, direction);
-                }
+        let shortest = self.timing.shortest_period();
+        // Of many pulses the first may be spaced as the others are, and needs no record of its own.
+        let joins = pulses >= MANY && self.pulse && self.direction == Some(direction);
+        let (begin, gaps) = if joins {
+            (self.pen, pulses)
+        } else {
+            let first = first.max(self.earliest(direction));
+            if first > end {
+                return;
             }
+            (first, pulses.wrapping_sub(1))
+        };
+        // A chord is no longer than a segment, so that 32 bits hold its ticks.
+        let mut gaps = gaps.min(LONGEST_RUN);
+        let mut span = last.saturating_sub(begin) as u32;
+        if u64::from(span) < u64::from(gaps).wrapping_mul(shortest.into()) {
+            // Too dense for the driver: at its highest rate, and what does not fit is due in the next chord.
+            let room = end.saturating_sub(begin) as u32;
+            gaps = gaps.min(room.checked_div(shortest).unwrap_or(0));
+            span = gaps.wrapping_mul(shortest);
         }
-        let made = gaps
-            .cast_signed()
-            .wrapping_add(1)
-            .wrapping_mul(direction.sign());
+        let made = if joins {
+            gaps
+        } else {
+            self.open_pulse(begin, direction);
+            gaps.wrapping_add(1)
+        };
+        if gaps > 0 {
+            self.space(gaps, span, speeding_up, direction);
+        }
+        let made = made.cast_signed().wrapping_mul(direction.sign());
         self.steps = self.steps.wrapping_add(made);
+    }
+
+    /// So many periods in so many ticks, each beginning with a pulse. What remains when the ticks are shared out is one tick more in
+    /// some periods. A run would be too short for a record only at the highest rates; its few ticks are left to the open period.
+    fn space(&mut self, gaps: u32, span: u32, speeding_up: bool, direction: Direction) {
+        let base = span.checked_div(gaps).unwrap_or(0);
+        let longer = span.wrapping_sub(base.wrapping_mul(gaps));
+        let long = (base.wrapping_add(1), longer);
+        let short = (base, gaps.wrapping_sub(longer));
+        let (more, fewer) = if long.1 > short.1 {
+            (long, short)
+        } else {
+            (short, long)
+        };
+        if fewer.0.wrapping_mul(fewer.1) < SHORTEST_RECORD {
+            // All alike. One gap alone may have to be stretched to be a record.
+            let least = SHORTEST_RECORD.div_ceil(gaps.max(1));
+            self.make(more.0.max(least), gaps, true, direction);
+        } else if gaps.wrapping_mul(gaps).wrapping_mul(5) <= span {
+            // The pulses are off by gaps² / (4 · span) steps at most, a twentieth.
+            let [one, other] = if speeding_up {
+                [long, short]
+            } else {
+                [short, long]
+            };
+            self.make(one.0, one.1, true, direction);
+            self.make(other.0, other.1, true, direction);
+        } else {
+            // Crowded: the fewer in the middle of the others, so that pulses are ahead in one half and behind in the other.
+            let half = more.1 / 2;
+            self.make(more.0, more.1.wrapping_sub(half), true, direction);
+            self.make(fewer.0, fewer.1, true, direction);
+            self.make(more.0, half, true, direction);
+        }
     }
 
     /// The earliest tick for a pulse in `direction`.
     fn earliest(&self, direction: Direction) -> Ticks {
         let turning = self.direction != Some(direction);
         let wait = match (turning, self.pulse) {
-            (false, _) => self.shortest_period(),
+            (false, _) => self.shortest_record(),
             (true, false) => self.turn_setup(),
             (true, true) => self.turn_hold().saturating_add(self.turn_setup()),
         };
@@ -251,7 +275,7 @@ impl Train {
 
     /// Whether [`Train::flush`] brings the records up to `enough` if there are chords up to `now`.
     pub(crate) fn can_flush(&self, now: Ticks, enough: Ticks) -> bool {
-        let least = self.turn_hold().saturating_add(self.shortest_period());
+        let least = self.turn_hold().saturating_add(self.shortest_record());
         self.pen < enough && now >= enough.saturating_add(least)
     }
 
@@ -259,7 +283,7 @@ impl Train {
     pub(crate) fn flush(&mut self, now: Ticks) {
         let open = now
             .saturating_sub(self.pen)
-            .saturating_sub(self.shortest_period());
+            .saturating_sub(self.shortest_record());
         self.silence(open, self.direction.unwrap_or(Direction::Forward));
     }
 
@@ -278,7 +302,7 @@ impl Train {
     fn keep_short(&mut self, direction: Direction, end: Ticks) {
         let open = end.saturating_sub(self.pen);
         // What stays open is long enough for a record of its own, so the next pulse need not wait for it.
-        if open >= self.segment.saturating_add(self.shortest_period()) {
+        if open >= self.segment.saturating_add(self.shortest_record()) {
             let level = if self.pulse {
                 self.direction.unwrap_or(direction)
             } else {
@@ -295,19 +319,16 @@ impl Train {
         while ticks > self.segment {
             let part = self
                 .segment
-                .min(ticks.saturating_sub(self.shortest_period()));
-            self.make(part, 1, self.pulse, direction);
+                .min(ticks.saturating_sub(self.shortest_record()));
+            self.make(part as u32, 1, self.pulse, direction);
             self.pulse = false;
             ticks = ticks.saturating_sub(part);
         }
-        self.make(ticks, 1, self.pulse, direction);
+        self.make(ticks as u32, 1, self.pulse, direction);
         self.pulse = false;
     }
 
-    fn make(&mut self, period: u64, repeat: u64, pulse: bool, direction: Direction) {
-        let (Ok(period), Ok(repeat)) = (u32::try_from(period), u16::try_from(repeat)) else {
-            return;
-        };
+    fn make(&mut self, period: u32, repeat: u32, pulse: bool, direction: Direction) {
         if period == 0 || repeat == 0 {
             return;
         }
@@ -318,7 +339,7 @@ impl Train {
         };
         let record = Record {
             period,
-            repeat,
+            repeat: repeat as u16,
             width,
             direction,
         };
@@ -331,50 +352,57 @@ impl Train {
         self.timing.shortest_period().into()
     }
 
+    /// The shortest record of one period.
+    fn shortest_record(&self) -> u64 {
+        self.shortest_period().max(SHORTEST_RECORD.into())
+    }
+
     /// From the beginning of the last pulse to a change of direction.
     fn turn_hold(&self) -> u64 {
         let hold = self
             .timing
             .pulse_high
             .saturating_add(self.timing.direction_hold);
-        self.shortest_period().max(hold.into())
+        self.shortest_record().max(hold.into())
     }
 
     /// From a change of direction to the next pulse.
     fn turn_setup(&self) -> u64 {
-        self.shortest_period()
+        self.shortest_record()
             .max(self.timing.direction_setup.into())
     }
 }
 
-/// When a chord passes a distance from its beginning. One 64-bit division for all its crossings.
+/// When a chord passes a distance from its beginning. One division of 64 bits by 32 for all its crossings.
 struct Crossings {
     /// The chord's length in ticks.
-    length: u64,
+    length: u32,
     /// The chord's way, Q32 steps.
     way: u64,
-    /// Ticks per 2⁻³² steps, shifted up by `shift`.
-    pace: u64,
+    /// How far ways are shifted up to have 32 leading bits.
     shift: u32,
+    /// Ticks for 2³² units of a way so shifted. A tick is lost at most.
+    pace: u32,
 }
 
 impl Crossings {
     fn new(chord: &Chord, way: u64) -> Self {
-        let length = chord.to.0.saturating_sub(chord.from.0);
-        let shift = length.leading_zeros() & 63;
-        let pace = (length << shift).checked_div(way).unwrap_or(0);
+        // A chord is no longer than a segment, which has 29 bits at most.
+        let length = chord.to.0.saturating_sub(chord.from.0) as u32;
+        let shift = way.leading_zeros() & 63;
+        let pace = estimate(u64::from(length) << 32, ((way << shift) >> 32) as u32);
         Self {
             length,
             way,
-            pace,
             shift,
+            pace,
         }
     }
 
     /// Ticks from the chord's beginning until it has gone `distance`, Q32 steps; 0 for what lies behind it.
     fn after(&self, distance: i64) -> u64 {
         let distance = distance.max(0).unsigned_abs().min(self.way);
-        // pace · way is at most length · 2^shift, which fits.
-        (self.pace.wrapping_mul(distance) >> self.shift).min(self.length)
+        let part = (distance << self.shift) >> 32;
+        (part.wrapping_mul(self.pace.into()) >> 32).min(self.length.into())
     }
 }

@@ -1,0 +1,117 @@
+//! From pulses counted to a position: the counter only counts up, and which way each pulse went is known.
+
+use heapless::Deque;
+
+use crate::Direction;
+
+/// Changes of direction that are remembered, those still to come included.
+const MARKS: usize = 16;
+
+/// The pulses that a mark may lie behind before it is moved on: less than half of what 32 bits tell apart.
+const FAR: i32 = 1 << 24;
+
+/// From this pulse on, pulses go this way.
+#[derive(Clone, Copy, Debug)]
+struct Mark {
+    /// Pulses counted, modulo 2³².
+    count: u32,
+    position: i64,
+    direction: Direction,
+}
+
+impl Mark {
+    /// The position when the counter shows `count`, as if no other mark followed.
+    fn position_at(&self, count: u32) -> i64 {
+        let pulses = i64::from(count.wrapping_sub(self.count).cast_signed());
+        let way = match self.direction {
+            Direction::Forward => pulses,
+            Direction::Reverse => pulses.wrapping_neg(),
+        };
+        self.position.wrapping_add(way)
+    }
+}
+
+/// Every change of direction, from a while ago to the end of what was handed out.
+#[derive(Debug)]
+pub(super) struct Course {
+    /// What holds before the first mark that is kept.
+    first: Mark,
+    later: Deque<Mark, MARKS>,
+}
+
+impl Course {
+    /// The counter shows `count` at `position`.
+    pub(super) const fn new(count: u32, position: i64) -> Self {
+        Self {
+            first: Mark {
+                count,
+                position,
+                direction: Direction::Forward,
+            },
+            later: Deque::new(),
+        }
+    }
+
+    /// Whether another change of direction can be remembered. `count` is what the counter shows now.
+    pub(super) fn has_room(&mut self, count: u32) -> bool {
+        // A few changes that lie behind are kept for edges that were captured before them.
+        if self.later.is_full()
+            && let Some(next) = self.later.front().copied()
+            && has_passed(&next, count)
+        {
+            self.first = next;
+            self.later.pop_front();
+        }
+        !self.later.is_full()
+    }
+
+    /// From `count` on, pulses go the other way.
+    pub(super) fn turn(&mut self, count: u32, direction: Direction) {
+        let mark = Mark {
+            count,
+            position: self.last().position_at(count),
+            direction,
+        };
+        // There is room, or the mark is not made ([`Course::has_room`]).
+        let _ = self.later.push_back(mark);
+    }
+
+    /// The direction of the last pulses handed out.
+    pub(super) fn direction(&self) -> Direction {
+        self.last().direction
+    }
+
+    /// The position when the counter shows `count`.
+    pub(super) fn position_at(&self, count: u32) -> i64 {
+        let passed = self.later.iter().rev().find(|mark| has_passed(mark, count));
+        passed.unwrap_or(&self.first).position_at(count)
+    }
+
+    /// The counter shows `count` now: what is far behind is moved on.
+    pub(super) fn go_on(&mut self, count: u32) {
+        let behind = count.wrapping_sub(self.first.count).cast_signed();
+        if behind > FAR {
+            if let Some(next) = self.later.front().copied()
+                && has_passed(&next, count)
+            {
+                self.first = next;
+                self.later.pop_front();
+            } else if self.later.is_empty() {
+                let count = self.first.count.wrapping_add(FAR as u32);
+                self.first = Mark {
+                    count,
+                    position: self.first.position_at(count),
+                    ..self.first
+                };
+            }
+        }
+    }
+
+    fn last(&self) -> &Mark {
+        self.later.back().unwrap_or(&self.first)
+    }
+}
+
+fn has_passed(mark: &Mark, count: u32) -> bool {
+    count.wrapping_sub(mark.count).cast_signed() >= 0
+}

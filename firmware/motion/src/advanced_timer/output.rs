@@ -1,0 +1,335 @@
+//! The end where records are put in, and everything that is written to the timers.
+
+use core::fmt;
+
+use super::count::Course;
+use super::registers::{Register, Registers, bits};
+use super::ring::{Ring, SLOTS, WORDS};
+use super::slots::{Remainder, Words, level};
+use crate::{PulseSink, Record, Ticks};
+
+/// Slots that are always silent: with the processor stopped they take 3.2 s at 168 MHz.
+const SILENT_SLOTS: u32 = 32;
+
+/// Words of the whole ring.
+const ALL_WORDS: u32 = (SLOTS * WORDS) as u32;
+
+/// Half of the silence before a train, in ticks: time to write the first slots in.
+const LEAD_IN: u32 = 1 << 12;
+
+/// Looks at the stream until it has surely come to the end of a burst.
+const BURST_POLLS: u32 = 64;
+
+/// A slot is written only if the DMA comes to it so many ticks later, or more: longer than any interrupt takes.
+const MARGIN: u32 = 1 << 11;
+
+/// Pulses that an advanced timer makes from records. It belongs to the control tick.
+pub struct Output<'a, R> {
+    registers: R,
+    ring: &'a Ring,
+    /// The timer runs.
+    running: bool,
+    /// The level of the direction signal in the slots that are silent.
+    level: u32,
+    /// Since the start of the train: slots written, fetched by the DMA, and made silent again.
+    written: u32,
+    fetched: u32,
+    silenced: u32,
+    /// When the train began, and ticks of what was taken, of what was written, and of the last slot written; all wrap.
+    began: u32,
+    taken: u32,
+    length: u32,
+    last: u32,
+    /// What is left of a record that was taken.
+    remainder: Remainder,
+    /// Pulses taken, modulo 2³²: what the counter will show.
+    pulses: u32,
+    course: Course,
+}
+
+impl<R> fmt::Debug for Output<'_, R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Output")
+            .field("running", &self.running)
+            .field("written", &self.written)
+            .field("fetched", &self.fetched)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a, R: Registers> Output<'a, R> {
+    /// Sets up timers and stream. Both timers stand still, the outputs are low; the clocks of the peripherals are on, and the
+    /// stream has its addresses.
+    pub fn new(mut registers: R, ring: &'a Ring) -> Self {
+        use Register as Reg;
+        for (register, value) in [
+            (Reg::StreamCr, 0),
+            (Reg::Cr1, bits::URS | bits::ARPE),
+            (Reg::Cr2, bits::TRGO_OC1REF),
+            (Reg::Dier, bits::UDE),
+            (Reg::Psc, 0),
+            (Reg::Ccr1, 0),
+            (Reg::Ccr2, 0),
+            (Reg::Ccmr1, bits::CHANNEL_1_LOW | bits::CHANNEL_2_PWM),
+            (Reg::Ccer, bits::OUTPUTS),
+            (Reg::Dcr, bits::BURST_FROM_PSC),
+            (Reg::Bdtr, bits::BREAK | bits::MOE),
+            (Reg::CounterSmcr, bits::COUNT_TIM1),
+            (Reg::CounterCcmr1, bits::CAPTURE_PAIR),
+            (Reg::CounterCcmr2, bits::CAPTURE_PAIR),
+            (Reg::CounterCcer, bits::CAPTURE_BOTH_EDGES),
+            (Reg::CounterCnt, 0),
+            (Reg::CounterCr1, bits::CEN),
+        ] {
+            registers.write(register, value);
+        }
+        Self {
+            registers,
+            ring,
+            running: false,
+            level: 0,
+            written: 0,
+            fetched: 0,
+            silenced: 0,
+            began: 0,
+            taken: 0,
+            length: 0,
+            last: 0,
+            remainder: Remainder::NONE,
+            pulses: 0,
+            course: Course::new(0, 0),
+        }
+    }
+
+    /// To be called in every control tick: what was played is made silent, and a train that has ended stops the timer.
+    #[inline]
+    pub fn service(&mut self) {
+        if !self.running {
+            return;
+        }
+        self.fetched = self.fetched.wrapping_add(self.newly_fetched());
+        while self.silenced != self.fetched {
+            self.ring.put(self.silenced, Words::silent(self.level));
+            self.silenced = self.silenced.wrapping_add(1);
+        }
+        if self.has_ended(0) {
+            let left = self.remainder;
+            self.stop();
+            self.go_on(left);
+        } else {
+            self.fill();
+        }
+    }
+
+    /// What was left of a record when the slots before it had been played: a train of its own.
+    fn go_on(&mut self, left: Remainder) {
+        if !left.is_empty() {
+            self.remainder = left;
+            self.taken = left.ticks();
+            self.start(left.direction());
+            self.fill();
+        }
+    }
+
+    /// Pulses that left since the start, forward less reverse: the position in steps.
+    pub fn position(&mut self) -> i64 {
+        let count = self.registers.read(Register::CounterCnt);
+        self.course.go_on(count);
+        self.course.position_at(count)
+    }
+
+    /// The position in steps at which the counter showed `count`, a captured value. It may lie a few changes of direction back.
+    pub fn position_at(&self, count: u32) -> i64 {
+        self.course.position_at(count)
+    }
+
+    /// Drops what has not been played. A pulse that has begun is cut short but counts.
+    pub fn drop_all(&mut self) {
+        // No pulse begins from here on, so the counter stands.
+        self.registers
+            .write(Register::Ccmr1, bits::CHANNEL_1_LOW | bits::CHANNEL_2_PWM);
+        self.stop();
+        let count = self.registers.read(Register::CounterCnt);
+        self.pulses = count;
+        self.course = Course::new(count, self.course.position_at(count));
+    }
+
+    /// Whether the break input has cut the outputs off. Pulses that the timer made since then were counted and did not leave.
+    pub fn is_broken(&self) -> bool {
+        self.registers.read(Register::Bdtr) & bits::MOE == 0
+    }
+
+    /// Lets the outputs go on after a break, at rest. As long as the break input is active this has no effect.
+    pub fn mend(&mut self) {
+        if !self.running {
+            self.registers.write(Register::Sr, !bits::BIF);
+            self.registers
+                .write(Register::Bdtr, bits::BREAK | bits::MOE);
+        }
+    }
+
+    /// The board's side.
+    pub fn registers(&self) -> &R {
+        &self.registers
+    }
+
+    /// Slots that the DMA has fetched since [`Output::fetched`] was brought up to date, whole ones only.
+    #[inline]
+    fn newly_fetched(&self) -> u32 {
+        let left = self.registers.read(Register::StreamNdtr);
+        let slots = ALL_WORDS.wrapping_sub(left) / WORDS as u32;
+        slots.wrapping_sub(self.fetched) % SLOTS as u32
+    }
+
+    /// Whether every slot written has been played, if so many more have been fetched than was known: the silence behind them
+    /// is under way once the slot after it has been fetched.
+    fn has_ended(&self, newly: u32) -> bool {
+        let ahead = self.fetched.wrapping_add(newly).wrapping_sub(self.written);
+        ahead.cast_signed() >= 2
+    }
+
+    /// Ticks from now until the DMA fetches the next slot to be written; negative if that may be past.
+    #[inline]
+    fn lead(&self) -> i32 {
+        let played = self.registers.now().wrapping_sub(self.began);
+        let request = self.length.wrapping_sub(self.last);
+        request.wrapping_sub(played).cast_signed()
+    }
+
+    /// Writes slots as long as there is room for what is left of the last record.
+    #[inline]
+    fn fill(&mut self) {
+        while !self.remainder.is_empty() && self.has_room() {
+            if self.running && self.lead() < MARGIN as i32 {
+                return;
+            }
+            let Some(words) = self.remainder.next() else {
+                return;
+            };
+            // What follows must not turn back while it is silent.
+            let next = self.written.wrapping_add(1);
+            self.level = words.level();
+            self.ring.set_level(next, self.level);
+            self.ring.put(self.written, words);
+            self.written = next;
+            self.last = words.ticks();
+            self.length = self.length.wrapping_add(self.last);
+        }
+    }
+
+    /// Whether a slot may be written without touching the silent ones.
+    fn has_room(&self) -> bool {
+        self.written.wrapping_sub(self.silenced) < SLOTS as u32 - SILENT_SLOTS
+    }
+
+    /// Begins a train with what is in the ring. The silence in front is played twice: once from here, and once because it is
+    /// what is preloaded at the first update event, which fetches the first slot.
+    #[cold]
+    fn start(&mut self, direction: u32) {
+        use Register as Reg;
+        for (register, value) in [
+            (Reg::Dcr, bits::BURST_FROM_PSC),
+            (Reg::StreamFlags, bits::STREAM_5_FLAGS),
+            (Reg::StreamNdtr, ALL_WORDS),
+            (Reg::StreamCr, bits::STREAM),
+            (Reg::StreamCr, bits::STREAM | bits::STREAM_ON),
+            (Reg::Ccmr1, bits::CHANNEL_1_PWM | bits::CHANNEL_2_PWM),
+            (Reg::Arr, LEAD_IN - 1),
+            (Reg::Rcr, 0),
+            (Reg::Ccr1, 0),
+            (Reg::Ccr2, direction),
+            (Reg::Egr, bits::UG),
+            (Reg::Cr1, bits::URS | bits::ARPE | bits::CEN),
+        ] {
+            self.registers.write(register, value);
+        }
+        self.began = self.registers.now().wrapping_add(2 * LEAD_IN);
+        // The first slot is fetched when the second silence begins.
+        self.last = LEAD_IN;
+        self.running = true;
+    }
+
+    /// Ends a train: timer and stream stand still, and the ring is silent.
+    #[cold]
+    fn stop(&mut self) {
+        self.registers.write(Register::Cr1, bits::URS | bits::ARPE);
+        // A burst that is under way comes to its end.
+        for _ in 0..BURST_POLLS {
+            if self.registers.read(Register::StreamNdtr) % WORDS as u32 == 0 {
+                break;
+            }
+        }
+        self.registers.write(Register::StreamCr, bits::STREAM);
+        while self.written.wrapping_sub(self.silenced).cast_signed() > 0 {
+            self.ring.put(self.silenced, Words::silent(self.level));
+            self.silenced = self.silenced.wrapping_add(1);
+        }
+        self.running = false;
+        self.written = 0;
+        self.fetched = 0;
+        self.silenced = 0;
+        self.taken = 0;
+        self.length = 0;
+        self.last = 0;
+        self.remainder = Remainder::NONE;
+    }
+
+    /// Ticks taken and not played yet; at least 1 until the last slot has been played.
+    #[inline]
+    fn unplayed(&self) -> u32 {
+        let played = self.registers.now().wrapping_sub(self.began);
+        let left = self.taken.wrapping_sub(played).cast_signed();
+        left.max(1).cast_unsigned()
+    }
+}
+
+impl<R: Registers> PulseSink for Output<'_, R> {
+    #[inline]
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        if !self.remainder.is_empty() || !self.has_room() {
+            self.service();
+            if !self.remainder.is_empty() || !self.has_room() {
+                return Err(record);
+            }
+        }
+        if self.running && self.lead() < MARGIN as i32 {
+            // Too late to go on without a gap. When the last slot has been played, the next train begins.
+            self.service();
+            if self.running {
+                return Err(record);
+            }
+        }
+        if self.course.direction() != record.direction {
+            let count = self.registers.read(Register::CounterCnt);
+            if !self.course.has_room(count) {
+                return Err(record);
+            }
+            self.course.turn(self.pulses, record.direction);
+        }
+        if record.width > 0 {
+            self.pulses = self.pulses.wrapping_add(record.repeat.into());
+        }
+        self.taken = self.taken.wrapping_add(record.ticks() as u32);
+        self.remainder = Remainder::of(&record);
+        if !self.running {
+            self.start(level(record.direction));
+        }
+        self.fill();
+        Ok(())
+    }
+
+    fn pending(&self) -> Ticks {
+        if !self.running || self.has_ended(self.newly_fetched()) {
+            return 0;
+        }
+        self.unplayed().into()
+    }
+
+    fn free(&self) -> usize {
+        if !self.remainder.is_empty() {
+            return 0;
+        }
+        let room = SLOTS as u32 - SILENT_SLOTS;
+        room.saturating_sub(self.written.wrapping_sub(self.silenced)) as usize
+    }
+}

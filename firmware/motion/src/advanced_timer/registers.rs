@@ -1,0 +1,112 @@
+//! The registers that pulse output touches, by the names of the reference manual (RM0090).
+
+/// One register. `TIM1` makes the pulses, `TIM2` counts them, stream 5 of `DMA2` (channel 6, TIM1_UP) feeds them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Register {
+    /// TIM1_CR1: control register 1.
+    Cr1,
+    /// TIM1_CR2: control register 2; what TIM1 shows to TIM2.
+    Cr2,
+    /// TIM1_DIER: DMA and interrupt enable.
+    Dier,
+    /// TIM1_SR: status; a flag is cleared by writing 0 to it.
+    Sr,
+    /// TIM1_EGR: event generation.
+    Egr,
+    /// TIM1_CCMR1: modes of channels 1 and 2.
+    Ccmr1,
+    /// TIM1_CCER: outputs of the channels.
+    Ccer,
+    /// TIM1_PSC: prescaler, preloaded.
+    Psc,
+    /// TIM1_ARR: period less one, preloaded.
+    Arr,
+    /// TIM1_RCR: periods of a run less one, preloaded.
+    Rcr,
+    /// TIM1_CCR1: width of a pulse, preloaded.
+    Ccr1,
+    /// TIM1_CCR2: direction, preloaded: 0 is low, more than ARR is high.
+    Ccr2,
+    /// TIM1_BDTR: break input and main output enable.
+    Bdtr,
+    /// TIM1_DCR: where a DMA burst begins and how long it is.
+    Dcr,
+    /// DMA2_S5CR: the stream. Its addresses (DMA2_S5PAR: TIM1_DMAR; DMA2_S5M0AR: the ring) are for the board to write.
+    StreamCr,
+    /// DMA2_S5NDTR: words left in this round.
+    StreamNdtr,
+    /// DMA2_HIFCR: clears the flags of the stream.
+    StreamFlags,
+    /// TIM2_CR1.
+    CounterCr1,
+    /// TIM2_SMCR: what TIM2 counts.
+    CounterSmcr,
+    /// TIM2_CCMR1: capture channels 1 and 2.
+    CounterCcmr1,
+    /// TIM2_CCMR2: capture channels 3 and 4.
+    CounterCcmr2,
+    /// TIM2_CCER: edges that capture.
+    CounterCcer,
+    /// TIM2_CNT: pulses that left, 32 bits.
+    CounterCnt,
+}
+
+/// A timer with its DMA stream, and the timer that counts its pulses.
+pub trait Registers {
+    /// Writes a register.
+    fn write(&mut self, register: Register, value: u32);
+
+    /// Reads a register.
+    fn read(&self, register: Register) -> u32;
+
+    /// A free-running count in ticks of TIM1's clock, from the same oscillator; wraps after 32 bits.
+    fn now(&self) -> u32;
+}
+
+/// Bits of these registers.
+pub mod bits {
+    /// CR1: the counter runs.
+    pub const CEN: u32 = 1 << 0;
+    /// CR1: a generated update event ([`UG`]) asks for no DMA.
+    pub const URS: u32 = 1 << 2;
+    /// CR1: ARR is preloaded.
+    pub const ARPE: u32 = 1 << 7;
+    /// CR2: TRGO is OC1REF (MMS = 100).
+    pub const TRGO_OC1REF: u32 = 0b100 << 4;
+    /// DIER: an update event asks for DMA.
+    pub const UDE: u32 = 1 << 8;
+    /// SR: the break input was active.
+    pub const BIF: u32 = 1 << 7;
+    /// EGR: an update event now; the counter begins anew and preloaded values act.
+    pub const UG: u32 = 1 << 0;
+    /// CCMR1: mode of channel 1 (OC1M).
+    pub const OC1M: u32 = 0b111 << 4;
+    /// CCMR1: channel 1 in PWM mode 1, CCR1 preloaded.
+    pub const CHANNEL_1_PWM: u32 = 0b110 << 4 | 1 << 3;
+    /// CCMR1: channel 1 forced low.
+    pub const CHANNEL_1_LOW: u32 = 0b100 << 4 | 1 << 3;
+    /// CCMR1: channel 2 in PWM mode 1, CCR2 preloaded.
+    pub const CHANNEL_2_PWM: u32 = 0b110 << 12 | 1 << 11;
+    /// CCER: the outputs OC1N and OC2N (which follow OC1REF and OC2REF when OC1 and OC2 are off).
+    pub const OUTPUTS: u32 = 1 << 2 | 1 << 6;
+    /// BDTR: outputs are driven while they are off (OSSI, OSSR), low. The break input is on, low is active.
+    pub const BREAK: u32 = 1 << 10 | 1 << 11 | 1 << 12;
+    /// BDTR: main output enable. The break input clears it by hardware.
+    pub const MOE: u32 = 1 << 15;
+    /// DCR: a burst of five words from PSC on.
+    pub const BURST_FROM_PSC: u32 = 4 << 8 | 10;
+    /// DMA_SxCR: channel 6, priority very high, words on both sides, memory address counts up, round and round, memory to
+    /// peripheral; direct mode.
+    pub const STREAM: u32 =
+        6 << 25 | 0b11 << 16 | 0b10 << 13 | 0b10 << 11 | 1 << 10 | 1 << 8 | 1 << 6;
+    /// DMA_SxCR: the stream is on.
+    pub const STREAM_ON: u32 = 1 << 0;
+    /// DMA_HIFCR: all flags of stream 5.
+    pub const STREAM_5_FLAGS: u32 = 0b11_1101 << 6;
+    /// SMCR: external clock mode 1 (SMS) from internal trigger 0 (TS), which is TIM1 for TIM2.
+    pub const COUNT_TIM1: u32 = 0b111;
+    /// CCMR of a capture pair: both channels are inputs of their own pins, with a filter of 8 samples (ICF = 3).
+    pub const CAPTURE_PAIR: u32 = 0b01 | 3 << 4 | 0b01 << 8 | 3 << 12;
+    /// CCER: four channels capture both edges (CCxE, CCxP, CCxNP).
+    pub const CAPTURE_BOTH_EDGES: u32 = 0xBBBB;
+}

@@ -1,0 +1,77 @@
+//! The memory that the DMA reads, again and again.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use super::slots::Words;
+
+/// Slots of the ring. A power of two.
+pub const SLOTS: usize = 128;
+
+/// Words of a slot: PSC, ARR, RCR, CCR1, CCR2.
+///
+/// The prescaler is always 0. It stands first because a DMA stream in direct mode fetches the first word of a slot long before its
+/// request: so a slot may be written up to the request itself.
+pub const WORDS: usize = 5;
+
+const _: () = assert!(SLOTS.is_power_of_two());
+
+/// The slots. The processor writes them and the DMA reads them; each word is whole at all times, and which slots are whose is
+/// for [`super::Output`] to know.
+#[derive(Debug)]
+#[repr(transparent)]
+pub struct Ring {
+    slots: [[AtomicU32; WORDS]; SLOTS],
+}
+
+impl Ring {
+    /// Silent all around.
+    pub const fn new() -> Self {
+        const SILENT: [u32; 4] = Words::silent(0).0;
+        const SLOT: [AtomicU32; WORDS] = [
+            AtomicU32::new(0),
+            AtomicU32::new(SILENT[0]),
+            AtomicU32::new(SILENT[1]),
+            AtomicU32::new(SILENT[2]),
+            AtomicU32::new(SILENT[3]),
+        ];
+        Self {
+            slots: [const { SLOT }; SLOTS],
+        }
+    }
+
+    /// The words of a slot, counted round the ring, as the DMA reads them.
+    pub fn words(&self, slot: u32) -> [u32; WORDS] {
+        let mut words = [0; WORDS];
+        if let Some(slot) = self.slots.get(slot as usize % SLOTS) {
+            for (word, cell) in words.iter_mut().zip(slot) {
+                *word = cell.load(Ordering::Relaxed);
+            }
+        }
+        words
+    }
+
+    /// Writes a slot, counted round the ring.
+    #[inline]
+    pub(super) fn put(&self, slot: u32, words: Words) {
+        if let Some([_, cells @ ..]) = self.slots.get(slot as usize % SLOTS) {
+            // The pulse last: should the DMA come in between, against all care, there is none.
+            for (cell, word) in cells.iter().zip(words.0).rev() {
+                cell.store(word, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// Sets the level of the direction signal of a slot, counted round the ring.
+    #[inline]
+    pub(super) fn set_level(&self, slot: u32, level: u32) {
+        if let Some([.., cell]) = self.slots.get(slot as usize % SLOTS) {
+            cell.store(level, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Default for Ring {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,131 @@
+//! Slots add up to the records they come from, and no run is too short for the burst behind it.
+
+use std::vec::Vec;
+
+use proptest::prelude::*;
+
+use super::count::Course;
+use super::slots::{LONGEST_PERIOD, LONGEST_RUN, MOST_PERIODS, Remainder, Words};
+use crate::Direction::{Forward, Reverse};
+use crate::Record;
+use crate::record::SHORTEST_RECORD;
+
+fn slots_of(record: Record) -> Vec<Words> {
+    let mut left = Remainder::of(&record);
+    let mut slots = Vec::new();
+    while let Some(words) = left.next() {
+        assert!(slots.len() < 70_000 * 3, "{record:?} does not end");
+        slots.push(words);
+    }
+    assert!(left.is_empty());
+    slots
+}
+
+/// A record as a train makes it: period, repeat, width; for a driver that wants `low` ticks between pulses.
+fn any_record() -> impl Strategy<Value = Record> {
+    let period = prop_oneof![
+        34..2_000u32,
+        2_000..200_000u32,
+        16_000..17_000u32,
+        65_000..66_000u32,
+        1..1u32 << 20
+    ];
+    let repeat = prop_oneof![1..4u16, 1..600u16];
+    let width = prop_oneof![Just(0), 17..600u16, 1..32_767u16];
+    (period, repeat, width).prop_map(|(period, repeat, width)| {
+        let width = width.min((period / 2).min(32_767) as u16);
+        let least = SHORTEST_RECORD.div_ceil(repeat.into());
+        Record {
+            period: period.max(least).max(2 * u32::from(width)),
+            repeat,
+            width,
+            direction: Forward,
+        }
+    })
+}
+
+proptest! {
+    #[test]
+    fn slots_add_up_to_their_record(record in any_record()) {
+        let mut rises = Vec::new();
+        let mut ticks = 0u64;
+        for words in slots_of(record) {
+            let [reload, repetitions, width, level] = words.0;
+            prop_assert!(reload < LONGEST_PERIOD && repetitions < MOST_PERIODS);
+            prop_assert_eq!(level, LONGEST_PERIOD);
+            prop_assert!(words.ticks() >= SHORTEST_RECORD, "{:?} of {:?}", words, record);
+            prop_assert!(words.ticks() <= LONGEST_RUN + record.period || record.width > 8_000, "{:?} of {:?}", words, record);
+            for _ in 0..=repetitions {
+                if width > 0 {
+                    prop_assert_eq!(width, u32::from(record.width));
+                    prop_assert!(width <= reload);
+                    rises.push(ticks);
+                }
+                ticks += u64::from(reload) + 1;
+            }
+        }
+        prop_assert_eq!(ticks, record.ticks());
+        let pulses = if record.width > 0 { record.repeat } else { 0 };
+        let expected: Vec<_> = (0..pulses).map(|pulse| u64::from(pulse) * u64::from(record.period)).collect();
+        prop_assert_eq!(rises, expected);
+    }
+}
+
+#[test]
+fn a_short_train_is_one_slot() {
+    let record = Record {
+        period: 168,
+        repeat: 97,
+        width: 17,
+        direction: Reverse,
+    };
+    assert_eq!(slots_of(record).len(), 1);
+    assert_eq!(slots_of(record)[0].0, [167, 96, 17, 0]);
+}
+
+#[test]
+fn a_count_is_read_by_the_direction_that_its_pulses_had() {
+    let mut course = Course::new(u32::MAX - 9, -100);
+    // Ten forward, four back, then forward again: what is still to come is known too.
+    course.turn(0, Reverse);
+    course.turn(4, Forward);
+    for (count, position) in [
+        (u32::MAX - 9, -100),
+        (0, -90),
+        (3, -93),
+        (4, -94),
+        (10, -88),
+        (u32::MAX, -91),
+    ] {
+        assert_eq!(course.position_at(count), position, "at {count}");
+    }
+    // A capture of a while ago is still read rightly.
+    course.go_on(1 << 20);
+    assert_eq!(course.position_at(u32::MAX - 4), -95);
+}
+
+#[test]
+fn a_velocity_that_is_kept_counts_beyond_32_bits() {
+    let mut course = Course::new(0, 0);
+    let mut count = 0u64;
+    while count < 20 << 30 {
+        count += 1 << 20;
+        course.go_on(count as u32);
+        assert_eq!(course.position_at(count as u32), count as i64);
+    }
+}
+
+#[test]
+fn so_many_turns_are_remembered_and_no_more() {
+    let mut course = Course::new(0, 0);
+    let mut turns = 0;
+    while course.has_room(0) {
+        turns += 1;
+        course.turn(turns, if turns % 2 == 0 { Forward } else { Reverse });
+    }
+    assert_eq!(turns, 16);
+    // When the motor has come there, there is room again.
+    assert!(course.has_room(2));
+    assert_eq!(course.position_at(2), 0);
+    assert_eq!(course.position_at(1), 1);
+}

@@ -1,0 +1,319 @@
+//! A model of the hardware that makes step pulses: TIM1, its DMA stream, and the timer that counts.
+//!
+//! It takes the register writes of [`motion::advanced_timer`] and plays them on virtual time, with the semantics of the reference
+//! manual RM0090 that matter: PSC, ARR, RCR, CCR1 and CCR2 are preloaded, so what is written during a run acts in the next one;
+//! a run is RCR + 1 periods of ARR + 1 ticks; every update event but a generated one asks for a DMA burst, which takes a while and reads
+//! its first word long before. A [`Judge`] watches the pins.
+//!
+//! It is no model of what software cannot see (synchronisation of the internal trigger, arbitration of the buses).
+
+mod judge;
+pub mod rig;
+#[cfg(test)]
+mod tests;
+
+use std::cell::{Ref, RefCell, RefMut};
+use std::fmt;
+use std::rc::Rc;
+
+use motion::advanced_timer::{Register, Registers, Ring, SLOTS, WORDS, bits};
+
+pub use judge::Judge;
+
+/// Words of the ring.
+const ALL_WORDS: u32 = (SLOTS * WORDS) as u32;
+
+/// What a run is made from: PSC, ARR, RCR, CCR1, CCR2.
+type Preloaded = [u32; WORDS];
+
+/// The timers on virtual time; clones are the same timers. It is what [`motion::advanced_timer::Output`] writes to.
+#[derive(Clone, Debug)]
+pub struct TimerModel<'a>(Rc<RefCell<Machine<'a>>>);
+
+impl<'a> TimerModel<'a> {
+    /// After a reset, with nothing written. `ring` is where the stream reads.
+    pub fn new(ring: &'a Ring, judge: Judge) -> Self {
+        Self(Rc::new(RefCell::new(Machine::new(ring, judge))))
+    }
+
+    /// Lets time pass.
+    pub fn run(&self, ticks: u64) {
+        let mut machine = self.0.borrow_mut();
+        let until = machine.now + ticks;
+        machine.run_until(until);
+    }
+
+    /// Ticks since the start.
+    pub fn time(&self) -> u64 {
+        self.0.borrow().now
+    }
+
+    /// From now on a burst takes so many ticks from its request.
+    pub fn set_burst(&self, ticks: u64) {
+        self.0.borrow_mut().burst_ticks = ticks;
+    }
+
+    /// The break input becomes active: the outputs are cut off by hardware.
+    pub fn pull_break(&self) {
+        let mut machine = self.0.borrow_mut();
+        machine.registers[Register::Bdtr as usize] &= !bits::MOE;
+        machine.registers[Register::Sr as usize] |= bits::BIF;
+        let now = machine.now;
+        machine.judge.cut(now);
+    }
+
+    /// What was seen on the pins.
+    pub fn judge(&self) -> Ref<'_, Judge> {
+        Ref::map(self.0.borrow(), |machine| &machine.judge)
+    }
+
+    /// The judge, to change what it looks for.
+    pub fn judge_mut(&self) -> RefMut<'_, Judge> {
+        RefMut::map(self.0.borrow_mut(), |machine| &mut machine.judge)
+    }
+}
+
+impl Registers for TimerModel<'_> {
+    fn write(&mut self, register: Register, value: u32) {
+        self.0.borrow_mut().write(register, value);
+    }
+
+    fn read(&self, register: Register) -> u32 {
+        self.0.borrow().read(register)
+    }
+
+    fn now(&self) -> u32 {
+        self.0.borrow().now as u32
+    }
+}
+
+/// A burst that was asked for and has not arrived.
+#[derive(Clone, Copy, Debug)]
+struct Burst {
+    done: u64,
+}
+
+struct Machine<'a> {
+    ring: &'a Ring,
+    judge: Judge,
+    now: u64,
+    /// Registers without a life of their own, by [`Register`].
+    registers: [u32; 32],
+    preload: Preloaded,
+    /// The run under way: what acts, when it began, and its pulses that have risen.
+    active: Preloaded,
+    began: u64,
+    risen: u64,
+    /// Words left in this round, and the first word of the next slot, which is fetched ahead.
+    left: u32,
+    fetched_ahead: u32,
+    burst: Option<Burst>,
+    burst_ticks: u64,
+    count: u32,
+}
+
+impl fmt::Debug for Machine<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Machine")
+            .field("now", &self.now)
+            .field("active", &self.active)
+            .field("left", &self.left)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> Machine<'a> {
+    fn new(ring: &'a Ring, judge: Judge) -> Self {
+        Self {
+            ring,
+            judge,
+            now: 0,
+            registers: [0; 32],
+            preload: [0, 0xFFFF, 0, 0, 0],
+            active: [0, 0xFFFF, 0, 0, 0],
+            began: 0,
+            risen: 0,
+            left: 0,
+            fetched_ahead: 0,
+            burst: None,
+            burst_ticks: 60,
+            count: 0,
+        }
+    }
+
+    fn register(&self, register: Register) -> u32 {
+        self.registers[register as usize]
+    }
+
+    fn write(&mut self, register: Register, value: u32) {
+        match register {
+            Register::Psc => self.preload[0] = value,
+            Register::Arr => self.preload[1] = value & 0xFFFF,
+            Register::Rcr => self.preload[2] = value & 0xFF,
+            Register::Ccr1 => self.preload[3] = value & 0xFFFF,
+            Register::Ccr2 => self.preload[4] = value & 0xFFFF,
+            Register::Egr => {
+                assert_eq!(value, bits::UG);
+                assert!(
+                    self.register(Register::Cr1) & bits::URS != 0,
+                    "an update that is generated would ask for DMA"
+                );
+                self.update();
+            }
+            Register::Ccmr1 => {
+                let was_pwm = self.makes_pulses();
+                self.registers[register as usize] = value;
+                if was_pwm && !self.makes_pulses() {
+                    self.judge.cut(self.now);
+                }
+                assert_eq!(value & 1 << 11, 1 << 11, "CCR2 is preloaded");
+            }
+            Register::Cr1 => {
+                let was_running = self.counts();
+                self.registers[register as usize] = value;
+                assert_eq!(value & bits::ARPE, bits::ARPE, "ARR is preloaded");
+                if self.counts() && !was_running {
+                    // The counter stands at 0: it was generated anew.
+                    self.began = self.now;
+                    self.risen = 0;
+                }
+            }
+            Register::StreamNdtr => {
+                assert!(!self.streams(), "NDTR is written while the stream is on");
+                self.left = value;
+            }
+            Register::StreamCr => {
+                let was_on = self.streams();
+                self.registers[register as usize] = value;
+                if self.streams() && !was_on {
+                    assert_eq!(self.left, ALL_WORDS);
+                    assert_eq!(self.register(Register::Dcr), bits::BURST_FROM_PSC);
+                    [self.fetched_ahead, ..] = self.ring.words(0);
+                    self.burst = None;
+                }
+                if !self.streams() {
+                    self.burst = None;
+                }
+            }
+            Register::CounterCnt => self.count = value,
+            Register::Sr => self.registers[register as usize] &= value,
+            _ => self.registers[register as usize] = value,
+        }
+    }
+
+    fn read(&self, register: Register) -> u32 {
+        match register {
+            Register::StreamNdtr => self.left,
+            Register::CounterCnt => self.count,
+            _ => self.register(register),
+        }
+    }
+
+    /// CEN.
+    fn counts(&self) -> bool {
+        self.register(Register::Cr1) & bits::CEN != 0
+    }
+
+    fn streams(&self) -> bool {
+        self.register(Register::StreamCr) & bits::STREAM_ON != 0
+    }
+
+    fn makes_pulses(&self) -> bool {
+        self.register(Register::Ccmr1) & bits::OC1M == bits::CHANNEL_1_PWM & bits::OC1M
+    }
+
+    fn period(&self) -> u64 {
+        let [prescaler, reload, ..] = self.active;
+        assert_eq!(prescaler, 0, "the prescaler never changes");
+        u64::from(reload) + 1
+    }
+
+    fn repeat(&self) -> u64 {
+        let [_, _, repetitions, ..] = self.active;
+        u64::from(repetitions) + 1
+    }
+
+    fn run_until(&mut self, until: u64) {
+        while self.counts() {
+            let end = self.began + self.period() * self.repeat();
+            if let Some(burst) = self.burst
+                && burst.done <= end.min(until)
+            {
+                self.now = burst.done;
+                self.rise_up_to(burst.done);
+                self.arrive();
+                continue;
+            }
+            if end > until {
+                break;
+            }
+            self.rise_up_to(end - 1);
+            self.now = end;
+            assert!(
+                self.burst.is_none(),
+                "the run that ends at {end} was shorter than the DMA burst for the next one"
+            );
+            self.update();
+            if self.streams() && self.register(Register::Dier) & bits::UDE != 0 {
+                let done = self.now + self.burst_ticks;
+                self.burst = Some(Burst { done });
+            }
+        }
+        if self.counts() {
+            self.rise_up_to(until);
+        }
+        self.now = until;
+    }
+
+    /// An update event: what was preloaded acts, and the counter begins anew.
+    fn update(&mut self) {
+        self.active = self.preload;
+        self.began = self.now;
+        self.risen = 0;
+        let [_, reload, _, _, level] = self.active;
+        assert!(
+            level == 0 || level > reload,
+            "the direction signal would be neither high nor low"
+        );
+        self.judge.direction(self.now, level > reload);
+    }
+
+    /// A burst ends: its words are preloaded, and the first of the next slot is fetched.
+    fn arrive(&mut self) {
+        self.burst = None;
+        let slot = (ALL_WORDS - self.left) / WORDS as u32;
+        let words = self.ring.words(slot);
+        self.preload = words;
+        self.preload[0] = self.fetched_ahead;
+        self.left -= WORDS as u32;
+        if self.left == 0 {
+            self.left = ALL_WORDS;
+        }
+        [self.fetched_ahead, ..] = self.ring.words(slot + 1);
+    }
+
+    /// The pulses of the run under way that rise up to a time.
+    fn rise_up_to(&mut self, time: u64) {
+        let [_, reload, _, width, _] = self.active;
+        if width == 0 || !self.makes_pulses() || time < self.began {
+            return;
+        }
+        assert!(width <= reload, "a pulse that does not fall");
+        let period = self.period();
+        let due = ((time - self.began) / period + 1).min(self.repeat());
+        let fresh = due - self.risen;
+        if fresh > 0 {
+            let first = self.began + self.risen * period;
+            let leaves = self.register(Register::Bdtr) & bits::MOE != 0;
+            self.judge
+                .pulses(first, fresh, period, width.into(), leaves);
+            self.risen = due;
+            if self.register(Register::CounterCr1) & bits::CEN != 0
+                && self.register(Register::Cr2) == bits::TRGO_OC1REF
+                && self.register(Register::CounterSmcr) == bits::COUNT_TIM1
+            {
+                self.count = self.count.wrapping_add(fresh as u32);
+            }
+        }
+    }
+}

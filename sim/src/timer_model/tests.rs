@@ -1,0 +1,327 @@
+//! The advanced timer's output, judged by its pins.
+
+mod differential;
+mod random;
+
+use motion::advanced_timer::{Register, Registers, Ring, bits};
+use motion::{Direction, DriverTiming, Limits, PulseSink, Record};
+
+use super::rig::{HZ, Rig, SEGMENT};
+use super::{Judge, TimerModel};
+
+/// 100 ns high, 100 ns low, 20 ns direction: a TMC2209 at 168 MHz.
+const FAST: DriverTiming = DriverTiming {
+    pulse_high: 17,
+    pulse_low: 17,
+    direction_setup: 4,
+    direction_hold: 4,
+};
+
+/// 1.9 µs high and low, 650 ns direction: a DRV8825 at 168 MHz.
+const SLOW: DriverTiming = DriverTiming {
+    pulse_high: 320,
+    pulse_low: 320,
+    direction_setup: 110,
+    direction_hold: 110,
+};
+
+const LIMITS: Limits = Limits {
+    velocity: 100_000,
+    acceleration: 500_000,
+    deceleration: 500_000,
+};
+
+/// Slots of the ring as it is on a board.
+fn ring() -> &'static Ring {
+    // A test is short; its memory may stay.
+    Box::leak(Box::new(Ring::new()))
+}
+
+fn rig(timing: DriverTiming) -> Rig<'static> {
+    Rig::new(ring(), timing, Judge::new(timing))
+}
+
+#[test]
+fn a_move_sends_its_pulses_and_stops_the_timer() {
+    for (target, velocity) in [
+        (100_000, 100_000),
+        (-3, 10),
+        (20_000, 1_000_000),
+        (1, 1_000),
+        (-70_000, 1_000_000),
+    ] {
+        let mut rig = rig(FAST);
+        rig.axis
+            .move_to(
+                target,
+                Limits {
+                    velocity,
+                    acceleration: 5_000_000,
+                    deceleration: 5_000_000,
+                },
+            )
+            .unwrap();
+        rig.finish(20_000);
+        rig.account();
+        assert_eq!(rig.model.judge().position, target);
+        assert_eq!(rig.model.judge().pulses, target.unsigned_abs());
+        assert_eq!(rig.underruns, 0, "to {target}");
+        rig.output.service();
+        assert_eq!(rig.model.read(Register::Cr1) & bits::CEN, 0);
+    }
+}
+
+#[test]
+fn a_train_is_played_without_a_gap() {
+    let mut rig = rig(FAST);
+    *rig.model.judge_mut() = Judge::new(FAST).logging();
+    rig.axis.ramp_to(200_000, LIMITS).unwrap();
+    for _ in 0..4_000 {
+        rig.refill(SEGMENT.into());
+    }
+    assert_eq!(rig.underruns, 0);
+    let judge = rig.model.judge();
+    let log = judge.log.as_ref().unwrap();
+    // 100,000 steps/s are 1,680 ticks, once the ramp of 200 ms is over.
+    let cruise = log.iter().filter(|(at, _)| *at > u64::from(HZ) / 4);
+    let times: Vec<_> = cruise.map(|(at, _)| *at).collect();
+    assert!(times.len() > 70_000);
+    for pair in times.windows(2) {
+        let period = pair[1] - pair[0];
+        assert!((1_679..=1_681).contains(&period), "{period} ticks");
+    }
+}
+
+#[test]
+fn turning_round_keeps_the_times_of_the_driver() {
+    for timing in [
+        FAST,
+        SLOW,
+        DriverTiming {
+            direction_setup: 3_000,
+            direction_hold: 5_000,
+            ..SLOW
+        },
+    ] {
+        let mut rig = rig(timing);
+        let sharp = Limits {
+            velocity: 200_000,
+            acceleration: 400_000_000,
+            deceleration: 400_000_000,
+        };
+        for target in [10, -10, 1, 0, -1, 500, 0, -2_000] {
+            rig.axis.move_to(target, sharp).unwrap();
+            for _ in 0..3 {
+                rig.refill(u64::from(SEGMENT) / 2);
+            }
+        }
+        rig.finish(1_000);
+        rig.account();
+        assert_eq!(rig.model.judge().position, -2_000);
+    }
+}
+
+#[test]
+fn starving_is_silence_that_is_told_and_loses_nothing() {
+    for velocity in [50, 3_000, 100_000, 1_000_000] {
+        for pause in [1, 2, 3, 5, 17, 400, 3_900] {
+            let mut rig = rig(FAST);
+            rig.axis
+                .ramp_to(
+                    velocity,
+                    Limits {
+                        velocity: 1_000_000,
+                        acceleration: 50_000_000,
+                        deceleration: 50_000_000,
+                    },
+                )
+                .unwrap();
+            for _ in 0..50 {
+                rig.refill(SEGMENT.into());
+            }
+            let before = rig.underruns;
+            assert_eq!(before, 0);
+            // The processor stands still.
+            rig.model.run(pause * u64::from(SEGMENT));
+            let committed = rig.axis.committed_position();
+            assert!(
+                rig.model.judge().position <= committed,
+                "more pulses than were asked for"
+            );
+            if pause >= 5 {
+                assert_eq!(rig.model.judge().position, committed);
+                assert_eq!(rig.output.pending(), 0);
+            }
+            rig.refill(SEGMENT.into());
+            rig.refill(SEGMENT.into());
+            if pause >= 5 {
+                assert_eq!(
+                    rig.underruns,
+                    before + 1,
+                    "{velocity} steps/s, {pause} segments"
+                );
+            }
+            rig.axis.stop(50_000_000).unwrap();
+            rig.finish(4_000);
+            rig.account();
+        }
+    }
+}
+
+#[test]
+fn a_processor_that_hangs_has_three_seconds_of_silence() {
+    let mut rig = rig(FAST);
+    rig.axis
+        .ramp_to(
+            1_000_000,
+            Limits {
+                velocity: 1_000_000,
+                ..LIMITS
+            },
+        )
+        .unwrap();
+    for _ in 0..8_500 {
+        rig.refill(SEGMENT.into());
+    }
+    let committed = rig.axis.committed_position();
+    rig.model.run(3 * u64::from(HZ));
+    assert_eq!(rig.model.judge().position, committed);
+}
+
+#[test]
+fn dropping_keeps_the_count_of_pulses_that_left() {
+    for late in 0..200u64 {
+        let mut rig = rig(FAST);
+        rig.axis
+            .ramp_to(
+                -300_000,
+                Limits {
+                    velocity: 300_000,
+                    acceleration: 50_000_000,
+                    ..LIMITS
+                },
+            )
+            .unwrap();
+        for _ in 0..40 {
+            rig.refill(SEGMENT.into());
+        }
+        rig.model.run(late * 7);
+        rig.output.drop_all();
+        rig.axis.abort();
+        let position = rig.output.position();
+        rig.axis.set_position(position);
+        assert_eq!(rig.output.pending(), 0);
+        let left = rig.model.judge().position;
+        assert_eq!(position, left);
+        rig.model.run(HZ.into());
+        assert_eq!(
+            rig.model.judge().position,
+            left,
+            "a pulse came after the drop"
+        );
+        // And it goes on from there.
+        rig.axis.move_to(100, LIMITS).unwrap();
+        rig.finish(10_000);
+        rig.account();
+        assert_eq!(rig.model.judge().position, 100);
+    }
+}
+
+#[test]
+fn the_break_input_cuts_the_pulses_by_hardware() {
+    let mut rig = rig(FAST);
+    rig.axis.ramp_to(100_000, LIMITS).unwrap();
+    for _ in 0..1_000 {
+        rig.refill(SEGMENT.into());
+    }
+    let before = rig.model.judge().pulses;
+    rig.model.pull_break();
+    rig.model.run(SEGMENT.into());
+    assert_eq!(rig.model.judge().pulses, before);
+    assert!(rig.output.is_broken());
+    rig.output.drop_all();
+    rig.output.mend();
+    assert!(!rig.output.is_broken());
+}
+
+#[test]
+fn a_step_a_minute_needs_no_other_mode() {
+    let mut rig = rig(FAST);
+    *rig.model.judge_mut() = Judge::new(FAST).logging();
+    // A record takes a segment at most, so a minute is very many of them.
+    let push = |rig: &mut Rig<'_>, record: Record| {
+        let mut record = Some(record);
+        while let Some(wanted) = record.take() {
+            rig.output.service();
+            if let Err(refused) = rig.output.push(wanted) {
+                record = Some(refused);
+                rig.model.run(4_000);
+            }
+        }
+    };
+    let pulse = Record {
+        period: SEGMENT,
+        repeat: 1,
+        width: 17,
+        direction: Direction::Forward,
+    };
+    let silence = Record {
+        period: 1 << 28,
+        repeat: 1,
+        width: 0,
+        direction: Direction::Forward,
+    };
+    let minute = 60 * u64::from(HZ);
+    push(&mut rig, pulse);
+    let mut left = minute - u64::from(SEGMENT);
+    while left > 0 {
+        let period = left.min(1 << 28) as u32;
+        push(&mut rig, Record { period, ..silence });
+        left -= u64::from(period);
+    }
+    push(&mut rig, pulse);
+    rig.model.run(1 << 29);
+    let judge = rig.model.judge();
+    let log = judge.log.as_ref().unwrap();
+    assert_eq!(log.len(), 2);
+    assert_eq!(log[1].0 - log[0].0, minute);
+}
+
+#[test]
+fn a_captured_count_is_a_position() {
+    let mut rig = rig(FAST);
+    let sharp = Limits {
+        velocity: 100_000,
+        acceleration: 50_000_000,
+        deceleration: 50_000_000,
+    };
+    rig.axis.move_to(500, sharp).unwrap();
+    for _ in 0..10 {
+        rig.refill(SEGMENT.into());
+    }
+    let captured = rig.model.read(Register::CounterCnt);
+    let there = rig.output.position();
+    assert!(there > 100);
+    rig.axis.move_to(-500, sharp).unwrap();
+    rig.finish(1_000);
+    assert_eq!(rig.output.position_at(captured), there);
+    assert_eq!(rig.output.position(), -500);
+}
+
+#[test]
+fn the_registers_are_set_up_as_the_manual_wants() {
+    let model = TimerModel::new(ring(), Judge::new(FAST));
+    let mut output = motion::advanced_timer::Output::new(model.clone(), ring());
+    output.service();
+    // RM0090, 17.4: PWM mode 1 with preload on both channels, TRGO = OC1REF, burst of 5 words from PSC (28h / 4).
+    assert_eq!(model.read(Register::Ccmr1), 0x6848);
+    assert_eq!(model.read(Register::Cr2), 0x40);
+    assert_eq!(model.read(Register::Dcr), 0x040A);
+    assert_eq!(model.read(Register::Ccer), 0x44);
+    assert_eq!(model.read(Register::Bdtr), 0x9C00);
+    // RM0090, 18.4: TIM2 counts ITR0, which is TIM1.
+    assert_eq!(model.read(Register::CounterSmcr), 0x07);
+    assert_eq!(model.read(Register::CounterCr1), 1);
+    // RM0090, 10.5: channel 6, very high, words, MINC, CIRC, memory to peripheral.
+    assert_eq!(bits::STREAM, 0x0C03_5540);
+}
