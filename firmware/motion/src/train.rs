@@ -195,8 +195,10 @@ impl Train {
         speeding_up: bool,
     ) {
         let shortest = self.timing.shortest_period();
-        // Of many pulses the first may be spaced as the others are, and needs no record of its own.
-        let joins = pulses >= MANY && self.pulse && self.direction == Some(direction);
+        let joins = pulses >= MANY
+            && self.pulse
+            && self.direction == Some(direction)
+            && self.is_alike(first, last, pulses);
         let (begin, gaps) = if joins {
             (self.pen, pulses)
         } else {
@@ -226,6 +228,15 @@ impl Train {
         }
         let made = made.cast_signed().wrapping_mul(direction.sign());
         self.steps = self.steps.wrapping_add(made);
+    }
+
+    /// Whether the open period, up to `first`, is as long as those between so many pulses, but for an eighth: it can be one of
+    /// them then, and needs no record of its own.
+    fn is_alike(&self, first: Ticks, last: Ticks, pulses: u32) -> bool {
+        let open = first.saturating_sub(self.pen);
+        let span = last.saturating_sub(first);
+        let all = open.saturating_mul(pulses.wrapping_sub(1).into());
+        all.abs_diff(span) <= span >> 3
     }
 
     /// So many periods in so many ticks, each beginning with a pulse. What remains when the ticks are shared out is one tick more in

@@ -255,7 +255,8 @@ impl<'a, R: Registers> Output<'a, R> {
         self.registers.write(Register::Cr1, bits::URS | bits::ARPE);
         // A burst that is under way comes to its end.
         for _ in 0..BURST_POLLS {
-            if self.registers.read(Register::StreamNdtr) % WORDS as u32 == 0 {
+            let left = self.registers.read(Register::StreamNdtr);
+            if left.is_multiple_of(WORDS as u32) {
                 break;
             }
         }

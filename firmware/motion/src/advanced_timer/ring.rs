@@ -26,17 +26,20 @@ pub struct Ring {
 impl Ring {
     /// Silent all around.
     pub const fn new() -> Self {
-        const SILENT: [u32; 4] = Words::silent(0).0;
-        const SLOT: [AtomicU32; WORDS] = [
-            AtomicU32::new(0),
-            AtomicU32::new(SILENT[0]),
-            AtomicU32::new(SILENT[1]),
-            AtomicU32::new(SILENT[2]),
-            AtomicU32::new(SILENT[3]),
-        ];
         Self {
-            slots: [const { SLOT }; SLOTS],
+            slots: [const { Self::silent_slot() }; SLOTS],
         }
+    }
+
+    const fn silent_slot() -> [AtomicU32; WORDS] {
+        let [reload, repetitions, width, level] = Words::silent(0).0;
+        [
+            AtomicU32::new(0),
+            AtomicU32::new(reload),
+            AtomicU32::new(repetitions),
+            AtomicU32::new(width),
+            AtomicU32::new(level),
+        ]
     }
 
     /// The words of a slot, counted round the ring, as the DMA reads them.
