@@ -25,10 +25,7 @@ fn axis(home: Switch, start: i64) -> Axis {
             negative_limit: Some(fit(Switch::up_to(-50_000))),
             positive_limit: Some(fit(Switch::from(50_000))),
             home: Some(fit(home)),
-            index: Some(Index {
-                first: 400,
-                distance: 3_200,
-            }),
+            index: Some(Index::new(400, 3_200)),
             ..Track::default()
         },
         start,
@@ -148,10 +145,7 @@ fn d25_a_hard_stop_is_felt_by_an_encoder() {
             Axis {
                 track: Track {
                     stops: Some(-6_000..=7_000),
-                    index: Some(Index {
-                        first: 400,
-                        distance: 3_200,
-                    }),
+                    index: Some(Index::new(400, 3_200)),
                     ..Track::default()
                 },
                 encoder: true,

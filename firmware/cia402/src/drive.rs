@@ -41,8 +41,11 @@ pub struct Inputs {
     /// The power stage has its supply (statusword bit 4).
     pub supply: bool,
     /// Position in increments: pulses that really left, or the encoder. When the motor has power and stands, it has to be
-    /// exactly where the pulses lead; anything else is the fault 8611h.
+    /// where the pulses lead, up to `slack`; anything else is the fault 8611h.
     pub position: i64,
+    /// How far an encoder may be from where the pulses lead while the motor is held, in increments: half an electrical turn of
+    /// a stepper motor, as beyond it the motor is held at another place. 0 where pulses are counted: none may be missing.
+    pub slack: u32,
     /// A fault the board has found, as a CiA 402 error code; it stands as long as it is reported.
     pub fault: Option<u16>,
     /// What the board warns of, as a CiA 402 error code (temperature, load): statusword bit 7 and an emergency message as long as
@@ -162,8 +165,10 @@ impl Drive {
             .map_or(0, |span| u32::try_from(span.ticks()).unwrap_or(u32::MAX));
         self.ticked = now;
         let position = self.motor.position_of(inputs.position);
-        let displaced =
-            self.power && self.settled && !self.motor.is_cut() && self.motor.is_displaced(position);
+        let displaced = self.power
+            && self.settled
+            && !self.motor.is_cut()
+            && self.motor.is_displaced(position, inputs.slack);
         if displaced {
             self.motor.lose_reference();
         }

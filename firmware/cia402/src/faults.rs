@@ -260,6 +260,7 @@ mod tests {
         fault: None,
         digital: crate::inputs::DigitalInputs::NONE,
         stall: None,
+        slack: 0,
         supply_voltage: None,
         temperature: None,
         analogue: None,

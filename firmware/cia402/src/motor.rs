@@ -169,7 +169,7 @@ impl Motor {
     /// Looks at the motor at the start of a tick. `position` is where it really is; the axis takes it over while the motor
     /// has no power, and after its pulses have been cut off.
     pub(crate) fn observe<S: PulseSink>(&mut self, position: i64, power: bool, pulses: &S) {
-        if self.cut || !power && self.is_displaced(position) {
+        if self.cut || !power && self.is_displaced(position, 0) {
             self.stand_at(position);
             self.cut = false;
         }
@@ -178,9 +178,9 @@ impl Motor {
         self.demand = self.demand_of(pending);
     }
 
-    /// Whether the pulses handed out so far lead to another position than this one.
-    pub(crate) const fn is_displaced(&self, position: i64) -> bool {
-        self.committed != position
+    /// Whether the pulses handed out so far lead further than `slack` from this position.
+    pub(crate) const fn is_displaced(&self, position: i64, slack: u32) -> bool {
+        self.committed.abs_diff(position) > slack as u64
     }
 
     /// Whether the motor stood still at the start of this tick: nothing planned, and every pulse has left.

@@ -1,20 +1,27 @@
 //! The plant: a stepper motor on its driver, with limit and home switches, index pulses and end stops, on virtual time.
 //!
-//! It takes the same pulse records as the step timer of a board and plays them tick by tick: each pulse moves the motor by
-//! one step. What it counts is what really left, so it is the judge of every move. Edges at the inputs are caught at the step
-//! that made them, as the capture units of a board do. The same commands and the same seed give the same motion.
+//! It takes the same pulse records as the step timer of a board and plays them tick by tick. What it counts is what really left,
+//! so it is the judge of every move. By itself each pulse moves the motor by one step, exactly; on an axis with a motor that has a
+//! mass ([`MotorData`]) pulses turn a field, and the rotor follows it or does not. Edges at the inputs are caught at the
+//! step that made them, as the capture units of a board do. The same commands and the same seed give the same motion.
 
 mod axis_file;
 mod contact;
+mod motor;
 mod pulses;
+mod supply;
 mod track;
 
 pub use axis_file::Axis;
 pub use contact::{Sensed, Switch};
+pub use motor::{Heat, Load, MotorData, SupplyChange, SupplyData};
 pub use pulses::{PulsePlayer, Pulses};
 pub use track::{Index, SwitchStates, Track, WIRES};
 
-use canopen::Instant;
+use canopen::{Duration, Instant};
+use motion::Ticks;
+use motor::{Motor, Orders};
+use supply::Supply;
 use track::Surroundings;
 
 /// The step clock: 84 MHz, that of the STM32F405's timer 2.
@@ -29,6 +36,12 @@ pub struct Plant {
     is_brake_open: bool,
     /// Where the motor stands along the axis.
     rotor: i64,
+    /// What moves it, if a pulse is not simply a step.
+    motor: Option<Motor>,
+    /// Until when the motor has moved.
+    moved: Instant,
+    /// What feeds it, if that can change.
+    source: Option<Supply>,
     /// Where it stood at power-on: the drive counts from there.
     origin: i64,
     surroundings: Surroundings,
@@ -64,6 +77,9 @@ impl Plant {
             now,
             energised: false,
             rotor: 0,
+            motor: None,
+            moved: now,
+            source: None,
             is_brake_open: false,
             origin: 0,
             surroundings: Surroundings::default(),
@@ -87,6 +103,13 @@ impl Plant {
         self.rotor = axis.start;
         self.encoder = axis.encoder;
         self.surroundings = Surroundings::new(&axis.track, axis.start, axis.seed);
+        self.motor = axis
+            .motor
+            .as_ref()
+            .map(|data| Motor::new(data, axis.start, axis.track.stops.as_ref()));
+        self.moved = self.now;
+        self.source = axis.supply.clone().map(Supply::new);
+        self.feel();
     }
 
     /// The power is back: no fault, no current, nothing to play, and the position counts from 0. The motor and its switches
@@ -95,6 +118,10 @@ impl Plant {
         self.origin = self.rotor;
         self.pulses = PulsePlayer::default();
         self.now = now;
+        self.moved = now;
+        if let Some(motor) = &mut self.motor {
+            motor.power_on();
+        }
         self.energised = false;
         self.is_brake_open = false;
         self.fault = None;
@@ -106,9 +133,92 @@ impl Plant {
         let Some(span) = now.checked_duration_since(self.now) else {
             return;
         };
+        if self.motor.is_some() {
+            self.turn_field(now);
+        } else {
+            self.step_along(now, span);
+            if let Some(source) = &mut self.source {
+                source.step(now, 0.0, 1.0);
+            }
+        }
+        self.feel();
+    }
+
+    /// Pulses turn the field of the motor until `now`, and the rotor does what it does.
+    fn turn_field(&mut self, now: Instant) {
+        while self.moved + motor::STEP <= now {
+            self.moved += motor::STEP;
+            self.play_into_field(self.moved);
+            self.turn_rotor();
+        }
+        self.play_into_field(now);
+    }
+
+    fn play_into_field(&mut self, until: Instant) {
+        let Some(span) = until.checked_duration_since(self.now) else {
+            return;
+        };
+        self.now = until;
+        let before = self.pulses.position();
+        self.pulses.play(ticks(span), |_| {});
+        let microsteps = self.pulses_of_full_step();
+        if let Some(motor) = &mut self.motor {
+            motor.take(self.pulses.position() - before, microsteps);
+        }
+    }
+
+    /// One step of the integration, and what the rotor passes on its way.
+    fn turn_rotor(&mut self) {
+        let orders = self.orders();
+        let Some(motor) = &mut self.motor else {
+            return;
+        };
+        motor.step(orders);
+        self.blocked |= motor.is_at_stop();
+        if let Some(source) = &mut self.source {
+            source.step(self.moved, motor.power(), motor::SECONDS);
+        }
+        let way = motor.place() - self.rotor;
+        for _ in 0..way.abs() {
+            self.rotor += way.signum();
+            let count = if self.encoder {
+                motor.measured_at(self.rotor, orders.microsteps)
+            } else {
+                self.pulses.position()
+            };
+            let seen = (count, nanoseconds(self.moved));
+            self.surroundings.follow(self.rotor, seen, self.moved);
+        }
+    }
+
+    /// What acts on the motor now.
+    fn orders(&self) -> Orders {
+        Orders {
+            current: if self.energised { self.current() } else { 0 },
+            microsteps: self.pulses_of_full_step(),
+            is_braked: !self.is_brake_open,
+            supply: match &self.source {
+                Some(source) => source.volts(),
+                None => f64::from(self.supply_voltage) / 1e3,
+            },
+        }
+    }
+
+    /// What the board measures of motor and supply.
+    fn feel(&mut self) {
+        if let Some(motor) = &self.motor {
+            self.temperature = motor.temperature();
+        }
+        if let Some(source) = &self.source {
+            self.supply_voltage = source.millivolts();
+        }
+    }
+
+    /// Each pulse is a step.
+    fn step_along(&mut self, now: Instant, span: Duration) {
         let before = nanoseconds(self.now);
         self.now = now;
-        let ticks = span.ticks() * u64::from(STEP_CLOCK_HZ / 1_000_000);
+        let ticks = ticks(span);
         let Self {
             pulses,
             rotor,
@@ -176,14 +286,25 @@ impl Plant {
         self.microsteps = microsteps;
     }
 
-    /// The current in the motor, in milliamperes.
+    /// The current in the motor, in milliamperes. A driver that was never set has the rated one.
     pub fn current(&self) -> u16 {
-        self.current
+        match &self.motor {
+            Some(motor) if self.microsteps == 0 => motor.data().rated_current,
+            _ => self.current,
+        }
     }
 
     /// The pulses of a full step.
     pub fn microsteps(&self) -> u16 {
         self.microsteps
+    }
+
+    /// What a pulse is to the motor. A driver that was never set makes the steps of the axis.
+    fn pulses_of_full_step(&self) -> u16 {
+        match &self.motor {
+            Some(motor) if self.microsteps == 0 => motor.data().microsteps,
+            _ => self.microsteps,
+        }
     }
 
     /// The drive sets its digital outputs: output `n` in bit `n − 1`.
@@ -198,11 +319,26 @@ impl Plant {
 
     /// The position in steps as the drive counts it: every pulse that left, by its direction, or the encoder.
     pub fn position(&self) -> i64 {
-        if self.encoder {
-            self.rotor - self.origin
-        } else {
-            self.pulses.position()
+        match &self.motor {
+            _ if !self.encoder => self.pulses.position(),
+            Some(motor) => motor.measured(self.pulses_of_full_step()),
+            None => self.rotor - self.origin,
         }
+    }
+
+    /// How far the position may be from where the pulses lead while the motor is held, in pulses: an encoder shows the play of
+    /// a real motor in its field.
+    pub fn slack(&self) -> u32 {
+        if self.encoder && self.motor.is_some() {
+            Motor::slack(self.pulses_of_full_step())
+        } else {
+            0
+        }
+    }
+
+    /// Whether the motor driver senses that the motor does not follow; `None` if it has no such sense.
+    pub fn stall(&self) -> Option<bool> {
+        self.motor.as_ref().and_then(Motor::stall)
     }
 
     /// Where the motor is along the axis, in steps.
@@ -214,6 +350,9 @@ impl Plant {
     pub fn displace(&mut self, steps: i64) {
         self.pulses.displace(steps);
         self.rotor += steps;
+        if let Some(motor) = &mut self.motor {
+            motor.displace(steps);
+        }
         let count = self.position();
         let time = nanoseconds(self.now);
         self.surroundings
@@ -246,6 +385,11 @@ impl Plant {
     pub fn pulses_mut(&mut self) -> &mut PulsePlayer {
         &mut self.pulses
     }
+}
+
+/// A span in ticks of the step clock.
+fn ticks(span: Duration) -> Ticks {
+    span.ticks() * u64::from(STEP_CLOCK_HZ / 1_000_000)
 }
 
 /// A moment in nanoseconds.

@@ -201,10 +201,7 @@ fn a_contact_bounces_for_its_time_and_as_its_seed_says() {
 fn index_pulses_lie_a_turn_apart_on_both_sides() {
     let mut plant = on_axis(&Axis {
         track: Track {
-            index: Some(Index {
-                first: 400,
-                distance: 3_200,
-            }),
+            index: Some(Index::new(400, 3_200)),
             ..Track::default()
         },
         start: 390,

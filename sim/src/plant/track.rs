@@ -30,18 +30,30 @@ pub struct Track {
     pub turn: Option<u32>,
 }
 
-/// Index pulses: one at `first`, and one every `distance` steps from there in both directions. A pulse is one step wide.
+/// Index pulses: one at `first`, and one every `distance` steps from there in both directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Index {
     /// One of them.
     pub first: i64,
     /// From one to the next, at least 1.
     pub distance: u32,
+    /// A pulse begins at its position and is so many steps wide.
+    pub width: u32,
 }
 
 impl Index {
+    /// Pulses of one step.
+    pub const fn new(first: i64, distance: u32) -> Self {
+        Self {
+            first,
+            distance,
+            width: 1,
+        }
+    }
+
     fn is_at(&self, position: i64) -> bool {
-        (position - self.first).rem_euclid(i64::from(self.distance.max(1))) == 0
+        let behind = (position - self.first).rem_euclid(i64::from(self.distance.max(1)));
+        behind < i64::from(self.width)
     }
 }
 

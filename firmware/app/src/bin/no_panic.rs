@@ -412,6 +412,7 @@ fn drive(
                     }),
                 },
                 stall: (any() == 0).then(|| any() == 0),
+                slack: any(),
                 supply_voltage: (any() == 0).then(any),
                 temperature: (any() == 0).then(|| any() as i16),
                 analogue: (any() == 0).then(|| any() as u16),

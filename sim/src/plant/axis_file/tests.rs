@@ -1,4 +1,7 @@
+use canopen::Duration;
+
 use super::*;
+use crate::plant::{Heat, Index, Load, SupplyChange, Switch};
 
 fn refused(text: &str) -> (Option<usize>, String) {
     Axis::from_toml(text).unwrap_err()
@@ -34,14 +37,13 @@ fn every_key_is_understood() {
             ),
             positive_limit: Some(Switch::from(18)),
             home: Some(Switch::within(3..=6).with_hysteresis(1)),
-            index: Some(Index {
-                first: 4,
-                distance: 50,
-            }),
+            index: Some(Index::new(4, 50)),
             probes: [Some(Switch::within(7..=8)), Some(Switch::up_to(9))],
             stops: Some(-10..=20),
             turn: Some(100),
         },
+        motor: None,
+        supply: None,
     };
     assert_eq!(axis, Ok(expected));
 }
@@ -54,39 +56,149 @@ fn a_home_switch_may_reach_to_an_end_of_the_axis() {
 }
 
 #[test]
+fn every_key_of_a_motor_is_understood() {
+    let axis = Axis::from_toml(
+        "encoder = true\n\
+         [stops]\nlow = -10\nhigh = 20\ncompliance = 5\n\
+         [index]\nfirst = 4\ndistance = 50\nwidth = 3\n\
+         [motor]\nfull_steps = 400\nmicrosteps = 8\nrated_current_ma = 1500\nholding_torque_mnm = 400\n\
+         detent_torque_mnm = 15\nrotor_inertia_gcm2 = 54\nresistance_mohm = 1600\ninductance_uh = 2800\n\
+         damping_percent = 20\nstall_sense = true\nencoder_counts = 4000\n\
+         [load]\ninertia_gcm2 = 120\nfriction_mnm = 20\ndrag_mnm = 10\ntorque_mnm = -30\nbrake_mnm = 900\n\
+         [heat]\nambient_c = -5\nrise_k = 70\ntime_constant_s = 600\n\
+         [supply]\nvoltage_mv = 36000\nresistance_mohm = 200\n\
+         [[supply.change]]\nat_ms = 5000\nfor_ms = 250\nvoltage_mv = 9000\n",
+    )
+    .unwrap();
+    let motor = MotorData {
+        full_steps: 400,
+        microsteps: 8,
+        rated_current: 1_500,
+        holding_torque: 400,
+        detent_torque: 15,
+        rotor_inertia: 54,
+        resistance: 1_600,
+        inductance: 2_800,
+        damping: 20,
+        senses_stall: true,
+        encoder_counts: Some(4_000),
+        load: Load {
+            inertia: 120,
+            friction: 20,
+            drag: 10,
+            torque: -30,
+            brake: 900,
+            compliance: 5,
+        },
+        heat: Heat {
+            ambient: -5,
+            rise: 70,
+            time_constant: Duration::from_ticks(600_000_000),
+        },
+    };
+    let supply = SupplyData {
+        voltage: 36_000,
+        resistance: 200,
+        changes: vec![SupplyChange {
+            at: Duration::from_ticks(5_000_000),
+            duration: Duration::from_ticks(250_000),
+            voltage: 9_000,
+        }],
+    };
+    assert_eq!(axis.motor, Some(motor));
+    assert_eq!(axis.supply, Some(supply));
+    assert_eq!(axis.track.index.map(|index| index.width), Some(3));
+}
+
+#[test]
+fn a_motor_needs_no_key() {
+    let motor = Axis::from_toml("[motor]\n").unwrap().motor.unwrap();
+    let load = Load {
+        compliance: 8,
+        ..Load::default()
+    };
+    assert_eq!(
+        motor,
+        MotorData {
+            load,
+            ..MotorData::default()
+        }
+    );
+}
+
+#[test]
 fn mistakes_are_told_with_their_line() {
     for (text, line, part) in [
-        ("start = 1\nspeed = 5\n", Some(2), "speed"),
-        ("\n[home]\nfrom = \"three\"\n", Some(3), "three"),
-        ("[index]\nfirst = 1\n", Some(1), "distance"),
-        ("start = 5000000000\n", Some(1), "5000000000"),
-        ("[home\n", Some(1), ""),
+        ("start = 1\nspeed = 5\n", 2, "speed"),
+        ("\n[home]\nfrom = \"three\"\n", 3, "three"),
+        ("[index]\nfirst = 1\n", 1, "distance"),
+        ("start = 5000000000\n", 1, "5000000000"),
+        ("[home\n", 1, ""),
+        ("start = 5\n[stops]\nlow = 6\nhigh = 9\n", 2, "start = 5"),
+        ("\n[home]\nfrom = 6\nto = 5\n", 2, "from = 6"),
+        ("[index]\nfirst = 6\ndistance = 0\n", 3, "nonzero"),
+        ("turn = 0\n", 1, "nonzero"),
+        (
+            "[negative_limit]\nhysteresis = 2\n",
+            1,
+            "missing field `at`",
+        ),
+        ("[negative_limit]\nat = 1\nto = 2\n", 1, "not `from`"),
+        ("[home]\nat = 1\n", 1, "not `at`"),
+        ("[home]\nfrom = 1\nbouncing = 2\n", 3, "bouncing"),
+        ("[motor]\ntorque = 5\n", 2, "torque"),
+        (
+            "seed = 1\n[motor]\nrated_current_ma = 0\n",
+            2,
+            "rated_current_ma = 0",
+        ),
+        ("[motor]\nencoder_counts = 400\n", 1, "encoder = true"),
+        (
+            "[motor]\nholding_torque_mnm = 90000\nrotor_inertia_gcm2 = 1\n",
+            1,
+            "inertia",
+        ),
+        (
+            "[motor]\n\n[heat]\ntime_constant_s = 0\n",
+            1,
+            "time_constant_s = 0",
+        ),
+        (
+            "seed = 1\n[load]\nfriction_mnm = 5\n",
+            2,
+            "[load] needs a [motor]",
+        ),
+        ("[heat]\nrise_k = 5\n", 1, "[heat] needs a [motor]"),
+        (
+            "[stops]\nlow = 0\nhigh = 9\ncompliance = 3\n",
+            1,
+            "needs a [motor]",
+        ),
+        ("[supply]\n\n[[supply.change]]\nat_ms = 5\n", 3, "for_ms"),
     ] {
         let (found, what) = refused(text);
-        assert_eq!(found, line, "{text}: {what}");
+        assert_eq!(found, Some(line), "{text}: {what}");
         assert!(what.contains(part), "{text}: {what}");
         assert!(!what.contains('\n'), "{text}: {what}");
     }
-    for (text, part) in [
-        ("start = 5\n[stops]\nlow = 6\nhigh = 9\n", "start = 5"),
-        ("[home]\nfrom = 6\nto = 5\n", "from = 6"),
-        ("[index]\nfirst = 6\ndistance = 0\n", "distance = 0"),
-        ("turn = 0\n", "turn = 0"),
-    ] {
-        let (line, what) = refused(text);
-        assert_eq!(line, None, "{text}");
-        assert!(what.contains(part), "{text}: {what}");
-    }
+}
+
+/// The axes in a folder below `sim/plants`.
+fn ready(folder: &str) -> Vec<Axis> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let paths = fs::read_dir(folder)
+        .unwrap()
+        .map(|file| file.unwrap().path());
+    paths
+        .filter(|path| path.is_file())
+        .map(|path| Axis::read(&path).unwrap())
+        .collect()
 }
 
 #[test]
 fn the_ready_axes_can_be_read() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("plants");
-    let mut count = 0;
-    for file in fs::read_dir(folder).unwrap() {
-        let path = file.unwrap().path();
-        assert!(Axis::read(&path).is_ok(), "{}", path.display());
-        count += 1;
-    }
-    assert!(count >= 3);
+    let exact = ready("plants");
+    assert!(exact.len() >= 3 && exact.iter().all(|axis| axis.motor.is_none()));
+    let moved = ready("plants/with_motor");
+    assert!(moved.len() >= 3 && moved.iter().all(|axis| axis.motor.is_some()));
 }

@@ -194,6 +194,23 @@ fn m13_the_supply_lost_in_operation_is_a_fault() {
 }
 
 #[test]
+fn an_encoder_may_show_the_play_of_the_motor_but_no_lost_step() {
+    let mut rig = Rig::enabled();
+    rig.slack = 33;
+    rig.set_point(1_000, 0);
+    assert_eq!(rig.rest(), 1_000);
+    for play in [-33, 66, -33] {
+        rig.motor.position += play;
+        rig.ticks(3);
+        assert_eq!(rig.state(), State::OperationEnabled);
+    }
+    rig.motor.position -= 34;
+    rig.ticks(3);
+    assert_eq!(rig.state(), State::Fault);
+    assert_eq!(rig.actuals().error_code, POSITION_MISMATCH);
+}
+
+#[test]
 fn pulses_that_went_astray_are_found_at_rest() {
     let mut rig = Rig::enabled();
     rig.set_point(1_000, 0);
