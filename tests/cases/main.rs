@@ -42,5 +42,6 @@ mod storage;
 mod sync_emergency;
 mod sync_producer;
 mod time;
+mod units;
 mod velocity;
 mod walk_through;

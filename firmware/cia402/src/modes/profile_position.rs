@@ -200,9 +200,13 @@ impl ProfilePosition {
         } else {
             context.motor.committed_position()
         };
+        // In motion, the way to stop and to come back is part of it.
+        let stop = rest(context.motor, given.profile_deceleration)
+            .saturating_sub(context.motor.committed_position());
+        let reach = Motor::REACH.saturating_sub(stop.saturating_abs().saturating_mul(4));
         let target = far
-            .max(start.saturating_sub(Motor::REACH))
-            .min(start.saturating_add(Motor::REACH));
+            .max(start.saturating_sub(reach))
+            .min(start.saturating_add(reach));
         let user = if target == far {
             user
         } else {

@@ -307,3 +307,6 @@ fn amount(ratio: Ratio, user: u32) -> u32 {
     let increments = ratio.to_increments(user.into()).max(1);
     u32::try_from(increments).unwrap_or(u32::MAX)
 }
+
+#[cfg(test)]
+mod tests;

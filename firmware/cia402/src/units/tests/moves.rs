@@ -1,0 +1,174 @@
+//! Profile position and profile velocity in units of the user.
+
+use proptest::prelude::*;
+
+use super::{Factors, NONE, ratio, rig};
+
+const RELATIVE_AT_ONCE: u16 = 0x60;
+
+#[test]
+fn m31_ten_thousand_moves_of_a_unit_are_one_of_ten_thousand() {
+    let mut rig = rig(ratio(10, 3));
+    for _ in 0..10_000 {
+        rig.set_point(1, RELATIVE_AT_ONCE);
+        rig.tick();
+    }
+    assert_eq!(rig.rest(), 33_333);
+    assert_eq!(rig.actuals().position_actual, 10_000);
+    assert_eq!(rig.actuals().position_demand, 10_000);
+    assert_eq!(rig.actuals().position_actual_internal, 33_333);
+    rig.ticks(20);
+    assert!(rig.reached());
+}
+
+#[test]
+fn m73_at_rest_positions_read_as_they_were_given() {
+    // Ten units are an increment: no increment lies on most of them.
+    let mut rig = rig(ratio(1, 10));
+    for (target, increments) in [(104, 10), (105, 11), (-1_234, -123), (0, 0), (3, 0)] {
+        rig.set_point(target, 0);
+        assert_eq!(rig.rest(), increments);
+        let actuals = rig.actuals();
+        assert_eq!(
+            (actuals.position_demand, actuals.position_actual),
+            (target, target)
+        );
+        assert_eq!(actuals.following_error, 0);
+    }
+}
+
+#[test]
+fn m31_what_relative_set_points_count_from_is_in_units_too() {
+    for option in [0, 1, 2] {
+        let mut rig = rig(ratio(1, 10));
+        rig.commands.positioning_option = option;
+        rig.set_point(104, 0);
+        rig.rest();
+        rig.set_point(104, RELATIVE_AT_ONCE);
+        assert_eq!(rig.rest(), 21);
+        assert_eq!(rig.actuals().position_actual, 208, "option {option}");
+    }
+}
+
+#[test]
+fn m32_a_relative_target_beyond_32_bits_is_cut_in_units() {
+    let mut rig = rig(ratio(1, 100_000));
+    rig.set_point(i32::MAX, 0);
+    assert_eq!(rig.rest(), 21_475);
+    assert!(!rig.limited());
+    rig.set_point(100_000, RELATIVE_AT_ONCE);
+    assert_eq!(rig.rest(), 21_475);
+    assert!(rig.limited() && !rig.reached());
+    assert_eq!(rig.actuals().position_actual, i32::MAX);
+    rig.set_point(i32::MIN, RELATIVE_AT_ONCE);
+    assert_eq!(rig.rest(), 0);
+    assert_eq!(rig.actuals().position_actual, -1);
+}
+
+#[test]
+fn m32_a_target_too_many_increments_away_is_cut() {
+    let mut rig = rig(ratio(1_000, 1));
+    rig.set_point(i32::MAX, 0);
+    rig.ticks(5);
+    assert!(rig.limited());
+    assert!(rig.actuals().velocity_demand > 0);
+    rig.set_point(i32::MIN, 0x20);
+    rig.ticks(100);
+    assert!(rig.limited());
+    assert!(rig.actuals().velocity_demand < 0);
+}
+
+#[test]
+fn m73_velocities_are_shown_in_units() {
+    let mut rig = rig(Factors {
+        velocity: (60, 1),
+        ..ratio(10, 1)
+    });
+    rig.set_point(10_000, 0);
+    rig.ticks(100);
+    // 20,000 increments/s are 2,000 units/s, or 120,000 in a minute.
+    assert_eq!(rig.actuals().velocity_demand, 120_000);
+    assert_eq!(rig.actuals().velocity_actual, 120_000);
+}
+
+#[test]
+fn m58_velocity_polarity_turns_profile_velocity() {
+    let mut rig = rig(Factors {
+        polarity: 0x40,
+        ..NONE
+    });
+    rig.commands.mode = 3;
+    // As the hooks hand it over: in increments.
+    rig.commands.target_velocity = rig.configuration.units.velocity(5_000);
+    rig.post();
+    rig.ticks(20);
+    assert!(rig.speed() < 0);
+    assert_eq!(rig.actuals().velocity_demand, 5_000);
+    assert!(
+        rig.actuals().position_actual < 0,
+        "positions are not turned"
+    );
+}
+
+#[test]
+fn m73_other_units_show_the_same_place() {
+    let mut rig = rig(ratio(1, 10));
+    rig.set_point(104, 0);
+    rig.rest();
+    rig.write(0x06);
+    rig.ticks(3);
+    rig.configuration.units = super::Units::new(ratio(2, 1)).unwrap();
+    rig.post();
+    rig.ticks(2);
+    assert_eq!(rig.actuals().position_actual, 5);
+    assert_eq!(rig.actuals().position_actual_internal, 10);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn m31_relative_moves_add_up_to_the_absolute_one(
+        increments in 1u32..300, units in 1u32..300, polarity: u8,
+        ways in prop::collection::vec(-300i32..300, 1..12),
+    ) {
+        let factors = Factors { polarity, ..ratio(increments, units) };
+        let mut relative = rig(factors);
+        for way in &ways {
+            relative.set_point(*way, RELATIVE_AT_ONCE);
+            relative.ticks(3);
+        }
+        let mut absolute = rig(factors);
+        let sum: i32 = ways.iter().sum();
+        absolute.set_point(sum, 0);
+        prop_assert_eq!(relative.rest(), absolute.rest());
+        prop_assert_eq!(relative.actuals().position_actual, sum);
+        prop_assert_eq!(absolute.actuals().position_actual, sum);
+    }
+
+    #[test]
+    fn m58_polarity_mirrors_the_motion(
+        increments in 1u32..100, units in 1u32..100, targets in prop::array::uniform3(-3_000i32..3_000),
+        bits in prop::array::uniform3(0u16..4),
+    ) {
+        let mut plain = rig(ratio(increments, units));
+        let mut turned = rig(Factors { polarity: 0xC0, ..ratio(increments, units) });
+        for (target, bits) in targets.into_iter().zip(bits) {
+            plain.set_point(-target, bits << 5);
+            turned.set_point(target, bits << 5);
+            for _ in 0..40 {
+                plain.tick();
+                turned.tick();
+                prop_assert_eq!(plain.motor.position, turned.motor.position);
+                prop_assert_eq!(
+                    plain.actuals().position_actual,
+                    -turned.actuals().position_actual
+                );
+                prop_assert_eq!(
+                    plain.actuals().velocity_demand,
+                    -turned.actuals().velocity_demand
+                );
+            }
+        }
+    }
+}

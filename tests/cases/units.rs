@@ -1,0 +1,294 @@
+//! Units of the user over the bus: the factor group, polarity, the range of positions.
+
+use tests::DriveBench;
+use tests::drive::{INTERNAL_LIMIT, State, TARGET_REACHED};
+
+/// What a master writes of the factor group, in the order of a start-up list.
+const FACTORS: [(u16, u8, u32); 8] = [
+    (0x608F, 1, 3_200),
+    (0x608F, 2, 1),
+    (0x6091, 1, 1),
+    (0x6091, 2, 1),
+    (0x6092, 1, 960),
+    (0x6092, 2, 1),
+    (0x6096, 1, 1),
+    (0x6097, 2, 1),
+];
+
+/// A drive whose master counts three units where the motor makes ten steps.
+fn thirds() -> DriveBench {
+    let mut drive = DriveBench::started(4);
+    for (index, sub, number) in FACTORS {
+        drive.write_u32(index, sub, number);
+    }
+    drive
+}
+
+#[track_caller]
+fn refuses(drive: &mut DriveBench, index: u16, sub: u8, value: &[u8], code: u32) {
+    assert_eq!(
+        drive.try_write(index, sub, value),
+        Err(code),
+        "{index:04X}h:{sub}"
+    );
+}
+
+#[test]
+fn m73_a_move_in_units_and_6063h_in_increments() {
+    let mut drive = thirds();
+    drive.enable();
+    drive.begin_move(-10_000);
+    drive.reaches_target(10_000);
+    assert_eq!(drive.position(), -33_333);
+    assert_eq!(drive.read_i32(0x6063, 0), -33_333);
+    assert_eq!(drive.read_i32(0x6064, 0), -10_000);
+    assert_eq!(drive.read_i32(0x6062, 0), -10_000);
+    assert_eq!(drive.read_i32(0x60F4, 0), 0);
+}
+
+#[test]
+fn m73_velocities_and_ramps_are_in_units() {
+    let mut drive = thirds();
+    drive.write_u32(0x6096, 1, 60);
+    drive.write_u32(0x6097, 2, 60);
+    drive.write_u8(0x6060, 0, 3);
+    // 3,000 units/s, given in a minute.
+    drive.write_i32(0x60FF, 0, 180_000);
+    drive.write_u32(0x6083, 0, 30_000);
+    drive.enable();
+    drive.record_motion();
+    drive.run_millis(500);
+    assert_eq!(drive.read_i32(0x606B, 0), 180_000);
+    assert_eq!(drive.read_i32(0x606C, 0), 180_000);
+    let begin = drive.position();
+    drive.run_millis(100);
+    let way = drive.position() - begin;
+    assert!((985..=1_015).contains(&way), "{way}");
+    let greatest = drive.greatest_acceleration();
+    assert!((95_000..=110_000).contains(&greatest), "{greatest}");
+}
+
+#[test]
+fn m39_6080h_is_in_revolutions_per_minute() {
+    let mut drive = DriveBench::enabled(4);
+    // 3200 steps are a revolution: 75 in a minute are 4,000 steps/s.
+    drive.write_u32(0x6080, 0, 75);
+    drive.begin_move(4_000);
+    assert_ne!(drive.statusword() & INTERNAL_LIMIT, 0);
+    drive.run_millis(500);
+    assert_eq!(drive.read_i32(0x606B, 0), 4_000);
+}
+
+#[test]
+fn m73_no_factor_changes_while_the_power_stage_is_on() {
+    let mut drive = DriveBench::enabled(4);
+    for (index, sub, number) in FACTORS {
+        refuses(&mut drive, index, sub, &number.to_le_bytes(), 0x0800_0022);
+    }
+    for (index, sub) in [
+        (0x6090, 1),
+        (0x60A8, 0),
+        (0x60A9, 0),
+        (0x60AA, 0),
+        (0x60AB, 0),
+    ] {
+        refuses(&mut drive, index, sub, &[0; 4], 0x0800_0022);
+    }
+    refuses(&mut drive, 0x607E, 0, &[0x80], 0x0800_0022);
+    refuses(&mut drive, 0x607B, 1, &[0; 4], 0x0800_0022);
+    drive.command(0x06);
+    drive.run_millis(20);
+    drive.write_u32(0x6091, 1, 5);
+}
+
+#[test]
+fn m73_factors_that_are_0_or_make_no_ratio_are_refused() {
+    let mut drive = DriveBench::started(4);
+    for (index, sub, _) in FACTORS {
+        refuses(&mut drive, index, sub, &[0; 4], 0x0609_0030);
+    }
+    // Each alone can be represented, all together cannot.
+    drive.write_u32(0x608F, 1, 4_294_967_291);
+    drive.write_u32(0x6091, 1, 4_294_967_279);
+    refuses(
+        &mut drive,
+        0x6092,
+        2,
+        &4_294_967_231_u32.to_le_bytes(),
+        0x0604_0043,
+    );
+    assert_eq!(drive.read_u32(0x6092, 2), 1);
+    refuses(&mut drive, 0x607E, 0, &[0x20], 0x0609_0030);
+    refuses(
+        &mut drive,
+        0x60A8,
+        0,
+        &0x0002_0000_u32.to_le_bytes(),
+        0x0609_0030,
+    );
+    drive.write_u32(0x60A8, 0, 0xFD01_0000);
+    drive.write_u32(0x60A9, 0, 0xFD01_0300);
+    drive.write_u32(0x60AA, 0, 0xFD01_5700);
+    drive.write_u32(0x60AB, 0, 0xFD01_A000);
+    refuses(
+        &mut drive,
+        0x60A9,
+        0,
+        &0xFD01_5700_u32.to_le_bytes(),
+        0x0609_0030,
+    );
+}
+
+#[test]
+fn m58_polarity_turns_positions_in_profile_position() {
+    let mut drive = DriveBench::started(4);
+    drive.write_u8(0x607E, 0, 0x80);
+    drive.write_i32(0x607D, 1, -1_000);
+    drive.write_i32(0x607D, 2, 4_000);
+    drive.enable();
+    drive.begin_move(3_000);
+    drive.reaches_target(3_000);
+    assert_eq!(drive.position(), -3_000);
+    assert_eq!(drive.read_i32(0x6064, 0), 3_000);
+    assert_eq!(drive.read_i32(0x6063, 0), -3_000);
+    drive.begin_move(9_000);
+    assert_ne!(drive.statusword() & INTERNAL_LIMIT, 0);
+    drive.run_millis(1_000);
+    assert_eq!(drive.position(), -4_000);
+    drive.begin_move(-9_000);
+    drive.run_millis(2_000);
+    assert_eq!(drive.position(), 1_000);
+}
+
+#[test]
+fn m59_from_350_to_10_degrees() {
+    for (code, steps) in [(0_u16, 89), (1, 89), (2, 3_289), (3, 3_289)] {
+        let mut drive = DriveBench::started(4);
+        drive.write_u32(0x6092, 1, 360);
+        drive.write_i32(0x607B, 1, 0);
+        drive.write_i32(0x607B, 2, 359);
+        drive.write_u32(0x6081, 0, 1_000);
+        drive.enable();
+        drive.begin_move(350);
+        drive.reaches_target(3_000);
+        drive.write_u16(0x60F2, 0, code << 6);
+        drive.begin_move(10);
+        drive.reaches_target(3_000);
+        assert_eq!(drive.position(), steps, "code {code}");
+        assert_eq!(drive.read_i32(0x6064, 0), 10);
+    }
+}
+
+#[test]
+fn m57_limits_count_from_home_unless_20e0h_says_otherwise() {
+    for (options, end) in [(0, 1_500), (2, 500)] {
+        let mut drive = DriveBench::started(4);
+        drive.write_u8(0x20E0, 0, options);
+        drive.write_i32(0x607D, 1, -500);
+        drive.write_i32(0x607D, 2, 500);
+        drive.write_i32(0x607C, 0, 1_000);
+        drive.write_u8(0x6098, 0, 37);
+        drive.write_u8(0x6060, 0, 6);
+        drive.enable();
+        drive.command(0x1F);
+        drive.run_millis(10);
+        assert_eq!(drive.read_i32(0x6064, 0), 1_000);
+        drive.command(0x0F);
+        drive.write_u8(0x6060, 0, 1);
+        drive.run_millis(10);
+        drive.begin_move(9_000);
+        drive.run_millis(2_000);
+        assert_eq!(drive.read_i32(0x6064, 0), end);
+    }
+    let mut drive = DriveBench::started(4);
+    refuses(&mut drive, 0x20E0, 0, &[4], 0x0609_0030);
+}
+
+#[test]
+fn m73_whatever_the_factors_extremes_do_no_harm() {
+    let mut seed = 0x2545_F491_4F6C_DD1D_u64;
+    let mut random = move || {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        seed
+    };
+    for round in 0..12 {
+        let mut drive = DriveBench::started(4);
+        for (index, sub, _) in FACTORS {
+            let number = (random() as u32) >> (random() % 31);
+            // Some make no ratio, and are refused.
+            let _ = drive.try_write(index, sub, &number.max(1).to_le_bytes());
+        }
+        drive.write_u8(0x607E, 0, random() as u8 & 0xC0);
+        drive.write_u8(0x6060, 0, [1, 3][round % 2]);
+        drive.write_u32(0x6065, 0, u32::MAX);
+        drive.enable();
+        for target in [i32::MAX, i32::MIN, 0, random() as i32] {
+            drive.write_i32(0x60FF, 0, target);
+            drive.write_i32(0x607A, 0, target);
+            drive.command(0x3F);
+            drive.run_millis(10);
+            drive.command(0x2F);
+            drive.run_millis(10);
+        }
+        let enabled: State = tests::drive::OPERATION_ENABLED;
+        assert!(enabled.is_shown_by(drive.statusword()));
+        drive.command(0x02);
+        drive.run_millis(2_000);
+        let stopped = drive.position();
+        drive.run_millis(100);
+        assert_eq!(drive.position(), stopped);
+    }
+}
+
+#[test]
+fn m74_units_limits_and_homing_outlive_the_power_and_the_home_position_does_not() {
+    let mut drive = thirds();
+    drive.write_u8(0x607E, 0, 0x80);
+    drive.write_i32(0x607B, 2, 35_999);
+    drive.write_i32(0x607B, 1, 0);
+    drive.write_i32(0x607D, 1, -20_000);
+    drive.write_i32(0x607D, 2, 20_000);
+    drive.write_i32(0x607C, 0, 300);
+    drive.write_u8(0x6098, 0, 37);
+    drive.write_u32(0x6099, 1, 4_000);
+    drive.write_u8(0x20E0, 0, 3);
+    drive.write_u32(0x60A8, 0, 0xFD01_0000);
+    drive.write_u8(0x6060, 0, 6);
+    drive.enable();
+    drive.command(0x1F);
+    drive.run_millis(10);
+    assert_eq!(drive.try_read(0x2034, 1), Ok(vec![1]));
+    drive.command(0x00);
+    drive.run_millis(20);
+    drive.queue("604: 23 10 10 01 73 61 76 65");
+    drive.drain_until("584: 60 10 10 01 00 00 00 00", 1_000);
+    drive.axis().power_cycle();
+    drive.drain_until("704 [1] 00", 100);
+    for (index, sub, number) in FACTORS {
+        assert_eq!(drive.read_u32(index, sub), number, "{index:04X}h:{sub}");
+    }
+    assert_eq!(drive.try_read(0x607E, 0), Ok(vec![0x80]));
+    assert_eq!(drive.read_i32(0x607B, 2), 35_999);
+    assert_eq!(drive.read_i32(0x607D, 1), -20_000);
+    assert_eq!(drive.read_i32(0x607C, 0), 300);
+    assert_eq!(drive.read_u32(0x6099, 1), 4_000);
+    assert_eq!(drive.try_read(0x6098, 0), Ok(vec![37]));
+    assert_eq!(drive.try_read(0x20E0, 0), Ok(vec![3]));
+    assert_eq!(drive.read_u32(0x60A8, 0), 0xFD01_0000);
+    assert_eq!(drive.try_read(0x2034, 1), Ok(vec![0]), "not homed");
+    drive.start();
+    drive.reaches(tests::drive::SWITCH_ON_DISABLED, 20);
+    drive.write_u8(0x6060, 0, 6);
+    drive.enable();
+    drive.run_millis(10);
+    assert_eq!(drive.statusword() & (1 << 12), 0, "not homed");
+    drive.write_u8(0x6060, 0, 1);
+    drive.run_millis(10);
+    drive.begin_move(3_000);
+    drive.run_millis(1_500);
+    assert_ne!(drive.statusword() & TARGET_REACHED, 0);
+    assert_eq!(drive.read_i32(0x6064, 0), 3_000);
+    assert_eq!(drive.read_i32(0x6063, 0), -10_000);
+}
