@@ -85,7 +85,7 @@ def test_an_upload_is_refused(node, index, subindex, code):
         (0x1017, 0, "00", 0x06070013),  # too short
         (0x1017, 0, "00 00 00 00", 0x06070012),  # too long
         (0x6083, 0, "00 00 00 00", 0x06090032),  # below the limit
-        (0x6081, 0, "FF FF FF FF", 0x06090031),  # above the limit
+        (0x2040, 1, "11 27", 0x06090031),  # above the limit
         (0x6060, 0, "09", 0x06090030),  # a mode that is not there
     ],
 )
