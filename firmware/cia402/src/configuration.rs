@@ -10,6 +10,11 @@ use crate::brake::BrakeTimes;
 use crate::inputs::InputConfiguration;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
+use crate::periphery::analogue_input::AnalogueConfiguration;
+use crate::periphery::digital_outputs::OutputConfiguration;
+use crate::periphery::motor_current::MotorCurrents;
+use crate::periphery::power_stage::Thresholds;
+use crate::periphery::touch_probe::Source;
 use crate::units::Units;
 
 /// Everything that is set up, as the objects say it.
@@ -67,6 +72,20 @@ pub struct Configuration {
     pub inputs: InputConfiguration,
     /// 607Ch, 6098h, 6099h, 609Ah and 2030h.
     pub homing: HomingConfiguration,
+    /// 60D0h: what probes 1 and 2 look at if 60B8h asks for it.
+    pub touch_probe_sources: [Source; 2],
+    /// 2060h to 2063h.
+    pub outputs: OutputConfiguration,
+    /// 2064h.
+    pub analogue: AnalogueConfiguration,
+    /// 2070h.
+    pub currents: MotorCurrents,
+    /// 2071h: pulses of a full step.
+    pub microsteps: u16,
+    /// 2072h: the motor turns the other way.
+    pub is_reversed: bool,
+    /// 2073h and 2074h.
+    pub power_stage: Thresholds,
 }
 
 /// How 607Dh is read.
@@ -214,6 +233,13 @@ impl Configuration {
         velocity: VelocityConfiguration::NONE,
         inputs: InputConfiguration::NONE,
         homing: HomingConfiguration::NONE,
+        touch_probe_sources: [Source::Probe1, Source::Probe2],
+        outputs: OutputConfiguration::NONE,
+        analogue: AnalogueConfiguration::NONE,
+        currents: MotorCurrents::NONE,
+        microsteps: 1,
+        is_reversed: false,
+        power_stage: Thresholds::NONE,
     };
 
     /// What the objects of a dictionary say. A code that means nothing (only a data sheet can hold one) counts as the default
@@ -273,6 +299,16 @@ impl Configuration {
                 dictionary.input_debounce(),
             ),
             homing: HomingConfiguration::of(dictionary, &units),
+            touch_probe_sources: [
+                Source::from_code(dictionary.touch_probe_1_source()).unwrap_or(Source::Probe1),
+                Source::from_code(dictionary.touch_probe_2_source()).unwrap_or(Source::Probe2),
+            ],
+            outputs: OutputConfiguration::of(dictionary),
+            analogue: AnalogueConfiguration::of(dictionary),
+            currents: MotorCurrents::of(dictionary),
+            microsteps: dictionary.microsteps(),
+            is_reversed: dictionary.motor_direction() == 1,
+            power_stage: Thresholds::of(dictionary),
         }
     }
 }

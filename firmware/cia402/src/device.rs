@@ -14,6 +14,7 @@
 
 pub(crate) mod commissioning;
 mod controller;
+mod periphery;
 mod storage;
 
 pub(crate) use controller::{RESTART_DELAY, SDO_TIME_OUT};
@@ -27,7 +28,7 @@ use canopen::settings::Source;
 use canopen::{Application, BitRate, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
 use crate::configuration::Configuration;
-use crate::exchange::{Actuals, Share};
+use crate::exchange::{Actuals, Exchange, Share};
 use crate::faults::{FaultNotice, emergency};
 use crate::hooks::{Hooks, Network};
 use crate::objects::Objects;
@@ -208,6 +209,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         self.hooks.protection.load();
         self.node.boot(reset, now, &mut self.hooks);
         self.take_reset();
+        exchange.lock(Exchange::tell_again);
         self.refresh(now, exchange);
         self.start_controller();
         self.start_commissioning();
@@ -217,8 +219,13 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 
     /// Puts the actual values of a moment in the dictionary.
     fn refresh<X: Share>(&mut self, stamp: Instant, exchange: &mut X) -> Actuals {
-        let actuals = exchange.lock(|exchange| exchange.actuals_at(stamp));
+        let (actuals, has_news) =
+            exchange.lock(|exchange| (exchange.actuals_at(stamp), exchange.has_news()));
         show(self.node.dictionary_mut(), &actuals);
+        if has_news {
+            let (latched, readings) = exchange.lock(Exchange::take_news);
+            periphery::show(self.node.dictionary_mut(), &latched, &readings);
+        }
         actuals
     }
 

@@ -5,6 +5,7 @@
 //! operation enabled, quick stop active and fault reaction active, and nowhere else.
 
 mod command;
+mod periphery;
 mod report;
 mod stopping;
 
@@ -21,6 +22,7 @@ use crate::modes::{Context, Modes};
 use crate::monitor::{Monitor, Observed};
 use crate::motor::Motor;
 use crate::option_codes::Stop;
+use crate::periphery::Periphery;
 use crate::state_machine::{Conditions, State, StateMachine, Transition};
 use crate::statusword;
 use crate::units::{Frame, Travel, Units};
@@ -103,6 +105,7 @@ pub struct Drive {
     /// The following error has been too large since the last fault reset.
     lost: bool,
     switches: Switches,
+    periphery: Periphery,
     power: bool,
     /// The motor stood at the end of the last tick: its position must now be the one its pulses lead to.
     settled: bool,
@@ -134,6 +137,7 @@ impl Drive {
             observed: Observed::default(),
             lost: false,
             switches: Switches::default(),
+            periphery: Periphery::new(),
             power: false,
             settled: false,
             restarted: false,
@@ -164,6 +168,10 @@ impl Drive {
             .checked_duration_since(self.ticked)
             .map_or(0, |span| u32::try_from(span.ticks()).unwrap_or(u32::MAX));
         self.ticked = now;
+        if !self.power {
+            let is_reversed = self.configuration.is_reversed;
+            self.motor.set_reversed(is_reversed, inputs.position);
+        }
         let position = self.motor.position_of(inputs.position);
         let displaced = self.power
             && self.settled
@@ -177,10 +185,10 @@ impl Drive {
         self.switches.observe(
             &inputs.digital,
             &self.configuration.inputs,
-            position as i32,
-            self.motor.shift(),
+            self.motor.count(position),
             elapsed,
         );
+        self.measure(inputs, now, elapsed, position);
         self.monitor(now, position);
 
         let restart = self.commands.restart;
@@ -206,6 +214,7 @@ impl Drive {
         let actuals = self.actuals(now, inputs, mode_bits);
         exchange.lock(|exchange| {
             exchange.publish(actuals);
+            self.publish_periphery(inputs, exchange);
             if restarts {
                 exchange.forget_notices();
             }
@@ -215,11 +224,11 @@ impl Drive {
         });
         Outputs {
             power_stage: self.power,
-            brake_released: self.brake.is_released(),
+            brake_released: self.is_brake_released(),
             drop_pulses: !self.power || self.motor.is_cut(),
-            current: 0,
-            microsteps: 0,
-            digital: 0,
+            current: self.motor_current(elapsed),
+            microsteps: self.configuration.microsteps,
+            digital: self.output_levels(actuals.statusword),
         }
     }
 
@@ -276,6 +285,7 @@ impl Drive {
             self.power,
             displaced || self.observed.is_lost,
             both_limits,
+            &self.periphery.stage,
         );
         let (remote, command, lost) = self.under_6007h(command);
         let reaction = detected.or(lost);
@@ -357,6 +367,7 @@ impl Drive {
                     return self.mind_limits();
                 }
                 let limit = self.mind_limits();
+                let is_brake_open = self.is_brake_open(now);
                 let bits = self.modes.tick(&mut Context {
                     now,
                     mode: self.modes.active(),
@@ -370,7 +381,7 @@ impl Drive {
                     blocked,
                     elapsed,
                     position,
-                    is_brake_open: self.brake.is_open(self.configuration.brake, now),
+                    is_brake_open,
                     motor: &mut self.motor,
                 });
                 bits | limit

@@ -11,6 +11,7 @@ use crate::configuration::Configuration;
 use crate::controlword::{Command, NEW_SET_POINT};
 use crate::faults::FaultNotice;
 use crate::modes::Mode;
+use crate::periphery::{Latched, Readings};
 use crate::state_machine::State;
 use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
 
@@ -54,6 +55,17 @@ pub struct Commands {
     pub profile_deceleration: u32,
     /// 60FFh in steps/s.
     pub target_velocity: i32,
+    /// 60B8h.
+    pub touch_probe_function: u16,
+    /// Bits 0 and 8 of 60B8h that were 0 since the last tick took its copy, so that a probe switched off and on between two ticks
+    /// starts anew.
+    pub touch_probes_off: u16,
+    /// 60FEh:1.
+    pub digital_outputs: u32,
+    /// 60FEh:2.
+    pub digital_outputs_mask: u32,
+    /// 60FEh was written since the last tick took its copy.
+    pub outputs_written: bool,
     /// The set-point of an edge of bit 4 behind which a master went on writing before the tick took its copy; `None` where the
     /// set-point is in the values above.
     pub passed_set_point: Option<SetPoint>,
@@ -97,6 +109,11 @@ impl Commands {
         profile_acceleration: 0,
         profile_deceleration: 0,
         target_velocity: 0,
+        touch_probe_function: 0,
+        touch_probes_off: 0,
+        digital_outputs: 0,
+        digital_outputs_mask: 0,
+        outputs_written: false,
         passed_set_point: None,
     };
 
@@ -106,6 +123,8 @@ impl Commands {
             self.passed_set_point = Some(earlier.set_point());
         }
         self.rising |= earlier.rising;
+        self.touch_probes_off |= earlier.touch_probes_off;
+        self.outputs_written |= earlier.outputs_written;
         self.shutdown_first |= earlier.shutdown_first && self.stop.is_none();
         if self.stop != Some(Command::DisableVoltage) {
             self.stop = earlier.stop.or(self.stop);
@@ -118,6 +137,8 @@ impl Commands {
         self.rising = 0;
         self.stop = None;
         self.shutdown_first = false;
+        self.touch_probes_off = 0;
+        self.outputs_written = false;
         self.passed_set_point = None;
     }
 
@@ -240,6 +261,10 @@ pub struct Exchange {
     before: Actuals,
     notices: Deque<FaultNotice, NOTICES>,
     lost_notices: u32,
+    latched: Latched,
+    readings: Readings,
+    /// One of these two has not been taken yet.
+    has_news: bool,
 }
 
 impl Exchange {
@@ -258,6 +283,9 @@ impl Exchange {
             before: Actuals::NONE,
             notices: Deque::new(),
             lost_notices: 0,
+            latched: Latched::NONE,
+            readings: Readings::NONE,
+            has_news: false,
         }
     }
 
@@ -299,6 +327,34 @@ impl Exchange {
         self.newest = actuals;
         self.answered = self.taken;
         self.start_taken = false;
+    }
+
+    /// The touch probes have stored something, or are set up anew.
+    pub fn latch(&mut self, latched: Latched) {
+        self.latched = latched;
+        self.has_news = true;
+    }
+
+    /// New readings.
+    pub fn show(&mut self, readings: Readings) {
+        self.has_news |= readings != self.readings;
+        self.readings = readings;
+    }
+
+    /// Whether there is something to [`Exchange::take_news`].
+    pub const fn has_news(&self) -> bool {
+        self.has_news
+    }
+
+    /// What touch probes and readings are now. They are the newest, and not those of a moment: what a probe has stored stays.
+    pub const fn take_news(&mut self) -> (Latched, Readings) {
+        self.has_news = false;
+        (self.latched, self.readings)
+    }
+
+    /// The dictionary has started anew: what it showed is to be told again.
+    pub const fn tell_again(&mut self) {
+        self.has_news = true;
     }
 
     /// The newest actual values that were there at `stamp`. A stamp older than the last two ticks gets the older of them.

@@ -8,7 +8,18 @@ use canopen::cia301::emergency::{Emergency, ErrorRegister};
 use heapless::{Deque, Vec};
 
 use crate::drive::Inputs;
+use crate::periphery::power_stage::{PowerStage, Warnings};
 
+/// 3210h, DC link over-voltage: the supply is above 2073h:4.
+pub const OVER_VOLTAGE: u16 = 0x3210;
+/// 3110h, mains over-voltage: a warning, the supply is above 2073h:3.
+pub const OVER_VOLTAGE_WARNING: u16 = 0x3110;
+/// 3120h, mains under-voltage: a warning, the supply is below 2073h:2.
+pub const UNDER_VOLTAGE_WARNING: u16 = 0x3120;
+/// 4210h, excess temperature of the device: the power stage is above 2074h:3.
+pub const OVER_TEMPERATURE: u16 = 0x4210;
+/// 4310h, excess temperature of the drive: a warning, the power stage is above 2074h:2.
+pub const TEMPERATURE_WARNING: u16 = 0x4310;
 /// 3220h, DC link under-voltage: the supply is gone while there should be current in the motor.
 pub const UNDER_VOLTAGE: u16 = 0x3220;
 /// 6100h, internal software: pulses were handed out too late. A warning: it changes no state.
@@ -116,38 +127,54 @@ pub(crate) struct Faults {
     error_code: u16,
     board: Option<u16>,
     no_supply: bool,
+    over_voltage: bool,
+    over_temperature: bool,
     both_limits: bool,
     late: bool,
+    /// What the thresholds of the power stage warn of.
+    stage_warnings: Warnings,
     /// What the board warns of.
     board_warning: Option<u16>,
     standing: Vec<u16, STANDING>,
-    notices: Deque<FaultNotice, { 2 * STANDING + 4 }>,
+    notices: Deque<FaultNotice, { 2 * STANDING + 7 }>,
 }
 
 impl Faults {
     /// Looks for faults at the start of a tick; `displaced` says that the motor stands at a wrong position, `both_limits` that
-    /// both limit switches are active. Returns the strongest reaction to those that have just appeared.
+    /// both limit switches are active, `stage` what is measured of the power stage. Returns the strongest reaction to those that have just appeared.
     pub(crate) fn detect(
         &mut self,
         inputs: &Inputs,
         power: bool,
         displaced: bool,
         both_limits: bool,
+        stage: &PowerStage,
     ) -> Option<Reaction> {
         let mut reaction = None;
         self.warn(inputs.warning);
+        if stage.warnings != self.stage_warnings {
+            self.warn_of_stage(stage.warnings);
+        }
         if inputs.fault != self.board {
             self.board = inputs.fault;
             if let Some(code) = inputs.fault {
                 self.raise(code, &mut reaction);
             }
         }
-        if power && !inputs.supply {
+        if power && !stage.has_supply {
             self.no_supply = true;
             self.raise(UNDER_VOLTAGE, &mut reaction);
-        } else if inputs.supply {
+        } else if stage.has_supply {
             self.no_supply = false;
         }
+        if stage.over_voltage && !self.over_voltage {
+            self.raise(OVER_VOLTAGE, &mut reaction);
+        }
+        self.over_voltage = stage.over_voltage;
+        if stage.over_temperature && !self.over_temperature {
+            self.raise(OVER_TEMPERATURE, &mut reaction);
+        }
+        self.over_temperature = stage.over_temperature;
         if displaced {
             self.raise(POSITION_MISMATCH, &mut reaction);
         }
@@ -178,7 +205,11 @@ impl Faults {
 
     /// Whether the cause of a fault is there now.
     pub(crate) const fn cause_stands(&self) -> bool {
-        self.board.is_some() || self.no_supply || self.both_limits
+        self.board.is_some()
+            || self.no_supply
+            || self.over_voltage
+            || self.over_temperature
+            || self.both_limits
     }
 
     /// Transition 15: the master has reset the fault. 603Fh keeps the code of the last one.
@@ -198,8 +229,36 @@ impl Faults {
         if self.no_supply {
             self.raise(UNDER_VOLTAGE, &mut reaction);
         }
+        if self.over_voltage {
+            self.raise(OVER_VOLTAGE, &mut reaction);
+        }
+        if self.over_temperature {
+            self.raise(OVER_TEMPERATURE, &mut reaction);
+        }
         if self.both_limits {
             self.raise(BOTH_LIMITS, &mut reaction);
+        }
+    }
+
+    /// What the thresholds of the power stage warn of now.
+    #[cold]
+    #[inline(never)]
+    fn warn_of_stage(&mut self, now: Warnings) {
+        let before = core::mem::replace(&mut self.stage_warnings, now);
+        for (code, was, is) in [
+            (
+                UNDER_VOLTAGE_WARNING,
+                before.under_voltage,
+                now.under_voltage,
+            ),
+            (OVER_VOLTAGE_WARNING, before.over_voltage, now.over_voltage),
+            (TEMPERATURE_WARNING, before.temperature, now.temperature),
+        ] {
+            match (was, is) {
+                (false, true) => self.notify(FaultNotice::Raised(code)),
+                (true, false) => self.notify(FaultNotice::Cleared(code)),
+                _ => {}
+            }
         }
     }
 
@@ -230,7 +289,9 @@ impl Faults {
 
     /// Statusword bit 7.
     pub(crate) const fn warning(&self) -> bool {
-        self.late || self.board_warning.is_some()
+        let stage = self.stage_warnings;
+        let by_stage = stage.under_voltage || stage.over_voltage || stage.temperature;
+        self.late || self.board_warning.is_some() || by_stage
     }
 
     /// 603Fh: the code of the last fault since power-on; 0 before the first.
@@ -264,6 +325,11 @@ mod tests {
         supply_voltage: None,
         temperature: None,
         analogue: None,
+    };
+
+    const SUPPLIED: PowerStage = PowerStage {
+        has_supply: true,
+        ..PowerStage::new()
     };
 
     #[test]
@@ -306,14 +372,17 @@ mod tests {
             ..CALM
         };
         assert_eq!(
-            Faults::default().detect(&over_current, true, true, false),
+            Faults::default().detect(&over_current, true, true, false, &SUPPLIED),
             Some(Reaction::PowerOff)
         );
         assert_eq!(
-            Faults::default().detect(&CALM, true, true, false),
+            Faults::default().detect(&CALM, true, true, false, &SUPPLIED),
             Some(Reaction::AsConfigured)
         );
-        assert_eq!(Faults::default().detect(&CALM, true, false, false), None);
+        assert_eq!(
+            Faults::default().detect(&CALM, true, false, false, &SUPPLIED),
+            None
+        );
     }
 
     #[test]
@@ -324,7 +393,11 @@ mod tests {
                 fault: Some(code),
                 ..CALM
             };
-            assert!(faults.detect(&inputs, true, false, false).is_some());
+            assert!(
+                faults
+                    .detect(&inputs, true, false, false, &SUPPLIED)
+                    .is_some()
+            );
             assert_eq!(faults.error_code(), code);
         }
         let told = core::iter::from_fn(|| faults.take_notice()).count();

@@ -28,6 +28,8 @@ use crate::modes::Mode;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
 use crate::parameters::Parameter;
+use crate::periphery::digital_outputs::OutputFunction;
+use crate::periphery::touch_probe::{Source, is_function};
 use crate::protection::{PASSWORD, PRODUCTION, Protection};
 use crate::units::{Factors, SiUnit, Units};
 
@@ -62,6 +64,10 @@ pub(crate) struct Hooks<A> {
     written: bool,
     configured: bool,
     delay_written: bool,
+    /// Bits 0 and 8 of 60B8h that were 0 since the last commands.
+    probes_off: u16,
+    /// 60FEh was written since the last commands.
+    outputs_written: bool,
     pub(crate) protection: Protection,
     pub(crate) commissioning: Commissioning,
     /// The serial number of production; 0 for none.
@@ -78,6 +84,8 @@ impl<A> Hooks<A> {
             written: true,
             configured: true,
             delay_written: false,
+            probes_off: 0,
+            outputs_written: false,
             protection: Protection::default(),
             commissioning: Commissioning::default(),
             produced: 0,
@@ -154,6 +162,11 @@ impl<A> Hooks<A> {
             profile_acceleration: units.acceleration(dictionary.profile_acceleration()),
             profile_deceleration: units.acceleration(dictionary.profile_deceleration()),
             target_velocity: units.velocity(dictionary.target_velocity()),
+            touch_probe_function: dictionary.touch_probe_function(),
+            touch_probes_off: core::mem::take(&mut self.probes_off),
+            digital_outputs: dictionary.digital_outputs(),
+            digital_outputs_mask: dictionary.digital_outputs_mask(),
+            outputs_written: core::mem::take(&mut self.outputs_written),
             passed_set_point: None,
         }
     }
@@ -179,6 +192,15 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         }
         if parameter == Some(Parameter::Controlword) {
             self.history.write(dictionary.controlword());
+        }
+        match parameter {
+            Some(Parameter::TouchProbeFunction) => {
+                self.probes_off |= !dictionary.touch_probe_function();
+            }
+            Some(Parameter::DigitalOutputs | Parameter::DigitalOutputsMask) => {
+                self.outputs_written = true;
+            }
+            _ => {}
         }
         self.written |= parameter.is_some();
         self.configured |= parameter.is_some_and(|parameter| !parameter.is_command());
@@ -289,6 +311,24 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
             .ok()
             .and_then(InputFunction::from_code)
             .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
+        Parameter::TouchProbeFunction => u16::try_from(number)
+            .ok()
+            .filter(|function| is_function(*function))
+            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
+        Parameter::TouchProbe1Source | Parameter::TouchProbe2Source => {
+            code(number, Source::from_code)
+        }
+        Parameter::Output1Function
+        | Parameter::Output2Function
+        | Parameter::Output3Function
+        | Parameter::Output4Function => u8::try_from(number)
+            .ok()
+            .and_then(OutputFunction::from_code)
+            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
+        Parameter::Microsteps => match number {
+            1 | 2 | 4 | 8 | 16 | 32 | 64 | 128 | 256 => Ok(()),
+            _ => Err(AbortCode::InvalidValue),
+        },
         Parameter::HaltOptionCode => code(number, StopRamp::on_halt),
         Parameter::FaultReactionOptionCode => code(number, Stop::on_fault),
         Parameter::PositioningOptionCode => match number {

@@ -177,6 +177,39 @@ impl InputConfiguration {
     }
 }
 
+/// How the master counts what the board counts.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Count {
+    /// Where the motor is in the tick, as the master counts.
+    pub(crate) position: i64,
+    /// What the master's count has beyond the board's, modulo 2³².
+    pub(crate) shift: i32,
+    /// The board counts the other way.
+    pub(crate) is_reversed: bool,
+}
+
+impl Count {
+    /// The master's count for one of the board's: of those that are the same modulo 2³² the nearest to where the motor is.
+    pub(crate) const fn of(&self, board: i32) -> i64 {
+        let position = self.directed(board).wrapping_add(self.shift);
+        let way = position.wrapping_sub(self.position as i32);
+        self.position.wrapping_add(way as i64)
+    }
+
+    /// The board's count where the motor is.
+    pub(crate) const fn board_position(&self) -> i32 {
+        self.directed((self.position as i32).wrapping_sub(self.shift))
+    }
+
+    const fn directed(&self, number: i32) -> i32 {
+        if self.is_reversed {
+            number.wrapping_neg()
+        } else {
+            number
+        }
+    }
+}
+
 /// The switches, filtered.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Switches {
@@ -192,16 +225,15 @@ pub(crate) struct Switches {
 }
 
 impl Switches {
-    /// Looks at the inputs. `position` is where the motor is, as the master counts; `shift` is what that has beyond the board's
-    /// count; `elapsed` are the microseconds since the last tick.
+    /// Looks at the inputs. `count` is how the master counts; `elapsed` are the microseconds since the last tick.
     pub(crate) fn observe(
         &mut self,
         inputs: &DigitalInputs,
         configuration: &InputConfiguration,
-        position: i32,
-        shift: i32,
+        count: Count,
         elapsed: u32,
     ) {
+        let position = count.position as i32;
         let before = self.active;
         self.active = inputs.levels ^ configuration.inverted;
         let look = Look {
@@ -209,7 +241,7 @@ impl Switches {
             active: self.active,
             inverted: configuration.inverted,
             position,
-            shift,
+            count,
             elapsed,
             debounce: u32::from(configuration.debounce).wrapping_mul(1000),
         };
@@ -259,7 +291,7 @@ struct Look<'a> {
     active: u8,
     inverted: u8,
     position: i32,
-    shift: i32,
+    count: Count,
     elapsed: u32,
     debounce: u32,
 }
@@ -276,7 +308,7 @@ impl Look<'_> {
                 let rises = to_active != (self.inverted & input != 0);
                 let edges = if rises { captured.rose } else { captured.fell };
                 if let Some(edges) = edges {
-                    return Some(edges.first.position.wrapping_add(self.shift));
+                    return Some(self.count.of(edges.first.position) as i32);
                 }
             }
             input <<= 1;

@@ -37,6 +37,7 @@ mod motor;
 pub mod objects;
 pub mod option_codes;
 pub mod parameters;
+pub mod periphery;
 pub mod protection;
 pub mod state_machine;
 pub mod statusword;

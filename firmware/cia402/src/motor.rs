@@ -1,8 +1,10 @@
 //! The axis as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
 
 use motion::{
-    AdvanceError, Axis, AxisConfig, Demand, Direction, Limits, PlanError, PulseSink, Ticks,
+    AdvanceError, Axis, AxisConfig, Demand, Direction, Limits, PlanError, PulseSink, Record, Ticks,
 };
+
+use crate::inputs::Count;
 
 /// The directions that limit switches bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,6 +43,8 @@ pub(crate) struct Motor {
     cut: bool,
     /// What the master's count has beyond the board's.
     shift: i64,
+    /// 2072h: the board counts the other way, and its pulses go the other way.
+    is_reversed: bool,
     /// The home position is known.
     referenced: bool,
     barred: Barred,
@@ -61,6 +65,7 @@ impl Motor {
             demand: Demand::default(),
             cut: false,
             shift: 0,
+            is_reversed: false,
             referenced: false,
             barred: Barred::default(),
             stopping: None,
@@ -70,6 +75,11 @@ impl Motor {
 
     /// The master's count for one of the board's, which may wrap.
     pub(crate) const fn position_of(&self, count: i64) -> i64 {
+        let count = if self.is_reversed {
+            count.wrapping_neg()
+        } else {
+            count
+        };
         self.near(count.wrapping_add(self.shift))
     }
 
@@ -79,9 +89,25 @@ impl Motor {
         self.committed.wrapping_add(away as i64)
     }
 
-    /// What the master's count has beyond the board's, modulo 2³².
-    pub(crate) const fn shift(&self) -> i32 {
-        self.shift as i32
+    /// How the master counts while the motor is at `position`.
+    pub(crate) const fn count(&self, position: i64) -> Count {
+        Count {
+            position,
+            shift: self.shift as i32,
+            is_reversed: self.is_reversed,
+        }
+    }
+
+    /// Turns the direction round while there is no power; the board's count is `count`. The motor keeps its position, but where home is
+    /// nobody knows any more.
+    pub(crate) const fn set_reversed(&mut self, is_reversed: bool, count: i64) {
+        if is_reversed != self.is_reversed {
+            let position = self.position_of(count);
+            self.is_reversed = is_reversed;
+            let change = position.wrapping_sub(self.position_of(count));
+            self.shift = self.shift.wrapping_add(change);
+            self.referenced = false;
+        }
     }
 
     /// Whether the home position is known.
@@ -300,7 +326,10 @@ impl Motor {
     /// Hands out the pulses of the next segments. False when they came too late and the motor had none for a moment; no
     /// pulse is lost by that.
     pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) -> bool {
-        let result = self.axis.advance(pulses);
+        let result = self.axis.advance(&mut Directed {
+            pulses,
+            is_reversed: self.is_reversed,
+        });
         self.committed = self.near(self.axis.committed_position());
         self.at_rest = self.axis.is_at_rest();
         if self.at_rest {
@@ -308,5 +337,39 @@ impl Motor {
             self.stopping_at_limit = None;
         }
         result != Err(AdvanceError::Underrun)
+    }
+}
+
+/// Pulses on their way to a motor that may turn the other way.
+struct Directed<'a, S> {
+    pulses: &'a mut S,
+    is_reversed: bool,
+}
+
+impl<S: PulseSink> PulseSink for Directed<'_, S> {
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        if !self.is_reversed {
+            return self.pulses.push(record);
+        }
+        self.pulses.push(turned(record)).map_err(turned)
+    }
+
+    fn pending(&self) -> Ticks {
+        self.pulses.pending()
+    }
+
+    fn free(&self) -> usize {
+        self.pulses.free()
+    }
+}
+
+/// The same pulses the other way.
+const fn turned(record: Record) -> Record {
+    Record {
+        direction: match record.direction {
+            Direction::Forward => Direction::Reverse,
+            Direction::Reverse => Direction::Forward,
+        },
+        ..record
     }
 }

@@ -91,6 +91,118 @@ pub trait Objects {
     fn position_limit_options(&self) -> u8 {
         0
     }
+    /// 2060h:1: see [`crate::periphery::digital_outputs::OutputFunction`].
+    fn output_1_function(&self) -> u8 {
+        0
+    }
+    /// 2060h:2: see [`crate::periphery::digital_outputs::OutputFunction`].
+    fn output_2_function(&self) -> u8 {
+        0
+    }
+    /// 2060h:3: see [`crate::periphery::digital_outputs::OutputFunction`].
+    fn output_3_function(&self) -> u8 {
+        0
+    }
+    /// 2060h:4: see [`crate::periphery::digital_outputs::OutputFunction`].
+    fn output_4_function(&self) -> u8 {
+        0
+    }
+    /// 2061h: the outputs that are low where they would be high; output `n` is bit `n − 1`.
+    fn outputs_inverted(&self) -> u8 {
+        0
+    }
+    /// 2062h: the outputs that stay as they are when the network is lost; output `n` is bit `n − 1`.
+    fn outputs_kept(&self) -> u8 {
+        0
+    }
+    /// 2063h: 1 lets 60FEh move the brake.
+    fn brake_control(&self) -> u8 {
+        0
+    }
+    /// 2064h:1, 0 to 4095.
+    fn set_analogue_input_raw(&mut self, value: u16) {
+        let _ = value;
+    }
+    /// 2064h:2 in millivolts.
+    fn set_analogue_input_voltage(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 2064h:3 in millivolts.
+    fn set_analogue_input_filtered(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 2064h:4 in millivolts.
+    fn analogue_input_full_scale(&self) -> i32 {
+        10_000
+    }
+    /// 2064h:5 in millivolts.
+    fn analogue_input_offset(&self) -> i32 {
+        0
+    }
+    /// 2064h:6 in milliseconds.
+    fn analogue_input_filter_time(&self) -> u16 {
+        0
+    }
+    /// 2070h:1 in milliamperes.
+    fn run_current(&self) -> u16 {
+        0
+    }
+    /// 2070h:2 in milliamperes.
+    fn hold_current(&self) -> u16 {
+        0
+    }
+    /// 2070h:3 in milliamperes; 0: as the run current.
+    fn boost_current(&self) -> u16 {
+        0
+    }
+    /// 2070h:4 in milliseconds.
+    fn hold_delay(&self) -> u16 {
+        0
+    }
+    /// 2071h: pulses of a full step, a power of two up to 256.
+    fn microsteps(&self) -> u16 {
+        1
+    }
+    /// 2072h: 1 turns the direction of the motor round.
+    fn motor_direction(&self) -> u8 {
+        0
+    }
+    /// 2073h:1 in millivolts; 0 is off.
+    fn under_voltage_fault(&self) -> u32 {
+        0
+    }
+    /// 2073h:2 in millivolts; 0 is off.
+    fn under_voltage_warning(&self) -> u32 {
+        0
+    }
+    /// 2073h:3 in millivolts; 0 is off.
+    fn over_voltage_warning(&self) -> u32 {
+        0
+    }
+    /// 2073h:4 in millivolts; 0 is off.
+    fn over_voltage_fault(&self) -> u32 {
+        0
+    }
+    /// 2073h:5 in millivolts.
+    fn voltage_hysteresis(&self) -> u32 {
+        0
+    }
+    /// 2074h:1 in tenths of a degree Celsius.
+    fn set_temperature(&mut self, value: i16) {
+        let _ = value;
+    }
+    /// 2074h:2 in tenths of a degree Celsius.
+    fn temperature_warning(&self) -> i16 {
+        i16::MAX
+    }
+    /// 2074h:3 in tenths of a degree Celsius.
+    fn over_temperature_fault(&self) -> i16 {
+        i16::MAX
+    }
+    /// 2074h:4 in tenths of a degree.
+    fn temperature_hysteresis(&self) -> u16 {
+        0
+    }
     /// 6007h: 3, quick stop.
     fn abort_connection_option_code(&self) -> i16 {
         3
@@ -402,6 +514,82 @@ pub trait Objects {
     /// 60FDh.
     fn set_digital_inputs(&mut self, value: u32) {
         let _ = value;
+    }
+    /// 6079h in millivolts.
+    fn set_dc_link_voltage(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 60B8h.
+    fn touch_probe_function(&self) -> u16 {
+        0
+    }
+    /// 60B9h.
+    fn set_touch_probe_status(&mut self, value: u16) {
+        let _ = value;
+    }
+    /// 60BAh.
+    fn set_touch_probe_1_positive_edge(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 60BBh.
+    fn set_touch_probe_1_negative_edge(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 60BCh.
+    fn set_touch_probe_2_positive_edge(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 60BDh.
+    fn set_touch_probe_2_negative_edge(&mut self, value: i32) {
+        let _ = value;
+    }
+    /// 60D0h:1: see [`crate::periphery::touch_probe::Source`].
+    fn touch_probe_1_source(&self) -> i16 {
+        1
+    }
+    /// 60D0h:2: see [`crate::periphery::touch_probe::Source`].
+    fn touch_probe_2_source(&self) -> i16 {
+        2
+    }
+    /// 60D1h in nanoseconds.
+    fn set_touch_probe_1_positive_time(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 60D2h in nanoseconds.
+    fn set_touch_probe_1_negative_time(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 60D3h in nanoseconds.
+    fn set_touch_probe_2_positive_time(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 60D4h in nanoseconds.
+    fn set_touch_probe_2_negative_time(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 60D5h.
+    fn set_touch_probe_1_positive_count(&mut self, value: u16) {
+        let _ = value;
+    }
+    /// 60D6h.
+    fn set_touch_probe_1_negative_count(&mut self, value: u16) {
+        let _ = value;
+    }
+    /// 60D7h.
+    fn set_touch_probe_2_positive_count(&mut self, value: u16) {
+        let _ = value;
+    }
+    /// 60D8h.
+    fn set_touch_probe_2_negative_count(&mut self, value: u16) {
+        let _ = value;
+    }
+    /// 60FEh:1.
+    fn digital_outputs(&self) -> u32 {
+        0
+    }
+    /// 60FEh:2. Without it every bit of 60FEh:1 counts.
+    fn digital_outputs_mask(&self) -> u32 {
+        u32::MAX
     }
     /// 6502h.
     fn supported_drive_modes(&self) -> u32 {

@@ -33,9 +33,10 @@ const GIVEN: u8 = 1;
 const NEW: u8 = 2;
 const ACCESS: u8 = 3;
 
-/// Objects that must not change while the power stage is on: what a position, a velocity or a torque means (polarity, encoder,
-/// gear, feed, factors, units, range, ratings), what the motor is, and what takes the flash to be stored.
-pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 11] = [
+/// Objects that must not change while the power stage is on: what a position, a velocity or a torque means (microsteps, direction,
+/// polarity, encoder, gear, feed, factors, units, range, ratings), what the motor is, and what takes the flash to be stored.
+pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 12] = [
+    0x2071..=0x2072,
     NETWORK..=NETWORK,
     PRODUCTION..=PRODUCTION,
     0x6075..=0x6076,

@@ -25,7 +25,7 @@ impl Drive {
         Actuals {
             at: now,
             statusword: state.statusword()
-                | bit(inputs.supply, statusword::VOLTAGE_ENABLED)
+                | bit(self.periphery.stage.has_supply, statusword::VOLTAGE_ENABLED)
                 | bit(self.faults.warning(), statusword::WARNING)
                 | bit(self.commands.remote, statusword::REMOTE)
                 | bit(

@@ -18,6 +18,15 @@ struct Bench {
 }
 
 impl Bench {
+    /// The master's count is 1,000 beyond the board's.
+    fn count(&self) -> Count {
+        Count {
+            position: self.position.into(),
+            shift: 1_000,
+            is_reversed: false,
+        }
+    }
+
     /// A tick with input 3 at this level, and what was captured of it.
     fn see(&mut self, level: bool, rose: Option<i32>, fell: Option<i32>) -> SwitchState {
         let mut inputs = DigitalInputs {
@@ -32,9 +41,17 @@ impl Bench {
         };
         let configuration = self.configuration.unwrap_or(HOME);
         self.switches
-            .observe(&inputs, &configuration, self.position, 1_000, 1_000);
+            .observe(&inputs, &configuration, self.count(), 1_000);
         self.position += 10;
         self.switches.home.state
+    }
+}
+
+/// The master counts as the board does.
+fn at(position: i64) -> Count {
+    Count {
+        position,
+        ..Count::default()
     }
 }
 
@@ -164,18 +181,18 @@ fn index_pulses_are_not_debounced() {
         position: -5,
         time: 0,
     }));
-    switches.observe(&inputs, &HOME, 0, 0, 1_000);
+    switches.observe(&inputs, &HOME, Count::default(), 1_000);
     assert_eq!(switches.index, Some(-5));
-    switches.observe(&DigitalInputs::NONE, &HOME, 0, 0, 1_000);
+    switches.observe(&DigitalInputs::NONE, &HOME, Count::default(), 1_000);
     assert_eq!(switches.index, None);
     // Without a capture, the tick in which it rises.
     let high = DigitalInputs {
         levels: 0b1000,
         ..DigitalInputs::NONE
     };
-    switches.observe(&high, &HOME, 77, 0, 1_000);
+    switches.observe(&high, &HOME, at(77), 1_000);
     assert_eq!(switches.index, Some(77));
-    switches.observe(&high, &HOME, 78, 0, 1_000);
+    switches.observe(&high, &HOME, at(78), 1_000);
     assert_eq!(switches.index, None);
 }
 
@@ -200,4 +217,22 @@ fn functions_become_masks() {
 fn touch_probes_are_functions_of_inputs() {
     let configuration = InputConfiguration::new([0, 6, 5, 5, 0, 0], 0, 0);
     assert_eq!(configuration.touch_probes, [0b00_1100, 0b00_0010]);
+}
+
+#[test]
+fn a_count_is_the_nearest_to_where_the_motor_is() {
+    let far = Count {
+        position: (5 << 32) + 7,
+        shift: 3,
+        is_reversed: false,
+    };
+    assert_eq!(far.board_position(), 4);
+    assert_eq!(far.of(4), (5 << 32) + 7);
+    assert_eq!(far.of(-10), (5 << 32) - 7);
+    let reversed = Count {
+        is_reversed: true,
+        ..far
+    };
+    assert_eq!(reversed.board_position(), -4);
+    assert_eq!(reversed.of(-14), (5 << 32) + 17);
 }

@@ -1,0 +1,71 @@
+//! The drive and what is at it beside the motor's motion: how each part of the periphery hears of the drive, and what comes of it.
+
+use canopen::Instant;
+
+use super::{Drive, Inputs};
+use crate::exchange::Exchange;
+use crate::periphery::digital_outputs::Shown;
+use crate::periphery::motor_current::Motion;
+
+impl Drive {
+    /// What the board has measured, and what the master wants of the outputs, at the start of a tick.
+    pub(super) fn measure(&mut self, inputs: &Inputs, now: Instant, elapsed: u32, position: i64) {
+        self.periphery.measure(
+            now,
+            elapsed,
+            inputs,
+            &self.commands,
+            &self.configuration,
+            self.motor.count(position),
+        );
+        self.periphery
+            .outputs
+            .command(&self.commands, &self.configuration.outputs);
+    }
+
+    /// What is new goes to the device.
+    pub(super) fn publish_periphery(&mut self, inputs: &Inputs, exchange: &mut Exchange) {
+        let units = &self.configuration.units;
+        let shown = |increments| units.range().shown(self.frame.position(increments, units));
+        self.periphery
+            .publish(shown, inputs, &self.configuration, exchange);
+    }
+
+    /// What the brake is told: by 60FEh if that may, else by the state machine.
+    pub(super) fn is_brake_released(&self) -> bool {
+        let manual = self.periphery.outputs.brake();
+        manual.unwrap_or(self.brake.is_released())
+    }
+
+    /// Whether the brake lets the motor move.
+    pub(super) fn is_brake_open(&self, now: Instant) -> bool {
+        self.periphery.outputs.brake() != Some(false)
+            && self.brake.is_open(self.configuration.brake, now)
+    }
+
+    /// The current of the motor in milliamperes.
+    pub(super) fn motor_current(&mut self, elapsed: u32) -> u16 {
+        let motion = Motion {
+            power: self.power,
+            standstill: self.settled,
+            velocity: self.motor.demand().velocity,
+        };
+        self.periphery
+            .current
+            .choose(motion, elapsed, &self.configuration.currents)
+    }
+
+    /// The levels of the digital outputs.
+    pub(super) fn output_levels(&self, statusword: u16) -> u8 {
+        let shown = Shown {
+            state: self.machine.state(),
+            statusword,
+            referenced: self.motor.is_referenced(),
+            moving: !self.settled,
+            brake_released: self.is_brake_released(),
+        };
+        self.periphery
+            .outputs
+            .levels(&shown, &self.configuration.outputs)
+    }
+}

@@ -1,0 +1,204 @@
+//! The digital outputs: object 60FEh, and functions of the drive (2060h).
+//!
+//! An output is set by the master (function 0), or shows something of the drive. Of 60FEh:1 only the bits count that the mask 60FEh:2
+//! has; an output whose bit is not in the mask stays as it is. Bits 16 to 19 are outputs 1 to 4. Bit 0 is the holding brake (1 closes it). It belongs to the
+//! state machine, and 60FEh has no say in it unless 2063h is 1: then bit 0 decides while it is in the mask and the network commands the
+//! drive, so that an axis can be moved by hand.
+//!
+//! When the network is lost, outputs set by the master go to rest, but for those in 2062h, which stay as they are. They stay so
+//! until 60FEh is written again: what was asked for before does not come back by itself. Outputs with a function go on showing it.
+//!
+//! 2061h inverts outputs: an inverted one is low where it would be high. After power-on, and while the processor is reset, all are low.
+
+use crate::exchange::Commands;
+use crate::objects::Objects;
+use crate::state_machine::State;
+use crate::statusword;
+
+/// How many outputs there may be.
+pub const COUNT: usize = 4;
+
+/// The bits of all outputs.
+const ALL: u8 = (1 << COUNT) - 1;
+/// Where the outputs are in 60FEh.
+const FIRST: u32 = 16;
+/// The brake in 60FEh.
+const BRAKE: u32 = 1;
+
+/// What an output shows, 2060h.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum OutputFunction {
+    /// 0: what the master sets in 60FEh.
+    Manual = 0,
+    /// 1: there is a fault (states fault reaction active and fault).
+    Fault = 1,
+    /// 2: there is a warning, statusword bit 7.
+    Warning = 2,
+    /// 3: operation enabled.
+    OperationEnabled = 3,
+    /// 4: target reached, statusword bit 10.
+    TargetReached = 4,
+    /// 5: the home position is known.
+    Referenced = 5,
+    /// 6: the motor moves.
+    Moving = 6,
+    /// 7: an internal limit is active, statusword bit 11.
+    Limit = 7,
+    /// 8: the holding brake is open.
+    BrakeReleased = 8,
+}
+
+impl OutputFunction {
+    /// Every function.
+    pub const ALL: [Self; 9] = [
+        Self::Manual,
+        Self::Fault,
+        Self::Warning,
+        Self::OperationEnabled,
+        Self::TargetReached,
+        Self::Referenced,
+        Self::Moving,
+        Self::Limit,
+        Self::BrakeReleased,
+    ];
+
+    /// The function with this number; `None` if there is none.
+    pub fn from_code(code: u8) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|function| *function as u8 == code)
+    }
+}
+
+/// How the outputs are set up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutputConfiguration {
+    /// 2060h: what outputs 1 to 4 show.
+    pub functions: [OutputFunction; COUNT],
+    /// 2061h: these outputs are low where they would be high.
+    pub inverted: u8,
+    /// 2062h: these outputs stay as they are when the network is lost.
+    pub kept: u8,
+    /// 2063h: 60FEh may move the brake.
+    pub is_brake_manual: bool,
+}
+
+impl OutputConfiguration {
+    /// What holds before anything is set up: the outputs are the master's.
+    pub const NONE: Self = Self {
+        functions: [OutputFunction::Manual; COUNT],
+        inverted: 0,
+        kept: 0,
+        is_brake_manual: false,
+    };
+
+    /// What the objects say. A number that is no function counts as the master's.
+    pub(crate) fn of<D: Objects>(dictionary: &D) -> Self {
+        let functions = [
+            dictionary.output_1_function(),
+            dictionary.output_2_function(),
+            dictionary.output_3_function(),
+            dictionary.output_4_function(),
+        ];
+        Self {
+            functions: functions
+                .map(|code| OutputFunction::from_code(code).unwrap_or(OutputFunction::Manual)),
+            inverted: dictionary.outputs_inverted() & ALL,
+            kept: dictionary.outputs_kept() & ALL,
+            is_brake_manual: dictionary.brake_control() == 1,
+        }
+    }
+}
+
+/// What outputs can show of the drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shown {
+    pub(crate) state: State,
+    /// 6041h.
+    pub(crate) statusword: u16,
+    pub(crate) referenced: bool,
+    pub(crate) moving: bool,
+    pub(crate) brake_released: bool,
+}
+
+impl Shown {
+    const fn has(&self, function: OutputFunction) -> bool {
+        match function {
+            OutputFunction::Manual => false,
+            OutputFunction::Fault => {
+                matches!(self.state, State::FaultReactionActive | State::Fault)
+            }
+            OutputFunction::Warning => self.statusword & statusword::WARNING != 0,
+            OutputFunction::OperationEnabled => matches!(self.state, State::OperationEnabled),
+            OutputFunction::TargetReached => self.statusword & statusword::TARGET_REACHED != 0,
+            OutputFunction::Referenced => self.referenced,
+            OutputFunction::Moving => self.moving,
+            OutputFunction::Limit => self.statusword & statusword::INTERNAL_LIMIT != 0,
+            OutputFunction::BrakeReleased => self.brake_released,
+        }
+    }
+}
+
+/// The outputs at work.
+#[derive(Debug)]
+pub(crate) struct DigitalOutputs {
+    /// What the master has set, bits as in 60FEh.
+    set: u32,
+    /// The master's outputs are at rest until 60FEh is written.
+    is_at_rest: bool,
+    /// What 60FEh asks of the brake, if it may: whether it is open.
+    brake: Option<bool>,
+}
+
+impl DigitalOutputs {
+    pub(crate) const fn new() -> Self {
+        Self {
+            set: 0,
+            is_at_rest: true,
+            brake: None,
+        }
+    }
+
+    /// Takes what the master wants, at the start of a tick.
+    pub(crate) fn command(&mut self, commands: &Commands, configuration: &OutputConfiguration) {
+        if !commands.remote {
+            self.set &= u32::from(configuration.kept) << FIRST;
+            self.is_at_rest = true;
+            self.brake = None;
+            return;
+        }
+        self.is_at_rest &= !commands.outputs_written;
+        if self.is_at_rest {
+            return;
+        }
+        let mask = commands.digital_outputs_mask;
+        self.set = self.set & !mask | commands.digital_outputs & mask;
+        let has_brake = configuration.is_brake_manual && mask & BRAKE != 0;
+        self.brake = has_brake.then_some(commands.digital_outputs & BRAKE == 0);
+    }
+
+    /// Whether 60FEh opens the brake (true), closes it (false), or leaves it to the state machine.
+    pub(crate) const fn brake(&self) -> Option<bool> {
+        self.brake
+    }
+
+    /// The levels of the outputs, output 1 in bit 0.
+    pub(crate) fn levels(&self, shown: &Shown, configuration: &OutputConfiguration) -> u8 {
+        let mut levels = (self.set >> FIRST) as u8 & ALL;
+        if configuration.functions != OutputConfiguration::NONE.functions {
+            let mut output = 1;
+            for function in configuration.functions {
+                if function != OutputFunction::Manual {
+                    levels &= !output;
+                    levels |= if shown.has(function) { output } else { 0 };
+                }
+                output <<= 1;
+            }
+        }
+        levels ^ configuration.inverted
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,402 @@
+//! Touch probes 1 and 2 of CiA 402-2: objects 60B8h to 60BDh and 60D0h to 60D8h.
+//!
+//! A probe keeps the position at which an edge of its source came. 60B8h switches it on (bit 0; bit 8 for probe 2) and says which edges are sampled
+//! (bit 4 positive, bit 5 negative), and whether each one is (bit 1) or the first alone. The source is its input (bits 3 and 2 = 00), the index
+//! pulse (01), or what 60D0h names (10).
+//!
+//! The contract:
+//! - A position is that of the pulse count at the edge, as it was captured, not that of the control tick that sees it: exact to the
+//!   increment at any speed. Its time is that of the edge.
+//! - Only edges count that come after the tick that switched the probe on, so none of a former motion.
+//! - Switched off and on again, even between two ticks, a probe starts anew: the bits of 60B9h are 0. So it does when its source changes; an edge
+//!   that is no longer sampled starts anew alone. Positions and times keep their last values.
+//! - Every edge that is sampled counts in 60D5h to 60D8h, whether or not it is kept.
+//! - An input with a change that was not captured (a board that cannot) counts as an edge in the tick that sees it.
+//! - A source that no input has leaves the probe off: bit 0 (8) of 60B9h stays 0.
+//!
+//! Probes look at the captured edges that homing looks at, and take none away from it.
+
+use canopen::Instant;
+
+use crate::configuration::Configuration;
+use crate::exchange::Commands;
+use crate::inputs::{Captured, Count, DigitalInputs, Edge, Edges, InputConfiguration};
+
+/// 60B8h and 60B9h: the probe is on.
+const ENABLE: u8 = 1 << 0;
+/// 60B8h: each edge is kept, not only the first.
+const CONTINUOUS: u8 = 1 << 1;
+/// 60B8h: bits of the source.
+const SOURCE: u8 = 0b11 << 2;
+const SOURCE_INDEX: u8 = 0b01 << 2;
+const SOURCE_SELECTED: u8 = 0b10 << 2;
+/// 60B8h: the positive edge is sampled; the negative one is the next bit.
+const POSITIVE: u8 = 1 << 4;
+/// 60B9h: a positive edge is stored; the negative one is the next bit.
+const STORED: u8 = 1 << 1;
+
+/// Whether 60B8h may have this value: bits 3 and 2 (11 and 10) name a source. Bits 6, 7, 14 and 15 are the user's.
+pub(crate) const fn is_function(function: u16) -> bool {
+    let [first, second] = function.to_le_bytes();
+    first & SOURCE != SOURCE && second & SOURCE != SOURCE
+}
+
+/// A source of 60D0h.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// 1: the input of probe 1.
+    Probe1,
+    /// 2: the input of probe 2.
+    Probe2,
+    /// 5: the index pulse.
+    Index,
+    /// −1 to −6: digital input 1 to 6, whatever its function is. This is its mask.
+    Input(u8),
+}
+
+impl Source {
+    /// The source with this number; `None` if there is none.
+    pub fn from_code(code: i16) -> Option<Self> {
+        match code {
+            1 => Some(Self::Probe1),
+            2 => Some(Self::Probe2),
+            5 => Some(Self::Index),
+            -6..=-1 => {
+                let input = u32::from(code.unsigned_abs()).wrapping_sub(1);
+                Some(Self::Input(1_u8.wrapping_shl(input)))
+            }
+            _ => None,
+        }
+    }
+
+    /// Its inputs.
+    const fn mask(self, inputs: &InputConfiguration) -> u8 {
+        match (self, inputs.touch_probes) {
+            (Self::Probe1, [mask, _]) | (Self::Probe2, [_, mask]) => mask,
+            (Self::Index, _) => inputs.index,
+            (Self::Input(mask), _) => mask,
+        }
+    }
+}
+
+/// What the probes have stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Latched {
+    /// 60B9h.
+    pub status: u16,
+    /// 60BAh to 60BDh in user units: probe 1 positive, negative, probe 2 positive, negative.
+    pub positions: [i32; 4],
+    /// 60D1h to 60D4h in nanoseconds of the drive's time, modulo 2³².
+    pub times: [u32; 4],
+    /// 60D5h to 60D8h, modulo 2¹⁶.
+    pub counters: [u16; 4],
+}
+
+impl Latched {
+    /// Nothing yet.
+    pub const NONE: Self = Self {
+        status: 0,
+        positions: [0; 4],
+        times: [0; 4],
+        counters: [0; 4],
+    };
+}
+
+/// An edge that is sampled, or not.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sampler {
+    /// 60B9h, bit 1 or 2.
+    is_stored: bool,
+    /// In increments, as the master counts.
+    position: i64,
+    time: u32,
+    counter: u16,
+}
+
+impl Sampler {
+    const fn new() -> Self {
+        Self {
+            is_stored: false,
+            position: 0,
+            time: 0,
+            counter: 0,
+        }
+    }
+
+    fn store(&mut self, edges: &Edges, is_continuous: bool, count: Count) {
+        self.counter = self.counter.wrapping_add(edges.count);
+        let edge = match (is_continuous, self.is_stored) {
+            (true, _) => edges.last,
+            (false, false) => edges.first,
+            (false, true) => return,
+        };
+        self.is_stored = true;
+        self.position = count.of(edge.position);
+        self.time = edge.time;
+    }
+}
+
+/// One probe.
+#[derive(Clone, Copy, Debug)]
+struct Probe {
+    /// Its byte of 60B8h as the last tick found it.
+    function: u8,
+    /// The inputs of its source; 0 while it is off.
+    mask: u8,
+    /// The positive and the negative edge.
+    samplers: [Sampler; 2],
+}
+
+impl Probe {
+    const fn new() -> Self {
+        Self {
+            function: 0,
+            mask: 0,
+            samplers: [const { Sampler::new() }; 2],
+        }
+    }
+
+    /// Another function, source or input than in the last tick.
+    fn set_up(&mut self, function: u8, mask: u8, restarts: bool) {
+        let starts_anew = restarts
+            || mask != self.mask
+            || function & !self.function & ENABLE != 0
+            || function & ENABLE == 0;
+        let mut bit = POSITIVE;
+        for sampler in &mut self.samplers {
+            sampler.is_stored &= !starts_anew && function & bit != 0;
+            bit <<= 1;
+        }
+        self.function = function;
+        self.mask = mask;
+    }
+
+    /// Its byte of 60B9h.
+    const fn status(&self) -> u8 {
+        let [positive, negative] = self.samplers;
+        let is_on = self.mask != 0;
+        if is_on {
+            ENABLE
+                | if positive.is_stored { STORED } else { 0 }
+                | if negative.is_stored { STORED << 1 } else { 0 }
+        } else {
+            0
+        }
+    }
+}
+
+/// Both probes.
+#[derive(Debug)]
+pub(crate) struct TouchProbes {
+    probes: [Probe; 2],
+    /// 60B8h and 60D0h as the last tick found them.
+    function: u16,
+    sources: [Source; 2],
+    /// Levels in the last tick, active is 1.
+    active: u8,
+    inputs: [u8; 3],
+    is_news: bool,
+}
+
+impl TouchProbes {
+    pub(crate) const fn new() -> Self {
+        Self {
+            probes: [const { Probe::new() }; 2],
+            function: 0,
+            sources: [Source::Probe1, Source::Probe2],
+            active: 0,
+            inputs: [0; 3],
+            is_news: false,
+        }
+    }
+
+    /// One tick.
+    pub(crate) fn observe(
+        &mut self,
+        now: Instant,
+        inputs: &DigitalInputs,
+        commands: &Commands,
+        configuration: &Configuration,
+        count: Count,
+    ) {
+        let before = self.active;
+        self.active = inputs.levels ^ configuration.inputs.inverted;
+        let is_idle = commands.touch_probe_function == 0 && self.function == 0;
+        if is_idle {
+            return;
+        }
+        let changed = (self.active ^ before) | inputs.changed;
+        if changed != 0 {
+            self.sample(now, inputs, before, &configuration.inputs, count);
+        }
+        self.follow(commands, configuration);
+    }
+
+    /// What has become new since the last call; `shown` gives the position that objects show for one of the drive's.
+    pub(crate) fn take_news(&mut self, shown: impl Fn(i64) -> i32) -> Option<Latched> {
+        core::mem::take(&mut self.is_news).then(|| self.latched(shown))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn latched(&self, shown: impl Fn(i64) -> i32) -> Latched {
+        let [first, second] = &self.probes;
+        let [a, b] = first.samplers;
+        let [c, d] = second.samplers;
+        let samplers = [a, b, c, d];
+        Latched {
+            status: u16::from_le_bytes([first.status(), second.status()]),
+            positions: samplers.map(|sampler| shown(sampler.position)),
+            times: samplers.map(|sampler| sampler.time),
+            counters: samplers.map(|sampler| sampler.counter),
+        }
+    }
+
+    /// 60B8h, 60D0h or the inputs may have changed. Comes behind the edges of the tick: they came before.
+    fn follow(&mut self, commands: &Commands, configuration: &Configuration) {
+        let given = [
+            configuration.inputs.index,
+            configuration.inputs.touch_probes[0],
+            configuration.inputs.touch_probes[1],
+        ];
+        let is_same = commands.touch_probe_function == self.function
+            && commands.touch_probes_off == 0
+            && configuration.touch_probe_sources == self.sources
+            && given == self.inputs;
+        if !is_same {
+            self.inputs = given;
+            self.set_up(commands, configuration);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn set_up(&mut self, commands: &Commands, configuration: &Configuration) {
+        self.function = commands.touch_probe_function;
+        self.sources = configuration.touch_probe_sources;
+        let own = [Source::Probe1, Source::Probe2];
+        let functions = self.function.to_le_bytes();
+        let off = commands.touch_probes_off.to_le_bytes();
+        let parts = functions
+            .into_iter()
+            .zip(off)
+            .zip(own.into_iter().zip(self.sources));
+        for (probe, ((function, off), (own, selected))) in self.probes.iter_mut().zip(parts) {
+            let source = match function & SOURCE {
+                SOURCE_INDEX => Source::Index,
+                SOURCE_SELECTED => selected,
+                _ => own,
+            };
+            let mask = if function & ENABLE != 0 {
+                source.mask(&configuration.inputs)
+            } else {
+                0
+            };
+            probe.set_up(function, mask, off & ENABLE != 0);
+        }
+        self.is_news = true;
+    }
+
+    /// Something has happened at the inputs.
+    #[cold]
+    #[inline(never)]
+    fn sample(
+        &mut self,
+        now: Instant,
+        inputs: &DigitalInputs,
+        before: u8,
+        configuration: &InputConfiguration,
+        count: Count,
+    ) {
+        let look = Look {
+            inputs,
+            before,
+            active: self.active,
+            inverted: configuration.inverted,
+            now: Edge {
+                // What is not captured is where the motor is now.
+                position: count.board_position(),
+                time: nanoseconds(now),
+            },
+        };
+        for probe in &mut self.probes {
+            if probe.mask == 0 {
+                continue;
+            }
+            let is_continuous = probe.function & CONTINUOUS != 0;
+            let mut bit = POSITIVE;
+            for (sampler, to_active) in probe.samplers.iter_mut().zip([true, false]) {
+                if probe.function & bit != 0
+                    && let Some(edges) = look.edges(probe.mask, to_active)
+                {
+                    sampler.store(&edges, is_continuous, count);
+                    self.is_news = true;
+                }
+                bit <<= 1;
+            }
+        }
+    }
+}
+
+/// A moment as edges have it.
+const fn nanoseconds(now: Instant) -> u32 {
+    now.ticks().wrapping_mul(1000) as u32
+}
+
+/// What is seen in one tick.
+struct Look<'a> {
+    inputs: &'a DigitalInputs,
+    before: u8,
+    active: u8,
+    inverted: u8,
+    /// Here and now.
+    now: Edge,
+}
+
+impl Look<'_> {
+    /// The edges of these inputs to active, or to inactive, together.
+    fn edges(&self, mask: u8, to_active: bool) -> Option<Edges> {
+        let mut all: Option<Edges> = None;
+        let mut input = 1;
+        for captured in &self.inputs.captured {
+            if mask & input != 0
+                && let Some(edges) = self.edges_of(captured, input, to_active)
+            {
+                all = Some(all.map_or(edges, |all| self.together(all, edges)));
+            }
+            input <<= 1;
+        }
+        all
+    }
+
+    fn edges_of(&self, captured: &Captured, input: u8, to_active: bool) -> Option<Edges> {
+        let is_active = self.active & input != 0;
+        let has_changed = (self.before & input != 0) != is_active;
+        let rises = to_active != (self.inverted & input != 0);
+        let edges = if rises { captured.rose } else { captured.fell };
+        edges
+            .filter(|_| self.inputs.changed & input != 0)
+            .or((has_changed && is_active == to_active).then_some(Edges::one(self.now)))
+    }
+
+    /// The edges of two inputs, in the order of time.
+    fn together(&self, one: Edges, other: Edges) -> Edges {
+        let age = |edge: Edge| self.now.time.wrapping_sub(edge.time);
+        Edges {
+            first: if age(one.first) >= age(other.first) {
+                one.first
+            } else {
+                other.first
+            },
+            last: if age(one.last) <= age(other.last) {
+                one.last
+            } else {
+                other.last
+            },
+            count: one.count.saturating_add(other.count),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
