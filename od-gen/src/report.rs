@@ -61,6 +61,7 @@ impl Report {
             return Self::unreadable(source, findings);
         };
         let allowances = Allowances::read(&document, &mut findings);
+        findings.allow(allowances);
         let (mut model, broken) = parser::parse(&source.file, &document, &mut findings);
         if is_xml {
             model.kind = FileKind::Xdd;
@@ -70,8 +71,7 @@ impl Report {
             broken: &broken,
         };
         rules::check(&subject, &mut findings);
-        let mut silenced = allowances.apply(&mut findings);
-        silenced.sort_by_key(|(finding, _)| finding.span);
+        let silenced = findings.silence();
         Self {
             source,
             model,

@@ -7,11 +7,12 @@ use serde::Deserialize;
 use toml::{Spanned, Value};
 
 use crate::diagnostic::Findings;
+use crate::document::Comment;
 use crate::rules::binding;
 use crate::source::{Source, Span};
 
 /// A file of bindings.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct File {
     /// The tables `[[binding]]`.
@@ -42,6 +43,42 @@ pub(super) struct Storage {
     pub(super) objects: Vec<Spanned<String>>,
 }
 
+/// The comments that take a line of their own, each with the lines of its table. Those above a table, without a blank line between, belong
+/// to it; those above everything else belong to the whole file and have no lines.
+pub(super) fn comments(source: &Source) -> Vec<(Comment<'_>, Option<Range<u32>>)> {
+    let mut comments: Vec<(Comment<'_>, Option<Range<u32>>)> = Vec::new();
+    // The line of the first comment above which something else stands, and of the table's head.
+    let (mut above, mut table) = (None, None);
+    let mut tables: Vec<u32> = Vec::new();
+    for (number, line) in (1..).zip(source.text().lines()) {
+        let text = line.trim();
+        if let Some(comment) = text.strip_prefix('#') {
+            above.get_or_insert(number);
+            let lines = table.map(|table| table..u32::MAX);
+            comments.push((Comment::at(comment, Span::of(number, line, text)), lines));
+            continue;
+        }
+        if text.starts_with('[') {
+            let start = above.unwrap_or(number);
+            for (comment, lines) in &mut comments {
+                if comment.span.line >= start {
+                    *lines = Some(start..u32::MAX);
+                }
+            }
+            tables.push(start);
+            table = Some(start);
+        }
+        above = None;
+    }
+    for (_, lines) in &mut comments {
+        if let Some(lines) = lines {
+            let next = tables.iter().find(|start| **start > lines.start);
+            lines.end = next.copied().unwrap_or(u32::MAX);
+        }
+    }
+    comments
+}
+
 /// Reads the text; what TOML has to say against it is one finding.
 pub(super) fn read(source: &Source, findings: &mut Findings) -> Option<File> {
     match toml::from_str(source.text()) {
@@ -51,7 +88,7 @@ pub(super) fn read(source: &Source, findings: &mut Findings) -> Option<File> {
                 .span()
                 .map_or(Span::START, |range| place(source, range));
             findings.report(&binding::SYNTAX, span, error.message());
-            None
+            findings.allowed(&binding::SYNTAX, span, File::default())
         }
     }
 }

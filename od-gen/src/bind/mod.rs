@@ -20,6 +20,9 @@
 //! [storage]
 //! objects = ["2100h-21FFh"]       # meant to be plain storage: not reported
 //! ```
+//!
+//! A finding is silenced by a comment `# od-gen: allow RULE because REASON`: in a table or right above it for that table, above
+//! everything else for the whole file, as is the same comment above the first section of the data sheet.
 
 mod check;
 mod file;
@@ -31,7 +34,7 @@ use std::{fs, io};
 use cia402::binding::Conversion;
 use cia402::parameters::{Description, PROFILE};
 
-use crate::diagnostic::{Colour, Diagnostic, Findings, Severity, render};
+use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
 use crate::generate::snake_case;
 use crate::model::{Entry, Model};
 use crate::source::Source;
@@ -97,6 +100,8 @@ pub struct BindingReport {
     pub unbound: Vec<u16>,
     /// What is wrong, in the order of the file.
     pub findings: Vec<Diagnostic>,
+    /// What is silenced, by comments of the file or of the data sheet, with the reasons given there.
+    pub silenced: Vec<(Diagnostic, String)>,
 }
 
 impl BindingReport {
@@ -117,15 +122,20 @@ impl BindingReport {
     pub fn new(file: &str, text: &str, model: &Model) -> Self {
         let mut findings = Findings::new(file);
         let source = Source::new(file, text, &mut findings);
+        let comments = file::comments(&source);
+        let allowances = Allowances::beside(&model.remarks, &comments, &mut findings);
+        findings.allow(allowances);
         let (bindings, unbound) = match file::read(&source, &mut findings) {
             Some(file) => check::check(&file, &source, model, &mut findings),
             None => Default::default(),
         };
+        let silenced = findings.silence();
         Self {
-            source,
             bindings,
             unbound,
             findings: findings.into_sorted(),
+            silenced,
+            source,
         }
     }
 

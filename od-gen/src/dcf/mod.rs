@@ -18,17 +18,20 @@
 
 use std::collections::HashMap;
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 
 use crate::data_type::DataType;
-use crate::diagnostic::{Diagnostic, Findings, Severity};
+use crate::diagnostic::{Allowances, Diagnostic, Findings};
+use crate::document::Comment;
 use crate::model::{Commissioning, Entry, FileKind, Model};
 use crate::parse::value::{Written, value};
 use crate::rules::configuration as rule;
 use crate::source::{Source, Span};
 
 /// Values for one device: a line `INDEX=VALUE` or `INDEX:SUB=VALUE` for each, index and sub-index in hexadecimal. Of a DOMAIN
-/// it is the file that is loaded into it.
+/// it is the file that is loaded into it. A comment `; od-gen: allow RULE because REASON` silences findings, as it does above the first
+/// section of the data sheet.
 #[derive(Clone, Debug)]
 pub struct Values {
     source: Source,
@@ -57,6 +60,17 @@ impl Values {
         Ok(Self { source, findings })
     }
 
+    /// Its comments, which are for all of its lines.
+    fn comments(&self) -> Vec<(Comment<'_>, Option<Range<u32>>)> {
+        let lines = (1..).zip(self.source.text().lines());
+        let comments = lines.filter_map(|(number, line)| {
+            let text = line.trim();
+            let comment = text.strip_prefix([';', '#'])?;
+            Some((Comment::at(comment, Span::of(number, line, text)), None))
+        });
+        comments.collect()
+    }
+
     /// The text that the findings point into.
     pub fn source(&self) -> &Source {
         &self.source
@@ -76,9 +90,10 @@ pub fn commission(model: &mut Model, node: Commissioning, file: &str) {
 /// Puts values into a configuration. Returns what is wrong with them, in the order of their lines; what is an error there has
 /// not been put.
 pub fn apply(model: &mut Model, values: &Values) -> Vec<Diagnostic> {
-    let file = &values.source.file;
-    let mut findings = Findings::new(file);
-    let mut found = values.findings.clone();
+    let mut findings = Findings::new(&values.source.file);
+    let allowances = Allowances::beside(&model.remarks, &values.comments(), &mut findings);
+    findings.allow(allowances);
+    findings.extend(values.findings.iter().cloned());
     let mut seen = HashMap::new();
     for (number, line) in (1..).zip(values.source.text().lines()) {
         let text = line.trim();
@@ -97,11 +112,10 @@ pub fn apply(model: &mut Model, values: &Values) -> Vec<Diagnostic> {
             let message = format!("{index:04X}h:{sub:X} has a value on line {first} already");
             findings.report(&rule::VALUE_TWICE, assignment.place, message);
         }
-        found.extend(put(model, &assignment, file));
+        put(model, &assignment, &mut findings);
     }
-    found.extend(findings.into_sorted());
-    found.sort_by_key(|finding| finding.span);
-    found
+    let _ = findings.silence();
+    findings.into_sorted()
 }
 
 /// One line of values.
@@ -140,9 +154,8 @@ fn hexadecimal(text: &str) -> Option<u32> {
     u32::from_str_radix(digits, 16).ok().filter(|_| is_right)
 }
 
-/// Configures one value; returns what is wrong with it, and leaves it as it is when that is an error.
-fn put(model: &mut Model, assignment: &Assignment<'_>, file: &str) -> Vec<Diagnostic> {
-    let mut findings = Findings::new(file);
+/// Configures one value; leaves it as it is when an error is in the way.
+fn put(model: &mut Model, assignment: &Assignment<'_>, findings: &mut Findings) {
     let Assignment {
         index, sub, span, ..
     } = *assignment;
@@ -151,25 +164,23 @@ fn put(model: &mut Model, assignment: &Assignment<'_>, file: &str) -> Vec<Diagno
     let Some(entry) = entry_of(model, index, sub) else {
         let message = format!("there is no {place} in the data sheet");
         findings.report(&rule::VALUE_OF_NOTHING, assignment.place, message);
-        return findings.into_sorted();
+        return;
     };
     if entry.data_type == DataType::Domain {
         entry.download_file = Some(assignment.text.into());
-        return Vec::new();
+        return;
     }
     let written = Written {
         key: "the value",
         text: assignment.text,
         span,
     };
-    let value = value(written, entry.data_type, &mut findings)
-        .filter(|value| rule::check_value(&place, entry, value, node_id, span, &mut findings));
-    let findings = findings.into_sorted();
-    let is_error = |finding: &Diagnostic| finding.severity == Severity::Error;
-    if !findings.iter().any(is_error) {
+    let before = findings.len();
+    let value = value(written, entry.data_type, findings)
+        .filter(|value| rule::check_value(&place, entry, value, node_id, span, findings));
+    if value.is_some() && !findings.has_errors_after(before) {
         entry.configured = value;
     }
-    findings
 }
 
 fn entry_of(model: &mut Model, index: u16, sub: u8) -> Option<&mut Entry> {

@@ -1,27 +1,30 @@
 //! Silencing a finding: a comment `;od-gen: allow RULE because REASON` in the section it concerns (that of an object is for its
 //! sub-indices too), or above the first section for the whole file.
 //!
-//! A finding can be silenced where the file still has a sensible meaning without it; a value that cannot be read stays an
-//! error. An allowance without a reason and one that silences nothing are findings themselves.
+//! A finding can be silenced where the file still has a sensible meaning: the explanation of its rule says which. An allowance without
+//! a reason and one that silences nothing are findings themselves. What is allowed about files beside the data sheet (its bindings,
+//! the values of a configuration) stands above its first section, or in those files.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
 use super::{Diagnostic, Findings};
 use crate::document::{Comment, Document};
+use crate::model::Remarks;
 use crate::rules::{self, Rule, reading};
 use crate::source::Span;
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Allowance {
     rule: &'static Rule,
     reason: String,
-    span: Span,
+    /// Of the comment; `None` in another file.
+    span: Option<Span>,
     is_used: bool,
 }
 
 /// Lines that an allowance is for.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Place {
     lines: Range<u32>,
     /// Which allowance.
@@ -31,7 +34,7 @@ struct Place {
 }
 
 /// The allowances of a file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Allowances {
     /// In the order of the file.
     list: Vec<Allowance>,
@@ -39,12 +42,17 @@ pub(crate) struct Allowances {
     places: Vec<Place>,
     /// How many of the list are for the whole file: the first ones.
     whole: usize,
+    /// Whether the file is a data sheet, which has others beside it.
+    is_of_data_sheet: bool,
 }
 
 impl Allowances {
     /// Reads the comments of a file. What is allowed in the section of an object is allowed in those of its sub-indices too.
     pub(crate) fn read(document: &Document<'_>, findings: &mut Findings) -> Self {
-        let mut allowances = Self::default();
+        let mut allowances = Self {
+            is_of_data_sheet: true,
+            ..Self::default()
+        };
         for comment in &document.head {
             allowances.take(comment, &[], findings);
         }
@@ -64,13 +72,49 @@ impl Allowances {
                 allowances.take(comment, lines, findings);
             }
         }
-        allowances.places.sort_by_key(|place| place.lines.start);
+        allowances.sort();
+        allowances
+    }
+
+    /// What a data sheet, by its remarks, allows for a file beside it, which has comments of its own: each with the lines it is for, none for
+    /// the whole file.
+    pub(crate) fn beside(
+        remarks: &Remarks,
+        own: &[(Comment<'_>, Option<Range<u32>>)],
+        findings: &mut Findings,
+    ) -> Self {
+        let mut allowances = Self::default();
+        for remark in &remarks.0 {
+            let comment = Comment::new(remark, 0);
+            // What is wrong with it is said about the data sheet.
+            let mut unsaid = findings.same_file();
+            let before = allowances.list.len();
+            allowances.take(&comment, &[], &mut unsaid);
+            for allowance in allowances.list.iter_mut().skip(before) {
+                allowance.span = None;
+            }
+        }
+        for (comment, _) in own.iter().filter(|(_, lines)| lines.is_none()) {
+            allowances.take(comment, &[], findings);
+        }
+        allowances.whole = allowances.list.len();
+        for (comment, lines) in own {
+            if let Some(lines) = lines {
+                allowances.take(comment, std::slice::from_ref(lines), findings);
+            }
+        }
+        allowances.sort();
+        allowances
+    }
+
+    /// Brings the places into their order.
+    fn sort(&mut self) {
+        self.places.sort_by_key(|place| place.lines.start);
         let mut reach = 0;
-        for place in &mut allowances.places {
+        for place in &mut self.places {
             reach = place.lines.end.max(reach);
             place.reach = reach;
         }
-        allowances
     }
 
     fn take(&mut self, comment: &Comment<'_>, lines: &[Range<u32>], findings: &mut Findings) {
@@ -95,7 +139,8 @@ impl Allowances {
                 continue;
             };
             if !rule.can_be_allowed {
-                let message = format!("`{name}` cannot be silenced: the file has no meaning then");
+                let message =
+                    format!("`{name}` cannot be silenced: nothing of the file can be read then");
                 findings.report(&reading::ALLOWANCE_REFUSED, span, message);
                 continue;
             }
@@ -108,35 +153,67 @@ impl Allowances {
             self.list.push(Allowance {
                 rule,
                 reason: reason.into(),
-                span,
+                span: Some(span),
                 is_used: false,
             });
         }
     }
 
-    /// The allowance for a finding: the one in a section whose lines begin last, or else one for the whole file.
-    fn find(&mut self, finding: &Diagnostic) -> Option<&mut Allowance> {
-        let line = finding.span.line;
+    /// Which allowance is for a finding of this rule on this line: the one in a section whose lines begin last, or else one for the
+    /// whole file.
+    fn find(&self, rule: &Rule, line: u32) -> Option<usize> {
         let end = (self.places).partition_point(|place| place.lines.start <= line);
         let near = self.places.iter().take(end).rev();
         // Where nothing reaches the line any more, nothing above does.
         let near = near.take_while(|place| place.reach > line);
         let near = near.filter(|place| place.lines.contains(&line));
-        let numbers = near.map(|place| place.allowance).chain(0..self.whole);
+        let mut numbers = near.map(|place| place.allowance).chain(0..self.whole);
         let is_for = |number: &usize| {
             let allowance = self.list.get(*number);
-            allowance.is_some_and(|own| own.rule.name == finding.rule.name)
+            allowance.is_some_and(|own| own.rule.name == rule.name)
         };
-        let found = numbers.into_iter().find(is_for)?;
-        self.list.get_mut(found)
+        numbers.find(is_for)
+    }
+
+    /// Whether a finding of this rule is silenced here.
+    pub(super) fn allow(&self, rule: &Rule, span: Span) -> bool {
+        self.find(rule, span.line).is_some()
     }
 
     /// Takes away what is allowed, and reports allowances that silence nothing. Returns the silenced ones with their reasons.
-    pub(crate) fn apply(mut self, findings: &mut Findings) -> Vec<(Diagnostic, String)> {
+    pub(super) fn apply(mut self, findings: &mut Findings) -> Vec<(Diagnostic, String)> {
         let mut silenced = Vec::new();
+        self.silence(findings, &mut silenced);
+        // Whether an allowance of `unused-allowance` is of use is known after all others.
+        for is_about_others in [true, false] {
+            let mut unused = findings.same_file();
+            for (number, allowance) in self.list.iter().enumerate() {
+                let Allowance { rule, span, .. } = *allowance;
+                let is_of_other_file = self.is_of_data_sheet
+                    && number < self.whole
+                    && rules::is_about_other_files(rule);
+                let is_about_other = rule.name != reading::UNUSED_ALLOWANCE.name;
+                if allowance.is_used || is_of_other_file || is_about_other != is_about_others {
+                    continue;
+                }
+                if let Some(span) = span {
+                    let message = format!("`{}` finds nothing here to be silenced", rule.name);
+                    let finding = unused.report(&reading::UNUSED_ALLOWANCE, span, message);
+                    finding.help("remove the allowance");
+                }
+            }
+            self.silence(&mut unused, &mut silenced);
+            findings.list.append(&mut unused.list);
+        }
+        silenced
+    }
+
+    /// Moves what is allowed from one list to the other.
+    fn silence(&mut self, findings: &mut Findings, silenced: &mut Vec<(Diagnostic, String)>) {
         let mut kept = Vec::new();
         for finding in findings.list.drain(..) {
-            match self.find(&finding) {
+            let found = self.find(finding.rule, finding.span.line);
+            match found.and_then(|number| self.list.get_mut(number)) {
                 Some(allowance) => {
                     allowance.is_used = true;
                     silenced.push((finding, allowance.reason.clone()));
@@ -145,15 +222,6 @@ impl Allowances {
             }
         }
         findings.list = kept;
-        for allowance in self.list.iter().filter(|allowance| !allowance.is_used) {
-            let message = format!(
-                "`{}` finds nothing here to be silenced",
-                allowance.rule.name
-            );
-            let finding = findings.report(&reading::UNUSED_ALLOWANCE, allowance.span, message);
-            finding.help("remove the allowance");
-        }
-        silenced
     }
 }
 

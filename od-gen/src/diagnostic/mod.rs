@@ -94,6 +94,8 @@ impl From<String> for Mistake {
 pub struct Findings {
     file: String,
     list: Vec<Diagnostic>,
+    /// What the file silences.
+    allowances: Allowances,
 }
 
 impl Findings {
@@ -101,7 +103,40 @@ impl Findings {
         Self {
             file: file.into(),
             list: Vec::new(),
+            allowances: Allowances::default(),
         }
+    }
+
+    /// Findings of these rules at these places are to be silenced.
+    pub(crate) fn allow(&mut self, allowances: Allowances) {
+        self.allowances = allowances;
+    }
+
+    /// What stands in for a value that breaks a rule here; `None` where the file does not allow it.
+    pub(crate) fn allowed<T>(&self, rule: &Rule, span: Span, instead: T) -> Option<T> {
+        self.allowances.allow(rule, span).then_some(instead)
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Whether there are errors behind the first ones that the file does not silence.
+    pub(crate) fn has_errors_after(&self, first: usize) -> bool {
+        let mut rest = self.list.iter().skip(first);
+        rest.any(|finding| {
+            let is_silenced = self.allowances.allow(finding.rule, finding.span);
+            finding.severity == Severity::Error && !is_silenced
+        })
+    }
+
+    /// Takes away what is silenced, and returns it with the reasons.
+    pub(crate) fn silence(&mut self) -> Vec<(Diagnostic, String)> {
+        let allowances = std::mem::take(&mut self.allowances);
+        let mut silenced = allowances.apply(self);
+        silenced.sort_by_key(|(finding, _)| finding.span);
+        silenced
     }
 
     /// Adds a finding; its severity is the rule's.
@@ -128,8 +163,13 @@ impl Findings {
         Self::new(&self.file)
     }
 
+    /// Adds findings that are known already.
+    pub(crate) fn extend(&mut self, more: impl Iterator<Item = Diagnostic>) {
+        self.list.extend(more);
+    }
+
     /// Adds those of another list that are asked for and are not here yet.
-    pub(crate) fn extend(&mut self, more: Self, is_for: impl Fn(&Diagnostic) -> bool) {
+    pub(crate) fn merge(&mut self, more: Self, is_for: impl Fn(&Diagnostic) -> bool) {
         for finding in more.list {
             if is_for(&finding) && !self.list.contains(&finding) {
                 self.list.push(finding);

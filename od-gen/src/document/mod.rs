@@ -133,6 +133,15 @@ impl<'a> Comment<'a> {
         }
     }
 
+    /// A comment at this place.
+    pub(crate) fn at(text: &'a str, span: Span) -> Self {
+        Self {
+            text: text.into(),
+            span,
+            position: 0,
+        }
+    }
+
     /// What a comment of the form `;Name=value` says: CiA 306 has no keys for it, and tools complain about keys that are not in it.
     pub(crate) fn note(&self) -> Option<(&str, &str)> {
         let (name, value) = self.text.split_once('=')?;

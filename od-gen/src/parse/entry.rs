@@ -190,13 +190,16 @@ fn data_type(
         return Some(DataType::Domain);
     }
     let key = required(section, "DataType", &rule::NO_DATA_TYPE, findings)?;
+    let named = DataType::from_name(&key.value.to_ascii_uppercase());
     let code = Number::parse(&key.value).map_err(|mistake| Mistake {
-        help: DataType::from_name(&key.value.to_ascii_uppercase())
+        help: named
             .map(|data_type| format!("write DataType=0x{:04X}", data_type.code()))
             .or(mistake.help),
         ..mistake
     });
-    let code = findings.take(&rule::NOT_A_NUMBER, key.span, code)?;
+    let Some(code) = findings.take(&rule::NOT_A_NUMBER, key.span, code) else {
+        return findings.allowed(&rule::NOT_A_NUMBER, key.span, named)?;
+    };
     let defined = || context.types.get(&u16::try_from(code.value).ok()?).copied();
     let data_type = DataType::from_code(code.value).or_else(defined);
     if data_type.is_none() {
@@ -214,14 +217,16 @@ fn access(section: &Section<'_>, context: Context<'_>, findings: &mut Findings) 
     if context.is_domain && section.key("AccessType").is_none() {
         return Some(Access::ReadWrite);
     }
-    let key = required(section, "AccessType", &rule::NO_ACCESS, findings)?;
-    let access = Access::from_name(&key.value);
-    if access.is_none() {
-        let text = &key.value;
-        let message = format!("AccessType `{text}` is not ro, wo, rw, rwr, rww or const");
-        findings.report(&rule::ACCESS, key.span, message);
+    let Some(key) = required(section, "AccessType", &rule::NO_ACCESS, findings) else {
+        return findings.allowed(&rule::NO_ACCESS, section.span, Access::ReadOnly);
+    };
+    if let Some(access) = Access::from_name(&key.value) {
+        return Some(access);
     }
-    access
+    let text = &key.value;
+    let message = format!("AccessType `{text}` is not ro, wo, rw, rwr, rww or const");
+    findings.report(&rule::ACCESS, key.span, message);
+    findings.allowed(&rule::ACCESS, key.span, Access::ReadOnly)
 }
 
 /// The limits leave room, and the default is in it with every node-ID.
@@ -278,8 +283,10 @@ fn size(section: &Section<'_>, entry: &Entry, findings: &mut Findings) -> Option
         Some((span, text)) => {
             let capacity = Number::parse_within(text, 1, u16::MAX.into());
             let capacity = capacity.map_err(|why| why.of("Capacity"));
-            let capacity = findings.take(&rule::CAPACITY, span, capacity)?;
-            Some((span, u16::try_from(capacity).unwrap_or(u16::MAX)))
+            match findings.take(&rule::CAPACITY, span, capacity) {
+                Some(capacity) => Some((span, u16::try_from(capacity).unwrap_or(u16::MAX))),
+                None => findings.allowed(&rule::CAPACITY, span, None)?,
+            }
         }
         None => None,
     };
@@ -316,7 +323,7 @@ fn size(section: &Section<'_>, entry: &Entry, findings: &mut Findings) -> Option
             let message =
                 format!("Capacity {capacity} is less than the {length} bytes of the default");
             findings.report(&rule::CAPACITY_TOO_SMALL, span, message);
-            return None;
+            return findings.allowed(&rule::CAPACITY_TOO_SMALL, span, length);
         }
         Some((_, capacity)) => capacity,
         None if entry.access.is_writable() => length.max(LEAST_CAPACITY),
@@ -381,13 +388,13 @@ pub(super) fn storage_note(
     if text.eq_ignore_ascii_case("none") {
         return Some(Some((span, None)));
     }
-    let group = StorageGroup::from_name(text);
-    if group.is_none() {
-        let message =
-            format!("Storage `{text}` is not none, communication, application or manufacturer");
-        findings.report(&rule::STORAGE, span, message);
+    if let Some(group) = StorageGroup::from_name(text) {
+        return Some(Some((span, Some(group))));
     }
-    Some(Some((span, Some(group?))))
+    let message =
+        format!("Storage `{text}` is not none, communication, application or manufacturer");
+    findings.report(&rule::STORAGE, span, message);
+    findings.allowed(&rule::STORAGE, span, None)
 }
 
 /// The comments of the form `;Name=value`: CiA 306 has no keys for them, and tools complain about keys that are not in it.

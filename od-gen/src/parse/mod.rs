@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
 use crate::document::Document;
-use crate::model::{FileKind, Model};
+use crate::model::{Entry, FileKind, Model};
 use crate::rules::value as rule;
 use crate::source::Span;
 pub(crate) use device::{COMMISSIONING_KEYS, DEVICE_INFO_KEYS, FILE_INFO_KEYS};
@@ -76,27 +76,63 @@ pub(crate) fn parse(
     compact_pdo::expand(&mut model, &broken);
     modules::read(&sections, &mut model, &mut broken, findings);
     lists::check(&sections, findings);
-
-    // The application keeps what it streams: DOMAINs, and long strings that can be written.
-    let kept = model.entries().filter(|(_, entry)| {
-        let is_long = entry.size > LARGEST_VALUE;
-        let is_streamed = is_long && entry.access.is_writable();
-        !(is_streamed || entry.data_type == DataType::Domain || entry.is_with_application)
-    });
-    let sizes = kept.map(|(_, entry)| usize::from(entry.size) + 2);
-    if sizes.sum::<usize>() > LARGEST_DICTIONARY {
-        let message = "the values of the dictionary take more than 64 KiB";
-        findings.report(&rule::DICTIONARY_TOO_LARGE, Span::START, message);
-    }
-    // Two limits for each, and their place is counted in pairs of bytes.
-    let limited = model.entries().map(|(_, entry)| entry);
-    let limited = limited.filter(|entry| entry.low_limit.is_some() || entry.high_limit.is_some());
-    let sizes = limited.map(|entry| usize::from(entry.size));
-    if sizes.sum::<usize>() > LARGEST_DICTIONARY {
-        let message = "the limits of the dictionary take more than 128 KiB";
-        findings.report(&rule::DICTIONARY_TOO_LARGE, Span::START, message);
-    }
+    check_room(&mut model, findings);
     (model, broken)
+}
+
+/// Whether the values and their limits find room in 16-bit offsets. What does not goes to the application, where that is allowed.
+fn check_room(model: &mut Model, findings: &mut Findings) {
+    // The application keeps what it streams: DOMAINs, and long strings that can be written.
+    let is_kept = |entry: &Entry| {
+        let is_streamed = entry.size > LARGEST_VALUE && entry.access.is_writable();
+        !(is_streamed || entry.data_type == DataType::Domain || entry.is_with_application)
+    };
+    let is_limited = |entry: &Entry| entry.low_limit.is_some() || entry.high_limit.is_some();
+    let (mut values, mut limits) = (0, 0);
+    let (mut are_values_too_large, mut are_limits_too_large) = (false, false);
+    let is_allowed = findings
+        .allowed(&rule::DICTIONARY_TOO_LARGE, Span::START, ())
+        .is_some();
+    for object in &mut model.objects {
+        for entry in &mut object.entries {
+            let size = usize::from(entry.size);
+            if is_kept(entry) {
+                let is_too_large = values + size + 2 > LARGEST_DICTIONARY;
+                are_values_too_large |= is_too_large;
+                if is_too_large && is_allowed && object.index >= 0x2000 {
+                    entry.is_with_application = true;
+                    entry.storage = None;
+                    entry.pdo_mapping = false;
+                } else {
+                    values += size + 2;
+                }
+            }
+            // Two for each; their place is counted in pairs of bytes.
+            if is_limited(entry) {
+                let is_too_large = limits + size > LARGEST_DICTIONARY;
+                are_limits_too_large |= is_too_large;
+                if is_too_large && is_allowed {
+                    (entry.low_limit, entry.high_limit) = (None, None);
+                } else {
+                    limits += size;
+                }
+            }
+        }
+    }
+    for (is_too_large, message) in [
+        (
+            are_values_too_large,
+            "the values of the dictionary take more than 64 KiB",
+        ),
+        (
+            are_limits_too_large,
+            "the limits of the dictionary take more than 128 KiB",
+        ),
+    ] {
+        if is_too_large {
+            findings.report(&rule::DICTIONARY_TOO_LARGE, Span::START, message);
+        }
+    }
 }
 
 #[cfg(test)]

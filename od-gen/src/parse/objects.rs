@@ -22,6 +22,12 @@ pub(super) fn read(
             broken.objects.insert(*index);
             continue;
         };
+        // Nothing is left of it, which has been reported.
+        let is_empty = object.entries.is_empty() && broken.has(*index, 0);
+        if is_empty {
+            broken.objects.insert(*index);
+            continue;
+        }
         let defines_type = matches!(
             object.object_type,
             ObjectType::DefType | ObjectType::DefStruct
@@ -68,7 +74,14 @@ fn read_object(
     broken: &mut Broken,
     findings: &mut Findings,
 ) -> Option<Object> {
-    let object_type = object_type(section, findings)?;
+    let has_subs = section.key("CompactSubObj").is_some()
+        || (sections.subs.range((index, 0)..=(index, u8::MAX)).next()).is_some();
+    let likely = if has_subs {
+        ObjectType::Record
+    } else {
+        ObjectType::Var
+    };
+    let object_type = object_type(section, likely, findings)?;
     let is_type = matches!(object_type, ObjectType::DefType | ObjectType::DefStruct);
     let count = number(section, "CompactSubObj", (0, 254), findings)
         .and_then(|count| u8::try_from(count).ok())
@@ -148,26 +161,33 @@ fn quiet_places(section: &Section<'_>) -> Places {
     places
 }
 
-fn object_type(section: &Section<'_>, findings: &mut Findings) -> Option<ObjectType> {
+/// The kind of an object; `likely` where it cannot be read, and that is allowed.
+fn object_type(
+    section: &Section<'_>,
+    likely: ObjectType,
+    findings: &mut Findings,
+) -> Option<ObjectType> {
     let Some(key) = section.key("ObjectType") else {
         return Some(ObjectType::Var);
     };
+    let named = ObjectType::from_name(&key.value);
     let code = Number::parse(&key.value).map_err(|mistake| Mistake {
-        help: ObjectType::from_name(&key.value)
+        help: named
             .map(|kind| format!("write ObjectType=0x{:X}", kind.code()))
             .or(mistake.help),
         ..mistake
     });
-    let code = findings.take(&rule::OBJECT_TYPE, key.span, code)?;
-    let object_type = ObjectType::from_code(code.value);
-    if object_type.is_none() {
+    let code = findings.take(&rule::OBJECT_TYPE, key.span, code);
+    let object_type = code.and_then(|code| ObjectType::from_code(code.value));
+    if object_type.is_none() && code.is_some() {
         let message = format!("ObjectType {} is no kind of object", key.value);
         let finding = findings.report(&rule::OBJECT_TYPE, key.span, message);
         finding.help(
             "0x0 NULL, 0x2 DOMAIN, 0x5 DEFTYPE, 0x6 DEFSTRUCT, 0x7 VAR, 0x8 ARRAY, 0x9 RECORD",
         );
     }
-    object_type
+    let instead = named.unwrap_or(likely);
+    object_type.or_else(|| findings.allowed(&rule::OBJECT_TYPE, key.span, instead))
 }
 
 fn read_subs(
@@ -192,7 +212,7 @@ fn read_subs(
             let message = "sub-index FFh is reserved";
             findings.report(&rule::SUB_FF, section.span, message);
         }
-        let kind = object_type(section, findings);
+        let kind = object_type(section, ObjectType::Var, findings);
         if let Some(kind) =
             kind.filter(|kind| !matches!(kind, ObjectType::Var | ObjectType::Domain))
         {

@@ -26,7 +26,8 @@ pub(super) fn limit(
     findings: &mut Findings,
 ) -> Option<Option<Limit>> {
     if data_type.is_real() {
-        return Some(Some(Limit::Real(real(written, data_type, findings)?)));
+        let limit = real(written, data_type, findings).map(|value| Some(Limit::Real(value)));
+        return limit.or_else(|| findings.allowed(&rule::NOT_A_NUMBER, written.span, None));
     }
     if data_type.range().is_none() {
         let message = format!("{} does not go with {}", written.key, data_type.name());
@@ -34,8 +35,17 @@ pub(super) fn limit(
         return Some(None);
     }
     let number = Number::parse(written.text);
-    let number = findings.take(&rule::NOT_A_NUMBER, written.span, number)?;
-    let value = fit(number, data_type, written, &rule::LIMIT_TYPE, findings)?;
+    let Some(number) = findings.take(&rule::NOT_A_NUMBER, written.span, number) else {
+        return findings.allowed(&rule::NOT_A_NUMBER, written.span, None);
+    };
+    let nearest = |value: i128, (low, high)| value.clamp(low, high);
+    let value = fit(
+        number,
+        data_type,
+        written,
+        (&rule::LIMIT_TYPE, nearest),
+        findings,
+    )?;
     Some(Some(Limit::Integer(value)))
 }
 
@@ -52,7 +62,9 @@ pub(crate) fn value(
             Some(DefaultValue::Text(Vec::new()))
         }
         DataType::Real32 | DataType::Real64 => {
-            Some(DefaultValue::Real(real(written, data_type, findings)?))
+            let value = real(written, data_type, findings)
+                .or_else(|| findings.allowed(&rule::NOT_A_NUMBER, written.span, 0.0));
+            value.map(DefaultValue::Real)
         }
         DataType::VisibleString => {
             let is_visible = |letter: char| (' '..='~').contains(&letter);
@@ -78,11 +90,24 @@ fn number(
 ) -> Option<DefaultValue> {
     let Written { key, text, span } = written;
     let parsed = DefaultNumber::parse(text);
-    let DefaultNumber {
+    let Some(DefaultNumber {
         number,
         adds_node_id,
-    } = findings.take(&rule::NOT_A_NUMBER, span, parsed)?;
-    let value = fit(number, data_type, written, &rule::DEFAULT_TYPE, findings)?;
+    }) = findings.take(&rule::NOT_A_NUMBER, span, parsed)
+    else {
+        return findings.allowed(&rule::NOT_A_NUMBER, span, DefaultValue::number(0));
+    };
+    let lowest_bits = |value: i128, (low, high): (i128, i128)| match data_type {
+        DataType::Boolean => value.signum().abs(),
+        _ => low + (value - low).rem_euclid(high - low + 1),
+    };
+    let value = fit(
+        number,
+        data_type,
+        written,
+        (&rule::DEFAULT_TYPE, lowest_bits),
+        findings,
+    )?;
     if !adds_node_id {
         return Some(DefaultValue::number(value));
     }
@@ -102,12 +127,13 @@ fn number(
     })
 }
 
-/// A number as the type reads it: 0xFFFF is -1 in an INTEGER16.
+/// A number as the type reads it: 0xFFFF is -1 in an INTEGER16. One that does not fit breaks a rule; what is made of it, given the
+/// ends of the type, counts where that is allowed.
 fn fit(
     number: Number,
     data_type: DataType,
     written: Written<'_>,
-    rule: &'static Rule,
+    (rule, made): (&'static Rule, impl Fn(i128, (i128, i128)) -> i128),
     findings: &mut Findings,
 ) -> Option<i128> {
     let (low, high) = data_type.range()?;
@@ -125,7 +151,7 @@ fn fit(
     let (Written { key, text, span }, name) = (written, data_type.name());
     let message = format!("{key} {text} does not fit {name} ({low} to {high})");
     findings.report(rule, span, message);
-    None
+    findings.allowed(rule, span, made(value, (low, high)))
 }
 
 /// A REAL number: decimal, or its bits in hexadecimal.
@@ -168,6 +194,9 @@ fn octets(written: Written<'_>, findings: &mut Findings) -> Option<DefaultValue>
         let text = written.text;
         let message = format!("`{text}` is not an OCTET_STRING: two hexadecimal digits a byte");
         findings.report(&rule::OCTET_STRING, written.span, message);
+        let letters = text.as_bytes().to_vec();
+        let letters = findings.allowed(&rule::OCTET_STRING, written.span, letters);
+        return letters.map(DefaultValue::Text);
     }
     bytes.map(DefaultValue::Text)
 }

@@ -23,17 +23,17 @@ static CONFIGURED_OUTSIDE_LIMITS: Rule = Rule::error(
     "A configuration tool writes every ParameterValue into the device, which refuses it with 06090031h, 06090032h or 06070012h.",
 );
 
-pub(crate) static VALUE_LINE: Rule = Rule::fatal(
+pub(crate) static VALUE_LINE: Rule = Rule::error(
     "value-line",
     "A line of values is INDEX=VALUE or INDEX:SUB=VALUE.",
     "Index and sub-index are hexadecimal, with or without 0x: `6081=1000`, `1800:5=100`. Lines that begin with `;` or `#` are \
-     comments.",
+     comments. When this is silenced, the line does not count.",
 );
 
-pub(crate) static VALUE_OF_NOTHING: Rule = Rule::fatal(
+pub(crate) static VALUE_OF_NOTHING: Rule = Rule::error(
     "value-of-nothing",
     "What is configured exists.",
-    "The data sheet has no such object, or the object no such sub-index.",
+    "The data sheet has no such object, or the object no such sub-index. When this is silenced, the line does not count.",
 );
 
 pub(crate) static VALUE_TWICE: Rule = Rule::warning(
@@ -57,7 +57,7 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
     }
 }
 
-/// Whether a value can be written into an entry; reports why it cannot.
+/// Whether a value can be written into an entry, or is to be all the same; reports why it cannot.
 pub(crate) fn check_value(
     place: &str,
     entry: &Entry,
@@ -72,7 +72,7 @@ pub(crate) fn check_value(
             entry.access.name()
         );
         findings.report(&CONFIGURED_READ_ONLY, span, message);
-        return false;
+        return findings.allowed(&CONFIGURED_READ_ONLY, span, ()).is_some();
     }
     let value = match value {
         DefaultValue::Number {
@@ -93,7 +93,8 @@ pub(crate) fn check_value(
                 );
                 findings.report(&CONFIGURED_OUTSIDE_LIMITS, span, message);
             }
-            return has_room;
+            let allowed = findings.allowed(&CONFIGURED_OUTSIDE_LIMITS, span, ());
+            return has_room || allowed.is_some();
         }
     };
     let outside = match (entry.low_limit, entry.high_limit) {
@@ -103,5 +104,7 @@ pub(crate) fn check_value(
     };
     let message = format!("{place} is {value}, {outside}");
     findings.report(&CONFIGURED_OUTSIDE_LIMITS, span, message);
-    false
+    findings
+        .allowed(&CONFIGURED_OUTSIDE_LIMITS, span, ())
+        .is_some()
 }

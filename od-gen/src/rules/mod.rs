@@ -66,7 +66,7 @@ impl Rule {
         }
     }
 
-    /// A rule without which the file has no meaning.
+    /// A rule without which nothing of the file can be read, and so no comment that could silence it.
     pub(crate) const fn fatal(
         name: &'static str,
         summary: &'static str,
@@ -92,7 +92,7 @@ pub struct Chapter {
 }
 
 /// The rules that are checked while a file is read.
-const OF_FILES: [Chapter; 5] = [
+const OF_FILES: [Chapter; 3] = [
     Chapter {
         title: "Text",
         rules: reading::RULES,
@@ -105,6 +105,10 @@ const OF_FILES: [Chapter; 5] = [
         title: "Values",
         rules: value::RULES,
     },
+];
+
+/// The rules of files beside a data sheet.
+const OF_OTHER_FILES: [Chapter; 2] = [
     Chapter {
         title: "Bindings",
         rules: binding::RULES,
@@ -241,7 +245,13 @@ pub(crate) fn check(subject: &Subject<'_>, findings: &mut Findings) {
 
 /// All rules, by what they are about.
 pub fn chapters() -> impl Iterator<Item = Chapter> {
-    OF_FILES.into_iter().chain(OF_MODELS)
+    OF_FILES.into_iter().chain(OF_OTHER_FILES).chain(OF_MODELS)
+}
+
+/// Whether a rule is about files beside a data sheet; the data sheet can silence it all the same.
+pub(crate) fn is_about_other_files(rule: &Rule) -> bool {
+    let mut rules = OF_OTHER_FILES.iter().flat_map(|chapter| chapter.rules);
+    rules.any(|other| other.name == rule.name)
 }
 
 /// All rules.

@@ -33,7 +33,7 @@ pub(super) fn check(subject: &Subject<'_>, findings: &mut Findings) {
         for check in CHECKS {
             check(&plugged, &mut found);
         }
-        findings.extend(found, |finding| lines.contains(&finding.span.line));
+        findings.merge(found, |finding| lines.contains(&finding.span.line));
     }
 }
 

@@ -26,13 +26,15 @@ pub(crate) const RULES: &[&Rule] = &[
 pub(crate) static NOT_TEXT: Rule = Rule::fatal(
     "not-text",
     "The file is a text.",
-    "More than an eighth of its bytes are zero: it is a program, an archive or a damaged file.",
+    "More than an eighth of its bytes are zero: it is a program, an archive or a damaged file. It cannot be silenced, as there is no \
+     comment to be read.",
 );
 
 pub(crate) static NOT_XML: Rule = Rule::fatal(
     "not-xml",
     "A file that begins with `<` is a data sheet in XML (CiA 311).",
-    "It is well-formed XML without a document type definition, and has a CANopenObjectList.",
+    "It is well-formed XML and has a CANopenObjectList. It cannot be silenced, as nothing of the file can be read then, its comments \
+     neither.",
 );
 
 pub(crate) static NOT_UTF_8: Rule = Rule::warning(
@@ -119,7 +121,8 @@ pub(crate) static ALLOWANCE_WITHOUT_REASON: Rule = Rule::warning(
     "allowance-without-reason",
     "A finding is silenced with a reason.",
     "Write `;od-gen: allow RULE because REASON` into the section that the finding is in, or above the first section \
-     for the whole file. Several rules are separated by commas.",
+     for the whole file. Several rules are separated by commas. What concerns bindings or the values of a configuration is silenced \
+     above the first section, or in those files.",
 );
 
 pub(crate) static ALLOWANCE_OF_NO_RULE: Rule = Rule::warning(
@@ -131,7 +134,7 @@ pub(crate) static ALLOWANCE_OF_NO_RULE: Rule = Rule::warning(
 pub(crate) static ALLOWANCE_REFUSED: Rule = Rule::warning(
     "allowance-refused",
     "An allowance names a rule that can be silenced.",
-    "A value that cannot be read leaves no dictionary to be generated: such findings cannot be silenced.",
+    "What is no text or no XML cannot be read at all, and so not silenced.",
 );
 
 pub(crate) static UNUSED_ALLOWANCE: Rule = Rule::warning(

@@ -55,10 +55,10 @@ pub(crate) static LIST_COUNT: Rule = Rule::error(
      further. When this is silenced, everything that is listed counts.",
 );
 
-pub(crate) static NOT_AN_INDEX: Rule = Rule::fatal(
+pub(crate) static NOT_AN_INDEX: Rule = Rule::error(
     "not-an-index",
     "What a list names is an index, 0x1000 to 0xFFFF.",
-    "A list names the objects that have sections.",
+    "A list names the objects that have sections. When this is silenced, the line does not count.",
 );
 
 pub(crate) static LISTED_TWICE: Rule = Rule::warning(
@@ -86,11 +86,12 @@ pub(crate) static NOT_LISTED: Rule = Rule::error(
     "Tools that go by the lists do not see it. When this is silenced, it exists.",
 );
 
-pub(crate) static OBJECT_TYPE: Rule = Rule::fatal(
+pub(crate) static OBJECT_TYPE: Rule = Rule::error(
     "object-type",
     "The kind of an object is one of CiA 301.",
     "ObjectType is 0x0 (NULL), 0x2 (DOMAIN), 0x5 (DEFTYPE), 0x6 (DEFSTRUCT), 0x7 (VAR), 0x8 (ARRAY) or 0x9 (RECORD); \
-     without the key it is VAR.",
+     without the key it is VAR. When this is silenced, a name such as VAR counts, and else an object with sub-indices is a RECORD \
+     and one without is a VAR.",
 );
 
 pub(crate) static TYPE_DEFINITION: Rule = Rule::error(

@@ -31,41 +31,43 @@ pub(crate) const RULES: &[&Rule] = &[
     &DICTIONARY_TOO_LARGE,
 ];
 
-pub(crate) static NOT_A_NUMBER: Rule = Rule::fatal(
+pub(crate) static NOT_A_NUMBER: Rule = Rule::error(
     "not-a-number",
     "A number is spelled as CiA 306 spells numbers.",
-    "Decimal, 0x hexadecimal, octal with a leading zero, all of them with a sign before them or not.",
+    "Decimal, 0x hexadecimal, octal with a leading zero, all of them with a sign before them or not. When this is silenced, a \
+     limit is none, a default is 0, a DataType that is spelled as a name is that type, and any other key counts as missing.",
 );
 
-pub(crate) static OUT_OF_RANGE: Rule = Rule::fatal(
+pub(crate) static OUT_OF_RANGE: Rule = Rule::error(
     "out-of-range",
     "The number of a key is one that the key can have.",
-    "The message names the range.",
+    "The message names the range. When this is silenced, the key counts as missing.",
 );
 
-pub(crate) static NO_DATA_TYPE: Rule = Rule::fatal(
+pub(crate) static NO_DATA_TYPE: Rule = Rule::error(
     "no-data-type",
     "A value has a DataType.",
-    "Without it nobody knows how many bytes there are.",
+    "Without it nobody knows how many bytes there are. When this is silenced, the dictionary does not have the value.",
 );
 
-pub(crate) static DATA_TYPE: Rule = Rule::fatal(
+pub(crate) static DATA_TYPE: Rule = Rule::error(
     "data-type",
     "DataType is a type of CiA 301.",
     "The numbers are those of CiA 301, table 44. Types of the manufacturer and of device profiles are no types of a \
-     single value.",
+     single value. When this is silenced, the dictionary does not have the value.",
 );
 
-pub(crate) static NO_ACCESS: Rule = Rule::fatal(
+pub(crate) static NO_ACCESS: Rule = Rule::error(
     "no-access",
     "A value has an AccessType.",
-    "Without it nobody knows whether it may be written.",
+    "Without it nobody knows whether it may be written. When this is silenced, it is ro.",
 );
 
-pub(crate) static ACCESS: Rule = Rule::fatal(
+pub(crate) static ACCESS: Rule = Rule::error(
     "access-type",
     "AccessType is one of CiA 306.",
-    "ro, wo, rw, rwr (rw, an input of the process), rww (rw, an output of the process) or const.",
+    "ro, wo, rw, rwr (rw, an input of the process), rww (rw, an output of the process) or const. When this is silenced, \
+     the value is ro.",
 );
 
 pub(crate) static MAPPING_OF_VARIABLE_LENGTH: Rule = Rule::error(
@@ -74,16 +76,18 @@ pub(crate) static MAPPING_OF_VARIABLE_LENGTH: Rule = Rule::error(
     "Strings and domains differ in length: a PDO cannot carry them. When this is silenced, PDOMapping counts as 0.",
 );
 
-pub(crate) static DEFAULT_TYPE: Rule = Rule::fatal(
+pub(crate) static DEFAULT_TYPE: Rule = Rule::error(
     "default-type",
     "A default can be held by its type.",
-    "The message names what the type can hold. Hexadecimal numbers are bit patterns: 0xFFFF is -1 in an INTEGER16.",
+    "The message names what the type can hold. Hexadecimal numbers are bit patterns: 0xFFFF is -1 in an INTEGER16. \
+     When this is silenced, as many of its lowest bits count as the type has; of a BOOLEAN whether it is 0.",
 );
 
-pub(crate) static LIMIT_TYPE: Rule = Rule::fatal(
+pub(crate) static LIMIT_TYPE: Rule = Rule::error(
     "limit-type",
     "A limit can be held by its type.",
-    "The message names what the type can hold. Hexadecimal numbers are bit patterns: 0xFFFF is -1 in an INTEGER16.",
+    "The message names what the type can hold. Hexadecimal numbers are bit patterns: 0xFFFF is -1 in an INTEGER16. \
+     When this is silenced, the nearest number of the type counts.",
 );
 
 pub(crate) static LIMIT_OF_NO_NUMBER: Rule = Rule::warning(
@@ -135,16 +139,17 @@ pub(crate) static STRING: Rule = Rule::error(
     "Other letters have no agreed bytes on the bus. When this is silenced, they travel in UTF-8.",
 );
 
-pub(crate) static OCTET_STRING: Rule = Rule::fatal(
+pub(crate) static OCTET_STRING: Rule = Rule::error(
     "octet-string-spelling",
     "An OCTET_STRING is written as two hexadecimal digits a byte.",
-    "Spaces between bytes are allowed.",
+    "Spaces between bytes are allowed. When this is silenced, the letters themselves are the bytes.",
 );
 
-pub(crate) static CAPACITY: Rule = Rule::fatal(
+pub(crate) static CAPACITY: Rule = Rule::error(
     "capacity",
     "`;Capacity=` is how many bytes a string can hold.",
-    "CiA 306 has no key for the room that a string has, so it stands in a comment of the section.",
+    "CiA 306 has no key for the room that a string has, so it stands in a comment of the section. When this is \
+     silenced, the comment does not count.",
 );
 
 pub(crate) static CAPACITY_OF_NO_STRING: Rule = Rule::warning(
@@ -153,23 +158,24 @@ pub(crate) static CAPACITY_OF_NO_STRING: Rule = Rule::warning(
     "Everything else is as long as its type or its default.",
 );
 
-pub(crate) static CAPACITY_TOO_SMALL: Rule = Rule::fatal(
+pub(crate) static CAPACITY_TOO_SMALL: Rule = Rule::error(
     "capacity-too-small",
     "A string has room for its default.",
-    "Make `;Capacity=` larger, or the default shorter.",
+    "Make `;Capacity=` larger, or the default shorter. When this is silenced, the string has room for its default.",
 );
 
-pub(crate) static VALUE_TOO_LARGE: Rule = Rule::fatal(
+pub(crate) static VALUE_TOO_LARGE: Rule = Rule::error(
     "value-too-large",
     "A value has at most 65535 bytes.",
-    "Descriptors hold 16-bit lengths. What is larger is a DOMAIN, which the application serves piece by piece.",
+    "Descriptors hold 16-bit lengths. What is larger is a DOMAIN, which the application serves piece by piece. \
+     When this is silenced, the dictionary does not have the value.",
 );
 
-pub(crate) static STORAGE: Rule = Rule::fatal(
+pub(crate) static STORAGE: Rule = Rule::error(
     "storage",
     "`;Storage=` names a group.",
     "It is none, communication, application or manufacturer, and says which sub-index of 1010h stores a value: CiA \
-     306 has no key for it.",
+     306 has no key for it. When this is silenced, the comment does not count.",
 );
 
 pub(crate) static STORAGE_OF_FIXED: Rule = Rule::warning(
@@ -186,8 +192,9 @@ pub(crate) static MEMORY: Rule = Rule::error(
      this is silenced, the value is in RAM.",
 );
 
-pub(crate) static DICTIONARY_TOO_LARGE: Rule = Rule::fatal(
+pub(crate) static DICTIONARY_TOO_LARGE: Rule = Rule::error(
     "dictionary-too-large",
     "The values of a dictionary take at most 64 KiB, and their limits twice as much.",
-    "Descriptors hold 16-bit offsets.",
+    "Descriptors hold 16-bit offsets. When this is silenced, the application has the values that find no room, as with \
+     ;Memory=application, and limits that find none are not checked.",
 );
