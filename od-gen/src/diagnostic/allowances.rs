@@ -225,6 +225,21 @@ impl Allowances {
     }
 }
 
+/// Whether a comment asks for something to be silenced.
+pub(crate) fn is_allowance(comment: &Comment<'_>) -> bool {
+    request(&comment.text).is_some()
+}
+
+/// The line of a comment without its allowances of these rules; `None` when nothing is left of it.
+pub(crate) fn without(line: &str, gone: &[String]) -> Option<String> {
+    let (rules, _) = spelled_right(request(line.trim().get(1..)?)?)?;
+    let left = rules.split(',').map(str::trim);
+    let left: Vec<&str> = left
+        .filter(|rule| !gone.iter().any(|gone| gone == rule))
+        .collect();
+    (!left.is_empty()).then(|| line.replacen(rules, &left.join(", "), 1))
+}
+
 /// What follows `od-gen:` in a comment.
 fn request(comment: &str) -> Option<&str> {
     let (tool, request) = comment.trim().split_once(':')?;

@@ -8,7 +8,7 @@ use std::fmt;
 use crate::rules::Rule;
 use crate::source::Span;
 
-pub(crate) use allowances::Allowances;
+pub(crate) use allowances::{Allowances, is_allowance, without};
 pub use render::{Colour, render};
 
 /// How bad it is.

@@ -16,8 +16,8 @@ pub(crate) mod value;
 use std::collections::BTreeSet;
 
 use crate::data_type::DataType;
-use crate::diagnostic::Findings;
-use crate::document::Document;
+use crate::diagnostic::{Findings, is_allowance};
+use crate::document::{Comment, Document};
 use crate::model::{Entry, FileKind, Model};
 use crate::rules::value as rule;
 use crate::source::Span;
@@ -69,7 +69,7 @@ pub(crate) fn parse(
         comments: device::lines(sections.comments),
         dynamic_channels: device::dynamic_channels(&sections, findings),
         tools: device::tools(&sections),
-        remarks: entry::remarks(document.head.iter()),
+        remarks: entry::remarks(document.head.iter().chain(allowances_of_sections(document))),
         ..Model::default()
     };
     objects::read(&sections, &mut model, &mut broken, findings);
@@ -78,6 +78,14 @@ pub(crate) fn parse(
     lists::check(&sections, findings);
     check_room(&mut model, findings);
     (model, broken)
+}
+
+/// Allowances in sections of which the model keeps no comments: they are for the whole file when it is printed.
+fn allowances_of_sections<'a>(document: &'a Document<'a>) -> impl Iterator<Item = &'a Comment<'a>> {
+    let sections = document.sections.iter();
+    let sections = sections.filter(|section| !sections::is_object(&section.name));
+    let comments = sections.flat_map(|section| section.lead.iter().chain(&section.comments));
+    comments.filter(|comment| is_allowance(comment))
 }
 
 /// Whether the values and their limits find room in 16-bit offsets. What does not goes to the application, where that is allowed.

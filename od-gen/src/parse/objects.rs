@@ -314,13 +314,13 @@ fn check_sub_0(
     let index = object.index;
     let named = |entry: &&Entry| entry.sub != u8::MAX;
     let highest = object.entries.iter().rfind(named);
-    let highest = highest.map_or(0, |entry| entry.sub);
+    let present = highest.map_or(0, |entry| entry.sub);
     // A sub-index that could not be read counts too.
     let unread = broken
         .entries
         .range((index, 0)..(index, u8::MAX))
         .next_back();
-    let highest = highest.max(unread.map_or(0, |(_, sub)| *sub));
+    let highest = present.max(unread.map_or(0, |(_, sub)| *sub));
     if broken.entries.contains(&(index, 0)) {
         return;
     }
@@ -356,6 +356,10 @@ fn check_sub_0(
     } else if default > i128::from(highest) {
         format!("{index:04X}h:0 is {default}, above the highest sub-index {highest}")
     } else {
+        // The device does not have what could not be read.
+        if let Some(first) = object.entries.first_mut().filter(|_| is_fixed) {
+            first.default = DefaultValue::number(present.into());
+        }
         return;
     };
     let finding = findings.report(

@@ -128,6 +128,12 @@ impl<'a> Sections<'a> {
     }
 }
 
+/// Whether a section is one of an object or a sub-index.
+pub(super) fn is_object(name: &str) -> bool {
+    let name = ObjectName::parse(&name.to_ascii_lowercase());
+    matches!(name, Some(ObjectName::Object(_) | ObjectName::Sub(..)))
+}
+
 /// Reports a section that means nothing.
 fn unknown_section(section: &Section<'_>, findings: &mut Findings) {
     let name = &section.name;

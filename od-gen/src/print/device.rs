@@ -77,16 +77,12 @@ fn device_info(device: &DeviceInfo) -> Section<'_> {
         let is_set = device.bit_rates.contains(&rate);
         section.put(format!("BaudRate_{rate}"), if is_set { "1" } else { "0" });
     }
-    flag(
-        &mut section,
-        "SimpleBootUpMaster",
-        device.simple_boot_up_master,
-    );
-    flag(
-        &mut section,
-        "SimpleBootUpSlave",
-        device.simple_boot_up_slave,
-    );
+    let (is_master, is_slave) = (device.simple_boot_up_master, device.simple_boot_up_slave);
+    // Where nothing is known both are left out: to say that it is neither would be wrong.
+    if is_master || is_slave {
+        flag(&mut section, "SimpleBootUpMaster", is_master);
+        flag(&mut section, "SimpleBootUpSlave", is_slave);
+    }
     section.put("Granularity", device.granularity.to_string());
     section.put(
         "DynamicChannelsSupported",

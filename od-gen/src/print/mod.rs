@@ -1,7 +1,9 @@
 //! From a [`Model`] to the text of a data sheet (CiA 306), in canonical form.
 //!
-//! What is read again is the same model. Compact notations are written out, comments stand at the top of their sections.
+//! What is read again is the same model. Compact notations are written out, comments stand at the top of their sections. An allowance of
+//! what is put right by that is left out.
 
+mod allowances;
 mod device;
 mod modules;
 mod object;
@@ -9,9 +11,10 @@ pub(crate) mod value;
 
 use crate::diagnostic::{Diagnostic, Findings, Severity};
 use crate::document::{self, Comment, Document, Section};
-use crate::model::Model;
+use crate::model::{FileKind, Model};
 use crate::rules::reading;
 use crate::source::Source;
+use allowances::{unused_in, without_unused};
 
 /// Writes a model as an EDS; as a DCF when it is the configuration of one device.
 pub fn print(model: &Model) -> String {
@@ -27,7 +30,12 @@ pub fn print(model: &Model) -> String {
             .collect(),
         sections,
     };
-    document::write(&document::canonical(document))
+    let file = match model.kind {
+        FileKind::Dcf => "printed.dcf",
+        FileKind::Eds | FileKind::Xdd => "printed.eds",
+    };
+    let text = document::write(&document::canonical(document));
+    without_unused(file, text, &[])
 }
 
 /// The three lists of objects.
@@ -79,7 +87,9 @@ pub(crate) fn formatted(
     if findings.iter().any(is_loss) {
         return Err(findings.into_iter().filter(is_loss).collect());
     }
-    Ok(document::write(&document::canonical(document)))
+    let text = document::write(&document::canonical(document));
+    let before = unused_in(&source.file, source.text());
+    Ok(without_unused(&source.file, text, &before))
 }
 
 #[cfg(test)]

@@ -251,13 +251,47 @@ fn comments_of_objects_are_printed() {
     let mut report = Report::new("allowed.eds", text);
     let printed = print(&report.model);
     for comment in [
-        "; od-gen: allow no-sub-0 because nothing",
-        ";od-gen: allow const-without-default because the type is 0",
+        "; od-gen: allow missing-mandatory-object because this file shows allowances\n",
+        ";od-gen: allow default-outside-limits because 0 is written by nobody\n",
     ] {
         assert!(printed.contains(comment), "{printed}");
     }
     report.model.remarks.0.clear();
-    assert!(!print(&report.model).contains("no-sub-0"));
+    assert!(!print(&report.model).contains("missing-mandatory-object"));
+}
+
+#[test]
+fn an_allowance_of_what_printing_puts_right_is_left_out() {
+    let allow = |rules: &str| format!(";od-gen: allow {rules} because a test asks for it\n");
+    let (old, new) = ("DefaultValue=128\n", "DefaultValue=128 ; SYNC\n");
+    let text = FILES[0].1.replace(old, new);
+    assert_ne!(text, FILES[0].1);
+    let text = allow("trailing-comment") + &text;
+    assert!(Report::new("small.eds", &text).findings.is_empty());
+    for printed in [
+        print(&model("small.eds", &text)),
+        format("small.eds", &text).unwrap(),
+    ] {
+        assert!(!printed.contains("trailing-comment"), "{printed}");
+        let report = Report::new("small.eds", &printed);
+        assert!(report.findings.is_empty(), "{:?}", report.findings);
+        assert_eq!(format("small.eds", &printed).unwrap(), printed);
+    }
+    // What silences nothing in the file as it is stays: formatting loses no comment.
+    let text = text.replace("allow trailing", "allow no-sub-0, trailing");
+    let formatted = format("small.eds", &text).unwrap();
+    assert!(formatted.contains(&allow("no-sub-0")), "{formatted}");
+}
+
+#[test]
+fn an_allowance_of_a_section_without_objects_is_printed_for_the_whole_file() {
+    let comment = ";od-gen: allow vendor-name because it has none";
+    let text = FILES[0].1.replace(
+        "VendorName=Nobody",
+        &format!("{comment}\nVendorName=Nobody"),
+    );
+    let printed = Report::new("small.eds", &text).model.remarks.0;
+    assert_eq!(printed.len(), 2, "{printed:?}");
 }
 
 /// Comments are notes once they have been read.

@@ -33,7 +33,8 @@ pub(crate) static NOT_TEXT: Rule = Rule::fatal(
 pub(crate) static NOT_XML: Rule = Rule::fatal(
     "not-xml",
     "A file that begins with `<` is a data sheet in XML (CiA 311).",
-    "It is well-formed XML and has a CANopenObjectList. It cannot be silenced, as nothing of the file can be read then, its comments \
+    "It is well-formed XML and has a CANopenObjectList. A document type definition may be there, with entities that stand for plain \
+     text; what lies outside of the file is not read. It cannot be silenced, as nothing of the file can be read then, its comments \
      neither.",
 );
 

@@ -7,11 +7,12 @@
 //! An XML comment `od-gen: allow RULE because REASON` silences findings, inside of an object or above everything else.
 
 mod device;
+mod entities;
 mod object;
 
 use std::collections::HashMap;
 
-use roxmltree::{Document as Xml, Node};
+use roxmltree::{Document as Xml, Node, ParsingOptions};
 
 use crate::diagnostic::Findings;
 use crate::document::{Comment, Document, Key, Section};
@@ -25,7 +26,16 @@ pub(crate) fn is_xml(text: &str) -> bool {
 
 /// Reads an XDD; `None` when it is none, which has then been reported.
 pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Option<Document<'a>> {
-    let xml = match Xml::parse(source.text()) {
+    if let Some((place, message)) = entities::mistake(source.text()) {
+        let finding = findings.report(&reading::NOT_XML, source.span(place), message);
+        finding.help("write out what the entities stand for");
+        return None;
+    }
+    let options = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    };
+    let xml = match Xml::parse_with_options(source.text(), options) {
         Ok(xml) => xml,
         Err(error) => {
             let position = error.pos();

@@ -10,6 +10,7 @@ mod communication;
 mod device;
 mod drive;
 mod pdo;
+mod silencing;
 
 /// A rule with differences that break it, and others that do not.
 struct Case {
