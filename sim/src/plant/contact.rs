@@ -1,9 +1,12 @@
 //! A switch at the axis, and the wire that leads from it to an input of the drive.
 
+use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 
-use canopen::{Duration, Instant};
+use canopen::Duration;
 use cia402::inputs::{Edge, Edges};
+
+use super::chance::Chance;
 
 /// A limit or home switch. Positions are in steps.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -119,8 +122,8 @@ impl Sensed {
 pub(super) struct Contact {
     switch: Switch,
     active: bool,
-    /// It bounces until then.
-    restless_until: Option<Instant>,
+    /// When the wire will go to its other level, in nanoseconds: an even number of times, as it ends as it began.
+    bounces: VecDeque<u64>,
     wire: Sensed,
 }
 
@@ -132,7 +135,7 @@ impl Contact {
         Self {
             switch,
             active,
-            restless_until: None,
+            bounces: VecDeque::new(),
             wire: Sensed {
                 level,
                 ..Sensed::default()
@@ -144,39 +147,47 @@ impl Contact {
         self.active
     }
 
-    /// The axis has come to `position` by one step; `seen` is what the drive counts there and when that was in nanoseconds, `now`
-    /// when the plant has played it.
-    pub(super) fn follow(&mut self, position: i64, seen: (i64, u64), now: Instant) {
+    /// The axis has come to `position` by one step; `seen` is what the drive counts there and when that was in nanoseconds.
+    pub(super) fn follow(&mut self, position: i64, seen: (i64, u64), chance: &mut Chance) {
+        self.bounce(seen);
         let active = self.switch.is_active(position, self.active);
         if active == self.active {
             return;
         }
         self.active = active;
-        let level = active != self.switch.normally_closed;
-        self.wire.see(level, seen);
-        if self.switch.bounce.ticks() > 0 {
-            self.restless_until = Some(now + self.switch.bounce);
-            self.wire.see(!level, seen);
-            self.wire.see(level, seen);
-        }
+        self.wire.see(active != self.switch.normally_closed, seen);
+        let (_, now) = seen;
+        self.bounces = bounces(now, self.switch.bounce, chance);
     }
 
-    /// What the drive sees at `now`; `chance` decides while the contact bounces.
-    pub(super) fn look(
-        &mut self,
-        now: Instant,
-        seen: (i64, u64),
-        chance: impl FnOnce() -> bool,
-    ) -> Sensed {
-        let rest = self.active != self.switch.normally_closed;
-        let level = match self.restless_until {
-            Some(until) if now < until => chance(),
-            _ => {
-                self.restless_until = None;
-                rest
-            }
-        };
-        self.wire.see(level, seen);
+    /// What the drive sees when it counts so and at this time in nanoseconds.
+    pub(super) fn look(&mut self, seen: (i64, u64)) -> Sensed {
+        self.bounce(seen);
         self.wire.take()
     }
+
+    /// The wire does what was due until then.
+    fn bounce(&mut self, (count, now): (i64, u64)) {
+        while let Some(at) = self.bounces.pop_front_if(|at| *at <= now) {
+            let level = !self.wire.level;
+            self.wire.see(level, (count, at));
+        }
+    }
 }
+
+/// When a contact that closes or opens at `now` changes its level in the time it bounces, in nanoseconds.
+fn bounces(now: u64, time: Duration, chance: &mut Chance) -> VecDeque<u64> {
+    let nanoseconds = time.ticks() * 1_000;
+    if nanoseconds == 0 {
+        return VecDeque::new();
+    }
+    let changes = 2 * (1 + chance.next() % MOST_BOUNCES);
+    let mut times: Vec<u64> = (0..changes)
+        .map(|_| now + 1 + chance.next() % nanoseconds)
+        .collect();
+    times.sort_unstable();
+    times.into()
+}
+
+/// How often a contact opens again at most.
+const MOST_BOUNCES: u64 = 6;

@@ -6,6 +6,7 @@
 //! step that made them, as the capture units of a board do. The same commands and the same seed give the same motion.
 
 mod axis_file;
+mod chance;
 mod contact;
 mod motor;
 mod pulses;
@@ -187,7 +188,7 @@ impl Plant {
                 self.pulses.position()
             };
             let seen = (count, nanoseconds(self.moved));
-            self.surroundings.follow(self.rotor, seen, self.moved);
+            self.surroundings.follow(self.rotor, seen);
         }
     }
 
@@ -254,7 +255,7 @@ impl Plant {
                     } else {
                         from + done * steps.signum()
                     };
-                    surroundings.follow(next, (count, time), now);
+                    surroundings.follow(next, (count, time));
                 }
             },
         );
@@ -355,15 +356,13 @@ impl Plant {
         }
         let count = self.position();
         let time = nanoseconds(self.now);
-        self.surroundings
-            .follow(self.rotor, (count, time), self.now);
+        self.surroundings.follow(self.rotor, (count, time));
     }
 
     /// What the inputs have seen since the last look.
     pub fn look(&mut self) -> [Sensed; WIRES] {
         let count = self.position();
-        self.surroundings
-            .look(self.now, (count, nanoseconds(self.now)))
+        self.surroundings.look((count, nanoseconds(self.now)))
     }
 
     /// Whether the motor ran into an end stop since the last call.

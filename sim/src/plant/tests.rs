@@ -171,30 +171,32 @@ fn a_normally_closed_switch_is_low_where_it_is_active() {
 
 #[test]
 fn a_contact_bounces_for_its_time_and_as_its_seed_says() {
-    let levels = |seed| {
+    let edges = |seed| {
         let mut plant = on_axis(&Axis {
             seed,
             track: Track {
-                positive_limit: Some(Switch::from(5).bouncing(Duration::from_ticks(5_000))),
+                positive_limit: Some(Switch::from(5).bouncing(Duration::from_ticks(900))),
                 ..Track::default()
             },
             ..Axis::default()
         });
         run(&mut plant, &[(Forward, 8)]);
-        (1..100)
-            .map(|tick| {
-                plant.advance(Instant::from_ticks(tick * 100));
-                let [_, limit, ..] = plant.look();
-                limit.level
-            })
-            .collect::<Vec<_>>()
+        plant.advance(Instant::from_ticks(1_000));
+        let [_, limit, ..] = plant.look();
+        plant.advance(Instant::from_ticks(100_000));
+        let [_, later, ..] = plant.look();
+        assert_eq!((later.level, later.rose, later.fell), (true, None, None));
+        (limit.rose.unwrap(), limit.fell.unwrap())
     };
-    let seen = levels(7);
-    assert_eq!(seen, levels(7));
-    assert_ne!(seen, levels(8));
-    let bouncing = seen.iter().position(|level| !level).unwrap();
-    let last = seen.iter().rposition(|level| !level).unwrap();
-    assert!(bouncing < 10 && (20..50).contains(&last), "{seen:?}");
+    for seed in 0..100 {
+        let (rose, fell) = edges(seed);
+        assert_eq!((rose.first.position, rose.first.time / 1_000), (5, 4));
+        assert_eq!(rose.count, fell.count + 1, "it ends as it began");
+        assert!(fell.count >= 1 && rose.last.time <= 904_001);
+        assert!(fell.last.time < rose.last.time && fell.first.time > rose.first.time);
+    }
+    assert_eq!(edges(7), edges(7));
+    assert_ne!(edges(7), edges(8));
 }
 
 #[test]

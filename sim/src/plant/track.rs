@@ -2,8 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use canopen::Instant;
-
+use super::chance::Chance;
 use super::contact::{Contact, Sensed, Switch};
 
 /// The inputs of the drive that the plant is wired to: 1 negative limit, 2 positive limit, 3 home switch, 4 index, 5 and 6 touch
@@ -77,8 +76,8 @@ pub(super) struct Surroundings {
     index_wire: Sensed,
     stops: Option<RangeInclusive<i64>>,
     turn: Option<u32>,
-    /// State of the generator that decides how contacts bounce.
-    chance: u64,
+    /// Decides how contacts bounce.
+    chance: Chance,
 }
 
 impl Surroundings {
@@ -102,7 +101,7 @@ impl Surroundings {
             },
             stops: track.stops.clone(),
             turn: track.turn,
-            chance: seed | 1,
+            chance: Chance::new(seed),
         }
     }
 
@@ -119,10 +118,10 @@ impl Surroundings {
     }
 
     /// The axis has come to `position` by one step; `seen` is what the drive counts there, and when that was in nanoseconds.
-    pub(super) fn follow(&mut self, position: i64, seen: (i64, u64), now: Instant) {
+    pub(super) fn follow(&mut self, position: i64, seen: (i64, u64)) {
         let place = around(self.turn, position);
         for contact in self.contacts.iter_mut().flatten() {
-            contact.follow(place, seen, now);
+            contact.follow(place, seen, &mut self.chance);
         }
         if let Some(index) = self.index {
             self.index_wire.see(index.is_at(position), seen);
@@ -130,11 +129,10 @@ impl Surroundings {
     }
 
     /// What the inputs have seen since the last look.
-    pub(super) fn look(&mut self, now: Instant, seen: (i64, u64)) -> [Sensed; WIRES] {
-        let chance = &mut self.chance;
+    pub(super) fn look(&mut self, seen: (i64, u64)) -> [Sensed; WIRES] {
         let [negative_limit, positive_limit, home, probe_1, probe_2] =
             self.contacts.each_mut().map(|contact| match contact {
-                Some(contact) => contact.look(now, seen, || toss(chance)),
+                Some(contact) => contact.look(seen),
                 None => Sensed::default(),
             });
         let index = self.index_wire.take();
@@ -167,12 +165,4 @@ fn around(turn: Option<u32>, position: i64) -> i64 {
         Some(turn) if turn > 0 => position.rem_euclid(turn.into()),
         _ => position,
     }
-}
-
-/// A coin, from xorshift64: the same seed tosses the same sides.
-fn toss(state: &mut u64) -> bool {
-    *state ^= *state << 13;
-    *state ^= *state >> 7;
-    *state ^= *state << 17;
-    *state >> 63 == 1
 }
