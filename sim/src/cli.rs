@@ -79,7 +79,7 @@ struct ServeArguments {
     /// Keep what LSS stores in this file
     #[arg(long, value_name = "FILE")]
     store: Option<PathBuf>,
-    /// Give the motor the axis in this file: switches, index pulses, end stops (see sim/plants)
+    /// Give the drive the axis in this file: switches, end stops, motor, load, supply (docs/plant.md; ready ones in sim/plants)
     #[arg(long, value_name = "FILE.toml")]
     plant: Option<PathBuf>,
     /// Serial number (1018h:4), decimal or 0x and hexadecimal

@@ -12,6 +12,7 @@ mod golden;
 mod guarding;
 mod heartbeat;
 mod homing;
+mod lost_steps;
 mod lss;
 mod lss_many_drives;
 mod lss_nmt_states;

@@ -347,12 +347,13 @@ impl Plant {
         self.rotor
     }
 
-    /// The motor is somewhere else all of a sudden, and the drive's count with it. In steps.
+    /// The motor is somewhere else all of a sudden, in steps, and the drive's count with it. Where pulses turn a field they are
+    /// not counted for that: an encoder sees it, and else nobody.
     pub fn displace(&mut self, steps: i64) {
-        self.pulses.displace(steps);
         self.rotor += steps;
-        if let Some(motor) = &mut self.motor {
-            motor.displace(steps);
+        match &mut self.motor {
+            Some(motor) => motor.displace(steps),
+            None => self.pulses.displace(steps),
         }
         let count = self.position();
         let time = nanoseconds(self.now);
