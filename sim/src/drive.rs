@@ -4,6 +4,7 @@
 //! parameter store, the switch of the bit rate. It is a [`Station`], so any bus can carry it.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use canopen::cia305::{DETECTABLE, Detection};
 use canopen::node::StoreError;
@@ -15,11 +16,13 @@ use canopen::{
     Instant, NodeId, Settings,
 };
 use cia402::inputs::DigitalInputs;
+use cia402::recorder::{Memory, Recorder};
 use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects};
 use motion::{AxisConfig, Clock, DriverTiming};
 
 use crate::bus::Station;
 use crate::flash::{Flash, ParameterStore};
+use crate::machine::ScopeMemory;
 use crate::plant::{Axis, Plant, STEP_CLOCK_HZ, Sensed, WIRES};
 
 /// The period of the control tick.
@@ -119,6 +122,7 @@ pub struct VirtualDrive<D: Dictionary, A = ()> {
     was_reset: bool,
     device: Device<D, A>,
     drive: Drive,
+    recorder: Recorder<Arc<Memory>>,
     exchange: Exchange,
     plant: Plant,
     next_tick: Instant,
@@ -135,7 +139,11 @@ pub struct VirtualDrive<D: Dictionary, A = ()> {
     samples: Option<Vec<MotionSample>>,
 }
 
-impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDrive<D, A> {
+impl<D, A> VirtualDrive<D, A>
+where
+    D: Dictionary + Objects + Default,
+    A: Application<D> + ScopeMemory + Default,
+{
     /// A drive without power; it gets it when it is polled for the first time.
     pub fn new(mut setup: Setup) -> Self {
         let power_on = setup.first_power_on();
@@ -143,10 +151,13 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
         if let Some(axis) = &setup.axis {
             plant.mount(axis);
         }
+        let device: Device<D, A> =
+            device(&power_on, setup.serial_number).produced(setup.produced());
         Self {
             powered: false,
             was_reset: false,
-            device: device(&power_on, setup.serial_number).produced(setup.produced()),
+            recorder: recorder(&device),
+            device,
             drive: Drive::new(drive_config()),
             exchange: Exchange::new(),
             plant,
@@ -168,6 +179,7 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
     pub fn power_cycle(&mut self) {
         let power_on = self.setup.power_on();
         self.device = device(&power_on, self.setup.serial_number).produced(self.setup.produced());
+        self.recorder = recorder(&self.device);
         self.drive = Drive::new(drive_config());
         self.exchange = Exchange::new();
         self.bit_rate = bit_rate(&power_on);
@@ -305,6 +317,7 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
         let outputs = self
             .drive
             .tick(now, &inputs, self.plant.pulses_mut(), &mut self.exchange);
+        self.recorder.tick(&self.drive, &mut self.exchange);
         if outputs.drop_pulses {
             self.plant.pulses_mut().drop_all();
         }
@@ -355,7 +368,7 @@ impl<D: Dictionary + Objects + Default, A: Application<D> + Default> VirtualDriv
 
 impl<D, A> Station for VirtualDrive<D, A>
 where
-    A: Application<D> + Default + std::fmt::Debug + 'static,
+    A: Application<D> + ScopeMemory + Default + std::fmt::Debug + 'static,
     D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
 {
     fn receive(&mut self, frame: &Frame, now: Instant) {
@@ -446,6 +459,15 @@ where
         .with_parameter_store()
         .started(power_on)
         .detecting()
+}
+
+/// The recorder of a drive that has just got power.
+fn recorder<D, A>(device: &Device<D, A>) -> Recorder<Arc<Memory>>
+where
+    D: Dictionary + Objects,
+    A: Application<D> + ScopeMemory,
+{
+    Recorder::new(device.application().scope_memory(), CONTROL_TICK)
 }
 
 /// The bit rate to begin with.

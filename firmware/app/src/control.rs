@@ -15,6 +15,7 @@
 //!   starts anew.
 
 use canopen::{Duration, Instant};
+use cia402::recorder::{Memory, Recorder};
 use cia402::{Drive, DriveConfig, Exchange, Inputs, State};
 use motion::step_interrupt::RecordQueue;
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
@@ -48,6 +49,7 @@ type Pulses = RecordQueue<'static, <Selected as Board>::Steps>;
 /// The drive and what it works on.
 pub struct Control {
     drive: Drive,
+    recorder: Recorder<&'static Memory>,
     pulses: Pulses,
     stage: <Selected as Board>::Stage,
     lost: &'static Lost,
@@ -66,9 +68,11 @@ impl Control {
         stage: <Selected as Board>::Stage,
         lost: &'static Lost,
         edges: &'static Edges,
+        scope: &'static Memory,
     ) -> Self {
         Self {
             drive: Drive::new(config()),
+            recorder: Recorder::new(scope, config().tick),
             pulses,
             stage,
             lost,
@@ -112,6 +116,7 @@ impl Control {
         if outputs.drop_pulses && self.pulses.pending() > 0 {
             self.pulses.drop_all();
         }
+        self.recorder.tick(&self.drive, &mut Locked(&mut exchange));
         if alive {
             self.stage.feed_watchdog();
         }

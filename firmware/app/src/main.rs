@@ -110,7 +110,7 @@ mod app {
         let (pulses, player) = step_interrupt::split(cx.local.steps, steps, TIMING);
         let (inbox, received) = Inbox::new(cx.local.frames, cx.local.lost);
         let mut exchange = Exchange::new();
-        let machine = Machine::new(user_memory);
+        let machine = Machine::new(user_memory, &board::SCOPE_MEMORY);
         let mut node = Node::new(
             settings,
             &power_on,
@@ -132,7 +132,13 @@ mod app {
             step: (player, input_lines, cx.local.edges),
         };
         let local = Local {
-            control: Control::new(pulses, stage, cx.local.lost, cx.local.edges),
+            control: Control::new(
+                pulses,
+                stage,
+                cx.local.lost,
+                cx.local.edges,
+                &board::SCOPE_MEMORY,
+            ),
             panel: Panel::new(lights),
         };
         (shared, local, init::Monotonics())

@@ -219,13 +219,19 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 
     /// Puts the actual values of a moment in the dictionary.
     fn refresh<X: Share>(&mut self, stamp: Instant, exchange: &mut X) -> Actuals {
-        let (actuals, has_news) =
-            exchange.lock(|exchange| (exchange.actuals_at(stamp), exchange.has_news()));
+        let (actuals, has_news, scope) = exchange.lock(|exchange| {
+            (
+                exchange.actuals_at(stamp),
+                exchange.has_news(),
+                exchange.scope(),
+            )
+        });
         show(self.node.dictionary_mut(), &actuals);
         if has_news {
             let (latched, readings) = exchange.lock(Exchange::take_news);
             periphery::show(self.node.dictionary_mut(), &latched, &readings);
         }
+        self.hooks.desk.show(self.node.dictionary_mut(), scope);
         actuals
     }
 
@@ -285,6 +291,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             let configuration = Configuration::of(self.node.dictionary());
             self.hooks.set_units(configuration.units);
             exchange.lock(|exchange| exchange.configure(configuration));
+        }
+        if let Some(orders) = self.hooks.desk.take_orders() {
+            exchange.lock(|exchange| exchange.order(orders));
         }
         if self.hooks.take_written() || network != self.network {
             self.network = network;

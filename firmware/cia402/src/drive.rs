@@ -15,7 +15,7 @@ use motion::{AxisConfig, PulseSink};
 use crate::brake::Brake;
 use crate::configuration::Configuration;
 use crate::controlword::{Command, FAULT_RESET};
-use crate::exchange::{Commands, Share};
+use crate::exchange::{Actuals, Commands, Share};
 use crate::faults::{Faults, Reaction};
 use crate::inputs::{DigitalInputs, Switches};
 use crate::modes::{Context, Modes};
@@ -23,6 +23,7 @@ use crate::monitor::{Monitor, Observed};
 use crate::motor::Motor;
 use crate::option_codes::Stop;
 use crate::periphery::Periphery;
+use crate::recorder;
 use crate::state_machine::{Conditions, State, StateMachine, Transition};
 use crate::statusword;
 use crate::units::{Frame, Travel, Units};
@@ -150,6 +151,15 @@ impl Drive {
     /// The state, as published by the last tick.
     pub const fn state(&self) -> State {
         self.machine.state()
+    }
+
+    /// For the scope: what there is to see of the last tick beside what it has published.
+    pub(crate) const fn seen<'a>(&'a self, actuals: &'a Actuals) -> recorder::Tick<'a> {
+        recorder::Tick {
+            actuals,
+            commands: &self.commands,
+            units: &self.configuration.units,
+        }
     }
 
     /// One control tick. `now` is its time, on the clock that stamps received frames; `inputs` were read just before.

@@ -12,6 +12,7 @@ use crate::controlword::{Command, NEW_SET_POINT};
 use crate::faults::FaultNotice;
 use crate::modes::Mode;
 use crate::periphery::{Latched, Readings};
+use crate::recorder::{self, Orders, Status};
 use crate::state_machine::State;
 use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
 
@@ -265,6 +266,9 @@ pub struct Exchange {
     readings: Readings,
     /// One of these two has not been taken yet.
     has_news: bool,
+    /// For the scope, what no tick has taken yet.
+    orders: Option<Orders>,
+    scope: Status,
 }
 
 impl Exchange {
@@ -286,6 +290,8 @@ impl Exchange {
             latched: Latched::NONE,
             readings: Readings::NONE,
             has_news: false,
+            orders: None,
+            scope: Status::NONE,
         }
     }
 
@@ -371,6 +377,35 @@ impl Exchange {
             actuals.statusword &= !(TARGET_REACHED | HOMING_ATTAINED | HOMING_ERROR);
         }
         actuals
+    }
+
+    /// The newest actual values.
+    pub const fn newest(&self) -> &Actuals {
+        &self.newest
+    }
+
+    /// Orders for the scope, which the next tick takes.
+    pub fn order(&mut self, orders: Orders) {
+        self.scope = recorder::foreseen(self.scope, &orders);
+        self.orders = Some(orders.after(self.orders.unwrap_or_default()));
+    }
+
+    /// What was ordered of the scope since the last call.
+    #[inline]
+    pub fn take_orders(&mut self) -> Option<Orders> {
+        // Nearly always there are none, and nothing is copied.
+        self.orders?;
+        self.orders.take()
+    }
+
+    /// What the recorder has become.
+    pub const fn scope_is(&mut self, status: Status) {
+        self.scope = status;
+    }
+
+    /// How the scope is, with the orders that no tick has taken yet.
+    pub const fn scope(&self) -> Status {
+        self.scope
     }
 
     /// Whether a tick that has seen the latest commands found power off and the motor at rest.

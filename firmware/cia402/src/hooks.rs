@@ -31,6 +31,7 @@ use crate::parameters::Parameter;
 use crate::periphery::digital_outputs::OutputFunction;
 use crate::periphery::touch_probe::{Source, is_function};
 use crate::protection::{PASSWORD, PRODUCTION, Protection};
+use crate::recorder::Desk;
 use crate::units::{Factors, SiUnit, Units};
 
 const IDENTITY: u16 = 0x1018;
@@ -70,6 +71,8 @@ pub(crate) struct Hooks<A> {
     outputs_written: bool,
     pub(crate) protection: Protection,
     pub(crate) commissioning: Commissioning,
+    /// The scope.
+    pub(crate) desk: Desk,
     /// The serial number of production; 0 for none.
     produced: u32,
 }
@@ -88,6 +91,7 @@ impl<A> Hooks<A> {
             outputs_written: false,
             protection: Protection::default(),
             commissioning: Commissioning::default(),
+            desk: Desk::default(),
             produced: 0,
         }
     }
@@ -177,6 +181,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         let protected = self.protection.check(dictionary, entry, value);
         protected.inspect_err(|code| self.protection.refused(entry, *code))?;
         self.commissioning.check(entry, value)?;
+        self.desk.check(dictionary, entry, value)?;
         if let Some(parameter) = D::parameter(entry)
             && let Some(number) = od::number(entry, value)
         {
@@ -205,6 +210,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         self.written |= parameter.is_some();
         self.configured |= parameter.is_some_and(|parameter| !parameter.is_command());
         self.delay_written |= entry.index == RESTART_DELAY;
+        self.desk.written(dictionary, entry);
         if entry.index >> 4 == PASSWORD >> 4 {
             self.delay_written |= entry.index == SDO_TIME_OUT;
             self.protection.written(dictionary, entry);
@@ -275,6 +281,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         self.protection.reset();
         self.protection.load();
         self.protection.show(dictionary);
+        self.desk.power_on(dictionary);
         self.application.power_on(dictionary);
         dictionary.agree();
         self.history = ControlwordHistory::new(dictionary.controlword());

@@ -39,6 +39,7 @@ pub mod option_codes;
 pub mod parameters;
 pub mod periphery;
 pub mod protection;
+pub mod recorder;
 pub mod state_machine;
 pub mod statusword;
 #[cfg(test)]

@@ -6,6 +6,8 @@
 #![no_std]
 #![no_main]
 
+use core::sync::atomic::AtomicU32;
+
 use canopen::cia301::emergency::Emergency;
 use canopen::cia301::nmt::Reset;
 use canopen::cia301::parameters::{ParameterSet, ParameterSets, ParameterStore, CHUNK};
@@ -20,6 +22,7 @@ use canopen::{
 };
 use cia402::binding::{self, Conversion, Number};
 use cia402::inputs::{self, Captured, DigitalInputs, Edges};
+use cia402::recorder::{Memory, Recorder, Recording};
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
@@ -335,16 +338,24 @@ impl ParameterStore for AnyStore {
     }
 }
 
-/// An application with the DOMAIN of the drive.
-struct Machine(Domain<[u8; 64]>);
+/// The memory of the scope.
+static SCOPE: Memory<[AtomicU32; 64]> = Memory::new();
+
+/// An application with the streamed objects of the drive.
+struct Machine(Domain<[u8; 64]>, Recording<&'static Memory>);
 
 impl Hooks for Machine {}
 
 impl Streams for Machine {
     type UserMemory = Domain<[u8; 64]>;
+    type ScopeData = Recording<&'static Memory>;
 
     fn user_memory(&mut self) -> &mut Self::UserMemory {
         &mut self.0
+    }
+
+    fn scope_data(&mut self) -> &mut Self::ScopeData {
+        &mut self.1
     }
 }
 
@@ -382,7 +393,7 @@ fn any_edges() -> Edges {
 #[inline(never)]
 fn drive(
     device: &mut Device<Dictionary, Hooked<Machine>>,
-    drive: &mut Drive,
+    (drive, recorder): (&mut Drive, &mut Recorder<&'static Memory>),
     exchange: &mut impl Share,
     outbox: &mut Outbox<3>,
 ) {
@@ -422,6 +433,7 @@ fn drive(
             look(u32::from(outputs.current) + u32::from(outputs.digital));
         }
         6 => look(exchange.lock(|exchange| exchange.is_safe()).into()),
+        16 => recorder.tick(drive, exchange),
         7 => device.controller_changed(any_controller_state(), any_time(), exchange),
         8 => device.frames_lost(any(), any_time()),
         9 => device.set_restart_delay((any() == 0).then_some(Duration::from_ticks(any_u64()))),
@@ -458,7 +470,8 @@ fn values() {
 #[entry]
 fn main() -> ! {
     let mut exchange = Exchange::new();
-    let machine = Hooked(Machine(Domain::new([0; 64], [0; 64])));
+    let recording = Recording::new(&SCOPE as &'static Memory);
+    let machine = Hooked(Machine(Domain::new([0; 64], [0; 64]), recording));
     let mut device = Device::with_application(Dictionary::new(), any_settings(), any(), machine)
         .with_parameter_store()
         .detecting()
@@ -480,10 +493,13 @@ fn main() -> ! {
             axis: config,
             tick: Duration::from_ticks(any_u64()),
         });
+        let mut recorder =
+            Recorder::new(&SCOPE as &'static Memory, Duration::from_ticks(any_u64()));
         while any() != 0 {
             node(&mut plain);
             commissioning.advance(&plain);
-            drive(&mut device, &mut driver, &mut exchange, &mut outbox);
+            let halves = (&mut driver, &mut recorder);
+            drive(&mut device, halves, &mut exchange, &mut outbox);
             axis(&mut stepper);
             homing(&mut search);
             plan(config.clock);

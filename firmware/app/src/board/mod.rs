@@ -22,12 +22,14 @@ use motion::step_interrupt::StepTimer;
 
 #[cfg(feature = "qemu")]
 mod qemu;
+mod scope_memory;
 #[cfg(feature = "stm32f405")]
 mod stm32f405;
 mod user_memory;
 
 #[cfg(feature = "qemu")]
 pub use qemu::Qemu as Selected;
+pub use scope_memory::SCOPE_MEMORY;
 #[cfg(feature = "stm32f405")]
 pub use stm32f405::Stm32f405 as Selected;
 

@@ -1,0 +1,13 @@
+//! Where the samples of the scope lie: on the chip in its core-coupled memory, beside the user memory; the emulator has none, so there
+//! they lie in the memory of all.
+
+use core::sync::atomic::AtomicU32;
+
+use cia402::recorder::Memory;
+
+/// Words of samples.
+const WORDS: usize = 5_120;
+
+/// The memory of the scope. At the start of the chip it holds anything, and the recorder forgets that before anybody looks.
+#[cfg_attr(feature = "stm32f405", link_section = ".ccmram")]
+pub static SCOPE_MEMORY: Memory<[AtomicU32; WORDS]> = Memory::new();
