@@ -87,7 +87,8 @@ fn m60_an_encoder_sees_lost_steps_as_a_following_error() {
     drive.reaches(FAULT, 1_000);
     assert_eq!(drive.read_u16(0x603F, 0), 0x8611);
     assert!(lost(&mut drive) >= TURN);
-    // It knows where it is, and goes on from there.
+    // It knows where it is, and goes on from there; the field catches the rotor up to half an electrical turn away.
+    drive.write_u32(0x6067, 0, 40);
     drive.command(0x00);
     drive.command(0x80);
     drive.reaches(SWITCH_ON_DISABLED, 10);
