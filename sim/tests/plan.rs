@@ -92,6 +92,43 @@ fn the_reference_moves_take_their_time_and_land() {
     assert_eq!(checked, 20);
 }
 
+/// The jerk-limited reference vectors: the fastest move there is.
+#[test]
+fn jerk_limited_moves_take_the_least_time() {
+    let vectors = include_str!("../../firmware/motion/tests/motion-vectors.json");
+    let vectors: Value = serde_json::from_str(vectors).unwrap();
+    let vectors = vectors["jerk"].as_array().unwrap();
+    for vector in vectors {
+        let distance = decimal(vector, "S");
+        let report = report(&format!(
+            "--distance {distance} --velocity {} --acceleration {} --jerk {}",
+            decimal(vector, "v"),
+            decimal(vector, "a"),
+            decimal(vector, "j"),
+        ));
+        let name = &vector["name"];
+        let late = number(&report, "duration_s") - decimal(vector, "T_opt");
+        assert!((-1e-9..2e-8).contains(&late), "{name}: {late} s late");
+        assert_eq!(report["final_position"], distance as i64, "{name}");
+        assert_eq!(report["pulses"], distance as i64, "{name}");
+        assert!(number(&report, "max_position_error_steps") <= 0.1, "{name}");
+    }
+    assert_eq!(vectors.len(), 6);
+}
+
+#[test]
+fn sin2_takes_as_long_as_the_trapezoid() {
+    let move_by = "--distance 30000 --velocity 100000 --acceleration 500000 --deceleration 250000";
+    let trapezoid = report(move_by);
+    let sine = report(&format!("{move_by} --profile sin2"));
+    assert_eq!(sine["duration_ticks"], trapezoid["duration_ticks"]);
+    assert_eq!(sine["pulses"], 30_000);
+    assert_eq!(sine["final_position"], 30_000);
+    let peaks = number(&sine, "peak_velocity") - number(&trapezoid, "peak_velocity");
+    assert!(peaks.abs() < 1.0, "{peaks}");
+    assert!(number(&sine, "max_position_error_steps") <= 0.1);
+}
+
 #[test]
 fn pulses_stay_close_to_the_plan_at_high_rates() {
     let half = report("--distance 500000 --velocity 500000 --acceleration 2000000");
@@ -219,6 +256,16 @@ fn what_cannot_be_is_refused_in_one_line() {
     );
     assert_refused(&format!("--distance many {limits}"), "many");
     assert_refused("--velocity 5 --acceleration 5", "--distance");
+    assert_refused(&format!("--distance 5 {limits} --jerk 0"), "jerk is zero");
+    assert_refused(
+        &format!("--distance 5 {limits} --profile jerk"),
+        "needs --jerk",
+    );
+    assert_refused(
+        &format!("--distance 5 {limits} --profile sin2 --jerk 5"),
+        "for the profile `jerk` alone",
+    );
+    assert_refused(&format!("--distance 5 {limits} --profile cubic"), "cubic");
     assert_refused(
         &format!("--distance 5 {limits} --clock 999999"),
         "999999 Hz",

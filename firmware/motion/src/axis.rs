@@ -14,7 +14,7 @@ use heapless::Deque;
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Position, State, Velocity};
 use crate::path::{FollowError, Path};
-use crate::plan::{Goal, Limits, Plan, PlanError};
+use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::train::{Chord, Train};
 
@@ -70,6 +70,8 @@ const CHORDS_PER_SEGMENT: u64 = 32;
 pub struct Axis {
     clock: Clock,
     plan: Plan,
+    /// How the velocity changes in what is planned from now on.
+    ramps: Ramps,
     /// The set-points that are followed; in their place the plan stands still.
     path: Option<Path>,
     train: Train,
@@ -90,6 +92,7 @@ impl Axis {
         let mut axis = Self {
             clock: config.clock,
             plan: Plan::at_rest(0, 0),
+            ramps: Ramps::Linear,
             path: None,
             train: Train::new(config.timing, config.segment, 0, 0),
             horizon: 0,
@@ -110,6 +113,11 @@ impl Axis {
         axis.set_position(plan.state_at(begin).position.whole_steps());
         axis.plan = plan;
         axis
+    }
+
+    /// Says how the velocity is to change (6086h, 60A4h), from the next command on; linear ramps before.
+    pub const fn set_ramps(&mut self, ramps: Ramps) {
+        self.ramps = ramps;
     }
 
     /// Moves to the absolute position `target`, in whole steps. At any moment and from any velocity. A target beyond −2³¹ ..= 2³¹−1 lies
@@ -279,8 +287,7 @@ impl Axis {
         if let Some(path) = &self.path {
             return path.end().0 <= self.horizon;
         }
-        let last = self.plan.phases().last();
-        self.plan.end().is_some() && last.is_none_or(|last| last.start() <= self.horizon)
+        self.plan.end().is_some() && self.plan.last_ramp() <= self.horizon
     }
 
     /// The direction in which the axis moves at the commit horizon; `None` if it stands there.
@@ -424,10 +431,12 @@ impl Axis {
         };
         let (clock, horizon) = (self.clock, self.horizon);
         match &self.path {
-            None => self.plan.redirect(clock, horizon, goal, limits),
+            None => self.plan.redirect(clock, horizon, goal, limits, self.ramps),
             Some(path) => {
                 let from = path.exact_at(horizon);
-                self.plan.make(clock, horizon, from, goal, limits)?;
+                let from = (from, 0);
+                self.plan
+                    .make(clock, horizon, from, goal, limits, self.ramps)?;
                 self.path = None;
                 Ok(())
             }

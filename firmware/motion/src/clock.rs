@@ -3,6 +3,8 @@
 //! All times are counts of one hardware timer. A 64-bit count at 168 MHz wraps after 3480 years, so nothing here reasons
 //! about wrap-around.
 
+use crate::wide::Wide;
+
 /// Ticks of the step timer, counted from when the axis was made.
 pub type Ticks = u64;
 
@@ -68,5 +70,19 @@ impl Clock {
         self.second_squared
             .wrapping_mul(u128::from(steps_per_second_squared))
             >> 29
+    }
+
+    /// A sixth of a limit in steps/s³, as Q128 steps/tick³. Rounded down, so that the limit holds, but never to nothing; cut to 93 bits
+    /// (at 1 MHz 2.6·10⁸ steps/s³, at 84 MHz more than 32 bits hold).
+    ///
+    /// A sixth, because that is the coefficient of a cubic.
+    pub(crate) fn sixth_jerk(self, steps_per_second_cubed: u32) -> Fine {
+        // Q152: 93 bits at most.
+        let second_cubed = Wide::product(self.second_squared, self.second).shifted_wrapping(68);
+        // A sixth of the limit, Q32.
+        let sixth = (u64::from(steps_per_second_cubed) << 32) / 6;
+        Wide::product(second_cubed, sixth.into())
+            .shifted_wrapping(56)
+            .clamp(1, (1 << 93) - 1)
     }
 }

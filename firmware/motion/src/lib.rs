@@ -46,5 +46,5 @@ pub use divide::quotient;
 pub use fixed::{Position, State, Velocity};
 pub use path::FollowError;
 pub use plan::phase::Phase;
-pub use plan::{Goal, Limits, Plan, PlanError};
+pub use plan::{Goal, Limits, Plan, PlanError, Ramps};
 pub use record::{Direction, DriverTiming, PulseSink, Record};

@@ -33,6 +33,20 @@ pub(crate) struct Ramp {
     pub(crate) way: f64,
 }
 
+/// A jerk-limited move from rest to rest, with the same jerk and acceleration at both ends.
+#[derive(Debug)]
+pub(crate) struct Smooth {
+    pub(crate) name: String,
+    pub(crate) distance: i64,
+    pub(crate) velocity: u32,
+    pub(crate) acceleration: u32,
+    pub(crate) jerk: u32,
+    /// That of the fastest move there is.
+    pub(crate) duration: f64,
+    pub(crate) peak: f64,
+    pub(crate) peak_acceleration: f64,
+}
+
 fn document() -> Value {
     serde_json::from_str(include_str!("../tests/motion-vectors.json")).unwrap()
 }
@@ -91,6 +105,23 @@ pub(crate) fn ramps() -> Vec<Ramp> {
             deceleration: whole(&v["d"]),
             duration: real(&v["t"]),
             way: real(&v["dx"]),
+        })
+        .collect()
+}
+
+pub(crate) fn smooth_moves() -> Vec<Smooth> {
+    let document = document();
+    let vectors = document["jerk"].as_array().unwrap().iter();
+    vectors
+        .map(|v| Smooth {
+            name: v["name"].as_str().unwrap().into(),
+            distance: whole(&v["S"]),
+            velocity: whole(&v["v"]),
+            acceleration: whole(&v["a"]),
+            jerk: whole(&v["j"]),
+            duration: real(&v["T_opt"]),
+            peak: real(&v["vpeak"]),
+            peak_acceleration: real(&v["apeak"]),
         })
         .collect()
 }

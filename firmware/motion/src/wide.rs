@@ -68,6 +68,15 @@ impl Wide {
             ((word >> (shift & 127)) as u64, shift.wrapping_add(base))
         }
     }
+
+    /// The root of a number with an even number of bits behind the point: with half as many; 32 significant bits, rounded down.
+    pub(crate) fn root(self) -> u128 {
+        let (mantissa, exponent) = self.leading();
+        // An even exponent, so that its root is a shift.
+        let odd = exponent & 1;
+        let root = u128::from((mantissa >> odd).isqrt());
+        root << (exponent.wrapping_add(odd) / 2 & 127)
+    }
 }
 
 #[cfg(test)]

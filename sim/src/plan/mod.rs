@@ -31,6 +31,12 @@ pub struct Arguments {
     /// Profile deceleration in steps/s², while the speed falls; without it as the acceleration
     #[arg(long, value_name = "STEPS/S²")]
     pub deceleration: Option<u32>,
+    /// Jerk in steps/s³, for the profile `jerk`
+    #[arg(long, value_name = "STEPS/S³")]
+    pub jerk: Option<u32>,
+    /// How the velocity changes; with a jerk `jerk`, without one `trapezoid`
+    #[arg(long, value_enum, value_name = "PROFILE")]
+    pub profile: Option<Profile>,
     /// The velocity at the start in steps/s
     #[arg(
         long,
@@ -54,6 +60,17 @@ pub struct Arguments {
     /// Write a picture of position, velocity and acceleration as SVG
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
+}
+
+/// The motion profile types of 6086h.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Profile {
+    /// Constant acceleration
+    Trapezoid,
+    /// sin² ramps, as long as the linear ones
+    Sin2,
+    /// Limited jerk
+    Jerk,
 }
 
 /// Why there is nothing to show.

@@ -117,7 +117,9 @@ fn velocity(planned: &Move, state: State) -> f64 {
 fn acceleration(planned: &Move, tick: Ticks) -> f64 {
     let phase = planned.plan.phases().iter().rev();
     let phase = phase.into_iter().find(|phase| phase.start() <= tick);
-    phase.map_or(0.0, |phase| phase.acceleration(planned.clock) as f64)
+    phase.map_or(0.0, |phase| {
+        phase.acceleration_at(planned.clock, tick) as f64
+    })
 }
 
 /// Writes position, velocity and acceleration over time as SVG.

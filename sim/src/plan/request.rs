@@ -1,10 +1,10 @@
 //! From the command line to a plan.
 
 use motion::{
-    AxisConfig, Clock, DriverTiming, Goal, Limits, Plan, Position, State, Ticks, Velocity,
+    AxisConfig, Clock, DriverTiming, Goal, Limits, Plan, Position, Ramps, State, Ticks, Velocity,
 };
 
-use super::Arguments;
+use super::{Arguments, Profile};
 
 /// Shortest time of the step signal being high, and being low, in ns: what a fast driver chip needs.
 const PULSE: u32 = 100;
@@ -79,7 +79,8 @@ impl Move {
             position: Position::from_steps(origin),
             velocity: Velocity::from_steps_per_second(clock, arguments.initial_velocity),
         };
-        let plan = Plan::new(clock, 0, from, goal, limits).map_err(|error| error.to_string())?;
+        let plan = Plan::new(clock, 0, from, goal, limits, ramps(arguments)?)
+            .map_err(|error| error.to_string())?;
         let end = match plan.end() {
             Some(end) => end,
             None => passing(&plan, target)?,
@@ -97,6 +98,22 @@ impl Move {
             origin,
             end,
         })
+    }
+}
+
+/// The ramps of the profile.
+fn ramps(arguments: &Arguments) -> Result<Ramps, String> {
+    let profile = match (arguments.profile, arguments.jerk) {
+        (Some(profile), _) => profile,
+        (None, None) => Profile::Trapezoid,
+        (None, Some(_)) => Profile::Jerk,
+    };
+    match (profile, arguments.jerk) {
+        (Profile::Trapezoid, None) => Ok(Ramps::Linear),
+        (Profile::Sin2, None) => Ok(Ramps::SinSquared),
+        (Profile::Jerk, Some(jerk)) => Ok(Ramps::JerkLimited(jerk)),
+        (Profile::Jerk, None) => Err("the profile `jerk` needs --jerk".to_owned()),
+        (_, Some(_)) => Err("--jerk is for the profile `jerk` alone".to_owned()),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Plans: where the axis is at every tick, in closed form.
 //!
-//! A plan is a list of at most five phases of constant acceleration. It is made once, from a state, a goal and limits, and then
+//! A plan is a list of phases of constant acceleration, at most five; where the jerk is limited, of constant jerk, at most
+//! eleven. It is made once, from a state, a goal and limits, and then
 //! only evaluated. Two rules make it exact: the braking phase of a move is anchored at its target, so that it lands there whatever
 //! was rounded on the way; and limits are rounded down, so that they are never exceeded. What that costs in speed is paid
 //! by the cruise.
@@ -8,15 +9,20 @@
 //! After CiA 402-2, the profile deceleration (6084h) rules whenever the speed falls and the profile acceleration (6083h)
 //! whenever it grows, in either direction.
 
+mod jerk_limited;
 mod move_to;
 pub(crate) mod phase;
+mod ramp;
+mod sine;
 mod velocity;
 
 use core::fmt;
 
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Exact, State};
-use phase::{Offset, Parabola, Phase, ramp_way, ticks_up};
+use phase::{Curve, Offset, Phase, Shape, ramp_way, ticks_up};
+use ramp::{Jerk, Ramp};
+use sine::Sine;
 
 /// What a motion may ask of the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,6 +33,19 @@ pub struct Limits {
     pub acceleration: u32,
     /// Profile deceleration (6084h) in steps/s², at least 1: rules while the speed falls.
     pub deceleration: u32,
+}
+
+/// How the velocity changes (motion profile type, 6086h).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Ramps {
+    /// At constant acceleration: the trapezoid.
+    #[default]
+    Linear,
+    /// As sin², within the time that the linear ramp takes and over the same way; the acceleration reaches π/2 times its limit. A
+    /// motion that begins within such a ramp is jerk-limited, at the jerk at which a ramp from rest to the profile velocity begins.
+    SinSquared,
+    /// With this jerk (60A4h) in steps/s³, at least 1: the double-S.
+    JerkLimited(u32),
 }
 
 /// What a motion is after.
@@ -49,6 +68,8 @@ pub enum PlanError {
     ZeroAcceleration,
     /// The deceleration limit is 0: the axis would never stop.
     ZeroDeceleration,
+    /// The jerk is 0: no ramp would begin.
+    ZeroJerk,
     /// The target is 2³² steps or more away, or braking takes the axis that far from it.
     OutOfRange,
 }
@@ -59,6 +80,7 @@ impl fmt::Display for PlanError {
             Self::ZeroVelocity => "velocity limit is zero",
             Self::ZeroAcceleration => "acceleration limit is zero",
             Self::ZeroDeceleration => "deceleration limit is zero",
+            Self::ZeroJerk => "jerk is zero",
             Self::OutOfRange => "target out of range",
         })
     }
@@ -66,8 +88,8 @@ impl fmt::Display for PlanError {
 
 impl core::error::Error for PlanError {}
 
-/// Overspeed is braked or the wrong direction is left; then acceleration, cruise, braking, and the velocity that is kept.
-const MOST_PHASES: usize = 5;
+/// The wrong direction is left; then acceleration, cruise, braking, and the velocity that is kept. A jerk-limited ramp is three.
+const MOST_PHASES: usize = 11;
 
 /// A motion in closed form.
 #[derive(Debug, Clone, Copy)]
@@ -79,6 +101,14 @@ pub struct Plan {
     count: u8,
     /// The position from `end` on, Q96 steps.
     rest: i128,
+    /// The first tick of the ramp to rest, or of the last ramp there is.
+    last_ramp: Ticks,
+    /// What the plan was made for, if its ramps are not linear.
+    order: Option<(Goal, Limits, Ramps)>,
+    /// With which jerk a ramp under way is left; none where ramps are linear.
+    jerk: Option<Jerk>,
+    /// The linear ramps of the plan that is made next are to be drawn as sin².
+    is_sine: bool,
 }
 
 impl Plan {
@@ -90,6 +120,10 @@ impl Plan {
             phases: [Phase::NONE; MOST_PHASES],
             count: 0,
             rest: Exact::at_rest(position_steps).position,
+            last_ramp: start,
+            order: None,
+            jerk: None,
+            is_sine: false,
         }
     }
 
@@ -108,7 +142,14 @@ impl Plan {
         target_steps: i64,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        Self::new(clock, start, from, Goal::Rest(target_steps), limits)
+        Self::new(
+            clock,
+            start,
+            from,
+            Goal::Rest(target_steps),
+            limits,
+            Ramps::Linear,
+        )
     }
 
     /// Profile velocity: ramps to `steps_per_second` and keeps it; 0 is a stop, the ramp of halt and quick stop.
@@ -124,7 +165,14 @@ impl Plan {
         steps_per_second: i32,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        Self::new(clock, start, from, Goal::Velocity(steps_per_second), limits)
+        Self::new(
+            clock,
+            start,
+            from,
+            Goal::Velocity(steps_per_second),
+            limits,
+            Ramps::Linear,
+        )
     }
 
     /// A plan from `from` at tick `start` to any goal.
@@ -137,9 +185,10 @@ impl Plan {
         from: State,
         goal: Goal,
         limits: Limits,
+        ramps: Ramps,
     ) -> Result<Self, PlanError> {
         let mut plan = Self::at_rest(0, start);
-        plan.make(clock, start, from.into(), goal, limits)?;
+        plan.make(clock, start, (from.into(), 0), goal, limits, ramps)?;
         Ok(plan)
     }
 
@@ -173,7 +222,13 @@ impl Plan {
         limits: Limits,
     ) -> Result<Self, PlanError> {
         let mut next = *self;
-        next.redirect(clock, at, Goal::Pass(target_steps, end_velocity), limits)?;
+        next.redirect(
+            clock,
+            at,
+            Goal::Pass(target_steps, end_velocity),
+            limits,
+            Ramps::Linear,
+        )?;
         Ok(next)
     }
 
@@ -189,12 +244,21 @@ impl Plan {
         limits: Limits,
     ) -> Result<Self, PlanError> {
         let mut next = *self;
-        next.redirect(clock, at, Goal::Velocity(steps_per_second), limits)?;
+        next.redirect(
+            clock,
+            at,
+            Goal::Velocity(steps_per_second),
+            limits,
+            Ramps::Linear,
+        )?;
         Ok(next)
     }
 
     /// Leaves for another goal at tick `at`, from the state that this plan has there, without rounding it first. On an error the
     /// plan stays as it was. This is the way an axis takes: a plan is large, and copies of it are dear.
+    ///
+    /// Smooth ramps go on smoothly; what a smooth plan does already is not planned again. From linear ramps a smooth one begins
+    /// with no acceleration.
     ///
     /// # Errors
     /// As [`Plan::move_to`].
@@ -204,27 +268,95 @@ impl Plan {
         at: Ticks,
         goal: Goal,
         limits: Limits,
+        ramps: Ramps,
     ) -> Result<(), PlanError> {
+        let mut pull = 0;
+        if ramps != Ramps::Linear && self.jerk.is_some() && at < self.end {
+            if self.does(at, goal, limits, ramps) {
+                return Ok(());
+            }
+            pull = self.phase_at(at).map_or(0, |phase| phase.pull(at));
+        }
         let from = self.exact_at(at);
-        self.make(clock, at, from, goal, limits)
+        self.make(clock, at, (from, pull), goal, limits, ramps)
     }
 
-    /// Becomes the plan from this state at tick `start`, whatever it was. On an error it stays as it was.
+    /// Whether there is nothing to change for a goal: it is what the plan is after; or sin² braking is under way to it, and that is
+    /// as short as it can be.
+    fn does(&self, at: Ticks, goal: Goal, limits: Limits, ramps: Ramps) -> bool {
+        if at < self.start {
+            return false;
+        }
+        if self.order == Some((goal, limits, ramps)) {
+            return true;
+        }
+        let is_braking = ramps == Ramps::SinSquared && self.is_sine && at >= self.last_ramp;
+        let to_rest = match goal {
+            Goal::Rest(target) => Exact::at_rest(target).position == self.rest,
+            Goal::Pass(..) => false,
+            Goal::Velocity(velocity) => velocity == 0,
+        };
+        is_braking && to_rest && self.end != Ticks::MAX && limits.deceleration != 0
+    }
+
+    /// Makes a plan from a state and an acceleration, Q96, which linear ramps do not care for.
     pub(crate) fn make(
         &mut self,
         clock: Clock,
         start: Ticks,
-        from: Exact,
+        (from, pull): (Exact, i128),
         goal: Goal,
         limits: Limits,
+        ramps: Ramps,
     ) -> Result<(), PlanError> {
-        match goal {
-            Goal::Rest(target) => move_to::plan(self, clock, start, from, (target, 0), limits),
-            Goal::Pass(target, end_velocity) => {
-                move_to::plan(self, clock, start, from, (target, end_velocity), limits)
+        let jerk = match ramps {
+            Ramps::Linear => None,
+            Ramps::SinSquared if pull != 0 => self.jerk,
+            Ramps::SinSquared => Some(sine_jerk(clock, from, limits)),
+            Ramps::JerkLimited(0) => return Err(PlanError::ZeroJerk),
+            Ramps::JerkLimited(jerk) => {
+                let sixth = clock.sixth_jerk(jerk);
+                // A ramp under way is left at no less than the jerk with which it was entered.
+                let entered = self.jerk.filter(|_| pull != 0).map_or(0, |jerk| jerk.sixth);
+                Some(Jerk {
+                    sixth: sixth.max(entered),
+                })
             }
-            Goal::Velocity(velocity) => velocity::plan(self, clock, start, from, velocity, limits),
+        };
+        let is_sine = ramps == Ramps::SinSquared && pull == 0;
+        match jerk {
+            Some(jerk) if !is_sine => {
+                jerk_limited::plan(self, clock, start, (from, pull), goal, limits, jerk)?;
+            }
+            _ => {
+                let was_sine = self.is_sine;
+                self.is_sine = is_sine;
+                let made = match goal {
+                    Goal::Rest(target) => {
+                        move_to::plan(self, clock, start, from, (target, 0), limits)
+                    }
+                    Goal::Pass(target, end) => {
+                        move_to::plan(self, clock, start, from, (target, end), limits)
+                    }
+                    Goal::Velocity(velocity) => {
+                        velocity::plan(self, clock, start, from, velocity, limits)
+                    }
+                };
+                if made.is_err() {
+                    self.is_sine = was_sine;
+                    return made;
+                }
+            }
         }
+        self.is_sine = is_sine;
+        self.jerk = jerk;
+        self.order = jerk.map(|_| (goal, limits, ramps));
+        Ok(())
+    }
+
+    /// The first tick of the ramp to rest; the end, if the axis stands.
+    pub(crate) const fn last_ramp(&self) -> Ticks {
+        self.last_ramp
     }
 
     /// The state at tick `t`: before the start that at the start, after the end that at the end.
@@ -264,7 +396,8 @@ impl Plan {
 
     /// The longest chord from tick `t` that stays within a quarter of a step of the phase there, in ticks.
     pub(crate) fn longest_chord(&self, t: Ticks) -> u64 {
-        self.phase_at(t).map_or(u64::MAX, Phase::longest_chord)
+        self.phase_at(t)
+            .map_or(u64::MAX, |phase| phase.longest_chord(t))
     }
 
     pub(crate) fn exact_at(&self, t: Ticks) -> Exact {
@@ -286,6 +419,19 @@ impl Plan {
     }
 }
 
+/// The jerk at the ends of a sin² ramp between rest and the profile velocity v: Δv·π²/2T² = π²·a²/2v.
+fn sine_jerk(clock: Clock, from: Exact, limits: Limits) -> Jerk {
+    let speed = from.rounded().velocity.steps_per_second(clock);
+    let velocity = limits.velocity.max(speed.unsigned_abs()).max(1);
+    let ramp = u64::from(limits.acceleration.max(limits.deceleration));
+    // π²/2 = 4.93; what does not fit is faster than any ramp.
+    let square = ramp.saturating_mul(ramp).checked_div(velocity.into());
+    let jerk = square.unwrap_or(0).saturating_mul(5);
+    Jerk {
+        sixth: clock.sixth_jerk(u32::try_from(jerk).unwrap_or(u32::MAX).max(1)),
+    }
+}
+
 /// Strings phases together, in a frame whose zero is the start and whose positive direction is that of the motion.
 ///
 /// Working in this frame makes a mirrored motion the exact mirror image, bit by bit.
@@ -295,6 +441,8 @@ struct Course<'a> {
     reverse: bool,
     elapsed: Offset,
     travelled: i128,
+    /// Ramps are drawn as sin².
+    is_sine: bool,
 }
 
 impl<'a> Course<'a> {
@@ -302,7 +450,9 @@ impl<'a> Course<'a> {
     fn new(plan: &'a mut Plan, start: Ticks, from: Exact, reverse: bool) -> Self {
         plan.start = start;
         plan.count = 0;
+        plan.last_ramp = start;
         Self {
+            is_sine: plan.is_sine,
             plan,
             origin: from.position,
             reverse,
@@ -313,10 +463,8 @@ impl<'a> Course<'a> {
 
     /// Brakes from `speed` against the direction of the motion to standstill, which takes `time` and `way`.
     fn turn_back(&mut self, speed: u128, half_deceleration: u128, time: Offset, way: u128) {
-        let curve = self.curve(
-            speed.cast_signed().wrapping_neg(),
-            half_deceleration.cast_signed(),
-        );
+        let speed = speed.cast_signed().wrapping_neg();
+        let curve = self.changing(speed, half_deceleration.cast_signed(), time);
         self.append(curve, time, way.cast_signed().wrapping_neg());
     }
 
@@ -324,10 +472,8 @@ impl<'a> Course<'a> {
     #[inline(never)]
     fn brake(&mut self, speed: u128, half_deceleration: u128, time: Offset) -> u128 {
         let way = ramp_way(speed, half_deceleration, time, true);
-        let curve = self.curve(
-            speed.cast_signed(),
-            half_deceleration.cast_signed().wrapping_neg(),
-        );
+        let falling = half_deceleration.cast_signed().wrapping_neg();
+        let curve = self.changing(speed.cast_signed(), falling, time);
         self.append(curve, time, way.cast_signed());
         way
     }
@@ -335,28 +481,78 @@ impl<'a> Course<'a> {
     /// Accelerates from `speed`. Returns the way.
     fn accelerate(&mut self, speed: u128, half_acceleration: u128, time: Offset) -> u128 {
         let way = ramp_way(speed, half_acceleration, time, false);
-        let curve = self.curve(speed.cast_signed(), half_acceleration.cast_signed());
+        let curve = self.changing(speed.cast_signed(), half_acceleration.cast_signed(), time);
         self.append(curve, time, way.cast_signed());
         way
     }
 
     /// Keeps `speed` over `way`.
     fn cruise(&mut self, speed: u128, time: Offset, way: u128) {
-        let curve = self.curve(speed.cast_signed(), 0);
-        self.append(curve, time, way.cast_signed());
+        let shape = Shape {
+            position: self.travelled,
+            velocity: speed.cast_signed(),
+            half_acceleration: 0,
+            curve: Curve::Parabola,
+        };
+        self.append(shape, time, way.cast_signed());
     }
 
     /// Brakes to standstill exactly at `target`, in the frame.
     fn land(mut self, target: i128, half_deceleration: u128, time: Offset) {
         let begin = self.elapsed;
         self.elapsed = begin.saturating_add(time);
-        let curve = Parabola {
-            position: target,
-            velocity: 0,
-            half_acceleration: half_deceleration.cast_signed().wrapping_neg(),
+        self.mark_ramp(begin);
+        let rising = half_deceleration.cast_signed();
+        let shape = match self.sine(rising, time) {
+            Some(sine) => Shape {
+                position: target,
+                velocity: 0,
+                half_acceleration: sine.half_peak(),
+                curve: Curve::Sine(sine),
+            },
+            None => Shape {
+                position: target,
+                velocity: 0,
+                half_acceleration: rising.wrapping_neg(),
+                curve: Curve::Parabola,
+            },
         };
-        self.push(curve, begin, self.elapsed);
+        self.push(shape, begin, self.elapsed);
         self.rest_at(target);
+    }
+
+    /// Follows a jerk-limited ramp.
+    fn ramp(&mut self, ramp: &Ramp) {
+        self.mark_ramp(self.elapsed);
+        for piece in ramp.pieces.iter().filter(|piece| piece.time != 0) {
+            self.append(piece.shape(self.travelled), piece.time, piece.way);
+        }
+    }
+
+    /// Follows a jerk-limited ramp to standstill exactly at `target`, in the frame: its last piece is anchored there.
+    fn land_on(mut self, ramp: &Ramp, target: i128) {
+        self.mark_ramp(self.elapsed);
+        let [first, second, last] = &ramp.pieces;
+        for piece in [first, second].into_iter().filter(|piece| piece.time != 0) {
+            self.append(piece.shape(self.travelled), piece.time, piece.way);
+        }
+        if last.time != 0 {
+            let begin = self.elapsed;
+            self.elapsed = begin.saturating_add(last.time);
+            let shape = Shape {
+                position: target,
+                velocity: 0,
+                half_acceleration: 0,
+                curve: Curve::Cubic(last.sixth_jerk),
+            };
+            self.push(shape, begin, self.elapsed);
+        }
+        self.rest_at(target);
+    }
+
+    /// The last ramp begins, as far as is known.
+    fn mark_ramp(&mut self, begin: Offset) {
+        self.plan.last_ramp = self.plan.start.saturating_add(ticks_up(begin));
     }
 
     /// Ends the plan here, standing at `position` in the frame.
@@ -382,25 +578,46 @@ impl<'a> Course<'a> {
         self.plan.rest = self.origin;
     }
 
-    /// A curve that begins here.
-    fn curve(&self, velocity: i128, half_acceleration: i128) -> Parabola {
-        Parabola {
+    /// A ramp that begins here.
+    fn changing(&mut self, velocity: i128, half_acceleration: i128, time: Offset) -> Shape {
+        self.mark_ramp(self.elapsed);
+        let (half_acceleration, curve) = match self.sine(half_acceleration, time) {
+            Some(sine) => (sine.half_peak(), Curve::Sine(sine)),
+            None => (half_acceleration, Curve::Parabola),
+        };
+        Shape {
             position: self.travelled,
             velocity,
             half_acceleration,
+            curve,
         }
+    }
+
+    /// The sin² ramp that takes the place of a linear one, if ramps are sin².
+    fn sine(&self, half_acceleration: i128, time: Offset) -> Option<Sine> {
+        if !self.is_sine || time == 0 {
+            return None;
+        }
+        let change = half_acceleration.unsigned_abs().wrapping_mul(time) >> 31;
+        let change = change.cast_signed();
+        let change = if half_acceleration < 0 {
+            change.wrapping_neg()
+        } else {
+            change
+        };
+        Some(Sine::new(change, time))
     }
 
     /// Adds a phase that is anchored at its beginning.
     #[inline(never)]
-    fn append(&mut self, curve: Parabola, time: Offset, way: i128) {
+    fn append(&mut self, curve: Shape, time: Offset, way: i128) {
         self.push(curve, self.elapsed, self.elapsed);
         self.elapsed = self.elapsed.saturating_add(time);
         self.travelled = self.travelled.wrapping_add(way);
     }
 
     #[inline(never)]
-    fn push(&mut self, curve: Parabola, begin: Offset, anchor: Offset) {
+    fn push(&mut self, curve: Shape, begin: Offset, anchor: Offset) {
         let plan = &mut *self.plan;
         let start = plan.start.saturating_add(ticks_up(begin));
         // A phase that ended before its first tick came is written over.

@@ -3,7 +3,7 @@
 //! Braking to an end velocity at the target is the beginning of braking to rest further on: as far on as it takes to brake from the
 //! end velocity. So such a move is planned as one to that point, and left at the target.
 
-use super::phase::{Offset, Parabola, ramp_time, ramp_way};
+use super::phase::{Curve, Offset, Shape, ramp_time, ramp_way};
 use super::{Course, Limits, Plan, PlanError};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
@@ -58,22 +58,24 @@ pub(super) fn plan(
     };
     let goal = gap.cast_signed();
     if approaching {
-        let spare = way.cast_signed().wrapping_sub(stop_way.cast_signed());
-        if spare.unsigned_abs() <= indistinct(stop_time) && route.end.speed == 0 {
+        let is_short = way < stop_way;
+        let spare = way.abs_diff(stop_way);
+        let is_exact = spare <= indistinct(stop_time);
+        if is_exact && route.end.speed == 0 {
             // The target is exactly at the stopping distance: brake, and nothing else.
             let course = Course::new(plan, start, from, target_behind);
             course.land(goal, half_deceleration, stop_time);
-        } else if spare <= indistinct(stop_time).cast_signed() && route.end.speed != 0 {
+        } else if (is_exact || is_short) && route.end.speed != 0 {
             // Too fast for the end velocity: it comes about behind the target.
             let mut course = Course::new(plan, start, from, target_behind);
             let time = ramp_time(speed.saturating_sub(route.end.speed), half_deceleration);
             course.brake(speed, half_deceleration, time);
             course.never_end(route.end.speed);
-        } else if spare < 0 {
+        } else if is_short {
             // Too fast to stop in time: brake, turn round, come back.
             let mut course = Course::new(plan, start, from, !target_behind);
             course.turn_back(speed, half_deceleration, stop_time, stop_way);
-            route.follow(course, 0, spare.unsigned_abs(), goal.wrapping_neg());
+            route.follow(course, 0, spare, goal.wrapping_neg());
         } else {
             let course = Course::new(plan, start, from, target_behind);
             route.follow(course, speed, way, goal);
@@ -90,7 +92,7 @@ pub(super) fn plan(
 }
 
 /// How far it is to a target, Q96 steps, and whether it lies behind. `None` if that is 2³² steps or more: positions wrap there.
-fn way_to(target_steps: i64, from: Exact) -> Option<(u128, bool)> {
+pub(super) fn way_to(target_steps: i64, from: Exact) -> Option<(u128, bool)> {
     let steps = target_steps.checked_sub((from.position >> 96) as i64)?;
     let distance = u32::try_from(steps.unsigned_abs()).ok()?;
     let distance = u128::from(distance) << 96;
@@ -220,13 +222,26 @@ impl Course<'_> {
     fn pass(mut self, target: i128, end: &End, half_deceleration: Fine, stop_time: Offset) {
         let begin = self.elapsed;
         let rest = begin.saturating_add(stop_time);
-        let curve = Parabola {
-            position: target.wrapping_add(end.way.cast_signed()),
-            velocity: 0,
-            half_acceleration: half_deceleration.cast_signed().wrapping_neg(),
-        };
-        self.push(curve, begin, rest);
         self.elapsed = rest.saturating_sub(end.time).max(begin);
+        self.mark_ramp(begin);
+        let rising = half_deceleration.cast_signed();
+        if let Some(sine) = self.sine(rising, self.elapsed.saturating_sub(begin)) {
+            let shape = Shape {
+                position: target,
+                velocity: end.speed.cast_signed(),
+                half_acceleration: sine.half_peak(),
+                curve: Curve::Sine(sine),
+            };
+            self.push(shape, begin, self.elapsed);
+        } else {
+            let shape = Shape {
+                position: target.wrapping_add(end.way.cast_signed()),
+                velocity: 0,
+                half_acceleration: rising.wrapping_neg(),
+                curve: Curve::Parabola,
+            };
+            self.push(shape, begin, rest);
+        }
         self.travelled = target;
         self.never_end(end.speed);
     }

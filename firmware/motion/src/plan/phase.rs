@@ -1,18 +1,32 @@
-//! One phase of a plan: a parabola, evaluated without rounding.
+//! One phase of a plan: a parabola, evaluated without rounding; a cubic, where the jerk is limited; or a sin² ramp.
 //!
 //! Coefficients are Q96 in 128 bits and time is a whole number of ticks from the phase's anchor, so x = x₀ + n·(v + n·h) in wrapping
 //! arithmetic is exact modulo 2³² steps, which is the span of a position. There is no error to accumulate, however
-//! long the phase; a cruise that never ends needs no new anchor.
+//! long the phase; a cruise that never ends needs no new anchor. The coefficient of a cubic is Q128: over the time that a jerk lasts, its
+//! rounding does not show.
 
 use crate::clock::{Clock, Ticks};
 use crate::divide::quotient;
 use crate::fixed::Exact;
 use crate::wide::Wide;
 
+use super::sine::Sine;
+
 /// Time from a plan's start in ticks, Q32: corners fall between ticks.
 pub(crate) type Offset = u128;
 
-/// A stretch of constant acceleration.
+/// What a phase is beyond a parabola.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Curve {
+    /// Nothing.
+    Parabola,
+    /// A sixth of the jerk, Q128 steps per tick³.
+    Cubic(i128),
+    /// The velocity is that at the anchor, and this comes on top. The half acceleration is the greatest there is.
+    Sine(Sine),
+}
+
+/// A stretch of constant acceleration or constant jerk, or a sin² ramp.
 #[derive(Debug, Clone, Copy)]
 pub struct Phase {
     /// The first tick that belongs to it.
@@ -22,6 +36,9 @@ pub struct Phase {
     position: i128,
     velocity: i128,
     half_acceleration: i128,
+    curve: Curve,
+    /// Of a sin² ramp: how far behind its tick the anchor really lies, Q32.
+    lead: u32,
 }
 
 impl Phase {
@@ -31,6 +48,8 @@ impl Phase {
         position: 0,
         velocity: 0,
         half_acceleration: 0,
+        curve: Curve::Parabola,
+        lead: 0,
     };
 
     /// The first tick of this phase.
@@ -38,31 +57,47 @@ impl Phase {
         self.start
     }
 
-    /// The acceleration in steps/s², to the nearest.
+    /// The acceleration at the start of the phase in steps/s², to the nearest.
     pub fn acceleration(&self, clock: Clock) -> i64 {
+        self.acceleration_at(clock, self.start)
+    }
+
+    /// The acceleration at tick `t` of the phase in steps/s², to the nearest.
+    pub fn acceleration_at(&self, clock: Clock, t: Ticks) -> i64 {
+        let acceleration = self.pull(t);
         let rate = u128::from(clock.hz());
-        let magnitude = Wide::product(
-            self.half_acceleration.unsigned_abs(),
-            rate.wrapping_mul(rate),
-        )
-        .plus(Wide::product(1 << 94, 1))
-        .shifted_wrapping(95) as i64;
-        if self.half_acceleration < 0 {
+        let magnitude = Wide::product(acceleration.unsigned_abs(), rate.wrapping_mul(rate))
+            .plus(Wide::product(1 << 95, 1))
+            .shifted_wrapping(96) as i64;
+        if acceleration < 0 {
             magnitude.wrapping_neg()
         } else {
             magnitude
         }
     }
 
+    /// The acceleration at tick `t`, Q96 steps per tick².
+    pub(crate) fn pull(&self, t: Ticks) -> i128 {
+        match &self.curve {
+            Curve::Parabola => self.half_acceleration.wrapping_mul(2),
+            Curve::Cubic(sixth_jerk) => {
+                let bend = whole(sixth_jerk.wrapping_mul(self.since_anchor(t)));
+                let half = self.half_acceleration.wrapping_add(bend.wrapping_mul(3));
+                half.wrapping_mul(2)
+            }
+            Curve::Sine(sine) => sine.acceleration(self.away(t)),
+        }
+    }
+
     /// The exact state at tick `t`.
     #[inline(never)]
     pub(crate) fn at(&self, t: Ticks) -> Exact {
-        let n = i128::from(t.wrapping_sub(self.anchor).cast_signed());
+        let n = self.since_anchor(t);
         // Most of the time is spent in cruises, and wide products are dear.
-        let gain = if self.half_acceleration == 0 {
-            0
-        } else {
-            self.half_acceleration.wrapping_mul(n)
+        let gain = match &self.curve {
+            Curve::Parabola if self.half_acceleration == 0 => 0,
+            Curve::Parabola => self.half_acceleration.wrapping_mul(n),
+            Curve::Cubic(_) | Curve::Sine(_) => return self.at_on_curve(t, n),
         };
         Exact {
             position: self
@@ -74,22 +109,67 @@ impl Phase {
         }
     }
 
-    /// The longest chord, in ticks, that stays within a quarter of a step of the parabola: ½a·len²/4 ≤ ¼.
-    pub(crate) fn longest_chord(&self) -> u64 {
-        let bits = 128u32.wrapping_sub(self.half_acceleration.unsigned_abs().leading_zeros());
-        1u64.wrapping_shl(96u32.saturating_sub(bits) / 2)
+    fn at_on_curve(&self, t: Ticks, n: i128) -> Exact {
+        let (way, half_gain, change) = match &self.curve {
+            Curve::Cubic(sixth_jerk) => {
+                let bend = whole(sixth_jerk.wrapping_mul(n));
+                let half = self.half_acceleration.wrapping_add(bend);
+                let change = half.wrapping_mul(2).wrapping_add(bend).wrapping_mul(n);
+                (0, half.wrapping_mul(n), change)
+            }
+            Curve::Sine(sine) => {
+                let (way, change) = sine.at(self.away(t));
+                (way, 0, change)
+            }
+            Curve::Parabola => (0, 0, 0),
+        };
+        Exact {
+            position: self
+                .velocity
+                .wrapping_add(half_gain)
+                .wrapping_mul(n)
+                .wrapping_add(way)
+                .wrapping_add(self.position),
+            velocity: self.velocity.wrapping_add(change),
+        }
+    }
+
+    fn since_anchor(&self, t: Ticks) -> i128 {
+        i128::from(t.wrapping_sub(self.anchor).cast_signed())
+    }
+
+    /// From where the anchor really lies to tick `t`, Q32.
+    fn away(&self, t: Ticks) -> i128 {
+        (self.since_anchor(t) << 32).wrapping_sub(self.lead.into())
+    }
+
+    /// The longest chord from tick `t`, in ticks, that stays within a quarter of a step of the curve: ½a·len²/4 ≤ ¼.
+    pub(crate) fn longest_chord(&self, t: Ticks) -> u64 {
+        let longest = |half_acceleration: u128| {
+            let bits = 128u32.wrapping_sub(half_acceleration.leading_zeros());
+            1u64.wrapping_shl(96u32.saturating_sub(bits) / 2)
+        };
+        let Curve::Cubic(sixth_jerk) = &self.curve else {
+            return longest(self.half_acceleration.unsigned_abs());
+        };
+        // The acceleration may grow on the way.
+        let now = self.pull(t).unsigned_abs() >> 1;
+        let first = longest(now).min(1 << 28);
+        let growth = sixth_jerk.unsigned_abs().wrapping_mul(first.into()) >> 32;
+        longest(now.saturating_add(growth.saturating_mul(3)))
     }
 }
 
-/// The parabola of a phase in the frame of its plan: positions count from the plan's start, positive towards the target.
+/// The curve of a phase in the frame of its plan: positions count from the plan's start, positive towards the target.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Parabola {
+pub(crate) struct Shape {
     pub(crate) position: i128,
     pub(crate) velocity: i128,
     pub(crate) half_acceleration: i128,
+    pub(crate) curve: Curve,
 }
 
-impl Parabola {
+impl Shape {
     /// The phase that begins at tick `begin` and whose coefficients hold at `anchor`, which counts from tick `start`.
     ///
     /// `origin` is the position at `start`; `reverse` turns the frame round.
@@ -103,18 +183,57 @@ impl Parabola {
     ) -> Phase {
         // Move the coefficients from the anchor down to the whole tick before it.
         let fraction = anchor as u32;
-        let half_gain = part(self.half_acceleration, fraction);
-        let back = part(self.velocity.wrapping_sub(half_gain), fraction);
-        let velocity = self.velocity.wrapping_sub(half_gain.wrapping_mul(2));
-        let position = self.position.wrapping_sub(back);
+        let mut half_acceleration = self.half_acceleration;
+        let (position, velocity) = match self.curve {
+            Curve::Sine(_) => {
+                let back = part(self.velocity, fraction);
+                (self.position.wrapping_sub(back), self.velocity)
+            }
+            Curve::Parabola | Curve::Cubic(_) => {
+                let bend = match self.curve {
+                    Curve::Cubic(sixth_jerk) => part(sixth_jerk, fraction) >> 32,
+                    _ => 0,
+                };
+                half_acceleration = half_acceleration.wrapping_sub(bend.wrapping_mul(3));
+                // v − 2hφ + 3cφ² and x − vφ + hφ² − cφ³
+                let h = self.half_acceleration;
+                let once = part(h.wrapping_sub(bend), fraction);
+                let back = part(self.velocity.wrapping_sub(once), fraction);
+                let less = part(
+                    h.wrapping_mul(2).wrapping_sub(bend.wrapping_mul(3)),
+                    fraction,
+                );
+                (
+                    self.position.wrapping_sub(back),
+                    self.velocity.wrapping_sub(less),
+                )
+            }
+        };
         let turn = |value: i128| if reverse { value.wrapping_neg() } else { value };
         Phase {
             start: begin,
             anchor: start.saturating_add((anchor >> 32) as u64),
             position: origin.wrapping_add(turn(position)),
             velocity: turn(velocity),
-            half_acceleration: turn(self.half_acceleration),
+            half_acceleration: turn(half_acceleration),
+            curve: match self.curve {
+                Curve::Parabola => Curve::Parabola,
+                Curve::Cubic(sixth_jerk) => Curve::Cubic(turn(sixth_jerk)),
+                Curve::Sine(sine) if reverse => Curve::Sine(sine.reversed()),
+                Curve::Sine(sine) => Curve::Sine(sine),
+            },
+            lead: fraction,
         }
+    }
+}
+
+/// value / 2³² towards zero, which treats both directions alike.
+fn whole(value: i128) -> i128 {
+    let magnitude = (value.unsigned_abs() >> 32).cast_signed();
+    if value < 0 {
+        magnitude.wrapping_neg()
+    } else {
+        magnitude
     }
 }
 

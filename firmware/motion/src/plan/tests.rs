@@ -1,10 +1,12 @@
 //! Plans against the reference vectors, and against the rules that hold for all plans.
 
+mod double_s;
 mod properties;
+mod smooth;
 mod through;
 mod vectors;
 
-use super::{Limits, Plan};
+use super::{Goal, Limits, Plan, Ramps};
 use crate::{Clock, State, Ticks};
 
 /// The clocks for which all vectors must pass: two STM32 timers and the fastest one supported.

@@ -49,7 +49,9 @@ impl PulseSink for Played {
 /// Plans as an axis does, over the plan that was.
 #[inline(never)]
 fn plan(clock: Clock, plan: &mut Plan, target: i64, limits: Limits) {
-    plan.redirect(clock, 0, Goal::Rest(target), limits).unwrap();
+    let goal = Goal::Rest(target);
+    plan.redirect(clock, 0, goal, limits, Ramps::Linear)
+        .unwrap();
 }
 
 #[inline(never)]

@@ -1,12 +1,13 @@
-//! What holds for every plan: limits, landing, direction, duration, symmetry, planning again.
+//! What holds for every plan: limits, landing, direction, duration, symmetry, planning again. The numbers are those of the
+//! invariants; i07 is in the tests of the axis, smooth ramps and i12 are in `smooth`.
 
-use super::{Limits, Plan, clock, corners, per_second, state, steps};
+use super::{Goal, Limits, Plan, Ramps, clock, corners, per_second, state, steps};
 use crate::{Clock, PlanError, Position, State, Ticks, Velocity};
 use proptest::prelude::*;
 use std::vec::Vec;
 
 /// Numbers of all magnitudes, from `least` to `most`.
-fn magnitude(least: u32, most: u32) -> impl Strategy<Value = u32> {
+pub(super) fn magnitude(least: u32, most: u32) -> impl Strategy<Value = u32> {
     (0..=most.ilog2(), any::<u32>()).prop_map(move |(bits, noise)| {
         let top = 1u64 << (bits + 1);
         (u64::from(noise) % top).clamp(least.into(), most.into()) as u32
@@ -14,7 +15,7 @@ fn magnitude(least: u32, most: u32) -> impl Strategy<Value = u32> {
 }
 
 /// The same with a sign.
-fn signed(most: u32) -> impl Strategy<Value = i32> {
+pub(super) fn signed(most: u32) -> impl Strategy<Value = i32> {
     (magnitude(0, most), any::<bool>()).prop_map(|(value, negative)| {
         if negative {
             -(value as i32)
@@ -24,7 +25,7 @@ fn signed(most: u32) -> impl Strategy<Value = i32> {
     })
 }
 
-fn any_clock() -> impl Strategy<Value = Clock> {
+pub(super) fn any_clock() -> impl Strategy<Value = Clock> {
     prop_oneof![
         Just(84_000_000),
         Just(168_000_000),
@@ -34,7 +35,7 @@ fn any_clock() -> impl Strategy<Value = Clock> {
     .prop_map(clock)
 }
 
-fn any_limits() -> impl Strategy<Value = Limits> {
+pub(super) fn any_limits() -> impl Strategy<Value = Limits> {
     let rate = || magnitude(1, u32::MAX);
     (rate(), rate(), rate()).prop_map(|(velocity, acceleration, deceleration)| Limits {
         velocity,
@@ -44,7 +45,7 @@ fn any_limits() -> impl Strategy<Value = Limits> {
 }
 
 /// Limits of real machines.
-fn usual_limits() -> impl Strategy<Value = Limits> {
+pub(super) fn usual_limits() -> impl Strategy<Value = Limits> {
     (
         magnitude(1, 4_000_000),
         magnitude(10, 100_000_000),
@@ -57,7 +58,7 @@ fn usual_limits() -> impl Strategy<Value = Limits> {
         })
 }
 
-fn any_start(clock: Clock) -> impl Strategy<Value = State> {
+pub(super) fn any_start(clock: Clock) -> impl Strategy<Value = State> {
     (any::<i64>(), signed(4_000_000)).prop_map(move |(bits, velocity)| State {
         position: Position::from_bits(bits),
         velocity: Velocity::from_steps_per_second(clock, velocity),
@@ -65,12 +66,12 @@ fn any_start(clock: Clock) -> impl Strategy<Value = State> {
 }
 
 /// Whether a stop from `v0` ends before the span of positions does, where they would wrap.
-fn within_span(v0: i32, limits: Limits) -> bool {
+pub(super) fn within_span(v0: i32, limits: Limits) -> bool {
     f64::from(v0).powi(2) / 2.0 / f64::from(limits.deceleration) < 2e9
 }
 
 /// Ticks all over a plan, its corners among them.
-fn samples(plan: &Plan, count: u64) -> Vec<Ticks> {
+pub(super) fn samples(plan: &Plan, count: u64) -> Vec<Ticks> {
     let end = plan.end().unwrap();
     let length = u128::from(end - plan.start());
     let mut ticks: Vec<Ticks> = (0..=count)
@@ -125,7 +126,7 @@ proptest! {
 
     /// Limits hold at all times, and the deceleration rules whenever the speed falls.
     #[test]
-    fn limits_are_never_exceeded(
+    fn i01_limits_are_never_exceeded(
         (clock, from) in any_clock().prop_flat_map(|c| (Just(c), any_start(c))),
         target: i32,
         limits in any_limits(),
@@ -155,7 +156,7 @@ proptest! {
 
     /// The end is the target, exactly, and the axis stands.
     #[test]
-    fn a_move_lands_on_its_target(
+    fn i02_a_move_lands_on_its_target(
         (clock, from) in any_clock().prop_flat_map(|c| (Just(c), any_start(c))),
         target: i32,
         limits in any_limits(),
@@ -177,7 +178,7 @@ proptest! {
 
     /// The position is continuous over corners, monotone between turns, and turns at most once.
     #[test]
-    fn a_plan_turns_at_most_once(
+    fn i03_a_plan_turns_at_most_once(
         from_steps in -1_000_000i64..1_000_000,
         v0 in signed(1_000_000),
         target in -1_000_000i64..1_000_000,
@@ -214,7 +215,7 @@ proptest! {
 
     /// Beyond its ends a move goes only as far as it takes to stop.
     #[test]
-    fn a_move_overshoots_only_as_far_as_it_must(
+    fn i02_a_move_overshoots_only_as_far_as_it_must(
         v0 in signed(1_000_000),
         target in -1_000_000i64..1_000_000,
         limits in usual_limits(),
@@ -234,7 +235,7 @@ proptest! {
 
     /// No earlier than ideal, no later than a tick, but for the rounding of what went in.
     #[test]
-    fn the_duration_is_ideal(
+    fn i04_the_duration_is_ideal(
         clock in any_clock(),
         v0 in signed(400_000),
         target in -2_000_000_000i64..2_000_000_000,
@@ -252,7 +253,7 @@ proptest! {
 
     /// The mirror image of a move is a mirror image, bit by bit.
     #[test]
-    fn a_mirrored_move_is_the_mirror_image(
+    fn i05_a_mirrored_move_is_the_mirror_image(
         (clock, from) in any_clock().prop_flat_map(|c| (Just(c), any_start(c))),
         target in -i32::MAX..=i32::MAX,
         limits in any_limits(),
@@ -277,7 +278,7 @@ proptest! {
 
     /// Planning again to the same target, at any ticks, changes nothing.
     #[test]
-    fn planning_again_does_not_change_the_end(
+    fn i06_planning_again_does_not_change_the_end(
         clock in any_clock(),
         v0 in signed(400_000),
         target in -2_000_000_000i64..2_000_000_000,
@@ -302,7 +303,7 @@ proptest! {
 
     /// A stop is never longer than v²/2d.
     #[test]
-    fn a_stop_takes_its_distance_and_no_more(
+    fn i08_a_stop_takes_its_distance_and_no_more(
         clock in any_clock(),
         v0 in signed(4_000_000),
         deceleration in magnitude(100, u32::MAX),
@@ -322,7 +323,7 @@ proptest! {
 
     /// Overspeed is braked; it never grows first.
     #[test]
-    fn a_lowered_limit_never_accelerates_first(
+    fn i09_a_lowered_limit_never_accelerates_first(
         v0 in magnitude(1000, 1_000_000),
         part in 1u32..1000,
         target in 0i64..2_000_000_000,
@@ -345,7 +346,7 @@ proptest! {
 
     /// Anything at all gives a plan or an error.
     #[test]
-    fn no_input_breaks_a_plan(
+    fn i10_no_input_breaks_a_plan(
         clock in any_clock(),
         start: Ticks,
         bits: (i64, i64),
@@ -374,7 +375,7 @@ proptest! {
 }
 
 #[test]
-fn extreme_inputs_are_planned_or_refused() {
+fn i10_extreme_inputs_are_planned_or_refused() {
     let extremes = [0u32, 1, 2, 1 << 31, u32::MAX - 1, u32::MAX];
     let places = [i64::from(i32::MIN), -1, 0, 1, i64::from(i32::MAX)];
     for hz in [1_000_000, 168_000_000, 1_000_000_000] {
@@ -425,7 +426,7 @@ fn check_extreme(clock: Clock, from: i64, target: i64, limits: Limits) {
 }
 
 #[test]
-fn a_velocity_crosses_the_span_without_a_jump() {
+fn i11_a_velocity_crosses_the_span_without_a_jump() {
     let clock = clock(168_000_000);
     let limits = Limits {
         velocity: 4_000_000,
@@ -454,4 +455,30 @@ fn a_velocity_crosses_the_span_without_a_jump() {
         .bits()
         .wrapping_sub(plan.state_at(hour).position.bits());
     assert!((second - (4_000_000i64 << 32)).abs() <= 4);
+}
+
+#[test]
+fn i03_a_move_over_most_of_the_span_keeps_its_direction() {
+    let clock = clock(168_000_000);
+    let limits = Limits {
+        velocity: 1_000_000,
+        acceleration: 1_000_000,
+        deceleration: 1_000_000,
+    };
+    let from = state(clock, i32::MIN.into(), 1000);
+    for ramps in [
+        Ramps::Linear,
+        Ramps::SinSquared,
+        Ramps::JerkLimited(1_000_000),
+    ] {
+        let goal = Goal::Rest(i32::MAX.into());
+        let plan = Plan::new(clock, 0, from, goal, limits, ramps).unwrap();
+        for t in samples(&plan, 100) {
+            assert!(
+                plan.state_at(t).velocity >= Velocity::ZERO,
+                "{ramps:?} at {t}"
+            );
+        }
+        assert!(plan.end().unwrap() < 4300 * 168_000_000);
+    }
 }

@@ -1,0 +1,203 @@
+//! The jerk-limited ramp: from any velocity and acceleration to a velocity that is kept.
+//!
+//! The acceleration goes at the jerk j to a greatest value, stays there, and goes at j to nothing: at most three pieces. From
+//! (v₀, a₀) to v₁ the greatest acceleration is √(j·Δ + a₀²) where Δ is the change that is left once a₀ has gone to
+//! nothing, or the limit, if that is less. It is rounded down, and the middle piece takes up what that leaves; so nothing
+//! has to be rounded twice.
+
+use super::phase::{Curve, Offset, Shape};
+use crate::clock::Fine;
+use crate::divide::quotient;
+use crate::wide::Wide;
+
+/// The jerk, as it is worked with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Jerk {
+    /// A sixth of it, Q128 steps per tick³: the coefficient of a cubic. At most 93 bits.
+    pub(crate) sixth: Fine,
+}
+
+impl Jerk {
+    /// All of it, Q128.
+    const fn whole(self) -> Fine {
+        self.sixth.wrapping_mul(6)
+    }
+
+    /// How long it takes to change the acceleration by this much, Q96.
+    fn time(self, change: Fine) -> Offset {
+        quotient(change, 2, self.whole())
+    }
+}
+
+/// A stretch of constant jerk: what holds at its beginning, all Q96 but the jerk.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Piece {
+    pub(super) time: Offset,
+    pub(super) velocity: i128,
+    pub(super) acceleration: i128,
+    /// A sixth of the jerk, Q128.
+    pub(super) sixth_jerk: i128,
+    /// How far it goes, Q96 steps; saturates.
+    pub(super) way: i128,
+}
+
+impl Piece {
+    /// The curve of the piece that begins at a position in the frame.
+    pub(super) fn shape(&self, position: i128) -> Shape {
+        Shape {
+            position,
+            velocity: self.velocity,
+            half_acceleration: self.acceleration >> 1,
+            curve: match self.sixth_jerk {
+                0 => Curve::Parabola,
+                sixth_jerk => Curve::Cubic(sixth_jerk),
+            },
+        }
+    }
+
+    fn goes(&self) -> i128 {
+        let bend = scaled(self.sixth_jerk, self.time) >> 32;
+        let half = (self.acceleration >> 1).saturating_add(bend);
+        scaled(
+            self.velocity.saturating_add(scaled(half, self.time)),
+            self.time,
+        )
+    }
+}
+
+/// A change of velocity.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ramp {
+    pub(super) pieces: [Piece; 3],
+    pub(super) time: Offset,
+    /// Q96 steps; saturates.
+    pub(super) way: i128,
+}
+
+/// The velocity that is left when the acceleration has gone to nothing by the shortest way.
+pub(super) fn coasting(velocity: i128, acceleration: i128, jerk: Jerk) -> i128 {
+    if acceleration == 0 {
+        return velocity;
+    }
+    let time = jerk.time(acceleration.unsigned_abs());
+    velocity.saturating_add(scaled(acceleration, time) >> 1)
+}
+
+impl Ramp {
+    /// From `velocity` with `acceleration` to the velocity `end`, with at most the acceleration `most`; all Q96.
+    pub(super) fn new(
+        velocity: i128,
+        acceleration: i128,
+        end: i128,
+        most: Fine,
+        jerk: Jerk,
+    ) -> Self {
+        let coasting = coasting(velocity, acceleration, jerk);
+        if end < coasting {
+            return Self::upwards(
+                velocity.wrapping_neg(),
+                acceleration.wrapping_neg(),
+                (end.wrapping_neg(), coasting.wrapping_neg()),
+                most,
+                jerk,
+            )
+            .mirrored();
+        }
+        Self::upwards(velocity, acceleration, (end, coasting), most, jerk)
+    }
+
+    /// To a velocity that is not below that of coasting.
+    fn upwards(
+        velocity: i128,
+        acceleration: i128,
+        (end, coasting): (i128, i128),
+        most: Fine,
+        jerk: Jerk,
+    ) -> Self {
+        let gain = end.wrapping_sub(coasting).unsigned_abs();
+        let mut square = Wide::product(jerk.whole(), gain);
+        if acceleration > 0 {
+            // Q224 as the product is.
+            let shifted = acceleration.unsigned_abs() << 16;
+            square = square.plus(Wide::product(shifted, shifted));
+        }
+        let peak = (square.root() >> 16).min(most).cast_signed();
+        let sixth = jerk.sixth.cast_signed();
+
+        let entry = jerk.time(peak.abs_diff(acceleration));
+        let exit = if acceleration == 0 {
+            entry
+        } else {
+            jerk.time(peak.unsigned_abs())
+        };
+        let risen = velocity.saturating_add(scaled(acceleration.saturating_add(peak), entry) >> 1);
+        let leaving = end.saturating_sub(scaled(peak, exit) >> 1);
+        let hold = if leaving > risen && peak > 0 {
+            quotient(
+                leaving.wrapping_sub(risen).unsigned_abs(),
+                1,
+                peak.unsigned_abs(),
+            )
+        } else {
+            0
+        };
+        let falls = acceleration > peak;
+        let mut pieces = [
+            Piece {
+                time: entry,
+                velocity,
+                acceleration,
+                sixth_jerk: if falls { sixth.wrapping_neg() } else { sixth },
+                way: 0,
+            },
+            Piece {
+                time: hold,
+                velocity: risen,
+                acceleration: peak,
+                sixth_jerk: 0,
+                way: 0,
+            },
+            Piece {
+                time: exit,
+                velocity: leaving,
+                acceleration: peak,
+                sixth_jerk: sixth.wrapping_neg(),
+                way: 0,
+            },
+        ];
+        let mut way = 0i128;
+        let mut time: Offset = 0;
+        for piece in &mut pieces {
+            if piece.time != 0 {
+                piece.way = piece.goes();
+                way = way.saturating_add(piece.way);
+                time = time.saturating_add(piece.time);
+            }
+        }
+        Self { pieces, time, way }
+    }
+
+    /// The same in the other direction of motion.
+    fn mirrored(mut self) -> Self {
+        for piece in &mut self.pieces {
+            piece.velocity = piece.velocity.wrapping_neg();
+            piece.acceleration = piece.acceleration.wrapping_neg();
+            piece.sixth_jerk = piece.sixth_jerk.wrapping_neg();
+            piece.way = piece.way.saturating_neg();
+        }
+        self.way = self.way.saturating_neg();
+        self
+    }
+}
+
+/// value · time, saturating.
+fn scaled(value: i128, time: Offset) -> i128 {
+    let product = Wide::product(value.unsigned_abs(), time).shifted(32);
+    let magnitude = product.and_then(|product| i128::try_from(product).ok());
+    let magnitude = magnitude.unwrap_or(i128::MAX);
+    if value < 0 {
+        magnitude.wrapping_neg()
+    } else {
+        magnitude
+    }
+}

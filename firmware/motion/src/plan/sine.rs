@@ -1,0 +1,201 @@
+//! The sin² ramp: v = v₀ + Δv·sin²(π·s/2), with s from 0 to 1 over the ramp.
+//!
+//! It takes as long as the linear ramp between the same velocities and goes as far, so a move has its corners where the trapezoid
+//! has them. Its acceleration begins and ends with nothing; in the middle it is π/2 times that of the linear ramp.
+//!
+//! The way is v₀·t + Δv·T·f(s) with f(s) = s/2 − sin(π·s)/2π, the integral of sin². Both are power series in s, summed in 64-bit
+//! integers: eleven terms are exact to the last bits.
+
+use crate::divide::quotient;
+use crate::plan::phase::Offset;
+use crate::wide::Wide;
+
+/// π²ᵏ/(2·(2k+1)!) for k from 1 on, Q64: f(s) = s·(c₁u − c₂u² + c₃u³ − …) with u = s².
+const WAY: [u64; 11] = [
+    15_171_838_874_637_736_216,
+    7_487_002_386_487_161_160,
+    1_759_375_040_586_671_831,
+    241_171_328_385_291_462,
+    21_638_778_218_618_542,
+    1_369_013_979_106_885,
+    64_341_078_063_553,
+    2_334_635_982_452,
+    67_374_074_758,
+    1_583_227_297,
+    30_881_081,
+];
+
+/// π²ᵏ/(2·(2k)!) for k from 1 on, Q61: sin²(π·s/2) = d₁u − d₂u² + d₃u³ − …
+const SPEED: [u64; 11] = [
+    5_689_439_577_989_151_081,
+    4_679_376_491_554_475_725,
+    1_539_453_160_513_337_852,
+    271_317_744_433_452_895,
+    29_753_320_050_600_495,
+    2_224_647_716_048_689,
+    120_639_521_369_162,
+    4_961_101_462_710,
+    160_013_427_551,
+    4_155_971_655,
+    88_783_109,
+];
+
+const HALF: u64 = 1 << 63;
+
+/// A change of velocity, as it is seen from that end of the ramp at which the phase is anchored.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sine {
+    /// From the velocity at the anchor to that at the other end, Q96 steps per tick.
+    change: i128,
+    /// How long it takes.
+    time: Offset,
+    /// The change times the time, Q64 steps.
+    way: i128,
+}
+
+impl Sine {
+    /// A ramp that changes the velocity by `change` within `time`, which is not 0.
+    pub(super) fn new(change: i128, time: Offset) -> Self {
+        let way = Wide::product(change.unsigned_abs(), time).shifted_wrapping(64);
+        Self {
+            change,
+            time,
+            way: with_sign(way, change < 0),
+        }
+    }
+
+    /// The ramp in the other direction of motion.
+    pub(super) fn reversed(self) -> Self {
+        Self {
+            change: self.change.wrapping_neg(),
+            time: self.time,
+            way: self.way.wrapping_neg(),
+        }
+    }
+
+    /// What the ramp adds to position and velocity at `away` ticks (Q32) behind the anchor, or before it if that is negative: Q96.
+    pub(super) fn at(&self, away: i128) -> (i128, i128) {
+        let s = self.part(away);
+        let way = Wide::product(self.way.unsigned_abs(), way(s).into()).shifted_wrapping(32);
+        let change =
+            Wide::product(self.change.unsigned_abs(), speed(s).into()).shifted_wrapping(64);
+        (
+            with_sign(way, (self.way < 0) != (away < 0)),
+            with_sign(change, self.change < 0),
+        )
+    }
+
+    /// The acceleration there, Q96 steps per tick².
+    pub(super) fn acceleration(&self, away: i128) -> i128 {
+        let risen = speed(self.part(away));
+        // π/2·sin(π·s) = π·√(r·(1 − r)), with r = sin²(π·s/2).
+        let square = u128::from(risen).wrapping_mul(risen.wrapping_neg().into()) >> 64;
+        let sine = u128::from((square as u64).isqrt());
+        let mean = quotient(self.change.unsigned_abs(), 1, self.time);
+        // π in Q29.
+        let acceleration =
+            Wide::product(mean, sine.wrapping_mul(1_686_629_713)).shifted_wrapping(61);
+        with_sign(acceleration, (self.change < 0) != (away < 0))
+    }
+
+    /// The greatest acceleration of the ramp, halved, Q96 steps per tick²; a little more rather than less.
+    pub(super) fn half_peak(&self) -> i128 {
+        let mean = quotient(self.change.unsigned_abs(), 1, self.time);
+        (mean.saturating_mul(13) >> 4)
+            .saturating_add(1)
+            .cast_signed()
+    }
+
+    /// How much of the ramp's time that is, Q64.
+    fn part(&self, away: i128) -> u64 {
+        let part = quotient(away.unsigned_abs().min(self.time), 2, self.time);
+        u64::try_from(part).unwrap_or(u64::MAX)
+    }
+}
+
+fn with_sign(magnitude: u128, negative: bool) -> i128 {
+    let value = magnitude.cast_signed();
+    if negative {
+        value.wrapping_neg()
+    } else {
+        value
+    }
+}
+
+/// f(s), Q64.
+fn way(s: u64) -> u64 {
+    if s > HALF {
+        // f(s) − f(1 − s) = s − ½
+        return s.wrapping_sub(HALF).wrapping_add(way(s.wrapping_neg()));
+    }
+    let square = times(s, s);
+    times(times(s, square), series(&WAY, square))
+}
+
+/// sin²(π·s/2), Q64.
+fn speed(s: u64) -> u64 {
+    if s > HALF {
+        // sin² + cos² = 1
+        return u64::MAX.wrapping_sub(speed(s.wrapping_neg()));
+    }
+    let square = times(s, s);
+    times(square, series(&SPEED, square)) << 3
+}
+
+/// c₁ − c₂u + c₃u² − …
+fn series(coefficients: &[u64], u: u64) -> u64 {
+    (coefficients.iter().rev()).fold(0, |sum, c| c.wrapping_sub(times(u, sum)))
+}
+
+/// The product of two fractions.
+fn times(a: u64, b: u64) -> u64 {
+    (u128::from(a).wrapping_mul(b.into()) >> 64) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{HALF, Sine, speed, way};
+    use core::f64::consts::PI;
+    use proptest::prelude::*;
+
+    fn fraction(bits: u64) -> f64 {
+        bits as f64 / 2f64.powi(64)
+    }
+
+    #[test]
+    fn the_ends_and_the_middle_are_exact() {
+        assert_eq!((way(0), speed(0)), (0, 0));
+        assert!(speed(HALF).abs_diff(HALF) <= 16);
+        assert!(way(u64::MAX).abs_diff(HALF) <= 2);
+        assert!(speed(u64::MAX) > u64::MAX - 2);
+    }
+
+    proptest! {
+        #[test]
+        fn the_series_are_the_functions(s: u64) {
+            let x = fraction(s);
+            prop_assert!((fraction(speed(s)) - (PI * x / 2.0).sin().powi(2)).abs() < 1e-15);
+            prop_assert!((fraction(way(s)) - (x / 2.0 - (PI * x).sin() / (2.0 * PI))).abs() < 1e-15);
+        }
+
+        #[test]
+        fn neither_ever_falls(s: u64, step in 0u64..1 << 40) {
+            let next = s.saturating_add(step);
+            prop_assert!(way(next) + 2 >= way(s));
+            prop_assert!(speed(next).saturating_add(16) >= speed(s));
+        }
+
+        #[test]
+        fn the_acceleration_is_the_slope_of_the_velocity(part in 1u32..1 << 20, change in 1i128 << 70..1i128 << 90) {
+            let ticks = 1i128 << 20;
+            let sine = Sine::new(change, (ticks << 32).cast_unsigned());
+            let at = i128::from(part) << 32;
+            let slope = sine.at(at + (8 << 32)).1 - sine.at(at - (8 << 32)).1;
+            let slope = slope as f64 / 16.0;
+            let peak = sine.half_peak() as f64 * 2.0;
+            prop_assert!((sine.acceleration(at) as f64 - slope).abs() < 1e-4 * peak);
+            prop_assert!(slope <= peak);
+            prop_assert_eq!(sine.acceleration(-at), -sine.acceleration(at));
+        }
+    }
+}
