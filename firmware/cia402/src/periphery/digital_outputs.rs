@@ -6,7 +6,7 @@
 //! drive, so that an axis can be moved by hand.
 //!
 //! When the network is lost, outputs set by the master go to rest, but for those in 2062h, which stay as they are. They stay so
-//! until 60FEh is written again: what was asked for before does not come back by itself. Outputs with a function go on showing it.
+//! until 60FEh is written again: what was asked for before does not come back by itself. NMT reset node takes all of them to rest. Outputs with a function go on showing it.
 //!
 //! 2061h inverts outputs: an inverted one is low where it would be high. After power-on, and while the processor is reset, all are low.
 
@@ -163,7 +163,13 @@ impl DigitalOutputs {
     /// Takes what the master wants, at the start of a tick.
     pub(crate) fn command(&mut self, commands: &Commands, configuration: &OutputConfiguration) {
         if !commands.remote {
-            self.set &= u32::from(configuration.kept) << FIRST;
+            // A device that starts anew keeps nothing.
+            let kept = if commands.restart {
+                0
+            } else {
+                configuration.kept
+            };
+            self.set &= u32::from(kept) << FIRST;
             self.is_at_rest = true;
             self.brake = None;
             return;
