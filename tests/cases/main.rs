@@ -20,6 +20,7 @@ mod lss_nmt_states;
 mod lss_power_cuts;
 mod model;
 mod modes;
+mod motor_and_supply;
 mod mpdo;
 mod nmt;
 mod nmt_startup;
