@@ -142,6 +142,27 @@ fn the_same_run_is_the_same_again() {
     assert!(first == run());
 }
 
+#[test]
+fn m74_without_power_the_motor_runs_down_and_the_encoder_sees_where() {
+    let mut drive = enabled(axis(true));
+    begin(&mut drive, GENTLE);
+    drive.run_millis(400);
+    drive.command(0x00);
+    drive.reaches(SWITCH_ON_DISABLED, 10);
+    let switched_off = drive.axis().plant().rotor();
+    drive.run_millis(1_000);
+    let rest = drive.axis().plant().rotor();
+    assert!(rest > switched_off + 100, "{switched_off} {rest}");
+    drive.run_millis(500);
+    assert_eq!(
+        drive.axis().plant().rotor(),
+        rest,
+        "friction has stopped it"
+    );
+    let shown = drive.read_i32(0x6064, 0);
+    assert!((i64::from(shown) - rest).abs() <= 1, "{shown} {rest}");
+}
+
 /// Enables a drive in homing mode, homes it, and returns where along the axis its position 0 is.
 #[track_caller]
 fn home(drive: &mut DriveBench, method: i8, speeds: (u32, u32)) -> i64 {

@@ -2,6 +2,7 @@
 //!
 //! One module per service; the name of a listed case begins with its id.
 
+mod bouncing_switches;
 mod can_layer;
 mod commissioning;
 mod controller;

@@ -223,6 +223,56 @@ fn index_pulses_lie_a_turn_apart_on_both_sides() {
 }
 
 #[test]
+fn an_index_pulse_may_be_wide() {
+    let mut plant = on_axis(&Axis {
+        track: Track {
+            index: Some(Index {
+                width: 4,
+                ..Index::new(400, 3_200)
+            }),
+            ..Track::default()
+        },
+        start: 390,
+        ..Axis::default()
+    });
+    run(&mut plant, &[(Forward, 20)]);
+    let [_, _, _, index, ..] = plant.look();
+    let expected = (false, Some((10, 10, 1)), Some((14, 14, 1)));
+    assert_eq!(seen(index), expected);
+}
+
+/// A motor that plays so many pulses, looked at each time so many microseconds have gone by.
+fn turned(cuts: &[u64]) -> (i64, i64, u64) {
+    let mut plant = on_axis(&Axis {
+        motor: Some(MotorData::default()),
+        encoder: true,
+        ..Axis::default()
+    });
+    plant.energise(true);
+    plant
+        .pulses_mut()
+        .push(record(1_000, 5_000, 100, Forward))
+        .unwrap();
+    let mut now = 0;
+    for cut in cuts.iter().cycle() {
+        now = (now + cut).min(60_000);
+        plant.advance(Instant::from_ticks(now));
+        if now == 60_000 {
+            break;
+        }
+    }
+    (plant.rotor(), plant.position(), now)
+}
+
+#[test]
+fn however_often_it_is_looked_at_a_motor_does_the_same() {
+    let expected = turned(&[1_000]);
+    for cuts in [&[1][..], &[7, 300, 19], &[60_000], &[999, 2]] {
+        assert_eq!(turned(cuts), expected);
+    }
+}
+
+#[test]
 fn behind_an_end_stop_pulses_are_lost() {
     let mut axis = Axis {
         track: Track {
