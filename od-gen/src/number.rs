@@ -18,6 +18,11 @@ impl Number {
         })
     }
 
+    /// What was meant by a text that is no number, where that is plain.
+    pub(crate) fn meant(text: &str) -> Option<Self> {
+        Self::spelled(&nearest(text)?).ok()
+    }
+
     fn spelled(text: &str) -> Result<Self, String> {
         let (is_negative, unsigned) = match text.strip_prefix('-') {
             Some(unsigned) => (true, unsigned),
@@ -102,13 +107,30 @@ impl DefaultNumber {
                 adds_node_id,
             });
         };
-        // The `$` is easily forgotten.
-        let mut near = text.to_owned();
-        near.insert(at, '$');
+        let near = with_dollar(text, at);
         let is_meant = Self::with_node_id(&near).is_some();
         Err(Mistake {
             message: format!("`{text}` is not a number, $NODEID, $NODEID+number or number+$NODEID"),
             help: is_meant.then(|| format!("write `{near}`")),
+        })
+    }
+
+    /// What was meant by a text that is none of these, where that is plain; else 0.
+    pub(crate) fn meant(text: &str) -> Self {
+        let at = text.to_ascii_uppercase().find("NODEID");
+        let meant = match at {
+            Some(at) => Self::with_node_id(&with_dollar(text, at)),
+            None => Number::meant(text).map(|number| Self {
+                number,
+                adds_node_id: false,
+            }),
+        };
+        meant.unwrap_or(Self {
+            number: Number {
+                value: 0,
+                is_pattern: false,
+            },
+            adds_node_id: false,
         })
     }
 
@@ -130,6 +152,13 @@ impl DefaultNumber {
             adds_node_id: true,
         })
     }
+}
+
+/// A text with the `$` in front of its NODEID, which is easily forgotten.
+fn with_dollar(text: &str, at: usize) -> String {
+    let mut near = text.to_owned();
+    near.insert(at, '$');
+    near
 }
 
 #[cfg(test)]

@@ -161,6 +161,34 @@ fn check_speaks_json() {
 }
 
 #[test]
+fn check_looks_at_the_bindings_beside_a_data_sheet_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("foreign.eds");
+    std::fs::write(&file, include_str!("data/foreign.eds")).unwrap();
+    let bindings = folder.path().join("foreign.bind.toml");
+    let right = include_str!("data/foreign.bind.toml");
+    let wrong = right.replace("profile_velocity", "speed");
+    let file = file.to_str().unwrap();
+    let check = |text: &str| {
+        std::fs::write(&bindings, text).unwrap();
+        let output = od_gen(&["check", "--format", "json", file]);
+        let files: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (output.status.code(), files)
+    };
+    let (code, files) = check(right);
+    assert_eq!((code, files.as_array().unwrap().len()), (Some(0), 2));
+    let (code, files) = check(&wrong);
+    assert_eq!(code, Some(1));
+    assert_eq!(files[1]["file"], bindings.to_str().unwrap());
+    assert_eq!(files[1]["findings"][0]["rule"], "binding-parameter");
+    let allowed =
+        format!("# od-gen: allow binding-parameter, unbound-object because of a test\n\n{wrong}");
+    let (code, files) = check(&allowed);
+    assert_eq!(code, Some(0), "{files}");
+    assert_eq!(files[1]["silenced"][0]["reason"], "of a test");
+}
+
+#[test]
 fn a_warning_is_an_error_when_asked() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("warning.eds");

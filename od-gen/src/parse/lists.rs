@@ -107,12 +107,15 @@ fn read(
             continue;
         }
         count += 1;
-        let index = Number::parse(&key.value)
-            .ok()
-            .and_then(|number| u16::try_from(number.value).ok());
-        let Some(index) = index.filter(|index| *index >= 0x1000) else {
+        let number = Number::parse(&key.value).ok();
+        let Some(index) = number.and_then(index_of) else {
             let message = format!("`{}` is not an index (0x1000 to 0xFFFF)", key.value);
             findings.report(&rule::NOT_AN_INDEX, key.span, message);
+            let meant = Number::meant(&key.value).and_then(index_of);
+            let meant = findings.allowed(&rule::NOT_AN_INDEX, key.span, meant);
+            if let Some(index) = meant.flatten() {
+                listed.entry(index).or_insert(key.span);
+            }
             continue;
         };
         if let Some(first) = listed.insert(index, key.span) {
@@ -124,6 +127,12 @@ fn read(
         }
     }
     check_count(section, count_key, count, findings);
+}
+
+/// The index of an object.
+fn index_of(number: Number) -> Option<u16> {
+    let index = u16::try_from(number.value).ok();
+    index.filter(|index| *index >= 0x1000)
 }
 
 /// A list has as many entries as its key says.

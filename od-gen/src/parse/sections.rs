@@ -247,9 +247,15 @@ pub(super) fn number(
 ) -> Option<i128> {
     let key = section.key(name)?;
     let spelled = Number::parse(&key.value).map_err(|why| why.of(name));
-    let value = findings
-        .take(&value::NOT_A_NUMBER, key.span, spelled)?
-        .value;
+    let value = match findings.take(&value::NOT_A_NUMBER, key.span, spelled) {
+        Some(number) => number.value,
+        None => {
+            let meant = Number::meant(&key.value);
+            findings
+                .allowed(&value::NOT_A_NUMBER, key.span, meant)??
+                .value
+        }
+    };
     if (low..=high).contains(&value) {
         return Some(value);
     }

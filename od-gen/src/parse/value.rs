@@ -35,8 +35,15 @@ pub(super) fn limit(
         return Some(None);
     }
     let number = Number::parse(written.text);
-    let Some(number) = findings.take(&rule::NOT_A_NUMBER, written.span, number) else {
-        return findings.allowed(&rule::NOT_A_NUMBER, written.span, None);
+    let number = match findings.take(&rule::NOT_A_NUMBER, written.span, number) {
+        Some(number) => number,
+        None => match findings.allowed(&rule::NOT_A_NUMBER, written.span, ()) {
+            Some(()) => match Number::meant(written.text) {
+                Some(meant) => meant,
+                None => return Some(None),
+            },
+            None => return None,
+        },
     };
     let nearest = |value: i128, (low, high)| value.clamp(low, high);
     let value = fit(
@@ -90,12 +97,15 @@ fn number(
 ) -> Option<DefaultValue> {
     let Written { key, text, span } = written;
     let parsed = DefaultNumber::parse(text);
-    let Some(DefaultNumber {
+    let DefaultNumber {
         number,
         adds_node_id,
-    }) = findings.take(&rule::NOT_A_NUMBER, span, parsed)
-    else {
-        return findings.allowed(&rule::NOT_A_NUMBER, span, DefaultValue::number(0));
+    } = match findings.take(&rule::NOT_A_NUMBER, span, parsed) {
+        Some(default) => default,
+        None => {
+            let meant = DefaultNumber::meant(text);
+            findings.allowed(&rule::NOT_A_NUMBER, span, meant)?
+        }
     };
     let lowest_bits = |value: i128, (low, high): (i128, i128)| match data_type {
         DataType::Boolean => value.signum().abs(),

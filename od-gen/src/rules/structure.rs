@@ -58,7 +58,8 @@ pub(crate) static LIST_COUNT: Rule = Rule::error(
 pub(crate) static NOT_AN_INDEX: Rule = Rule::error(
     "not-an-index",
     "What a list names is an index, 0x1000 to 0xFFFF.",
-    "A list names the objects that have sections. When this is silenced, the line does not count.",
+    "A list names the objects that have sections. When this is silenced, 1000h is the index that it means, \
+     and any other line does not count.",
 );
 
 pub(crate) static LISTED_TWICE: Rule = Rule::warning(

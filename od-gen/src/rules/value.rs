@@ -34,8 +34,9 @@ pub(crate) const RULES: &[&Rule] = &[
 pub(crate) static NOT_A_NUMBER: Rule = Rule::error(
     "not-a-number",
     "A number is spelled as CiA 306 spells numbers.",
-    "Decimal, 0x hexadecimal, octal with a leading zero, all of them with a sign before them or not. When this is silenced, a \
-     limit is none, a default is 0, a DataType that is spelled as a name is that type, and any other key counts as missing.",
+    "Decimal, 0x hexadecimal, octal with a leading zero, all of them with a sign before them or not. When this is silenced, \
+     what was plainly meant counts (08, 1000h, TRUE, the name of a DataType). Else a limit is none, a default is 0, and any other key counts \
+     as missing.",
 );
 
 pub(crate) static OUT_OF_RANGE: Rule = Rule::error(

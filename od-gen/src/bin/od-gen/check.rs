@@ -1,9 +1,9 @@
-//! `od-gen check`: what is wrong with data sheets.
+//! `od-gen check`: what is wrong with data sheets, and with the bindings beside them.
 
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
-use od_gen::{Report, Severity};
+use od_gen::{BindingReport, Diagnostic, Report, Severity};
 use serde_json::{Value, json};
 
 use crate::Failure;
@@ -25,20 +25,39 @@ pub(crate) fn run(arguments: &Check) -> Result<ExitCode, Failure> {
             }
             Err(failure) => return Err(failure),
         };
-        if report.has_errors() || (arguments.deny_warnings && !report.findings.is_empty()) {
-            code = ExitCode::FAILURE;
+        // Of a file that is wrong nobody knows what its bindings mean.
+        let bindings = match report.has_errors() {
+            true => Ok(None),
+            false => input::binding_report(file, &report.model),
+        };
+        let mut checked = vec![Checked::of_file(report)];
+        match bindings {
+            Ok(bindings) => checked.extend(bindings.map(Checked::of_bindings)),
+            Err(Failure::Refused(line)) => {
+                output::tell(&line);
+                is_unread = true;
+            }
+            Err(failure) => return Err(failure),
         }
-        match arguments.format {
-            CheckFormat::Full => {
-                output::print(&report.render(output::colour()))?;
-                summarize(&report);
+        for checked in checked {
+            if checked.count(Severity::Error) > 0
+                || (arguments.deny_warnings && !checked.findings.is_empty())
+            {
+                code = ExitCode::FAILURE;
             }
-            CheckFormat::Short => {
-                let lines = report.findings.iter().map(|finding| format!("{finding}\n"));
-                output::print(&lines.collect::<String>())?;
-                summarize(&report);
+            match arguments.format {
+                CheckFormat::Full => {
+                    output::print(&checked.rendered)?;
+                    checked.summarize();
+                }
+                CheckFormat::Short => {
+                    let lines = checked.findings.iter();
+                    let lines = lines.map(|finding| format!("{finding}\n"));
+                    output::print(&lines.collect::<String>())?;
+                    checked.summarize();
+                }
+                CheckFormat::Json => reports.push(checked.value()),
             }
-            CheckFormat::Json => reports.push(value(&report)),
         }
     }
     if arguments.format == CheckFormat::Json {
@@ -47,45 +66,81 @@ pub(crate) fn run(arguments: &Check) -> Result<ExitCode, Failure> {
     Ok(if is_unread { ExitCode::from(2) } else { code })
 }
 
-/// One line about a file, for a person who looks on.
-fn summarize(report: &Report) {
-    if !std::io::stderr().is_terminal() {
-        return;
-    }
-    let count = |number: usize, what: &str| {
-        let plural = if number == 1 { "" } else { "s" };
-        format!("{number} {what}{plural}")
-    };
-    let errors = count(report.count(Severity::Error), "error");
-    let warnings = count(report.count(Severity::Warning), "warning");
-    let silenced = report.silenced.len();
-    output::tell(&format!(
-        "{}: {errors}, {warnings}, {silenced} silenced",
-        report.source.file
-    ));
+/// A data sheet, or bindings, with what there is to say.
+struct Checked {
+    file: String,
+    findings: Vec<Diagnostic>,
+    silenced: Vec<(Diagnostic, String)>,
+    rendered: String,
 }
 
-/// A file and its findings for programs.
-fn value(report: &Report) -> Value {
-    let finding = |finding: &od_gen::Diagnostic| {
+impl Checked {
+    fn of_file(report: Report) -> Self {
+        Self {
+            rendered: report.render(output::colour()),
+            file: report.source.file,
+            findings: report.findings,
+            silenced: report.silenced,
+        }
+    }
+
+    fn of_bindings(report: BindingReport) -> Self {
+        Self {
+            rendered: report.render(output::colour()),
+            file: report.source.file,
+            findings: report.findings,
+            silenced: report.silenced,
+        }
+    }
+
+    /// How many findings are this bad.
+    fn count(&self, severity: Severity) -> usize {
+        let findings = self.findings.iter();
+        findings
+            .filter(|finding| finding.severity == severity)
+            .count()
+    }
+
+    /// One line about it, for a person who looks on.
+    fn summarize(&self) {
+        if !std::io::stderr().is_terminal() {
+            return;
+        }
+        let count = |number: usize, what: &str| {
+            let plural = if number == 1 { "" } else { "s" };
+            format!("{number} {what}{plural}")
+        };
+        let errors = count(self.count(Severity::Error), "error");
+        let warnings = count(self.count(Severity::Warning), "warning");
+        let silenced = self.silenced.len();
+        output::tell(&format!(
+            "{}: {errors}, {warnings}, {silenced} silenced",
+            self.file
+        ));
+    }
+
+    /// It and its findings for programs.
+    fn value(&self) -> Value {
+        let finding = |finding: &Diagnostic| {
+            json!({
+                "rule": finding.rule.name,
+                "severity": finding.severity.to_string(),
+                "line": finding.span.line,
+                "column": finding.span.column,
+                "length": finding.span.length,
+                "message": finding.message,
+                "help": finding.help,
+            })
+        };
+        let silenced = self.silenced.iter().map(|(silenced, reason)| {
+            let mut value = finding(silenced);
+            value["reason"] = json!(reason);
+            value
+        });
         json!({
-            "rule": finding.rule.name,
-            "severity": finding.severity.to_string(),
-            "line": finding.span.line,
-            "column": finding.span.column,
-            "length": finding.span.length,
-            "message": finding.message,
-            "help": finding.help,
+            "file": self.file,
+            "findings": self.findings.iter().map(finding).collect::<Vec<_>>(),
+            "silenced": silenced.collect::<Vec<_>>(),
         })
-    };
-    let silenced = report.silenced.iter().map(|(silenced, reason)| {
-        let mut value = finding(silenced);
-        value["reason"] = json!(reason);
-        value
-    });
-    json!({
-        "file": report.source.file,
-        "findings": report.findings.iter().map(finding).collect::<Vec<_>>(),
-        "silenced": silenced.collect::<Vec<_>>(),
-    })
+    }
 }

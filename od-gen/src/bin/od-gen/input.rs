@@ -27,13 +27,17 @@ pub(crate) fn model(file: &Path) -> Result<Model, Failure> {
     report.into_result().map_err(|_| Failure::Findings)
 }
 
-/// The bindings beside a data sheet; what there is to say about them goes to standard error.
-pub(crate) fn bindings(file: &Path, model: &Model) -> Result<Vec<Binding>, Failure> {
-    let report = BindingReport::beside(file, model).map_err(|error| {
+/// The bindings beside a data sheet with everything that there is to say about them.
+pub(crate) fn binding_report(file: &Path, model: &Model) -> Result<Option<BindingReport>, Failure> {
+    BindingReport::beside(file, model).map_err(|error| {
         let file = bind::file_beside(file);
         Failure::Refused(format!("{}: error: {}", file.display(), reason(&error)))
-    })?;
-    let Some(report) = report else {
+    })
+}
+
+/// The bindings beside a data sheet; what there is to say about them goes to standard error.
+pub(crate) fn bindings(file: &Path, model: &Model) -> Result<Vec<Binding>, Failure> {
+    let Some(report) = binding_report(file, model)? else {
         return Ok(Vec::new());
     };
     if !report.findings.is_empty() {

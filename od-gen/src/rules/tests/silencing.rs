@@ -529,6 +529,41 @@ fn rules_that_are_checked_while_a_data_sheet_is_read() {
 }
 
 #[test]
+fn what_was_plainly_meant_counts_when_it_is_silenced() {
+    for (old, new) in [
+        ("ProductNumber=18", "ProductNumber=018"),
+        ("BaudRate_125=1", "BaudRate_125=TRUE"),
+        (
+            "DataType=0x0005\nAccessType=ro\nPDOMapping=1",
+            "DataType=UNSIGNED8\nAccessType=ro\nPDOMapping=yes",
+        ),
+        ("DefaultValue=$NODEID+0x200", "DefaultValue=nodeid+0x200"),
+        ("LowLimit=0x8000", "LowLimit=8000h"),
+        ("DefaultValue=0x10002", "DefaultValue=10002h"),
+        ("HighLimit=200\n\n", "HighLimit=200u\n\n"),
+        ("12=0x200B", "12=200Bh"),
+    ] {
+        let text = changed(&[(old, new)]);
+        assert!(Report::new("small.eds", &text).has_errors(), "{new}");
+        let report = Report::new(
+            "small.eds",
+            &(allowance("not-a-number, not-an-index") + &text),
+        );
+        let left = report
+            .findings
+            .iter()
+            .filter(|found| found.rule.name != "unused-allowance");
+        // The count of a list is of what can be read as it stands.
+        assert_eq!(
+            left.filter(|found| found.rule.name != "list-count").count(),
+            0,
+            "{new}"
+        );
+        assert_eq!(report.model, parse("small.eds", SMALL).unwrap(), "{new}");
+    }
+}
+
+#[test]
 fn rules_about_models() {
     for case in cases() {
         let is_dcf = case
