@@ -1,8 +1,9 @@
-//! Curves over time as a picture, one below the other.
+//! Curves over time: as a picture, one below the other, and with characters.
 
 use std::path::Path;
 
 use plotters::prelude::*;
+use rasciigraph::Config;
 
 use crate::system_error::plain;
 
@@ -10,22 +11,35 @@ use crate::system_error::plain;
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 300;
 
+/// Size of a curve in the terminal, in characters.
+const COLUMNS: u32 = 100;
+const ROWS: u32 = 12;
+
 /// One curve.
 pub(crate) struct Chart {
-    name: &'static str,
+    name: String,
     colour: RGBColor,
     /// Time in seconds, and the value.
     curve: Vec<(f32, f32)>,
 }
 
 impl Chart {
-    pub(crate) fn new(name: &'static str, colour: RGBColor, curve: Vec<(f32, f32)>) -> Self {
+    pub(crate) fn new(name: impl Into<String>, colour: RGBColor, curve: Vec<(f32, f32)>) -> Self {
         Self {
-            name,
+            name: name.into(),
             colour,
             curve,
         }
     }
+}
+
+/// One curve with characters, with a line of words below it.
+pub(crate) fn in_characters(values: Vec<f64>, caption: Option<String>) -> String {
+    let mut config = Config::default().with_width(COLUMNS).with_height(ROWS);
+    if let Some(caption) = caption {
+        config = config.with_caption(caption);
+    }
+    rasciigraph::plot(values, config)
 }
 
 /// Writes the charts as SVG, from second 0 to second `end`.

@@ -14,6 +14,7 @@ use crate::drive::Setup;
 use crate::flash::Flash;
 use crate::plan;
 use crate::plant::Axis;
+use crate::scope;
 use crate::serve::{Service, serve};
 use crate::system_error::plain;
 
@@ -39,6 +40,8 @@ enum Command {
     Serve(ServeArguments),
     /// Plan a move, play its pulses and measure how well they follow the plan
     Plan(plan::Arguments),
+    /// Record what a drive does, and show it
+    Scope(scope::Arguments),
 }
 
 #[derive(Debug, Default, Args)]
@@ -112,6 +115,15 @@ pub fn run(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode 
         Some(Command::Plan(arguments)) => {
             conclude_plan(plan::show(&arguments, &mut io::stdout().lock()))
         }
+        Some(Command::Scope(arguments)) => match scope::run(&arguments) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(problem) => {
+                if let Some(line) = problem.line() {
+                    fail(PROGRAM, &line);
+                }
+                ExitCode::from(problem.code())
+            }
+        },
         None => run_demo(DemoArguments {
             node_id: demo::NODE_ID,
             ..DemoArguments::default()

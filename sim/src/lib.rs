@@ -6,7 +6,7 @@
 //! - [`master`]: a CANopen master, on the in-process bus or on a real one.
 //! - [`data_sheet`]: what the objects of a device are called.
 //! - [`trace`]: frames in candump notation, with their meaning.
-//! - [`demo`], [`serve`] and [`mod@plan`]: what the command line does.
+//! - [`demo`], [`serve`], [`mod@plan`] and [`scope`]: what the command line does.
 //! - [`mod@axis402`]: a master's command line for real buses.
 #![forbid(unsafe_code)]
 
@@ -22,6 +22,7 @@ pub mod machine;
 pub mod master;
 pub mod plan;
 pub mod plant;
+pub mod scope;
 pub mod serve;
 mod system_error;
 pub mod timer_model;

@@ -24,7 +24,7 @@ pub(super) struct CommandLine {
 
 /// How to get on the bus.
 #[derive(Debug, Args)]
-pub(super) struct Bus {
+pub(crate) struct Bus {
     /// An SLCAN adapter: a serial port (/dev/ttyACM0, COM3), or a TCP address of an adapter or a virtual drive
     #[arg(long, value_name = "PORT or ADDRESS:PORT", global = true)]
     pub(super) slcan: Option<String>,
@@ -101,7 +101,7 @@ impl From<Nmt> for NmtCommand {
 
 /// Whose objects they are.
 #[derive(Debug, Args)]
-pub(super) struct Sheet {
+pub(crate) struct Sheet {
     /// The data sheet of the device: EDS, DCF or XDD
     #[arg(long, value_name = "FILE")]
     pub(super) eds: Option<PathBuf>,

@@ -20,6 +20,7 @@ mod scan;
 #[cfg(test)]
 mod walk_through;
 
+pub(crate) use arguments::{Bus, Sheet};
 pub use bit_rate::{BitRateSwitch, store_settings, switch_bit_rate};
 pub use configuration::{dump, load};
 pub use console::Console;
@@ -30,5 +31,6 @@ pub use node::Node;
 pub use object::{fetch, put, read, write};
 pub use problem::Problem;
 pub use run::run;
+pub(crate) use run::{explain, go_on_bus, read_sheet};
 pub use save::{Group, save};
 pub use scan::scan;

@@ -46,7 +46,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 /// A master on the bus that the command line names.
-fn go_on_bus(arguments: &Bus) -> Result<Master<Real>, Problem> {
+pub(crate) fn go_on_bus(arguments: &Bus) -> Result<Master<Real>, Problem> {
     let mut bus = LiveBus::new();
     match (&arguments.slcan, &arguments.socketcan) {
         (Some(_), Some(_)) => {
@@ -93,7 +93,7 @@ fn place(text: &str, baud_rate: u32) -> Place {
 }
 
 /// Silence has a reason when the adapter could not send.
-fn explain(result: Result<(), Problem>, line: &Real) -> Result<(), Problem> {
+pub(crate) fn explain(result: Result<(), Problem>, line: &Real) -> Result<(), Problem> {
     match result {
         Err(Problem::Failed(text)) if line.refused() > 0 => Err(Problem::Failed(format!(
             "{text} (the adapter refused {} frames: is it connected, and at the right bit rate?)",
@@ -270,7 +270,10 @@ fn perform_od<L: Line>(
     }
 }
 
-fn read_sheet(sheet: &Sheet, console: &mut Console<'_>) -> Result<Option<Arc<DataSheet>>, Problem> {
+pub(crate) fn read_sheet(
+    sheet: &Sheet,
+    console: &mut Console<'_>,
+) -> Result<Option<Arc<DataSheet>>, Problem> {
     let Some(file) = &sheet.eds else {
         return Ok(None);
     };

@@ -4,17 +4,12 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use plotters::style::{BLUE, RED};
-use rasciigraph::Config;
 
 use crate::chart::{self, Chart};
 use crate::drive::MotionSample;
 
 /// Velocity is the distance of this many control ticks.
 const WINDOW: usize = 10;
-
-/// Size of a plot in the terminal, in characters.
-const COLUMNS: u32 = 100;
-const ROWS: u32 = 12;
 
 /// The two curves, from the first to the last movement and a little around it. Time in s, steps, steps/s.
 struct Curves {
@@ -72,12 +67,7 @@ pub fn in_terminal(samples: &[MotionSample], output: &mut dyn Write) -> io::Resu
     ] {
         let values = curve.iter().map(|(_, value)| f64::from(*value)).collect();
         let caption = format!("{name}, {:.2} s from left to right", curves.end());
-        let size = Config::default().with_width(COLUMNS).with_height(ROWS);
-        writeln!(
-            output,
-            "{}\n",
-            rasciigraph::plot(values, size.with_caption(caption))
-        )?;
+        writeln!(output, "{}\n", chart::in_characters(values, Some(caption)))?;
     }
     Ok(())
 }

@@ -4,6 +4,7 @@
 //! that tells what was expected. Frames the script has not asked for yet wait in the inbox. The master knows its bus as a
 //! [`Line`] only, so what it does on a real bus is what the tests see on virtual time.
 
+mod block_upload;
 mod drive;
 mod failure;
 mod inbox;

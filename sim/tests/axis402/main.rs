@@ -9,4 +9,6 @@ mod numbering;
 mod objects;
 mod program;
 mod scanning;
+mod scope;
+mod scope_program;
 mod vendors;

@@ -14,14 +14,14 @@ use sim::serve::Server;
 use slcan::AdapterBitRate;
 
 /// A drive behind an SLCAN adapter on a free port; it ends with the test.
-struct Served {
-    address: SocketAddr,
+pub struct Served {
+    pub address: SocketAddr,
     stopper: SyncSender<Incoming>,
     server: Option<JoinHandle<Result<(), String>>>,
 }
 
 impl Served {
-    fn start(setup: Setup) -> Self {
+    pub fn start(setup: Setup) -> Self {
         let mut bus = LiveBus::new();
         let address = bus.serve_slcan("127.0.0.1:0").unwrap().address();
         let stopper = bus.stopper();

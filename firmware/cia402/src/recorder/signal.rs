@@ -113,7 +113,7 @@ impl Signal {
     }
 
     /// Its bits as the number they are.
-    pub(crate) const fn number(self, bits: u32) -> i64 {
+    pub const fn number(self, bits: u32) -> i64 {
         match (self.kind(), self.length()) {
             (Kind::Unsigned, _) => bits as i64,
             (Kind::Signed, 8) => bits as u8 as i8 as i64,

@@ -1,0 +1,78 @@
+//! How a person says what the trigger is.
+
+use cia402::recorder::Edge;
+
+use super::mapping;
+use crate::data_sheet::DataSheet;
+
+/// What begins a recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Trigger {
+    /// This program, as soon as there are as many samples as shall be older than the trigger.
+    Now,
+    /// What the drive is set up for.
+    AsSetUp,
+    /// An edge of a value, as 20D2h has it.
+    Edge {
+        /// 20D2h:1.
+        object: u32,
+        /// 20D2h:2.
+        edge: Edge,
+        /// 20D2h:3.
+        level: i32,
+        /// 20D2h:4.
+        mask: u32,
+    },
+}
+
+/// Bit 3 of the statusword: the fault reaction is active, or there is a fault.
+const FAULT: &str = "6041#3";
+
+impl Trigger {
+    /// `now`, `drive`, `fault`, `OBJECT>LEVEL`, `OBJECT<LEVEL`, `OBJECT~LEVEL` (either way), `OBJECT#BIT`, `OBJECT#BIT=0`.
+    ///
+    /// # Errors
+    /// Why it means nothing.
+    pub fn parse(text: &str, sheet: &DataSheet) -> Result<Self, String> {
+        match text.trim() {
+            "now" => return Ok(Self::Now),
+            "drive" => return Ok(Self::AsSetUp),
+            "fault" => return Self::parse(FAULT, sheet),
+            _ => {}
+        }
+        if let Some((object, bit)) = text.split_once('#') {
+            let (bit, edge) = match bit.split_once('=') {
+                Some((bit, "0")) => (bit, Edge::Falling),
+                Some((bit, "1")) => (bit, Edge::Rising),
+                None => (bit, Edge::Rising),
+                Some((_, other)) => return Err(format!("a bit becomes 0 or 1, and not {other}")),
+            };
+            let bit = bit.trim().parse().ok().filter(|bit| *bit < 32);
+            let bit: u32 = bit.ok_or("the bits of a value are 0 to 31")?;
+            return Ok(Self::Edge {
+                object: mapping(object, sheet)?,
+                edge,
+                level: 0,
+                mask: 1 << bit,
+            });
+        }
+        for (sign, edge) in [
+            ('>', Edge::Rising),
+            ('<', Edge::Falling),
+            ('~', Edge::Either),
+        ] {
+            if let Some((object, level)) = text.split_once(sign) {
+                let level = level.trim().parse();
+                return Ok(Self::Edge {
+                    object: mapping(object, sheet)?,
+                    edge,
+                    level: level.map_err(|error| format!("the level of the trigger: {error}"))?,
+                    mask: 0,
+                });
+            }
+        }
+        Err(format!(
+            "`{text}` is no trigger: now, drive, fault, OBJECT>LEVEL, OBJECT<LEVEL, OBJECT~LEVEL, OBJECT#BIT or OBJECT#BIT=0"
+        ))
+    }
+}
