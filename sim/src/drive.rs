@@ -286,8 +286,12 @@ where
             self.power_on(now);
         }
         while self.next_tick <= now {
-            self.control_tick(self.next_tick);
-            self.next_tick += CONTROL_TICK;
+            let now = self.next_tick;
+            let next = self.control_tick(now);
+            // A tick takes time.
+            self.next_tick = next
+                .unwrap_or(now + CONTROL_TICK)
+                .max(now + CONTROL_TICK / 2);
         }
         self.plant.advance(now);
         match self.switch_bit_rate.take_if(|(at, _)| *at <= now) {
@@ -300,7 +304,8 @@ where
         }
     }
 
-    fn control_tick(&mut self, now: Instant) {
+    /// Returns when the next one is due, if the drive says.
+    fn control_tick(&mut self, now: Instant) -> Option<Instant> {
         self.plant.advance(now);
         let inputs = Inputs {
             supply: self.plant.supply,
@@ -334,6 +339,7 @@ where
         self.device.poll(now, &mut self.exchange);
         self.serve_store(now);
         self.handle_events();
+        outputs.next_tick
     }
 
     fn serve_store(&mut self, now: Instant) {

@@ -6,6 +6,7 @@ mod bouncing_switches;
 mod can_layer;
 mod commissioning;
 mod controller;
+mod cyclic_position;
 mod data_sheet;
 mod detection;
 mod following_error;

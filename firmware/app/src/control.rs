@@ -1,6 +1,6 @@
 //! What the control tick does: measure, let the drive decide, act.
 //!
-//! Every millisecond the drive gets what the board sees (supply, the steps that have left, the fault of the stage, the
+//! Every millisecond, or in step with SYNC, the drive gets what the board sees (supply, the steps that have left, the fault of the stage, the
 //! state of the bus), and answers with pulses for the step interrupt and with whether the motor may have current. Which
 //! fault stops the motor how is for [`Drive`] to say; this file only names the faults.
 //!
@@ -83,8 +83,13 @@ impl Control {
         }
     }
 
-    /// One tick. `alive` is whether the node task ran since the last tick.
-    pub fn tick(&mut self, mut exchange: impl Mutex<T = Exchange>, alive: bool) {
+    /// One tick. `alive` is whether the node task ran since the last tick. Returns when it was, and when the next one is due if
+    /// the drive says.
+    pub fn tick(
+        &mut self,
+        mut exchange: impl Mutex<T = Exchange>,
+        alive: bool,
+    ) -> (Instant, Option<Instant>) {
         let lost = self.lost.count();
         let overrun = lost != self.lost_before;
         self.lost_before = lost;
@@ -120,6 +125,7 @@ impl Control {
         if alive {
             self.stage.feed_watchdog();
         }
+        (now, outputs.next_tick)
     }
 }
 

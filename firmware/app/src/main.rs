@@ -6,7 +6,7 @@
 //! | `first_input`, `inputs` | 5 | an edge of a digital input | captures the position |
 //! | `can_received`, `serial` | 4 | CAN controller | stamps frames and queues them |
 //! | `can_sent`, `can_error` | 4 | CAN controller | room for the next frame; errors |
-//! | `control` | 3 | system timer, 1 kHz | state machine, mode, planner |
+//! | `control` | 3 | system timer, 1 kHz or in step with SYNC | state machine, mode, planner |
 //! | `node` | 2 | a frame, room to send, every control tick | CANopen; writes the parameter sectors |
 //! | `lights` | 1 | `node`, every 50 ms | green and red light |
 //!
@@ -47,7 +47,7 @@ mod app {
     use cia402::Exchange;
     use motion::step_interrupt::{self, Player};
 
-    use crate::board::{self, Board, Bus, InputLines, Parts, Receive, Selected};
+    use crate::board::{Board, Bus, ControlTimer, InputLines, Parts, Receive, Selected};
     use crate::control::{Control, RATE_HZ, TIMING};
     use crate::edges::Edges;
     use crate::inbox::{self, Inbox, Lost};
@@ -76,6 +76,7 @@ mod app {
     #[local]
     struct Local {
         control: Control,
+        timer: ControlTimer,
         panel: Panel<<Selected as Board>::Lights>,
     }
 
@@ -121,7 +122,7 @@ mod app {
             store,
         );
         node.power_on(&mut exchange, &mut bus);
-        board::start_control_tick::<Selected>(cx.core.SYST, RATE_HZ);
+        let timer = ControlTimer::start::<Selected>(cx.core.SYST, RATE_HZ);
 
         let shared = Shared {
             exchange,
@@ -139,6 +140,7 @@ mod app {
                 cx.local.edges,
                 &board::SCOPE_MEMORY,
             ),
+            timer,
             panel: Panel::new(lights),
         };
         (shared, local, init::Monotonics())
@@ -197,10 +199,11 @@ mod app {
         node::spawn().ok();
     }
 
-    #[task(binds = SysTick, priority = 3, shared = [exchange, alive], local = [control])]
+    #[task(binds = SysTick, priority = 3, shared = [exchange, alive], local = [control, timer])]
     fn control(mut cx: control::Context) {
         let alive = cx.shared.alive.lock(core::mem::take);
-        cx.local.control.tick(cx.shared.exchange, alive);
+        let (now, next) = cx.local.control.tick(cx.shared.exchange, alive);
+        cx.local.timer.schedule::<Selected>(now, next);
         node::spawn().ok();
     }
 

@@ -7,6 +7,7 @@
 use motion::homing;
 
 use crate::brake::BrakeTimes;
+use crate::cyclic::CyclicConfiguration;
 use crate::inputs::InputConfiguration;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
@@ -86,6 +87,8 @@ pub struct Configuration {
     pub is_reversed: bool,
     /// 2073h and 2074h.
     pub power_stage: Thresholds,
+    /// 1006h, 2051h, 60C0h, 60C2h and 60C4h.
+    pub cyclic: CyclicConfiguration,
 }
 
 /// How 607Dh is read.
@@ -240,6 +243,7 @@ impl Configuration {
         microsteps: 1,
         is_reversed: false,
         power_stage: Thresholds::NONE,
+        cyclic: CyclicConfiguration::NONE,
     };
 
     /// What the objects of a dictionary say. A code that means nothing (only a data sheet can hold one) counts as the default
@@ -309,6 +313,7 @@ impl Configuration {
             microsteps: dictionary.microsteps(),
             is_reversed: dictionary.motor_direction() == 1,
             power_stage: Thresholds::of(dictionary),
+            cyclic: CyclicConfiguration::of(dictionary),
         }
     }
 }

@@ -21,6 +21,7 @@ pub(crate) use controller::{RESTART_DELAY, SDO_TIME_OUT};
 
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
+use canopen::cia301::sync;
 use canopen::node::StoreError;
 use canopen::od::{self, Dictionary};
 use canopen::outbox::{Pending, Sender};
@@ -28,6 +29,7 @@ use canopen::settings::Source;
 use canopen::{Application, BitRate, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
 use crate::configuration::Configuration;
+use crate::cyclic::SyncStatus;
 use crate::exchange::{Actuals, Exchange, Share};
 use crate::faults::{FaultNotice, emergency};
 use crate::hooks::{Hooks, Network};
@@ -38,6 +40,9 @@ use crate::option_codes::AbortConnectionOption;
 const ERROR_HISTORY: u16 = 0x1003;
 /// Error code of the network that is lost without an error of the node: it was stopped.
 const COMMUNICATION: u16 = 0x8100;
+
+/// So long after the last SYNC, set-points of the cyclic modes count as they come.
+const SILENCE: Duration = Duration::from_ticks(2_000_000);
 
 /// How often a device that waits for its drive wants to be called.
 const WAIT: Duration = Duration::from_ticks(1_000);
@@ -70,6 +75,8 @@ pub struct Device<D: Dictionary, A = ()> {
     unsafe_since: Option<Instant>,
     /// Where node-ID and bit rate come from.
     sources: (Source, Source),
+    /// When the last SYNC came.
+    synced: Option<Instant>,
     /// What 5FF0h shows.
     configuration: canopen::Configuration,
 }
@@ -100,6 +107,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             lost: None,
             counters: Counters::default(),
             unsafe_since: None,
+            synced: None,
         }
     }
 
@@ -131,10 +139,13 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             return;
         }
         let actuals = self.refresh(stamp, exchange);
-        self.hooks.protection.prepare(actuals.has_power(), stamp);
+        self.hooks
+            .protection
+            .prepare(actuals.has_power(), actuals.is_moving, stamp);
         self.node.receive(frame, stamp, &mut self.hooks);
         self.take_reset();
         self.post(exchange);
+        self.beat(stamp, exchange);
     }
 
     /// Lets time pass; call it after each control tick and at the returned deadline.
@@ -155,6 +166,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         let deadline = self.node.poll(now, &mut self.hooks);
         self.take_reset();
         self.post(exchange);
+        self.beat(now, exchange);
         self.serve_controller();
         self.serve_commissioning();
         deadline
@@ -288,7 +300,10 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             },
         };
         if self.hooks.take_configured() {
-            let configuration = Configuration::of(self.node.dictionary());
+            let dictionary = self.node.dictionary();
+            let mut configuration = Configuration::of(dictionary);
+            configuration.cyclic.cycle =
+                od::read_u32(dictionary, sync::PERIOD, 0).unwrap_or_default();
             self.hooks.set_units(configuration.units);
             exchange.lock(|exchange| exchange.configure(configuration));
         }
@@ -299,6 +314,30 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             self.network = network;
             let commands = self.hooks.commands(self.node.dictionary(), network);
             exchange.lock(|exchange| exchange.post(commands));
+        }
+    }
+}
+
+impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+    /// Tells of the SYNC, or the set-point where there is none, that came at `stamp`.
+    fn beat<X: Share>(&mut self, stamp: Instant, exchange: &mut X) {
+        let is_sync = self.node.take_sync();
+        if is_sync {
+            self.synced = Some(stamp);
+        }
+        if !is_sync && !self.hooks.has_set_point() {
+            return;
+        }
+        if let Some(record) = self.hooks.take_record() {
+            exchange.lock(|exchange| exchange.record(record));
+        }
+        let is_alone = self
+            .synced
+            .and_then(|at| stamp.checked_duration_since(at))
+            .is_none_or(|silence| silence > SILENCE);
+        if is_sync || is_alone {
+            let beat = self.hooks.beat(self.node.dictionary(), stamp, is_sync);
+            exchange.lock(|exchange| exchange.beat(beat));
         }
     }
 }
@@ -329,6 +368,19 @@ fn show<D: Objects>(dictionary: &mut D, actuals: &Actuals) {
     dictionary.set_digital_inputs(actuals.digital_inputs);
     dictionary.set_homing_referenced(actuals.referenced.into());
     dictionary.set_homing_failure(actuals.homing_failure);
+    show_sync(dictionary, &actuals.sync);
+}
+
+/// 2050h and 60C4h:4.
+fn show_sync<D: Objects>(dictionary: &mut D, sync: &SyncStatus) {
+    dictionary.set_sync_state(sync.state);
+    dictionary.set_sync_period(sync.period);
+    dictionary.set_sync_jitter(sync.jitter);
+    dictionary.set_missed_syncs(sync.missed);
+    dictionary.set_rejected_syncs(sync.rejected);
+    dictionary.set_lost_set_points(sync.lost_set_points);
+    dictionary.set_cyclic_latency(sync.latency);
+    dictionary.set_interpolation_buffer_position(sync.buffered);
 }
 
 #[cfg(test)]

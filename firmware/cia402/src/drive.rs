@@ -15,6 +15,7 @@ use motion::{AxisConfig, PulseSink};
 use crate::brake::Brake;
 use crate::configuration::Configuration;
 use crate::controlword::{Command, FAULT_RESET};
+use crate::cyclic::{Cyclic, fine};
 use crate::exchange::{Actuals, Commands, Share};
 use crate::faults::{Faults, Reaction};
 use crate::inputs::{DigitalInputs, Switches};
@@ -69,6 +70,9 @@ pub struct Inputs {
 /// What the board must do, set at the end of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Outputs {
+    /// When the next tick is due, in step with SYNC; `None` where nothing but the nominal period matters. To the nearest microsecond;
+    /// what is rounded off does not add up.
+    pub next_tick: Option<Instant>,
     /// Current in the motor.
     pub power_stage: bool,
     /// The brake is open.
@@ -118,6 +122,8 @@ pub struct Drive {
     is_abandoned: bool,
     /// When the last tick was.
     ticked: Instant,
+    /// The beat of the network, and what the cyclic modes go by.
+    cyclic: Cyclic,
 }
 
 impl Drive {
@@ -145,6 +151,7 @@ impl Drive {
             shutdown_first: false,
             is_abandoned: false,
             ticked: Instant::from_ticks(0),
+            cyclic: Cyclic::new(&outlast_tick(config), config.tick),
         }
     }
 
@@ -171,8 +178,12 @@ impl Drive {
         exchange: &mut X,
     ) -> Outputs {
         let units = self.configuration.units;
-        let is_configured =
-            exchange.lock(|exchange| exchange.take(&mut self.commands, &mut self.configuration));
+        let is_configured = exchange.lock(|exchange| {
+            let is_configured = exchange.take(&mut self.commands, &mut self.configuration);
+            self.cyclic
+                .take(exchange, &self.configuration.cyclic, self.modes.active());
+            is_configured
+        });
         let command = self.given_command();
         let elapsed = now
             .checked_duration_since(self.ticked)
@@ -191,6 +202,8 @@ impl Drive {
             self.motor.lose_reference();
         }
         self.motor.observe(position, self.power, pulses);
+        self.motor.set_time(fine(now));
+        self.cyclic.pass(fine(now));
         self.look_at_units(is_configured, &units, position);
         self.switches.observe(
             &inputs.digital,
@@ -213,6 +226,9 @@ impl Drive {
             self.operate(now, position, elapsed, blocked, command)
         };
 
+        let is_cyclic = self.modes.active().is_cyclic();
+        let next_tick = self.cyclic.next_tick(now, is_cyclic);
+
         let in_time = self.motor.advance(pulses);
         self.settled = self.motor.is_settled(pulses);
         if !in_time {
@@ -233,6 +249,7 @@ impl Drive {
             }
         });
         Outputs {
+            next_tick,
             power_stage: self.power,
             brake_released: self.is_brake_released(),
             drop_pulses: !self.power || self.motor.is_cut(),
@@ -298,7 +315,8 @@ impl Drive {
             &self.periphery.stage,
         );
         let (remote, command, lost) = self.under_6007h(command);
-        let reaction = detected.or(lost);
+        let silent = self.set_points_lost();
+        let reaction = detected.or(lost).or(silent);
         let reset = self.commands.remote && self.commands.rising & FAULT_RESET != 0;
         let conditions = Conditions {
             command,
@@ -393,6 +411,10 @@ impl Drive {
                     position,
                     is_brake_open,
                     motor: &mut self.motor,
+                    slots: &self.cyclic.slots,
+                    buffer: &mut self.cyclic.buffer,
+                    pipeline: self.cyclic.pipeline,
+                    lost_set_points: &mut self.cyclic.has_lost,
                 });
                 bits | limit
             }

@@ -9,6 +9,7 @@ use heapless::Deque;
 
 use crate::configuration::Configuration;
 use crate::controlword::{Command, NEW_SET_POINT};
+use crate::cyclic::{Beat, SyncStatus};
 use crate::faults::FaultNotice;
 use crate::modes::Mode;
 use crate::periphery::{Latched, Readings};
@@ -191,6 +192,10 @@ pub struct Actuals {
     pub referenced: bool,
     /// 2034h:2.
     pub homing_failure: u8,
+    /// 2050h.
+    pub sync: SyncStatus,
+    /// The motor moves.
+    pub is_moving: bool,
     /// Power is off, the motor stands, and a restart that was asked for is done: a reset may go on.
     pub safe: bool,
 }
@@ -226,6 +231,8 @@ impl Actuals {
         digital_inputs: 0,
         referenced: false,
         homing_failure: 0,
+        sync: SyncStatus::NONE,
+        is_moving: false,
         safe: false,
     };
 }
@@ -237,6 +244,9 @@ impl Actuals {
             && State::from_statusword(self.statusword) == Some(State::OperationEnabled)
     }
 }
+
+/// Beats that wait for a tick. There is about one for each.
+const BEATS: usize = 4;
 
 /// News of faults that wait for the device; more than one tick can bring.
 const NOTICES: usize = 16;
@@ -261,6 +271,9 @@ pub struct Exchange {
     newest: Actuals,
     before: Actuals,
     notices: Deque<FaultNotice, NOTICES>,
+    /// Beats and data records that no tick has taken yet.
+    beats: Deque<Beat, BEATS>,
+    records: Deque<i32, BEATS>,
     lost_notices: u32,
     latched: Latched,
     readings: Readings,
@@ -286,6 +299,8 @@ impl Exchange {
             newest: Actuals::NONE,
             before: Actuals::NONE,
             notices: Deque::new(),
+            beats: Deque::new(),
+            records: Deque::new(),
             lost_notices: 0,
             latched: Latched::NONE,
             readings: Readings::NONE,
@@ -411,6 +426,29 @@ impl Exchange {
     /// Whether a tick that has seen the latest commands found power off and the motor at rest.
     pub fn is_safe(&self) -> bool {
         self.newest.safe && self.answered == self.posted
+    }
+
+    /// A beat came, behind the commands that were posted with it.
+    pub fn beat(&mut self, beat: Beat) {
+        if self.beats.is_full() {
+            self.beats.pop_front();
+        }
+        let _ = self.beats.push_back(beat);
+    }
+
+    /// The oldest beat that no tick has taken yet.
+    pub fn take_beat(&mut self) -> Option<Beat> {
+        self.beats.pop_front()
+    }
+
+    /// A data record of the interpolated position mode came.
+    pub fn record(&mut self, record: i32) {
+        let _ = self.records.push_back(record);
+    }
+
+    /// The oldest data record that no tick has taken yet.
+    pub fn take_record(&mut self) -> Option<i32> {
+        self.records.pop_front()
     }
 
     /// Hands news of a fault to the device. When the device has not come for a long time, the news is counted as lost

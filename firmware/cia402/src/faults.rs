@@ -26,6 +26,10 @@ pub const UNDER_VOLTAGE: u16 = 0x3220;
 pub const PULSES_LATE: u16 = 0x6100;
 /// 8612h, reference limit: both limit switches are active, so that no direction is free.
 pub const BOTH_LIMITS: u16 = 0x8612;
+/// 8250h, RPDO timeout: set-points of a cyclic mode did not come.
+pub const SET_POINTS_LOST: u16 = 0x8250;
+/// 8700h, SYNC controller: SYNC does not come with the period that is set up. A warning: it changes no state.
+pub const BEAT_DIFFERS: u16 = 0x8700;
 /// 8611h, following error: the motor stands, but not where its pulses should have taken it.
 pub const POSITION_MISMATCH: u16 = 0x8611;
 
@@ -131,12 +135,13 @@ pub(crate) struct Faults {
     over_temperature: bool,
     both_limits: bool,
     late: bool,
+    beat_differs: bool,
     /// What the thresholds of the power stage warn of.
     stage_warnings: Warnings,
     /// What the board warns of.
     board_warning: Option<u16>,
     standing: Vec<u16, STANDING>,
-    notices: Deque<FaultNotice, { 2 * STANDING + 7 }>,
+    notices: Deque<FaultNotice, { 2 * STANDING + 8 }>,
 }
 
 impl Faults {
@@ -287,11 +292,29 @@ impl Faults {
         }
     }
 
+    /// Too many set-points of a cyclic mode are missing.
+    pub(crate) fn set_points_lost(&mut self) -> Reaction {
+        let mut reaction = None;
+        self.raise(SET_POINTS_LOST, &mut reaction);
+        reaction.unwrap_or(Reaction::AsConfigured)
+    }
+
+    /// SYNC comes with another period than is set up (a warning), or no longer.
+    pub(crate) fn beat_differs(&mut self, differs: bool) {
+        if differs != self.beat_differs {
+            self.beat_differs = differs;
+            self.notify(match differs {
+                true => FaultNotice::Raised(BEAT_DIFFERS),
+                false => FaultNotice::Cleared(BEAT_DIFFERS),
+            });
+        }
+    }
+
     /// Statusword bit 7.
     pub(crate) const fn warning(&self) -> bool {
         let stage = self.stage_warnings;
         let by_stage = stage.under_voltage || stage.over_voltage || stage.temperature;
-        self.late || self.board_warning.is_some() || by_stage
+        self.beat_differs || self.late || self.board_warning.is_some() || by_stage
     }
 
     /// 603Fh: the code of the last fault since power-on; 0 before the first.

@@ -14,12 +14,13 @@
 //!   the application's alone.
 //! - The serial number 1018h:4 is filled in at every start, before a master can read it.
 
-use canopen::Application;
 use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{self, Dictionary, Entry, write_u32};
+use canopen::{Application, Instant};
 use motion::homing::Method;
 
 use crate::controlword::ControlwordHistory;
+use crate::cyclic::Beat;
 use crate::device::commissioning::Commissioning;
 use crate::device::{RESTART_DELAY, SDO_TIME_OUT};
 use crate::exchange::Commands;
@@ -34,6 +35,7 @@ use crate::protection::{PASSWORD, PRODUCTION, Protection};
 use crate::recorder::Desk;
 use crate::units::{Factors, SiUnit, Units};
 
+const SYNC_PERIOD: u16 = canopen::cia301::sync::PERIOD;
 const IDENTITY: u16 = 0x1018;
 const SERIAL_NUMBER: u8 = 4;
 /// 60F2h: what relative set-points count from, and which way a rotary axis goes.
@@ -75,6 +77,10 @@ pub(crate) struct Hooks<A> {
     pub(crate) desk: Desk,
     /// The serial number of production; 0 for none.
     produced: u32,
+    /// Set-points of the cyclic modes that were written since the last beat: 607Ah, 60FFh.
+    fresh: (bool, bool),
+    /// A data record 60C1h:1 that was written.
+    record: Option<i32>,
 }
 
 impl<A> Hooks<A> {
@@ -93,6 +99,8 @@ impl<A> Hooks<A> {
             commissioning: Commissioning::default(),
             desk: Desk::default(),
             produced: 0,
+            fresh: (false, false),
+            record: None,
         }
     }
 
@@ -134,6 +142,30 @@ impl<A> Hooks<A> {
         let configured = self.configured;
         self.configured = false;
         configured
+    }
+
+    /// Whether a set-point of a cyclic mode was written since the last beat.
+    pub(crate) const fn has_set_point(&self) -> bool {
+        self.fresh.0 || self.fresh.1 || self.record.is_some()
+    }
+
+    /// The data record 60C1h:1 that was written since the last call.
+    pub(crate) const fn take_record(&mut self) -> Option<i32> {
+        self.record.take()
+    }
+
+    /// A beat came at `at`: the set-points that hold at it.
+    pub(crate) fn beat<D: Objects>(&mut self, dictionary: &D, at: Instant, is_sync: bool) -> Beat {
+        let (position, velocity) = core::mem::take(&mut self.fresh);
+        let units = &self.units;
+        Beat {
+            at,
+            is_sync,
+            position: position.then(|| dictionary.target_position()),
+            velocity: velocity.then(|| units.velocity(dictionary.target_velocity())),
+            position_offset: dictionary.position_offset(),
+            velocity_offset: units.velocity(dictionary.velocity_offset()),
+        }
     }
 
     /// The units that the master counts in from now on.
@@ -205,9 +237,15 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
             Some(Parameter::DigitalOutputs | Parameter::DigitalOutputsMask) => {
                 self.outputs_written = true;
             }
+            Some(Parameter::TargetPosition) => self.fresh.0 = true,
+            Some(Parameter::TargetVelocity) => self.fresh.1 = true,
+            Some(Parameter::InterpolationRecord) => {
+                self.record = Some(dictionary.interpolation_record());
+            }
             _ => {}
         }
         self.written |= parameter.is_some();
+        self.configured |= entry.index == SYNC_PERIOD;
         self.configured |= parameter.is_some_and(|parameter| !parameter.is_command());
         self.delay_written |= entry.index == RESTART_DELAY;
         self.desk.written(dictionary, entry);
@@ -318,6 +356,10 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
             .ok()
             .and_then(InputFunction::from_code)
             .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
+        Parameter::InterpolationSubMode => match number {
+            -1 | 0 => Ok(()),
+            _ => Err(AbortCode::InvalidValue),
+        },
         Parameter::TouchProbeFunction => u16::try_from(number)
             .ok()
             .filter(|function| is_function(*function))
@@ -368,6 +410,7 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
         | Parameter::AccelerationFactorDivisor => factor(parameter, number, dictionary),
         Parameter::ProfileAcceleration
         | Parameter::ProfileDeceleration
+        | Parameter::InterpolationTimeValue
         | Parameter::QuickStopDeceleration
         | Parameter::MaxAcceleration
         | Parameter::MaxDeceleration

@@ -23,6 +23,7 @@ pub mod binding;
 pub mod brake;
 pub mod configuration;
 pub mod controlword;
+pub mod cyclic;
 pub mod device;
 pub mod drive;
 mod dwell;

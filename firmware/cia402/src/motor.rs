@@ -1,9 +1,11 @@
 //! The axis as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
 
 use motion::{
-    AdvanceError, Axis, AxisConfig, Demand, Direction, Limits, PlanError, PulseSink, Record, Ticks,
+    AdvanceError, Axis, AxisConfig, Demand, Direction, FollowError, Limits, PlanError, Position,
+    PulseSink, Record, Ticks, Velocity,
 };
 
+use crate::cyclic::{Fine, Timescale};
 use crate::inputs::Count;
 
 /// The directions that limit switches bar.
@@ -39,6 +41,8 @@ pub(crate) struct Motor {
     standstill: bool,
     /// What was being played at the start of this tick.
     demand: Demand,
+    /// The tick of the axis' time at the start of this tick.
+    played: Ticks,
     /// Pulses have been cut off: the axis does not know where the motor is until it is told.
     cut: bool,
     /// What the master's count has beyond the board's.
@@ -48,6 +52,8 @@ pub(crate) struct Motor {
     /// The home position is known.
     referenced: bool,
     barred: Barred,
+    /// The axis' time in comparison with that of the control tick.
+    timescale: Timescale,
     /// The deceleration of the stop under way, in steps/s².
     stopping: Option<u32>,
     /// The deceleration with which a limit switch stops the motor, in steps/s², as long as it still moves into the switch.
@@ -63,11 +69,13 @@ impl Motor {
             at_rest: true,
             standstill: true,
             demand: Demand::default(),
+            played: 0,
             cut: false,
             shift: 0,
             is_reversed: false,
             referenced: false,
             barred: Barred::default(),
+            timescale: Timescale::new(config.clock.hz()),
             stopping: None,
             stopping_at_limit: None,
         }
@@ -202,6 +210,15 @@ impl Motor {
         let pending = pulses.pending();
         self.standstill = self.at_rest && pending == 0;
         self.demand = self.demand_of(pending);
+        self.played = self.axis.played(pending);
+    }
+
+    /// The tick that has just looked at the motor runs at `now`: what is followed goes by that.
+    pub(crate) fn set_time(&mut self, now: Fine) {
+        if self.at_rest {
+            self.timescale.stop();
+        }
+        self.timescale.compare(now, self.played);
     }
 
     /// Whether the pulses handed out so far lead further than `slack` from this position.
@@ -263,6 +280,56 @@ impl Motor {
         let target = self.on_axis(target);
         let result = self.axis.move_through(target, end_velocity, limits);
         self.begun(result)
+    }
+
+    /// Goes to a position, from the one followed before, and is there at `end`: in a straight line, or with a velocity there, as a
+    /// way and how long it takes. See [`Axis::follow`].
+    pub(crate) fn follow(
+        &mut self,
+        end: Fine,
+        to: Position,
+        velocity: Option<(Position, Fine)>,
+    ) -> Result<(), FollowError> {
+        let tick = self.timescale.tick_at(end);
+        let result = match velocity {
+            None => self.axis.follow(tick, to),
+            Some((way, time)) => {
+                let ticks = self.timescale.ticks(time);
+                let velocity = Velocity::over(way, ticks);
+                self.axis.follow_smoothly(tick, to, velocity)
+            }
+        };
+        if result.is_ok() {
+            self.stopping = None;
+        }
+        result
+    }
+
+    /// Reaches a velocity in steps/s at `end`, evenly from the one at the end of what is followed. See [`Axis::follow_velocity`].
+    pub(crate) fn follow_velocity(&mut self, end: Fine, velocity: i32) -> Result<(), FollowError> {
+        let tick = self.timescale.tick_at(end);
+        self.axis.follow_velocity(tick, velocity)?;
+        self.stopping = None;
+        Ok(())
+    }
+
+    /// Where what is followed ends, in steps, and its velocity there in steps/s.
+    pub(crate) fn course_end(&self) -> Demand {
+        let end = self.axis.course_end_demand();
+        Demand {
+            position: self.near(end.position),
+            ..end
+        }
+    }
+
+    /// Whether a stop is under way.
+    pub(crate) const fn is_stopping(&self) -> bool {
+        self.stopping.is_some()
+    }
+
+    /// Whether nothing is planned, and every pulse has been handed out.
+    pub(crate) const fn is_at_rest(&self) -> bool {
+        self.at_rest
     }
 
     /// The position from which the next command begins, in steps.

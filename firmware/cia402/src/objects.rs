@@ -591,6 +591,82 @@ pub trait Objects {
     fn digital_outputs_mask(&self) -> u32 {
         u32::MAX
     }
+    /// 2050h:1: 0 no beat, 1 the loop is settling, 2 locked.
+    fn set_sync_state(&mut self, value: u8) {
+        let _ = value;
+    }
+    /// 2050h:2 in nanoseconds.
+    fn set_sync_period(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 2050h:3 in nanoseconds.
+    fn set_sync_jitter(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 2050h:4.
+    fn set_missed_syncs(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 2050h:5.
+    fn set_rejected_syncs(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 2050h:6.
+    fn set_lost_set_points(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 2050h:7 in microseconds.
+    fn set_cyclic_latency(&mut self, value: u32) {
+        let _ = value;
+    }
+    /// 2051h:1.
+    fn bridged_set_points(&self) -> u8 {
+        2
+    }
+    /// 2051h:2: see [`crate::cyclic::LostSetPoints`].
+    fn lost_set_point_reaction(&self) -> u8 {
+        1
+    }
+    /// 60B0h.
+    fn position_offset(&self) -> i32 {
+        0
+    }
+    /// 60B1h.
+    fn velocity_offset(&self) -> i32 {
+        0
+    }
+    /// 60C0h: 0 linear, −1 cubic.
+    fn interpolation_sub_mode(&self) -> i16 {
+        0
+    }
+    /// 60C1h:1.
+    fn interpolation_record(&self) -> i32 {
+        0
+    }
+    /// 60C2h:1.
+    fn interpolation_time_value(&self) -> u8 {
+        1
+    }
+    /// 60C2h:2: the power of ten, in seconds.
+    fn interpolation_time_index(&self) -> i8 {
+        -3
+    }
+    /// 60C4h:2.
+    fn interpolation_buffer_size(&self) -> u32 {
+        32
+    }
+    /// 60C4h:3.
+    fn interpolation_buffer_organization(&self) -> u8 {
+        0
+    }
+    /// 60C4h:6.
+    fn interpolation_buffer_clear(&self) -> u8 {
+        1
+    }
+    /// 60C4h:4.
+    fn set_interpolation_buffer_position(&mut self, value: u16) {
+        let _ = value;
+    }
     /// 6502h.
     fn supported_drive_modes(&self) -> u32 {
         0

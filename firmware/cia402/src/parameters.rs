@@ -138,6 +138,15 @@ parameters! {
     HomingFailure "homing_failure" 0x2034 2 U8 Shown "";
     BrakeReleaseTime "brake_release_time" 0x2040 1 U16 Taken "ms";
     BrakeEngageTime "brake_engage_time" 0x2040 2 U16 Taken "ms";
+    SyncState "sync_state" 0x2050 1 U8 Shown "";
+    SyncPeriod "sync_period" 0x2050 2 U32 Shown "ns";
+    SyncJitter "sync_jitter" 0x2050 3 U32 Shown "ns";
+    MissedSyncs "missed_syncs" 0x2050 4 U32 Shown "";
+    RejectedSyncs "rejected_syncs" 0x2050 5 U32 Shown "";
+    LostSetPoints "lost_set_points" 0x2050 6 U32 Shown "";
+    CyclicLatency "cyclic_latency" 0x2050 7 U32 Shown "us";
+    BridgedSetPoints "bridged_set_points" 0x2051 1 U8 Taken "";
+    LostSetPointReaction "lost_set_point_reaction" 0x2051 2 U8 Taken "";
     Output1Function "output_1_function" 0x2060 1 U8 Taken "";
     Output2Function "output_2_function" 0x2060 2 U8 Taken "";
     Output3Function "output_3_function" 0x2060 3 U8 Taken "";
@@ -239,12 +248,22 @@ parameters! {
     SiUnitVelocity "si_unit_velocity" 0x60A9 0 U32 Taken "";
     SiUnitAcceleration "si_unit_acceleration" 0x60AA 0 U32 Taken "";
     SiUnitJerk "si_unit_jerk" 0x60AB 0 U32 Taken "";
+    PositionOffset "position_offset" 0x60B0 0 I32 Taken "position units";
+    VelocityOffset "velocity_offset" 0x60B1 0 I32 Taken "velocity units";
     TouchProbeFunction "touch_probe_function" 0x60B8 0 U16 Taken "";
     TouchProbeStatus "touch_probe_status" 0x60B9 0 U16 Shown "";
     TouchProbe1PositiveEdge "touch_probe_1_positive_edge" 0x60BA 0 I32 Shown "position units";
     TouchProbe1NegativeEdge "touch_probe_1_negative_edge" 0x60BB 0 I32 Shown "position units";
     TouchProbe2PositiveEdge "touch_probe_2_positive_edge" 0x60BC 0 I32 Shown "position units";
     TouchProbe2NegativeEdge "touch_probe_2_negative_edge" 0x60BD 0 I32 Shown "position units";
+    InterpolationSubMode "interpolation_sub_mode" 0x60C0 0 I16 Taken "";
+    InterpolationRecord "interpolation_record" 0x60C1 1 I32 Taken "position units";
+    InterpolationTimeValue "interpolation_time_value" 0x60C2 1 U8 Taken "" from 1;
+    InterpolationTimeIndex "interpolation_time_index" 0x60C2 2 I8 Taken "";
+    InterpolationBufferSize "interpolation_buffer_size" 0x60C4 2 U32 Taken "" from 1;
+    InterpolationBufferOrganization "interpolation_buffer_organization" 0x60C4 3 U8 Taken "";
+    InterpolationBufferPosition "interpolation_buffer_position" 0x60C4 4 U16 Shown "";
+    InterpolationBufferClear "interpolation_buffer_clear" 0x60C4 6 U8 Taken "";
     MaxAcceleration "max_acceleration" 0x60C5 0 U32 Taken "acceleration units" from 1;
     MaxDeceleration "max_deceleration" 0x60C6 0 U32 Taken "acceleration units" from 1;
     TouchProbe1Source "touch_probe_1_source" 0x60D0 1 I16 Taken "";
@@ -292,6 +311,9 @@ impl Parameter {
                 | Self::ProfileDeceleration
                 | Self::TargetVelocity
                 | Self::VlTargetVelocity
+                | Self::PositionOffset
+                | Self::VelocityOffset
+                | Self::InterpolationRecord
         )
     }
 }

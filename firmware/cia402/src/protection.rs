@@ -50,6 +50,9 @@ pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 12] = [
     0x6410..=0x6410,
 ];
 
+/// Objects that must not change while the motor moves: what a set-point in each period means.
+pub const LOCKED_IN_MOTION: [RangeInclusive<u16>; 2] = [0x60C0..=0x60C0, 0x60C2..=0x60C2];
+
 /// Objects that only production writes.
 pub const PRODUCTION_ONLY: [u16; 1] = [PRODUCTION];
 
@@ -66,6 +69,7 @@ const PENALTY: Duration = Duration::from_ticks(1_000_000);
 #[derive(Debug, Default)]
 pub(crate) struct Protection {
     powered: bool,
+    moving: bool,
     /// What was stored is being loaded: what once passed the rules is put back.
     loading: bool,
     open: bool,
@@ -79,8 +83,9 @@ pub(crate) struct Protection {
 
 impl Protection {
     /// A frame comes at this moment.
-    pub(crate) fn prepare(&mut self, powered: bool, now: Instant) {
+    pub(crate) fn prepare(&mut self, powered: bool, moving: bool, now: Instant) {
         self.powered = powered;
+        self.moving = moving;
         self.loading = false;
         self.now = Some(now);
     }
@@ -101,7 +106,8 @@ impl Protection {
             return Ok(());
         }
         let index = entry.index;
-        let is_locked = self.powered && is_among(&LOCKED_WHILE_POWERED, index);
+        let is_locked = self.powered && is_among(&LOCKED_WHILE_POWERED, index)
+            || self.moving && is_among(&LOCKED_IN_MOTION, index);
         if is_locked {
             return Err(AbortCode::DeviceState);
         }

@@ -24,5 +24,7 @@ pub const HOMING_ERROR: u16 = 1 << 13;
 pub const FOLLOWING_ERROR: u16 = 1 << 13;
 /// Bit 12 in profile velocity: speed; 1 while the motor is as good as at rest.
 pub const SPEED_ZERO: u16 = 1 << 12;
+/// Bit 12 in the cyclic modes and in interpolated position: the motor follows the set-points.
+pub const FOLLOWS: u16 = 1 << 12;
 /// Bit 13 in profile velocity: max slippage error.
 pub const SLIPPAGE: u16 = 1 << 13;

@@ -190,6 +190,30 @@ impl Axis {
         self.go_on(end, to, Some(velocity))
     }
 
+    /// Changes the velocity evenly to `velocity` in steps/s (cut to [`Axis::max_velocity`]) until tick `end` of the axis' time; on
+    /// behind that as with [`Axis::follow`].
+    ///
+    /// # Errors
+    /// [`FollowError`]; the motion goes on as it was.
+    pub fn follow_velocity(&mut self, end: Ticks, velocity: i32) -> Result<(), FollowError> {
+        let most = i32::try_from(self.max_velocity()).unwrap_or(i32::MAX);
+        let velocity = velocity.clamp(most.wrapping_neg(), most);
+        let velocity = Velocity::from_steps_per_second(self.clock, velocity);
+        let (start, from) = self.course_end();
+        let length = end.saturating_sub(start);
+        let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
+        let mean = (from.velocity.bits() >> 1).wrapping_add(velocity.bits() >> 1);
+        let way = Velocity::from_bits(mean).way(length);
+        let to = Position::from_bits(from.position.bits().wrapping_add(way));
+        let is_even = from.velocity == velocity;
+        self.go_on(end, to, (!is_even).then_some(velocity))
+    }
+
+    /// What [`Axis::course_end`] will be in whole steps and steps/s.
+    pub fn course_end_demand(&self) -> Demand {
+        self.demand_of(self.course_end().1)
+    }
+
     /// Where the next set-point is gone to from, and at which tick: the last set-point, or the commit horizon if that is later.
     pub fn course_end(&self) -> (Ticks, State) {
         match &self.path {

@@ -1,6 +1,7 @@
 //! Fixed-point position and velocity: integers only, so that nothing drifts.
 
 use crate::clock::{Clock, TOP_SPEED};
+use crate::divide::quotient;
 
 /// A position in steps, Q32 (32 bits behind the point).
 ///
@@ -82,6 +83,22 @@ impl Velocity {
         } else {
             magnitude
         }
+    }
+
+    /// The velocity at which `way` takes so many ticks; zero for no ticks.
+    pub fn over(way: Position, ticks: u32) -> Self {
+        let magnitude = quotient(way.bits().unsigned_abs().into(), 2, ticks.into());
+        let velocity = Self::from_exact(magnitude.cast_signed());
+        if way.bits() < 0 {
+            Self(velocity.0.wrapping_neg())
+        } else {
+            velocity
+        }
+    }
+
+    /// The way over so many ticks, Q32 steps.
+    pub(crate) fn way(self, ticks: u32) -> i64 {
+        (i128::from(self.0).wrapping_mul(ticks.into()) >> 24) as i64
     }
 
     /// Rounds Q96 steps/tick towards zero.

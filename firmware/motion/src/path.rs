@@ -128,11 +128,6 @@ fn rate(way: i64, length: u32) -> i128 {
     if way < 0 { rate.wrapping_neg() } else { rate }
 }
 
-/// The way at `velocity` over `length` ticks, Q32 steps.
-fn way_of(velocity: Velocity, length: u32) -> i64 {
-    (i128::from(velocity.bits()).wrapping_mul(length.into()) >> 24) as i64
-}
-
 /// The set-points that are known.
 #[derive(Debug, Clone)]
 pub(crate) struct Path {
@@ -208,7 +203,7 @@ impl Path {
         let piece = match velocity {
             None => Piece::straight(start, length, from.position, to),
             Some(velocity) => {
-                let ends = (way_of(from.velocity, length), way_of(velocity, length));
+                let ends = (from.velocity.way(length), velocity.way(length));
                 Piece::cubic(start, length, from.position, to, ends)
             }
         };

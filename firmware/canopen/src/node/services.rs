@@ -27,6 +27,8 @@ pub(super) struct Services<C: Counts> {
     pub(super) guarding: Guarding,
     pub(super) emergency: emergency::Producer,
     pub(super) sync: Sync,
+    /// There was a SYNC that nobody has asked for yet.
+    pub(super) synced: bool,
     pub(super) time: TimeStamp,
     pub(super) parameters: Parameters,
     pub(super) rpdos: pdo::Receive<C::Rpdos, C::RpdoObjects>,
@@ -51,6 +53,7 @@ impl<C: Counts> Services<C> {
             guarding: Guarding::new(),
             emergency: emergency::Producer::new(),
             sync: Sync::new(),
+            synced: false,
             time: TimeStamp::new(),
             parameters: Parameters::new(),
             rpdos: pdo::Receive::new(),
@@ -194,6 +197,7 @@ impl<C: Counts> Services<C> {
         dictionary: &mut D,
         application: &mut A,
     ) {
+        self.synced = true;
         self.tpdos.on_sync(beat.counter, dictionary);
         self.values_changed |= self.rpdos.on_sync(dictionary, application);
     }

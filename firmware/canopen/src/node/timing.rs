@@ -27,6 +27,12 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
+    /// Whether a SYNC was followed since the last call, received or produced: synchronous PDOs have been sampled and applied. There is none
+    /// outside of Operational.
+    pub fn take_sync(&mut self) -> bool {
+        core::mem::take(&mut self.services.synced)
+    }
+
     /// A frame with the identifier of TIME; `false` if this device does not take it.
     pub(super) fn receive_time(&mut self, cob_id: u16, payload: &[u8], now: Instant) -> bool {
         let is_taken = self.services.time.is_consumer() && cob_id == self.services.time.cob_id();

@@ -54,4 +54,19 @@ impl Drive {
             }
         }
     }
+
+    /// The fault that too many missing set-points of a cyclic mode are, if 2051h:2 makes them one. The mode has stopped the motor
+    /// already.
+    pub(super) fn set_points_lost(&mut self) -> Option<Reaction> {
+        let cyclic = &self.configuration.cyclic;
+        self.faults.beat_differs(
+            self.modes.active().is_cyclic() && self.power && self.cyclic.differs(cyclic),
+        );
+        if !core::mem::take(&mut self.cyclic.has_lost) {
+            return None;
+        }
+        self.cyclic.lost = self.cyclic.lost.saturating_add(1);
+        let is_fault = cyclic.lost.is_fault() && self.machine.state() == State::OperationEnabled;
+        is_fault.then(|| self.faults.set_points_lost())
+    }
 }

@@ -29,7 +29,7 @@ impl Drive {
                 | bit(self.faults.warning(), statusword::WARNING)
                 | bit(self.commands.remote, statusword::REMOTE)
                 | bit(
-                    self.lost && mode == Mode::ProfilePosition,
+                    self.lost && mode.has_following_error(),
                     statusword::FOLLOWING_ERROR,
                 )
                 | mode_bits,
@@ -46,6 +46,8 @@ impl Drive {
             digital_inputs: self.switches.word(),
             referenced: self.motor.is_referenced(),
             homing_failure: self.modes.homing_failure(),
+            sync: self.cyclic.status(),
+            is_moving: !self.motor.standstill(),
             safe: !self.power
                 && self.settled
                 && matches!(state, State::SwitchOnDisabled | State::Fault)

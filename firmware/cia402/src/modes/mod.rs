@@ -1,11 +1,15 @@
 //! The modes of operation 6060h: one at a time decides how the motor moves while the drive is in operation enabled.
 //!
-//! A new mode takes effect at once while the motor stands or has no power. While it moves, the velocity modes take over and ramp
-//! from there; before any other mode the motor slows down with 6084h (6049h) and set-points are forgotten. 6061h shows the new mode
+//! A new mode takes effect at once while the motor stands or has no power. While it moves, the velocity modes take over and go
+//! on from there; before any other mode the motor slows down with 6084h (6049h) and set-points are forgotten. 6061h shows the new mode
 //! when it is really at work. Halt and a held bit 4 are no obstacle.
 //! A value that is not supported is refused by SDO and ignored in a PDO.
 
+mod cyclic_position;
+mod cyclic_velocity;
+mod following;
 mod homing;
+mod interpolated_position;
 mod kept_velocity;
 mod profile_position;
 mod profile_velocity;
@@ -16,6 +20,7 @@ use motion::{Demand, Limits};
 
 use crate::configuration::Configuration;
 use crate::controlword::HALT;
+use crate::cyclic::{Buffer, Fine, Pipeline, Slot};
 use crate::exchange::Commands;
 use crate::inputs::Switches;
 use crate::monitor::Observed;
@@ -23,7 +28,10 @@ use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 use crate::units::{Frame, Travel};
 
+use cyclic_position::CyclicPosition;
+use cyclic_velocity::CyclicVelocity;
 use homing::Homing;
+use interpolated_position::InterpolatedPosition;
 use profile_position::ProfilePosition;
 use profile_velocity::ProfileVelocity;
 use velocity::Velocity;
@@ -42,16 +50,26 @@ pub enum Mode {
     ProfileVelocity = 3,
     /// Homing: the motor looks for where zero is.
     Homing = 6,
+    /// Interpolated position: the motor goes through data records, one in each period.
+    InterpolatedPosition = 7,
+    /// Cyclic synchronous position: the master gives a position in each period.
+    CyclicPosition = 8,
+    /// Cyclic synchronous velocity: the master gives a velocity in each period.
+    CyclicVelocity = 9,
+    // Profile torque (4) and cyclic synchronous torque (10) need a current that is measured.
 }
 
 impl Mode {
     /// Every mode of this firmware.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 8] = [
         Self::NoMode,
         Self::ProfilePosition,
         Self::Velocity,
         Self::ProfileVelocity,
         Self::Homing,
+        Self::InterpolatedPosition,
+        Self::CyclicPosition,
+        Self::CyclicVelocity,
     ];
 
     /// The mode with this number; `None` if it is not supported.
@@ -72,15 +90,38 @@ impl Mode {
             Self::Velocity => 1 << 1,
             Self::ProfileVelocity => 1 << 2,
             Self::Homing => 1 << 5,
+            Self::InterpolatedPosition => 1 << 6,
+            Self::CyclicPosition => 1 << 7,
+            Self::CyclicVelocity => 1 << 8,
         }
     }
 
     /// Whether the mode may begin while the motor moves: it goes on from there.
     const fn begins_in_motion(self) -> bool {
         match self {
-            Self::NoMode | Self::ProfilePosition | Self::Homing => false,
-            Self::Velocity | Self::ProfileVelocity => true,
+            Self::NoMode
+            | Self::ProfilePosition
+            | Self::Homing
+            | Self::InterpolatedPosition
+            | Self::CyclicPosition => false,
+            Self::Velocity | Self::ProfileVelocity | Self::CyclicVelocity => true,
         }
+    }
+
+    /// Whether the mode goes by the beat of the network.
+    pub(crate) const fn is_cyclic(self) -> bool {
+        matches!(
+            self,
+            Self::InterpolatedPosition | Self::CyclicPosition | Self::CyclicVelocity
+        )
+    }
+
+    /// Whether the mode follows positions, and so tells of a following error.
+    pub(crate) const fn has_following_error(self) -> bool {
+        matches!(
+            self,
+            Self::ProfilePosition | Self::InterpolatedPosition | Self::CyclicPosition
+        )
     }
 }
 
@@ -108,12 +149,31 @@ pub(crate) struct Context<'a> {
     pub(crate) frame: &'a mut Frame,
     pub(crate) is_brake_open: bool,
     pub(crate) motor: &'a mut Motor,
+    /// The set-points of this tick, for the cyclic modes.
+    pub(crate) slots: &'a [Slot],
+    /// The data records that wait.
+    pub(crate) buffer: &'a mut Buffer,
+    /// From a beat to the next, and the time it takes until pulses that are handed out now have left.
+    pub(crate) pipeline: Pipeline,
+    /// Too many set-points were missing.
+    pub(crate) lost_set_points: &'a mut bool,
 }
 
 impl Context<'_> {
+    /// From a beat to the moment at which the motor is at its set-point.
+    pub(crate) fn latency(&self, period: Fine) -> Fine {
+        self.pipeline.latency(period)
+    }
+
+    /// Too many set-points were missing: stops with 6085h.
+    pub(crate) fn lose_set_points(&mut self) {
+        let deceleration = self.deceleration(StopRamp::QuickStop);
+        self.motor.stop(deceleration);
+        *self.lost_set_points = true;
+    }
+
     /// The position of a target of the user, in increments: of those that are shown like it, the one nearest to where the motor
     /// should be. There 6062h and 6064h will read as it was given.
-    #[allow(dead_code, reason = "for the cyclic modes")]
     pub(crate) fn target(&mut self, user: i32) -> i64 {
         let units = &self.configuration.units;
         let now = self.frame.position(self.demand.position, units);
@@ -186,6 +246,9 @@ pub(crate) struct Modes {
     profile_velocity: ProfileVelocity,
     velocity: Velocity,
     homing: Homing,
+    interpolated_position: InterpolatedPosition,
+    cyclic_position: CyclicPosition,
+    cyclic_velocity: CyclicVelocity,
 }
 
 impl Modes {
@@ -197,6 +260,9 @@ impl Modes {
             profile_velocity: ProfileVelocity::new(),
             velocity: Velocity::new(),
             homing: Homing::new(),
+            interpolated_position: InterpolatedPosition::new(),
+            cyclic_position: CyclicPosition::new(),
+            cyclic_velocity: CyclicVelocity::new(),
         }
     }
 
@@ -232,6 +298,9 @@ impl Modes {
             Mode::ProfilePosition => self.profile_position.limit_met(),
             Mode::Velocity => self.velocity.limit_met(motor),
             Mode::ProfileVelocity => self.profile_velocity.limit_met(motor),
+            Mode::InterpolatedPosition => self.interpolated_position.limit_met(),
+            Mode::CyclicPosition => self.cyclic_position.limit_met(),
+            Mode::CyclicVelocity => self.cyclic_velocity.limit_met(),
         }
     }
 
@@ -249,6 +318,9 @@ impl Modes {
             Mode::Velocity => self.velocity.enter(),
             Mode::ProfileVelocity => self.profile_velocity.enter(),
             Mode::Homing => self.homing.enter(),
+            Mode::InterpolatedPosition => self.interpolated_position.enter(),
+            Mode::CyclicPosition => self.cyclic_position.enter(),
+            Mode::CyclicVelocity => self.cyclic_velocity.enter(),
         }
     }
 
@@ -284,6 +356,9 @@ impl Modes {
             Mode::Velocity => self.velocity.tick(context),
             Mode::ProfileVelocity => self.profile_velocity.tick(context),
             Mode::Homing => self.homing.tick(context),
+            Mode::InterpolatedPosition => self.interpolated_position.tick(context),
+            Mode::CyclicPosition => self.cyclic_position.tick(context),
+            Mode::CyclicVelocity => self.cyclic_velocity.tick(context),
         }
     }
 }

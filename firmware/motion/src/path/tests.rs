@@ -157,18 +157,12 @@ fn a_stop_begins_with_the_velocity_of_the_path() {
     assert_eq!(axis.committed_velocity(), 100_000);
     let from = axis.course_end();
     assert_eq!(from.0, 23 * SEGMENT);
-    assert_eq!(
-        axis.move_to(
-            0,
-            Limits {
-                velocity: 0,
-                acceleration: 1,
-                deceleration: 1
-            }
-        )
-        .is_err(),
-        true
-    );
+    let nowhere = Limits {
+        velocity: 0,
+        acceleration: 1,
+        deceleration: 1,
+    };
+    assert!(axis.move_to(0, nowhere).is_err());
     assert_eq!(
         axis.committed_velocity(),
         100_000,

@@ -1,0 +1,268 @@
+//! A phase-locked loop on the beat of the network: integers, second order.
+//!
+//! Beats come with jitter; the loop tells when they should have come. It begins with large gains, so that it is near after a few beats,
+//! and ends with small ones, so that a beat that is 120 µs early moves the next moment by less than 4 µs. Beats that are too far
+//! off count as beats, but nothing is measured by them; where too many are, the loop begins anew.
+//!
+//! The contract:
+//! - Moments follow each other by about a period; each is decided on once, as heard or as missed.
+//! - Missed beats do not move the moments: the loop goes on as it was.
+//! - A period lies within [`SHORTEST`] and [`LONGEST`], whatever is heard.
+
+use super::{Fine, POINT, span};
+
+/// The shortest period, 500 µs.
+pub(crate) const SHORTEST: Fine = 500 << POINT;
+/// The longest period, two seconds.
+pub(crate) const LONGEST: Fine = 2_000_000 << POINT;
+
+/// Beats until the loop counts as locked.
+const SETTLED: u8 = 32;
+/// Missed in a row: there is no beat any more.
+const SILENCE: u8 = 8;
+/// So much trouble, and the loop begins anew.
+const TROUBLE: u8 = 16;
+/// A beat may always be so far off, beside what jitter makes of it: 100 µs.
+const SLACK: u64 = 100 << POINT;
+
+/// What a beat is to the loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Heard {
+    /// It belongs to the next moment, or to a later one: [`Lock::at`].
+    InTurn,
+    /// It comes twice, or after its moment was decided on.
+    OutOfTurn,
+}
+
+/// The loop.
+#[derive(Debug)]
+pub(crate) struct Lock {
+    /// The last moment that was decided on.
+    at: Fine,
+    /// When the last beat came.
+    heard: Fine,
+    period: Fine,
+    is_running: bool,
+    /// Beats since it began, as far as it matters.
+    good: u8,
+    /// Missed in a row.
+    silent: u8,
+    trouble: u8,
+    jitter: Fine,
+    missed: u32,
+    rejected: u32,
+}
+
+impl Lock {
+    pub(crate) const fn new() -> Self {
+        Self {
+            at: 0,
+            heard: 0,
+            period: SHORTEST,
+            is_running: false,
+            good: 0,
+            silent: 0,
+            trouble: 0,
+            jitter: 0,
+            missed: 0,
+            rejected: 0,
+        }
+    }
+
+    /// Takes over the counts of another loop.
+    pub(crate) const fn carry_on(&mut self, missed: u32, rejected: u32) {
+        self.missed = missed;
+        self.rejected = rejected;
+    }
+
+    /// The last moment that was decided on.
+    pub(crate) const fn at(&self) -> Fine {
+        self.at
+    }
+
+    pub(crate) const fn period(&self) -> Fine {
+        self.period
+    }
+
+    /// There has been a beat; the moments go on even if it is gone.
+    pub(crate) const fn is_running(&self) -> bool {
+        self.is_running
+    }
+
+    pub(crate) const fn is_locked(&self) -> bool {
+        self.is_running
+            && self.good >= SETTLED
+            && self.silent < SILENCE
+            && self.jitter < self.period / 8
+    }
+
+    /// 2050h:1.
+    pub(crate) const fn state(&self) -> u8 {
+        if !self.is_running || self.silent >= SILENCE {
+            0
+        } else if self.is_locked() {
+            2
+        } else {
+            1
+        }
+    }
+
+    pub(crate) const fn jitter(&self) -> Fine {
+        self.jitter
+    }
+
+    pub(crate) const fn missed(&self) -> u32 {
+        self.missed
+    }
+
+    pub(crate) const fn rejected(&self) -> u32 {
+        self.rejected
+    }
+
+    /// A beat came at `stamp`. The period is expected to be one of `expected`, the first of them before there is anything to measure by.
+    pub(crate) fn hear(&mut self, stamp: Fine, expected: [Fine; 2]) -> Heard {
+        let before = span(self.heard, stamp);
+        if !self.is_running || self.silent >= SILENCE || self.trouble >= TROUBLE || before < 0 {
+            self.begin(stamp, expected);
+            return Heard::InTurn;
+        }
+        self.heard = stamp;
+        if self.good == 0 {
+            return self.measure(stamp, before.unsigned_abs(), expected);
+        }
+        let since = span(self.at, stamp);
+        let periods = self.periods(since);
+        if periods == 0 {
+            self.reject();
+            return Heard::OutOfTurn;
+        }
+        self.missed = self.missed.saturating_add(periods.wrapping_sub(1));
+        self.silent = 0;
+        let due = self.period.wrapping_mul(periods.into());
+        let error = since.wrapping_sub(due.cast_signed());
+        self.at = self.at.wrapping_add(due);
+        let window = self.window();
+        self.follow_jitter(error.unsigned_abs());
+        if error.unsigned_abs() > window {
+            self.reject();
+        } else {
+            self.correct(error, periods);
+        }
+        Heard::InTurn
+    }
+
+    /// Lets time pass. True if the next moment has passed without its beat.
+    pub(crate) fn misses(&mut self, now: Fine) -> bool {
+        if !self.is_running {
+            return false;
+        }
+        let next = self.at.wrapping_add(self.period);
+        if span(next.wrapping_add(patience(self.period)), now) < 0 {
+            return false;
+        }
+        self.at = next;
+        if self.good > 0 {
+            self.silent = self.silent.saturating_add(1);
+            if self.silent <= SILENCE {
+                self.missed = self.missed.saturating_add(1);
+                self.trouble = self.trouble.saturating_add(2);
+            }
+        }
+        true
+    }
+
+    fn begin(&mut self, stamp: Fine, [expected, _]: [Fine; 2]) {
+        *self = Self {
+            at: stamp,
+            heard: stamp,
+            period: expected.clamp(SHORTEST, LONGEST),
+            is_running: true,
+            missed: self.missed,
+            rejected: self.rejected,
+            ..Self::new()
+        };
+    }
+
+    /// The second beat: its distance is the period, or near one that is expected.
+    fn measure(&mut self, stamp: Fine, distance: u64, expected: [Fine; 2]) -> Heard {
+        if distance < SHORTEST / 2 {
+            self.rejected = self.rejected.saturating_add(1);
+            return Heard::OutOfTurn;
+        }
+        let near = |period: &Fine| *period > 0 && distance.abs_diff(*period) <= *period / 3;
+        self.period = expected
+            .into_iter()
+            .find(near)
+            .unwrap_or(distance)
+            .clamp(SHORTEST, LONGEST);
+        self.at = stamp;
+        self.good = 1;
+        Heard::InTurn
+    }
+
+    /// How many periods it has been, to the nearest. In whole microseconds, which the processor divides fast.
+    fn periods(&self, since: i64) -> u32 {
+        let micros = |time: u64| u32::try_from(time >> POINT).unwrap_or(u32::MAX);
+        let since = micros(since.max(0).unsigned_abs());
+        let period = micros(self.period);
+        since
+            .saturating_add(period / 2)
+            .checked_div(period)
+            .unwrap_or(0)
+    }
+
+    /// How far off a beat may be to be measured by.
+    const fn window(&self) -> u64 {
+        if self.good < SETTLED {
+            return self.period / 2;
+        }
+        let likely = self.jitter.saturating_mul(4).saturating_add(SLACK);
+        let most = self.period / 4;
+        if likely < most { likely } else { most }
+    }
+
+    fn follow_jitter(&mut self, error: u64) {
+        let error = error.min(self.period / 2);
+        // Mean of the last sixteen, nearly.
+        self.jitter = self
+            .jitter
+            .saturating_sub(self.jitter >> 4)
+            .saturating_add(error >> 4);
+    }
+
+    fn correct(&mut self, error: i64, periods: u32) {
+        let shift = match self.good {
+            0..=7 => 1,
+            8..=15 => 2,
+            16..=31 => 3,
+            32..=63 => 4,
+            _ => 5,
+        };
+        self.at = self.at.wrapping_add_signed(error >> shift);
+        let gain = (error >> (2 * shift + 1))
+            .checked_div(periods.into())
+            .unwrap_or(0);
+        self.period = self
+            .period
+            .saturating_add_signed(gain)
+            .clamp(SHORTEST, LONGEST);
+        self.good = self.good.saturating_add(1);
+        self.trouble = self.trouble.saturating_sub(1);
+    }
+
+    fn reject(&mut self) {
+        self.rejected = self.rejected.saturating_add(1);
+        self.trouble = self.trouble.saturating_add(2);
+    }
+}
+
+/// How long after its moment a beat is waited for. Half a period, but of short periods less than a control tick, so that there is time to
+/// bridge what is missing.
+pub(crate) fn patience(period: Fine) -> Fine {
+    const BRIDGING: Fine = 3_500 << POINT;
+    const LEAST: Fine = 500 << POINT;
+    period.saturating_sub(BRIDGING).max(LEAST).min(period / 2)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,103 @@
+//! What a drive keeps of the beat from tick to tick.
+
+use canopen::{Duration, Instant};
+use motion::AxisConfig;
+
+use super::buffer::Buffer;
+use super::clock::{NetworkClock, Slots};
+use super::pipeline::Pipeline;
+use super::schedule::Schedule;
+use super::{CyclicConfiguration, Fine, POINT, SyncStatus};
+use crate::exchange::Exchange;
+use crate::modes::Mode;
+
+/// The clock of the network, the rhythm of the control ticks, and what waits.
+#[derive(Debug)]
+pub(crate) struct Cyclic {
+    clock: NetworkClock,
+    schedule: Schedule,
+    pub(crate) pipeline: Pipeline,
+    /// The set-points of this tick.
+    pub(crate) slots: Slots,
+    pub(crate) buffer: Buffer,
+    /// Too many set-points were missing in this tick.
+    pub(crate) has_lost: bool,
+    /// How often that was.
+    pub(crate) lost: u32,
+}
+
+impl Cyclic {
+    pub(crate) fn new(axis: &AxisConfig, tick: Duration) -> Self {
+        let schedule = Schedule::new(tick);
+        Self {
+            pipeline: Pipeline::new(axis, schedule.tick(), schedule.lead()),
+            clock: NetworkClock::new(),
+            schedule,
+            slots: Slots::new(),
+            buffer: Buffer::new(),
+            has_lost: false,
+            lost: 0,
+        }
+    }
+
+    /// Takes what has come since the last tick.
+    pub(crate) fn take(
+        &mut self,
+        exchange: &mut Exchange,
+        configuration: &CyclicConfiguration,
+        mode: Mode,
+    ) {
+        self.slots.clear();
+        if !configuration.buffer.is_open || mode != Mode::InterpolatedPosition {
+            self.buffer.clear();
+        }
+        while let Some(record) = exchange.take_record() {
+            if mode == Mode::InterpolatedPosition {
+                self.buffer.push(record, configuration.buffer);
+            }
+        }
+        let (period, cycle) = (micros(configuration.period), micros(configuration.cycle));
+        while let Some(beat) = exchange.take_beat() {
+            let is_new = match mode {
+                Mode::CyclicVelocity => beat.velocity.is_some(),
+                Mode::InterpolatedPosition => false,
+                _ => beat.position.is_some(),
+            };
+            self.clock
+                .hear(beat, is_new, (period, cycle), &mut self.slots);
+        }
+    }
+
+    /// Lets time pass.
+    pub(crate) fn pass(&mut self, now: Fine) {
+        self.clock.pass(now, &mut self.slots);
+    }
+
+    /// When the next tick is due, in step with the beat if there is a mode that needs it.
+    pub(crate) fn next_tick(&mut self, now: Instant, is_in_step: bool) -> Option<Instant> {
+        let lock = self.clock.lock();
+        (is_in_step && lock.is_running()).then(|| self.schedule.next(now, lock))
+    }
+
+    /// Whether SYNC comes with another period than is set up.
+    pub(crate) fn differs(&self, configuration: &CyclicConfiguration) -> bool {
+        self.clock
+            .differs(micros(configuration.period), micros(configuration.cycle))
+    }
+
+    /// 2050h and 60C4h:4.
+    pub(crate) fn status(&self) -> SyncStatus {
+        let latency = self.pipeline.latency(self.clock.period()) >> POINT;
+        SyncStatus {
+            lost_set_points: self.lost,
+            latency: u32::try_from(latency).unwrap_or(u32::MAX),
+            buffered: u16::try_from(self.buffer.len()).unwrap_or(u16::MAX),
+            ..self.clock.status()
+        }
+    }
+}
+
+/// Microseconds, finely.
+fn micros(time: u32) -> Fine {
+    Fine::from(time) << POINT
+}

@@ -1,0 +1,62 @@
+//! Between two clocks: microseconds, in which beats are stamped, and the axis' own time, in ticks of the step timer.
+//!
+//! The time of the axis stands while it is at rest. So the two are compared anew whenever it begins to move, and in motion what is
+//! read a little early or late is averaged out.
+
+use super::{Fine, POINT};
+
+/// Readings farther apart than this many microseconds mean that the axis' time has stood.
+const APART: u64 = 250;
+
+/// Where the two clocks are in comparison.
+#[derive(Debug)]
+pub(crate) struct Timescale {
+    /// Ticks in a microsecond, Q16.
+    pace: u64,
+    /// The axis' time less that of the microseconds, in ticks.
+    ahead: u64,
+    is_running: bool,
+}
+
+impl Timescale {
+    /// For a step timer with this many ticks in a second.
+    pub(crate) fn new(hz: u32) -> Self {
+        Self {
+            pace: (u64::from(hz) << POINT) / 1_000_000,
+            ahead: 0,
+            is_running: false,
+        }
+    }
+
+    /// The axis is at rest: its time stands.
+    pub(crate) const fn stop(&mut self) {
+        self.is_running = false;
+    }
+
+    /// It is tick `played` of the axis' time at `now`.
+    pub(crate) fn compare(&mut self, now: Fine, played: u64) {
+        let measured = played.wrapping_sub(self.whole(now));
+        let apart = measured.wrapping_sub(self.ahead).cast_signed();
+        let most = self.pace.wrapping_mul(APART) >> POINT;
+        self.ahead = if self.is_running && apart.unsigned_abs() <= most {
+            self.ahead.wrapping_add_signed(apart >> 6)
+        } else {
+            measured
+        };
+        self.is_running = true;
+    }
+
+    /// The tick of the axis' time at this moment.
+    pub(crate) fn tick_at(&self, moment: Fine) -> u64 {
+        self.whole(moment).wrapping_add(self.ahead)
+    }
+
+    /// Ticks of the axis' time that a span lasts.
+    pub(crate) fn ticks(&self, time: Fine) -> u32 {
+        u32::try_from(self.whole(time)).unwrap_or(u32::MAX)
+    }
+
+    fn whole(&self, time: Fine) -> u64 {
+        (u128::from(time).wrapping_mul(self.pace.into()) >> (2 * POINT)) as u64
+    }
+}

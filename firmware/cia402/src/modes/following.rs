@@ -1,0 +1,333 @@
+//! Following set-points that come in each period: what cyclic synchronous position and interpolated position share.
+//!
+//! The contract:
+//! - Between two set-points exactly the difference of them leaves, spread evenly over the time between them (60C0h = 0), or as a cubic
+//!   with the mean velocity of its neighbours (60C0h = −1).
+//! - It begins where the motor stands. What is farther away than 607Fh and 6080h allow in one period is caught up with: at these
+//!   velocities, on the ramps 6083h and 6084h within 60C5h and 60C6h.
+//! - Before a software limit 607Dh the motor slows down with 6085h and stops on it. The way back is free.
+//! - A set-point that is missing is bridged at the velocity before, as often as 2051h:1 says. One is missing only where the motor
+//!   moves; where the last set-point was the only one, the motor stays there.
+
+use motion::{Limits, Position};
+
+use super::Context;
+use crate::cyclic::{Fine, Slot};
+use crate::motor::Motor;
+use crate::option_codes::StopRamp;
+use crate::units::Travel;
+
+/// Bits behind the point of positions here; before it there is room for 2⁴⁷ increments.
+const POINT: u32 = 16;
+
+/// What is done about set-points that are missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// They are there, or bridged.
+    Followed,
+    /// Too many are missing: the mode is to stop.
+    Lost,
+}
+
+/// A set-point that is still to be given to the axis.
+#[derive(Clone, Copy, Debug)]
+struct Knot {
+    end: Fine,
+    at: i64,
+    way: i64,
+}
+
+/// The motion.
+#[derive(Debug)]
+pub(super) struct Following {
+    is_active: bool,
+    /// When the last set-point is due.
+    end: Fine,
+    /// The last set-point as it is carried out.
+    at: i64,
+    /// The way to it in the last period.
+    way: i64,
+    /// The last set-point as it was asked for, in increments.
+    goal: i64,
+    /// How far the last set-point was from the one before it.
+    pace: i64,
+    /// Set-points in a row that were there.
+    fresh: u8,
+    /// Set-points in a row that were not, and are bridged.
+    bridged: u8,
+    is_catching_up: bool,
+    is_limited: bool,
+    /// Of a cubic: it waits for the one behind it.
+    waiting: Option<Knot>,
+}
+
+impl Following {
+    pub(super) const fn new() -> Self {
+        Self {
+            is_active: false,
+            end: 0,
+            at: 0,
+            way: 0,
+            goal: 0,
+            pace: 0,
+            fresh: 0,
+            bridged: 0,
+            is_catching_up: false,
+            is_limited: false,
+            waiting: None,
+        }
+    }
+
+    /// Somebody else moves or stops the motor.
+    pub(super) fn forget(&mut self) {
+        let is_limited = self.is_limited;
+        *self = Self::new();
+        self.is_limited = is_limited;
+    }
+
+    /// The motor does what the set-points say (statusword bit 12).
+    pub(super) const fn follows(&self) -> bool {
+        self.is_active && !self.is_catching_up
+    }
+
+    /// A set-point could not be carried out as it is (statusword bit 11).
+    pub(super) const fn is_limited(&self) -> bool {
+        self.is_limited
+    }
+
+    /// A limit switch stops the motor.
+    pub(super) fn limit_met(&mut self) {
+        self.forget();
+        self.is_limited = true;
+    }
+
+    /// Carries out the set-point of a slot, in increments, or bridges it.
+    pub(super) fn take(
+        &mut self,
+        slot: Slot,
+        target: Option<i64>,
+        context: &mut Context<'_>,
+    ) -> Outcome {
+        let is_cubic = context.configuration.cyclic.is_cubic;
+        let mut end = slot.at.wrapping_add(context.latency(slot.period));
+        if is_cubic {
+            end = end.wrapping_add(slot.period);
+        }
+        if context.motor.is_at_rest() {
+            if !self.is_active && target.is_none() {
+                return Outcome::Followed;
+            }
+            self.stand(end.wrapping_sub(slot.period), context.motor);
+        } else if !self.is_active {
+            // It is still being stopped.
+            return Outcome::Followed;
+        }
+        let Some(need) = self.need(target, context) else {
+            return Outcome::Lost;
+        };
+        let interval = end.wrapping_sub(self.end);
+        if interval < slot.period / 4 || interval > slot.period.saturating_mul(4) {
+            // The period has changed, and the moments with it.
+            self.end = end;
+            return Outcome::Followed;
+        }
+        let before = self.way;
+        self.way = self.allowed(need, interval, context);
+        let knot = Knot {
+            end,
+            at: self.at.wrapping_add(self.way),
+            way: self.way,
+        };
+        self.give(knot, before, is_cubic, context.motor);
+        self.end = end;
+        self.at = knot.at;
+        Outcome::Followed
+    }
+
+    /// Begins where the motor stands, at this moment.
+    fn stand(&mut self, end: Fine, motor: &Motor) {
+        let at = motor.committed_position();
+        if !self.is_active {
+            self.is_active = true;
+            self.fresh = 0;
+            self.goal = at;
+        }
+        self.bridged = 0;
+        self.at = at.wrapping_shl(POINT);
+        self.way = 0;
+        self.end = end;
+        self.waiting = None;
+    }
+
+    /// The way that is asked for; `None` if too many set-points are missing.
+    fn need(&mut self, target: Option<i64>, context: &Context<'_>) -> Option<i64> {
+        let lost = &context.configuration.cyclic.lost;
+        if let Some(goal) = target {
+            let pace = goal.wrapping_sub(self.goal).wrapping_shl(POINT);
+            self.pace = if self.fresh == 0 { 0 } else { pace };
+            self.fresh = self.fresh.saturating_add(1);
+            self.bridged = 0;
+            self.goal = goal;
+        } else if !lost.is_as_before() && !self.is_catching_up && self.fresh > 1 && self.way != 0 {
+            if self.bridged >= lost.bridged {
+                return None;
+            }
+            self.bridged = self.bridged.saturating_add(1);
+            self.goal = self.at.wrapping_add(self.way) >> POINT;
+            return Some(self.way);
+        } else {
+            self.fresh = 0;
+            self.pace = 0;
+        }
+        Some(self.goal.wrapping_shl(POINT).wrapping_sub(self.at))
+    }
+
+    /// The way within all limits.
+    fn allowed(&mut self, need: i64, interval: Fine, context: &Context<'_>) -> i64 {
+        let asked = need;
+        let need = within_travel(self.at, need, context.travel);
+        if context.motor.is_free(need).is_err() {
+            self.is_limited = true;
+            self.is_catching_up = false;
+            return 0;
+        }
+        let seconds = seconds(interval);
+        let most = way_at(context.max_velocity(), seconds);
+        let (limits, _) = context.within(Limits {
+            velocity: 0,
+            acceleration: context.commands.profile_acceleration,
+            deceleration: context.commands.profile_deceleration,
+        });
+        let up = gain(limits.acceleration, seconds);
+        let down = gain(limits.deceleration, seconds);
+        let change = need.saturating_sub(self.way);
+        let is_change_small = change.saturating_abs() <= up.max(down);
+        let is_in_reach =
+            need.saturating_abs() <= most && (!self.is_catching_up || is_change_small);
+        let way = if is_in_reach {
+            self.is_catching_up = false;
+            need
+        } else {
+            self.is_catching_up = true;
+            self.chase(need, most, (up, down))
+        };
+        let way = self.before_limit(way, seconds, context);
+        self.is_limited = self.is_catching_up || asked != need || way != need;
+        way
+    }
+
+    /// The way in this period on a ramp that ends with the set-points, at their velocity.
+    fn chase(&self, need: i64, most: i64, (up, down): (i64, i64)) -> i64 {
+        let behind = need.saturating_sub(self.pace);
+        let gained = braking_way(behind.saturating_abs(), down).min(behind.saturating_abs());
+        let gained = if behind < 0 {
+            gained.wrapping_neg()
+        } else {
+            gained
+        };
+        let wanted = self
+            .pace
+            .saturating_add(gained)
+            .clamp(most.wrapping_neg(), most);
+        let grows = wanted.saturating_abs() > self.way.saturating_abs();
+        let step = if grows { up } else { down };
+        wanted.clamp(self.way.saturating_sub(step), self.way.saturating_add(step))
+    }
+
+    /// The way that still lets the motor stop at a software limit.
+    fn before_limit(&self, way: i64, seconds: u64, context: &Context<'_>) -> i64 {
+        let (low, high) = context.travel.increments;
+        let room = match way {
+            1.. => high.saturating_mul(1 << POINT).saturating_sub(self.at),
+            ..=-1 => self.at.saturating_sub(low.saturating_mul(1 << POINT)),
+            0 => return 0,
+        };
+        // Far enough away that there is no need to look closely.
+        if room == i64::MAX {
+            return way;
+        }
+        let down = gain(context.deceleration(StopRamp::QuickStop), seconds);
+        let most = braking_way(room.max(0), down);
+        way.clamp(most.wrapping_neg(), most)
+    }
+
+    /// Gives a set-point to the axis; on a cubic the one before it. Too late a set-point is passed by, and the next one counts from where
+    /// the axis is then.
+    fn give(&mut self, knot: Knot, before: i64, is_cubic: bool, motor: &mut Motor) {
+        let stands = before == 0 && knot.way == 0;
+        if stands && self.waiting.is_none() {
+            return;
+        }
+        if before == 0 && self.waiting.is_none() {
+            // Until the motion begins. There may be no time left to wait for.
+            let _ = motor.follow(self.end, to(self.at), None);
+        }
+        if !is_cubic {
+            let _ = motor.follow(knot.end, to(knot.at), None);
+        } else if let Some(waiting) = self.waiting.replace(knot) {
+            let mean = waiting.way.wrapping_add(knot.way) / 2;
+            let interval = knot.end.wrapping_sub(waiting.end);
+            let _ = motor.follow(waiting.end, to(waiting.at), Some((to(mean), interval)));
+            if stands {
+                self.waiting = None;
+            }
+        }
+    }
+}
+
+/// The way that stays within the software limits, or leads back to them.
+fn within_travel(at: i64, need: i64, travel: Travel) -> i64 {
+    let (low, high) = travel.increments;
+    let low = low.saturating_mul(1 << POINT).min(at);
+    let high = high.saturating_mul(1 << POINT).max(at);
+    at.saturating_add(need)
+        .max(low)
+        .min(high)
+        .saturating_sub(at)
+}
+
+/// A position for the axis.
+const fn to(at: i64) -> Position {
+    Position::from_bits(at.wrapping_shl(32 - POINT))
+}
+
+/// A time in seconds, Q32.
+pub(super) fn seconds(time: Fine) -> u64 {
+    const PER_TICK: u128 = (1_u128 << 48) / 1_000_000;
+    (u128::from(time).wrapping_mul(PER_TICK) >> 32) as u64
+}
+
+/// The way at a velocity in increments/s.
+pub(super) fn way_at(velocity: u32, seconds: u64) -> i64 {
+    let way = u128::from(velocity).wrapping_mul(seconds.into()) >> (32 - POINT);
+    i64::try_from(way).unwrap_or(i64::MAX)
+}
+
+/// By how much the way in a period grows from one to the next, at an acceleration in increments/s².
+pub(super) fn gain(acceleration: u32, seconds: u64) -> i64 {
+    let velocity = u128::from(acceleration).wrapping_mul(seconds.into()) >> POINT;
+    let way = velocity.wrapping_mul(seconds.into()) >> 32;
+    i64::try_from(way)
+        .unwrap_or(i64::MAX / 4)
+        .clamp(1, i64::MAX / 4)
+}
+
+/// The longest way in a period after which the motor can still stop within `room`, when the way can be less by `gain` in each
+/// period: s + s²/2g ≤ room.
+pub(super) fn braking_way(room: i64, gain: i64) -> i64 {
+    let (room, gain) = (room.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
+    let squares = u128::from(gain)
+        .wrapping_mul(gain.into())
+        .saturating_add(u128::from(gain).wrapping_mul(room.into()) << 1);
+    root(squares).saturating_sub(gain).cast_signed()
+}
+
+/// The square root, rounded down.
+fn root(square: u128) -> u64 {
+    let wide = 64u32.saturating_sub((square >> 64).leading_zeros().saturating_sub(64));
+    let shift = wide.div_ceil(2).wrapping_mul(2);
+    ((square >> shift) as u64).isqrt().wrapping_shl(shift / 2)
+}
+
+#[cfg(test)]
+mod tests;

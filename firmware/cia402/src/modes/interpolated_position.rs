@@ -1,0 +1,77 @@
+//! Interpolated position, mode 7 (CiA 402-2): the motor goes through the data records 60C1h, one in each period 60C2h.
+//!
+//! - Each write of 60C1h:1 puts a record into the buffer 60C4h. While controlword bit 4 is 1 (enable interpolation) and there is no halt, one
+//!   record leaves it at each SYNC that is due by 60C2h; without SYNC, in each period. How it is followed, [`Following`] says.
+//! - An empty buffer is bridged as a missing set-point is. Then the motor stops with 6085h, and 2051h:2 says what else.
+//! - Bit 4 = 0 and halt stop on the ramp of 605Dh. The records stay, and those that come are kept, until 60C4h:6 = 0 clears the buffer. Leaving
+//!   the mode, or operation enabled, clears it too.
+//!
+//! Bit 10: the last record is reached and none waits; during halt, the motor stands. Bit 11 as in cyclic synchronous position. Bit 12: the
+//! motor follows records.
+
+use super::Context;
+use super::cyclic_position::bits;
+use super::following::{Following, Outcome};
+use crate::controlword::NEW_SET_POINT;
+use crate::statusword::TARGET_REACHED;
+
+/// Controlword bit 4 in this mode.
+const ENABLE: u16 = NEW_SET_POINT;
+
+/// The mode.
+#[derive(Debug)]
+pub(super) struct InterpolatedPosition {
+    motion: Following,
+    held: bool,
+    /// A record has been followed since the mode began.
+    has_begun: bool,
+}
+
+impl InterpolatedPosition {
+    pub(super) const fn new() -> Self {
+        Self {
+            motion: Following::new(),
+            held: false,
+            has_begun: false,
+        }
+    }
+
+    /// The mode begins; the motor stands, or comes to rest.
+    pub(super) const fn enter(&mut self) {
+        *self = Self::new();
+    }
+
+    /// A limit switch is stopping the motor.
+    pub(super) fn limit_met(&mut self) {
+        self.motion.limit_met();
+    }
+
+    /// One control tick; returns statusword bits 10 to 12.
+    pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
+        let is_enabled = context.commands.controlword & ENABLE != 0;
+        if context.is_held() || !is_enabled {
+            if !self.held {
+                self.held = true;
+                self.motion.forget();
+                context.halt();
+            }
+        } else {
+            self.held = false;
+            for slot in context.slots {
+                let record = context.buffer.pop();
+                self.has_begun |= record.is_some();
+                let target = record.map(|record| context.target(record));
+                if self.motion.take(*slot, target, context) == Outcome::Lost {
+                    self.motion.forget();
+                    context.lose_set_points();
+                }
+            }
+        }
+        let is_over = self.has_begun && context.buffer.len() == 0 && context.motor.standstill();
+        let reached = if is_over { TARGET_REACHED } else { 0 };
+        bits(&self.motion, context) | reached
+    }
+}
+
+#[cfg(test)]
+mod tests;
