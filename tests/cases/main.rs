@@ -34,6 +34,7 @@ mod profile_position;
 mod profile_velocity;
 mod random_frames;
 mod ros2_canopen;
+mod scope;
 mod sdo;
 mod sdo_block_download;
 mod sdo_block_upload;
