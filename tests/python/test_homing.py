@@ -86,6 +86,20 @@ def test_a_belt_is_homed_by_its_switches(start, connect, method):
 
 
 @pytest.mark.only("virtual")
+def test_a_motor_with_a_mass_is_homed_and_felt_at_its_stop(start, connect):
+    drive = prepare(on_axis(start, connect, "with_motor/belt.toml"), 24)
+    drive.sdo[0x2032].raw = 0b11
+    assert drive.homing(timeout=PATIENCE)
+    assert abs(drive.sdo[0x6064].raw) < 200
+    # Behind the negative limit switch, which is nothing to the drive now, there is a stop; the driver senses it.
+    drive.sdo[0x2031][1].raw = 0
+    drive.sdo[0x6098].raw = -4
+    assert drive.homing(timeout=PATIENCE)
+    assert drive.sdo[0x2034][2].raw == 0
+    assert abs(drive.sdo[0x6064].raw) < 500
+
+
+@pytest.mark.only("virtual")
 def test_a_lead_screw_is_homed_by_limit_switch_and_index(start, connect):
     drive = prepare(on_axis(start, connect, "lead_screw.toml"), 1)
     before = drive.sdo[0x6064].raw

@@ -47,8 +47,8 @@ pub struct Inputs {
     /// Position in increments: pulses that really left, or the encoder. When the motor has power and stands, it has to be
     /// where the pulses lead, up to `slack`; anything else is the fault 8611h.
     pub position: i64,
-    /// How far an encoder may be from where the pulses lead while the motor is held, in increments: half an electrical turn of
-    /// a stepper motor, as beyond it the motor is held at another place. 0 where pulses are counted: none may be missing.
+    /// How far an encoder may be from where the pulses lead while the motor is held, in increments: two and a half full steps of
+    /// a stepper motor, which loses four at a time. 0 where pulses are counted: none may be missing.
     pub slack: u32,
     /// A fault the board has found, as a CiA 402 error code; it stands as long as it is reported.
     pub fault: Option<u16>,

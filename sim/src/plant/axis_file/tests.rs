@@ -164,6 +164,11 @@ fn mistakes_are_told_with_their_line() {
             "time_constant_s = 0",
         ),
         (
+            "encoder = true\n[motor]\nencoder_counts = 20000000\n",
+            2,
+            "at most 16777216",
+        ),
+        (
             "seed = 1\n[load]\nfriction_mnm = 5\n",
             2,
             "[load] needs a [motor]",

@@ -207,10 +207,10 @@ impl Motor {
         ((counts - self.origin) * pulses * 2 + turn).div_euclid(turn * 2)
     }
 
-    /// How far an encoder may be from where the pulses lead while the motor is held, in pulses: half an electrical turn. Beyond
-    /// that it is held at another place.
+    /// How far an encoder may be from where the pulses lead while the motor is held, in pulses. It is caught up to half an
+    /// electrical turn from where it stood when the power came, and its load draws it up to half a full step from there.
     pub(super) fn slack(microsteps: u16) -> u32 {
-        2 * u32::from(microsteps) + 1
+        u32::from(microsteps) * 5 / 2
     }
 
     /// What it was made of.
