@@ -104,6 +104,7 @@ impl Control {
         let inputs = &mut self.inputs;
         inputs.supply = self.stage.supply();
         inputs.position = self.pulses.position();
+        self.stage.measure(inputs);
         inputs.fault = self
             .stage
             .fault()
@@ -117,6 +118,7 @@ impl Control {
             .tick(now, inputs, &mut self.pulses, &mut Locked(&mut exchange));
         self.stage.set_power(outputs.power_stage);
         self.stage.set_brake(outputs.brake_released);
+        self.stage.set_outputs(outputs.digital);
         self.powered = outputs.power_stage;
         if outputs.drop_pulses && self.pulses.pending() > 0 {
             self.pulses.drop_all();

@@ -159,8 +159,15 @@ pub trait Stage {
     /// A fault of the stage as a CiA 402 error code.
     fn fault(&self) -> Option<u16>;
 
+    /// Puts what the board measures beside supply, position and inputs into `inputs`: supply voltage, temperature, analogue input.
+    /// What it does not measure it leaves alone.
+    fn measure(&mut self, inputs: &mut cia402::Inputs);
+
     /// Current in the motor, or none.
     fn set_power(&mut self, on: bool);
+
+    /// The digital outputs, output `n` in bit `n − 1`.
+    fn set_outputs(&mut self, levels: u8);
 
     /// Opens the holding brake, or closes it.
     fn set_brake(&mut self, open: bool);

@@ -87,7 +87,12 @@ impl Stage for IdealStage {
         None
     }
 
+    // The machine has no converters.
+    fn measure(&mut self, _inputs: &mut cia402::Inputs) {}
+
     fn set_power(&mut self, _on: bool) {}
+
+    fn set_outputs(&mut self, _levels: u8) {}
 
     fn set_brake(&mut self, _open: bool) {}
 

@@ -8,6 +8,9 @@
 //! | PA3 | fault | input with pull-up, low is a fault of the stage |
 //! | PC0 | supply | input with pull-up, low is no supply of the stage |
 //! | PA4 to PA9 | digital inputs 1 to 6 | inputs with pull-down, each edge an interrupt |
+//! | PB5 to PB7, PB10 | digital outputs 1 to 4 | high is on; low from reset on |
+//! | PC2 | holding brake | high opens it; low from reset on |
+//! | PC4 | analogue input | 0 to 3.3 V at the pin; the divider in front of it goes into 2064h:4 |
 //! | PB12 to PB15 | rotary switch ×01h | inputs with pull-up, the lowest bit first; a switch closes to ground |
 //! | PC8 to PC11 | rotary switch ×10h | the same |
 //! | PC1 | factory reset | input with pull-up; low for 100 ms from power-up on: what was stored is forgotten |
@@ -19,6 +22,7 @@
 
 mod bit_timing;
 mod can;
+mod converter;
 mod flash;
 mod input_lines;
 mod stage;
@@ -85,6 +89,18 @@ impl Board for Stm32f405 {
             a.pa3.into_pull_up_input(),
             c.pc0.into_pull_up_input(),
             c.pc2.into_push_pull_output(),
+            [
+                b.pb5.into_push_pull_output().erase(),
+                b.pb6.into_push_pull_output().erase(),
+                b.pb7.into_push_pull_output().erase(),
+                b.pb10.into_push_pull_output().erase(),
+            ],
+            converter::Converter::new(
+                device.ADC1,
+                &device.ADC_COMMON,
+                c.pc4.into_analog(),
+                &mut rcc,
+            ),
             watchdog,
         );
         let lights = stage::PinLights::new(

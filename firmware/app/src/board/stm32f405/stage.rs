@@ -1,10 +1,13 @@
 //! The power stage's pins, the lights and the watchdog.
 
+use cia402::periphery::digital_outputs::COUNT;
+use cia402::Inputs;
 use embedded_hal::digital::OutputPin;
-use stm32f4xx_hal::gpio::{Input, Output, PA2, PA3, PC0, PC2};
+use stm32f4xx_hal::gpio::{ErasedPin, Input, Output, PA2, PA3, PC0, PC2};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+use super::converter::Converter;
 use crate::board::{Lights, Stage};
 
 /// Error code 5400h of CiA 402: the hardware of the power section.
@@ -16,16 +19,22 @@ pub struct StepStage {
     fault: PA3<Input>,
     supply: PC0<Input>,
     brake: PC2<Output>,
+    outputs: [ErasedPin<Output>; COUNT],
+    /// The levels of the outputs.
+    levels: u8,
+    converter: Converter,
     watchdog: IndependentWatchdog,
 }
 
 impl StepStage {
-    /// The stage, off.
+    /// The stage, off, and all outputs low.
     pub fn new(
         enable: PA2<Output>,
         fault: PA3<Input>,
         supply: PC0<Input>,
         brake: PC2<Output>,
+        outputs: [ErasedPin<Output>; COUNT],
+        converter: Converter,
         watchdog: IndependentWatchdog,
     ) -> Self {
         Self {
@@ -33,6 +42,9 @@ impl StepStage {
             fault,
             supply,
             brake,
+            outputs,
+            levels: 0,
+            converter,
             watchdog,
         }
     }
@@ -61,6 +73,23 @@ impl Stage for StepStage {
             self.brake.set_high();
         } else {
             self.brake.set_low();
+        }
+    }
+
+    fn measure(&mut self, inputs: &mut Inputs) {
+        self.converter.advance();
+        inputs.analogue = self.converter.input;
+        // There is no sensor at the stage; the chip beside it tells.
+        inputs.temperature = self.converter.temperature;
+    }
+
+    fn set_outputs(&mut self, levels: u8) {
+        if levels == self.levels {
+            return;
+        }
+        self.levels = levels;
+        for (output, pin) in self.outputs.iter_mut().enumerate() {
+            pin.set_state((levels & 1 << output != 0).into());
         }
     }
 
