@@ -16,11 +16,15 @@
 //!
 //! Probes look at the captured edges that homing looks at, and take none away from it.
 
+mod look;
+
 use canopen::Instant;
 
 use crate::configuration::Configuration;
 use crate::exchange::Commands;
-use crate::inputs::{Captured, Count, DigitalInputs, Edge, Edges, InputConfiguration};
+use crate::inputs::{Count, DigitalInputs, Edge, Edges, InputConfiguration};
+
+use look::Look;
 
 /// 60B8h and 60B9h: the probe is on.
 const ENABLE: u8 = 1 << 0;
@@ -341,61 +345,6 @@ impl TouchProbes {
 /// A moment as edges have it.
 const fn nanoseconds(now: Instant) -> u32 {
     now.ticks().wrapping_mul(1000) as u32
-}
-
-/// What is seen in one tick.
-struct Look<'a> {
-    inputs: &'a DigitalInputs,
-    before: u8,
-    active: u8,
-    inverted: u8,
-    /// Here and now.
-    now: Edge,
-}
-
-impl Look<'_> {
-    /// The edges of these inputs to active, or to inactive, together.
-    fn edges(&self, mask: u8, to_active: bool) -> Option<Edges> {
-        let mut all: Option<Edges> = None;
-        let mut input = 1;
-        for captured in &self.inputs.captured {
-            if mask & input != 0
-                && let Some(edges) = self.edges_of(captured, input, to_active)
-            {
-                all = Some(all.map_or(edges, |all| self.together(all, edges)));
-            }
-            input <<= 1;
-        }
-        all
-    }
-
-    fn edges_of(&self, captured: &Captured, input: u8, to_active: bool) -> Option<Edges> {
-        let is_active = self.active & input != 0;
-        let has_changed = (self.before & input != 0) != is_active;
-        let rises = to_active != (self.inverted & input != 0);
-        let edges = if rises { captured.rose } else { captured.fell };
-        edges
-            .filter(|_| self.inputs.changed & input != 0)
-            .or((has_changed && is_active == to_active).then_some(Edges::one(self.now)))
-    }
-
-    /// The edges of two inputs, in the order of time.
-    fn together(&self, one: Edges, other: Edges) -> Edges {
-        let age = |edge: Edge| self.now.time.wrapping_sub(edge.time);
-        Edges {
-            first: if age(one.first) >= age(other.first) {
-                one.first
-            } else {
-                other.first
-            },
-            last: if age(one.last) <= age(other.last) {
-                one.last
-            } else {
-                other.last
-            },
-            count: one.count.saturating_add(other.count),
-        }
-    }
 }
 
 #[cfg(test)]

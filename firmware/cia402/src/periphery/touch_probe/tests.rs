@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::inputs;
+use crate::inputs::{self, Captured};
 
 /// Probe 1 on input 5, probe 2 on input 6, index on input 4.
 fn configuration() -> Configuration {
