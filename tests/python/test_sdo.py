@@ -16,6 +16,10 @@ SERIAL_NUMBER = (0x1018, 4)
 NODE_ID_AND_BIT_RATE = 0x5FF0
 LIVE |= {NODE_ID_AND_BIT_RATE}
 
+#: Supply and temperature as they are measured.
+DC_LINK_VOLTAGE, TEMPERATURE = 0x6079, 0x2074
+LIVE |= {DC_LINK_VOLTAGE, TEMPERATURE}
+
 #: Every test begins with a write to it.
 LIVE |= {SDO_TIME_OUT}
 
