@@ -3,12 +3,15 @@
 use std::collections::BTreeMap;
 
 use canopen::Application;
-use canopen::cia301::parameters::{CHUNK, ParameterSet, ParameterSets, ParameterStore};
 use canopen::cia301::sdo::{AbortCode, Completion};
-use canopen::node::StoreError;
 use canopen::od::{Entry, write_u32};
 
 use crate::test_device::Dictionary;
+pub use ram_store::RamStore as Store;
+
+// The tests of the device store in the same memory.
+#[path = "../../firmware/canopen/tests/device/ram_store.rs"]
+mod ram_store;
 
 /// The application of the test device: its DOMAINs.
 #[derive(Clone, Debug, Default)]
@@ -119,80 +122,5 @@ impl Application<Dictionary> for Firmware {
             let is_there = write_u32(dictionary, 0x1018, sub, word);
             assert!(is_there, "1018h has four words");
         }
-    }
-}
-
-/// The chunks of each set of parameters.
-type Sets = [Vec<Vec<u8>>; ParameterSet::COUNT];
-
-/// A parameter store that never wears out.
-#[derive(Clone, Debug, Default)]
-pub struct Store {
-    sets: Sets,
-    begun: Option<(ParameterSets, Sets)>,
-    /// The medium fails whenever it is written.
-    pub is_broken: bool,
-    /// This set cannot be read any more.
-    pub damaged: Option<ParameterSet>,
-}
-
-impl Store {
-    /// The power fails: what was begun and not committed is gone.
-    pub fn cut_power(&mut self) {
-        self.begun = None;
-    }
-
-    fn writable(&self) -> Result<(), StoreError> {
-        if self.is_broken {
-            Err(StoreError::Medium)
-        } else {
-            Ok(())
-        }
-    }
-}
-
-impl ParameterStore for Store {
-    fn begin(&mut self, sets: ParameterSets) -> Result<(), StoreError> {
-        self.writable()?;
-        self.begun = Some((sets, Sets::default()));
-        Ok(())
-    }
-
-    fn append(&mut self, set: ParameterSet, chunk: &[u8]) -> Result<(), StoreError> {
-        self.writable()?;
-        assert!((1..=CHUNK).contains(&chunk.len()));
-        let (sets, chunks) = self.begun.as_mut().expect("sets were begun");
-        assert!(sets.has(set), "a chunk of another set");
-        chunks[set as usize].push(chunk.to_vec());
-        Ok(())
-    }
-
-    fn commit(&mut self) -> Result<(), StoreError> {
-        self.writable()?;
-        let (sets, mut chunks) = self.begun.take().expect("sets were begun");
-        for set in ParameterSet::ALL.into_iter().filter(|set| sets.has(*set)) {
-            self.sets[set as usize] = std::mem::take(&mut chunks[set as usize]);
-        }
-        Ok(())
-    }
-
-    fn open(&mut self, set: ParameterSet) -> Result<u16, StoreError> {
-        if self.damaged == Some(set) {
-            return Err(StoreError::Medium);
-        }
-        Ok(self.sets[set as usize].len() as u16)
-    }
-
-    fn read(
-        &mut self,
-        set: ParameterSet,
-        number: u16,
-        chunk: &mut [u8; CHUNK],
-    ) -> Result<usize, StoreError> {
-        let stored = self.sets[set as usize]
-            .get(usize::from(number))
-            .ok_or(StoreError::Medium)?;
-        chunk[..stored.len()].copy_from_slice(stored);
-        Ok(stored.len())
     }
 }

@@ -1,59 +1,12 @@
 //! The LSS master (CiA 305): requests on 7E5h, answers on 7E4h.
 
-use std::fmt;
-
+pub use canopen::cia305::Identity;
 use canopen::{BitRate, Duration, Frame, NodeId};
 
 use super::{Failure, Line, Master};
 
 const REQUEST: u16 = 0x7E5;
 const ANSWER: u16 = 0x7E4;
-
-/// The LSS address of a device: its identity object 1018h.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Identity {
-    /// 1018h:1.
-    pub vendor_id: u32,
-    /// 1018h:2.
-    pub product_code: u32,
-    /// 1018h:3.
-    pub revision_number: u32,
-    /// 1018h:4.
-    pub serial_number: u32,
-}
-
-impl Identity {
-    /// The four numbers in the order in which LSS asks for them.
-    pub fn words(self) -> [u32; 4] {
-        [
-            self.vendor_id,
-            self.product_code,
-            self.revision_number,
-            self.serial_number,
-        ]
-    }
-}
-
-impl fmt::Display for Identity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [vendor, product, revision, serial] = self.words();
-        write!(
-            f,
-            "vendor {vendor:08X}h, product {product:08X}h, revision {revision:08X}h, serial {serial:08X}h"
-        )
-    }
-}
-
-impl From<[u32; 4]> for Identity {
-    fn from([vendor_id, product_code, revision_number, serial_number]: [u32; 4]) -> Self {
-        Self {
-            vendor_id,
-            product_code,
-            revision_number,
-            serial_number,
-        }
-    }
-}
 
 impl<L: Line> Master<L> {
     /// Switches all slaves to the waiting state.

@@ -1,5 +1,7 @@
 //! The LSS address of a device.
 
+use core::fmt;
+
 use crate::od::{Dictionary, read_u32};
 
 /// The four words of the identity object 1018h, by which LSS tells devices apart.
@@ -28,12 +30,33 @@ impl Identity {
     }
 
     /// The words in the order of the object.
-    pub(super) const fn words(&self) -> [u32; 4] {
+    pub const fn words(&self) -> [u32; 4] {
         [
             self.vendor_id,
             self.product_code,
             self.revision_number,
             self.serial_number,
         ]
+    }
+}
+
+impl fmt::Display for Identity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [vendor, product, revision, serial] = self.words();
+        write!(
+            f,
+            "vendor {vendor:08X}h, product {product:08X}h, revision {revision:08X}h, serial {serial:08X}h"
+        )
+    }
+}
+
+impl From<[u32; 4]> for Identity {
+    fn from([vendor_id, product_code, revision_number, serial_number]: [u32; 4]) -> Self {
+        Self {
+            vendor_id,
+            product_code,
+            revision_number,
+            serial_number,
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! A parameter store in memory.
+//! A parameter store in memory, which never wears out.
 
 use canopen::cia301::parameters::{CHUNK, ParameterSet, ParameterSets, ParameterStore};
 use canopen::node::StoreError;
@@ -9,6 +9,7 @@ pub type Chunks = Vec<Vec<u8>>;
 /// Sets in force and sets that were begun.
 #[derive(Clone, Debug, Default)]
 pub struct RamStore {
+    /// What is in force, by set.
     pub sets: [Chunks; ParameterSet::COUNT],
     begun: Option<(ParameterSets, [Chunks; ParameterSet::COUNT])>,
     /// Every call that writes fails.
@@ -19,7 +20,13 @@ pub struct RamStore {
     pub writes: usize,
 }
 
+#[allow(dead_code, reason = "not every test needs everything")]
 impl RamStore {
+    /// The power fails: what was begun and not committed is gone.
+    pub fn cut_power(&mut self) {
+        self.begun = None;
+    }
+
     fn write(&mut self) -> Result<(), StoreError> {
         self.writes += 1;
         if self.is_broken {
@@ -67,9 +74,9 @@ impl ParameterStore for RamStore {
 
     fn append(&mut self, set: ParameterSet, chunk: &[u8]) -> Result<(), StoreError> {
         self.write()?;
-        assert!(!chunk.is_empty() && chunk.len() <= CHUNK);
+        assert!((1..=CHUNK).contains(&chunk.len()));
         let (sets, chunks) = self.begun.as_mut().expect("sets were begun");
-        assert!(sets.has(set));
+        assert!(sets.has(set), "a chunk of another set");
         chunks[set as usize].push(chunk.to_vec());
         Ok(())
     }
@@ -77,10 +84,8 @@ impl ParameterStore for RamStore {
     fn commit(&mut self) -> Result<(), StoreError> {
         self.write()?;
         let (sets, mut chunks) = self.begun.take().expect("sets were begun");
-        for set in ParameterSet::ALL {
-            if sets.has(set) {
-                self.sets[set as usize] = std::mem::take(&mut chunks[set as usize]);
-            }
+        for set in ParameterSet::ALL.into_iter().filter(|set| sets.has(*set)) {
+            self.sets[set as usize] = std::mem::take(&mut chunks[set as usize]);
         }
         Ok(())
     }

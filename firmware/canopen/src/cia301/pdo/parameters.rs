@@ -15,7 +15,7 @@
 use super::mapping::{Direction, Layout, MOST_BITS, MappingEntry, Target, with_target};
 use super::multiplexed::Addressing;
 use crate::cia301::sdo::AbortCode;
-use crate::od::{Dictionary, find, value};
+use crate::od::{Dictionary, Entry, find, value};
 use crate::wire::cob_id::{CobId, is_restricted};
 
 /// Bit 30 of the COB-ID of a transmit PDO: no remote frame may ask for it.
@@ -263,22 +263,26 @@ impl Parameters {
         Ok(None)
     }
 
-    /// Whether a sub-index of one of the records may get this value; its PDO has room for so many objects. Nothing changes.
+    /// Whether an entry of the records may get this value; there are so many PDOs, each with room for so many objects. Nothing changes.
     ///
     /// # Errors
     /// Those of the table above.
     #[inline(never)]
     pub(super) fn validate<D: Dictionary>(
-        self,
+        direction: Direction,
         dictionary: &D,
-        record: Record,
-        sub: u8,
+        entry: &Entry,
         value: &[u8],
-        room: usize,
+        (pdos, room): (usize, usize),
     ) -> Result<(), AbortCode> {
+        let (parameters, record) = Self::of(direction, entry.index)
+            .filter(|(parameters, _)| parameters.number() < pdos)
+            .ok_or(AbortCode::NoObject)?;
         match record {
-            Record::Communication => self.validate_communication(dictionary, sub, value, room),
-            Record::Mapping => self.validate_mapping(dictionary, sub, value, room),
+            Record::Communication => {
+                parameters.validate_communication(dictionary, entry.sub, value, room)
+            }
+            Record::Mapping => parameters.validate_mapping(dictionary, entry.sub, value, room),
         }
     }
 

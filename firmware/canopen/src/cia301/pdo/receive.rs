@@ -105,13 +105,8 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
         entry: &Entry,
         value: &[u8],
     ) -> Result<(), AbortCode> {
-        match Parameters::of(Direction::Receive, entry.index) {
-            Some((parameters, record)) if parameters.number() < self.pdos.as_ref().len() => {
-                let room = M::UNUSED.as_ref().len();
-                parameters.validate(dictionary, record, entry.sub, value, room)
-            }
-            _ => Err(AbortCode::NoObject),
-        }
+        let (pdos, room) = (self.pdos.as_ref().len(), M::UNUSED.as_ref().len());
+        Parameters::validate(Direction::Receive, dictionary, entry, value, (pdos, room))
     }
 
     /// An entry of 1400h to 17FFh was written: the PDO follows from the next frame on. Ask [`Receive::report`] afterwards.

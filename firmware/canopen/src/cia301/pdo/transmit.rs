@@ -157,13 +157,8 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         entry: &Entry,
         value: &[u8],
     ) -> Result<(), AbortCode> {
-        match Parameters::of(Direction::Transmit, entry.index) {
-            Some((parameters, record)) if parameters.number() < self.pdos.as_ref().len() => {
-                let room = M::UNUSED.as_ref().len();
-                parameters.validate(dictionary, record, entry.sub, value, room)
-            }
-            _ => Err(AbortCode::NoObject),
-        }
+        let (pdos, room) = (self.pdos.as_ref().len(), M::UNUSED.as_ref().len());
+        Parameters::validate(Direction::Transmit, dictionary, entry, value, (pdos, room))
     }
 
     /// An entry of 1800h to 1BFFh was written. A new event timer starts now; with another change the PDO starts anew, as if
