@@ -1,6 +1,9 @@
 //! The drive: a control tick at rest and one in motion.
 
+use core::hint::black_box;
+
 use canopen::{BitRate, Duration, Frame, Instant, NodeId, Settings};
+use cia402::units::Ratio;
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink, Record, Ticks};
 
@@ -102,9 +105,13 @@ impl Bench {
     }
 
     fn download(&mut self, index: u16, size: u8, value: i32) {
+        self.download_to(index, 0, size, value);
+    }
+
+    fn download_to(&mut self, index: u16, sub: u8, size: u8, value: i32) {
         let [low, high] = index.to_le_bytes();
         let [a, b, c, d] = value.to_le_bytes();
-        let request = [0x23 | (4 - size) << 2, low, high, 0, a, b, c, d];
+        let request = [0x23 | (4 - size) << 2, low, high, sub, a, b, c, d];
         self.device.receive(
             &Frame::data_frame(0x60A, &request),
             self.now,
@@ -123,17 +130,41 @@ impl Bench {
 
 /// All workloads of the drive.
 pub fn run() {
-    let (at_rest, cruising, _) = drive_there(false);
+    let (at_rest, cruising, _) = drive_there(1, false);
     row("drive: control tick, enabled, at rest", at_rest);
     row("drive: control tick, cruising at 20 kHz", cruising);
-    let (_, _, longest) = drive_there(true);
+    let (at_rest, cruising, _) = drive_there(3, false);
+    row("drive: control tick, at rest, a unit is 1/3 of a step", at_rest);
+    row("drive: control tick, cruising, a unit is 1/3 of a step", cruising);
+    let (_, _, longest) = drive_there(1, true);
     row("drive: longest lock of the exchange", longest);
+    conversions();
 }
 
-/// Enables the drive and moves it by 20,000 steps. What a control tick costs at rest and cruising, and the longest lock if
-/// locks are timed.
+/// What it takes to convert a position.
+fn conversions() {
+    // 3200 steps a revolution, a gear of 17:3, 360.00 degrees.
+    let ratio = black_box(Ratio::of([3_200, 17], [3, 36_000]).unwrap());
+    for (name, ratio, position) in [
+        ("units: a position, 1:1", Ratio::ONE, 1_234_567),
+        ("units: a position, 68:135", ratio, 1_234_567),
+        ("units: a position of 33 bits, 68:135", ratio, 8_589_934_591),
+    ] {
+        let (cost, units) = count(|| convert(black_box(ratio), black_box(position)));
+        assert_eq!(ratio.to_increments(units), position);
+        row(name, cost);
+    }
+}
+
 #[inline(never)]
-fn drive_there(is_timed: bool) -> (u32, u32, u32) {
+fn convert(ratio: Ratio, increments: i64) -> i64 {
+    ratio.to_units(increments)
+}
+
+/// Enables the drive and moves it by 20,000 steps, in so many units to a step. What a control tick costs at rest and cruising,
+/// and the longest lock if locks are timed.
+#[inline(never)]
+fn drive_there(units: i32, is_timed: bool) -> (u32, u32, u32) {
     let settings = Settings {
         node_id: NodeId::new(10).unwrap(),
         bit_rate: BitRate::Kbit1000,
@@ -165,6 +196,7 @@ fn drive_there(is_timed: bool) -> (u32, u32, u32) {
     bench.device.power_on(bench.now, &mut bench.exchange);
     bench.millisecond();
     bench.download(0x6060, 1, 1);
+    bench.download_to(0x6092, 1, 4, 3_200 * units);
     for controlword in [0x06, 0x07, 0x0F] {
         bench.download(0x6040, 2, controlword);
     }
@@ -174,8 +206,8 @@ fn drive_there(is_timed: bool) -> (u32, u32, u32) {
     }
     let at_rest = bench.millisecond();
 
-    bench.download(0x607A, 4, 20_000);
-    bench.download(0x6081, 4, 20_000);
+    bench.download(0x607A, 4, 20_000 * units);
+    bench.download(0x6081, 4, 20_000 * units);
     bench.download(0x6040, 2, 0x1F);
     for _ in 0..500 {
         bench.millisecond();
