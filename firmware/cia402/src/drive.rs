@@ -27,7 +27,7 @@ use crate::periphery::Periphery;
 use crate::recorder;
 use crate::state_machine::{Conditions, State, StateMachine, Transition};
 use crate::statusword;
-use crate::units::{Frame, Travel, Units};
+use crate::units::{Frame, Travel};
 
 /// What a drive is built from.
 #[derive(Clone, Copy, Debug)]
@@ -132,7 +132,7 @@ impl Drive {
         Self {
             commands: Commands::NONE,
             configuration: Configuration::NONE,
-            frame: Frame::default(),
+            frame: Frame::new(),
             travel: Travel::NONE,
             travel_for: (0, false),
             machine: StateMachine::new(),
@@ -177,7 +177,6 @@ impl Drive {
         pulses: &mut S,
         exchange: &mut X,
     ) -> Outputs {
-        let units = self.configuration.units;
         let is_configured = exchange.lock(|exchange| {
             let is_configured = exchange.take(&mut self.commands, &mut self.configuration);
             self.cyclic
@@ -204,7 +203,9 @@ impl Drive {
         self.motor.observe(position, self.power, pulses);
         self.motor.set_time(fine(now));
         self.cyclic.pass(fine(now));
-        self.look_at_units(is_configured, &units, position);
+        if is_configured || self.travel_for != (self.frame.home(), self.motor.is_referenced()) {
+            self.look_at_units(position);
+        }
         self.switches.observe(
             &inputs.digital,
             &self.configuration.inputs,
@@ -260,16 +261,13 @@ impl Drive {
     }
 
     /// Works out anew what hangs on units and limits, when they or the home position have changed.
-    fn look_at_units(&mut self, is_configured: bool, before: &Units, position: i64) {
-        if is_configured && self.configuration.units != *before {
-            self.frame.forget();
-        }
-        let referenced = self.motor.is_referenced();
-        let travel_for = (self.frame.home(), referenced);
-        if is_configured || travel_for != self.travel_for {
-            self.travel_for = travel_for;
-            self.travel = Travel::new(&self.configuration, &self.frame, position, referenced);
-        }
+    #[cold]
+    #[inline(never)]
+    fn look_at_units(&mut self, position: i64) {
+        self.frame.set_units(&self.configuration.units);
+        let is_referenced = self.motor.is_referenced();
+        self.travel_for = (self.frame.home(), is_referenced);
+        self.travel = Travel::new(&self.configuration, &self.frame, position, is_referenced);
     }
 
     /// Compares what the motor does with what it should.

@@ -51,6 +51,26 @@ pub fn quotient(numerator: u128, digits: u32, divisor: u128) -> u128 {
     result
 }
 
+/// ⌊numerator / divisor⌋ and the remainder. A divisor of 0 gives 0 and 0.
+#[inline]
+pub fn by_digit(numerator: u64, divisor: u32) -> (u64, u32) {
+    let (high, low) = ((numerator >> 32) as u32, numerator as u32);
+    if high == 0 {
+        let quotient = low.checked_div(divisor).unwrap_or(0);
+        let remainder = low.checked_rem(divisor).unwrap_or(0);
+        return (quotient.into(), remainder);
+    }
+    let (Some(first), Some(left)) = (high.checked_div(divisor), high.checked_rem(divisor)) else {
+        return (0, 0);
+    };
+    // Less than the divisor, so that the rest is one digit, and exactly the estimate.
+    let shift = divisor.leading_zeros() & 31;
+    let rest = (u64::from(left) << 32) | u64::from(low);
+    let second = estimate(rest << shift, divisor << shift);
+    let remainder = low.wrapping_sub(second.wrapping_mul(divisor));
+    ((u64::from(first) << 32) | u64::from(second), remainder)
+}
+
 /// A number of 96 bits times a digit.
 fn times(number: u128, digit: u32) -> u128 {
     let digit = u64::from(digit);
@@ -93,7 +113,7 @@ fn half_digit(remainder: u32, next: u32, divisor: u32) -> (u32, u32) {
 
 #[cfg(test)]
 mod tests {
-    use super::quotient;
+    use super::{by_digit, quotient};
     use proptest::prelude::*;
 
     #[test]
@@ -101,6 +121,8 @@ mod tests {
         assert_eq!(quotient(5, 0, 0), 0);
         assert_eq!(quotient(u128::MAX, 0, 1 << 96), 0);
         assert_eq!(quotient(0, 3, 1), 0);
+        assert_eq!(by_digit(5, 0), (0, 0));
+        assert_eq!(by_digit(u64::MAX, 0), (0, 0));
     }
 
     #[test]
@@ -121,6 +143,15 @@ mod tests {
         fn agrees_with_the_division_of_the_language(n: u128, d: u128, s in 0u32..128, u in 32u32..128) {
             let (n, d) = (n >> s, (d >> u).max(1));
             prop_assert_eq!(quotient(n, 0, d), n / d);
+        }
+
+        #[test]
+        fn a_division_by_a_digit_is_exact(n: u64, d: u32, s in 0u32..64, u in 0u32..32) {
+            let (n, d) = (n >> s, (d >> u).max(1));
+            let divisor = u64::from(d);
+            let remainder = u32::try_from(n % divisor).unwrap();
+            prop_assert_eq!(by_digit(n, d), (n / divisor, remainder));
+            prop_assert_eq!(by_digit(u64::MAX, d).0, u64::MAX / divisor);
         }
 
         #[test]

@@ -42,7 +42,7 @@ mod wide;
 
 pub use axis::{AdvanceError, Axis, AxisConfig, Demand};
 pub use clock::{Clock, Ticks};
-pub use divide::quotient;
+pub use divide::{by_digit, quotient};
 pub use fixed::{Position, State, Velocity};
 pub use path::FollowError;
 pub use plan::phase::Phase;

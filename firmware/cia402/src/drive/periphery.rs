@@ -26,7 +26,7 @@ impl Drive {
     /// What is new goes to the device.
     pub(super) fn publish_periphery(&mut self, inputs: &Inputs, exchange: &mut Exchange) {
         let units = &self.configuration.units;
-        let shown = |increments| units.range().shown(self.frame.position(increments, units));
+        let shown = |increments| self.frame.shown(increments, units);
         self.periphery
             .publish(shown, inputs, &self.configuration, exchange);
     }

@@ -14,10 +14,23 @@ impl Drive {
         let state = self.machine.state();
         let bit = |condition, bit| if condition { bit } else { 0 };
         let units = &self.configuration.units;
-        let shown = |increments| units.range().shown(self.frame.position(increments, units));
+        let shown = |increments| self.frame.shown(increments, units);
         let position = self.motor.position_of(inputs.position);
         let demand = self.motor.demand();
         let mode = self.modes.active();
+        let position_demand = shown(demand.position);
+        let velocity_demand = units.velocity_in_units(demand.velocity);
+        // A motor that follows its pulses needs no conversions of its own.
+        let position_actual = if position == demand.position {
+            position_demand
+        } else {
+            shown(position)
+        };
+        let velocity_actual = if self.observed.velocity == demand.velocity {
+            velocity_demand
+        } else {
+            units.velocity_in_units(self.observed.velocity)
+        };
         let vl = |velocity| match mode {
             Mode::Velocity => self.configuration.velocity.shown(velocity),
             _ => 0,
@@ -37,11 +50,11 @@ impl Drive {
             error_code: self.faults.error_code(),
             vl_velocity_demand: vl(demand.velocity),
             vl_velocity_actual: vl(self.observed.velocity),
-            position_demand: shown(demand.position),
+            position_demand,
             position_actual_internal: position as i32,
-            position_actual: shown(position),
-            velocity_demand: units.velocity_in_units(demand.velocity),
-            velocity_actual: units.velocity_in_units(self.observed.velocity),
+            position_actual,
+            velocity_demand,
+            velocity_actual,
             following_error: units.way_in_units(self.observed.following_error),
             digital_inputs: self.switches.word(),
             referenced: self.motor.is_referenced(),

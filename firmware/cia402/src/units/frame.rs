@@ -1,18 +1,32 @@
 //! How the numbers of the user lie on the increments.
 
-use super::Units;
+use super::{Ratio, Units};
 
 /// One position of which the number of the user is known exactly, because it was commanded or homing gave it: there it is shown
 /// as it was given, and not rounded from the increments. And the name of the home position.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Frame {
     increments: i64,
     user: i64,
     /// What the last homing has called the home position, in units of the user; 0 before.
     home: i32,
+    /// The units of the position above.
+    ratio: Ratio,
+    polarity: bool,
 }
 
 impl Frame {
+    /// Both counts begin at 0, and a unit is an increment.
+    pub(crate) const fn new() -> Self {
+        Self {
+            increments: 0,
+            user: 0,
+            home: 0,
+            ratio: Ratio::ONE,
+            polarity: false,
+        }
+    }
+
     /// A position on the count that goes on behind the ends of 607Bh, in units of the user.
     #[inline]
     pub(crate) fn position(&self, increments: i64, units: &Units) -> i64 {
@@ -21,6 +35,11 @@ impl Frame {
         } else {
             units.position_in_units(increments)
         }
+    }
+
+    /// A position as objects show it.
+    pub(crate) fn shown(&self, increments: i64, units: &Units) -> i32 {
+        units.range().shown(self.position(increments, units))
     }
 
     /// The number of the user at a position is this one.
@@ -40,8 +59,13 @@ impl Frame {
         self.home
     }
 
-    /// The units are others.
-    pub(crate) const fn forget(&mut self) {
-        self.remember(0, 0);
+    /// These are the units from now on. Where they are others, a position has another number.
+    pub(crate) fn set_units(&mut self, units: &Units) {
+        let polarity = units.has_position_polarity();
+        if units.position != self.ratio || polarity != self.polarity {
+            self.ratio = units.position;
+            self.polarity = polarity;
+            self.remember(0, 0);
+        }
     }
 }

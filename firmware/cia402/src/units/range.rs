@@ -120,11 +120,16 @@ impl Range {
     /// The position that is shown like `position` and lies nearest to `to`; of two that are equally far the greater one.
     pub fn nearest(self, position: i64, to: i64) -> i64 {
         let span = self.span();
+        let half = span >> 1;
+        let away = position.saturating_sub(to);
+        if -half < away && away <= half {
+            return position;
+        }
         let ahead = position
             .wrapping_sub(to)
             .checked_rem_euclid(span)
             .unwrap_or(0);
-        if ahead > span >> 1 {
+        if ahead > half {
             to.saturating_add(ahead).saturating_sub(span)
         } else {
             to.saturating_add(ahead)

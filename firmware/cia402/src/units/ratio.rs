@@ -1,6 +1,6 @@
 //! Exact ratios of increments to units.
 
-use motion::quotient;
+use motion::{by_digit, quotient};
 
 /// A ratio of two positive numbers in lowest terms: how many increments a unit is.
 ///
@@ -44,7 +44,7 @@ impl Ratio {
     /// Increments for a number of units.
     #[inline]
     pub fn to_increments(self, units: i64) -> i64 {
-        if self.is_one() {
+        if self.is_one() || units == 0 {
             units
         } else {
             scaled(units, self.increments, self.units)
@@ -54,7 +54,7 @@ impl Ratio {
     /// Units for a number of increments.
     #[inline]
     pub fn to_units(self, increments: i64) -> i64 {
-        if self.is_one() {
+        if self.is_one() || increments == 0 {
             increments
         } else {
             scaled(increments, self.units, self.increments)
@@ -65,33 +65,41 @@ impl Ratio {
     #[inline]
     pub const fn is_one(self) -> bool {
         // In lowest terms.
-        self.increments == 1 && self.units == 1
+        self.increments == self.units
     }
 }
 
 /// `value * numerator / denominator`, rounded to the nearest, halves away from zero.
 #[inline(never)]
 fn scaled(value: i64, numerator: u64, denominator: u64) -> i64 {
-    let amount = rounded(value.unsigned_abs(), numerator, denominator);
-    let amount = i64::try_from(amount).unwrap_or(i64::MAX);
+    let amount = value.unsigned_abs();
+    let scaled = match (u32::try_from(numerator), u32::try_from(denominator)) {
+        // So it is with all but odd factors and far positions.
+        (Ok(numerator), Ok(denominator)) if amount >> 32 == 0 => {
+            let product = (amount & u64::from(u32::MAX)).wrapping_mul(numerator.into());
+            let (whole, rest) = by_digit(product, denominator);
+            whole.saturating_add(u64::from(rest >= denominator.wrapping_sub(rest)))
+        }
+        _ => wide(amount, numerator, denominator),
+    };
+    let scaled = i64::try_from(scaled).unwrap_or(i64::MAX);
     if value < 0 {
-        amount.wrapping_neg()
+        scaled.wrapping_neg()
     } else {
-        amount
+        scaled
     }
 }
 
-fn rounded(value: u64, numerator: u64, denominator: u64) -> u128 {
+/// The same for all numbers.
+#[cold]
+#[inline(never)]
+fn wide(value: u64, numerator: u64, denominator: u64) -> u64 {
     let product = u128::from(value).wrapping_mul(u128::from(numerator));
-    let whole = if denominator == 1 {
-        return product;
-    } else {
-        quotient(product, 0, denominator.into())
-    };
+    let whole = quotient(product, 0, denominator.into());
     // The remainder is less than the denominator: the lower half has all of it.
     let rest = (product as u64).wrapping_sub((whole as u64).wrapping_mul(denominator));
     let is_half = rest >= denominator.wrapping_sub(rest);
-    whole.saturating_add(is_half.into())
+    u64::try_from(whole.saturating_add(is_half.into())).unwrap_or(u64::MAX)
 }
 
 /// The greatest number that divides both; of 0 and a number that number.
