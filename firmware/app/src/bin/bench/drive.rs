@@ -134,8 +134,14 @@ pub fn run() {
     row("drive: control tick, enabled, at rest", at_rest);
     row("drive: control tick, cruising at 20 kHz", cruising);
     let (at_rest, cruising, _) = drive_there(3, false);
-    row("drive: control tick, at rest, a unit is 1/3 of a step", at_rest);
-    row("drive: control tick, cruising, a unit is 1/3 of a step", cruising);
+    row(
+        "drive: control tick, at rest, a unit is 1/3 of a step",
+        at_rest,
+    );
+    row(
+        "drive: control tick, cruising, a unit is 1/3 of a step",
+        cruising,
+    );
     let (_, _, longest) = drive_there(1, true);
     row("drive: longest lock of the exchange", longest);
     conversions();
