@@ -1,5 +1,6 @@
 //! Units of the user over the bus: the factor group, polarity, the range of positions.
 
+use canopen::Frame;
 use tests::DriveBench;
 use tests::drive::{INTERNAL_LIMIT, State, TARGET_REACHED};
 
@@ -158,6 +159,59 @@ fn m58_polarity_turns_positions_in_profile_position() {
     drive.begin_move(-9_000);
     drive.run_millis(2_000);
     assert_eq!(drive.position(), 1_000);
+}
+
+/// Enters cyclic synchronous position at 2 ms and follows these set-points, then holds the last one.
+fn follow(drive: &mut DriveBench, targets: impl Iterator<Item = i32>) {
+    drive.write_u8(0x6060, 0, 8);
+    drive.write_u8(0x60C2, 1, 2);
+    drive.write_u8(0x60C2, 2, (-3_i8).cast_unsigned());
+    drive.write_u8(0x1402, 2, 1);
+    drive.enable();
+    let mut last = 0;
+    for target in [0; 20].into_iter().chain(targets) {
+        cycle(drive, target);
+        last = target;
+    }
+    for _ in 0..20 {
+        cycle(drive, last);
+    }
+}
+
+/// A set-point by RPDO 3, then SYNC.
+fn cycle(drive: &mut DriveBench, target: i32) {
+    let [a, b, c, d] = target.to_le_bytes();
+    drive.send_frame(Frame::data_frame(0x404, &[0x0F, 0, a, b, c, d]));
+    drive.run_micros(500);
+    drive.send("080 [0]");
+    drive.run_micros(1_500);
+}
+
+#[test]
+fn m58_polarity_and_units_hold_for_set_points_at_sync() {
+    let mut drive = thirds();
+    drive.write_u8(0x607E, 0, 0x80);
+    follow(&mut drive, (1..=100).map(|cycle| cycle * 3));
+    assert_eq!(drive.position(), -1_000);
+    assert_eq!(drive.read_i32(0x6064, 0), 300);
+    assert_eq!(drive.read_i32(0x6062, 0), 300);
+    cycle(&mut drive, 301);
+    for _ in 0..10 {
+        cycle(&mut drive, 301);
+    }
+    assert_eq!(drive.position(), -1_003);
+    assert_eq!(drive.read_i32(0x6064, 0), 301);
+}
+
+#[test]
+fn m59_set_points_at_sync_go_over_the_end_of_a_turn() {
+    let mut drive = DriveBench::started(4);
+    drive.write_u32(0x6092, 1, 360);
+    drive.write_i32(0x607B, 1, 0);
+    drive.write_i32(0x607B, 2, 359);
+    follow(&mut drive, (1..=400).map(|cycle| cycle % 360));
+    assert_eq!(drive.position(), 3_556, "400 degrees");
+    assert_eq!(drive.read_i32(0x6064, 0), 40);
 }
 
 #[test]
