@@ -22,6 +22,7 @@ mod lss_nmt_states;
 mod lss_power_cuts;
 mod model;
 mod modes;
+mod motion_profiles;
 mod motor_and_supply;
 mod mpdo;
 mod nmt;

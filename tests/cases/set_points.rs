@@ -98,12 +98,3 @@ fn m39_the_maxima_cap_the_profile_and_show_in_bit_11() {
         assert_eq!(is_slow, matches!(index, 0x607F | 0x6080), "{index:04X}h");
     }
 }
-
-#[test]
-fn m40_profile_types_that_are_not_there_are_refused() {
-    let mut drive = DriveBench::started(4);
-    for profile in [-1_i16, 1, 2, 3] {
-        assert!(drive.try_write(0x6086, 0, &profile.to_le_bytes()).is_err());
-    }
-    drive.write_i16(0x6086, 0, 0);
-}

@@ -16,6 +16,7 @@ use crate::periphery::digital_outputs::OutputConfiguration;
 use crate::periphery::motor_current::MotorCurrents;
 use crate::periphery::power_stage::Thresholds;
 use crate::periphery::touch_probe::Source;
+use crate::profile::{self, ProfileConfiguration};
 use crate::units::Units;
 
 /// Everything that is set up, as the objects say it.
@@ -67,6 +68,8 @@ pub struct Configuration {
     pub max_acceleration: u32,
     /// 60C6h in steps/s².
     pub max_deceleration: u32,
+    /// 6086h, 60A4h and 20A0h.
+    pub profile: ProfileConfiguration,
     /// What belongs to the velocity mode alone.
     pub velocity: VelocityConfiguration,
     /// 2031h to 2033h.
@@ -233,6 +236,7 @@ impl Configuration {
         max_velocity: u32::MAX,
         max_acceleration: u32::MAX,
         max_deceleration: u32::MAX,
+        profile: ProfileConfiguration::NONE,
         velocity: VelocityConfiguration::NONE,
         inputs: InputConfiguration::NONE,
         homing: HomingConfiguration::NONE,
@@ -289,6 +293,14 @@ impl Configuration {
                 .min(units.motor_speed(dictionary.max_motor_speed())),
             max_acceleration: units.acceleration(dictionary.max_acceleration()),
             max_deceleration: units.acceleration(dictionary.max_deceleration()),
+            profile: ProfileConfiguration {
+                ramps: profile::ramps(
+                    dictionary.motion_profile_type(),
+                    units.jerk(dictionary.profile_jerk()),
+                )
+                .unwrap_or(Self::NONE.profile.ramps),
+                has_smooth_quick_stop: dictionary.smooth_quick_stop() == 1,
+            },
             velocity: VelocityConfiguration::of(dictionary),
             inputs: InputConfiguration::new(
                 [

@@ -31,6 +31,7 @@ use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp
 use crate::parameters::Parameter;
 use crate::periphery::digital_outputs::OutputFunction;
 use crate::periphery::touch_probe::{Source, is_function};
+use crate::profile;
 use crate::protection::{PASSWORD, PRODUCTION, Protection};
 use crate::recorder::Desk;
 use crate::units::{Factors, SiUnit, Units};
@@ -380,6 +381,11 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
         },
         Parameter::HaltOptionCode => code(number, StopRamp::on_halt),
         Parameter::FaultReactionOptionCode => code(number, Stop::on_fault),
+        Parameter::MotionProfileType => code(number, |code| profile::ramps(code, 1)),
+        Parameter::SmoothQuickStop => match number {
+            0 | 1 => Ok(()),
+            _ => Err(AbortCode::InvalidValue),
+        },
         Parameter::PositioningOptionCode => match number {
             number if number & !POSITIONING_OPTIONS == 0 && number & 3 != 3 => Ok(()),
             _ => Err(AbortCode::InvalidValue),
@@ -414,6 +420,7 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
         | Parameter::QuickStopDeceleration
         | Parameter::MaxAcceleration
         | Parameter::MaxDeceleration
+        | Parameter::ProfileJerk
         | Parameter::VlAccelerationSpeed
         | Parameter::VlAccelerationTime
         | Parameter::VlDecelerationSpeed

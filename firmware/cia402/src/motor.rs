@@ -2,7 +2,7 @@
 
 use motion::{
     AdvanceError, Axis, AxisConfig, Demand, Direction, FollowError, Limits, PlanError, Position,
-    PulseSink, Record, Ticks, Velocity,
+    PulseSink, Ramps, Record, Ticks, Velocity,
 };
 
 use crate::cyclic::{Fine, Timescale};
@@ -54,8 +54,12 @@ pub(crate) struct Motor {
     barred: Barred,
     /// The axis' time in comparison with that of the control tick.
     timescale: Timescale,
+    /// How the velocity is to change.
+    ramps: Ramps,
     /// The deceleration of the stop under way, in steps/s².
     stopping: Option<u32>,
+    /// That stop is linear, whatever the ramps are.
+    stops_hard: bool,
     /// The deceleration with which a limit switch stops the motor, in steps/s², as long as it still moves into the switch.
     stopping_at_limit: Option<u32>,
 }
@@ -76,7 +80,9 @@ impl Motor {
             referenced: false,
             barred: Barred::default(),
             timescale: Timescale::new(config.clock.hz()),
+            ramps: Ramps::Linear,
             stopping: None,
+            stops_hard: false,
             stopping_at_limit: None,
         }
     }
@@ -172,16 +178,22 @@ impl Motor {
         into && self.stopping_at_limit.is_none()
     }
 
+    /// Says how the velocity is to change, from the next motion on.
+    pub(crate) const fn set_ramps(&mut self, ramps: Ramps) {
+        self.ramps = ramps;
+    }
+
     /// Slows down because of a limit switch. Nothing gentler takes its place: no other stop, and no motion away from the switch.
     pub(crate) fn stop_at_limit(&mut self, deceleration: u32) {
-        self.stop_no_gentler(deceleration);
+        self.stop_no_gentler(deceleration, false);
         self.stopping_at_limit = self.stopping;
     }
 
     /// Slows down to a standstill, on the ramp of the stop that is under way if that is harder. No ramp is the hardest.
-    pub(crate) fn stop_no_gentler(&mut self, deceleration: u32) {
+    pub(crate) fn stop_no_gentler(&mut self, deceleration: u32, is_smooth: bool) {
         let least = self.stopping.filter(|_| deceleration > 0).unwrap_or(0);
-        self.stop(deceleration.max(least));
+        let is_smooth = is_smooth && !(self.stopping.is_some() && self.stops_hard);
+        self.stop_on(deceleration.max(least), is_smooth);
     }
 
     /// While a limit switch stops the motor, a motion away from it begins with no gentler ramp.
@@ -191,6 +203,16 @@ impl Motor {
             deceleration: limits.deceleration.max(least),
             ..limits
         }
+    }
+
+    /// The axis is to move with the ramps chosen; away from a limit switch without delay.
+    const fn choose_ramps(&mut self) {
+        let ramps = if self.stopping_at_limit.is_some() {
+            Ramps::Linear
+        } else {
+            self.ramps
+        };
+        self.axis.set_ramps(ramps);
     }
 
     /// A motion takes the place of a stop, unless it is refused.
@@ -264,6 +286,7 @@ impl Motor {
     pub(crate) fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), Refused> {
         self.is_free(target.saturating_sub(self.committed))?;
         let target = self.on_axis(target);
+        self.choose_ramps();
         let result = self.axis.move_to(target, self.at_limit(limits));
         self.begun(result)
     }
@@ -278,6 +301,7 @@ impl Motor {
         self.is_free(target.saturating_sub(self.committed))?;
         let limits = self.at_limit(limits);
         let target = self.on_axis(target);
+        self.choose_ramps();
         let result = self.axis.move_through(target, end_velocity, limits);
         self.begun(result)
     }
@@ -340,6 +364,7 @@ impl Motor {
     /// Ramps to a velocity in steps/s and keeps it, from whatever the motor does now. On an error nothing changes.
     pub(crate) fn ramp_to(&mut self, velocity: i32, limits: Limits) -> Result<(), Refused> {
         self.is_free(velocity.into())?;
+        self.choose_ramps();
         let result = self.axis.ramp_to(velocity, self.at_limit(limits));
         self.begun(result)
     }
@@ -366,6 +391,15 @@ impl Motor {
     /// Slows down to a standstill. A deceleration that gives no ramp, such as 0, stops the pulses at once: a drive that is
     /// told to stop never goes on.
     pub(crate) fn stop(&mut self, deceleration: u32) {
+        self.stop_on(deceleration, true);
+    }
+
+    /// Slows down with the ramps chosen, or with a linear one.
+    pub(crate) fn stop_on(&mut self, deceleration: u32, is_smooth: bool) {
+        let is_smooth = is_smooth && self.stopping_at_limit.is_none();
+        self.axis
+            .set_ramps(if is_smooth { self.ramps } else { Ramps::Linear });
+        self.stops_hard = !is_smooth;
         let deceleration = deceleration.max(self.stopping_at_limit.unwrap_or(0));
         if self.axis.stop(deceleration).is_ok() {
             self.stopping = Some(deceleration);

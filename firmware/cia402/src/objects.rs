@@ -407,6 +407,18 @@ pub trait Objects {
     fn quick_stop_deceleration(&self) -> u32 {
         self.profile_deceleration()
     }
+    /// 20A0h.
+    fn smooth_quick_stop(&self) -> u8 {
+        0
+    }
+    /// 6086h.
+    fn motion_profile_type(&self) -> i16 {
+        0
+    }
+    /// 60A4h:1.
+    fn profile_jerk(&self) -> u32 {
+        1_000_000
+    }
     /// 60A8h, see [`crate::units::SiUnit`].
     fn si_unit_position(&self) -> u32 {
         0

@@ -175,6 +175,7 @@ parameters! {
     TemperatureWarning "temperature_warning" 0x2074 2 I16 Taken "0.1 °C";
     OverTemperatureFault "over_temperature_fault" 0x2074 3 I16 Taken "0.1 °C";
     TemperatureHysteresis "temperature_hysteresis" 0x2074 4 U16 Taken "0.1 °C";
+    SmoothQuickStop "smooth_quick_stop" 0x20A0 0 U8 Taken "";
     PositionLimitOptions "position_limit_options" 0x20E0 0 U8 Taken "";
     AbortConnectionOptionCode "abort_connection_option_code" 0x6007 0 I16 Taken "";
     ErrorCode "error_code" 0x603F 0 U16 Shown "";
@@ -228,6 +229,7 @@ parameters! {
     ProfileAcceleration "profile_acceleration" 0x6083 0 U32 Taken "acceleration units" from 1;
     ProfileDeceleration "profile_deceleration" 0x6084 0 U32 Taken "acceleration units" from 1;
     QuickStopDeceleration "quick_stop_deceleration" 0x6085 0 U32 Taken "acceleration units" from 1;
+    MotionProfileType "motion_profile_type" 0x6086 0 I16 Taken "";
     PositionEncoderIncrements "position_encoder_increments" 0x608F 1 U32 Taken "increments" from 1;
     PositionEncoderRevolutions "position_encoder_revolutions" 0x608F 2 U32 Taken "revolutions" from 1;
     VelocityEncoderIncrements "velocity_encoder_increments" 0x6090 1 U32 Taken "increments/s";
@@ -244,6 +246,7 @@ parameters! {
     HomingSearchSpeed "homing_search_speed" 0x6099 1 U32 Taken "velocity units" from 1;
     HomingZeroSpeed "homing_zero_speed" 0x6099 2 U32 Taken "velocity units" from 1;
     HomingAcceleration "homing_acceleration" 0x609A 0 U32 Taken "acceleration units" from 1;
+    ProfileJerk "profile_jerk" 0x60A4 1 U32 Taken "jerk units" from 1;
     SiUnitPosition "si_unit_position" 0x60A8 0 U32 Taken "";
     SiUnitVelocity "si_unit_velocity" 0x60A9 0 U32 Taken "";
     SiUnitAcceleration "si_unit_acceleration" 0x60AA 0 U32 Taken "";

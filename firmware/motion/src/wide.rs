@@ -75,7 +75,7 @@ impl Wide {
         // An even exponent, so that its root is a shift.
         let odd = exponent & 1;
         let root = u128::from((mantissa >> odd).isqrt());
-        root << (exponent.wrapping_add(odd) / 2 & 127)
+        root << ((exponent.wrapping_add(odd) / 2) & 127)
     }
 }
 

@@ -50,7 +50,9 @@ impl Drive {
             Stop::PowerOff => self.power_off(),
             Stop::Ramp(ramp) if !self.motor.standstill() => {
                 // A fault in a quick stop, say, must not make that gentler.
-                self.motor.stop_no_gentler(self.deceleration(ramp));
+                let is_smooth = self.configuration.profile.is_smooth(ramp);
+                self.motor
+                    .stop_no_gentler(self.deceleration(ramp), is_smooth);
             }
             Stop::Ramp(_) => {}
         }

@@ -7,7 +7,7 @@
 //!   Motion away from a limit is always free, also from beyond it.
 //! - A limit switch ends the motion into it for good: it takes another velocity to move again, even once the switch is released.
 
-use motion::Limits;
+use motion::{Limits, Ramps};
 
 use crate::motor::Motor;
 use crate::units::Travel;
@@ -21,6 +21,19 @@ pub(super) struct Order {
     pub(super) limits: Limits,
     /// The lowest and the highest position in steps; see [`crate::units::Travel`].
     pub(super) travel: (i64, i64),
+    /// How the velocity is to change. Another profile counts from the next order on.
+    pub(super) ramps: Ramps,
+}
+
+impl Order {
+    /// Whether this is what was asked for before, the profile aside.
+    fn is_like(&self, other: Self) -> bool {
+        *self
+            == Self {
+                ramps: self.ramps,
+                ..other
+            }
+    }
 }
 
 /// How a velocity is being kept.
@@ -76,7 +89,7 @@ impl KeptVelocity {
         let is_new = if self.course == Course::AtSwitch {
             self.order.map(|order| order.velocity) != Some(order.velocity)
         } else {
-            self.order != Some(order)
+            !self.order.is_some_and(|before| order.is_like(before))
                 || self.course == Course::Barred
                 || self.course == Course::Far && is_within_reach(end_of(order), motor)
         };
@@ -113,8 +126,12 @@ const fn is_within_reach(end: i64, motor: &Motor) -> bool {
 
 fn begin(order: Order, motor: &mut Motor) -> Course {
     let Order {
-        velocity, limits, ..
+        velocity,
+        limits,
+        ramps,
+        ..
     } = order;
+    motor.set_ramps(ramps);
     if velocity == 0 {
         stop(motor, limits.deceleration);
         return Course::Free;

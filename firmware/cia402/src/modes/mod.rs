@@ -5,6 +5,7 @@
 //! when it is really at work. Halt and a held bit 4 are no obstacle.
 //! A value that is not supported is refused by SDO and ignored in a PDO.
 
+mod braking;
 mod cyclic_position;
 mod cyclic_velocity;
 mod following;
@@ -16,7 +17,7 @@ mod profile_velocity;
 mod velocity;
 
 use canopen::Instant;
-use motion::{Demand, Limits};
+use motion::{Demand, Limits, Ramps};
 
 use crate::configuration::Configuration;
 use crate::controlword::HALT;
@@ -94,6 +95,14 @@ impl Mode {
             Self::CyclicPosition => 1 << 7,
             Self::CyclicVelocity => 1 << 8,
         }
+    }
+
+    /// Whether 6086h counts in the mode.
+    const fn has_profile(self) -> bool {
+        matches!(
+            self,
+            Self::ProfilePosition | Self::Velocity | Self::ProfileVelocity
+        )
     }
 
     /// Whether the mode may begin while the motor moves: it goes on from there.
@@ -196,9 +205,15 @@ impl Context<'_> {
     /// Stops on the ramp of 605Dh.
     pub(crate) fn halt(&mut self) {
         if !self.motor.standstill() {
-            let deceleration = self.deceleration(self.configuration.halt);
-            self.motor.stop(deceleration);
+            self.stop_on(self.configuration.halt);
         }
+    }
+
+    /// Stops on a ramp of the mode at work.
+    pub(crate) fn stop_on(&mut self, ramp: StopRamp) {
+        let deceleration = self.deceleration(ramp);
+        let is_smooth = self.configuration.profile.is_smooth(ramp);
+        self.motor.stop_on(deceleration, is_smooth);
     }
 
     /// The deceleration of a ramp in the mode at work, in steps/s². 60C6h caps it.
@@ -349,6 +364,9 @@ impl Modes {
             self.enter(context.motor);
         } else if self.interrupted {
             self.enter(context.motor);
+        }
+        if !self.active.has_profile() {
+            context.motor.set_ramps(Ramps::Linear);
         }
         match self.active {
             Mode::NoMode => 0,

@@ -23,9 +23,10 @@
 //! as 6064h has been within 6067h of the target for 6068h. With 6067h = FFFFFFFFh it is 1 when the profile has ended; with an
 //! end velocity, when the target is passed. During halt it says that the motor stands.
 
-use motion::Limits;
+use motion::{Limits, Ramps};
 
 use super::Context;
+use super::braking;
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, NEW_SET_POINT, RELATIVE};
 use crate::dwell::Dwell;
@@ -47,6 +48,8 @@ struct SetPoint {
     /// The same in increments.
     target: i64,
     limits: Limits,
+    /// How the velocity changes: 6086h as it was at the edge of bit 4.
+    ramps: Ramps,
     /// What is left of the velocity at the target, in steps/s.
     end_velocity: u32,
     /// The target or the velocity is not what the master asked for.
@@ -201,7 +204,7 @@ impl ProfilePosition {
             context.motor.committed_position()
         };
         // In motion, the way to stop and to come back is part of it.
-        let stop = rest(context.motor, given.profile_deceleration)
+        let stop = rest(context, given.profile_deceleration)
             .saturating_sub(context.motor.committed_position());
         let reach = Motor::REACH.saturating_sub(stop.saturating_abs().saturating_mul(4));
         let target = far
@@ -221,6 +224,7 @@ impl ProfilePosition {
             user,
             target,
             limits,
+            ramps: context.configuration.profile.ramps,
             end_velocity: given.end_velocity,
             limited: Limited {
                 target: user != wanted,
@@ -260,7 +264,7 @@ impl ProfilePosition {
         let from = if waits || rotation == Rotation::Linear {
             here
         } else {
-            at(rest(context.motor, given.profile_deceleration))
+            at(rest(context, given.profile_deceleration))
         };
         units.range().target(asked, from, rotation)
     }
@@ -296,7 +300,7 @@ impl ProfilePosition {
             let end = if way == 0 {
                 0
             } else {
-                stoppable(set_point.limits.deceleration, room)
+                braking::stoppable(set_point.limits.deceleration, set_point.ramps, room)
             };
             set_point.end_velocity = set_point.end_velocity.min(end);
         }
@@ -318,7 +322,8 @@ impl ProfilePosition {
             return;
         };
         let room = way.unsigned_abs();
-        let end = stoppable(next.limits.deceleration, room).min(set_point.limits.velocity);
+        let end = braking::stoppable(next.limits.deceleration, next.ramps, room)
+            .min(set_point.limits.velocity);
         set_point.end_velocity = set_point.end_velocity.max(end);
         self.current = Some(set_point);
         if !self.held {
@@ -344,6 +349,7 @@ impl ProfilePosition {
                 ..set_point.limits
             },
             travel: context.travel.increments,
+            ramps: set_point.ramps,
         };
         self.beyond.follow(order, context.motor);
     }
@@ -360,9 +366,11 @@ impl ProfilePosition {
         let SetPoint {
             target,
             limits,
+            ramps,
             end_velocity,
             ..
         } = set_point;
+        motor.set_ramps(ramps);
         self.beyond.forget();
         let result = if end_velocity == 0 {
             motor.move_to(target, limits)
@@ -429,32 +437,14 @@ impl ProfilePosition {
     }
 }
 
-/// The velocity with which the motor may pass a target and still stop within so many steps behind it, in steps/s: the root of
-/// twice the deceleration times the way. The next command comes a few control ticks after the target has been passed, so four
-/// milliseconds at this velocity are kept in reserve.
-fn stoppable(deceleration: u32, steps: u64) -> u32 {
-    let velocity = |steps: u64| {
-        let square = u64::from(deceleration)
-            .saturating_mul(2)
-            .saturating_mul(steps);
-        square.isqrt()
-    };
-    let reserve = velocity(steps) / 250;
-    u32::try_from(velocity(steps.saturating_sub(reserve))).unwrap_or(u32::MAX)
-}
-
-/// Where the motor would come to rest, in steps.
-fn rest(motor: &Motor, deceleration: u32) -> i64 {
-    let velocity = i64::from(motor.committed_velocity());
-    let square = velocity
-        .unsigned_abs()
-        .saturating_mul(velocity.unsigned_abs());
-    let way = square
-        .checked_div(u64::from(deceleration).saturating_mul(2))
-        .unwrap_or(0);
-    let way = i64::try_from(way).unwrap_or(i64::MAX);
-    // Rounded up, so that it is not passed.
-    let way = way.saturating_add(1).saturating_mul(velocity.signum());
+/// Where the motor would come to rest, in steps. Rounded up, so that it is not passed.
+fn rest(context: &Context<'_>, deceleration: u32) -> i64 {
+    let motor = &context.motor;
+    let velocity = motor.committed_velocity();
+    let ramps = context.configuration.profile.ramps;
+    let way = braking::way(velocity.unsigned_abs(), deceleration, ramps);
+    let way = i64::try_from(way).unwrap_or(i64::MAX).saturating_add(1);
+    let way = way.saturating_mul(velocity.signum().into());
     motor.committed_position().saturating_add(way)
 }
 

@@ -60,6 +60,7 @@ impl ProfileVelocity {
             velocity: signed(limits.velocity, asked),
             limits,
             travel: context.travel.increments,
+            ramps: context.configuration.profile.ramps,
         };
         if !context.is_held() {
             self.held = false;

@@ -91,6 +91,7 @@ impl Velocity {
             velocity: super::profile_velocity::signed(limits.velocity, velocity),
             limits,
             travel: context.travel.increments,
+            ramps: context.configuration.profile.ramps,
         };
         self.motion.follow(order, context.motor);
         let is_cut = self.is_cut || is_cut;
@@ -139,8 +140,7 @@ impl Velocity {
         if self.control == Control::Halt {
             context.halt();
         } else if !context.motor.standstill() {
-            let deceleration = context.deceleration(StopRamp::QuickStop);
-            context.motor.stop(deceleration);
+            context.stop_on(StopRamp::QuickStop);
         }
     }
 

@@ -158,11 +158,11 @@ fn reach(
     };
     let mut course = Course::new(plan, start, from, reverse);
     let forwards = velocity > 0 && coasting(velocity, acceleration, rules.jerk) >= 0;
-    if forwards || velocity == 0 && acceleration >= 0 {
-        if let Some(route) = rules.route(velocity, acceleration, end, gap) {
-            course.take(&route, gap, end, goal);
-            return Ok(());
-        }
+    if (forwards || velocity == 0 && acceleration >= 0)
+        && let Some(route) = rules.route(velocity, acceleration, end, gap)
+    {
+        course.take(&route, gap, end, goal);
+        return Ok(());
     }
     course.ramp(&rules.stop(velocity, acceleration));
     match rules.route(0, 0, end, left) {

@@ -130,7 +130,7 @@ proptest! {
                 prop_assert!(p.abs() <= most + slack, "{p} of {most}");
                 prop_assert!((p - q).abs() <= jerk * seconds * (1.0 + 1e-6) + slack, "{p} to {q} in {seconds}");
             }
-            at += (u128::from(last(&plan, clock).saturating_sub(at)) * u128::from(cut) >> 32) as Ticks;
+            at += ((u128::from(last(&plan, clock).saturating_sub(at)) * u128::from(cut)) >> 32) as Ticks;
         }
     }
 
@@ -150,7 +150,7 @@ proptest! {
                 return Ok(());
             }
         };
-        let at = 5 + (u128::from(plan.end().unwrap() - 5) * u128::from(cut) >> 32) as Ticks;
+        let at = 5 + ((u128::from(plan.end().unwrap() - 5) * u128::from(cut)) >> 32) as Ticks;
         for target in [targets.0, targets.1] {
             if target != targets.0 && plan.redirect(clock, at, Goal::Rest(target.into()), limits, ramps).is_err() {
                 break;

@@ -1,0 +1,47 @@
+//! The motion profile type 6086h: how the velocity changes.
+//!
+//! 0 is the trapezoid; 1 has sin² ramps, as long as those of the trapezoid; 2 and 3 limit the jerk to 60A4h:1, both in the same way: from
+//! rest to rest there is none faster. It counts in profile position, profile velocity, the velocity mode and their halt, from the next
+//! set-point or target velocity on. Homing and stops at a limit switch have linear ramps.
+//!
+//! A stop on the quick stop ramp (codes 2, 3, 6 and 7 of 605Ah, 2 and 3 of 605Dh and 605Eh) is linear too, as it is to be short;
+//! 20A0h = 1 keeps the profile there.
+
+use motion::Ramps;
+
+use crate::option_codes::StopRamp;
+
+/// What a motion profile type asks for, with this jerk in steps/s³; `None` if it is not supported.
+pub(crate) const fn ramps(code: i16, jerk: u32) -> Option<Ramps> {
+    match code {
+        0 => Some(Ramps::Linear),
+        1 => Some(Ramps::SinSquared),
+        2 | 3 => Some(Ramps::JerkLimited(if jerk == 0 { 1 } else { jerk })),
+        _ => None,
+    }
+}
+
+/// What is set up of the profile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ProfileConfiguration {
+    /// 6086h with 60A4h:1.
+    pub ramps: Ramps,
+    /// 20A0h: the quick stop ramp has the profile too.
+    pub has_smooth_quick_stop: bool,
+}
+
+impl ProfileConfiguration {
+    /// What holds before anything is set up: the trapezoid.
+    pub const NONE: Self = Self {
+        ramps: Ramps::Linear,
+        has_smooth_quick_stop: false,
+    };
+
+    /// Whether a stop on this ramp has the profile that is chosen.
+    pub(crate) const fn is_smooth(&self, ramp: StopRamp) -> bool {
+        match ramp {
+            StopRamp::SlowDown => true,
+            StopRamp::QuickStop | StopRamp::CurrentLimit => self.has_smooth_quick_stop,
+        }
+    }
+}
