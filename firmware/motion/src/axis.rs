@@ -197,7 +197,7 @@ impl Axis {
     /// [`FollowError`]; the motion goes on as it was.
     pub fn follow_velocity(&mut self, end: Ticks, velocity: i32) -> Result<(), FollowError> {
         let most = i32::try_from(self.max_velocity()).unwrap_or(i32::MAX);
-        let velocity = velocity.clamp(most.wrapping_neg(), most);
+        let velocity = velocity.max(most.wrapping_neg()).min(most);
         let velocity = Velocity::from_steps_per_second(self.clock, velocity);
         let (start, from) = self.course_end();
         let length = end.saturating_sub(start);

@@ -66,6 +66,6 @@ impl Schedule {
         let off = off.checked_rem_euclid(tick).unwrap_or(0);
         let off = if off > tick / 2 { off - tick } else { off };
         let most = tick / 32;
-        self.tick.wrapping_add_signed(-off.clamp(-most, most))
+        self.tick.wrapping_add_signed(-off.max(-most).min(most))
     }
 }

@@ -113,7 +113,7 @@ impl CyclicVelocity {
         let asked = self.velocity;
         let before = context.motor.course_end();
         let most = i32::try_from(context.max_velocity()).unwrap_or(i32::MAX);
-        let velocity = asked.clamp(most.wrapping_neg(), most);
+        let velocity = asked.max(most.wrapping_neg()).min(most);
         let velocity = before_limit(velocity, slot, before.position, context);
         let velocity = if context.motor.is_free(velocity.into()).is_err() {
             0
@@ -137,7 +137,9 @@ fn within_ramps(velocity: i32, before: i32, slot: &Slot, context: &Context<'_>) 
     };
     let change = (u128::from(ramp).wrapping_mul(seconds.into()) >> 32).max(1);
     let change = i32::try_from(change).unwrap_or(i32::MAX);
-    velocity.clamp(before.saturating_sub(change), before.saturating_add(change))
+    velocity
+        .max(before.saturating_sub(change))
+        .min(before.saturating_add(change))
 }
 
 /// The velocity from which the motor can still stop at a software limit.
@@ -158,7 +160,7 @@ fn before_limit(velocity: i32, slot: &Slot, position: i64, context: &Context<'_>
         .checked_div(seconds)
         .and_then(|most| i32::try_from(most).ok())
         .unwrap_or(i32::MAX);
-    velocity.clamp(most.wrapping_neg(), most)
+    velocity.max(most.wrapping_neg()).min(most)
 }
 
 #[cfg(test)]

@@ -228,10 +228,13 @@ impl Following {
         let wanted = self
             .pace
             .saturating_add(gained)
-            .clamp(most.wrapping_neg(), most);
+            .max(most.wrapping_neg())
+            .min(most);
         let grows = wanted.saturating_abs() > self.way.saturating_abs();
         let step = if grows { up } else { down };
-        wanted.clamp(self.way.saturating_sub(step), self.way.saturating_add(step))
+        wanted
+            .max(self.way.saturating_sub(step))
+            .min(self.way.saturating_add(step))
     }
 
     /// The way that still lets the motor stop at a software limit.
@@ -248,7 +251,7 @@ impl Following {
         }
         let down = gain(context.deceleration(StopRamp::QuickStop), seconds);
         let most = braking_way(room.max(0), down);
-        way.clamp(most.wrapping_neg(), most)
+        way.max(most.wrapping_neg()).min(most)
     }
 
     /// Gives a set-point to the axis; on a cubic the one before it. Too late a set-point is passed by, and the next one counts from where

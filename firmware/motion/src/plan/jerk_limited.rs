@@ -231,7 +231,9 @@ impl Rules {
             return Some(fastest);
         }
         let mut high = self.top;
-        let coast = coasting(velocity, acceleration, self.jerk).clamp(end, self.top);
+        let coast = coasting(velocity, acceleration, self.jerk)
+            .max(end)
+            .min(self.top);
         let mut best = self.over(velocity, acceleration, coast, end);
         let mut low_way = best.way();
         if low_way > way {
