@@ -207,3 +207,29 @@ fn the_ready_axes_can_be_read() {
     let moved = ready("plants/with_motor");
     assert!(moved.len() >= 3 && moved.iter().all(|axis| axis.motor.is_some()));
 }
+
+#[test]
+fn every_key_is_in_the_manual() {
+    let manual = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/plant.md");
+    let manual = fs::read_to_string(manual).unwrap();
+    let sections = [
+        "",
+        "[stops]",
+        "[home]",
+        "[index]",
+        "[motor]",
+        "[load]",
+        "[heat]",
+        "[supply]",
+        "[[supply.change]]",
+    ];
+    for section in sections {
+        // The answer to a key that is not known names all that are.
+        let (_, what) = refused(&format!("{section}\nnonsense = 1\n"));
+        let keys: Vec<&str> = what.split('`').skip(3).step_by(2).collect();
+        assert!(keys.len() >= 2, "{what}");
+        for key in keys {
+            assert!(manual.contains(key), "{section} {key}");
+        }
+    }
+}
