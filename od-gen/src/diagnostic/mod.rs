@@ -29,7 +29,7 @@ impl fmt::Display for Severity {
     }
 }
 
-/// One finding. It shows as `file:line:column: error[rule]: message`; [`render`] shows the line too, and what to do.
+/// One finding. It shows as `file:line:column: error[rule]: message`; [`render()`] shows the line too, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
     /// The rule that is broken.
