@@ -405,16 +405,18 @@ impl Exchange {
         self.orders = Some(orders.after(self.orders.unwrap_or_default()));
     }
 
+    /// Whether something was ordered of the scope that no tick has taken yet.
+    pub(crate) const fn has_orders(&self) -> bool {
+        self.orders.is_some()
+    }
+
     /// What was ordered of the scope since the last call.
-    #[inline]
-    pub fn take_orders(&mut self) -> Option<Orders> {
-        // Nearly always there are none, and nothing is copied.
-        self.orders?;
-        self.orders.take()
+    pub(crate) fn take_orders(&mut self) -> Orders {
+        self.orders.take().unwrap_or_default()
     }
 
     /// What the recorder has become.
-    pub const fn scope_is(&mut self, status: Status) {
+    pub(crate) const fn scope_is(&mut self, status: Status) {
         self.scope = status;
     }
 

@@ -5,7 +5,7 @@ use core::ops::Deref;
 use canopen::Duration;
 
 use super::memory::Outcome;
-use super::{Memory, Orders, Setup, State, Status, Tick};
+use super::{Memory, Setup, State, Status, Tick};
 use crate::drive::Drive;
 use crate::exchange::Share;
 
@@ -34,12 +34,17 @@ pub struct Recorder<M> {
     /// Control ticks until the next sample.
     skip: u16,
     was_high: Option<bool>,
+    /// The trigger was ordered.
+    is_ordered: bool,
     found: Found,
     /// Control ticks since a recording that is to be repeated was read, and the count of readings then.
     quiet: (u32, u32),
     /// Ticks that make [`QUIET`].
     patience: u32,
-    told: Status,
+    /// What it has told of itself; nothing at first.
+    told: (State, u16),
+    /// There is nothing to do without an order.
+    is_asleep: bool,
 }
 
 /// Where the trigger was.
@@ -73,54 +78,67 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
             recorded: 0,
             skip: 0,
             was_high: None,
+            is_ordered: false,
             found: Found::default(),
             quiet: (0, 0),
             patience: u32::try_from(patience).unwrap_or(u32::MAX),
-            told: Status::default(),
+            told: (State::Armed, 0),
+            is_asleep: false,
         }
     }
 
     /// Call it behind each [`Drive::tick`].
     #[inline]
     pub fn tick<X: Share>(&mut self, drive: &Drive, exchange: &mut X) {
-        let is_at_work = self.state.is_at_work();
-        let (orders, actuals) = exchange.lock(|exchange| {
-            let orders = exchange.take_orders();
-            let is_needed = is_at_work || orders.is_some();
-            (orders, is_needed.then(|| *exchange.newest()))
-        });
-        if let Some(orders) = orders {
-            self.obey(&orders);
+        let has_orders = exchange.lock(|exchange| exchange.has_orders());
+        if has_orders {
+            self.obey(exchange);
+        } else if self.is_asleep {
+            return;
         }
-        match actuals {
-            Some(actuals) => self.advance(&drive.seen(&actuals), orders),
-            None => self.look_around(),
+        self.work(drive, exchange);
+    }
+
+    /// A tick in which it is not idle.
+    #[inline(never)]
+    fn work<X: Share>(&mut self, drive: &Drive, exchange: &mut X) {
+        if self.state.is_at_work() {
+            let actuals = exchange.lock(|exchange| *exchange.newest());
+            self.advance(&drive.seen(&actuals));
+        } else {
+            self.look_around();
         }
+        if (self.state, self.recorded) != self.told {
+            self.tell(exchange);
+        }
+    }
+
+    /// Says what it is doing.
+    fn tell<X: Share>(&mut self, exchange: &mut X) {
+        self.told = (self.state, self.recorded);
+        self.is_asleep = match self.state {
+            State::Idle => true,
+            State::Armed | State::Triggered => false,
+            State::Full => !self.setup.is_repeated,
+        };
         let status = Status {
             state: self.state,
             recorded: self.recorded,
             memory: self.memory.words().saturating_mul(4),
             tick: self.tick,
         };
-        if status != self.told || orders.is_some() {
-            self.told = status;
-            exchange.lock(|exchange| exchange.scope_is(status));
-        }
+        exchange.lock(|exchange| exchange.scope_is(status));
     }
 
-    /// What there is to do in a tick in which it works, or was ordered to.
-    fn advance(&mut self, tick: &Tick<'_>, orders: Option<Orders>) {
-        let is_ordered = orders.is_some_and(|orders| orders.trigger);
-        if self.state == State::Armed && (self.meets_trigger(tick) || is_ordered) {
+    /// What there is to do in a tick in which it records.
+    fn advance(&mut self, tick: &Tick<'_>) {
+        if self.state == State::Armed && (self.meets_trigger(tick) || self.is_ordered) {
             self.state = State::Triggered;
             self.found = Found {
                 at: tick.actuals.at.ticks(),
                 before: self.recorded,
                 ..Found::default()
             };
-        }
-        if !self.state.is_at_work() {
-            return;
         }
         if let Some(left) = self.skip.checked_sub(1) {
             self.skip = left;
@@ -147,20 +165,24 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
 
     /// Puts down the values of this tick, one behind the other, the last word filled up with zeros.
     fn sample(&mut self, tick: &Tick<'_>) {
-        let (mut bits, mut length) = (0_u64, 0);
+        let (mut word, mut filled) = (0, 0);
         let mut place = self.next;
         for signal in self.setup.signals() {
-            bits |= u64::from(signal.bits(tick)) << length;
-            length += signal.length();
-            if length >= 32 {
-                self.memory.put(place, bits as u32);
-                place = place.wrapping_add(1);
-                bits >>= 32;
-                length -= 32;
+            let (bits, length) = (signal.bits(tick), signal.length());
+            word |= bits << filled;
+            let room = 32 - filled;
+            if length < room {
+                filled += length;
+                continue;
             }
+            self.memory.put(place, word);
+            place = place.wrapping_add(1);
+            filled = length - room;
+            // Of a value that ended with the word nothing is left.
+            word = bits.checked_shr(room).unwrap_or(0);
         }
-        if length > 0 {
-            self.memory.put(place, bits as u32);
+        if filled > 0 {
+            self.memory.put(place, word);
             place = place.wrapping_add(1);
         }
         self.next = if place < self.span { place } else { 0 };
@@ -208,7 +230,8 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
     /// What a master wants.
     #[cold]
     #[inline(never)]
-    fn obey(&mut self, orders: &Orders) {
+    fn obey<X: Share>(&mut self, exchange: &mut X) {
+        let orders = exchange.lock(|exchange| exchange.take_orders());
         if orders.stop {
             self.setup.is_repeated = false;
             if self.state.is_at_work() {
@@ -220,6 +243,9 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
             self.setup = setup;
             self.arm();
         }
+        self.is_ordered = orders.trigger;
+        // The exchange has foretold what comes of it; now it hears what did.
+        self.tell(exchange);
     }
 
     /// Begins a recording.
@@ -237,6 +263,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
         self.recorded = 0;
         self.skip = 0;
         self.was_high = None;
+        self.is_ordered = false;
         self.found = Found::default();
     }
 

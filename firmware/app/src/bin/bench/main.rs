@@ -18,6 +18,7 @@ mod device;
 mod drive;
 mod longest;
 mod lookup;
+mod scope;
 mod steps;
 
 use cortex_m_rt::{entry, exception, ExceptionFrame};
@@ -61,6 +62,7 @@ fn main() -> ! {
     device::run();
     steps::run();
     drive::run();
+    scope::run();
     heading("Share of the CPU at full bus load");
     device::load();
     heading("Longest paths");

@@ -6,7 +6,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use motion::step_interrupt::{self, Edge, StepTimer};
 use motion::{
     Axis, AxisConfig, Clock, Direction, DriverTiming, Goal, Limits, Plan, Position, PulseSink,
-    Record, State, Ticks, Velocity,
+    Ramps, Record, State, Ticks, Velocity,
 };
 
 use crate::{count, row};
