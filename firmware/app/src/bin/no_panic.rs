@@ -36,6 +36,8 @@ use stm32f4xx_hal as _;
 mod commissioning;
 #[path = "no_panic/motion.rs"]
 mod motion_crate;
+#[path = "no_panic/units.rs"]
+mod units;
 
 use commissioning::{any_power_on, Commissioning};
 use motion_crate::{any_config, any_timing, axis, homing, plan, pulses, Sink, Timer};
@@ -504,6 +506,7 @@ fn main() -> ! {
             homing(&mut search);
             plan(config.clock);
             values();
+            units::units();
             pulses(&mut queue, &mut player);
         }
     }
