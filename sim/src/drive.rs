@@ -500,5 +500,6 @@ fn drive_config() -> DriveConfig {
             },
         },
         tick: CONTROL_TICK,
+        refills: 1,
     }
 }

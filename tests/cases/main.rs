@@ -33,6 +33,7 @@ mod pdo;
 mod pdo_services;
 mod profile_position;
 mod profile_velocity;
+mod pulse_timing;
 mod random_frames;
 mod ros2_canopen;
 mod scope;

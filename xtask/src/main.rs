@@ -6,6 +6,7 @@
 //! | `qemu`  | builds the firmware and runs it in QEMU, its CAN bus served as SLCAN on TCP |
 //! | `size`  | flash and RAM of the firmware by crate |
 //! | `bench` | instruction counts in the emulator, compared with the committed table |
+//! | `soak`  | a thousand million step pulses through planner, train and a model of the timers: none too many, none too few |
 //! | `fuzz`  | random inputs for the node, the SDO server, the LSS slave and od-gen, as long as you like |
 //!
 //! Exit codes: 0 all is well; 1 something was tried and failed (a test, a build, a changed benchmark); 2 it could not
@@ -23,6 +24,7 @@ mod qemu;
 mod refusal;
 mod setup;
 mod size;
+mod soak;
 mod socketcan;
 mod suite;
 mod words;
@@ -54,6 +56,8 @@ enum Task {
     Bench(bench::Arguments),
     /// Fuzz the node, the SDO server, the LSS slave and the reader of data sheets; what is found is kept in the build folder
     Fuzz(fuzz::Arguments),
+    /// Send very many step pulses through planner, train and a model of the timers, and count them
+    Soak(soak::Arguments),
     /// The first process inside user-mode Linux: bring up vcan0 and run a command
     #[command(hide = true)]
     SocketcanInit,
@@ -78,6 +82,7 @@ fn main() -> ExitCode {
         Task::Size => size::run(),
         Task::Bench(arguments) => bench::run(&arguments),
         Task::Fuzz(arguments) => fuzz::run(&arguments),
+        Task::Soak(arguments) => soak::run(&arguments),
         Task::SocketcanInit => socketcan::init(),
     };
     match result {

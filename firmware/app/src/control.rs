@@ -17,11 +17,10 @@
 use canopen::{Duration, Instant};
 use cia402::recorder::{Memory, Recorder};
 use cia402::{Drive, DriveConfig, Exchange, Inputs, State};
-use motion::step_interrupt::RecordQueue;
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
 use rtic::Mutex;
 
-use crate::board::{Board, Selected, Stage};
+use crate::board::{Board, Pulses, Selected, Stage};
 use crate::clock;
 use crate::edges::Edges;
 use crate::inbox::Lost;
@@ -43,14 +42,11 @@ pub const TIMING: DriverTiming = DriverTiming {
     direction_hold: ticks(5_000),
 };
 
-/// Pulses on their way to the step interrupt.
-type Pulses = RecordQueue<'static, <Selected as Board>::Steps>;
-
 /// The drive and what it works on.
 pub struct Control {
     drive: Drive,
     recorder: Recorder<&'static Memory>,
-    pulses: Pulses,
+    pulses: <Selected as Board>::Pulses,
     stage: <Selected as Board>::Stage,
     lost: &'static Lost,
     edges: &'static Edges,
@@ -64,7 +60,7 @@ pub struct Control {
 impl Control {
     /// A drive that stands, without power.
     pub fn new(
-        pulses: Pulses,
+        pulses: <Selected as Board>::Pulses,
         stage: <Selected as Board>::Stage,
         lost: &'static Lost,
         edges: &'static Edges,
@@ -99,6 +95,7 @@ impl Control {
                 State::Fault | State::FaultReactionActive
             );
 
+        self.pulses.service();
         let now = clock::now();
         let counter = Selected::ticks();
         let inputs = &mut self.inputs;
@@ -108,11 +105,15 @@ impl Control {
         inputs.fault = self
             .stage
             .fault()
+            .or(self.pulses.fault())
             .or((overrun && !harmless).then_some(CAN_OVERRUN));
-        self.edges
-            .take(Selected::input_levels(), &mut inputs.digital, |ticks| {
-                nanoseconds(now, counter.wrapping_sub(ticks))
-            });
+        let pulses = &self.pulses;
+        self.edges.take(
+            Selected::input_levels(),
+            &mut inputs.digital,
+            |ticks| nanoseconds(now, counter.wrapping_sub(ticks)),
+            |count| pulses.position_at(count),
+        );
         let outputs = self
             .drive
             .tick(now, inputs, &mut self.pulses, &mut Locked(&mut exchange));
@@ -120,6 +121,9 @@ impl Control {
         self.stage.set_brake(outputs.brake_released);
         self.stage.set_outputs(outputs.digital);
         self.powered = outputs.power_stage;
+        if !self.powered && self.pulses.fault().is_some() {
+            self.pulses.mend();
+        }
         if outputs.drop_pulses && self.pulses.pending() > 0 {
             self.pulses.drop_all();
         }
@@ -128,6 +132,13 @@ impl Control {
             self.stage.feed_watchdog();
         }
         (now, outputs.next_tick)
+    }
+
+    /// Hands out pulses between two ticks.
+    pub fn refill(&mut self) {
+        self.pulses.service();
+        self.drive.refill(&mut self.pulses);
+        Selected::refill_done();
     }
 }
 
@@ -144,10 +155,11 @@ const fn config() -> DriveConfig {
     DriveConfig {
         axis: AxisConfig {
             clock,
-            segment: Selected::STEP_CLOCK_HZ / RATE_HZ,
+            segment: Selected::STEP_CLOCK_HZ / RATE_HZ / Selected::REFILLS,
             timing: TIMING,
         },
         tick: Duration::micros(1_000_000 / RATE_HZ as u64),
+        refills: Selected::REFILLS,
     }
 }
 

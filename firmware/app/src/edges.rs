@@ -35,7 +35,8 @@ struct Cell {
 
 /// Where and when an edge came.
 struct Place {
-    position: AtomicU32,
+    /// On the counter of steps.
+    count: AtomicU32,
     /// On the counter of the board.
     ticks: AtomicU32,
 }
@@ -52,14 +53,15 @@ impl Edges {
         }
     }
 
-    /// The inputs in `changed` have come to `levels` at this position and at this count of [`crate::board::Board::ticks`]. Called
+    /// The inputs in `changed` have come to `levels` where `count` of an input says (what [`crate::board::Steps::count`] gives) and at this count of [`crate::board::Board::ticks`]. Called
     /// from the input interrupt. An input that is where it was before has been elsewhere meanwhile: it has seen both edges.
-    pub fn note(&self, changed: u8, levels: u8, position: i32, ticks: u32) {
+    pub fn note(&self, changed: u8, levels: u8, mut count: impl FnMut(usize) -> u32, ticks: u32) {
         let bank = &self.banks[self.open.load(Ordering::Relaxed) & 1];
         let before = self.levels.load(Ordering::Relaxed) as u8;
         self.levels.store(levels.into(), Ordering::Relaxed);
         for input in (0..COUNT).filter(|input| changed & 1 << input != 0) {
             let is_high = levels & 1 << input != 0;
+            let position = count(input);
             if (before & 1 << input != 0) == is_high {
                 bank.note(input, !is_high, position, ticks);
             }
@@ -68,8 +70,14 @@ impl Edges {
     }
 
     /// Puts what has come since the last call, and the levels now, into `inputs`. Called from the control tick. `time` gives the
-    /// drive's time in nanoseconds for a count of the board.
-    pub fn take(&self, levels: u8, inputs: &mut DigitalInputs, time: impl Fn(u32) -> u32) {
+    /// drive's time in nanoseconds for a count of the board, `position` the position for a count of steps.
+    pub fn take(
+        &self,
+        levels: u8,
+        inputs: &mut DigitalInputs,
+        time: impl Fn(u32) -> u32,
+        position: impl Fn(u32) -> i32,
+    ) {
         inputs.levels = levels;
         inputs.changed = 0;
         let open = self.open.load(Ordering::Relaxed) & 1;
@@ -78,7 +86,10 @@ impl Edges {
             return;
         }
         self.open.store(open ^ 1, Ordering::SeqCst);
-        bank.take(inputs, time);
+        bank.take(inputs, |place| Edge {
+            position: position(place.count.load(Ordering::Relaxed)),
+            time: time(place.ticks.load(Ordering::Relaxed)),
+        });
     }
 }
 
@@ -91,7 +102,7 @@ impl Bank {
         }
     }
 
-    fn note(&self, input: usize, rises: bool, position: i32, ticks: u32) {
+    fn note(&self, input: usize, rises: bool, position: u32, ticks: u32) {
         let (cell, bit) = if rises {
             (&self.rose[input], 1 << input)
         } else {
@@ -111,12 +122,12 @@ impl Bank {
 
     #[cold]
     #[inline(never)]
-    fn take(&self, inputs: &mut DigitalInputs, time: impl Fn(u32) -> u32) {
+    fn take(&self, inputs: &mut DigitalInputs, edge: impl Fn(&Place) -> Edge) {
         let seen = self.seen.load(Ordering::Relaxed);
         inputs.changed = (seen | seen >> FELL) as u8;
         for (input, captured) in inputs.captured.iter_mut().enumerate() {
             let edges =
-                |cells: &[Cell; COUNT], bit| (seen & bit != 0).then(|| cells[input].passed(&time));
+                |cells: &[Cell; COUNT], bit| (seen & bit != 0).then(|| cells[input].passed(&edge));
             *captured = Captured {
                 rose: edges(&self.rose, 1 << input),
                 fell: edges(&self.fell, 1 << input << FELL),
@@ -135,11 +146,11 @@ impl Cell {
         }
     }
 
-    fn passed(&self, time: &impl Fn(u32) -> u32) -> Passed {
+    fn passed(&self, edge: &impl Fn(&Place) -> Edge) -> Passed {
         let count = self.count.load(Ordering::Relaxed);
         Passed {
-            first: self.first.edge(time),
-            last: self.last.edge(time),
+            first: edge(&self.first),
+            last: edge(&self.last),
             count: u16::try_from(count).unwrap_or(u16::MAX),
         }
     }
@@ -148,21 +159,13 @@ impl Cell {
 impl Place {
     const fn new() -> Self {
         Self {
-            position: AtomicU32::new(0),
+            count: AtomicU32::new(0),
             ticks: AtomicU32::new(0),
         }
     }
 
-    fn set(&self, position: i32, ticks: u32) {
-        self.position
-            .store(position.cast_unsigned(), Ordering::Relaxed);
+    fn set(&self, count: u32, ticks: u32) {
+        self.count.store(count, Ordering::Relaxed);
         self.ticks.store(ticks, Ordering::Relaxed);
-    }
-
-    fn edge(&self, time: &impl Fn(u32) -> u32) -> Edge {
-        Edge {
-            position: self.position.load(Ordering::Relaxed).cast_signed(),
-            time: time(self.ticks.load(Ordering::Relaxed)),
-        }
     }
 }

@@ -2,11 +2,12 @@
 //!
 //! | task | priority | raised by | does |
 //! |---|---|---|---|
-//! | `step` | 5 | step timer | step pulses, counted |
+//! | `step` | 5 | step timer | step pulses, counted, where the timer needs help with each |
 //! | `first_input`, `inputs` | 5 | an edge of a digital input | captures the position |
 //! | `can_received`, `serial` | 4 | CAN controller | stamps frames and queues them |
 //! | `can_sent`, `can_error` | 4 | CAN controller | room for the next frame; errors |
 //! | `control` | 3 | system timer, 1 kHz or in step with SYNC | state machine, mode, planner |
+//! | `refill` | 3 | refill timer, 4 kHz | hands out pulses between control ticks |
 //! | `node` | 2 | a frame, room to send, every control tick | CANopen; writes the parameter sectors |
 //! | `lights` | 1 | `node`, every 50 ms | green and red light |
 //!
@@ -45,10 +46,11 @@ mod share;
 mod app {
     use canopen::Settings;
     use cia402::Exchange;
-    use motion::step_interrupt::{self, Player};
 
-    use crate::board::{Board, Bus, ControlTimer, InputLines, Parts, Receive, Selected};
-    use crate::control::{Control, RATE_HZ, TIMING};
+    use crate::board::{
+        self, Board, Bus, ControlTimer, InputLines, Parts, Receive, Selected, Steps,
+    };
+    use crate::control::{Control, RATE_HZ};
     use crate::edges::Edges;
     use crate::inbox::{self, Inbox, Lost};
     use crate::lights::{Panel, Signals};
@@ -64,10 +66,12 @@ mod app {
         #[lock_free]
         reception: (<Selected as Board>::Receiver, Inbox),
         #[lock_free]
+        control: Control,
+        #[lock_free]
         node: Node,
         #[lock_free]
         step: (
-            Player<'static, <Selected as Board>::Steps>,
+            <Selected as Board>::Steps,
             <Selected as Board>::InputLines,
             &'static Edges,
         ),
@@ -75,19 +79,18 @@ mod app {
 
     #[local]
     struct Local {
-        control: Control,
         timer: ControlTimer,
         panel: Panel<<Selected as Board>::Lights>,
     }
 
     #[init(local = [
-        steps: step_interrupt::Shared = step_interrupt::Shared::new(),
         frames: inbox::Memory = inbox::Memory::new(),
         lost: Lost = Lost::new(),
         edges: Edges = Edges::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local, init::Monotonics) {
         let Parts {
+            pulses,
             steps,
             receiver,
             mut bus,
@@ -108,7 +111,6 @@ mod app {
                 .unwrap_or(Settings::default().bit_rate),
         };
 
-        let (pulses, player) = step_interrupt::split(cx.local.steps, steps, TIMING);
         let (inbox, received) = Inbox::new(cx.local.frames, cx.local.lost);
         let mut exchange = Exchange::new();
         let machine = Machine::new(user_memory, &board::SCOPE_MEMORY);
@@ -129,10 +131,6 @@ mod app {
             bus,
             alive: true,
             reception: (receiver, inbox),
-            node,
-            step: (player, input_lines, cx.local.edges),
-        };
-        let local = Local {
             control: Control::new(
                 pulses,
                 stage,
@@ -140,6 +138,10 @@ mod app {
                 cx.local.edges,
                 &board::SCOPE_MEMORY,
             ),
+            node,
+            step: (steps, input_lines, cx.local.edges),
+        };
+        let local = Local {
             timer,
             panel: Panel::new(lights),
         };
@@ -160,16 +162,26 @@ mod app {
 
     #[task(binds = EXTI4, priority = 5, shared = [step])]
     fn first_input(cx: first_input::Context) {
-        let (player, lines, edges) = cx.shared.step;
-        let (ticks, position) = (Selected::ticks(), player.position());
-        edges.note(lines.take(), Selected::input_levels(), position, ticks);
+        let (steps, lines, edges) = cx.shared.step;
+        let ticks = Selected::ticks();
+        edges.note(
+            lines.take(),
+            Selected::input_levels(),
+            |input| steps.count(input),
+            ticks,
+        );
     }
 
     #[task(binds = EXTI9_5, priority = 5, shared = [step])]
     fn inputs(cx: inputs::Context) {
-        let (player, lines, edges) = cx.shared.step;
-        let (ticks, position) = (Selected::ticks(), player.position());
-        edges.note(lines.take(), Selected::input_levels(), position, ticks);
+        let (steps, lines, edges) = cx.shared.step;
+        let ticks = Selected::ticks();
+        edges.note(
+            lines.take(),
+            Selected::input_levels(),
+            |input| steps.count(input),
+            ticks,
+        );
     }
 
     #[task(binds = CAN1_RX0, priority = 4, shared = [bus, reception])]
@@ -199,12 +211,17 @@ mod app {
         node::spawn().ok();
     }
 
-    #[task(binds = SysTick, priority = 3, shared = [exchange, alive], local = [control, timer])]
+    #[task(binds = SysTick, priority = 3, shared = [exchange, alive, control], local = [timer])]
     fn control(mut cx: control::Context) {
         let alive = cx.shared.alive.lock(core::mem::take);
-        let (now, next) = cx.local.control.tick(cx.shared.exchange, alive);
+        let (now, next) = cx.shared.control.tick(cx.shared.exchange, alive);
         cx.local.timer.schedule::<Selected>(now, next);
         node::spawn().ok();
+    }
+
+    #[task(binds = TIM7, priority = 3, shared = [control])]
+    fn refill(cx: refill::Context) {
+        cx.shared.control.refill();
     }
 
     #[task(priority = 2, shared = [exchange, bus, alive, node])]

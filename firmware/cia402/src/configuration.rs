@@ -17,6 +17,7 @@ use crate::periphery::motor_current::MotorCurrents;
 use crate::periphery::power_stage::Thresholds;
 use crate::periphery::touch_probe::Source;
 use crate::profile::{self, ProfileConfiguration};
+use crate::pulse_timing::PulseTiming;
 use crate::units::Units;
 
 /// Everything that is set up, as the objects say it.
@@ -26,6 +27,8 @@ pub struct Configuration {
     pub units: Units,
     /// 2040h.
     pub brake: BrakeTimes,
+    /// 20B0h.
+    pub pulse_timing: PulseTiming,
     /// 6007h.
     pub abort_connection: AbortConnectionOption,
     /// 605Ah.
@@ -215,6 +218,7 @@ impl Configuration {
             release: 0,
             engage: 0,
         },
+        pulse_timing: PulseTiming::AsBuilt,
         abort_connection: AbortConnectionOption::QuickStop,
         quick_stop: QuickStopOption::QuickStopRamp,
         shutdown: Stop::PowerOff,
@@ -260,6 +264,7 @@ impl Configuration {
                 release: dictionary.brake_release_time(),
                 engage: dictionary.brake_engage_time(),
             },
+            pulse_timing: PulseTiming::of(dictionary),
             abort_connection: AbortConnectionOption::from_code(
                 dictionary.abort_connection_option_code(),
             )

@@ -34,9 +34,12 @@ use crate::units::{Frame, Travel};
 pub struct DriveConfig {
     /// The step generator: clock, segment length, timing of the motor driver.
     pub axis: AxisConfig,
-    /// The period of the control tick, the nominal time between two calls of [`Drive::tick`]. Two segments are handed out
-    /// ahead; a segment shorter than a tick is stretched to it, so that a tick may come a whole tick late.
+    /// The period of the control tick, the nominal time between two calls of [`Drive::tick`].
     pub tick: Duration,
+    /// How often in a tick pulses are handed out, at least 1: by [`Drive::tick`], and by [`Drive::refill`] the other times. Two
+    /// segments are handed out ahead; a segment shorter than the time between is stretched to it, so that one may come late by
+    /// as much.
+    pub refills: u32,
 }
 
 /// What the board measures, read once at the start of a tick.
@@ -200,6 +203,9 @@ impl Drive {
         if displaced {
             self.motor.lose_reference();
         }
+        if !self.power && self.motor.standstill() {
+            self.motor.set_timing(self.configuration.pulse_timing);
+        }
         self.motor.observe(position, self.power, pulses);
         self.motor.set_time(fine(now));
         self.cyclic.pass(fine(now));
@@ -268,6 +274,13 @@ impl Drive {
         let is_referenced = self.motor.is_referenced();
         self.travel_for = (self.frame.home(), is_referenced);
         self.travel = Travel::new(&self.configuration, &self.frame, position, is_referenced);
+    }
+
+    /// Hands out the pulses of the next segments between two ticks ([`DriveConfig::refills`]). Nothing is decided here.
+    pub fn refill<S: PulseSink>(&mut self, pulses: &mut S) {
+        if !self.motor.advance(pulses) {
+            self.faults.pulses_late(true);
+        }
     }
 
     /// Compares what the motor does with what it should.
@@ -430,10 +443,11 @@ impl Drive {
     }
 }
 
-/// The axis with segments at least as long as a tick, so that with two of them a tick may come a whole tick late.
+/// The axis with segments at least as long as pulses are handed out apart, so that with two of them one may come late by as much.
 fn outlast_tick(config: DriveConfig) -> AxisConfig {
     let tick = u64::from(config.axis.clock.hz()).saturating_mul(config.tick.ticks()) / 1_000_000;
-    let least = u32::try_from(tick).unwrap_or(u32::MAX);
+    let apart = tick.checked_div(config.refills.into()).unwrap_or(tick);
+    let least = u32::try_from(apart).unwrap_or(u32::MAX);
     AxisConfig {
         segment: config.axis.segment.max(least),
         ..config.axis

@@ -33,6 +33,7 @@ use crate::periphery::digital_outputs::OutputFunction;
 use crate::periphery::touch_probe::{Source, is_function};
 use crate::profile;
 use crate::protection::{PASSWORD, PRODUCTION, Protection};
+use crate::pulse_timing::PulseTiming;
 use crate::recorder::Desk;
 use crate::units::{Factors, SiUnit, Units};
 
@@ -390,6 +391,10 @@ fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Resul
             number if number & !POSITIONING_OPTIONS == 0 && number & 3 != 3 => Ok(()),
             _ => Err(AbortCode::InvalidValue),
         },
+        Parameter::PulseDriver => u8::try_from(number)
+            .ok()
+            .filter(|number| PulseTiming::is_driver(*number))
+            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
         Parameter::PositionLimitOptions => match number {
             0..=3 => Ok(()),
             _ => Err(AbortCode::InvalidValue),

@@ -41,6 +41,7 @@ pub mod parameters;
 pub mod periphery;
 pub mod profile;
 mod protection;
+pub mod pulse_timing;
 pub mod recorder;
 pub mod state_machine;
 pub mod statusword;

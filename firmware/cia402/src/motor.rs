@@ -7,6 +7,7 @@ use motion::{
 
 use crate::cyclic::{Fine, Timescale};
 use crate::inputs::Count;
+use crate::pulse_timing::PulseTiming;
 
 /// The directions that limit switches bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,6 +34,9 @@ pub(crate) struct Refused;
 #[derive(Debug)]
 pub(crate) struct Motor {
     axis: Axis,
+    built: AxisConfig,
+    /// What the driver of the motor needs.
+    timing: PulseTiming,
     /// Where the pulses handed out so far lead. The axis counts modulo 2³²; this goes on.
     committed: i64,
     /// Nothing is planned, and every pulse has been handed out.
@@ -69,6 +73,8 @@ impl Motor {
     pub(crate) fn new(config: AxisConfig) -> Self {
         Self {
             axis: Axis::new(config),
+            built: config,
+            timing: PulseTiming::AsBuilt,
             committed: 0,
             at_rest: true,
             standstill: true,
@@ -84,6 +90,15 @@ impl Motor {
             stopping: None,
             stops_hard: false,
             stopping_at_limit: None,
+        }
+    }
+
+    /// What the driver of the motor needs. The motor has no power and stands.
+    pub(crate) fn set_timing(&mut self, timing: PulseTiming) {
+        if timing != self.timing {
+            self.timing = timing;
+            let ticks = timing.in_ticks(self.built.clock, self.built.timing);
+            self.axis.set_timing(ticks);
         }
     }
 

@@ -87,6 +87,26 @@ pub trait Objects {
     fn brake_engage_time(&self) -> u16 {
         0
     }
+    /// 20B0h:1: see [`crate::pulse_timing::PulseTiming`].
+    fn pulse_driver(&self) -> u8 {
+        0
+    }
+    /// 20B0h:2 in nanoseconds.
+    fn pulse_high(&self) -> u32 {
+        2_500
+    }
+    /// 20B0h:3 in nanoseconds.
+    fn pulse_low(&self) -> u32 {
+        2_500
+    }
+    /// 20B0h:4 in nanoseconds.
+    fn pulse_direction_setup(&self) -> u32 {
+        5_000
+    }
+    /// 20B0h:5 in nanoseconds.
+    fn pulse_direction_hold(&self) -> u32 {
+        5_000
+    }
     /// 20E0h: how 607Dh is read, see [`crate::configuration::PositionLimitOptions`].
     fn position_limit_options(&self) -> u8 {
         0

@@ -176,6 +176,11 @@ parameters! {
     OverTemperatureFault "over_temperature_fault" 0x2074 3 I16 Taken "0.1 °C";
     TemperatureHysteresis "temperature_hysteresis" 0x2074 4 U16 Taken "0.1 °C";
     SmoothQuickStop "smooth_quick_stop" 0x20A0 0 U8 Taken "";
+    PulseDriver "pulse_driver" 0x20B0 1 U8 Taken "";
+    PulseHigh "pulse_high" 0x20B0 2 U32 Taken "ns";
+    PulseLow "pulse_low" 0x20B0 3 U32 Taken "ns";
+    PulseDirectionSetup "pulse_direction_setup" 0x20B0 4 U32 Taken "ns";
+    PulseDirectionHold "pulse_direction_hold" 0x20B0 5 U32 Taken "ns";
     PositionLimitOptions "position_limit_options" 0x20E0 0 U8 Taken "";
     AbortConnectionOptionCode "abort_connection_option_code" 0x6007 0 I16 Taken "";
     ErrorCode "error_code" 0x603F 0 U16 Shown "";

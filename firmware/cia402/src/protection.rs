@@ -34,9 +34,11 @@ const NEW: u8 = 2;
 const ACCESS: u8 = 3;
 
 /// Objects that must not change while the power stage is on: what a position, a velocity or a torque means (microsteps, direction,
-/// polarity, encoder, gear, feed, factors, units, range, ratings), what the motor is, and what takes the flash to be stored.
-pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 12] = [
+/// polarity, encoder, gear, feed, factors, units, range, ratings), what the motor is, what its driver needs, and what
+/// takes the flash to be stored.
+pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 13] = [
     0x2071..=0x2072,
+    0x20B0..=0x20B0,
     NETWORK..=NETWORK,
     PRODUCTION..=PRODUCTION,
     0x6075..=0x6076,

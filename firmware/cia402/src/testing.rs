@@ -132,6 +132,7 @@ impl Rig {
             drive: Drive::new(DriveConfig {
                 axis,
                 tick: Self::TICK,
+                refills: 1,
             }),
             exchange: Exchange::new(),
             motor: Player::with_room(256),

@@ -14,6 +14,7 @@ use heapless::Deque;
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Position, State, Velocity};
 use crate::path::{FollowError, Path};
+use crate::plan::phase::Phase;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::train::{Chord, Train};
@@ -75,6 +76,8 @@ pub struct Axis {
     /// The set-points that are followed; in their place the plan stands still.
     path: Option<Path>,
     train: Train,
+    /// The segment as it was configured; the driver may need a longer one.
+    segment: u32,
     /// The commit horizon: up to here the plan has become records, but for one open period.
     horizon: Ticks,
     /// Up to here records have been handed out.
@@ -83,7 +86,23 @@ pub struct Axis {
     committed: i32,
     /// Whether records of the present motion have been handed out.
     moving: bool,
+    /// The phase of the plan at the horizon, and the state there; `None` until the next chord finds it.
+    leg: Option<Leg>,
     trace: Deque<(Ticks, State), TRACE>,
+    /// The ticks of the last two points of the trace.
+    marked: (Ticks, Ticks),
+}
+
+/// A stretch of the plan that is one parabola.
+#[derive(Debug, Clone, Copy)]
+struct Leg {
+    phase: Phase,
+    /// The next corner.
+    until: Ticks,
+    /// The longest chord in it.
+    longest: u64,
+    /// At the commit horizon.
+    state: State,
 }
 
 impl Axis {
@@ -95,11 +114,14 @@ impl Axis {
             ramps: Ramps::Linear,
             path: None,
             train: Train::new(config.timing, config.segment, 0, 0),
+            segment: config.segment,
             horizon: 0,
             handed: 0,
             committed: 0,
             moving: false,
+            leg: None,
             trace: Deque::new(),
+            marked: (0, 0),
         };
         axis.stand_at(0);
         axis
@@ -228,6 +250,12 @@ impl Axis {
         self.handed.saturating_sub(pending)
     }
 
+    /// Another driver, or another configuration of it. A motion is forgotten as by [`Axis::abort`].
+    pub fn set_timing(&mut self, timing: DriverTiming) {
+        self.train = Train::new(timing, self.segment, self.committed, self.handed);
+        self.stand_at(self.committed);
+    }
+
     /// The power is off: forgets the motion and stands, with no ramp, at [`Axis::committed_position`], which is returned.
     ///
     /// The caller clears the sink. If that held records not yet played, the motor is not there: the caller says where it is with
@@ -251,7 +279,7 @@ impl Axis {
         let starved = self.moving && pending == 0;
         let enough = self
             .handed
-            .saturating_add(self.train.segment().saturating_mul(2))
+            .wrapping_add(self.train.segment() << 1)
             .saturating_sub(pending);
         loop {
             self.hand_out(sink)?;
@@ -335,7 +363,7 @@ impl Axis {
     pub fn max_velocity(&self) -> u32 {
         self.clock
             .hz()
-            .checked_div(self.train.timing().shortest_period())
+            .checked_div(self.train.shortest_period())
             .unwrap_or(0)
     }
 
@@ -346,6 +374,7 @@ impl Axis {
         velocity: Option<Velocity>,
     ) -> Result<(), FollowError> {
         let horizon = self.horizon;
+        self.leg = None;
         if let Some(path) = &mut self.path {
             return path.go_on(horizon, end, to, velocity);
         }
@@ -377,7 +406,7 @@ impl Axis {
         while let Some(record) = self.train.next() {
             sink.push(record).map_err(|_| AdvanceError::SinkFull)?;
             self.train.handed_out();
-            self.handed = self.handed.saturating_add(record.ticks());
+            self.handed = self.handed.wrapping_add(record.ticks());
             self.committed = self.committed.wrapping_add(record.steps());
             self.moving = true;
         }
@@ -386,6 +415,30 @@ impl Axis {
 
     /// Makes the records of the next chord.
     fn compose(&mut self) {
+        let begin = self.horizon;
+        let Some(leg) = self.leg.as_mut().filter(|leg| begin < leg.until) else {
+            self.compose_anew();
+            return;
+        };
+        let from = leg.state;
+        let length = leg
+            .longest
+            .min(self.train.longest_chord(from.velocity))
+            .max(self.train.segment() / CHORDS_PER_SEGMENT)
+            .min(leg.until.wrapping_sub(begin));
+        let end = begin.wrapping_add(length);
+        let to = if end < leg.until {
+            leg.phase.at(end).rounded()
+        } else {
+            self.plan.state_at(end)
+        };
+        leg.state = to;
+        self.draw((begin, from), (end, to));
+    }
+
+    /// The same, wherever the axis is: on a path, between two phases, at the end.
+    #[inline(never)]
+    fn compose_anew(&mut self) {
         let begin = self.horizon;
         let from = self.state_at(begin);
         let segment = self.train.segment();
@@ -406,6 +459,24 @@ impl Axis {
             .min(corner);
         let end = begin.saturating_add(length);
         let to = self.state_at(end);
+        self.leg = None;
+        if self.path.is_none()
+            && let Some(phase) = self.plan.phase_at(begin)
+            && phase.is_parabola()
+        {
+            self.leg = Some(Leg {
+                phase: *phase,
+                until: begin.saturating_add(corner),
+                longest,
+                state: to,
+            });
+        }
+        self.draw((begin, from), (end, to));
+    }
+
+    /// Makes the records of a chord from the horizon on, and moves the horizon to its end.
+    #[inline]
+    fn draw(&mut self, (begin, from): (Ticks, State), (end, to): (Ticks, State)) {
         self.train.draw(&Chord {
             from: (begin, from.position),
             to: (end, to.position),
@@ -418,12 +489,12 @@ impl Axis {
     /// Remembers the state at the horizon. Points that lie close together are thinned out.
     fn mark(&mut self, state: State) {
         let least = self.train.segment() / 4;
-        let mut newest = self.trace.iter().rev();
-        if let (Some(last), Some(previous)) = (newest.next(), newest.next())
-            && last.0.saturating_sub(previous.0) < least
-        {
+        if self.marked.1.wrapping_sub(self.marked.0) < least {
             self.trace.pop_back();
+        } else {
+            self.marked.0 = self.marked.1;
         }
+        self.marked.1 = self.horizon;
         if self.trace.is_full() {
             self.trace.pop_front();
         }
@@ -433,6 +504,7 @@ impl Axis {
 
     /// The motion has ended: from now on the axis stands on the whole step that the pulses have reached.
     fn settle(&mut self) {
+        self.leg = None;
         self.plan = Plan::at_rest(self.committed.into(), self.horizon);
         self.path = None;
         self.moving = false;
@@ -445,6 +517,9 @@ impl Axis {
         self.train.reset(steps, self.handed);
         self.settle();
         self.trace.clear();
+        // Points of long ago: the first two that follow do not lie close to another.
+        let long_ago = self.horizon.wrapping_sub(1 << 40);
+        self.marked = (long_ago.wrapping_sub(1 << 40), long_ago);
         self.mark(self.plan.state_at(self.horizon));
     }
 
@@ -454,6 +529,7 @@ impl Axis {
             ..limits
         };
         let (clock, horizon) = (self.clock, self.horizon);
+        self.leg = None;
         match &self.path {
             None => self.plan.redirect(clock, horizon, goal, limits, self.ramps),
             Some(path) => {

@@ -51,6 +51,14 @@ pub struct Record {
 }
 
 impl Record {
+    /// No time at all: what there is before there are records.
+    pub(crate) const NONE: Self = Self {
+        period: 0,
+        repeat: 0,
+        width: 0,
+        direction: Direction::Forward,
+    };
+
     /// How long the record takes, in ticks.
     pub fn ticks(&self) -> Ticks {
         u64::from(self.period).wrapping_mul(u64::from(self.repeat))

@@ -7,8 +7,6 @@
 //! How many steps are due is always the difference between the position and the steps made. A pulse that the driver's timing
 //! delays is made later, and never lost.
 
-use heapless::Deque;
-
 use crate::clock::Ticks;
 use crate::divide::estimate;
 use crate::fixed::{Position, Velocity};
@@ -38,7 +36,14 @@ pub(crate) struct Chord {
 /// Makes records from chords, and keeps the account of steps and ticks.
 #[derive(Debug, Clone)]
 pub(crate) struct Train {
-    timing: DriverTiming,
+    /// Ticks of the step signal being high.
+    width: u16,
+    /// What follows from the driver's times: the shortest period between pulses, the shortest record of one period, and from the
+    /// beginning of the last pulse to a change of direction and from there to the next pulse.
+    shortest: u32,
+    least: u32,
+    hold: u32,
+    setup: u32,
     segment: u64,
     /// Steps made, modulo 2³².
     steps: i32,
@@ -48,30 +53,37 @@ pub(crate) struct Train {
     pen: Ticks,
     /// Whether the open period begins with a pulse.
     pulse: bool,
-    /// Records made but not handed out.
-    made: Deque<Record, MOST_RECORDS>,
+    /// Records made, how many, and how many of them have been handed out.
+    made: [Record; MOST_RECORDS],
+    count: u8,
+    handed_out: u8,
 }
 
 impl Train {
     /// A train that stands at `steps` at tick `pen`. `segment` is brought into a range that `timing` allows.
     pub(crate) fn new(timing: DriverTiming, segment: u32, steps: i32, pen: Ticks) -> Self {
         let timing = timing.checked();
-        let mut train = Self {
-            timing,
-            segment: 0,
+        let shortest = timing.shortest_period();
+        let least = shortest.max(SHORTEST_RECORD);
+        let hold = timing.pulse_high.saturating_add(timing.direction_hold);
+        let (hold, setup) = (least.max(hold), least.max(timing.direction_setup));
+        // Long enough that a record of one segment keeps every time of the driver.
+        let turn = u64::from(hold).saturating_add(setup.into());
+        Self {
+            width: timing.pulse_high as u16,
+            shortest,
+            least,
+            hold,
+            setup,
+            segment: u64::from(segment.min(1 << 28)).max(turn.saturating_mul(2)),
             steps,
             direction: None,
             pen,
             pulse: false,
-            made: Deque::new(),
-        };
-        // Long enough that a record of one segment keeps every time of the driver.
-        let shortest = train
-            .turn_hold()
-            .saturating_add(train.turn_setup())
-            .saturating_mul(2);
-        train.segment = u64::from(segment.min(1 << 28)).max(shortest);
-        train
+            made: [Record::NONE; MOST_RECORDS],
+            count: 0,
+            handed_out: 0,
+        }
     }
 
     /// Starts anew at `steps` and `pen`: what was open or not handed out is dropped, and the direction is unknown.
@@ -80,12 +92,13 @@ impl Train {
         self.pen = pen;
         self.pulse = false;
         self.direction = None;
-        self.made.clear();
+        self.count = 0;
+        self.handed_out = 0;
     }
 
-    /// What the driver needs, brought into range.
-    pub(crate) const fn timing(&self) -> &DriverTiming {
-        &self.timing
+    /// The shortest period between two pulses, in ticks.
+    pub(crate) const fn shortest_period(&self) -> u32 {
+        self.shortest
     }
 
     /// The length of a segment in ticks. No record is longer, but for a run that begins with the last pulse before its chord.
@@ -102,7 +115,7 @@ impl Train {
         let square = speed.wrapping_mul(speed);
         let longest = self
             .segment
-            .min(self.shortest_period().saturating_mul(LONGEST_RUN.into()));
+            .min(u64::from(self.shortest).wrapping_mul(LONGEST_RUN.into()));
         // Divisions are dear, and this one seldom limits.
         if longest.saturating_mul(square) <= MOST {
             return longest;
@@ -122,12 +135,20 @@ impl Train {
 
     /// The next record to hand out.
     pub(crate) fn next(&self) -> Option<Record> {
-        self.made.front().copied()
+        if self.handed_out < self.count {
+            self.made.get(usize::from(self.handed_out)).copied()
+        } else {
+            None
+        }
     }
 
     /// The record from [`Train::next`] has been handed out.
     pub(crate) fn handed_out(&mut self) {
-        self.made.pop_front();
+        self.handed_out = self.handed_out.wrapping_add(1);
+        if self.handed_out >= self.count {
+            self.handed_out = 0;
+            self.count = 0;
+        }
     }
 
     /// Steps due when the axis is at `position`, with their sign.
@@ -154,12 +175,14 @@ impl Train {
             let lead = i64::from(self.steps)
                 .wrapping_shl(32)
                 .wrapping_sub(origin.bits());
-            let first = lead
-                .wrapping_mul(direction.sign().into())
-                .wrapping_add(1 << 31);
-            let last = first.saturating_add(i64::from(due).wrapping_sub(1) << 32);
-            let first = begin.saturating_add(crossings.after(first));
-            let last = begin.saturating_add(crossings.after(last));
+            let lead = match direction {
+                Direction::Forward => lead,
+                Direction::Reverse => lead.wrapping_neg(),
+            };
+            let first = lead.wrapping_add(1 << 31);
+            let last = first.wrapping_add(i64::from(due).wrapping_sub(1) << 32);
+            let first = begin.wrapping_add(crossings.after(first).into());
+            let last = begin.wrapping_add(crossings.after(last).into());
             self.run(
                 direction,
                 due.unsigned_abs(),
@@ -174,9 +197,9 @@ impl Train {
     /// Closes the open period at `now`, or as soon after it as the driver allows. The axis stands.
     pub(crate) fn close(&mut self, now: Ticks) {
         let least = if self.pulse {
-            self.turn_hold()
+            u64::from(self.hold)
         } else {
-            self.shortest_record()
+            u64::from(self.least)
         };
         let open = now.saturating_sub(self.pen);
         if self.pulse || open > 0 {
@@ -194,7 +217,7 @@ impl Train {
         end: Ticks,
         speeding_up: bool,
     ) {
-        let shortest = self.timing.shortest_period();
+        let shortest = self.shortest;
         let joins = pulses >= MANY
             && self.pulse
             && self.direction == Some(direction)
@@ -233,10 +256,13 @@ impl Train {
     /// Whether the open period, up to `first`, is as long as those between so many pulses, but for an eighth: it can be one of
     /// them then, and needs no record of its own.
     fn is_alike(&self, first: Ticks, last: Ticks, pulses: u32) -> bool {
-        let open = first.saturating_sub(self.pen);
-        let span = last.saturating_sub(first);
-        let all = open.saturating_mul(pulses.wrapping_sub(1).into());
-        all.abs_diff(span) <= span >> 3
+        let Ok(open) = u32::try_from(first.wrapping_sub(self.pen)) else {
+            return false;
+        };
+        // No chord is so long that this does not fit.
+        let span = last.wrapping_sub(first) as u32;
+        let all = u64::from(open).wrapping_mul(pulses.wrapping_sub(1).into());
+        all.abs_diff(span.into()) <= u64::from(span >> 3)
     }
 
     /// So many periods in so many ticks, each beginning with a pulse. What remains when the ticks are shared out is one tick more in
@@ -253,8 +279,11 @@ impl Train {
         };
         if fewer.0.wrapping_mul(fewer.1) < SHORTEST_RECORD {
             // All alike. One gap alone may have to be stretched to be a record.
-            let least = SHORTEST_RECORD.div_ceil(gaps.max(1));
-            self.make(more.0.max(least), gaps, true, direction);
+            let mut period = more.0;
+            if period.wrapping_mul(gaps) < SHORTEST_RECORD {
+                period = SHORTEST_RECORD.div_ceil(gaps.max(1));
+            }
+            self.make(period, gaps, true, direction);
         } else if gaps.wrapping_mul(gaps).wrapping_mul(5) <= span {
             // The pulses are off by gaps² / (4 · span) steps at most, a twentieth.
             let [one, other] = if speeding_up {
@@ -277,16 +306,16 @@ impl Train {
     fn earliest(&self, direction: Direction) -> Ticks {
         let turning = self.direction != Some(direction);
         let wait = match (turning, self.pulse) {
-            (false, _) => self.shortest_record(),
-            (true, false) => self.turn_setup(),
-            (true, true) => self.turn_hold().saturating_add(self.turn_setup()),
+            (false, _) => u64::from(self.least),
+            (true, false) => u64::from(self.setup),
+            (true, true) => u64::from(self.hold).saturating_add(u64::from(self.setup)),
         };
         self.pen.saturating_add(wait)
     }
 
     /// Whether [`Train::flush`] brings the records up to `enough` if there are chords up to `now`.
     pub(crate) fn can_flush(&self, now: Ticks, enough: Ticks) -> bool {
-        let least = self.turn_hold().saturating_add(self.shortest_record());
+        let least = u64::from(self.hold).saturating_add(u64::from(self.least));
         self.pen < enough && now >= enough.saturating_add(least)
     }
 
@@ -294,7 +323,7 @@ impl Train {
     pub(crate) fn flush(&mut self, now: Ticks) {
         let open = now
             .saturating_sub(self.pen)
-            .saturating_sub(self.shortest_record());
+            .saturating_sub(u64::from(self.least));
         self.silence(open, self.direction.unwrap_or(Direction::Forward));
     }
 
@@ -302,7 +331,7 @@ impl Train {
     fn open_pulse(&mut self, at: Ticks, direction: Direction) {
         if self.direction != Some(direction) && self.pulse {
             let before = self.direction.unwrap_or(direction);
-            self.silence(self.turn_hold(), before);
+            self.silence(u64::from(self.hold), before);
         }
         self.silence(at.saturating_sub(self.pen), direction);
         self.direction = Some(direction);
@@ -313,7 +342,7 @@ impl Train {
     fn keep_short(&mut self, direction: Direction, end: Ticks) {
         let open = end.saturating_sub(self.pen);
         // What stays open is long enough for a record of its own, so the next pulse need not wait for it.
-        if open >= self.segment.saturating_add(self.shortest_record()) {
+        if open >= self.segment.saturating_add(u64::from(self.least)) {
             let level = if self.pulse {
                 self.direction.unwrap_or(direction)
             } else {
@@ -330,7 +359,7 @@ impl Train {
         while ticks > self.segment {
             let part = self
                 .segment
-                .min(ticks.saturating_sub(self.shortest_record()));
+                .min(ticks.saturating_sub(u64::from(self.least)));
             self.make(part as u32, 1, self.pulse, direction);
             self.pulse = false;
             ticks = ticks.saturating_sub(part);
@@ -343,44 +372,23 @@ impl Train {
         if period == 0 || repeat == 0 {
             return;
         }
-        let width = if pulse {
-            self.timing.pulse_high as u16
-        } else {
-            0
-        };
+        let width = if pulse { self.width } else { 0 };
         let record = Record {
             period,
             repeat: repeat as u16,
             width,
             direction,
         };
-        let room = self.made.push_back(record);
-        debug_assert!(room.is_ok(), "a chord makes at most {MOST_RECORDS} records");
-        self.pen = self.pen.saturating_add(record.ticks());
-    }
-
-    fn shortest_period(&self) -> u64 {
-        self.timing.shortest_period().into()
-    }
-
-    /// The shortest record of one period.
-    fn shortest_record(&self) -> u64 {
-        self.shortest_period().max(SHORTEST_RECORD.into())
-    }
-
-    /// From the beginning of the last pulse to a change of direction.
-    fn turn_hold(&self) -> u64 {
-        let hold = self
-            .timing
-            .pulse_high
-            .saturating_add(self.timing.direction_hold);
-        self.shortest_record().max(hold.into())
-    }
-
-    /// From a change of direction to the next pulse.
-    fn turn_setup(&self) -> u64 {
-        self.shortest_record()
-            .max(self.timing.direction_setup.into())
+        let room = self.made.get_mut(usize::from(self.count));
+        debug_assert!(
+            room.is_some(),
+            "a chord makes at most {MOST_RECORDS} records"
+        );
+        if let Some(room) = room {
+            *room = record;
+            self.count = self.count.wrapping_add(1);
+        }
+        self.pen = self.pen.wrapping_add(record.ticks());
     }
 }
 
@@ -388,10 +396,10 @@ impl Train {
 struct Crossings {
     /// The chord's length in ticks.
     length: u32,
-    /// The chord's way, Q32 steps.
-    way: u64,
-    /// How far ways are shifted up to have 32 leading bits.
-    shift: u32,
+    /// How far ways are shifted so that 32 bits hold them and the chord's has no leading zeros: down, or up if it is less than a
+    /// step.
+    down: u32,
+    up: u32,
     /// Ticks for 2³² units of a way so shifted. A tick is lost at most.
     pace: u32,
 }
@@ -399,21 +407,37 @@ struct Crossings {
 impl Crossings {
     fn new(chord: &Chord, way: u64) -> Self {
         // A chord is no longer than a segment, which has 29 bits at most.
-        let length = chord.to.0.saturating_sub(chord.from.0) as u32;
-        let shift = way.leading_zeros() & 63;
-        let pace = estimate(u64::from(length) << 32, ((way << shift) >> 32) as u32);
-        Self {
+        let length = chord.to.0.wrapping_sub(chord.from.0) as u32;
+        let above = (way >> 32) as u32;
+        let mut crossings = Self {
             length,
-            way,
-            shift,
-            pace,
+            down: 32_u32.wrapping_sub(above.leading_zeros()),
+            up: 0,
+            pace: 0,
+        };
+        if above == 0 {
+            crossings.up = (way as u32).leading_zeros() & 31;
+        }
+        let leading = crossings.shifted(way);
+        crossings.pace = estimate(u64::from(length) << 32, leading);
+        crossings
+    }
+
+    /// 32 bits of a way, which is not longer than the chord's.
+    fn shifted(&self, way: u64) -> u32 {
+        if self.down == 0 {
+            (way as u32).wrapping_shl(self.up)
+        } else {
+            // A chord is shorter than 2³¹ steps.
+            let above = ((way >> 32) as u32).wrapping_shl(32_u32.wrapping_sub(self.down));
+            above | (way as u32).wrapping_shr(self.down)
         }
     }
 
     /// Ticks from the chord's beginning until it has gone `distance`, Q32 steps; 0 for what lies behind it.
-    fn after(&self, distance: i64) -> u64 {
-        let distance = distance.max(0).unsigned_abs().min(self.way);
-        let part = (distance << self.shift) >> 32;
-        (part.wrapping_mul(self.pace.into()) >> 32).min(self.length.into())
+    fn after(&self, distance: i64) -> u32 {
+        let part = self.shifted(distance.max(0).cast_unsigned());
+        let ticks = u64::from(part).wrapping_mul(self.pace.into()) >> 32;
+        (ticks as u32).min(self.length)
     }
 }

@@ -28,6 +28,7 @@ use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
 use defmt as _;
 use embedded_can::{ExtendedId, Frame as _, StandardId};
+use motion::advanced_timer::{Output, Ring};
 use motion::step_interrupt;
 use motion::Axis;
 use stm32f4xx_hal as _;
@@ -40,7 +41,9 @@ mod motion_crate;
 mod units;
 
 use commissioning::{any_power_on, Commissioning};
-use motion_crate::{any_config, any_timing, axis, homing, plan, pulses, Sink, Timer};
+use motion_crate::{
+    any_config, any_timing, axis, homing, plan, pulses, timer_pulses, AnyRegisters, Sink, Timer,
+};
 
 /// The object dictionary of the drive.
 mod dictionary {
@@ -431,6 +434,7 @@ fn drive(
                 analogue: (any() == 0).then(|| any() as u16),
             };
             let outputs = drive.tick(any_time(), &inputs, &mut Sink, exchange);
+            drive.refill(&mut Sink);
             look(u32::from(outputs.power_stage) + u32::from(outputs.drop_pulses));
             look(u32::from(outputs.current) + u32::from(outputs.digital));
         }
@@ -487,13 +491,17 @@ fn main() -> ! {
     let mut commissioning = Commissioning::new();
     let mut shared = step_interrupt::Shared::new();
     let (mut queue, mut player) = step_interrupt::split(&mut shared, Timer, any_timing());
+    let ring = Ring::new();
+    let mut output = Output::new(AnyRegisters, &ring);
     loop {
+        timer_pulses(&mut output);
         let Some(config) = any_config() else { continue };
         let mut stepper = Axis::new(config);
         let mut search = None;
         let mut driver = Drive::new(DriveConfig {
             axis: config,
             tick: Duration::from_ticks(any_u64()),
+            refills: any(),
         });
         let mut recorder =
             Recorder::new(&SCOPE as &'static Memory, Duration::from_ticks(any_u64()));

@@ -18,7 +18,7 @@ use stm32f4xx_hal::pac;
 use crate::inbox::Inbox;
 use crate::machine::Room;
 use crate::settings::Inputs;
-use motion::step_interrupt::StepTimer;
+use motion::PulseSink;
 
 #[cfg(feature = "qemu")]
 mod qemu;
@@ -43,13 +43,18 @@ compile_error!("exactly one of the features `stm32f405` and `qemu` chooses the b
 pub trait Board: Sized {
     /// Counts of [`Board::ticks`] in a microsecond.
     const TICKS_PER_MICROSECOND: u32;
-    /// Counts of [`StepTimer::now`] in a second.
+    /// Counts of the step timer in a second.
     const STEP_CLOCK_HZ: u32;
+    /// How often in a control tick pulses are handed out. If more than once, [`Board::refill_done`] belongs to the interrupt that
+    /// comes as often.
+    const REFILLS: u32;
     /// Counts of the system timer in a second.
     const SYSTEM_TIMER_HZ: u32;
 
-    /// The timer that makes step pulses.
-    type Steps: StepTimer + Send;
+    /// Where the control tick puts step pulses in.
+    type Pulses: Pulses + Send;
+    /// What step pulses and captured positions need of an interrupt.
+    type Steps: Steps + Send;
     /// The receiving half of the CAN controller.
     type Receiver: Receive<Self::Bus> + Send;
     /// The sending half of the CAN controller.
@@ -73,12 +78,16 @@ pub trait Board: Sized {
     /// The levels of the digital inputs, input `n` in bit `n − 1`; 0 of those that are not there. Any task may read them.
     fn input_levels() -> u8;
 
+    /// The interrupt between two control ticks has been served.
+    fn refill_done();
+
     /// What the processor does when there is nothing to do; returns at the latest with the next interrupt.
     fn idle();
 }
 
 /// What [`Board::start`] hands out.
 pub struct Parts<B: Board> {
+    pub pulses: B::Pulses,
     pub steps: B::Steps,
     pub receiver: B::Receiver,
     pub bus: B::Bus,
@@ -92,6 +101,36 @@ pub struct Parts<B: Board> {
     pub serial_number: u32,
     /// Room for object 2020h, twice.
     pub user_memory: [Room; 2],
+}
+
+/// Where the control tick puts step pulses in, and what has become of them.
+pub trait Pulses: PulseSink {
+    /// Called at the start of every control tick, and of every refill.
+    fn service(&mut self);
+
+    /// The position in steps: pulses that left since the start, forward less reverse.
+    fn position(&mut self) -> i64;
+
+    /// The position in steps, modulo 2³², for what [`Steps::count`] gave a short while ago.
+    fn position_at(&self, count: u32) -> i32;
+
+    /// Drops what has not been played. A pulse that has begun counts.
+    fn drop_all(&mut self);
+
+    /// A fault of the pulses as a CiA 402 error code: the outputs were cut off by hardware.
+    fn fault(&self) -> Option<u16>;
+
+    /// The motor gets current, and nothing is played: outputs that were cut off go on, if what has cut them off is over.
+    fn mend(&mut self);
+}
+
+/// The interrupts of the step pulses.
+pub trait Steps {
+    /// The step interrupt.
+    fn on_interrupt(&mut self);
+
+    /// What the counter of steps showed when an edge of this input came (counted from 0), as nearly as the board can tell.
+    fn count(&mut self, input: usize) -> u32;
 }
 
 /// The receiving half of a CAN controller.

@@ -56,11 +56,14 @@ impl Ring {
     /// Writes a slot, counted round the ring.
     #[inline]
     pub(super) fn put(&self, slot: u32, words: Words) {
-        if let Some([_, cells @ ..]) = self.slots.get(slot as usize % SLOTS) {
+        let [reload, repetitions, width, level] = words.0;
+        if let Some([_, slot @ ..]) = self.slots.get(slot as usize % SLOTS) {
+            let [reload_cell, repetitions_cell, width_cell, level_cell] = slot;
+            level_cell.store(level, Ordering::Relaxed);
+            repetitions_cell.store(repetitions, Ordering::Relaxed);
+            reload_cell.store(reload, Ordering::Relaxed);
             // The pulse last: should the DMA come in between, against all care, there is none.
-            for (cell, word) in cells.iter().zip(words.0).rev() {
-                cell.store(word, Ordering::Relaxed);
-            }
+            width_cell.store(width, Ordering::Relaxed);
         }
     }
 

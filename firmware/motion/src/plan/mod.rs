@@ -411,7 +411,7 @@ impl Plan {
         }
     }
 
-    fn phase_at(&self, t: Ticks) -> Option<&Phase> {
+    pub(crate) fn phase_at(&self, t: Ticks) -> Option<&Phase> {
         if t >= self.end {
             return None;
         }

@@ -96,15 +96,11 @@ impl Phase {
         // Most of the time is spent in cruises, and wide products are dear.
         let gain = match &self.curve {
             Curve::Parabola if self.half_acceleration == 0 => 0,
-            Curve::Parabola => self.half_acceleration.wrapping_mul(n),
+            Curve::Parabola => times(self.half_acceleration, n),
             Curve::Cubic(_) | Curve::Sine(_) => return self.at_on_curve(t, n),
         };
         Exact {
-            position: self
-                .velocity
-                .wrapping_add(gain)
-                .wrapping_mul(n)
-                .wrapping_add(self.position),
+            position: times(self.velocity.wrapping_add(gain), n).wrapping_add(self.position),
             velocity: self.velocity.wrapping_add(gain).wrapping_add(gain),
         }
     }
@@ -143,6 +139,11 @@ impl Phase {
         (self.since_anchor(t) << 32).wrapping_sub(self.lead.into())
     }
 
+    /// Whether it is one parabola, so that the longest chord is the same everywhere.
+    pub(crate) const fn is_parabola(&self) -> bool {
+        matches!(self.curve, Curve::Parabola)
+    }
+
     /// The longest chord from tick `t`, in ticks, that stays within a quarter of a step of the curve: ½a·len²/4 ≤ ¼.
     pub(crate) fn longest_chord(&self, t: Ticks) -> u64 {
         let longest = |half_acceleration: u128| {
@@ -157,6 +158,30 @@ impl Phase {
         let first = longest(now).min(1 << 28);
         let growth = sixth_jerk.unsigned_abs().wrapping_mul(first.into()) >> 32;
         longest(now.saturating_add(growth.saturating_mul(3)))
+    }
+}
+
+/// A product modulo 2¹²⁸. Within 2³² ticks of the anchor, 25 s at 168 MHz, it is four short ones.
+#[inline]
+fn times(value: i128, ticks: i128) -> i128 {
+    let Ok(factor) = u32::try_from(ticks.unsigned_abs()) else {
+        return value.wrapping_mul(ticks);
+    };
+    let value = value.cast_unsigned();
+    let mut carry = 0;
+    let mut digit = |shift: u32| {
+        let digit = u64::from((value >> shift) as u32);
+        let sum = digit.wrapping_mul(factor.into()).wrapping_add(carry);
+        carry = sum >> 32;
+        u64::from(sum as u32)
+    };
+    let low = digit(0) | digit(32) << 32;
+    let high = digit(64) | digit(96) << 32;
+    let product = (u128::from(high) << 64 | u128::from(low)).cast_signed();
+    if ticks < 0 {
+        product.wrapping_neg()
+    } else {
+        product
     }
 }
 

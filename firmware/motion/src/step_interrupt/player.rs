@@ -46,8 +46,10 @@ pub struct Player<'a, T> {
     timer: T,
     shared: &'a Shared,
     timing: DriverTiming,
-    /// The record being played, and how many of its periods have not been scheduled.
-    record: Option<Record>,
+    /// The record being played, what each of its pulses adds to the position, and how many of its periods have not been
+    /// scheduled.
+    record: Record,
+    sign: i32,
     left: u16,
     /// The level of the direction signal; `None` until a record has set it.
     direction: Option<Direction>,
@@ -69,8 +71,12 @@ impl<T> fmt::Debug for Player<'_, T> {
 enum Awaited {
     /// None: there was nothing to play.
     Nothing,
-    /// The start of the next period, if there is one; the period before ends with it.
-    Start { next: Option<Record> },
+    /// The pulse of a period of the record, with which the period begins and the one before ends.
+    Rise,
+    /// The start of a silent period of the record.
+    Silence,
+    /// The end of the last period known.
+    End,
     /// The falling edge in a period that ends at `end`.
     Fall { end: u32 },
 }
@@ -81,7 +87,8 @@ impl<'a, T: StepTimer> Player<'a, T> {
             timer,
             shared,
             timing: timing.checked(),
-            record: None,
+            record: Record::NONE,
+            sign: 0,
             left: 0,
             direction: None,
             due: 0,
@@ -99,33 +106,65 @@ impl<'a, T: StepTimer> Player<'a, T> {
         self.shared.position.load(Ordering::Relaxed)
     }
 
-    /// The step interrupt.
+    /// The step interrupt. Within a run it is short; all else is in other functions.
+    #[inline]
     pub fn on_interrupt(&mut self) {
-        if self.shared.drop.load(Ordering::Acquire) {
+        if self.shared.drop.load(Ordering::Relaxed) {
             self.drop_all();
             return;
         }
+        let now = T::now();
+        let start = self.due;
+        match self.awaited {
+            Awaited::Rise if has_come(now, start) => {
+                self.count();
+                let end = start.wrapping_add(self.record.period);
+                if T::FALLING_EDGES {
+                    let fall = start.wrapping_add(u32::from(self.record.width));
+                    self.due = self.timer.schedule(fall, Edge::Fall);
+                    self.awaited = Awaited::Fall { end };
+                } else if let Some(left) = self.left.checked_sub(1) {
+                    self.left = left;
+                    self.schedule_rise(end, later(end, now));
+                } else {
+                    self.schedule_next(end, now);
+                }
+            }
+            Awaited::Fall { end } if has_come(now, start) => {
+                // The edge may have come late.
+                let ready = later(start.wrapping_add(self.timing.pulse_low), now);
+                if let Some(left) = self.left.checked_sub(1) {
+                    self.left = left;
+                    self.awaited = Awaited::Rise;
+                    self.schedule_rise(end, later(end, ready));
+                } else {
+                    self.schedule_next(end, ready);
+                }
+            }
+            _ => self.on_other(now),
+        }
+    }
+
+    /// Whatever is not in the middle of a run.
+    #[inline(never)]
+    fn on_other(&mut self, now: u32) {
         match self.awaited {
             Awaited::Nothing => self.start_anew(),
-            _ if !has_come(T::now(), self.due) => {}
-            Awaited::Start { next: Some(period) } => self.begin(period),
-            Awaited::Start { next: None } => self.go_on(),
-            // The edge may have come late.
-            Awaited::Fall { end } => {
-                self.schedule_next(end, self.due.wrapping_add(self.timing.pulse_low));
-            }
+            Awaited::Silence if has_come(now, self.due) => self.be_silent(),
+            Awaited::End if has_come(now, self.due) => self.go_on(),
+            _ => {}
         }
     }
 
     /// The timeline begins now, if there is anything to play.
     fn start_anew(&mut self) {
-        if let Some(period) = self.next_period() {
+        if self.next_period() {
             let now = T::now();
             let played = self.shared.played.load(Ordering::Relaxed);
             self.shared
                 .origin
                 .store(now.wrapping_sub(played), Ordering::Relaxed);
-            self.schedule_start(now, now, Some(period));
+            self.schedule_period(now, now);
             self.shared.running.store(true, Ordering::Release);
         }
     }
@@ -133,31 +172,20 @@ impl<'a, T: StepTimer> Player<'a, T> {
     /// The last period known has ended. If more has come meanwhile, that begins now.
     fn go_on(&mut self) {
         let end = self.due;
-        if let Some(period) = self.next_period() {
-            self.schedule_start(end, T::now(), Some(period));
+        if self.next_period() {
+            self.schedule_period(end, T::now());
         } else {
             self.timer.stop();
             self.rest(self.played_at(end));
         }
     }
 
-    /// A period has begun, its pulse has risen.
-    fn begin(&mut self, period: Record) {
+    /// A silent period has begun.
+    fn be_silent(&mut self) {
         let start = self.due;
-        let end = start.wrapping_add(period.period);
-        if period.width == 0 {
-            let ready = self.turn(period.direction).unwrap_or(start);
-            self.schedule_next(end, ready);
-            return;
-        }
-        self.count(period);
-        if T::FALLING_EDGES {
-            let fall = start.wrapping_add(u32::from(period.width));
-            self.due = self.timer.schedule(fall, Edge::Fall);
-            self.awaited = Awaited::Fall { end };
-        } else {
-            self.schedule_next(end, start);
-        }
+        let end = start.wrapping_add(self.record.period);
+        let ready = self.turn(self.record.direction).unwrap_or(start);
+        self.schedule_next(end, later(ready, T::now()));
     }
 
     /// Sets the direction. If that changes it: the earliest time for the next pulse.
@@ -172,68 +200,99 @@ impl<'a, T: StepTimer> Player<'a, T> {
     }
 
     /// Nothing more happens in this period: the next one comes at its `end`, but not before the driver is `ready`.
+    #[inline(never)]
     fn schedule_next(&mut self, end: u32, ready: u32) {
-        let next = self.next_period();
-        let time = later(end, later(ready, T::now()));
-        self.schedule_start(end, time, next);
-    }
-
-    /// The next period begins at `time`, where `planned` was intended. What is late moves the rest of the train back.
-    fn schedule_start(&mut self, planned: u32, time: u32, next: Option<Record>) {
-        let edge = match next {
-            Some(period) if period.width > 0 => Edge::Rise,
-            _ => Edge::None,
-        };
-        self.due = self.timer.schedule(time, edge);
-        self.awaited = Awaited::Start { next };
-        if self.due != planned {
-            // Only the step interrupt writes, so that load and store are enough.
-            let origin = self.shared.origin.load(Ordering::Relaxed);
-            let late = self.due.wrapping_sub(planned);
-            self.shared
-                .origin
-                .store(origin.wrapping_add(late), Ordering::Relaxed);
+        let time = later(end, ready);
+        if self.next_period() {
+            self.schedule_period(end, time);
+        } else {
+            self.awaited = Awaited::End;
+            self.schedule(end, time, Edge::None);
         }
     }
 
-    /// One period of the record being played, or of the next.
-    fn next_period(&mut self) -> Option<Record> {
+    /// The next period, which is one of the record, begins at `time`, where `planned` was intended.
+    fn schedule_period(&mut self, planned: u32, time: u32) {
+        let (awaited, edge) = if self.record.width > 0 {
+            (Awaited::Rise, Edge::Rise)
+        } else {
+            (Awaited::Silence, Edge::None)
+        };
+        self.awaited = awaited;
+        self.schedule(planned, time, edge);
+    }
+
+    /// Another pulse of the record.
+    #[inline(always)]
+    fn schedule_rise(&mut self, planned: u32, time: u32) {
+        self.schedule(planned, time, Edge::Rise);
+    }
+
+    /// Something happens at `time`, where `planned` was intended.
+    #[inline(always)]
+    fn schedule(&mut self, planned: u32, time: u32, edge: Edge) {
+        self.due = self.timer.schedule(time, edge);
+        if self.due != planned {
+            self.fall_back(planned);
+        }
+    }
+
+    /// What is late moves the rest of the train back.
+    #[cold]
+    #[inline(never)]
+    fn fall_back(&mut self, planned: u32) {
+        // Only the step interrupt writes, so that load and store are enough.
+        let origin = self.shared.origin.load(Ordering::Relaxed);
+        let late = self.due.wrapping_sub(planned);
+        self.shared
+            .origin
+            .store(origin.wrapping_add(late), Ordering::Relaxed);
+    }
+
+    /// Takes a period of the record being played, or of the next one. False: there is none.
+    fn next_period(&mut self) -> bool {
         while self.left == 0 {
-            let record = self.shared.records.take()?;
+            let Some(record) = self.shared.records.take() else {
+                return false;
+            };
             self.left = record.repeat;
-            self.record = Some(record);
+            self.record = record;
+            self.sign = record.direction.sign();
         }
         self.left = self.left.saturating_sub(1);
-        self.record
+        true
     }
 
-    /// Counts the pulse with which a period begins.
-    fn count(&mut self, period: Record) {
+    /// Counts the pulse with which a period of the record begins.
+    #[inline(always)]
+    fn count(&mut self) {
         let position = self.shared.position.load(Ordering::Relaxed);
-        let position = position.wrapping_add(period.direction.sign());
+        let position = position.wrapping_add(self.sign);
         self.shared.position.store(position, Ordering::Relaxed);
     }
 
     /// Power is off: what waits is gone. For the time under way it counts as played, for the position it does not.
+    #[cold]
+    #[inline(never)]
     fn drop_all(&mut self) {
         // First of all, so that no pulse leaves while this counts those that have left.
         let has_happened = self.timer.stop();
+        let due = self.played_at(self.due);
         let mut played = match self.awaited {
             Awaited::Nothing => self.shared.played.load(Ordering::Relaxed),
-            Awaited::Start { next: None } => self.played_at(self.due),
-            Awaited::Start { next: Some(period) } => {
-                if period.width > 0 && has_happened {
+            Awaited::End => due,
+            Awaited::Silence => due.wrapping_add(self.record.period),
+            Awaited::Rise => {
+                if has_happened {
                     // The timer was quicker: this pulse has left.
-                    self.count(period);
+                    self.count();
                 }
-                self.played_at(self.due).wrapping_add(period.period)
+                due.wrapping_add(self.record.period)
             }
             Awaited::Fall { end } => self.played_at(end),
         };
-        if let Some(record) = self.record.take() {
-            let left = record.period.wrapping_mul(u32::from(self.left));
-            played = played.wrapping_add(left);
-        }
+        let left = self.record.period.wrapping_mul(u32::from(self.left));
+        played = played.wrapping_add(left);
         self.left = 0;
         while let Some(record) = self.shared.records.take() {
             played = played.wrapping_add(ticks(&record));

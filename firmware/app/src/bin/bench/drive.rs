@@ -187,6 +187,7 @@ fn drive_there(units: i32, is_timed: bool) -> (u32, u32, u32) {
             },
         },
         tick: TICK,
+        refills: 1,
     };
     let mut bench = Bench {
         device: Device::new(Dictionary::new(), settings, 1),

@@ -18,8 +18,9 @@ mod device;
 mod drive;
 mod longest;
 mod lookup;
+mod plans;
+mod pulses;
 mod scope;
-mod steps;
 
 use cortex_m_rt::{entry, exception, ExceptionFrame};
 use cortex_m_semihosting::{debug, heprintln, hprintln};
@@ -60,11 +61,16 @@ fn row(name: &str, count: u32) {
 fn main() -> ! {
     heading("Instructions");
     device::run();
-    steps::run();
+    plans::run();
+    pulses::run();
     drive::run();
     scope::run();
     heading("Share of the CPU at full bus load");
     device::load();
+    heading("Share of the CPU for stepping");
+    pulses::share();
+    heading("Reaction");
+    pulses::stop();
     heading("Longest paths");
     longest::run();
     heading("Look-up");

@@ -1,5 +1,6 @@
 //! Everything `motion` offers: plans, axes, homing, and the pulses on their way to a timer.
 
+use motion::advanced_timer::{Output, Register, Registers};
 use motion::homing::{self, Homing, Method};
 use motion::step_interrupt::{Edge, Player, RecordQueue, StepTimer};
 use motion::{
@@ -152,9 +153,8 @@ impl StepTimer for Timer {
     fn interrupt() {}
 }
 
-#[inline(never)]
-pub fn pulses(queue: &mut RecordQueue<'_, Timer>, player: &mut Player<'_, Timer>) {
-    let record = Record {
+fn any_record() -> Record {
+    Record {
         period: any(),
         repeat: any() as u16,
         width: any() as u16,
@@ -163,12 +163,48 @@ pub fn pulses(queue: &mut RecordQueue<'_, Timer>, player: &mut Player<'_, Timer>
         } else {
             Direction::Reverse
         },
-    };
+    }
+}
+
+#[inline(never)]
+pub fn pulses(queue: &mut RecordQueue<'_, Timer>, player: &mut Player<'_, Timer>) {
     match any() {
-        0 => look(queue.push(record).is_ok().into()),
+        0 => look(queue.push(any_record()).is_ok().into()),
         1 => look(queue.position() as u32 + queue.pending() as u32 + queue.free() as u32),
         2 => queue.drop_all(),
         _ => player.on_interrupt(),
+    }
+}
+
+/// Registers that show anything.
+pub struct AnyRegisters;
+
+impl Registers for AnyRegisters {
+    fn write(&mut self, register: Register, value: u32) {
+        look(register as u32 ^ value);
+    }
+
+    fn read(&self, register: Register) -> u32 {
+        any() ^ register as u32
+    }
+
+    fn now(&self) -> u32 {
+        any()
+    }
+}
+
+#[inline(never)]
+pub fn timer_pulses(output: &mut Output<'_, AnyRegisters>) {
+    match any() {
+        0 => look(output.push(any_record()).is_ok().into()),
+        1 => output.service(),
+        2 => output.drop_all(),
+        3 => output.mend(),
+        _ => {
+            let position = output.position() ^ output.position_at(any());
+            look(position as u32 ^ output.pending() as u32 ^ output.free() as u32);
+            look(output.is_broken().into());
+        }
     }
 }
 

@@ -7,26 +7,37 @@
 //! never ends.
 
 mod parameter_file;
+mod pulses;
 mod semihosting;
 mod serial;
 mod step_timer;
+
+use core::ptr::addr_of_mut;
 
 use cortex_m_rt::{exception, ExceptionFrame};
 use cortex_m_semihosting::{debug, heprintln};
 use stm32f4xx_hal::pac;
 
+use motion::step_interrupt;
+
 use super::{user_memory, Board, InputLines, Lights, Parts, Stage};
+use crate::control::TIMING;
 use crate::settings::Inputs;
 
 /// The emulated board.
 pub struct Qemu;
 
+/// What the control tick and the step interrupt share.
+static mut STEPS: step_interrupt::Shared = step_interrupt::Shared::new();
+
 impl Board for Qemu {
     const TICKS_PER_MICROSECOND: u32 = 1_000;
     const STEP_CLOCK_HZ: u32 = 1_000_000_000;
     const SYSTEM_TIMER_HZ: u32 = 168_000_000;
+    const REFILLS: u32 = 1;
 
-    type Steps = step_timer::AlarmTimer;
+    type Pulses = pulses::InterruptPulses;
+    type Steps = pulses::StepPlayer;
     type Receiver = serial::Receiver;
     type Bus = serial::SerialBus;
     type Stage = IdealStage;
@@ -35,8 +46,13 @@ impl Board for Qemu {
     type Parameters = parameter_file::ParameterFile;
 
     fn start(device: pac::Peripherals) -> Parts<Self> {
+        let timer = step_timer::AlarmTimer::new(device.TIM2);
+        // SAFETY: the peripherals exist once, so this function is called once, and nobody else names the memory.
+        let shared = unsafe { &mut *addr_of_mut!(STEPS) };
+        let (queue, player) = step_interrupt::split(shared, timer, TIMING);
         Parts {
-            steps: step_timer::AlarmTimer::new(device.TIM2),
+            pulses: pulses::InterruptPulses(queue),
+            steps: pulses::StepPlayer(player),
             receiver: serial::Receiver::new(),
             bus: serial::SerialBus::new(device.USART2),
             stage: IdealStage,
@@ -62,6 +78,8 @@ impl Board for Qemu {
         // The machine has no pins: what is not connected is low.
         0
     }
+
+    fn refill_done() {}
 
     fn idle() {
         // Not `wfi`: the emulator's clock keeps up with the host's only while instructions are executed.

@@ -2,8 +2,9 @@
 //!
 //! | pin | what | |
 //! |---|---|---|
-//! | PA0 | step | TIM2 channel 1, a pulse is high |
-//! | PA1 | direction | high is forward |
+//! | PB13 | step | TIM1 channel 1N, a pulse is high |
+//! | PB14 | direction | TIM1 channel 2N, high is forward |
+//! | PB12 | break | TIM1 break input with pull-up, low cuts step and direction off by hardware |
 //! | PA2 | enable | low is on, as most drivers have it; pull it up outside, for the time before the firmware runs |
 //! | PA3 | fault | input with pull-up, low is a fault of the stage |
 //! | PC0 | supply | input with pull-up, low is no supply of the stage |
@@ -11,28 +12,29 @@
 //! | PB5 to PB7, PB10 | digital outputs 1 to 4 | high is on; low from reset on |
 //! | PC2 | holding brake | high opens it; low from reset on |
 //! | PC4 | analogue input | 0 to 3.3 V at the pin; the divider in front of it goes into 2064h:4 |
-//! | PB12 to PB15 | rotary switch ×01h | inputs with pull-up, the lowest bit first; a switch closes to ground |
+//! | PA0, PA1, PB11 | capture 1 to 3 | TIM2 channels 1, 2 and 4 with pull-down: wired to inputs 1 to 3 they capture the position by hardware |
+//! | PB0, PB1, PB15, PC3 | rotary switch ×01h | inputs with pull-up, the lowest bit first; a switch closes to ground |
 //! | PC8 to PC11 | rotary switch ×10h | the same |
 //! | PC1 | factory reset | input with pull-up; low for 100 ms from power-up on: what was stored is forgotten |
 //! | PB8, PB9 | CAN receive, transmit | CAN1 |
 //! | PC6, PC7 | green light, red light, or one with two colours | high is on |
 //! | PC12 | light of the drive | high is on |
 //!
-//! Core 168 MHz, APB1 42 MHz (CAN), its timers 84 MHz (TIM2 step pulses, TIM5 time).
+//! Core 168 MHz, TIM1 168 MHz (step pulses), APB1 42 MHz (CAN), its timers 84 MHz (TIM2 counts steps, TIM5 time, TIM7 refills).
 
 mod bit_timing;
 mod can;
 mod converter;
 mod flash;
 mod input_lines;
+mod pulse_timer;
 mod stage;
-mod step_timer;
 mod switches;
 
 use canopen::cia301::serial_number::fold;
 use cortex_m_rt::{exception, ExceptionFrame};
 use defmt_rtt as _;
-use stm32f4xx_hal::gpio::{Output, PC12, PC6, PC7};
+use stm32f4xx_hal::gpio::{Output, Pull, PC12, PC6, PC7};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Enable};
@@ -40,6 +42,7 @@ use stm32f4xx_hal::signature::Uid;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::{user_memory, Board, Parts};
+use crate::control::RATE_HZ;
 
 /// The board.
 pub struct Stm32f405;
@@ -47,16 +50,21 @@ pub struct Stm32f405;
 /// Clock of the core.
 const CORE_HZ: u32 = 168_000_000;
 
+/// Clock of the timers on APB1.
+const TIMERS_HZ: u32 = 84_000_000;
+
 /// Time without a sign of life after which the board starts anew. Erasing a flash sector stops the core for 0.8 s at
 /// most, and two may be erased in a row; the watchdog's oscillator may be half as fast again as its nominal 32 kHz.
 const WATCHDOG_MS: u32 = 3_000;
 
 impl Board for Stm32f405 {
     const TICKS_PER_MICROSECOND: u32 = 84;
-    const STEP_CLOCK_HZ: u32 = 84_000_000;
+    const STEP_CLOCK_HZ: u32 = 168_000_000;
+    const REFILLS: u32 = 4;
     const SYSTEM_TIMER_HZ: u32 = CORE_HZ;
 
-    type Steps = step_timer::CompareTimer;
+    type Pulses = pulse_timer::TimerPulses;
+    type Steps = pulse_timer::Captures;
     type Receiver = can::Receiver;
     type Bus = can::Controller;
     type Stage = stage::StepStage;
@@ -112,12 +120,36 @@ impl Board for Stm32f405 {
         pac::TIM5::enable(&mut rcc);
         device.TIM5.cr1().write(|w| w.cen().set_bit());
 
-        pac::TIM2::enable(&mut rcc);
-        let steps = step_timer::CompareTimer::new(
-            device.TIM2,
-            a.pa0.into_alternate(),
-            a.pa1.into_push_pull_output(),
+        // A debugger that stops the core stops the pulses too.
+        device
+            .DBGMCU
+            .apb2_fz()
+            .modify(|_, w| w.dbg_tim1_stop().set_bit());
+        let pulse_timer = pulse_timer::PulseTimer::new(
+            (device.TIM1, device.TIM2, device.DMA2),
+            (
+                b.pb13.into_alternate(),
+                b.pb14.into_alternate(),
+                b.pb12.into_alternate().internal_resistor(Pull::Up),
+            ),
+            (
+                a.pa0.into_alternate().internal_resistor(Pull::Down),
+                a.pa1.into_alternate().internal_resistor(Pull::Down),
+                b.pb11.into_alternate().internal_resistor(Pull::Down),
+            ),
+            &mut rcc,
         );
+
+        // The interrupt between control ticks.
+        pac::TIM7::enable(&mut rcc);
+        let period = TIMERS_HZ / (RATE_HZ * Self::REFILLS);
+        device.TIM7.psc().write(|w| w.psc().set(0));
+        device
+            .TIM7
+            .arr()
+            .write(|w| w.arr().set((period - 1) as u16));
+        device.TIM7.dier().write(|w| w.uie().set_bit());
+        device.TIM7.cr1().write(|w| w.cen().set_bit());
 
         let inputs = [
             a.pa4.into_pull_down_input().erase(),
@@ -131,10 +163,10 @@ impl Board for Stm32f405 {
         let input_lines = input_lines::Lines::new(inputs, &mut syscfg, device.EXTI);
 
         let digits = [
-            b.pb12.into_pull_up_input().erase(),
-            b.pb13.into_pull_up_input().erase(),
-            b.pb14.into_pull_up_input().erase(),
+            b.pb0.into_pull_up_input().erase(),
+            b.pb1.into_pull_up_input().erase(),
             b.pb15.into_pull_up_input().erase(),
+            c.pc3.into_pull_up_input().erase(),
             c.pc8.into_pull_up_input().erase(),
             c.pc9.into_pull_up_input().erase(),
             c.pc10.into_pull_up_input().erase(),
@@ -144,7 +176,8 @@ impl Board for Stm32f405 {
 
         let controller = device.CAN1.can((b.pb9, b.pb8), &mut rcc);
         Parts {
-            steps,
+            pulses: pulse_timer::TimerPulses::new(pulse_timer),
+            steps: pulse_timer::Captures,
             receiver: can::Receiver,
             bus: can::Controller::new(controller),
             stage,
@@ -165,6 +198,11 @@ impl Board for Stm32f405 {
 
     fn input_levels() -> u8 {
         input_lines::levels()
+    }
+
+    fn refill_done() {
+        // SAFETY: writing 0 to the flag of TIM7 clears it, and nothing else touches the timer once it runs.
+        unsafe { (*pac::TIM7::ptr()).sr().write(|w| w.uif().clear_bit()) };
     }
 
     fn idle() {

@@ -45,7 +45,11 @@ impl Station {
         };
         let mut station = Self {
             device: Device::new(DriveDictionary::new(), settings, 0x0402_1234),
-            drive: Drive::new(DriveConfig { axis, tick: TICK }),
+            drive: Drive::new(DriveConfig {
+                axis,
+                tick: TICK,
+                refills: 1,
+            }),
             exchange: Exchange::new(),
             motor: Player::with_room(256),
             fault: None,

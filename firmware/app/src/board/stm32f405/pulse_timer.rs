@@ -1,0 +1,217 @@
+//! TIM1, stream 5 of DMA2 and TIM2: the registers of step pulses, and nothing else. What is written to them, and when, is in
+//! [`motion::advanced_timer`], which is tested on the host.
+//!
+//! TIM1 makes step (channel 1, complementary output) and direction (channel 2, complementary output), and its break input cuts
+//! both off. TIM2 counts the steps by the internal trigger, and three of its channels capture the count at edges of the digital inputs.
+//! TIM5 gives the time: it runs from the same oscillator at half the clock of TIM1.
+
+use core::ptr::addr_of;
+
+use motion::advanced_timer::{Output, Register, Registers, Ring};
+use motion::{PulseSink, Record, Ticks};
+use stm32f4xx_hal::gpio::{Alternate, PA0, PA1, PB11, PB12, PB13, PB14};
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::rcc::{Enable, Rcc};
+
+use crate::board::{Pulses, Steps};
+
+/// Error code 9000h of CiA 301: something outside has cut the pulses off.
+const EXTERNAL: u16 = 0x9000;
+
+/// What the DMA reads.
+static RING: Ring = Ring::new();
+
+/// Offsets of registers in a timer (RM0090, 17.4.21 and 18.4.21).
+mod offset {
+    pub const CR1: usize = 0x00;
+    pub const CR2: usize = 0x04;
+    pub const SMCR: usize = 0x08;
+    pub const DIER: usize = 0x0C;
+    pub const SR: usize = 0x10;
+    pub const EGR: usize = 0x14;
+    pub const CCMR1: usize = 0x18;
+    pub const CCMR2: usize = 0x1C;
+    pub const CCER: usize = 0x20;
+    pub const CNT: usize = 0x24;
+    pub const PSC: usize = 0x28;
+    pub const ARR: usize = 0x2C;
+    pub const RCR: usize = 0x30;
+    pub const CCR1: usize = 0x34;
+    pub const CCR2: usize = 0x38;
+    pub const BDTR: usize = 0x44;
+    pub const DCR: usize = 0x48;
+    pub const DMAR: usize = 0x4C;
+    /// Of DMA2 (RM0090, 10.5.11): the flags of streams 4 to 7, and stream 5.
+    pub const HIFCR: usize = 0x0C;
+    pub const S5CR: usize = 0x88;
+    pub const S5NDTR: usize = 0x8C;
+    pub const S5PAR: usize = 0x90;
+    pub const S5M0AR: usize = 0x94;
+}
+
+/// The pins of the pulses: step, direction, and the break input.
+pub type PulsePins = (PB13<Alternate<1>>, PB14<Alternate<1>>, PB12<Alternate<1>>);
+
+/// The pins that capture the count of steps.
+pub type CapturePins = (PA0<Alternate<1>>, PA1<Alternate<1>>, PB11<Alternate<1>>);
+
+/// The peripherals. Whoever has this has TIM1, TIM2 and DMA2 for itself.
+pub struct PulseTimer {
+    _timers: (pac::TIM1, pac::TIM2, pac::DMA2),
+    _pins: (PulsePins, CapturePins),
+}
+
+impl PulseTimer {
+    /// Gives the peripherals their clocks, and the stream its addresses.
+    pub fn new(
+        (tim1, tim2, dma2): (pac::TIM1, pac::TIM2, pac::DMA2),
+        pins: PulsePins,
+        captures: CapturePins,
+        rcc: &mut Rcc,
+    ) -> Self {
+        pac::TIM1::enable(rcc);
+        pac::TIM2::enable(rcc);
+        pac::DMA2::enable(rcc);
+        let timer = Self {
+            _timers: (tim1, tim2, dma2),
+            _pins: (pins, captures),
+        };
+        let stream = pac::DMA2::ptr() as usize;
+        let from = addr_of!(RING) as usize;
+        let to = pac::TIM1::ptr() as usize + offset::DMAR;
+        // SAFETY: both are registers of DMA2, which this value owns, and the stream is off. It will read the ring, which lives for
+        // ever and is made of atomics, and write TIM1_DMAR alone.
+        unsafe {
+            ((stream + offset::S5PAR) as *mut u32).write_volatile(to as u32);
+            ((stream + offset::S5M0AR) as *mut u32).write_volatile(from as u32);
+        }
+        timer
+    }
+
+    /// Where a register lies.
+    fn address(register: Register) -> *mut u32 {
+        let tim1 = pac::TIM1::ptr() as usize;
+        let tim2 = pac::TIM2::ptr() as usize;
+        let dma2 = pac::DMA2::ptr() as usize;
+        let address = match register {
+            Register::Cr1 => tim1 + offset::CR1,
+            Register::Cr2 => tim1 + offset::CR2,
+            Register::Dier => tim1 + offset::DIER,
+            Register::Sr => tim1 + offset::SR,
+            Register::Egr => tim1 + offset::EGR,
+            Register::Ccmr1 => tim1 + offset::CCMR1,
+            Register::Ccer => tim1 + offset::CCER,
+            Register::Psc => tim1 + offset::PSC,
+            Register::Arr => tim1 + offset::ARR,
+            Register::Rcr => tim1 + offset::RCR,
+            Register::Ccr1 => tim1 + offset::CCR1,
+            Register::Ccr2 => tim1 + offset::CCR2,
+            Register::Bdtr => tim1 + offset::BDTR,
+            Register::Dcr => tim1 + offset::DCR,
+            Register::StreamCr => dma2 + offset::S5CR,
+            Register::StreamNdtr => dma2 + offset::S5NDTR,
+            Register::StreamFlags => dma2 + offset::HIFCR,
+            Register::CounterCr1 => tim2 + offset::CR1,
+            Register::CounterSmcr => tim2 + offset::SMCR,
+            Register::CounterCcmr1 => tim2 + offset::CCMR1,
+            Register::CounterCcmr2 => tim2 + offset::CCMR2,
+            Register::CounterCcer => tim2 + offset::CCER,
+            Register::CounterCnt => tim2 + offset::CNT,
+        };
+        address as *mut u32
+    }
+}
+
+impl Registers for PulseTimer {
+    #[inline(always)]
+    fn write(&mut self, register: Register, value: u32) {
+        // SAFETY: the address is that of a register of 32 bits of a peripheral that this value owns. None of them changes memory
+        // but by the stream, whose addresses only `new` writes.
+        unsafe { Self::address(register).write_volatile(value) }
+    }
+
+    #[inline(always)]
+    fn read(&self, register: Register) -> u32 {
+        // SAFETY: as in `write`; reading one of these registers has no effect.
+        unsafe { Self::address(register).read_volatile() }
+    }
+
+    #[inline(always)]
+    fn now(&self) -> u32 {
+        // SAFETY: reading the counter of TIM5 has no effect, and nobody writes the timer once it runs.
+        let half = unsafe { (*pac::TIM5::ptr()).cnt().read().bits() };
+        half.wrapping_mul(2)
+    }
+}
+
+/// Pulses for the control tick.
+pub struct TimerPulses(Output<'static, PulseTimer>);
+
+impl TimerPulses {
+    /// The timer stands still. There is one [`PulseTimer`], so this is called once and the ring has one owner.
+    pub fn new(timer: PulseTimer) -> Self {
+        Self(Output::new(timer, &RING))
+    }
+}
+
+impl PulseSink for TimerPulses {
+    #[inline(always)]
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        self.0.push(record)
+    }
+
+    fn pending(&self) -> Ticks {
+        self.0.pending()
+    }
+
+    fn free(&self) -> usize {
+        self.0.free()
+    }
+}
+
+impl Pulses for TimerPulses {
+    fn service(&mut self) {
+        self.0.service();
+    }
+
+    fn position(&mut self) -> i64 {
+        self.0.position()
+    }
+
+    fn position_at(&self, count: u32) -> i32 {
+        self.0.position_at(count) as i32
+    }
+
+    fn drop_all(&mut self) {
+        self.0.drop_all();
+    }
+
+    fn fault(&self) -> Option<u16> {
+        self.0.is_broken().then_some(EXTERNAL)
+    }
+
+    fn mend(&mut self) {
+        self.0.mend();
+    }
+}
+
+/// What the input interrupt may ask of TIM2.
+pub struct Captures;
+
+impl Steps for Captures {
+    fn on_interrupt(&mut self) {}
+
+    fn count(&mut self, input: usize) -> u32 {
+        // SAFETY: reading status and counter of TIM2 has no effect. Reading a capture register clears its flag, which nobody but
+        // the input interrupt looks at.
+        let timer = unsafe { &*pac::TIM2::ptr() };
+        let status = timer.sr().read();
+        match input {
+            0 if status.cc1if().bit_is_set() => timer.ccr(0).read().bits(),
+            1 if status.cc2if().bit_is_set() => timer.ccr(1).read().bits(),
+            2 if status.cc4if().bit_is_set() => timer.ccr(3).read().bits(),
+            // What is not wired to a channel has no capture, and the counter is read a microsecond late.
+            _ => timer.cnt().read().bits(),
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! What the inputs of stepper drivers need, as their data sheets say.
+
+use crate::clock::Clock;
+use crate::record::DriverTiming;
+
+/// The times of a driver in nanoseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Nanoseconds {
+    /// Shortest time of the step signal being high.
+    pub pulse_high: u32,
+    /// Shortest time of the step signal being low.
+    pub pulse_low: u32,
+    /// From a change of direction to the next pulse.
+    pub direction_setup: u32,
+    /// From the end of a pulse to a change of direction.
+    pub direction_hold: u32,
+}
+
+impl Nanoseconds {
+    /// In ticks of a clock, rounded up, and cut to what [`DriverTiming`] can be.
+    pub fn in_ticks(self, clock: Clock) -> DriverTiming {
+        let ticks = |nanoseconds: u32| {
+            let product = u64::from(nanoseconds).wrapping_mul(clock.hz().into());
+            u32::try_from(product.div_ceil(1_000_000_000)).unwrap_or(u32::MAX)
+        };
+        DriverTiming {
+            pulse_high: ticks(self.pulse_high),
+            pulse_low: ticks(self.pulse_low),
+            direction_setup: ticks(self.direction_setup),
+            direction_hold: ticks(self.direction_hold),
+        }
+        .checked()
+    }
+}
+
+/// Drivers whose times are known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Driver {
+    /// Allegro A4988.
+    A4988,
+    /// Texas Instruments DRV8825.
+    Drv8825,
+    /// Trinamic TMC2209.
+    Tmc2209,
+    /// Trinamic TMC5160 in step/direction mode.
+    Tmc5160,
+    /// ON Semiconductor LV8729.
+    Lv8729,
+    /// Toshiba TB6600, as on boards with optocouplers.
+    Tb6600,
+}
+
+impl Driver {
+    /// All of them, in the order of their numbers, from 1 on.
+    pub const ALL: [Self; 6] = [
+        Self::A4988,
+        Self::Drv8825,
+        Self::Tmc2209,
+        Self::Tmc5160,
+        Self::Lv8729,
+        Self::Tb6600,
+    ];
+
+    /// Its times.
+    pub const fn timing(self) -> Nanoseconds {
+        let (pulse_high, pulse_low, direction) = match self {
+            Self::A4988 => (1_000, 1_000, 200),
+            Self::Drv8825 => (1_900, 1_900, 650),
+            Self::Tmc2209 | Self::Tmc5160 => (100, 100, 20),
+            Self::Lv8729 => (500, 500, 500),
+            // 150 kHz at most.
+            Self::Tb6600 => (3_000, 3_667, 1_500),
+        };
+        Nanoseconds {
+            pulse_high,
+            pulse_low,
+            direction_setup: direction,
+            direction_hold: direction,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_rounded_up_to_ticks() {
+        let clock = Clock::new(168_000_000).unwrap();
+        let timing = Driver::Tmc2209.timing().in_ticks(clock);
+        // 16.8 ticks, and 3.36.
+        assert_eq!((timing.pulse_high, timing.pulse_low), (17, 17));
+        assert_eq!((timing.direction_setup, timing.direction_hold), (4, 4));
+        assert_eq!(clock.hz() / timing.shortest_period(), 4_941_176);
+    }
+
+    #[test]
+    fn what_no_timer_can_do_is_cut() {
+        let most = Nanoseconds {
+            pulse_high: u32::MAX,
+            pulse_low: u32::MAX,
+            direction_setup: u32::MAX,
+            direction_hold: 0,
+        };
+        let timing = most.in_ticks(Clock::new(168_000_000).unwrap());
+        assert_eq!(timing.pulse_high, 32_767);
+        assert_eq!(timing.pulse_low, 1 << 24);
+        assert_eq!(
+            (timing.direction_setup, timing.direction_hold),
+            (1 << 24, 0)
+        );
+    }
+
+    #[test]
+    fn each_driver_has_the_highest_rate_of_its_data_sheet() {
+        let clock = Clock::new(168_000_000).unwrap();
+        let rates = Driver::ALL
+            .map(|driver| clock.hz() / driver.timing().in_ticks(clock).shortest_period());
+        assert_eq!(
+            rates,
+            [500_000, 262_500, 4_941_176, 4_941_176, 1_000_000, 149_866]
+        );
+    }
+}

@@ -1,0 +1,36 @@
+//! `cargo xtask soak`: very many pulses through planner, train and the modelled timers of the board, built for speed.
+//!
+//! It is the test `sim/tests/soak.rs` at night length. Every pulse on the modelled pins is counted; one too many or too few fails.
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+
+use crate::place;
+use crate::process;
+
+/// How much.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Pulses of long moves
+    #[arg(long, default_value_t = 1_000_000_000)]
+    pulses: u64,
+    /// Random sequences of commands
+    #[arg(long, default_value_t = 1_000_000)]
+    sequences: u64,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let mut command = place::cargo();
+    command
+        .args(["test", "--release", "--package", "sim", "--test", "soak"])
+        .args(["--", "--nocapture"])
+        .env("AXIS402_SOAK_PULSES", arguments.pulses.to_string())
+        .env("AXIS402_SOAK_SEQUENCES", arguments.sequences.to_string());
+    Ok(if process::run(&mut command)?.success() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}
