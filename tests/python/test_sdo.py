@@ -20,6 +20,10 @@ LIVE |= {NODE_ID_AND_BIT_RATE}
 DC_LINK_VOLTAGE, TEMPERATURE = 0x6079, 0x2074
 LIVE |= {DC_LINK_VOLTAGE, TEMPERATURE}
 
+#: What the scope says of itself, and what it has recorded: nothing yet, which is refused.
+SCOPE, SCOPE_DATA = 0x20D0, 0x20D3
+LIVE |= {SCOPE}
+
 #: Every test begins with a write to it.
 LIVE |= {SDO_TIME_OUT}
 
@@ -28,8 +32,8 @@ def entries(dictionary):
     """Every readable entry of the dictionary; below 1000h are data types, not objects."""
     for thing in [thing for index, thing in dictionary.items() if index >= 0x1000]:
         for entry in [thing] if isinstance(thing, ODVariable) else thing.subindices.values():
-            # The history of errors is empty.
-            if entry.access_type != "wo" and (entry.index, entry.subindex > 0) != (0x1003, True):
+            # The history of errors is empty, and so is the scope.
+            if entry.index != SCOPE_DATA and entry.access_type != "wo" and (entry.index, entry.subindex > 0) != (0x1003, True):
                 yield entry
 
 
