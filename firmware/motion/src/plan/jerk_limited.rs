@@ -9,7 +9,7 @@
 
 use super::move_to::way_to;
 use super::phase::Offset;
-use super::ramp::{Jerk, Ramp, coasting};
+use super::ramp::{Jerk, Ramp, coasting, steady_way};
 use super::{Course, Goal, Limits, Plan, PlanError};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
@@ -223,61 +223,88 @@ impl Rules {
         }
     }
 
+    /// How far both ramps of [`Rules::over`] go; cheap where the motion begins with no acceleration.
+    fn span(&self, velocity: i128, acceleration: i128, cruise: i128, end: i128) -> u128 {
+        if acceleration != 0 {
+            return self.over(velocity, acceleration, cruise, end).way();
+        }
+        let steady = |from: i128, to: i128| {
+            let slows = to < from;
+            let most = if slows {
+                self.deceleration
+            } else {
+                self.acceleration
+            };
+            steady_way(from, to, most, self.jerk).unsigned_abs()
+        };
+        steady(velocity, cruise).saturating_add(steady(cruise, end))
+    }
+
     /// The fastest way over `way`, from a state to the velocity `end`; `None` if the ramps are too long.
     fn route(&self, velocity: i128, acceleration: i128, end: i128, way: u128) -> Option<Route> {
-        let fastest = self.over(velocity, acceleration, self.top, end);
-        let mut high_way = fastest.way();
-        if high_way <= way {
-            return Some(fastest);
-        }
+        let cruise = self.cruise(velocity, acceleration, end, way)?;
+        let route = self.over(velocity, acceleration, cruise, end);
+        // Both ways of adding up differ by their roundings at most, and the landing is anchored at the target.
+        (cruise > 0).then_some(route)
+    }
+
+    /// The velocity between the ramps.
+    fn cruise(&self, velocity: i128, acceleration: i128, end: i128, way: u128) -> Option<i128> {
+        let span = |cruise| self.span(velocity, acceleration, cruise, end);
         let mut high = self.top;
-        let coast = coasting(velocity, acceleration, self.jerk)
-            .max(end)
-            .min(self.top);
-        let mut best = self.over(velocity, acceleration, coast, end);
-        let mut low_way = best.way();
+        let mut high_way = span(high);
+        if high_way <= way {
+            return Some(high);
+        }
+        let mut low = coasting(velocity, acceleration, self.jerk).clamp(end, self.top);
+        let mut low_way = span(low);
         if low_way > way {
-            if coast == end {
+            if low == end {
                 return None;
             }
-            (high, high_way) = (coast, low_way);
-            best = self.over(velocity, acceleration, end, end);
-            low_way = best.way();
+            (high, high_way) = (low, low_way);
+            low = end;
+            low_way = span(low);
             if low_way > way {
                 return None;
             }
         }
+        // An end that stays twice counts for half as much (the Illinois algorithm).
         let mut weight = (0, 0);
+        let mut was_low = false;
         for step in 0..MOST_STEPS {
-            let low = best.cruise;
             let missing = way.wrapping_sub(low_way);
-            // The cruise is over within an eighth of a tick.
-            if missing <= low.unsigned_abs() >> 3 || high.wrapping_sub(low) <= 1 << 8 {
+            // The cruise is over within a quarter of a tick.
+            if missing <= low.unsigned_abs() >> 2 || high.wrapping_sub(low) <= 1 << 8 {
                 break;
             }
             let excess = high_way.saturating_sub(way);
-            let span = high.wrapping_sub(low).unsigned_abs();
-            let part = if step % 4 == 3 {
+            let room = high.wrapping_sub(low).unsigned_abs();
+            let part = share(missing >> weight.0, excess >> weight.1);
+            // Far from the end the way grows with a power of the velocity between 1.5 and 2, close to it in a straight line.
+            let part = if excess > way >> 4 {
+                u128::from(((part << 32) as u64).isqrt())
+            } else if step % 8 == 7 {
                 1 << 31
             } else {
-                share(missing >> weight.0, excess >> weight.1)
+                part
             };
-            let ahead =
-                (span >> 32).wrapping_mul(part) | ((span & 0xFFFF_FFFF).wrapping_mul(part) >> 32);
+            let ahead = (room >> 32)
+                .wrapping_mul(part)
+                .wrapping_add((room & 0xFFFF_FFFF).wrapping_mul(part) >> 32);
             let middle = low.wrapping_add(ahead.cast_signed().max(1));
-            let tried = self.over(velocity, acceleration, middle, end);
-            let tried_way = tried.way();
-            if tried_way <= way {
-                (best, low_way) = (tried, tried_way);
-                weight = (0, weight.1 + 1);
+            let tried = span(middle);
+            if tried <= way {
+                (low, low_way) = (middle, tried);
+                weight = (0, if was_low { (weight.1 + 1).min(40) } else { 0 });
+                was_low = true;
             } else {
-                (high, high_way) = (middle, tried_way);
-                weight = (weight.0 + 1, 0);
+                (high, high_way) = (middle, tried);
+                weight = (if was_low { 0 } else { (weight.0 + 1).min(40) }, 0);
+                was_low = false;
             }
-            weight = (weight.0.min(40), weight.1.min(40));
         }
-        // At rest for ever is no way to get anywhere.
-        (best.cruise > 0).then_some(best)
+        Some(low)
     }
 }
 

@@ -190,6 +190,21 @@ impl Ramp {
     }
 }
 
+/// How far a ramp goes that begins and ends with no acceleration, Q96 steps, saturating: half of both velocities over its time. What
+/// [`Ramp::new`] would find, without its pieces.
+pub(super) fn steady_way(velocity: i128, end: i128, most: Fine, jerk: Jerk) -> i128 {
+    let gain = end.wrapping_sub(velocity).unsigned_abs();
+    let peak = (Wide::product(jerk.whole(), gain).root() >> 16).min(most);
+    if peak == 0 {
+        return 0;
+    }
+    // What the acceleration gains while it comes and goes is as much as it would gain in half of that time.
+    let entry = jerk.time(peak);
+    let time = entry.saturating_add(quotient(gain, 1, peak));
+    let least = entry.saturating_mul(2);
+    scaled((velocity >> 1).saturating_add(end >> 1), time.max(least))
+}
+
 /// value · time, saturating.
 fn scaled(value: i128, time: Offset) -> i128 {
     let product = Wide::product(value.unsigned_abs(), time).shifted(32);
