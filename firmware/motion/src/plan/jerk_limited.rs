@@ -256,7 +256,9 @@ impl Rules {
         if high_way <= way {
             return Some(high);
         }
-        let mut low = coasting(velocity, acceleration, self.jerk).clamp(end, self.top);
+        let mut low = coasting(velocity, acceleration, self.jerk)
+            .max(end)
+            .min(self.top);
         let mut low_way = span(low);
         if low_way > way {
             if low == end {
