@@ -53,6 +53,7 @@ pub fn run() {
             },
         },
         tick: TICK,
+        refills: 1,
     });
     let mut exchange = Exchange::new();
     exchange.publish(Actuals {
