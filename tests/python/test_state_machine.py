@@ -73,7 +73,7 @@ def test_quick_stop_and_on(ready, after):
 
 
 def test_modes_that_are_there(ready):
-    assert ready.sdo[0x6502].raw == 0x27
+    assert ready.sdo[0x6502].raw == 0x1E7
     assert ready.is_op_mode_supported("PROFILED POSITION")
     assert ready.is_op_mode_supported("HOMING")
     for code, mode in [(0, "NO MODE"), (1, "PROFILED POSITION"), (6, "HOMING")]:
