@@ -40,6 +40,11 @@ impl Master {
         drive.write_u8(0x1402, 2, 1);
         drive.write_u8(0x1803, 2, 1);
         drive.enable();
+        Self::on(drive, cycle)
+    }
+
+    /// A master of a drive that is set up.
+    fn on(drive: DriveBench, cycle: u64) -> Self {
         let next = drive.now().ticks() + cycle;
         Self {
             drive,
@@ -172,4 +177,359 @@ fn m63_without_jitter_it_is_exact_at_any_speed() {
     master.steps([0; 300]);
     master.steps(to_and_fro(150));
     master.is_exact(300);
+}
+
+#[test]
+fn y10_set_points_are_followed_without_overshoot_while_sync_jitters() {
+    let mut master = Master::new(8, 2_000);
+    for _ in 0..100 {
+        let off = master.jitter() * 100 / 120;
+        master.cycle(0, off);
+    }
+    for k in 1..=100 {
+        let off = master.jitter() * 100 / 120;
+        master.cycle(k * 20, off);
+    }
+    for _ in 0..50 {
+        master.cycle(2_000, 0);
+    }
+    assert!(master.shown.is_sorted());
+    assert_eq!(master.shown.last(), Some(&2_000));
+    assert_eq!(master.drive.position(), 2_000);
+}
+
+#[test]
+fn m62_the_demand_begins_where_the_motor_stands_and_a_far_target_is_caught_up_with() {
+    let mut master = Master::new(8, 1_000);
+    master.drive.write_u32(0x607F, 0, 20_000);
+    assert!(!master.has(FOLLOWS), "nothing has been commanded");
+    master.steps([0; 100]);
+    assert!(master.has(FOLLOWS));
+    master.drive.record_motion();
+    master.steps([50_000; 200]);
+    assert!(master.has(INTERNAL_LIMIT));
+    assert!(!master.has(FOLLOWS));
+    assert!(OPERATION_ENABLED.is_shown_by(master.drive.statusword()));
+    master.steps([50_000; 4_000]);
+    assert_eq!(master.drive.position(), 50_000);
+    assert!(master.has(FOLLOWS) && !master.has(INTERNAL_LIMIT));
+    let fastest = master.shown.windows(2).map(|pair| pair[1] - pair[0]).max();
+    assert!(fastest <= Some(20), "607Fh: {fastest:?}");
+}
+
+#[test]
+fn m64_one_lost_set_point_is_bridged_and_d28_one_that_is_late_too() {
+    let mut master = Master::new(8, 2_000);
+    master.steps([0; 100]);
+    master.steps((1..=50).map(|k| k * 20));
+    // Nothing comes for this SYNC, and then the next but one.
+    master.sync(0);
+    master.commanded.push(51 * 20);
+    assert!(master.has(FOLLOWS), "D28: bridged");
+    master.steps((52..=100).map(|k| k * 20));
+    master.steps([2_000; 150]);
+    master.is_exact(100);
+    assert!(OPERATION_ENABLED.is_shown_by(master.drive.statusword()));
+}
+
+#[test]
+fn m64_more_lost_set_points_than_are_bridged_stop_the_motor() {
+    let mut master = Master::new(8, 2_000);
+    master.drive.write_u8(0x2051, 1, 3);
+    master.steps([0; 100]);
+    master.steps((1..=50).map(|k| k * 20));
+    for _ in 0..20 {
+        master.sync(0);
+    }
+    assert!(FAULT.is_shown_by(master.drive.statusword()));
+    assert_eq!(master.drive.read_u16(0x603F, 0), 0x8250);
+    assert_eq!(master.drive.read_u32(0x2050, 6), 1);
+    // Recovery: a fault reset, and it begins where the motor stands.
+    let stands = i32::try_from(master.drive.position()).unwrap();
+    assert!(stands >= 53 * 20, "three are bridged: {stands}");
+    master.drive.command(0x80);
+    master.drive.run_millis(5);
+    master.drive.enable();
+    master.next = master.drive.now().ticks() + 2_000;
+    master.steps(std::iter::repeat_n(stands, 50));
+    master.steps((1..=20).map(|k| stands + k));
+    master.steps(std::iter::repeat_n(stands + 20, 20));
+    assert_eq!(master.drive.position(), i64::from(stands) + 20);
+}
+
+#[test]
+fn d28_the_reaction_to_lost_set_points_is_configured() {
+    // 0: it stops, and follows again when set-points come.
+    let mut master = Master::new(8, 2_000);
+    master.drive.write_u8(0x2051, 2, 0);
+    master.steps([0; 100]);
+    master.steps((1..=50).map(|k| k * 20));
+    for _ in 0..20 {
+        master.sync(0);
+    }
+    assert!(OPERATION_ENABLED.is_shown_by(master.drive.statusword()));
+    assert!(!master.has(FOLLOWS));
+    master.steps([1_000; 400]);
+    assert!(master.has(FOLLOWS));
+    assert_eq!(master.drive.position(), 1_000);
+    // 2: who does not send means the last one.
+    let mut master = Master::new(8, 2_000);
+    master.drive.write_u8(0x2051, 2, 2);
+    master.steps([0; 100]);
+    master.steps((1..=50).map(|k| k * 20));
+    for _ in 0..20 {
+        master.sync(0);
+    }
+    assert_eq!(master.drive.position(), 1_000);
+    assert!(master.has(FOLLOWS));
+}
+
+#[test]
+fn m65_of_two_set_points_the_last_counts_and_behind_sync_the_next_sync() {
+    let mut master = Master::new(8, 2_000);
+    master.steps([0; 100]);
+    for k in 1..=100 {
+        master.set_point(k * 20 + 7);
+        master.cycle(k * 20, 0);
+        // Behind the SYNC: it would count at the next one.
+        master.set_point(k * 20 + 3);
+    }
+    master.steps([2_000; 150]);
+    master.is_exact(100);
+}
+
+#[test]
+fn m66_60c2h_is_any_mantissa_and_exponent_and_changes_at_rest_only() {
+    let mut drive = DriveBench::started(4);
+    for (value, power) in [(10, -3_i8), (1, -2), (250, -5), (1, -3)] {
+        drive.write_u8(0x60C2, 1, value);
+        drive.write_u8(0x60C2, 2, i8::cast_unsigned(power));
+        assert_eq!(drive.read_u8(0x60C2, 1), value);
+    }
+    for cycle in [2_500, 10_000] {
+        let mut master = Master::new(8, cycle);
+        master.steps([0; 100]);
+        master.steps((1..=150).map(|k| k * 10));
+        assert_eq!(
+            master.drive.try_write(0x60C2, 1, &[2]),
+            Err(0x0800_0022),
+            "in motion"
+        );
+    }
+}
+
+#[test]
+fn m67_a_sync_with_another_period_than_is_set_up_is_a_warning_and_right() {
+    const WARNING: u16 = 1 << 7;
+    let mut master = Master::new(8, 4_000);
+    master.drive.write_u8(0x60C2, 1, 10);
+    master.drive.write_u32(0x1006, 0, 10_000);
+    master.steps([0; 150]);
+    assert!(master.has(WARNING | FOLLOWS));
+    master.steps(to_and_fro(80));
+    master.is_exact(150);
+}
+
+#[test]
+fn m19_cyclic_position_holds_the_demand_until_the_first_set_point() {
+    let mut master = Master::new(1, 1_000);
+    master.drive.begin_move(100_000);
+    master.drive.run_millis(500);
+    master.drive.write_u8(0x6060, 0, 8);
+    master.drive.run_millis(2_000);
+    assert_eq!(master.drive.read_i8(0x6061, 0), 8);
+    let stands = master.drive.position();
+    assert!(stands > 0 && stands < 100_000);
+    master.next = master.drive.now().ticks() + 1_000;
+    for _ in 0..50 {
+        master.sync(0);
+    }
+    assert_eq!(master.drive.position(), stands, "607Ah is that of the move");
+    let target = i32::try_from(stands).unwrap() + 10;
+    master.steps([target; 200]);
+    assert_eq!(master.drive.position(), i64::from(target));
+}
+
+#[test]
+fn m44_a_software_limit_stops_before_it() {
+    let mut master = Master::new(8, 1_000);
+    master.drive.write_i32(0x607D, 1, -1_000);
+    master.drive.write_i32(0x607D, 2, 1_000);
+    master.steps([0; 100]);
+    master.steps((1..=100).map(|k| k * 20));
+    assert!(master.has(INTERNAL_LIMIT));
+    master.steps([2_000; 500]);
+    assert!(
+        master.drive.position() <= 1_000,
+        "{}",
+        master.drive.position()
+    );
+    assert!(master.drive.position() >= 995);
+    assert!(master.shown.iter().all(|shown| *shown <= 1_000));
+    master.steps([900; 500]);
+    assert_eq!(master.drive.position(), 900, "the way back is free");
+}
+
+#[test]
+fn m35_halt_stops_and_release_catches_up() {
+    let mut master = Master::new(8, 2_000);
+    master.steps([0; 100]);
+    master.steps((1..=100).map(|k| k * 20));
+    master.controlword = 0x10F;
+    master.steps((101..=300).map(|k| k * 20));
+    assert!(!master.has(FOLLOWS));
+    assert!(master.has(1 << 10), "the motor stands");
+    master.controlword = 0x0F;
+    master.steps((301..=400).map(|k| k * 20));
+    master.steps([8_000; 500]);
+    assert_eq!(master.drive.position(), 8_000);
+    assert!(master.has(FOLLOWS) && !master.has(INTERNAL_LIMIT));
+}
+
+#[test]
+fn m69_cyclic_velocity_has_an_offset_and_so_has_cyclic_position() {
+    let mut master = Master::new(9, 2_000);
+    master.drive.write_i32(0x60FF, 0, 0);
+    for _ in 0..100 {
+        master.sync(0);
+    }
+    master.drive.write_i32(0x60B1, 0, 500);
+    for k in 0..500 {
+        let velocity = (k * 10_i32).min(2_000);
+        master
+            .drive
+            .send_frame(Frame::data_frame(0x604, &expedited(0x60FF, velocity)));
+        master.sync(0);
+    }
+    assert!(master.has(FOLLOWS));
+    let shown = master.drive.axis().actuals().velocity_demand;
+    assert!((2_495..=2_505).contains(&shown), "{shown}");
+    // With the offset of a position the motor is somewhere else.
+    let mut master = Master::new(8, 2_000);
+    master.drive.write_i32(0x60B0, 0, 100);
+    master.steps([0; 300]);
+    assert_eq!(master.drive.position(), 100);
+}
+
+/// An expedited SDO download of 32 bits.
+fn expedited(index: u16, value: i32) -> [u8; 8] {
+    let [low, high] = index.to_le_bytes();
+    let [a, b, c, d] = value.to_le_bytes();
+    [0x23, low, high, 0, a, b, c, d]
+}
+
+#[test]
+fn m68_interpolated_position_goes_through_its_records_while_bit_4_is_set() {
+    for sub_mode in [0, -1_i16] {
+        let mut master = Master::new(7, 4_000);
+        master.drive.write_i16(0x60C0, 0, sub_mode);
+        for _ in 0..100 {
+            master.sync(0);
+        }
+        for record in [100, 200, 300] {
+            master.drive.write_i32(0x60C1, 1, record);
+        }
+        master.drive.run_millis(2);
+        assert_eq!(master.drive.read_u16(0x60C4, 4), 3);
+        master.next = master.drive.now().ticks() + 4_000;
+        for _ in 0..20 {
+            master.sync(0);
+        }
+        assert_eq!(master.drive.position(), 0, "bit 4 gates");
+        master.drive.command(0x1F);
+        for record in [350, 375, 375, 375] {
+            let record = expedited_sub(0x60C1, 1, record);
+            master.drive.send_frame(Frame::data_frame(0x604, &record));
+            master.sync(0);
+        }
+        assert!(master.has(FOLLOWS));
+        for _ in 0..40 {
+            master.sync(0);
+        }
+        assert_eq!(master.drive.position(), 375);
+        assert!(master.has(1 << 10), "the last record is reached");
+        assert!(OPERATION_ENABLED.is_shown_by(master.drive.statusword()));
+        // Cleared records are gone.
+        master.drive.command(0x0F);
+        master.drive.write_i32(0x60C1, 1, 5_000);
+        master.drive.write_u8(0x60C4, 6, 0);
+        master.drive.write_u8(0x60C4, 6, 1);
+        master.drive.run_millis(5);
+        assert_eq!(master.drive.read_u16(0x60C4, 4), 0);
+    }
+}
+
+/// An expedited SDO download of 32 bits to a sub-index.
+fn expedited_sub(index: u16, sub: u8, value: i32) -> [u8; 8] {
+    let mut data = expedited(index, value);
+    data[3] = sub;
+    data
+}
+
+#[test]
+fn m68_records_that_run_out_in_motion_are_lost_set_points() {
+    let mut master = Master::new(7, 4_000);
+    master.drive.command(0x1F);
+    for k in 0..150_i32 {
+        let record = expedited_sub(0x60C1, 1, (k - 100).max(0) * 20);
+        master.drive.send_frame(Frame::data_frame(0x604, &record));
+        master.sync(0);
+    }
+    for _ in 0..20 {
+        master.sync(0);
+    }
+    assert!(FAULT.is_shown_by(master.drive.statusword()));
+    assert_eq!(master.drive.read_u16(0x603F, 0), 0x8250);
+}
+
+#[test]
+fn m72_what_sdo_reads_is_what_the_pdo_of_the_same_tick_shows() {
+    let mut master = Master::new(8, 4_000);
+    master.steps([0; 100]);
+    for k in 1..=200_i32 {
+        master.cycle(k * 40, 0);
+        // Between two ticks the same values stand, whoever asks.
+        let actuals = master.drive.axis().actuals();
+        let sampled = master.shown.last().copied();
+        let before = master.commanded.iter().rev().nth(2).copied();
+        assert_eq!(sampled, before.filter(|_| sampled.is_some()));
+        let (at, position) = (actuals.at, actuals.position_actual);
+        let read = master.drive.read_i32(0x6064, 0);
+        let actuals = master.drive.axis().actuals();
+        if actuals.at == at {
+            assert_eq!(read, position);
+        }
+        master.next = master.next.max(master.drive.now().ticks() + 100);
+    }
+}
+
+#[test]
+fn soft_motion_starts_at_1_2_and_4_ms_with_four_pdos_each_way() {
+    for cycle in [1_000, 2_000, 4_000] {
+        let mut drive = DriveBench::booted(4);
+        // Pre-operational: the mode, its period, every PDO synchronous.
+        drive.write_u8(0x6060, 0, 8);
+        drive.write_u8(0x60C2, 1, u8::try_from(cycle / 1_000).unwrap());
+        for number in 0..4 {
+            for base in [0x1400, 0x1800] {
+                drive.write_u8(base + number, 2, 1);
+            }
+        }
+        drive.start();
+        let mut master = Master::on(drive, cycle);
+        let states: [(u16, State); 3] = [
+            (0x06, tests::drive::READY_TO_SWITCH_ON),
+            (0x07, tests::drive::SWITCHED_ON),
+            (0x0F, OPERATION_ENABLED),
+        ];
+        for (controlword, state) in states {
+            master.controlword = controlword;
+            let actual = master.shown.last().copied().unwrap_or(0);
+            master.steps(std::iter::repeat_n(actual, 50));
+            assert!(state.is_shown_by(master.drive.statusword()), "{cycle} us");
+        }
+        master.steps(to_and_fro(i32::try_from(cycle / 50).unwrap()));
+        master.is_exact(150);
+        assert_eq!(master.drive.read_u8(0x2050, 1), 2, "locked");
+    }
 }

@@ -274,6 +274,8 @@ pub struct Exchange {
     /// Beats and data records that no tick has taken yet.
     beats: Deque<Beat, BEATS>,
     records: Deque<i32, BEATS>,
+    /// 60C4h:6 was 0 since the last tick.
+    clears_records: bool,
     lost_notices: u32,
     latched: Latched,
     readings: Readings,
@@ -301,6 +303,7 @@ impl Exchange {
             notices: Deque::new(),
             beats: Deque::new(),
             records: Deque::new(),
+            clears_records: false,
             lost_notices: 0,
             latched: Latched::NONE,
             readings: Readings::NONE,
@@ -320,6 +323,10 @@ impl Exchange {
 
     /// Sets what is set up. Call it before [`Exchange::post`], so that a tick that sees the commands knows it.
     pub fn configure(&mut self, configuration: Configuration) {
+        if !configuration.cyclic.buffer.is_open {
+            self.clears_records = true;
+            self.records.clear();
+        }
         self.configuration = configuration;
         self.is_configured = true;
     }
@@ -446,6 +453,13 @@ impl Exchange {
     /// A data record of the interpolated position mode came.
     pub fn record(&mut self, record: i32) {
         let _ = self.records.push_back(record);
+    }
+
+    /// Whether the data records were to be cleared since the last call.
+    pub const fn take_clear(&mut self) -> bool {
+        let clears = self.clears_records;
+        self.clears_records = false;
+        clears
     }
 
     /// The oldest data record that no tick has taken yet.

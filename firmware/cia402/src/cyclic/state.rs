@@ -48,7 +48,7 @@ impl Cyclic {
         mode: Mode,
     ) {
         self.slots.clear();
-        if !configuration.buffer.is_open || mode != Mode::InterpolatedPosition {
+        if exchange.take_clear() || mode != Mode::InterpolatedPosition {
             self.buffer.clear();
         }
         while let Some(record) = exchange.take_record() {

@@ -74,6 +74,3 @@ pub(super) fn bits(motion: &Following, context: &Context<'_>) -> u16 {
         | bit(motion.is_limited(), INTERNAL_LIMIT)
         | bit(motion.follows(), FOLLOWS)
 }
-
-#[cfg(test)]
-mod tests;

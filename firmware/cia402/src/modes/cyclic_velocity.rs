@@ -162,6 +162,3 @@ fn before_limit(velocity: i32, slot: &Slot, position: i64, context: &Context<'_>
         .unwrap_or(i32::MAX);
     velocity.max(most.wrapping_neg()).min(most)
 }
-
-#[cfg(test)]
-mod tests;

@@ -72,6 +72,3 @@ impl InterpolatedPosition {
         bits(&self.motion, context) | reached
     }
 }
-
-#[cfg(test)]
-mod tests;
