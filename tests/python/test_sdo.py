@@ -20,6 +20,10 @@ LIVE |= {NODE_ID_AND_BIT_RATE}
 DC_LINK_VOLTAGE, TEMPERATURE = 0x6079, 0x2074
 LIVE |= {DC_LINK_VOLTAGE, TEMPERATURE}
 
+#: What the drive measures of SYNC and of its own ticks.
+SYNC_LOCK = 0x2050
+LIVE |= {SYNC_LOCK}
+
 #: What the scope says of itself, and what it has recorded: nothing yet, which is refused.
 SCOPE, SCOPE_DATA = 0x20D0, 0x20D3
 LIVE |= {SCOPE}
