@@ -98,7 +98,7 @@ def test_an_upload_is_refused(node, index, subindex, code):
         (0x1017, 0, "00 00 00 00", 0x06070012),  # too long
         (0x6083, 0, "00 00 00 00", 0x06090032),  # below the limit
         (0x2040, 1, "11 27", 0x06090031),  # above the limit
-        (0x6060, 0, "09", 0x06090030),  # a mode that is not there
+        (0x6060, 0, "0A", 0x06090030),  # a mode that is not there
     ],
 )
 def test_a_download_is_refused(node, index, subindex, data, code):
