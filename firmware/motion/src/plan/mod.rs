@@ -465,7 +465,7 @@ impl<'a> Course<'a> {
     fn turn_back(&mut self, speed: u128, half_deceleration: u128, time: Offset, way: u128) {
         let speed = speed.cast_signed().wrapping_neg();
         let curve = self.changing(speed, half_deceleration.cast_signed(), time);
-        self.append(curve, time, way.cast_signed().wrapping_neg());
+        self.append(&curve, time, way.cast_signed().wrapping_neg());
     }
 
     /// Brakes from `speed`, to less or to standstill. Returns the way.
@@ -474,7 +474,7 @@ impl<'a> Course<'a> {
         let way = ramp_way(speed, half_deceleration, time, true);
         let falling = half_deceleration.cast_signed().wrapping_neg();
         let curve = self.changing(speed.cast_signed(), falling, time);
-        self.append(curve, time, way.cast_signed());
+        self.append(&curve, time, way.cast_signed());
         way
     }
 
@@ -482,7 +482,7 @@ impl<'a> Course<'a> {
     fn accelerate(&mut self, speed: u128, half_acceleration: u128, time: Offset) -> u128 {
         let way = ramp_way(speed, half_acceleration, time, false);
         let curve = self.changing(speed.cast_signed(), half_acceleration.cast_signed(), time);
-        self.append(curve, time, way.cast_signed());
+        self.append(&curve, time, way.cast_signed());
         way
     }
 
@@ -494,7 +494,7 @@ impl<'a> Course<'a> {
             half_acceleration: 0,
             curve: Curve::Parabola,
         };
-        self.append(shape, time, way.cast_signed());
+        self.append(&shape, time, way.cast_signed());
     }
 
     /// Brakes to standstill exactly at `target`, in the frame.
@@ -517,7 +517,7 @@ impl<'a> Course<'a> {
                 curve: Curve::Parabola,
             },
         };
-        self.push(shape, begin, self.elapsed);
+        self.push(&shape, begin, self.elapsed);
         self.rest_at(target);
     }
 
@@ -525,7 +525,7 @@ impl<'a> Course<'a> {
     fn ramp(&mut self, ramp: &Ramp) {
         self.mark_ramp(self.elapsed);
         for piece in ramp.pieces.iter().filter(|piece| piece.time != 0) {
-            self.append(piece.shape(self.travelled), piece.time, piece.way);
+            self.append(&piece.shape(self.travelled), piece.time, piece.way);
         }
     }
 
@@ -534,7 +534,7 @@ impl<'a> Course<'a> {
         self.mark_ramp(self.elapsed);
         let [first, second, last] = &ramp.pieces;
         for piece in [first, second].into_iter().filter(|piece| piece.time != 0) {
-            self.append(piece.shape(self.travelled), piece.time, piece.way);
+            self.append(&piece.shape(self.travelled), piece.time, piece.way);
         }
         if last.time != 0 {
             let begin = self.elapsed;
@@ -545,7 +545,7 @@ impl<'a> Course<'a> {
                 half_acceleration: 0,
                 curve: Curve::Cubic(last.sixth_jerk),
             };
-            self.push(shape, begin, self.elapsed);
+            self.push(&shape, begin, self.elapsed);
         }
         self.rest_at(target);
     }
@@ -610,14 +610,14 @@ impl<'a> Course<'a> {
 
     /// Adds a phase that is anchored at its beginning.
     #[inline(never)]
-    fn append(&mut self, curve: Shape, time: Offset, way: i128) {
+    fn append(&mut self, curve: &Shape, time: Offset, way: i128) {
         self.push(curve, self.elapsed, self.elapsed);
         self.elapsed = self.elapsed.saturating_add(time);
         self.travelled = self.travelled.wrapping_add(way);
     }
 
     #[inline(never)]
-    fn push(&mut self, curve: Shape, begin: Offset, anchor: Offset) {
+    fn push(&mut self, curve: &Shape, begin: Offset, anchor: Offset) {
         let plan = &mut *self.plan;
         let start = plan.start.saturating_add(ticks_up(begin));
         // A phase that ended before its first tick came is written over.

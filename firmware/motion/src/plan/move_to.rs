@@ -37,7 +37,10 @@ pub(super) fn plan(
     let half_deceleration = clock.half_acceleration(limits.deceleration);
     let stop_time = ramp_time(speed, half_deceleration);
     // Half of speed · time, which bounds the stopping distance well enough to refuse what would leave the span.
-    if speed != 0 {
+    let bits = 256u32
+        .wrapping_sub(speed.leading_zeros())
+        .wrapping_sub(stop_time.leading_zeros());
+    if bits > 160 {
         Wide::product(speed, stop_time)
             .shifted(33)
             .ok_or(PlanError::OutOfRange)?;
@@ -169,11 +172,16 @@ impl Route {
             course.never_end(self.end.speed);
             return;
         }
+        let mut stop_time = None;
         if peak > speed {
             let time = ramp_time(peak.wrapping_sub(speed), half_acceleration);
+            // The same ramp up and down is worked out once.
+            if speed == 0 && half_acceleration == self.half_deceleration {
+                stop_time = Some(time);
+            }
             way = way.saturating_sub(course.accelerate(speed, half_acceleration, time));
         }
-        let stop_time = ramp_time(peak, self.half_deceleration);
+        let stop_time = stop_time.unwrap_or_else(|| ramp_time(peak, self.half_deceleration));
         way = way.saturating_sub(ramp_way(peak, self.half_deceleration, stop_time, true));
         course.cruise(peak, cruise_time(way, peak), way);
         if self.end.speed == 0 {
@@ -232,7 +240,7 @@ impl Course<'_> {
                 half_acceleration: sine.half_peak(),
                 curve: Curve::Sine(sine),
             };
-            self.push(shape, begin, self.elapsed);
+            self.push(&shape, begin, self.elapsed);
         } else {
             let shape = Shape {
                 position: target.wrapping_add(end.way.cast_signed()),
@@ -240,7 +248,7 @@ impl Course<'_> {
                 half_acceleration: rising.wrapping_neg(),
                 curve: Curve::Parabola,
             };
-            self.push(shape, begin, rest);
+            self.push(&shape, begin, rest);
         }
         self.travelled = target;
         self.never_end(end.speed);

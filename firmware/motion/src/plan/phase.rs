@@ -198,8 +198,9 @@ impl Shape {
     /// The phase that begins at tick `begin` and whose coefficients hold at `anchor`, which counts from tick `start`.
     ///
     /// `origin` is the position at `start`; `reverse` turns the frame round.
+    #[inline(always)]
     pub(crate) fn phase(
-        self,
+        &self,
         start: Ticks,
         begin: Ticks,
         anchor: Offset,
@@ -214,20 +215,23 @@ impl Shape {
                 let back = part(self.velocity, fraction);
                 (self.position.wrapping_sub(back), self.velocity)
             }
-            Curve::Parabola | Curve::Cubic(_) => {
-                let bend = match self.curve {
-                    Curve::Cubic(sixth_jerk) => part(sixth_jerk, fraction) >> 32,
-                    _ => 0,
-                };
+            Curve::Parabola => {
+                let once = part(self.half_acceleration, fraction);
+                let back = part(self.velocity.wrapping_sub(once), fraction);
+                (
+                    self.position.wrapping_sub(back),
+                    self.velocity.wrapping_sub(once.wrapping_mul(2)),
+                )
+            }
+            Curve::Cubic(sixth_jerk) => {
+                let bend = part(sixth_jerk, fraction) >> 32;
                 half_acceleration = half_acceleration.wrapping_sub(bend.wrapping_mul(3));
                 // v − 2hφ + 3cφ² and x − vφ + hφ² − cφ³
                 let h = self.half_acceleration;
                 let once = part(h.wrapping_sub(bend), fraction);
                 let back = part(self.velocity.wrapping_sub(once), fraction);
-                let less = part(
-                    h.wrapping_mul(2).wrapping_sub(bend.wrapping_mul(3)),
-                    fraction,
-                );
+                let less = h.wrapping_mul(2).wrapping_sub(bend.wrapping_mul(3));
+                let less = part(less, fraction);
                 (
                     self.position.wrapping_sub(back),
                     self.velocity.wrapping_sub(less),
