@@ -1,6 +1,6 @@
 //! What the cyclic modes go by: the beat of the network, and the set-points that come with it.
 //!
-//! Each SYNC, with the set-point that holds at it, is a [`Beat`]. The beats drive a phase-locked loop ([`lock`]), and what comes out of it
+//! Each SYNC, with the set-point that holds at it, is a [`Beat`]. The beats drive a phase-locked loop (`lock`), and what comes out of it
 //! are slots: evenly spaced moments, each with its set-point or with none. A slot is decided on once, and what comes for it
 //! later is not used.
 //!
