@@ -155,3 +155,31 @@ fn d34_ros2_canopen_recovers_from_a_fault() {
     ros.drive.run_millis(200);
     assert_eq!(ros.drive.read_i32(0x606C, 0), 8_000);
 }
+
+/// Its cyclic position mode: 607Ah in every cycle and no halt, here without SYNC, so that each write is a set-point.
+#[test]
+fn d34_the_cyclic_position_mode_of_ros2_canopen() {
+    let mut ros = Ros::initialised();
+    ros.drive.write_u8(0x60C2, 1, 10);
+    ros.switches_mode(8);
+    for target in (0..100).map(|k: i32| (k * 10).min(500)) {
+        ros.drive.write_i32(0x607A, 0, target);
+        ros.write(0x0F);
+    }
+    assert_eq!(ros.drive.position(), 500);
+    ros.waits_for(0x6F | 1 << 12, 0x27 | 1 << 12, 1_000);
+}
+
+/// Its interpolated position mode: bit 4, then a record in every cycle.
+#[test]
+fn d34_the_interpolated_position_mode_of_ros2_canopen() {
+    let mut ros = Ros::initialised();
+    ros.drive.write_u8(0x60C2, 1, 10);
+    ros.switches_mode(7);
+    for record in (0..100).map(|k: i32| (k * 10).min(500)) {
+        ros.drive.write_i32(0x60C1, 1, record);
+        ros.write(0x1F);
+    }
+    assert_eq!(ros.drive.position(), 500);
+    ros.waits_for(0x6F, 0x27, 1_000);
+}
