@@ -106,7 +106,10 @@ pub struct Drive {
     modes: Modes,
     faults: Faults,
     motor: Motor,
+    /// The brake as the state machine wants it.
     brake: Brake,
+    /// The brake itself: 60FEh may want it otherwise.
+    fitted_brake: Brake,
     monitor: Monitor,
     /// What the monitor found in this tick.
     observed: Observed,
@@ -143,6 +146,7 @@ impl Drive {
             faults: Faults::default(),
             motor: Motor::new(outlast_tick(config)),
             brake: Brake::new(),
+            fitted_brake: Brake::new(),
             monitor: Monitor::new(config.tick),
             observed: Observed::default(),
             lost: false,
@@ -229,6 +233,7 @@ impl Drive {
             0
         } else {
             self.change_state(now, inputs, command, displaced);
+            self.move_brake(now);
             let blocked = self.blocked(inputs, position);
             self.operate(now, position, elapsed, blocked, command)
         };
@@ -258,7 +263,7 @@ impl Drive {
         Outputs {
             next_tick,
             power_stage: self.power,
-            brake_released: self.is_brake_released(),
+            brake_released: self.fitted_brake.is_released(),
             drop_pulses: !self.power || self.motor.is_cut(),
             current: self.motor_current(elapsed),
             microsteps: self.configuration.microsteps,

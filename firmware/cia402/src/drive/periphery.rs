@@ -31,16 +31,21 @@ impl Drive {
             .publish(shown, inputs, &self.configuration, exchange);
     }
 
-    /// What the brake is told: by 60FEh if that may, else by the state machine.
-    pub(super) fn is_brake_released(&self) -> bool {
-        let manual = self.periphery.outputs.brake();
-        manual.unwrap_or(self.brake.is_released())
+    /// Tells the brake what 60FEh wants of it if that may, else what the state machine wants. 60FEh does not close it on a motor that
+    /// turns: the mode stops the motor first.
+    pub(super) fn move_brake(&mut self, now: Instant) {
+        let waits = self.power && !self.motor.standstill() && self.fitted_brake.is_released();
+        let release = match self.periphery.outputs.brake() {
+            Some(manual) => manual || waits,
+            None => self.brake.is_released(),
+        };
+        self.fitted_brake.set(release, now);
     }
 
-    /// Whether the brake lets the motor move.
+    /// Whether the brake lets the motor move, and is to go on doing so.
     pub(super) fn is_brake_open(&self, now: Instant) -> bool {
         self.periphery.outputs.brake() != Some(false)
-            && self.brake.is_open(self.configuration.brake, now)
+            && self.fitted_brake.is_open(self.configuration.brake, now)
     }
 
     /// The current of the motor in milliamperes.
@@ -62,7 +67,7 @@ impl Drive {
             statusword,
             referenced: self.motor.is_referenced(),
             moving: !self.settled,
-            brake_released: self.is_brake_released(),
+            brake_released: self.fitted_brake.is_released(),
         };
         self.periphery
             .outputs

@@ -109,3 +109,62 @@ fn m04_where_the_current_goes_at_once_the_brake_falls_with_it() {
     rig.tick();
     assert!(!rig.outputs.brake_released && !rig.outputs.power_stage);
 }
+
+/// Writes 60FEh. Bit 0 is the brake: 1 closes it.
+fn write_outputs(rig: &mut Rig, value: u32, mask: u32) {
+    rig.configuration.outputs.is_brake_manual = true;
+    rig.commands.digital_outputs = value;
+    rig.commands.digital_outputs_mask = mask;
+    rig.commands.outputs_written = true;
+    rig.post();
+    rig.tick();
+}
+
+#[test]
+fn m71_a_brake_that_60feh_opens_takes_its_time_too() {
+    for (value, mask) in [(0, 1), (1, 0)] {
+        let mut rig = enabled();
+        rig.ticks(1_000);
+        write_outputs(&mut rig, 1, 1);
+        assert!(!rig.outputs.brake_released);
+        rig.set_point(1_000, 0);
+        rig.ticks(10);
+        write_outputs(&mut rig, value, mask);
+        assert!(rig.outputs.brake_released);
+        rig.ticks(25);
+        assert_eq!(rig.motor.position, 0, "2040h:1 counts from its opening");
+        rig.ticks(40);
+        assert_eq!(rig.rest(), 1_000);
+    }
+}
+
+#[test]
+fn m71_60feh_closes_the_brake_on_a_motor_that_stands() {
+    let mut rig = enabled();
+    rig.ticks(40);
+    rig.set_point(2_000, 0);
+    rig.ticks(100);
+    assert!(rig.speed() > 0);
+    write_outputs(&mut rig, 1, 1);
+    assert!(rig.outputs.brake_released, "the motor turns");
+    rig.until("closed", |rig| !rig.outputs.brake_released);
+    let position = rig.motor.position;
+    rig.ticks(100);
+    assert_eq!(rig.motor.position, position);
+    assert!(position < 2_000, "the motion waits");
+    write_outputs(&mut rig, 0, 1);
+    rig.ticks(40);
+    assert_eq!(rig.rest(), 2_000);
+}
+
+#[test]
+fn m71_where_the_current_goes_at_once_the_brake_that_60feh_closes_does_not_wait() {
+    let mut rig = enabled();
+    rig.ticks(40);
+    rig.set_point(2_000, 0);
+    rig.ticks(100);
+    write_outputs(&mut rig, 1, 1);
+    rig.write(0x00);
+    rig.tick();
+    assert!(!rig.outputs.brake_released && !rig.outputs.power_stage);
+}
