@@ -322,6 +322,9 @@ impl Parameter {
                 | Self::PositionOffset
                 | Self::VelocityOffset
                 | Self::InterpolationRecord
+                | Self::TouchProbeFunction
+                | Self::DigitalOutputs
+                | Self::DigitalOutputsMask
         )
     }
 }

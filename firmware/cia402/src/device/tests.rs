@@ -9,6 +9,8 @@ use std::format;
 use canopen::cia301::nmt::NmtState;
 use canopen::{ControllerState, Event};
 
+use crate::configuration::Configuration;
+use crate::exchange::Commands;
 use crate::state_machine::State;
 use crate::statusword::{REMOTE, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
 use rig::Station;
@@ -36,6 +38,26 @@ fn d02_a_drive_is_enabled_by_sdo_in_pre_operational() {
             station.upload(0x6041, 0) & !u32::from(TARGET_REACHED),
             state
         );
+    }
+}
+
+#[test]
+fn what_comes_with_each_rpdo_is_no_new_configuration() {
+    let mut station = Station::new();
+    station.milliseconds(3);
+    let (mut commands, mut configuration) = (Commands::NONE, Configuration::NONE);
+    for (index, sub, size, is_configuration) in [
+        (0x6067, 0, 4, true),
+        (0x6040, 0, 2, false),
+        (0x607A, 0, 4, false),
+        (0x60B8, 0, 2, false),
+        (0x60FE, 1, 4, false),
+        (0x60FE, 2, 4, false),
+        (0x60FF, 0, 4, false),
+    ] {
+        station.download(index, sub, size, 1).unwrap();
+        let is_configured = station.exchange.take(&mut commands, &mut configuration);
+        assert_eq!(is_configured, is_configuration, "{index:04X}h:{sub}");
     }
 }
 
