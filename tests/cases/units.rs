@@ -258,6 +258,97 @@ fn m57_limits_count_from_home_unless_20e0h_says_otherwise() {
     refuses(&mut drive, 0x20E0, 0, &[4], 0x0609_0030);
 }
 
+/// Homing where the motor stands (method 37), then profile position again.
+fn home_here(drive: &mut DriveBench) {
+    drive.write_u8(0x6060, 0, 6);
+    drive.run_millis(10);
+    drive.command(0x1F);
+    drive.run_millis(10);
+    drive.command(0x0F);
+    drive.write_u8(0x6060, 0, 1);
+    drive.run_millis(10);
+}
+
+/// A table of a range around zero, homed at 170; its limits 150 to 190 reach over the end of the range. It stands at 185.
+fn limits_over_the_end() -> DriveBench {
+    let mut drive = DriveBench::started(4);
+    drive.write_i32(0x607B, 1, -180);
+    drive.write_i32(0x607B, 2, 179);
+    drive.write_i32(0x607D, 1, -20);
+    drive.write_i32(0x607D, 2, 20);
+    drive.write_i32(0x607C, 0, 170);
+    drive.write_u8(0x6098, 0, 37);
+    drive.enable();
+    home_here(&mut drive);
+    drive.write_u16(0x60F2, 0, 3 << 6);
+    drive.begin_move(-175);
+    drive.reaches_target(2_000);
+    assert_eq!(drive.position(), 15, "steps from home");
+    drive
+}
+
+#[test]
+fn m57_limits_on_a_rotary_axis_stay_whatever_else_is_written() {
+    let mut drive = limits_over_the_end();
+    drive.write_u32(0x6067, 0, 10);
+    drive.write_u16(0x60F2, 0, 0);
+    drive.begin_move(160);
+    drive.run_millis(1_000);
+    assert_eq!(
+        drive.position(),
+        20,
+        "160 degrees of the next turn are too far"
+    );
+    assert_ne!(drive.statusword() & INTERNAL_LIMIT, 0);
+    drive.write_u16(0x60F2, 0, 3 << 6);
+    drive.begin_move(160);
+    drive.reaches_target(2_000);
+    assert_eq!(drive.position(), -10);
+}
+
+#[test]
+fn m57_limits_on_a_rotary_axis_come_along_when_it_is_homed_again() {
+    let mut drive = limits_over_the_end();
+    drive.write_u32(0x6067, 0, 10);
+    home_here(&mut drive);
+    assert_eq!(drive.read_i32(0x6064, 0), 170);
+    drive.begin_move(160);
+    drive.reaches_target(2_000);
+    assert_eq!(drive.position(), 5, "ten steps back");
+}
+
+#[test]
+fn m57_limits_stay_at_home_when_the_units_change() {
+    for polarity in [0, 0x80] {
+        let mut drive = DriveBench::started(4);
+        drive.write_i32(0x607C, 0, 10_000);
+        drive.write_u8(0x6098, 0, 37);
+        drive.enable();
+        home_here(&mut drive);
+        drive.command(0x00);
+        drive.run_millis(20);
+        // Ten of the 3200 steps of a turn are a unit.
+        drive.write_u32(0x6092, 1, 320);
+        drive.write_u8(0x607E, 0, polarity);
+        drive.write_i32(0x607D, 1, -100);
+        drive.write_i32(0x607D, 2, 100);
+        drive.enable();
+        assert_eq!(drive.read_i32(0x6063, 0), 10_000);
+        let home = if polarity == 0 { 1_000 } else { -1_000 };
+        assert_eq!(drive.read_i32(0x6064, 0), home);
+        drive.begin_move(home);
+        drive.reaches_target(2_000);
+        assert_eq!(drive.read_i32(0x6063, 0), 10_000, "home itself");
+        let up = if polarity == 0 { 5_000 } else { -5_000 };
+        drive.begin_move(up);
+        drive.run_millis(2_000);
+        assert_eq!(drive.read_i32(0x6063, 0), 11_000);
+        drive.begin_move(-up);
+        drive.run_millis(2_000);
+        assert_eq!(drive.read_i32(0x6063, 0), 9_000);
+    }
+}
+
 #[test]
 fn m73_whatever_the_factors_extremes_do_no_harm() {
     let mut seed = 0x2545_F491_4F6C_DD1D_u64;

@@ -27,7 +27,7 @@ use crate::periphery::Periphery;
 use crate::recorder;
 use crate::state_machine::{Conditions, State, StateMachine, Transition};
 use crate::statusword;
-use crate::units::{Frame, Travel};
+use crate::units::{Frame, SoftwareLimits};
 
 /// What a drive is built from.
 #[derive(Clone, Copy, Debug)]
@@ -99,9 +99,7 @@ pub struct Drive {
     /// How the numbers of the user lie on the increments.
     frame: Frame,
     /// Where the motor may go.
-    travel: Travel,
-    /// What that was worked out for: the name of the home position, and whether it is known.
-    travel_for: (i32, bool),
+    limits: SoftwareLimits,
     machine: StateMachine,
     modes: Modes,
     faults: Faults,
@@ -139,8 +137,7 @@ impl Drive {
             commands: Commands::NONE,
             configuration: Configuration::NONE,
             frame: Frame::new(),
-            travel: Travel::NONE,
-            travel_for: (0, false),
+            limits: SoftwareLimits::new(),
             machine: StateMachine::new(),
             modes: Modes::new(),
             faults: Faults::default(),
@@ -213,7 +210,7 @@ impl Drive {
         self.motor.observe(position, self.power, pulses);
         self.motor.set_time(fine(now));
         self.cyclic.pass(fine(now));
-        if is_configured || self.travel_for != (self.frame.home(), self.motor.is_referenced()) {
+        if is_configured || self.limits.are_old(&self.frame, self.motor.is_referenced()) {
             self.look_at_units(position);
         }
         self.switches.observe(
@@ -277,8 +274,8 @@ impl Drive {
     fn look_at_units(&mut self, position: i64) {
         self.frame.set_units(&self.configuration.units);
         let is_referenced = self.motor.is_referenced();
-        self.travel_for = (self.frame.home(), is_referenced);
-        self.travel = Travel::new(&self.configuration, &self.frame, position, is_referenced);
+        self.limits
+            .work_out(&self.configuration, &self.frame, position, is_referenced);
     }
 
     /// Hands out the pulses of the next segments between two ticks ([`DriveConfig::refills`]). Nothing is decided here.
@@ -419,7 +416,7 @@ impl Drive {
                     configuration: &self.configuration,
                     demand: self.motor.demand(),
                     observed: self.observed,
-                    travel: self.travel,
+                    travel: self.limits.travel(),
                     frame: &mut self.frame,
                     switches: &self.switches,
                     blocked,

@@ -9,7 +9,11 @@ pub(crate) struct Frame {
     increments: i64,
     user: i64,
     /// What the last homing has called the home position, in units of the user; 0 before.
-    home: i32,
+    home: i64,
+    /// The same in increments.
+    home_increments: i64,
+    /// Counts homings.
+    homings: u32,
     /// The units of the position above.
     ratio: Ratio,
     polarity: bool,
@@ -22,6 +26,8 @@ impl Frame {
             increments: 0,
             user: 0,
             home: 0,
+            home_increments: 0,
+            homings: 0,
             ratio: Ratio::ONE,
             polarity: false,
         }
@@ -50,21 +56,29 @@ impl Frame {
 
     /// The home position has got this name.
     pub(crate) const fn found_home(&mut self, name: i32, increments: i64) {
-        self.home = name;
+        self.home = name as i64;
+        self.home_increments = increments;
+        self.homings = self.homings.wrapping_add(1);
         self.remember(name as i64, increments);
     }
 
-    /// What the last homing has called the home position.
-    pub(crate) const fn home(&self) -> i32 {
+    /// What the home position is called since the last homing, in the units of now.
+    pub(crate) const fn home(&self) -> i64 {
         self.home
     }
 
-    /// These are the units from now on. Where they are others, a position has another number.
+    /// Counts homings.
+    pub(crate) const fn homings(&self) -> u32 {
+        self.homings
+    }
+
+    /// These are the units from now on. Where they are others, a position has another number, and so has the home position.
     pub(crate) fn set_units(&mut self, units: &Units) {
         let polarity = units.has_position_polarity();
         if units.position != self.ratio || polarity != self.polarity {
             self.ratio = units.position;
             self.polarity = polarity;
+            self.home = units.position_in_units(self.home_increments);
             self.remember(0, 0);
         }
     }

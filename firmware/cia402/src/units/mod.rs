@@ -28,7 +28,7 @@ pub(crate) use frame::Frame;
 pub use range::{Range, Rotation};
 pub use ratio::Ratio;
 pub use si::SiUnit;
-pub(crate) use travel::Travel;
+pub(crate) use travel::{SoftwareLimits, Travel};
 
 /// 607Eh: positions are turned around.
 const POSITION_POLARITY: u8 = 1 << 7;

@@ -109,6 +109,48 @@ fn m57_a_new_offset_counts_from_the_next_homing_on() {
     assert_eq!(rig.actuals().position_actual, 600);
 }
 
+/// In degrees of ten steps, as 60F2h bits 7 and 6 say.
+fn turn_to(rig: &mut Rig, target: i32, code: u16) -> i64 {
+    rig.commands.positioning_option = code << 6;
+    rig.set_point(target, 0);
+    rig.rest()
+}
+
+#[test]
+fn m57_a_cable_ends_after_two_turns() {
+    let mut rig = rig(Factors {
+        range: (0, 359),
+        ..ratio(10, 1)
+    });
+    rig.configuration.position_limits = (-720, 720);
+    home(&mut rig, 0);
+    for turn in [1_200, 2_400, 3_600, 4_800, 6_000, 7_200] {
+        let target = turn / 10 % 360;
+        assert_eq!(turn_to(&mut rig, target, 2), i64::from(turn));
+        assert!(!rig.limited());
+    }
+    assert_eq!(turn_to(&mut rig, 120, 2), 7_200);
+    assert!(rig.limited());
+    // Written once more, they are where they were.
+    rig.configuration.position_limits = (-720, 719);
+    assert_eq!(turn_to(&mut rig, 120, 2), 7_190);
+}
+
+#[test]
+fn m57_before_homing_limits_are_those_between_which_the_motor_stands() {
+    let mut rig = rig(Factors {
+        range: (-180, 179),
+        ..ratio(10, 1)
+    });
+    assert_eq!(turn_to(&mut rig, 185, 0), 1_850);
+    rig.configuration.position_limits = (150, 190);
+    assert_eq!(turn_to(&mut rig, 160, 3), 1_600);
+    assert_eq!(turn_to(&mut rig, -100, 3), 1_900);
+    // Beyond them in every turn: those of the turn in which it stands.
+    rig.configuration.position_limits = (-20, 20);
+    assert_eq!(turn_to(&mut rig, -10, 0), 3_500);
+}
+
 #[test]
 fn m58_limits_turn_with_the_polarity() {
     let mut rig = rig(Factors {
