@@ -1,7 +1,8 @@
 //! From beats to slots: evenly spaced moments, each with the beat that has brought its set-point, or with none.
 //!
-//! Where 60C2h is a multiple of the SYNC period, only one SYNC in so many brings a set-point. If set-points come more often than
-//! 60C2h says, they count as they come.
+//! Where 60C2h is a multiple of the SYNC period, only one SYNC in so many brings a set-point, and has a slot. Once the loop is locked, the
+//! slots stay where they are: a set-point that comes a SYNC early or late waits for the next slot. The slots begin anew at a
+//! set-point that comes after a long pause. Set-points that go on coming more often than 60C2h says count as they come.
 
 use heapless::Vec;
 
@@ -10,6 +11,12 @@ use super::{Beat, Fine, POINT, SyncStatus, fine};
 
 /// The most slots in one control tick.
 const MOST: usize = 4;
+
+/// So many set-points in a row that are as far apart tell how often they come.
+const STEADY: u8 = 8;
+
+/// After so many slots without a set-point the next one begins the slots anew.
+const PAUSE: u32 = 8;
 
 /// The slots of a control tick, in their order.
 pub(crate) type Slots = Vec<Slot, MOST>;
@@ -32,8 +39,57 @@ pub(crate) struct NetworkClock {
     is_synced: bool,
     /// SYNCs for one set-point.
     share: u32,
+    /// SYNCs for one set-point as 60C2h says.
+    nominal: u32,
+    /// 60C2h, as it was when that was found.
+    interpolation: Fine,
     /// SYNCs since the last slot.
     since: u32,
+    spacing: Spacing,
+    /// A set-point that waits for its slot.
+    early: Option<Beat>,
+}
+
+/// How far apart set-points are, in SYNCs.
+#[derive(Debug)]
+struct Spacing {
+    /// Since the last set-point.
+    since: u32,
+    /// Between the last two.
+    apart: u32,
+    /// So many times in a row before.
+    alike: u8,
+}
+
+impl Spacing {
+    /// No set-point has come.
+    const NONE: Self = Self {
+        since: u32::MAX,
+        apart: 0,
+        alike: 0,
+    };
+
+    const fn pass(&mut self) {
+        self.since = self.since.saturating_add(1);
+    }
+
+    /// A set-point comes. Returns how long after the one before it.
+    const fn come(&mut self) -> u32 {
+        let apart = self.since;
+        self.alike = if apart == self.apart {
+            self.alike.saturating_add(1)
+        } else {
+            0
+        };
+        self.apart = apart;
+        self.since = 0;
+        apart
+    }
+
+    /// How far apart they are if that has been the same for long.
+    fn steady(&self) -> Option<u32> {
+        (self.alike >= STEADY).then_some(self.apart)
+    }
 }
 
 impl NetworkClock {
@@ -42,7 +98,11 @@ impl NetworkClock {
             lock: Lock::new(),
             is_synced: false,
             share: 1,
+            nominal: 1,
+            interpolation: 0,
             since: 0,
+            spacing: Spacing::NONE,
+            early: None,
         }
     }
 
@@ -68,32 +128,60 @@ impl NetworkClock {
             let (missed, rejected) = (self.lock.missed(), self.lock.rejected());
             self.lock = Lock::new();
             self.lock.carry_on(missed, rejected);
+            self.spacing = Spacing::NONE;
+            self.early = None;
         }
         let heard = self.lock.hear(fine(beat.at), [interpolation, cycle]);
         if heard == Heard::OutOfTurn {
             return;
         }
         self.find_share(interpolation);
-        self.since = self.since.saturating_add(1);
+        self.step();
         if is_new {
-            self.share = self.share.min(self.since).max(1);
-            self.slot(Some(beat), slots);
-        } else if self.since >= self.share {
-            self.slot(None, slots);
+            self.early = Some(beat);
+            if self.is_at_slot() {
+                return self.slot(slots);
+            }
+        }
+        if self.since >= self.share {
+            self.slot(slots);
         }
     }
 
     /// Lets time pass.
     pub(crate) fn pass(&mut self, now: Fine, slots: &mut Slots) {
         while !slots.is_full() && self.lock.misses(now) {
-            self.since = self.since.saturating_add(1);
+            self.step();
             if self.since >= self.share {
-                self.slot(None, slots);
+                self.slot(slots);
             }
         }
     }
 
-    fn slot(&mut self, beat: Option<Beat>, slots: &mut Slots) {
+    /// A SYNC was, or should have been.
+    fn step(&mut self) {
+        self.since = self.since.saturating_add(1);
+        self.spacing.pass();
+    }
+
+    /// A set-point comes. Whether it has its slot at once, wherever the slots have been.
+    fn is_at_slot(&mut self) -> bool {
+        let apart = self.spacing.come();
+        if !self.lock.is_locked() {
+            self.share = self.share.min(self.since).max(1);
+            return true;
+        }
+        match self.spacing.steady() {
+            Some(apart) if apart != self.share && apart <= self.nominal => {
+                self.share = apart.max(1);
+                true
+            }
+            _ => apart >= self.share.saturating_mul(PAUSE),
+        }
+    }
+
+    fn slot(&mut self, slots: &mut Slots) {
+        let beat = self.early.take();
         self.since = 0;
         let slot = Slot {
             at: self.lock.at(),
@@ -104,11 +192,12 @@ impl NetworkClock {
         let _ = slots.push(slot);
     }
 
-    /// How many SYNCs make one set-point, as long as the period is not settled.
+    /// How many SYNCs make one set-point, as long as the period is not settled and when 60C2h changes.
     fn find_share(&mut self, interpolation: Fine) {
-        if self.lock.is_locked() && self.share > 1 {
+        if self.lock.is_locked() && self.interpolation == interpolation {
             return;
         }
+        self.interpolation = interpolation;
         let period = self.lock.period();
         let micros = |time: Fine| u32::try_from(time >> POINT).unwrap_or(u32::MAX);
         let half = micros(period) / 2;
@@ -118,9 +207,8 @@ impl NetworkClock {
             .unwrap_or(1);
         let whole = period.saturating_mul(share.into());
         let is_near = whole.abs_diff(interpolation) <= period / 8;
-        if !self.lock.is_locked() {
-            self.share = if is_near { share.max(1) } else { 1 };
-        }
+        self.nominal = if is_near { share.max(1) } else { 1 };
+        self.share = self.nominal;
     }
 
     /// Whether the beat comes with another period than one that is set up, where that is known.
@@ -150,3 +238,6 @@ impl NetworkClock {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
