@@ -30,15 +30,53 @@ impl Pipeline {
     /// is ahead of SYNC. So the transmit PDOs of a SYNC show a position that is exactly a set-point.
     ///
     /// A period that is measured is never quite the nominal one; a sixteenth of it is allowed for, so that the number of periods does
-    /// not hang on that.
+    /// not hang on that. That is never more than an eighth of the depth: of a long period, the rest of the depth would not be there
+    /// when the motor is to set out for a set-point.
     pub(crate) fn latency(&self, period: Fine) -> Fine {
+        let allowed = (period / 16).min(self.depth / 8);
         let periods = self
             .depth
-            .saturating_add(period.saturating_sub(period / 16))
+            .saturating_add(period.saturating_sub(allowed))
             .saturating_sub(1)
             .checked_div(period)
             .unwrap_or(1)
             .saturating_add(1);
         periods.saturating_mul(period).saturating_sub(self.lead)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motion::{Clock, DriverTiming};
+
+    use super::*;
+
+    const fn micros(time: u64) -> Fine {
+        time << POINT
+    }
+
+    #[test]
+    fn m63_of_any_period_the_motor_sets_out_after_its_set_point_is_known() {
+        for segment in [250, 1_000] {
+            let axis = AxisConfig {
+                clock: Clock::new(1_000_000).unwrap(),
+                segment,
+                timing: DriverTiming {
+                    pulse_high: 5,
+                    pulse_low: 5,
+                    direction_setup: 5,
+                    direction_hold: 5,
+                },
+            };
+            let pipeline = Pipeline::new(&axis, micros(1_000), micros(250));
+            for period in [1, 2, 3, 10, 23, 24, 25, 50, 100, 250, 2_000] {
+                let period = micros(period * 1_000);
+                let latency = pipeline.latency(period) + pipeline.lead;
+                assert_eq!(latency % period, 0);
+                let known = pipeline.depth - pipeline.depth / 8;
+                assert!(latency - period >= known, "{} us", period >> POINT);
+                assert!(latency - period < pipeline.depth + period);
+            }
+        }
     }
 }
