@@ -15,6 +15,7 @@
 //!   starts anew.
 
 use canopen::{Duration, Instant};
+use cia402::inputs::Capture;
 use cia402::recorder::{Memory, Recorder};
 use cia402::{Drive, DriveConfig, Exchange, Inputs, State};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
@@ -22,7 +23,6 @@ use rtic::Mutex;
 
 use crate::board::{Board, Pulses, Selected, Stage};
 use crate::clock;
-use crate::edges::Edges;
 use crate::inbox::Lost;
 use crate::share::Locked;
 
@@ -49,7 +49,7 @@ pub struct Control {
     pulses: <Selected as Board>::Pulses,
     stage: <Selected as Board>::Stage,
     lost: &'static Lost,
-    edges: &'static Edges,
+    edges: &'static Capture,
     lost_before: u32,
     /// The motor had current after the last tick.
     powered: bool,
@@ -63,7 +63,7 @@ impl Control {
         pulses: <Selected as Board>::Pulses,
         stage: <Selected as Board>::Stage,
         lost: &'static Lost,
-        edges: &'static Edges,
+        edges: &'static Capture,
         scope: &'static Memory,
     ) -> Self {
         Self {

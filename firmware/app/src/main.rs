@@ -28,7 +28,6 @@ mod control;
 #[forbid(unsafe_code)]
 mod dictionary;
 #[forbid(unsafe_code)]
-mod edges;
 #[forbid(unsafe_code)]
 mod inbox;
 #[forbid(unsafe_code)]
@@ -45,13 +44,13 @@ mod share;
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI1, SPI2])]
 mod app {
     use canopen::Settings;
+    use cia402::inputs::Capture;
     use cia402::Exchange;
 
     use crate::board::{
         self, Board, Bus, ControlTimer, InputLines, Parts, Receive, Selected, Steps,
     };
     use crate::control::{Control, RATE_HZ};
-    use crate::edges::Edges;
     use crate::inbox::{self, Inbox, Lost};
     use crate::lights::{Panel, Signals};
     use crate::machine::Machine;
@@ -73,7 +72,7 @@ mod app {
         step: (
             <Selected as Board>::Steps,
             <Selected as Board>::InputLines,
-            &'static Edges,
+            &'static Capture,
         ),
     }
 
@@ -86,7 +85,7 @@ mod app {
     #[init(local = [
         frames: inbox::Memory = inbox::Memory::new(),
         lost: Lost = Lost::new(),
-        edges: Edges = Edges::new(),
+        edges: Capture = Capture::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local, init::Monotonics) {
         let Parts {
@@ -102,6 +101,7 @@ mod app {
             serial_number,
             user_memory,
         } = Selected::start(cx.device);
+        cx.local.edges.begin(Selected::input_levels());
 
         let bit_rates = <Selected as Board>::Bus::BIT_RATES;
         let (store, power_on) = settings::load(parameters, &inputs, bit_rates);

@@ -8,9 +8,13 @@
 //! 60FDh shows the switches in bits 0 (negative limit), 1 (positive limit) and 2 (home), and the bare levels of inputs 1 to 6
 //! in bits 16 to 21.
 
+mod capture;
+
 use motion::homing::SwitchState;
 
 use crate::motor::Barred;
+
+pub use capture::Capture;
 
 /// How many inputs there may be.
 pub const COUNT: usize = 6;

@@ -21,7 +21,7 @@ use canopen::{
     Settings,
 };
 use cia402::binding::{self, Conversion, Number};
-use cia402::inputs::{self, Captured, DigitalInputs, Edges};
+use cia402::inputs::{self, Capture, Captured, DigitalInputs, Edges};
 use cia402::recorder::{Memory, Recorder, Recording};
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use cortex_m_rt::entry;
@@ -395,6 +395,15 @@ fn any_edges() -> Edges {
     edges
 }
 
+/// What an input interrupt and a control tick do with edges.
+fn capture(edges: &Capture) {
+    let mut inputs = DigitalInputs::NONE;
+    edges.begin(any() as u8);
+    edges.note(any() as u8, any() as u8, |_| any(), any());
+    edges.take(any() as u8, &mut inputs, |_| any(), |_| any() as i32);
+    look(u32::from(inputs.levels) | u32::from(inputs.changed));
+}
+
 #[inline(never)]
 fn drive(
     device: &mut Device<Dictionary, Hooked<Machine>>,
@@ -492,6 +501,7 @@ fn main() -> ! {
     let mut shared = step_interrupt::Shared::new();
     let (mut queue, mut player) = step_interrupt::split(&mut shared, Timer, any_timing());
     let ring = Ring::new();
+    let edges = Capture::new();
     let mut output = Output::new(AnyRegisters, &ring);
     loop {
         timer_pulses(&mut output);
@@ -515,6 +525,7 @@ fn main() -> ! {
             plan(config.clock);
             values();
             units::units();
+            capture(&edges);
             pulses(&mut queue, &mut player);
         }
     }
