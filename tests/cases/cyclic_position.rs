@@ -217,6 +217,70 @@ fn m62_the_demand_begins_where_the_motor_stands_and_a_far_target_is_caught_up_wi
     assert!(fastest <= Some(20), "607Fh: {fastest:?}");
 }
 
+/// The greatest change of 6064h's way from one cycle to the next.
+fn hardest(shown: &[i32]) -> i32 {
+    let bend = |three: &[i32]| (three[2] - 2 * three[1] + three[0]).abs();
+    shown.windows(3).map(bend).max().unwrap()
+}
+
+#[test]
+fn m62_a_first_target_that_607fh_would_allow_in_one_period_is_caught_up_with_on_the_ramp() {
+    let mut master = Master::new(8, 10_000);
+    // It stands somewhere else than the first target.
+    master.steps([900; 100]);
+    assert_eq!(master.drive.position(), 900);
+    assert!(master.has(FOLLOWS) && !master.has(INTERNAL_LIMIT));
+    // 100,000 increments/s² change the way of 10 ms by 10, and pulses are whole.
+    let change = hardest(&master.shown);
+    assert!(change <= 12, "6083h: {change}");
+}
+
+#[test]
+fn m35_released_halt_begins_on_the_ramp_too() {
+    let mut master = Master::new(8, 10_000);
+    master.steps([0; 100]);
+    master.controlword = 0x10F;
+    master.steps([0; 5]);
+    master.controlword = 0x0F;
+    master.shown.clear();
+    master.steps([900; 100]);
+    assert_eq!(master.drive.position(), 900);
+    let change = hardest(&master.shown);
+    assert!(change <= 12, "6083h: {change}");
+}
+
+#[test]
+fn m64_set_points_that_are_lost_while_the_motor_catches_up_are_missing_as_well() {
+    let mut master = Master::new(8, 1_000);
+    master.drive.write_u32(0x607F, 0, 20_000);
+    master.steps([0; 100]);
+    master.steps([50_000; 400]);
+    assert!(!master.has(FOLLOWS));
+    let so_far = master.drive.position();
+    // The master is gone, and SYNC with it.
+    master.drive.run_millis(200);
+    assert!(FAULT.is_shown_by(master.drive.statusword()));
+    assert_eq!(master.drive.read_u16(0x603F, 0), 0x8250);
+    let went = master.drive.position() - so_far;
+    // Until it is noticed, some 10 ms at 20 in each, and 200 on 6085h.
+    assert!(went < 600, "{went}");
+}
+
+#[test]
+fn m64_a_single_set_point_far_away_is_gone_to() {
+    let mut master = Master::new(8, 1_000);
+    master.steps([0; 100]);
+    for _ in 0..20 {
+        master.sync(0);
+    }
+    master.cycle(2_000, 0);
+    for _ in 0..1_000 {
+        master.sync(0);
+    }
+    assert_eq!(master.drive.position(), 2_000);
+    assert!(OPERATION_ENABLED.is_shown_by(master.drive.statusword()));
+}
+
 #[test]
 fn m64_one_lost_set_point_is_bridged_and_d28_one_that_is_late_too() {
     let mut master = Master::new(8, 2_000);
@@ -365,9 +429,12 @@ fn m44_a_software_limit_stops_before_it() {
         master.drive.position()
     );
     assert!(master.drive.position() >= 995);
+    assert!(master.has(INTERNAL_LIMIT));
+    assert!(!master.has(FOLLOWS), "it stands, and not at its set-point");
     assert!(master.shown.iter().all(|shown| *shown <= 1_000));
     master.steps([900; 500]);
     assert_eq!(master.drive.position(), 900, "the way back is free");
+    assert!(master.has(FOLLOWS) && !master.has(INTERNAL_LIMIT));
 }
 
 #[test]
@@ -426,7 +493,7 @@ fn m68_interpolated_position_goes_through_its_records_while_bit_4_is_set() {
         for _ in 0..100 {
             master.sync(0);
         }
-        for record in [100, 200, 300] {
+        for record in [0, 100, 200] {
             master.drive.write_i32(0x60C1, 1, record);
         }
         master.drive.run_millis(2);
@@ -437,7 +504,7 @@ fn m68_interpolated_position_goes_through_its_records_while_bit_4_is_set() {
         }
         assert_eq!(master.drive.position(), 0, "bit 4 gates");
         master.drive.command(0x1F);
-        for record in [350, 375, 375, 375] {
+        for record in [300, 350, 375, 375] {
             let record = expedited_sub(0x60C1, 1, record);
             master.drive.send_frame(Frame::data_frame(0x604, &record));
             master.sync(0);

@@ -3,8 +3,8 @@
 //! The contract:
 //! - Between two set-points exactly the difference of them leaves, spread evenly over the time between them (60C0h = 0), or as a cubic
 //!   with the mean velocity of its neighbours (60C0h = −1).
-//! - It begins where the motor stands. What is farther away than 607Fh and 6080h allow in one period is caught up with: at these
-//!   velocities, on the ramps 6083h and 6084h within 60C5h and 60C6h.
+//! - It begins where the motor stands. Set-points that are not there, and later what is farther away than 607Fh and 6080h allow in one
+//!   period, are caught up with: at these velocities, on the ramps 6083h and 6084h within 60C5h and 60C6h.
 //! - Before a software limit 607Dh the motor slows down with 6085h and stops on it. The way back is free.
 //! - A set-point that is missing is bridged at the velocity before, as often as 2051h:1 says. One is missing only where the motor
 //!   moves; where the last set-point was the only one, the motor stays there.
@@ -87,7 +87,7 @@ impl Following {
 
     /// The motor does what the set-points say (statusword bit 12).
     pub(super) const fn follows(&self) -> bool {
-        self.is_active && !self.is_catching_up
+        self.is_active && !self.is_limited
     }
 
     /// A set-point could not be carried out as it is (statusword bit 11).
@@ -149,6 +149,8 @@ impl Following {
         let at = motor.committed_position();
         if !self.is_active {
             self.is_active = true;
+            // With a set-point elsewhere the motor does not start with a jump.
+            self.is_catching_up = true;
             self.fresh = 0;
             self.goal = at;
         }
@@ -168,13 +170,16 @@ impl Following {
             self.fresh = self.fresh.saturating_add(1);
             self.bridged = 0;
             self.goal = goal;
-        } else if !lost.is_as_before() && !self.is_catching_up && self.fresh > 1 && self.way != 0 {
+        } else if !lost.is_as_before() && self.fresh > 1 && self.way != 0 {
             if self.bridged >= lost.bridged {
                 return None;
             }
             self.bridged = self.bridged.saturating_add(1);
-            self.goal = self.at.wrapping_add(self.way) >> POINT;
-            return Some(self.way);
+            if !self.is_catching_up {
+                self.goal = self.at.wrapping_add(self.way) >> POINT;
+                return Some(self.way);
+            }
+            self.goal = self.goal.wrapping_add(self.pace >> POINT);
         } else {
             self.fresh = 0;
             self.pace = 0;
@@ -201,9 +206,10 @@ impl Following {
         let up = gain(limits.acceleration, seconds);
         let down = gain(limits.deceleration, seconds);
         let change = need.saturating_sub(self.way);
-        let is_change_small = change.saturating_abs() <= up.max(down);
-        let is_in_reach =
-            need.saturating_abs() <= most && (!self.is_catching_up || is_change_small);
+        // Both this change and the one to the velocity of the set-points, behind it.
+        let is_gentle = change.saturating_abs() <= up.max(down)
+            && need.saturating_sub(self.pace).saturating_abs() <= down;
+        let is_in_reach = need.saturating_abs() <= most && (!self.is_catching_up || is_gentle);
         let way = if is_in_reach {
             self.is_catching_up = false;
             need
