@@ -62,6 +62,11 @@ impl<'a> TimerModel<'a> {
         machine.judge.cut(now);
     }
 
+    /// Whether the timer stands where channel 1 would be high.
+    pub fn is_inside_pulse(&self) -> bool {
+        self.0.borrow().stands_inside_pulse()
+    }
+
     /// What was seen on the pins.
     pub fn judge(&self) -> Ref<'_, Judge> {
         Ref::map(self.0.borrow(), |machine| &machine.judge)
@@ -104,6 +109,8 @@ struct Machine<'a> {
     active: Preloaded,
     began: u64,
     risen: u64,
+    /// What the counter shows while it stands.
+    stood: u64,
     /// Words left in this round, and the first word of the next slot, which is fetched ahead.
     left: u32,
     fetched_ahead: u32,
@@ -133,6 +140,7 @@ impl<'a> Machine<'a> {
             active: [0, 0xFFFF, 0, 0, 0],
             began: 0,
             risen: 0,
+            stood: 0,
             left: 0,
             fetched_ahead: 0,
             burst: None,
@@ -166,6 +174,9 @@ impl<'a> Machine<'a> {
                 if was_pwm && !self.makes_pulses() {
                     self.judge.cut(self.now);
                 }
+                if !was_pwm && self.makes_pulses() {
+                    self.compare_anew();
+                }
                 assert_eq!(value & 1 << 11, 1 << 11, "CCR2 is preloaded");
             }
             Register::Cr1 => {
@@ -173,9 +184,11 @@ impl<'a> Machine<'a> {
                 self.registers[register as usize] = value;
                 assert_eq!(value & bits::ARPE, bits::ARPE, "ARR is preloaded");
                 if self.counts() && !was_running {
-                    // The counter stands at 0: it was generated anew.
+                    assert_eq!(self.stood, 0, "the counter was not generated anew");
                     self.began = self.now;
                     self.risen = 0;
+                } else if was_running && !self.counts() {
+                    self.stood = (self.now - self.began) % self.period();
                 }
             }
             Register::StreamNdtr => {
@@ -270,12 +283,29 @@ impl<'a> Machine<'a> {
         self.active = self.preload;
         self.began = self.now;
         self.risen = 0;
+        self.stood = 0;
         let [_, reload, _, _, level] = self.active;
         assert!(
             level == 0 || level > reload,
             "the direction signal would be neither high nor low"
         );
         self.judge.direction(self.now, level > reload);
+    }
+
+    /// Channel 1 was forced low and is in PWM mode again. RM0090 (17.4.7, OC1M) leaves open whether OC1REF compares at once; here it
+    /// does, and a counter that stands below CCR1 makes a rising edge: too short to be a pulse for the driver, and counted.
+    fn compare_anew(&mut self) {
+        if self.stands_inside_pulse() {
+            let leaves = self.leaves();
+            self.judge.pulses(self.now, 1, 1, 0, leaves);
+            self.count_pulses(1);
+        }
+    }
+
+    /// The counter stands below CCR1.
+    fn stands_inside_pulse(&self) -> bool {
+        let [_, _, _, width, _] = self.active;
+        !self.counts() && self.stood < width.into()
     }
 
     /// A burst ends: its words are preloaded, and the first of the next slot is fetched.
@@ -304,16 +334,26 @@ impl<'a> Machine<'a> {
         let fresh = due - self.risen;
         if fresh > 0 {
             let first = self.began + self.risen * period;
-            let leaves = self.register(Register::Bdtr) & bits::MOE != 0;
+            let leaves = self.leaves();
             self.judge
                 .pulses(first, fresh, period, width.into(), leaves);
             self.risen = due;
-            if self.register(Register::CounterCr1) & bits::CEN != 0
-                && self.register(Register::Cr2) == bits::TRGO_OC1REF
-                && self.register(Register::CounterSmcr) == bits::COUNT_TIM1
-            {
-                self.count = self.count.wrapping_add(fresh as u32);
-            }
+            self.count_pulses(fresh);
+        }
+    }
+
+    /// The outputs are driven: no break has cut them off.
+    fn leaves(&self) -> bool {
+        self.register(Register::Bdtr) & bits::MOE != 0
+    }
+
+    /// Edges of OC1REF, whether they leave or not.
+    fn count_pulses(&mut self, edges: u64) {
+        if self.register(Register::CounterCr1) & bits::CEN != 0
+            && self.register(Register::Cr2) == bits::TRGO_OC1REF
+            && self.register(Register::CounterSmcr) == bits::COUNT_TIM1
+        {
+            self.count = self.count.wrapping_add(edges as u32);
         }
     }
 }

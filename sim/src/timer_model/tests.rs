@@ -228,6 +228,35 @@ fn dropping_keeps_the_count_of_pulses_that_left() {
 }
 
 #[test]
+fn a_train_after_a_drop_inside_a_pulse_begins_with_its_own() {
+    // Inside a pulse of the first train, then between two of its pulses.
+    for (late, is_inside) in [(3, true), (FAST.pulse_high / 2, true), (100, false)] {
+        let mut rig = rig(FAST);
+        for (repeat, width) in [(1, 0), (100, FAST.pulse_high as u16)] {
+            let record = Record {
+                period: 10_000,
+                repeat,
+                width,
+                direction: Direction::Forward,
+            };
+            rig.output.push(record).unwrap();
+        }
+        while rig.model.judge().pulses < 5 {
+            rig.model.run(1);
+        }
+        rig.model.run(late.into());
+        rig.output.drop_all();
+        rig.model.run(HZ.into());
+        assert_eq!(rig.model.is_inside_pulse(), is_inside);
+        rig.axis.set_position(5);
+        rig.axis.move_to(7, LIMITS).unwrap();
+        rig.finish(1_000);
+        rig.account();
+        assert_eq!(rig.model.judge().position, 7);
+    }
+}
+
+#[test]
 fn the_break_input_cuts_the_pulses_by_hardware() {
     let mut rig = rig(FAST);
     rig.axis.ramp_to(100_000, LIMITS).unwrap();

@@ -223,7 +223,8 @@ impl<'a, R: Registers> Output<'a, R> {
     }
 
     /// Begins a train with what is in the ring. The silence in front is played twice: once from here, and once because it is
-    /// what is preloaded at the first update event, which fetches the first slot.
+    /// what is preloaded at the first update event, which fetches the first slot. Channel 1 makes pulses only once counter and CCR1
+    /// are 0: after [`Output::drop_all`] both still are where a pulse was cut short, and it would rise again.
     #[cold]
     fn start(&mut self, direction: u32) {
         use Register as Reg;
@@ -233,12 +234,12 @@ impl<'a, R: Registers> Output<'a, R> {
             (Reg::StreamNdtr, ALL_WORDS),
             (Reg::StreamCr, bits::STREAM),
             (Reg::StreamCr, bits::STREAM | bits::STREAM_ON),
-            (Reg::Ccmr1, bits::CHANNEL_1_PWM | bits::CHANNEL_2_PWM),
             (Reg::Arr, LEAD_IN - 1),
             (Reg::Rcr, 0),
             (Reg::Ccr1, 0),
             (Reg::Ccr2, direction),
             (Reg::Egr, bits::UG),
+            (Reg::Ccmr1, bits::CHANNEL_1_PWM | bits::CHANNEL_2_PWM),
             (Reg::Cr1, bits::URS | bits::ARPE | bits::CEN),
         ] {
             self.registers.write(register, value);
