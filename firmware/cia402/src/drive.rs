@@ -17,7 +17,7 @@ use crate::configuration::Configuration;
 use crate::controlword::{Command, FAULT_RESET};
 use crate::cyclic::{Cyclic, fine};
 use crate::exchange::{Actuals, Commands, Share};
-use crate::faults::{Faults, Reaction};
+use crate::faults::{EXTERNAL, Faults, Reaction};
 use crate::inputs::{DigitalInputs, Switches};
 use crate::modes::{Context, Modes};
 use crate::monitor::{Monitor, Observed};
@@ -201,7 +201,9 @@ impl Drive {
             && self.settled
             && !self.motor.is_cut()
             && self.motor.is_displaced(position, inputs.slack);
-        if displaced {
+        // The pulses of the last tick may have been cut off before they left, though they are counted.
+        let is_cut_off = inputs.fault == Some(EXTERNAL) && !self.settled;
+        if displaced || is_cut_off {
             self.motor.lose_reference();
         }
         if !self.power && self.motor.standstill() {

@@ -32,6 +32,8 @@ pub const SET_POINTS_LOST: u16 = 0x8250;
 pub const BEAT_DIFFERS: u16 = 0x8700;
 /// 8611h, following error: the motor stands, but not where its pulses should have taken it.
 pub const POSITION_MISMATCH: u16 = 0x8611;
+/// 9000h, external error: something outside has cut the pulses off. Those handed out since are counted, and have not left.
+pub const EXTERNAL: u16 = 0x9000;
 
 /// How a fault stops the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +78,8 @@ pub const CLASSES: [FaultClass; 9] = [
         ErrorRegister::DEVICE_PROFILE,
         Reaction::AsConfigured,
     ),
-    class((0x90, 0x9F), ErrorRegister::GENERIC, Reaction::AsConfigured),
+    // No pulse reaches the motor any more: there is nothing to ramp down.
+    class((0x90, 0x9F), ErrorRegister::GENERIC, Reaction::PowerOff),
 ];
 
 const OTHER: FaultClass = class(
@@ -376,6 +379,7 @@ mod tests {
             (0x6100, 0x01, Reaction::AsConfigured),
             (0x8130, 0x10, Reaction::AsConfigured),
             (0x8611, 0x20, Reaction::AsConfigured),
+            (0x9000, 0x01, Reaction::PowerOff),
             (0xFF00, 0x80, Reaction::PowerOff),
             (0x0001, 0x80, Reaction::PowerOff),
         ] {

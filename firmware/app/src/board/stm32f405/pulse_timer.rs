@@ -7,6 +7,7 @@
 
 use core::ptr::addr_of;
 
+use cia402::faults::EXTERNAL;
 use motion::advanced_timer::{Output, Register, Registers, Ring};
 use motion::{PulseSink, Record, Ticks};
 use stm32f4xx_hal::gpio::{Alternate, PA0, PA1, PB11, PB12, PB13, PB14};
@@ -14,9 +15,6 @@ use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 
 use crate::board::{Pulses, Steps};
-
-/// Error code 9000h of CiA 301: something outside has cut the pulses off.
-const EXTERNAL: u16 = 0x9000;
 
 /// What the DMA reads.
 static RING: Ring = Ring::new();

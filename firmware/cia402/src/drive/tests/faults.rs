@@ -1,5 +1,7 @@
+use motion::PulseSink as _;
+
 use crate::faults::FaultNotice::{Cleared, Raised};
-use crate::faults::{POSITION_MISMATCH, UNDER_VOLTAGE};
+use crate::faults::{EXTERNAL, POSITION_MISMATCH, UNDER_VOLTAGE};
 use crate::state_machine::State;
 use crate::testing::Rig;
 
@@ -72,6 +74,58 @@ fn a_fault_of_the_current_cuts_the_power_at_once() {
     assert!(!rig.outputs.power_stage && rig.outputs.drop_pulses);
     rig.tick();
     assert_eq!(rig.state(), State::Fault);
+}
+
+/// A drive whose home position is known and that goes on by `target` steps.
+fn homed(target: i32) -> Rig {
+    let mut rig = Rig::new();
+    rig.commands.mode = 6;
+    rig.configuration.homing.method = 37;
+    rig.enable();
+    rig.write(0x1F);
+    rig.ticks(3);
+    assert!(rig.actuals().referenced);
+    rig.commands.mode = 1;
+    rig.write(0x0F);
+    rig.ticks(2);
+    rig.set_point(target, 0);
+    rig.tick();
+    rig
+}
+
+#[test]
+fn pulses_cut_off_from_outside_end_operation_at_once_and_take_the_home_position_along() {
+    let mut rig = homed(100_000);
+    rig.ticks(200);
+    rig.fault = Some(EXTERNAL);
+    rig.tick();
+    assert_eq!(rig.state(), State::FaultReactionActive);
+    assert!(!rig.outputs.power_stage && rig.outputs.drop_pulses);
+    rig.tick();
+    assert_eq!(rig.state(), State::Fault);
+    assert!(!rig.actuals().referenced);
+    assert_eq!(rig.notices(), [Raised(EXTERNAL)]);
+}
+
+#[test]
+fn pulses_cut_off_from_outside_in_the_last_tick_of_a_motion_take_the_home_position_along() {
+    // The tick that finds the break is the one that finds every pulse counted, too.
+    let mut rig = homed(1_000);
+    rig.until("last pulse", |rig| rig.motor.pending() == 0);
+    rig.fault = Some(EXTERNAL);
+    rig.ticks(2);
+    assert_eq!(rig.state(), State::Fault);
+    assert!(!rig.actuals().referenced);
+}
+
+#[test]
+fn pulses_cut_off_from_outside_at_rest_keep_the_home_position() {
+    let mut rig = homed(1_000);
+    rig.rest();
+    rig.fault = Some(EXTERNAL);
+    rig.ticks(10);
+    assert_eq!(rig.state(), State::Fault);
+    assert!(rig.actuals().referenced);
 }
 
 #[test]
