@@ -194,6 +194,28 @@ fn m70_positions_are_in_units_of_the_user() {
 }
 
 #[test]
+fn m70_what_is_stored_is_shown_in_the_units_of_now() {
+    let mut drive = enabled(probes(Switch::from(12_340), Switch::from(90_000)));
+    drive.write_u16(0x60B8, 0, BOTH);
+    go(&mut drive, 20_000, 50_000);
+    assert_eq!(positions(&mut drive), [12_340, 0, 0, 0]);
+    drive.command(0x00);
+    drive.run_millis(20);
+    // Ten of the 3200 steps of a turn are a unit.
+    drive.write_u32(0x6092, 1, 320);
+    drive.run_millis(5);
+    assert_eq!(drive.read_i32(0x6064, 0), 2_000);
+    assert_eq!(positions(&mut drive), [1_234, 0, 0, 0]);
+    drive.write_u8(0x607E, 0, 0x80);
+    drive.run_millis(5);
+    assert_eq!(positions(&mut drive), [-1_234, 0, 0, 0]);
+    drive.write_i32(0x607B, 1, 0);
+    drive.write_i32(0x607B, 2, 999);
+    drive.run_millis(5);
+    assert_eq!(positions(&mut drive), [766, 0, 0, 0]);
+}
+
+#[test]
 fn m70_every_latched_position_is_true_in_random_motion() {
     let mut random = generator(70);
     for _ in 0..6 {

@@ -215,6 +215,21 @@ fn m59_set_points_at_sync_go_over_the_end_of_a_turn() {
 }
 
 #[test]
+fn m73_a_set_point_very_far_away_leads_in_its_direction() {
+    for (target, sign) in [(1_000_000_000, 1), (-1_000_000_000, -1)] {
+        let mut drive = DriveBench::started(4);
+        // A unit is 153,600 steps: the target is more than 2^47 of them away.
+        drive.write_u32(0x608F, 1, 51_200);
+        drive.write_u32(0x6091, 1, 3);
+        drive.write_u32(0x6092, 1, 1);
+        follow(&mut drive, [target; 50].into_iter());
+        let position = drive.position() * sign;
+        assert!(position > 0, "{position}");
+        assert_ne!(drive.statusword() & INTERNAL_LIMIT, 0);
+    }
+}
+
+#[test]
 fn m59_from_350_to_10_degrees() {
     for (code, steps) in [(0_u16, 89), (1, 89), (2, 3_289), (3, 3_289)] {
         let mut drive = DriveBench::started(4);

@@ -274,7 +274,9 @@ impl Drive {
     #[cold]
     #[inline(never)]
     fn look_at_units(&mut self, position: i64) {
-        self.frame.set_units(&self.configuration.units);
+        if self.frame.set_units(&self.configuration.units) {
+            self.periphery.probes.show_anew();
+        }
         let is_referenced = self.motor.is_referenced();
         self.limits
             .work_out(&self.configuration, &self.frame, position, is_referenced);

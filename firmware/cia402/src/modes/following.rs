@@ -5,6 +5,7 @@
 //!   with the mean velocity of its neighbours (60C0h = −1).
 //! - It begins where the motor stands. Set-points that are not there, and later what is farther away than 607Fh and 6080h allow in one
 //!   period, are caught up with: at these velocities, on the ramps 6083h and 6084h within 60C5h and 60C6h.
+//! - What is farther away than one motion leads counts as just so far: differences fit into their numbers.
 //! - Before a software limit 607Dh the motor slows down with 6085h and stops on it. The way back is free.
 //! - A set-point that is missing is bridged at the velocity before, as often as 2051h:1 says. One is missing only where the motor
 //!   moves; where the last set-point was the only one, the motor stays there.
@@ -122,7 +123,14 @@ impl Following {
             // It is still being stopped.
             return Outcome::Followed;
         }
-        let Some(need) = self.need(target, context) else {
+        let most = Motor::REACH;
+        let here = context.motor.committed_position();
+        let goal = target.map(|target| {
+            target
+                .max(here.saturating_sub(most))
+                .min(here.saturating_add(most))
+        });
+        let Some(need) = self.need(goal, context) else {
             return Outcome::Lost;
         };
         let interval = end.wrapping_sub(self.end);
@@ -133,6 +141,7 @@ impl Following {
         }
         let before = self.way;
         self.way = self.allowed(need, interval, context);
+        self.is_limited |= goal != target;
         let knot = Knot {
             end,
             at: self.at.wrapping_add(self.way),

@@ -261,10 +261,14 @@ impl ProfilePosition {
             return base.saturating_add(asked);
         }
         let rotation = Rotation::of(given.positioning_option);
-        let from = if waits || rotation == Rotation::Linear {
-            here
-        } else {
-            at(rest(context, given.profile_deceleration))
+        let rest = || rest(context, given.profile_deceleration);
+        let from = match rotation {
+            _ if waits => here,
+            Rotation::Linear => here,
+            Rotation::Shortest => at(rest()),
+            // Half a unit back would be the wrong direction.
+            Rotation::Positive => context.frame.position_beyond(rest(), units, true),
+            Rotation::Negative => context.frame.position_beyond(rest(), units, false),
         };
         units.range().target(asked, from, rotation)
     }

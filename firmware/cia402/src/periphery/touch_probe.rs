@@ -236,6 +236,11 @@ impl TouchProbes {
         self.follow(commands, configuration);
     }
 
+    /// Positions have other numbers: those that are stored are news.
+    pub(crate) const fn show_anew(&mut self) {
+        self.is_news = true;
+    }
+
     /// What has become new since the last call; `shown` gives the position that objects show for one of the drive's.
     pub(crate) fn take_news(&mut self, shown: impl Fn(i64) -> i32) -> Option<Latched> {
         core::mem::take(&mut self.is_news).then(|| self.latched(shown))

@@ -1,6 +1,6 @@
 //! How the numbers of the user lie on the increments.
 
-use super::{Ratio, Units};
+use super::{Range, Ratio, Units};
 
 /// One position of which the number of the user is known exactly, because it was commanded or homing gave it: there it is shown
 /// as it was given, and not rounded from the increments. And the name of the home position.
@@ -14,9 +14,10 @@ pub(crate) struct Frame {
     home_increments: i64,
     /// Counts homings.
     homings: u32,
-    /// The units of the position above.
+    /// The units of the positions above, and where they wrap.
     ratio: Ratio,
     polarity: bool,
+    range: Range,
 }
 
 impl Frame {
@@ -30,6 +31,7 @@ impl Frame {
             homings: 0,
             ratio: Ratio::ONE,
             polarity: false,
+            range: Range::ALL,
         }
     }
 
@@ -40,6 +42,26 @@ impl Frame {
             self.user
         } else {
             units.position_in_units(increments)
+        }
+    }
+
+    /// The same, not to the nearest but to the greater number, or to the lesser one, if it lies between two: so that what is beyond it
+    /// in that direction is ahead of the motor.
+    pub(crate) fn position_beyond(&self, increments: i64, units: &Units, is_greater: bool) -> i64 {
+        let user = self.position(increments, units);
+        if increments == self.increments {
+            return user;
+        }
+        let nearest = units.position(user);
+        let is_below =
+            nearest != increments && (nearest < increments) != units.has_position_polarity();
+        let is_above = nearest != increments && !is_below;
+        if is_greater && is_below {
+            user.saturating_add(1)
+        } else if !is_greater && is_above {
+            user.saturating_sub(1)
+        } else {
+            user
         }
     }
 
@@ -72,14 +94,18 @@ impl Frame {
         self.homings
     }
 
-    /// These are the units from now on. Where they are others, a position has another number, and so has the home position.
-    pub(crate) fn set_units(&mut self, units: &Units) {
+    /// These are the units from now on. Where they are others, a position has another number, and so has the home position. Returns
+    /// whether positions are shown otherwise than before.
+    pub(crate) fn set_units(&mut self, units: &Units) -> bool {
+        let has_new_range = core::mem::replace(&mut self.range, units.range()) != units.range();
         let polarity = units.has_position_polarity();
-        if units.position != self.ratio || polarity != self.polarity {
+        let has_new_units = units.position != self.ratio || polarity != self.polarity;
+        if has_new_units {
             self.ratio = units.position;
             self.polarity = polarity;
             self.home = units.position_in_units(self.home_increments);
             self.remember(0, 0);
         }
+        has_new_units || has_new_range
     }
 }

@@ -1,6 +1,6 @@
 //! Axes whose positions wrap (607Bh).
 
-use super::{Factors, ratio, rig};
+use super::{Factors, Units, ratio, rig};
 use crate::testing::Rig;
 
 /// A rotary table in degrees: 3200 steps a turn.
@@ -83,6 +83,39 @@ fn m59_a_target_where_the_axis_stands_is_no_turn() {
     go(&mut rig, 90, 0);
     for code in 0..4 {
         assert_eq!(go(&mut rig, 90, code), 0, "code {code}");
+    }
+}
+
+#[test]
+fn m59_one_direction_is_not_half_a_unit_the_other_way() {
+    for (polarity, sign) in [(0, 1), (0x80, -1)] {
+        for (steps, code, way) in [
+            (104, 2, 3_596),
+            (104, 1, -4),
+            (104, 3, -4),
+            (96, 2, 4),
+            (96, 1, -3_596),
+            (96, 3, 4),
+            (100, 2, 0),
+            (100, 1, 0),
+        ] {
+            let mut rig = rig(super::NONE);
+            rig.set_point(steps * sign, 0);
+            rig.rest();
+            // Between two numbers of a master that counts otherwise.
+            rig.configuration.units = Units::new(Factors {
+                range: (0, 359),
+                polarity,
+                ..ratio(10, 1)
+            })
+            .unwrap();
+            rig.post();
+            rig.tick();
+            assert_eq!(rig.actuals().position_actual, 10);
+            let moved = go(&mut rig, 10, code);
+            assert_eq!(moved, way * i64::from(sign), "from {steps} by {code}");
+            assert_eq!(go(&mut rig, 10, code), 0, "there it is exactly");
+        }
     }
 }
 
