@@ -9,7 +9,7 @@ use heapless::Deque;
 
 use crate::configuration::Configuration;
 use crate::controlword::{Command, NEW_SET_POINT};
-use crate::cyclic::{Beat, SyncStatus};
+use crate::cyclic::{Beat, Buffer, SyncStatus};
 use crate::faults::FaultNotice;
 use crate::modes::Mode;
 use crate::periphery::{Latched, Readings};
@@ -271,9 +271,9 @@ pub struct Exchange {
     newest: Actuals,
     before: Actuals,
     notices: Deque<FaultNotice, NOTICES>,
-    /// Beats and data records that no tick has taken yet.
+    /// Beats and data records that no tick has taken yet. A master fills the buffer 60C4h with records back to back.
     beats: Deque<Beat, BEATS>,
-    records: Deque<i32, BEATS>,
+    records: Buffer,
     /// 60C4h:6 was 0 since the last tick.
     clears_records: bool,
     lost_notices: u32,
@@ -302,7 +302,7 @@ impl Exchange {
             before: Actuals::NONE,
             notices: Deque::new(),
             beats: Deque::new(),
-            records: Deque::new(),
+            records: Buffer::new(),
             clears_records: false,
             lost_notices: 0,
             latched: Latched::NONE,
@@ -450,9 +450,9 @@ impl Exchange {
         self.beats.pop_front()
     }
 
-    /// A data record of the interpolated position mode came.
+    /// A data record of the interpolated position mode came. As many wait for a tick as 60C4h lets wait.
     pub fn record(&mut self, record: i32) {
-        let _ = self.records.push_back(record);
+        self.records.push(record, self.configuration.cyclic.buffer);
     }
 
     /// Whether the data records were to be cleared since the last call.
@@ -464,7 +464,7 @@ impl Exchange {
 
     /// The oldest data record that no tick has taken yet.
     pub fn take_record(&mut self) -> Option<i32> {
-        self.records.pop_front()
+        self.records.pop()
     }
 
     /// Hands news of a fault to the device. When the device has not come for a long time, the news is counted as lost
@@ -506,5 +506,21 @@ pub trait Share {
 impl Share for Exchange {
     fn lock<R>(&mut self, f: impl FnOnce(&mut Exchange) -> R) -> R {
         f(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cyclic::RECORDS;
+
+    #[test]
+    fn m68_a_buffer_that_is_filled_between_two_ticks_keeps_every_record() {
+        let mut exchange = Exchange::new();
+        for record in 1..=40 {
+            exchange.record(record);
+        }
+        let records = std::iter::from_fn(|| exchange.take_record());
+        assert!(records.eq((1..=40).take(RECORDS)));
     }
 }
