@@ -4,8 +4,8 @@ use motion::advanced_timer::{Output, Register, Registers};
 use motion::homing::{self, Homing, Method};
 use motion::step_interrupt::{Edge, Player, RecordQueue, StepTimer};
 use motion::{
-    Axis, AxisConfig, Clock, Direction, DriverTiming, Limits, Plan, Position, PulseSink, Record,
-    State, Velocity,
+    Axis, AxisConfig, Clock, Direction, DriverTiming, Limits, Plan, Position, PulseSink, Ramps,
+    Record, State, Velocity,
 };
 
 use super::{any, any_u64, look};
@@ -32,6 +32,14 @@ pub fn any_timing() -> DriverTiming {
         pulse_low: any(),
         direction_setup: any(),
         direction_hold: any(),
+    }
+}
+
+fn any_ramps() -> Ramps {
+    match any() {
+        0 => Ramps::Linear,
+        1 => Ramps::SinSquared,
+        _ => Ramps::JerkLimited(any()),
     }
 }
 
@@ -73,6 +81,17 @@ pub fn axis(axis: &mut Axis) {
         8 => look(axis.committed_velocity() as u32 + u32::from(axis.is_ending())),
         4 => axis.set_position(any_u64() as i64),
         5 => look(axis.demand(any_u64()).position as u32),
+        9 => {
+            let to = Position::from_steps(any_u64() as i64);
+            look(axis.follow(any_u64(), to).is_ok().into());
+        }
+        10 => {
+            let to = Position::from_steps(any_u64() as i64);
+            let velocity = Velocity::from_bits(any_u64() as i64);
+            look(axis.follow_smoothly(any_u64(), to, velocity).is_ok().into());
+        }
+        11 => look(axis.follow_velocity(any_u64(), any() as i32).is_ok().into()),
+        12 => axis.set_ramps(any_ramps()),
         6 => look(
             axis.committed_position() as u32 + axis.target() as u32 + u32::from(axis.is_at_rest()),
         ),
