@@ -11,6 +11,7 @@
 
 use canopen::outbox::Mailboxes;
 use canopen::{BitRate, ControllerState, Duration, Instant};
+use cia402::cyclic::TickTimer;
 use cortex_m::peripheral::SYST;
 use embedded_storage::nor_flash::NorFlash;
 use stm32f4xx_hal::pac;
@@ -235,8 +236,7 @@ pub struct ControlTimer {
     timer: SYST,
     /// Counts of a nominal tick.
     nominal: u32,
-    /// When the tick is due that the timer is counting to; none before it was told to keep a rhythm other than its own.
-    due: Option<Instant>,
+    rhythm: TickTimer,
 }
 
 impl ControlTimer {
@@ -251,33 +251,16 @@ impl ControlTimer {
         Self {
             timer,
             nominal,
-            due: None,
+            rhythm: TickTimer::new(Duration::micros((1_000_000 / rate_hz).into())),
         }
     }
 
     /// The tick that runs at `now` says when the next one is due. The timer is counting to that one already, so what is said changes the
     /// tick behind it; the rhythm is the same, one tick later.
     pub fn schedule<B: Board>(&mut self, now: Instant, next: Option<Instant>) {
-        let Some(next) = next else {
-            if self.due.take().is_some() {
-                self.timer.set_reload(self.nominal - 1);
-            }
-            return;
-        };
-        let per_microsecond = B::SYSTEM_TIMER_HZ / 1_000_000;
-        let tick = self.nominal / per_microsecond;
-        // What the timer is counting to: as it was told a tick ago.
-        let counting_to = self
-            .due
-            .filter(|due| *due > now)
-            .unwrap_or_else(|| now + Duration::micros(tick.into()));
-        let interval = next.checked_duration_since(now);
-        let behind = next + interval.unwrap_or(Duration::micros(tick.into()));
-        let length = behind
-            .checked_duration_since(counting_to)
-            .map_or(tick, |length| length.ticks() as u32)
-            .clamp(tick / 2, tick + tick / 8);
-        self.timer.set_reload(length * per_microsecond - 1);
-        self.due = Some(counting_to + Duration::micros(length.into()));
+        let counts = self.rhythm.next(now, next).map_or(self.nominal, |length| {
+            length * (B::SYSTEM_TIMER_HZ / 1_000_000)
+        });
+        self.timer.set_reload(counts - 1);
     }
 }

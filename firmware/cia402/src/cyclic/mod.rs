@@ -13,6 +13,7 @@ pub(crate) mod lock;
 mod pipeline;
 mod schedule;
 mod state;
+mod timer;
 mod timescale;
 
 pub use beat::Beat;
@@ -21,6 +22,7 @@ pub use buffer::{BufferConfiguration, RECORDS};
 pub(crate) use clock::Slot;
 pub(crate) use pipeline::Pipeline;
 pub(crate) use state::Cyclic;
+pub use timer::TickTimer;
 pub(crate) use timescale::Timescale;
 
 use canopen::Instant;
