@@ -15,7 +15,7 @@
 //!   starts anew.
 
 use canopen::{Duration, Instant};
-use cia402::inputs::Capture;
+use cia402::inputs::{time_of_edge, Capture};
 use cia402::recorder::{Memory, Recorder};
 use cia402::{Drive, DriveConfig, Exchange, Inputs, State};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
@@ -111,7 +111,10 @@ impl Control {
         self.edges.take(
             Selected::input_levels(),
             &mut inputs.digital,
-            |ticks| nanoseconds(now, counter.wrapping_sub(ticks)),
+            |ticks| {
+                let counts = counter.wrapping_sub(ticks);
+                time_of_edge(now, counts, Selected::TICKS_PER_MICROSECOND)
+            },
             |count| pulses.position_at(count),
         );
         let outputs = self
@@ -140,12 +143,6 @@ impl Control {
         self.drive.refill(&mut self.pulses);
         Selected::refill_done();
     }
-}
-
-/// The drive's time, modulo 2³² nanoseconds, so many counts of the board before `now`.
-fn nanoseconds(now: Instant, counts: u32) -> u32 {
-    let age = u64::from(counts) * 1_000 / u64::from(Selected::TICKS_PER_MICROSECOND);
-    (now.ticks() * 1_000).wrapping_sub(age) as u32
 }
 
 const fn config() -> DriveConfig {

@@ -14,7 +14,7 @@ use motion::homing::SwitchState;
 
 use crate::motor::Barred;
 
-pub use capture::Capture;
+pub use capture::{Capture, time_of_edge};
 
 /// How many inputs there may be.
 pub const COUNT: usize = 6;

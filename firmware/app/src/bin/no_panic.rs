@@ -402,6 +402,7 @@ fn capture(edges: &Capture) {
     edges.note(any() as u8, any() as u8, |_| any(), any());
     edges.take(any() as u8, &mut inputs, |_| any(), |_| any() as i32);
     look(u32::from(inputs.levels) | u32::from(inputs.changed));
+    look(inputs::time_of_edge(any_time(), any(), any()));
 }
 
 #[inline(never)]

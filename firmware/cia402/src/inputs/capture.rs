@@ -10,6 +10,8 @@
 
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering, compiler_fence};
 
+use canopen::Instant;
+
 use super::{COUNT, Captured, DigitalInputs, Edge, Edges};
 
 /// The memory that the interrupt and the control tick share.
@@ -220,6 +222,16 @@ impl Place {
         self.count.store(count, Ordering::Relaxed);
         self.ticks.store(ticks, Ordering::Relaxed);
     }
+}
+
+/// The drive's time of an edge in nanoseconds, modulo 2³². The edge came `counts` of the board before `now`: a number with a sign, modulo
+/// 2³², for it may also have come since `now` was read. Of a board that counts nothing in a microsecond it is `now`.
+pub fn time_of_edge(now: Instant, counts: u32, counts_per_microsecond: u32) -> u32 {
+    let age = i64::from(counts.cast_signed())
+        .wrapping_mul(1_000)
+        .checked_div(counts_per_microsecond.into())
+        .unwrap_or(0);
+    now.ticks().wrapping_mul(1_000).wrapping_sub(age as u64) as u32
 }
 
 #[cfg(test)]

@@ -58,3 +58,17 @@ fn an_edge_behind_the_look_at_the_lines_waits_for_its_own_interrupt() {
     assert_eq!((first.rose, first.fell), (once(7), None));
     assert_eq!((second.rose, second.fell), (once(8), None));
 }
+
+#[test]
+fn an_edge_that_comes_while_the_tick_measures_is_a_little_after_it() {
+    let now = Instant::from_ticks(1_000_000_000);
+    let at = |counts: i32| time_of_edge(now, counts.cast_unsigned(), 84);
+    let tick = (now.ticks() * 1_000) as u32;
+    assert_eq!(at(0), tick);
+    assert_eq!(
+        at(84_000),
+        tick.wrapping_sub(1_000_000),
+        "a millisecond ago"
+    );
+    assert_eq!(at(-84), tick.wrapping_add(1_000), "a microsecond later");
+}

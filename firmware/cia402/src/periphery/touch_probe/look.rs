@@ -42,7 +42,8 @@ impl Look<'_> {
 
     /// The edges of two inputs, in the order of time.
     fn together(&self, one: Edges, other: Edges) -> Edges {
-        let age = |edge: Edge| self.now.time.wrapping_sub(edge.time);
+        // An edge may have come since the tick read its time.
+        let age = |edge: Edge| self.now.time.wrapping_sub(edge.time).cast_signed();
         Edges {
             first: if age(one.first) >= age(other.first) {
                 one.first
