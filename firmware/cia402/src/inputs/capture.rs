@@ -3,7 +3,9 @@
 //!
 //! There are two banks. The interrupt notes edges in the one that is open; the control tick opens the other one, then reads the
 //! first at leisure. The interrupt goes before the control tick and is never interrupted by it: once another bank is open, nobody
-//! writes to the old one. So no edge is lost or counted twice, and nothing is locked.
+//! writes to the old one. So no edge is lost or counted twice, and nothing is locked. The levels that the tick gets are those after
+//! the edges that it gets: what a pin says in that moment may have an edge that is still on its way. Only a level that stays
+//! without an edge for a second tick is taken from the pin.
 //!
 //! The interrupt knows that there was an edge, and reads the level a moment later. An input that is where it was before has been
 //! elsewhere meanwhile, so both edges are noted. Pulses shorter than that moment, about a microsecond, may count twice.
@@ -22,6 +24,9 @@ pub struct Capture {
     is_second_open: AtomicBool,
     /// The levels after the edges that were noted. Only the interrupt changes them.
     noted: AtomicU8,
+    /// The levels that the last tick took, and the inputs that were at the other level without an edge. Only the tick changes them.
+    taken: AtomicU8,
+    differed: AtomicU8,
 }
 
 /// The edges between two control ticks.
@@ -29,6 +34,8 @@ pub struct Capture {
 struct Bank {
     /// The inputs that have risen in bits 0 to 5, those that have fallen 16 bits above.
     seen: AtomicU32,
+    /// The levels after the last edge.
+    levels: AtomicU8,
     inputs: [Cells; COUNT],
 }
 
@@ -65,12 +72,15 @@ impl Capture {
             banks: [const { Bank::new() }; 2],
             is_second_open: AtomicBool::new(false),
             noted: AtomicU8::new(0),
+            taken: AtomicU8::new(0),
+            differed: AtomicU8::new(0),
         }
     }
 
     /// The levels at the start, input `n` in bit `n − 1`. Called once, before the interrupt is on.
     pub fn begin(&self, levels: u8) {
         self.noted.store(levels, Ordering::Relaxed);
+        self.taken.store(levels, Ordering::Relaxed);
     }
 
     /// The inputs in `changed` have had an edge and are now as in `levels`, input `n` in bit `n − 1`. `count` gives the board's count of
@@ -82,6 +92,7 @@ impl Capture {
         // Another input may have moved since its line was looked at; its edge comes with the next interrupt.
         let after = before & !changed | levels & changed;
         self.noted.store(after, Ordering::Relaxed);
+        bank.levels.store(after, Ordering::Relaxed);
         let mut bit = 1;
         for (input, cells) in bank.inputs.iter().enumerate() {
             if changed & bit != 0 {
@@ -96,8 +107,9 @@ impl Capture {
         }
     }
 
-    /// Puts what has come since the last call, and the levels now, into `inputs`. Called from the control tick. `time` gives the
-    /// drive's time in nanoseconds for a count of the board, `position` the position for a count of steps.
+    /// Puts what has come since the last call into `inputs`, with the levels that belong to it. Called from the control tick. `levels` were
+    /// read just before, `time` gives the drive's time in nanoseconds for a count of the board, `position` the position for a count of
+    /// steps.
     pub fn take(
         &self,
         levels: u8,
@@ -105,21 +117,30 @@ impl Capture {
         time: impl Fn(u32) -> u32,
         position: impl Fn(u32) -> i32,
     ) {
-        inputs.levels = levels;
         inputs.changed = 0;
+        let before = self.taken.load(Ordering::Relaxed);
+        let mut after = before;
         let bank = self.open();
-        if bank.seen.load(Ordering::Relaxed) == 0 {
-            return;
+        if bank.seen.load(Ordering::Relaxed) != 0 {
+            let is_second_open = self.is_second_open.load(Ordering::Relaxed);
+            self.is_second_open
+                .store(!is_second_open, Ordering::Relaxed);
+            // The bank is read when the interrupt has left it.
+            compiler_fence(Ordering::SeqCst);
+            bank.take(inputs, |place| Edge {
+                position: position(place.count.load(Ordering::Relaxed)),
+                time: time(place.ticks.load(Ordering::Relaxed)),
+            });
+            let noted = bank.levels.load(Ordering::Relaxed);
+            after = before & !inputs.changed | noted & inputs.changed;
         }
-        let is_second_open = self.is_second_open.load(Ordering::Relaxed);
-        self.is_second_open
-            .store(!is_second_open, Ordering::Relaxed);
-        // The bank is read when the interrupt has left it.
-        compiler_fence(Ordering::SeqCst);
-        bank.take(inputs, |place| Edge {
-            position: position(place.count.load(Ordering::Relaxed)),
-            time: time(place.ticks.load(Ordering::Relaxed)),
-        });
+        // An edge on its way is in the next tick's bank. If it is not there, the board has not captured it.
+        let differs = (levels ^ after) & !inputs.changed;
+        let uncaptured = differs & self.differed.load(Ordering::Relaxed);
+        self.differed
+            .store(differs & !uncaptured, Ordering::Relaxed);
+        inputs.levels = after ^ uncaptured;
+        self.taken.store(inputs.levels, Ordering::Relaxed);
     }
 
     /// The bank in which the interrupt notes edges.
@@ -143,6 +164,7 @@ impl Bank {
     const fn new() -> Self {
         Self {
             seen: AtomicU32::new(0),
+            levels: AtomicU8::new(0),
             inputs: [const { Cells::new() }; COUNT],
         }
     }
