@@ -222,8 +222,8 @@ pub(crate) struct Switches {
     pub(crate) home: Switch,
     /// The position captured at an index pulse since the last tick.
     pub(crate) index: Option<i32>,
-    /// Levels in the last tick, active is 1.
-    active: u8,
+    /// Bare levels in the last tick: another 2032h is no edge.
+    levels: u8,
     /// 60FDh.
     word: u32,
 }
@@ -238,11 +238,12 @@ impl Switches {
         elapsed: u32,
     ) {
         let position = count.position as i32;
-        let before = self.active;
-        self.active = inputs.levels ^ configuration.inverted;
+        let before = self.levels ^ configuration.inverted;
+        let active = inputs.levels ^ configuration.inverted;
+        self.levels = inputs.levels;
         let look = Look {
             inputs,
-            active: self.active,
+            active,
             inverted: configuration.inverted,
             position,
             count,
@@ -256,7 +257,7 @@ impl Switches {
         self.home.observe(configuration.home, &look);
         self.index = None;
         if configuration.index != 0 {
-            let risen = configuration.index & self.active & !before;
+            let risen = configuration.index & active & !before;
             self.index = look
                 .first_edge(configuration.index, true)
                 .or((risen != 0).then_some(position));

@@ -197,6 +197,18 @@ fn index_pulses_are_not_debounced() {
 }
 
 #[test]
+fn another_2032h_is_no_index_pulse() {
+    let mut switches = Switches::default();
+    let inverted = InputConfiguration {
+        inverted: 0b1000,
+        ..HOME
+    };
+    switches.observe(&DigitalInputs::NONE, &HOME, at(70), 1_000);
+    switches.observe(&DigitalInputs::NONE, &inverted, at(77), 1_000);
+    assert_eq!(switches.index, None);
+}
+
+#[test]
 fn functions_become_masks() {
     let configuration = InputConfiguration::new([3, 1, 2, 4, 3, 9], 0x15, 7);
     assert_eq!(

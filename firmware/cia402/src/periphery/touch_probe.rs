@@ -8,8 +8,8 @@
 //! - A position is that of the pulse count at the edge, as it was captured, not that of the control tick that sees it: exact to the
 //!   increment at any speed. Its time is that of the edge.
 //! - Only edges count that come after the tick that switched the probe on, so none of a former motion.
-//! - Switched off and on again, even between two ticks, a probe starts anew: the bits of 60B9h are 0. So it does when its source changes; an edge
-//!   that is no longer sampled starts anew alone. Positions and times keep their last values.
+//! - Switched off and on again, even between two ticks, a probe starts anew: the bits of 60B9h are 0. So it does when its source changes, or
+//!   whether an input of it is inverted (2032h); an edge that is no longer sampled starts anew alone. Positions and times keep their last values.
 //! - Every edge that is sampled counts in 60D5h to 60D8h, whether or not it is kept.
 //! - An input with a change that was not captured (a board that cannot) counts as an edge in the tick that sees it.
 //! - A source that no input has leaves the probe off: bit 0 (8) of 60B9h stays 0.
@@ -147,6 +147,8 @@ struct Probe {
     function: u8,
     /// The inputs of its source; 0 while it is off.
     mask: u8,
+    /// Those of them that are active while they are low.
+    inverted: u8,
     /// The positive and the negative edge.
     samplers: [Sampler; 2],
 }
@@ -156,14 +158,16 @@ impl Probe {
         Self {
             function: 0,
             mask: 0,
+            inverted: 0,
             samplers: [const { Sampler::new() }; 2],
         }
     }
 
     /// Another function, source or input than in the last tick.
-    fn set_up(&mut self, function: u8, mask: u8, restarts: bool) {
+    fn set_up(&mut self, function: u8, mask: u8, inverted: u8, restarts: bool) {
         let starts_anew = restarts
             || mask != self.mask
+            || inverted != self.inverted
             || function & !self.function & ENABLE != 0
             || function & ENABLE == 0;
         let mut bit = POSITIVE;
@@ -173,6 +177,7 @@ impl Probe {
         }
         self.function = function;
         self.mask = mask;
+        self.inverted = inverted;
     }
 
     /// Its byte of 60B9h.
@@ -196,9 +201,9 @@ pub(crate) struct TouchProbes {
     /// 60B8h and 60D0h as the last tick found them.
     function: u16,
     sources: [Source; 2],
-    /// Levels in the last tick, active is 1.
-    active: u8,
-    inputs: [u8; 3],
+    /// Bare levels in the last tick: another 2032h is no edge.
+    levels: u8,
+    inputs: [u8; 4],
     is_news: bool,
 }
 
@@ -208,8 +213,8 @@ impl TouchProbes {
             probes: [const { Probe::new() }; 2],
             function: 0,
             sources: [Source::Probe1, Source::Probe2],
-            active: 0,
-            inputs: [0; 3],
+            levels: 0,
+            inputs: [0; 4],
             is_news: false,
         }
     }
@@ -223,13 +228,12 @@ impl TouchProbes {
         configuration: &Configuration,
         count: Count,
     ) {
-        let before = self.active;
-        self.active = inputs.levels ^ configuration.inputs.inverted;
+        let before = core::mem::replace(&mut self.levels, inputs.levels);
         let is_idle = commands.touch_probe_function == 0 && self.function == 0;
         if is_idle {
             return;
         }
-        let changed = (self.active ^ before) | inputs.changed;
+        let changed = (inputs.levels ^ before) | inputs.changed;
         if changed != 0 {
             self.sample(now, inputs, before, &configuration.inputs, count);
         }
@@ -267,6 +271,7 @@ impl TouchProbes {
             configuration.inputs.index,
             configuration.inputs.touch_probes[0],
             configuration.inputs.touch_probes[1],
+            configuration.inputs.inverted,
         ];
         let is_same = commands.touch_probe_function == self.function
             && commands.touch_probes_off == 0
@@ -301,7 +306,8 @@ impl TouchProbes {
             } else {
                 0
             };
-            probe.set_up(function, mask, off & ENABLE != 0);
+            let inverted = configuration.inputs.inverted & mask;
+            probe.set_up(function, mask, inverted, off & ENABLE != 0);
         }
         self.is_news = true;
     }
@@ -319,8 +325,8 @@ impl TouchProbes {
     ) {
         let look = Look {
             inputs,
-            before,
-            active: self.active,
+            before: before ^ configuration.inverted,
+            active: inputs.levels ^ configuration.inverted,
             inverted: configuration.inverted,
             now: Edge {
                 // What is not captured is where the motor is now.

@@ -179,6 +179,21 @@ fn m70_an_inverted_input_rises_where_its_level_falls() {
 }
 
 #[test]
+fn m70_another_2032h_is_no_edge_and_starts_the_probe_anew() {
+    let mut bench = Bench::new(u16::from(ENABLE | BOTH));
+    bench.configuration.inputs.inverted = 1 << 4;
+    let latched = bench.tick();
+    assert_eq!((latched.status, latched.counters[0]), (0x0001, 0));
+    bench.edge(5, false, 10, 10);
+    assert_eq!(bench.tick().status, 0x0003, "low is active");
+    bench.configuration.inputs.inverted = 1 << 4 | 1;
+    assert_eq!(bench.tick().status, 0x0003, "an input of others");
+    bench.configuration.inputs.inverted = 0;
+    let latched = bench.tick();
+    assert_eq!((latched.status, latched.counters), (0x0001, [1, 0, 0, 0]));
+}
+
+#[test]
 fn m70_switched_off_and_on_a_probe_starts_anew() {
     let function = u16::from(ENABLE | POSITIVE);
     let mut bench = Bench::new(function);
