@@ -5,18 +5,18 @@ use tests::DriveBench;
 use tests::drive::{FAULT, INTERNAL_LIMIT, OPERATION_ENABLED, State};
 
 /// Statusword bit 12: the drive follows the command value.
-const FOLLOWS: u16 = 1 << 12;
+pub(crate) const FOLLOWS: u16 = 1 << 12;
 
 /// A master with a cycle: in each, a set-point by RPDO 3 (synchronous), then SYNC; it keeps what TPDO 4 (synchronous) says of the position.
-struct Master {
-    drive: DriveBench,
+pub(crate) struct Master {
+    pub(crate) drive: DriveBench,
     /// In microseconds.
     cycle: u64,
     /// When the next SYNC is due.
     next: u64,
     controlword: u16,
     /// 6064h as it was sent for each SYNC.
-    shown: Vec<i32>,
+    pub(crate) shown: Vec<i32>,
     /// What was commanded.
     commanded: Vec<i32>,
     random: u64,
@@ -24,7 +24,7 @@ struct Master {
 
 impl Master {
     /// A drive in operation enabled, mode 8, that has heard nothing of SYNC.
-    fn new(mode: i8, cycle: u64) -> Self {
+    pub(crate) fn new(mode: i8, cycle: u64) -> Self {
         let mut drive = DriveBench::started(4);
         drive.write_u8(0x6060, 0, mode.cast_unsigned());
         let (value, power) = match cycle {
@@ -67,7 +67,7 @@ impl Master {
     }
 
     /// SYNC, so many microseconds off its time.
-    fn sync(&mut self, off: i64) {
+    pub(crate) fn sync(&mut self, off: i64) {
         let at = self.next.wrapping_add_signed(off);
         let now = self.drive.now().ticks();
         self.drive.run_micros(at.saturating_sub(now));
@@ -107,7 +107,7 @@ impl Master {
     }
 
     /// A whole cycle without jitter, with where the motor is.
-    fn steps(&mut self, targets: impl IntoIterator<Item = i32>) {
+    pub(crate) fn steps(&mut self, targets: impl IntoIterator<Item = i32>) {
         for target in targets {
             self.cycle(target, 0);
         }
@@ -125,7 +125,7 @@ impl Master {
         }
     }
 
-    fn has(&mut self, bits: u16) -> bool {
+    pub(crate) fn has(&mut self, bits: u16) -> bool {
         self.drive.statusword() & bits == bits
     }
 }
@@ -218,7 +218,7 @@ fn m62_the_demand_begins_where_the_motor_stands_and_a_far_target_is_caught_up_wi
 }
 
 /// The greatest change of 6064h's way from one cycle to the next.
-fn hardest(shown: &[i32]) -> i32 {
+pub(crate) fn hardest(shown: &[i32]) -> i32 {
     let bend = |three: &[i32]| (three[2] - 2 * three[1] + three[0]).abs();
     shown.windows(3).map(bend).max().unwrap()
 }
@@ -453,33 +453,8 @@ fn m35_halt_stops_and_release_catches_up() {
     assert!(master.has(FOLLOWS) && !master.has(INTERNAL_LIMIT));
 }
 
-#[test]
-fn m69_cyclic_velocity_has_an_offset_and_so_has_cyclic_position() {
-    let mut master = Master::new(9, 2_000);
-    master.drive.write_i32(0x60FF, 0, 0);
-    for _ in 0..100 {
-        master.sync(0);
-    }
-    master.drive.write_i32(0x60B1, 0, 500);
-    for k in 0..500 {
-        let velocity = (k * 10_i32).min(2_000);
-        master
-            .drive
-            .send_frame(Frame::data_frame(0x604, &expedited(0x60FF, velocity)));
-        master.sync(0);
-    }
-    assert!(master.has(FOLLOWS));
-    let shown = master.drive.axis().actuals().velocity_demand;
-    assert!((2_495..=2_505).contains(&shown), "{shown}");
-    // With the offset of a position the motor is somewhere else.
-    let mut master = Master::new(8, 2_000);
-    master.drive.write_i32(0x60B0, 0, 100);
-    master.steps([0; 300]);
-    assert_eq!(master.drive.position(), 100);
-}
-
 /// An expedited SDO download of 32 bits.
-fn expedited(index: u16, value: i32) -> [u8; 8] {
+pub(crate) fn expedited(index: u16, value: i32) -> [u8; 8] {
     let [low, high] = index.to_le_bytes();
     let [a, b, c, d] = value.to_le_bytes();
     [0x23, low, high, 0, a, b, c, d]

@@ -361,6 +361,11 @@ impl Motor {
         }
     }
 
+    /// Whether the motor moves, and follows set-points that come in each period.
+    pub(crate) const fn is_following(&self) -> bool {
+        !self.at_rest && self.axis.is_following()
+    }
+
     /// Whether a stop is under way.
     pub(crate) const fn is_stopping(&self) -> bool {
         self.stopping.is_some()

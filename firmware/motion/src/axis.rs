@@ -231,6 +231,11 @@ impl Axis {
         self.go_on(end, to, (!is_even).then_some(velocity))
     }
 
+    /// Whether set-points are followed, or were until the axis came to rest.
+    pub const fn is_following(&self) -> bool {
+        self.path.is_some()
+    }
+
     /// What [`Axis::course_end`] will be in whole steps and steps/s.
     pub fn course_end_demand(&self) -> Demand {
         self.demand_of(self.course_end().1)

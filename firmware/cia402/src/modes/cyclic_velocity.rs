@@ -4,7 +4,8 @@
 //!   evenly, by no more than 60C5h and 60C6h allow.
 //! - The velocity is cut to 607Fh, to 6080h and to what the pulses can reach; before a software limit 607Dh the motor slows down with 6085h
 //!   and stops on it. Bit 11 shows each of these.
-//! - The mode may begin while the motor moves: it goes on as it is until the first set-point.
+//! - The mode may begin while the motor moves: it goes on as it is until the first set-point. Where it followed set-points of another
+//!   cyclic mode, the next one is awaited as within the mode.
 //! - A missing set-point keeps the velocity, as often as 2051h:1 says. Then the motor stops with 6085h, and 2051h:2 says what else.
 //! - Halt (bit 8) stops on the ramp of 605Dh; set-points that come after it count again.
 //!
@@ -12,7 +13,8 @@
 
 use super::Context;
 use super::following::{braking_way, gain, seconds};
-use crate::cyclic::Slot;
+use crate::cyclic::{POINT, Slot};
+use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 use crate::statusword::{FOLLOWS, INTERNAL_LIMIT, TARGET_REACHED};
 
@@ -22,7 +24,10 @@ pub(super) struct CyclicVelocity {
     follows: bool,
     is_limited: bool,
     held: bool,
+    /// What is asked for, in steps/s.
     velocity: i32,
+    /// What is carried out, in steps/s, Q16: slow ramps change it by less than 1 in a period.
+    exact: i64,
     bridged: u8,
 }
 
@@ -33,13 +38,18 @@ impl CyclicVelocity {
             is_limited: false,
             held: false,
             velocity: 0,
+            exact: 0,
             bridged: 0,
         }
     }
 
     /// The mode begins, whatever the motor does.
-    pub(super) const fn enter(&mut self) {
+    pub(super) fn enter(&mut self, motor: &Motor) {
         *self = Self::new();
+        if motor.is_following() {
+            self.follows = true;
+            self.velocity = motor.course_end().velocity;
+        }
     }
 
     /// A limit switch is stopping the motor.
@@ -120,14 +130,19 @@ impl CyclicVelocity {
         } else {
             velocity
         };
-        let velocity = within_ramps(velocity, before.velocity, slot, context);
+        if whole(self.exact).abs_diff(before.velocity) > 1 {
+            // Somebody else has moved the motor.
+            self.exact = i64::from(before.velocity) << POINT;
+        }
+        self.exact = within_ramps(i64::from(velocity) << POINT, self.exact, slot, context);
+        let velocity = whole(self.exact);
         self.is_limited = velocity != asked;
         velocity
     }
 }
 
-/// 60C5h and 60C6h.
-fn within_ramps(velocity: i32, before: i32, slot: &Slot, context: &Context<'_>) -> i32 {
+/// 60C5h and 60C6h, in steps/s, Q16.
+fn within_ramps(velocity: i64, before: i64, slot: &Slot, context: &Context<'_>) -> i64 {
     let seconds = seconds(slot.period);
     let grows = velocity.unsigned_abs() > before.unsigned_abs();
     let ramp = if grows {
@@ -135,11 +150,16 @@ fn within_ramps(velocity: i32, before: i32, slot: &Slot, context: &Context<'_>) 
     } else {
         context.configuration.max_deceleration
     };
-    let change = (u128::from(ramp).wrapping_mul(seconds.into()) >> 32).max(1);
-    let change = i32::try_from(change).unwrap_or(i32::MAX);
+    let change = (u128::from(ramp).wrapping_mul(seconds.into()) >> (32 - POINT)).max(1);
+    let change = i64::try_from(change).unwrap_or(i64::MAX);
     velocity
         .max(before.saturating_sub(change))
         .min(before.saturating_add(change))
+}
+
+/// The nearest whole velocity.
+const fn whole(exact: i64) -> i32 {
+    (exact.saturating_add(1 << (POINT - 1)) >> POINT) as i32
 }
 
 /// The velocity from which the motor can still stop at a software limit.
@@ -154,7 +174,9 @@ fn before_limit(velocity: i32, slot: &Slot, position: i64, context: &Context<'_>
         return velocity;
     }
     let seconds = seconds(slot.period);
-    let down = gain(context.deceleration(StopRamp::QuickStop), seconds);
+    let deceleration = context.deceleration(StopRamp::QuickStop);
+    // The velocities are whole ones: what one is too high, the next can make up for.
+    let down = gain(deceleration.saturating_sub(deceleration / 32), seconds);
     let way = braking_way(room.max(0) << 16, down);
     let most = (way.unsigned_abs().min(1 << 47) << 16)
         .checked_div(seconds)

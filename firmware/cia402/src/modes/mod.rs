@@ -335,7 +335,7 @@ impl Modes {
             Mode::Homing => self.homing.enter(),
             Mode::InterpolatedPosition => self.interpolated_position.enter(),
             Mode::CyclicPosition => self.cyclic_position.enter(),
-            Mode::CyclicVelocity => self.cyclic_velocity.enter(),
+            Mode::CyclicVelocity => self.cyclic_velocity.enter(motor),
         }
     }
 

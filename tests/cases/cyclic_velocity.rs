@@ -1,0 +1,112 @@
+//! Cyclic synchronous velocity (mode 9): ramps, limits, and how it begins in motion; in virtual time.
+
+use canopen::Frame;
+use tests::drive::{FAULT, INTERNAL_LIMIT};
+
+use crate::cyclic_position::{FOLLOWS, Master, expedited, hardest};
+
+/// A master of mode 9 and a cycle of 1 ms, that need not repeat a velocity.
+fn master() -> Master {
+    let mut master = Master::new(9, 1_000);
+    master.drive.write_u8(0x2051, 2, 2);
+    for _ in 0..100 {
+        master.sync(0);
+    }
+    master
+}
+
+/// From now on this velocity, in increments/s.
+fn command(master: &mut Master, velocity: i32) {
+    let frame = Frame::data_frame(0x604, &expedited(0x60FF, velocity));
+    master.drive.send_frame(frame);
+}
+
+fn cycles(master: &mut Master, count: u32) {
+    for _ in 0..count {
+        master.sync(0);
+    }
+}
+
+#[test]
+fn m69_cyclic_velocity_has_an_offset_and_so_has_cyclic_position() {
+    let mut master = Master::new(9, 2_000);
+    master.drive.write_i32(0x60FF, 0, 0);
+    for _ in 0..100 {
+        master.sync(0);
+    }
+    master.drive.write_i32(0x60B1, 0, 500);
+    for k in 0..500 {
+        let velocity = (k * 10_i32).min(2_000);
+        master
+            .drive
+            .send_frame(Frame::data_frame(0x604, &expedited(0x60FF, velocity)));
+        master.sync(0);
+    }
+    assert!(master.has(FOLLOWS));
+    let shown = master.drive.axis().actuals().velocity_demand;
+    assert!((2_495..=2_505).contains(&shown), "{shown}");
+    // With the offset of a position the motor is somewhere else.
+    let mut master = Master::new(8, 2_000);
+    master.drive.write_i32(0x60B0, 0, 100);
+    master.steps([0; 300]);
+    assert_eq!(master.drive.position(), 100);
+}
+
+#[test]
+fn m44_cyclic_velocity_stops_before_a_software_limit_whatever_its_ramp() {
+    // Ramps that are no whole velocity in a period, in increments/s².
+    for (ramp, sign) in [(1_999, 1), (900, -1)] {
+        let mut master = master();
+        master.drive.write_i32(0x607D, 1, -3_000);
+        master.drive.write_i32(0x607D, 2, 3_000);
+        master.drive.write_u32(0x60C6, 0, ramp);
+        command(&mut master, 2_000 * sign);
+        cycles(&mut master, 4_000);
+        let position = master.drive.position() * i64::from(sign);
+        assert!((2_990..=3_000).contains(&position), "{ramp}: {position}");
+        assert!(master.has(INTERNAL_LIMIT));
+    }
+}
+
+#[test]
+fn m69_a_ramp_below_one_increment_per_second_in_a_period_is_kept() {
+    for ramp in [100, 1_999] {
+        let mut master = master();
+        master.drive.write_u32(0x60C5, 0, ramp);
+        command(&mut master, 100_000);
+        cycles(&mut master, 1_000);
+        let velocity = master.drive.axis().actuals().velocity_demand;
+        let off = velocity.abs_diff(ramp.cast_signed());
+        assert!(off <= ramp / 50 + 1, "{ramp}: {velocity}");
+    }
+}
+
+#[test]
+fn m19_cyclic_velocity_in_motion_awaits_its_set_points_as_the_mode_before() {
+    let mut master = Master::new(8, 1_000);
+    master.steps([0; 100]);
+    master.steps((1..=200).map(|k| k * 20));
+    // No 60FFh comes: the motor is stopped, and on a ramp. 1,000,000 increments/s² change the way of 1 ms by 1.
+    let mode = Frame::data_frame(0x604, &[0x2F, 0x60, 0x60, 0, 9, 0, 0, 0]);
+    master.shown.clear();
+    master.drive.send_frame(mode);
+    cycles(&mut master, 100);
+    let change = hardest(&master.shown);
+    assert!(change <= 3, "6085h: {change}");
+    assert!(FAULT.is_shown_by(master.drive.statusword()));
+    assert_eq!(master.drive.read_u16(0x603F, 0), 0x8250);
+    // It comes with the mode: the motor goes on.
+    let mut master = Master::new(8, 1_000);
+    master.drive.write_u8(0x2051, 2, 2);
+    master.steps([0; 100]);
+    master.steps((1..=200).map(|k| k * 20));
+    master.shown.clear();
+    master.drive.send_frame(mode);
+    cycles(&mut master, 5);
+    command(&mut master, 20_000);
+    cycles(&mut master, 100);
+    assert!(hardest(&master.shown) <= 3);
+    assert!(master.has(FOLLOWS));
+    let velocity = master.drive.axis().actuals().velocity_demand;
+    assert!((19_990..=20_010).contains(&velocity), "{velocity}");
+}
