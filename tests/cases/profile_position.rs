@@ -70,6 +70,32 @@ fn d19_change_immediately_turns_round_smoothly() {
 }
 
 #[test]
+fn r5_a_target_written_again_is_a_set_point_of_its_own() {
+    let mut drive = DriveBench::enabled(4);
+    for target in [5_000, 5_000, 5_000, 0, 0] {
+        for bits in [0x00, 0x20] {
+            drive.begin_move(target);
+            drive.reaches_target(3_000);
+            assert_eq!(drive.position(), i64::from(target));
+            // The same once more: nothing to drive, and still the whole handshake.
+            drive.write_i32(0x607A, 0, target);
+            assert_ne!(drive.statusword() & TARGET_REACHED, 0);
+            drive.command(0x1F | bits);
+            drive.run_millis(3);
+            assert_eq!(
+                drive.statusword() & (ACKNOWLEDGE | TARGET_REACHED),
+                ACKNOWLEDGE,
+                "bit 10 drops with the acknowledgement"
+            );
+            drive.command(0x0F);
+            drive.reaches_target(100);
+            assert_eq!(drive.statusword() & ACKNOWLEDGE, 0);
+            assert_eq!(drive.position(), i64::from(target));
+        }
+    }
+}
+
+#[test]
 fn d20_relative_set_points_add_up() {
     let mut drive = DriveBench::enabled(4);
     for _ in 0..3 {

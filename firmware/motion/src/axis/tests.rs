@@ -1,6 +1,7 @@
 //! The axis, judged by a model of the timer that plays its records.
 
 mod behaviour;
+mod hours;
 mod random;
 mod replay;
 mod vectors;

@@ -253,23 +253,32 @@ fn m09_60ffh_during_quick_stop_is_ignored() {
 }
 
 #[test]
-fn a_velocity_is_kept_across_the_end_of_32_bits() {
-    let mut rig = enabled();
-    // Turned by hand, without power.
-    rig.write(0x00);
-    rig.ticks(3);
-    rig.motor.position = i64::from(i32::MAX) - 500;
-    rig.ticks(3);
-    for controlword in [0x06, 0x07, 0x0F] {
-        rig.write(controlword);
-        rig.tick();
+fn i11_a_velocity_crosses_the_end_of_32_bits_without_a_jump() {
+    for sign in [1, -1] {
+        let mut rig = enabled();
+        // Turned by hand, without power.
+        rig.write(0x00);
+        rig.ticks(3);
+        rig.motor.position = i64::from(sign) * (i64::from(i32::MAX) - 5_000);
+        rig.ticks(3);
+        for controlword in [0x06, 0x07, 0x0F] {
+            rig.write(controlword);
+            rig.tick();
+        }
+        run(&mut rig, 10_000 * sign);
+        rig.ticks(300);
+        let mut before = rig.actuals().position_actual;
+        assert_eq!(before.signum(), sign, "not there yet");
+        for _ in 0..1_000 {
+            assert_eq!(rig.speed(), i64::from(10 * sign));
+            let actuals = rig.actuals();
+            assert_eq!(actuals.position_actual.wrapping_sub(before), 10 * sign);
+            assert_eq!(actuals.following_error.abs() / 2, 0);
+            before = actuals.position_actual;
+        }
+        assert_eq!(before.signum(), -sign, "wrapped");
+        assert!(rig.reached() && !rig.limited());
     }
-    run(&mut rig, 10_000);
-    rig.ticks(300);
-    assert_eq!(rig.speed(), 10);
-    assert!(rig.actuals().position_actual < 0, "wrapped");
-    assert_eq!(rig.actuals().following_error.abs() / 2, 0);
-    assert!(rig.reached() && !rig.limited());
 }
 
 #[test]

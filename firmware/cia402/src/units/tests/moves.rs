@@ -2,12 +2,13 @@
 
 use proptest::prelude::*;
 
-use super::{Factors, NONE, ratio, rig};
+use super::{Factors, NONE, Units, ratio, rig};
+use crate::testing::Rig;
 
 const RELATIVE_AT_ONCE: u16 = 0x60;
 
 #[test]
-fn m31_ten_thousand_moves_of_a_unit_are_one_of_ten_thousand() {
+fn r4_m31_ten_thousand_moves_of_a_unit_are_one_of_ten_thousand() {
     let mut rig = rig(ratio(10, 3));
     for _ in 0..10_000 {
         rig.set_point(1, RELATIVE_AT_ONCE);
@@ -117,18 +118,43 @@ fn m73_other_units_show_the_same_place() {
     rig.rest();
     rig.write(0x06);
     rig.ticks(3);
-    rig.configuration.units = super::Units::new(ratio(2, 1)).unwrap();
+    rig.configuration.units = Units::new(ratio(2, 1)).unwrap();
     rig.post();
     rig.ticks(2);
     assert_eq!(rig.actuals().position_actual, 5);
     assert_eq!(rig.actuals().position_actual_internal, 10);
 }
 
+#[test]
+fn i11_a_velocity_crosses_the_end_of_32_bits_of_units_without_a_jump() {
+    // An increment is ten units, so they come to their end first.
+    for sign in [1, -1] {
+        let mut rig = Rig::new();
+        rig.configuration.units = Units::new(ratio(1, 10)).unwrap();
+        rig.commands.mode = 3;
+        rig.commands.profile_acceleration = 10_000_000;
+        rig.motor.position = i64::from(sign) * (i64::from(i32::MAX) / 10 - 5_000);
+        rig.enable();
+        rig.commands.target_velocity = 20_000 * sign;
+        rig.post();
+        rig.ticks(100);
+        let mut before = rig.actuals().position_actual;
+        assert_eq!(before.signum(), sign, "not there yet");
+        for _ in 0..500 {
+            assert_eq!(rig.speed(), i64::from(20 * sign));
+            let now = rig.actuals().position_actual;
+            assert_eq!(now.wrapping_sub(before), 200 * sign);
+            before = now;
+        }
+        assert_eq!(before.signum(), -sign, "wrapped");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn m31_relative_moves_add_up_to_the_absolute_one(
+    fn i07_m31_relative_moves_add_up_to_the_absolute_one(
         increments in 1u32..300, units in 1u32..300, polarity: u8,
         ways in prop::collection::vec(-300i32..300, 1..12),
     ) {

@@ -1,5 +1,5 @@
 //! What holds for every plan: limits, landing, direction, duration, symmetry, planning again. The numbers are those of the
-//! invariants; i07 is in the tests of the axis, smooth ramps and i12 are in `smooth`.
+//! invariants; i07 is in the tests of units in `cia402`, i11 in those of profile velocity there; smooth ramps and i12 are in `smooth`.
 
 use super::{Goal, Limits, Plan, Ramps, clock, corners, per_second, state, steps};
 use crate::{Clock, PlanError, Position, State, Ticks, Velocity};
