@@ -21,6 +21,7 @@ use canopen::{
     Settings,
 };
 use cia402::binding::{self, Conversion, Number};
+use cia402::cyclic::TickTimer;
 use cia402::inputs::{self, Capture, Captured, DigitalInputs, Edges};
 use cia402::recorder::{Memory, Recorder, Recording};
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
@@ -509,6 +510,7 @@ fn main() -> ! {
         let Some(config) = any_config() else { continue };
         let mut stepper = Axis::new(config);
         let mut search = None;
+        let mut timer = TickTimer::new(Duration::from_ticks(any_u64()));
         let mut driver = Drive::new(DriveConfig {
             axis: config,
             tick: Duration::from_ticks(any_u64()),
@@ -528,6 +530,8 @@ fn main() -> ! {
             units::units();
             capture(&edges);
             pulses(&mut queue, &mut player);
+            let due = (any() == 0).then(any_time);
+            look(timer.next(any_time(), due).unwrap_or(0));
         }
     }
 }
