@@ -1,6 +1,7 @@
 //! The scope: 20D0h to 20D3h, from the setup to the bytes of a recording.
 
 use canopen::Duration;
+use embedded_can::Frame as _;
 use tests::DriveBench;
 
 /// Orders for 20D0h:1.
@@ -373,6 +374,43 @@ fn a_recording_ends_with_the_order_for_the_next() {
         u32_at(&bench.read(0x20D3, 0), 16),
         7 - 3 + u32_at(&bench.read(0x20D3, 0), 20)
     );
+}
+
+#[test]
+fn two_clients_never_get_bytes_of_two_recordings() {
+    let mut bench = DriveBench::booted(4);
+    bench.write_u32(0x1201, 1, 0x680);
+    bench.write_u32(0x1201, 2, 0x681);
+    set_up(&mut bench, &[POSITION, VELOCITY], 200, 0);
+    order(&mut bench, ARM);
+    order(&mut bench, TRIGGER);
+    until_full(&mut bench, 400);
+    bench.queue("680: 40 D3 20 00");
+    bench.expect("681: 41 D3 20 00 ..");
+    bench.queue("680: 60");
+    bench.expect("681: 00 ..");
+    // Two may read one recording.
+    bench.queue("604: 40 D3 20 00");
+    bench.expect("584: 41 D3 20 00 ..");
+    order(&mut bench, ARM);
+    order(&mut bench, TRIGGER);
+    until_full(&mut bench, 400);
+    // The other client has not been told yet that its recording is gone.
+    bench.queue("604: 40 D3 20 00");
+    bench.expect("584: 80 D3 20 00 22 00 00 08");
+    let mut toggle = 0x70;
+    loop {
+        bench.queue(&format!("680: {toggle:02X}"));
+        let frame = bench.expect("681: ..");
+        let answer = frame.data();
+        if answer[0] == 0x80 {
+            assert_eq!(answer, [0x80, 0xD3, 0x20, 0, 0x22, 0, 0, 0x08]);
+            break;
+        }
+        assert_eq!(answer[0], toggle - 0x60, "its transfer does not end well");
+        toggle ^= 0x10;
+    }
+    assert_eq!(bench.read(0x20D3, 0).len(), 64 + 1_600);
 }
 
 #[test]

@@ -22,6 +22,9 @@ pub trait Source<D: Dictionary> {
     /// Puts the bytes from `position` on into `into`, and returns how many those are: fewer than there is room for only where
     /// the value ends. A position may be asked for more than once.
     ///
+    /// Before another client begins while one reads, no bytes are asked for: an error says that what is being read is gone, and refuses
+    /// the new transfer.
+    ///
     /// # Errors
     /// The value cannot be read further; the transfer ends with this code.
     fn read_at(

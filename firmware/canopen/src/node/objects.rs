@@ -179,6 +179,11 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
             Location::Application if !D::FEATURES.streams => Value::Constant(&[]),
             Location::Application if !entry.is_streamed() => Value::Variable(self.number(entry)?),
             Location::Application => {
+                if self.others.are_reading(entry) {
+                    // Theirs may be gone. They have to be told before the application turns to another one.
+                    self.application
+                        .read_at(self.dictionary, entry, 0, &mut [])?;
+                }
                 Value::Streamed(entry, self.application.size(self.dictionary, entry)?)
             }
         })
