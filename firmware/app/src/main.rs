@@ -28,7 +28,6 @@ mod control;
 #[forbid(unsafe_code)]
 mod dictionary;
 #[forbid(unsafe_code)]
-#[forbid(unsafe_code)]
 mod inbox;
 #[forbid(unsafe_code)]
 mod lights;
