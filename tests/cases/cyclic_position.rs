@@ -25,7 +25,11 @@ pub(crate) struct Master {
 impl Master {
     /// A drive in operation enabled, mode 8, that has heard nothing of SYNC.
     pub(crate) fn new(mode: i8, cycle: u64) -> Self {
-        let mut drive = DriveBench::started(4);
+        Self::of(DriveBench::started(4), mode, cycle)
+    }
+
+    /// The same with a drive in switch on disabled.
+    pub(crate) fn of(mut drive: DriveBench, mode: i8, cycle: u64) -> Self {
         drive.write_u8(0x6060, 0, mode.cast_unsigned());
         let (value, power) = match cycle {
             1_000 => (1, -3),

@@ -1,7 +1,11 @@
 //! The following error over the bus: what it shows, and when it is a fault.
 
+use sim::drive::Setup;
+use sim::plant::{Axis, Track};
 use tests::DriveBench;
 use tests::drive::{FAULT, OPERATION_ENABLED, SWITCH_ON_DISABLED};
+
+use crate::cyclic_position::Master;
 
 /// Statusword bit 13 in profile position: following error.
 const FOLLOWING_ERROR: u16 = 1 << 13;
@@ -56,4 +60,43 @@ fn m60_a_following_error_within_the_window_or_its_time_is_none() {
 fn m60_with_6065h_at_its_end_nothing_is_monitored_on_the_way() {
     let mut drive = displaced(u32::MAX, 0);
     drive.stays_in(OPERATION_ENABLED, 500);
+}
+
+/// In step with SYNC a control tick is 833 us long at 2.5 ms, and 1 ms at 4 ms.
+#[test]
+fn m42_606ch_of_a_motor_that_is_stuck_is_0_whatever_the_period_of_sync() {
+    for cycle in [1_000, 2_500, 4_000] {
+        let axis = Axis {
+            encoder: true,
+            track: Track {
+                stops: Some(-10..=1_000),
+                ..Track::default()
+            },
+            ..Axis::default()
+        };
+        let setup = Setup {
+            axis: Some(axis),
+            ..Setup::with_node_id(1, 4)
+        };
+        let mut drive = DriveBench::with(setup, 4);
+        drive.start();
+        drive.reaches(SWITCH_ON_DISABLED, 20);
+        drive.write_u32(0x6065, 0, u32::MAX);
+        let mut master = Master::of(drive, 8, cycle);
+        master.steps([0; 100]);
+        let way = i32::try_from(cycle / 100).unwrap();
+        for k in 1..=200 {
+            master.steps([k * way]);
+            let actuals = master.drive.axis().actuals();
+            if master.drive.position() == 1_000 && actuals.following_error > 16 * way {
+                assert_eq!(actuals.velocity_demand, 10_000);
+                let shown = actuals.velocity_actual;
+                assert!(shown.abs() <= 100, "{cycle} us: {shown}");
+            }
+        }
+        assert!(
+            master.drive.read_i32(0x60F4, 0) > 100 * way / 2,
+            "{cycle} us"
+        );
+    }
 }

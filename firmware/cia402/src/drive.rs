@@ -144,7 +144,7 @@ impl Drive {
             motor: Motor::new(outlast_tick(config)),
             brake: Brake::new(),
             fitted_brake: Brake::new(),
-            monitor: Monitor::new(config.tick),
+            monitor: Monitor::new(),
             observed: Observed::default(),
             lost: false,
             switches: Switches::default(),
@@ -298,7 +298,7 @@ impl Drive {
                 .observe(now, demand, position, &self.configuration);
             self.lost |= self.observed.is_lost;
         } else {
-            self.monitor.reset();
+            self.monitor.reset(now);
             self.observed = Observed::default();
         }
     }

@@ -4,7 +4,7 @@
 //! velocity demand less how fast the following error has grown over the last sixteen control ticks. As long as the motor follows its
 //! pulses, it is as smooth as the demand; as soon as it does not, it shows what the motor does.
 
-use canopen::{Duration, Instant};
+use canopen::Instant;
 use motion::Demand;
 
 use crate::configuration::Configuration;
@@ -19,10 +19,9 @@ const OFF: u32 = u32::MAX;
 /// The following error of the last control ticks.
 #[derive(Debug)]
 pub(crate) struct Monitor {
-    errors: [i32; SPAN],
+    /// Each with its moment in microseconds: in step with SYNC a tick may be a good deal shorter than a nominal one.
+    errors: [(i32, u32); SPAN],
     oldest: usize,
-    /// From a change over the span to a change in a second, Q16.
-    rate: i64,
     outside: Dwell,
 }
 
@@ -40,22 +39,33 @@ pub(crate) struct Observed {
 }
 
 impl Monitor {
-    /// A monitor for control ticks of this period.
-    pub(crate) fn new(tick: Duration) -> Self {
-        let span = tick.ticks().saturating_mul(SPAN as u64);
-        let rate = (1_000_000_u64 << 16).checked_div(span).unwrap_or(0);
+    pub(crate) const fn new() -> Self {
         Self {
-            errors: [0; SPAN],
+            errors: [(0, 0); SPAN],
             oldest: 0,
-            rate: i64::try_from(rate).unwrap_or(i64::MAX),
             outside: Dwell::new(),
         }
     }
 
-    /// The motor has no power: what it should do is what it does.
-    pub(crate) fn reset(&mut self) {
-        self.errors = [0; SPAN];
+    /// A tick in which the motor has no power: what it should do is what it does.
+    pub(crate) fn reset(&mut self, now: Instant) {
+        for (error, _) in &mut self.errors {
+            *error = 0;
+        }
         self.outside = Dwell::new();
+        self.put(now, 0);
+    }
+
+    /// Keeps an error in the place of the oldest one. Returns by how much they differ, and the microseconds in between.
+    fn put(&mut self, now: Instant, error: i32) -> (i32, u32) {
+        let moment = now.ticks() as u32;
+        let new = (error, moment);
+        let (before, since) = self
+            .errors
+            .get_mut(self.oldest)
+            .map_or(new, |oldest| core::mem::replace(oldest, new));
+        self.oldest = (self.oldest + 1) % SPAN;
+        (error.wrapping_sub(before), moment.wrapping_sub(since))
     }
 
     /// Looks at the motor at the start of a tick.
@@ -67,17 +77,12 @@ impl Monitor {
         configuration: &Configuration,
     ) -> Observed {
         let error = (demand.position as i32).wrapping_sub(position as i32);
-        let before = self
-            .errors
-            .get_mut(self.oldest)
-            .map_or(error, |oldest| core::mem::replace(oldest, error));
-        self.oldest = (self.oldest + 1) % SPAN;
-        let growth = error.wrapping_sub(before);
+        let (growth, span) = self.put(now, error);
         // One step more or less is but the moment at which a pulse leaves.
         let slippage = if growth.unsigned_abs() <= 1 {
             0
         } else {
-            saturated(i64::from(growth).saturating_mul(self.rate) >> 16)
+            per_second(growth, span)
         };
         let window = configuration.following_error_window;
         Observed {
@@ -94,7 +99,13 @@ impl Monitor {
     }
 }
 
-fn saturated(number: i64) -> i32 {
+/// A change in so many microseconds as one in a second, saturating.
+#[cold]
+fn per_second(growth: i32, span: u32) -> i32 {
+    let number = i64::from(growth)
+        .saturating_mul(1_000_000)
+        .checked_div(span.into())
+        .unwrap_or(0);
     let end = if number < 0 { i32::MIN } else { i32::MAX };
     i32::try_from(number).unwrap_or(end)
 }
@@ -102,8 +113,6 @@ fn saturated(number: i64) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const TICK: Duration = Duration::from_ticks(1_000);
 
     fn at(milliseconds: u64) -> Instant {
         Instant::from_ticks(milliseconds * 1000)
@@ -115,7 +124,7 @@ mod tests {
 
     #[test]
     fn m60_a_motor_that_follows_has_the_velocity_of_the_demand() {
-        let mut monitor = Monitor::new(TICK);
+        let mut monitor = Monitor::new();
         for tick in 0..100 {
             let position = i64::try_from(tick).unwrap() * 3;
             let late = position - i64::from(tick % 2 == 0);
@@ -131,7 +140,7 @@ mod tests {
 
     #[test]
     fn m42_a_motor_that_is_stuck_shows_its_velocity() {
-        let mut monitor = Monitor::new(TICK);
+        let mut monitor = Monitor::new();
         let mut last = Observed::default();
         for tick in 0..100 {
             let position = i64::try_from(tick).unwrap() * 8;
@@ -143,8 +152,33 @@ mod tests {
     }
 
     #[test]
+    fn m42_its_velocity_is_right_with_ticks_that_are_not_nominal() {
+        // In step with a SYNC each 2.5 ms, and ever longer ones.
+        for length in [833, 900, 1_000, 1_125] {
+            let mut monitor = Monitor::new();
+            let mut last = Observed::default();
+            for tick in 0..40_i64 {
+                let now = Instant::from_ticks(1_000_000 + (tick * length).unsigned_abs());
+                if tick < 20 {
+                    monitor.reset(now);
+                } else {
+                    // 12 steps in each tick, and 3 of them slip.
+                    let demand = demand(tick * 12, 12_000_000 / length as i32);
+                    last = monitor.observe(now, demand, tick * 9 + 60, &Configuration::NONE);
+                }
+            }
+            let wanted = 3_000_000 / length;
+            assert!(
+                (i64::from(last.slippage) - wanted).abs() <= 1,
+                "{length} us: {last:?}"
+            );
+            assert!((i64::from(last.velocity) - 3 * wanted).abs() <= 2);
+        }
+    }
+
+    #[test]
     fn m60_the_following_error_counts_after_its_time() {
-        let mut monitor = Monitor::new(TICK);
+        let mut monitor = Monitor::new();
         let configuration = Configuration {
             following_error_window: 5,
             following_error_time_out: 10,
