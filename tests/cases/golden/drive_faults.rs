@@ -1,7 +1,9 @@
 //! Each kind of fault of the drive as candump shows it, from operation enabled on: its emergency message, the statusword, its reset.
 
-use sim::plant::{Axis, STEP_CLOCK_HZ, Switch, Track};
-use tests::drive::DriveBench;
+use canopen::{Duration, Frame};
+use sim::drive::Setup;
+use sim::plant::{Axis, STEP_CLOCK_HZ, SupplyChange, SupplyData, Switch, Track};
+use tests::drive::{DriveBench, SWITCH_ON_DISABLED};
 
 /// The fault comes and goes, and a rising edge of controlword bit 7 resets it.
 fn trace_of(mut come: impl FnMut(&mut DriveBench), mut go: impl FnMut(&mut DriveBench)) -> String {
@@ -85,4 +87,67 @@ fn both_limit_switches_at_once() {
         |drive| drive.axis().plant_mut().mount(&between(10, -10)),
         |drive| drive.axis().plant_mut().mount(&between(-1_000, 1_000))
     ));
+}
+
+/// Stop category 0 by the break input of the step timer: the power goes at once.
+#[test]
+fn pulses_that_are_cut_off_from_outside() {
+    insta::assert_snapshot!(trace_of(
+        |drive| {
+            drive.begin_move(10_000);
+            drive.set_fault(Some(0x9000));
+        },
+        |drive| drive.set_fault(None)
+    ));
+}
+
+/// 24 V with 65 V in between, for 20 ms.
+#[test]
+fn a_supply_that_rises_too_high() {
+    let axis = Axis {
+        supply: Some(SupplyData {
+            changes: vec![SupplyChange {
+                at: Duration::millis(80),
+                duration: Duration::millis(20),
+                voltage: 65_000,
+            }],
+            ..SupplyData::default()
+        }),
+        ..Axis::default()
+    };
+    let setup = Setup {
+        axis: Some(axis),
+        ..Setup::with_node_id(1, 4)
+    };
+    let mut drive = DriveBench::with(setup, 4);
+    drive.start();
+    drive.reaches(SWITCH_ON_DISABLED, 20);
+    drive.enable();
+    drive.run_millis(100);
+    drive.command(0x80);
+    drive.run_millis(30);
+    insta::assert_snapshot!(drive.candump());
+}
+
+/// SYNC goes on each 10 ms, and no set-points come with it any more: two are bridged.
+#[test]
+fn set_points_that_stay_away() {
+    let mut drive = DriveBench::started(4);
+    drive.write_u8(0x6060, 0, 8);
+    drive.write_u8(0x60C2, 1, 10);
+    drive.write_u8(0x1402, 2, 1);
+    drive.enable();
+    for target in [0_i32, 0, 0, 0, 50, 100, 150] {
+        let [a, b, c, d] = target.to_le_bytes();
+        drive.send_frame(Frame::data_frame(0x404, &[0x0F, 0, a, b, c, d]));
+        drive.send("080 [0]");
+        drive.run_millis(10);
+    }
+    for _ in 0..10 {
+        drive.send("080 [0]");
+        drive.run_millis(10);
+    }
+    drive.command(0x80);
+    drive.run_millis(30);
+    insta::assert_snapshot!(drive.candump());
 }
