@@ -56,12 +56,13 @@ fn assert_near(value: i64, wanted: i64, slack: i64) {
 #[test]
 fn m40_a_profile_type_that_is_not_supported_is_refused() {
     let mut drive = DriveBench::started(4);
-    for profile in [-1_i16, 4, 255, i16::MIN, i16::MAX] {
+    // 2 is the jerk-free ramp: not the same as 3, limited jerk.
+    for profile in [-1_i16, 2, 4, 255, i16::MIN, i16::MAX] {
         let refused = drive.try_write(0x6086, 0, &profile.to_le_bytes());
         assert_eq!(refused, Err(0x0609_0030), "{profile}");
         assert_eq!(drive.read_i16(0x6086, 0), 0);
     }
-    for profile in [1, 2, 3, 0] {
+    for profile in [1, 3, 0] {
         drive.write_i16(0x6086, 0, profile);
         assert_eq!(drive.read_i16(0x6086, 0), profile);
     }
@@ -94,7 +95,7 @@ fn m40_a_profile_counts_from_the_next_set_point() {
 
 #[test]
 fn m40_every_profile_lands_in_its_time() {
-    for (profile, milliseconds) in [(0, 1_200), (1, 1_195), (2, 1_430), (3, 1_430)] {
+    for (profile, milliseconds) in [(0, 1_200), (1, 1_195), (3, 1_430)] {
         let mut drive = enabled(profile);
         drive.record_motion();
         let time = time_of_move(&mut drive, -20_000) as i64;
@@ -112,7 +113,7 @@ fn m40_every_profile_lands_in_its_time() {
 
 #[test]
 fn m29_a_target_changed_on_the_way_is_reached_with_every_profile() {
-    for profile in [1, 2, 3] {
+    for profile in [1, 3] {
         let mut drive = enabled(profile);
         for after in [40, 150, 400, 1_150, 1_300] {
             drive.begin_move(20_000);

@@ -1,8 +1,9 @@
 //! The motion profile type 6086h: how the velocity changes.
 //!
-//! 0 is the trapezoid; 1 has sin² ramps, as long as those of the trapezoid; 2 and 3 limit the jerk to 60A4h:1, both in the same way: from
-//! rest to rest there is none faster. It counts in profile position, profile velocity, the velocity mode and their halt, from the next
-//! set-point or target velocity on. Homing and stops at a limit switch have linear ramps.
+//! 0 is the trapezoid; 1 has sin² ramps, as long as those of the trapezoid; 3 limits the jerk to 60A4h:1: from rest to rest there is none
+//! faster. 2, the jerk-free ramp of CiA 402-2, is a jerk that does not jump; there is none here, and it is refused. It counts in profile
+//! position, profile velocity, the velocity mode and their halt, from the next set-point or target velocity on. Homing and stops at a limit
+//! switch have linear ramps.
 //!
 //! A stop on the quick stop ramp (codes 2, 3, 6 and 7 of 605Ah, 2 and 3 of 605Dh and 605Eh) is linear too, as it is to be short;
 //! 20A0h = 1 keeps the profile there.
@@ -16,7 +17,7 @@ pub(crate) const fn ramps(code: i16, jerk: u32) -> Option<Ramps> {
     match code {
         0 => Some(Ramps::Linear),
         1 => Some(Ramps::SinSquared),
-        2 | 3 => Some(Ramps::JerkLimited(if jerk == 0 { 1 } else { jerk })),
+        3 => Some(Ramps::JerkLimited(if jerk == 0 { 1 } else { jerk })),
         _ => None,
     }
 }
