@@ -14,7 +14,7 @@ pub(crate) struct Master {
     cycle: u64,
     /// When the next SYNC is due.
     next: u64,
-    controlword: u16,
+    pub(crate) controlword: u16,
     /// 6064h as it was sent for each SYNC.
     pub(crate) shown: Vec<i32>,
     /// What was commanded.

@@ -6,6 +6,7 @@ mod bouncing_switches;
 mod can_layer;
 mod commissioning;
 mod controller;
+mod cyclic_limits;
 mod cyclic_position;
 mod cyclic_velocity;
 mod data_sheet;

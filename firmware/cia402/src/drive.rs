@@ -403,13 +403,13 @@ impl Drive {
         if state != State::OperationEnabled && self.motor.standstill() {
             self.modes.select(self.commands.mode);
         }
-        match state {
+        let bits = match state {
             State::OperationEnabled => {
                 if let Some(Stop::Ramp(ramp)) = self.leaving(command) {
                     // The transition waits until the motor stands.
                     let deceleration = self.deceleration(ramp);
                     self.modes.interrupt(&mut self.motor, deceleration);
-                    return self.mind_limits();
+                    return self.mind_limits() | self.mind_travel();
                 }
                 let limit = self.mind_limits();
                 let is_brake_open = self.is_brake_open(now);
@@ -444,8 +444,9 @@ impl Drive {
                 };
                 bits | self.mind_limits()
             }
-            _ => 0,
-        }
+            _ => return 0,
+        };
+        bits | self.mind_travel()
     }
 }
 

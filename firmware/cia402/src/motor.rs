@@ -66,6 +66,8 @@ pub(crate) struct Motor {
     stops_hard: bool,
     /// The deceleration with which a limit switch stops the motor, in steps/s², as long as it still moves into the switch.
     stopping_at_limit: Option<u32>,
+    /// The stop under way has a harder ramp than it was asked for, because of a software limit.
+    stops_early: bool,
 }
 
 impl Motor {
@@ -90,6 +92,7 @@ impl Motor {
             stopping: None,
             stops_hard: false,
             stopping_at_limit: None,
+            stops_early: false,
         }
     }
 
@@ -211,6 +214,19 @@ impl Motor {
         self.stop_on(deceleration.max(least), is_smooth);
     }
 
+    /// Whether the stop under way ends within these software limits on the ramp that it was asked for. If not, it goes on with this
+    /// deceleration, unless its own is as hard.
+    pub(crate) fn stops_within(&mut self, (low, high): (i64, i64), deceleration: u32) -> bool {
+        let end = self.destination();
+        let is_beyond = end > high.max(self.committed) || end < low.min(self.committed);
+        let own = self.stopping.unwrap_or(0);
+        if is_beyond && (own < deceleration || !self.stops_hard) {
+            self.stop_on(own.max(deceleration), false);
+            self.stops_early = true;
+        }
+        !self.stops_early
+    }
+
     /// While a limit switch stops the motor, a motion away from it begins with no gentler ramp.
     fn at_limit(&self, limits: Limits) -> Limits {
         let least = self.stopping_at_limit.unwrap_or(0);
@@ -230,10 +246,16 @@ impl Motor {
         self.axis.set_ramps(ramps);
     }
 
+    /// No stop is under way any more.
+    const fn stopped(&mut self) {
+        self.stopping = None;
+        self.stops_early = false;
+    }
+
     /// A motion takes the place of a stop, unless it is refused.
     fn begun(&mut self, result: Result<(), PlanError>) -> Result<(), Refused> {
         result.map_err(|_| Refused)?;
-        self.stopping = None;
+        self.stopped();
         Ok(())
     }
 
@@ -339,7 +361,7 @@ impl Motor {
             }
         };
         if result.is_ok() {
-            self.stopping = None;
+            self.stopped();
         }
         result
     }
@@ -348,7 +370,7 @@ impl Motor {
     pub(crate) fn follow_velocity(&mut self, end: Fine, velocity: i32) -> Result<(), FollowError> {
         let tick = self.timescale.tick_at(end);
         self.axis.follow_velocity(tick, velocity)?;
-        self.stopping = None;
+        self.stopped();
         Ok(())
     }
 
@@ -432,7 +454,7 @@ impl Motor {
     pub(crate) fn cut_off(&mut self) {
         // Without current a motor runs on, nobody knows where to.
         self.referenced &= self.standstill;
-        self.stopping = None;
+        self.stopped();
         self.stopping_at_limit = None;
         self.axis.abort();
         self.at_rest = true;
@@ -454,7 +476,7 @@ impl Motor {
         self.committed = self.near(self.axis.committed_position());
         self.at_rest = self.axis.is_at_rest();
         if self.at_rest {
-            self.stopping = None;
+            self.stopped();
             self.stopping_at_limit = None;
         }
         result != Err(AdvanceError::Underrun)

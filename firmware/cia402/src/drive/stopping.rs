@@ -1,9 +1,10 @@
-//! How a motion ends that the mode of operation did not end: the option codes, the brake, the limit switches.
+//! How a motion ends that the mode of operation did not end: the option codes, the brake, the limits.
 
 use canopen::Instant;
 
 use super::Drive;
 use crate::controlword::Command;
+use crate::modes::Mode;
 use crate::motor::Barred;
 use crate::option_codes::{Stop, StopRamp};
 use crate::state_machine::State;
@@ -85,6 +86,21 @@ impl Drive {
             self.modes.limit_met(&self.motor);
         }
         if barred == Barred::default() {
+            0
+        } else {
+            statusword::INTERNAL_LIMIT
+        }
+    }
+
+    /// A stop that would end beyond a software limit goes on with the quick stop ramp, if that is harder; homing, that gives the limits
+    /// their places, goes beyond them. Returns bit 11 of the statusword.
+    pub(super) fn mind_travel(&mut self) -> u16 {
+        if !self.motor.is_stopping() || self.modes.active() == Mode::Homing {
+            return 0;
+        }
+        let deceleration = self.deceleration(StopRamp::QuickStop);
+        let travel = self.limits.travel().increments;
+        if self.motor.stops_within(travel, deceleration) {
             0
         } else {
             statusword::INTERNAL_LIMIT

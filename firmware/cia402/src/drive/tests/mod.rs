@@ -7,3 +7,4 @@ mod network;
 mod options;
 mod states;
 mod stops;
+mod travel;
