@@ -2,7 +2,12 @@
 //!
 //! Which input is what, which level means active and how long a change must last is up to the master: objects 2031h to 2033h.
 //! A switch counts as changed when its input has been at the other level for the debounce time, less than that is a glitch and
-//! ignored. Where it changed is the position that the board captured at the first edge: bounces that follow do not shift it.
+//! ignored; while a contact chatters, the time at the old level counts back. Where it changed is the position that the board
+//! captured at the first edge: bounces that follow do not shift it.
+//!
+//! A limit switch protects: where it is unsure, it is active. Its inactive time counts back half as fast only, so that one that is active
+//! for half of the time counts after four debounce times at most, and it is left again after a debounce time without a break.
+//!
 //! Several inputs may have one function; the switch is active when one of them is.
 //!
 //! 60FDh shows the switches in bits 0 (negative limit), 1 (positive limit) and 2 (home), and the bare levels of inputs 1 to 6
@@ -251,10 +256,10 @@ impl Switches {
             debounce: u32::from(configuration.debounce).wrapping_mul(1000),
         };
         self.negative_limit
-            .observe(configuration.negative_limit, &look);
+            .observe(configuration.negative_limit, true, &look);
         self.positive_limit
-            .observe(configuration.positive_limit, &look);
-        self.home.observe(configuration.home, &look);
+            .observe(configuration.positive_limit, true, &look);
+        self.home.observe(configuration.home, false, &look);
         self.index = None;
         if configuration.index != 0 {
             let risen = configuration.index & active & !before;
@@ -326,7 +331,7 @@ impl Look<'_> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Switch {
     pub(crate) state: SwitchState,
-    /// For how long it has been at the other level, less the time it was back since, in microseconds.
+    /// For how long it has been at the other level, less what counts of the time it was back since, in microseconds.
     changing: u32,
     /// Where a change may have begun.
     edge: Option<i32>,
@@ -339,7 +344,8 @@ pub(crate) struct Switch {
 const LONGEST_BOUNCE: u32 = 4;
 
 impl Switch {
-    fn observe(&mut self, mask: u8, look: &Look<'_>) {
+    /// `protects` says that it is a limit switch: of one that chatters the motor keeps away.
+    fn observe(&mut self, mask: u8, protects: bool, look: &Look<'_>) {
         self.state.edge = None;
         if mask == 0 {
             // A switch that is not fitted is not active.
@@ -348,15 +354,19 @@ impl Switch {
         }
         let active = look.active & mask != 0;
         // It may begin to bounce between two ticks.
-        if active != self.state.active || self.edge.is_some() || look.inputs.changed & mask != 0 {
-            self.follow(active, mask, look);
+        if active != self.state.active
+            || self.edge.is_some()
+            || self.changing != 0
+            || look.inputs.changed & mask != 0
+        {
+            self.follow(active, mask, protects, look);
         }
     }
 
     /// A change, or what looks like one.
     #[cold]
     #[inline(never)]
-    fn follow(&mut self, active: bool, mask: u8, look: &Look<'_>) {
+    fn follow(&mut self, active: bool, mask: u8, protects: bool, look: &Look<'_>) {
         let differs = active != self.state.active;
         let captured = look.first_edge(mask, !self.state.active);
         let edge = captured.or(differs.then_some(look.position));
@@ -377,7 +387,12 @@ impl Switch {
             self.changing = self.changing.saturating_add(look.elapsed);
             self.quiet = 0;
         } else {
-            self.changing = self.changing.saturating_sub(look.elapsed);
+            self.changing = match (protects, self.state.active) {
+                (false, _) => self.changing.saturating_sub(look.elapsed),
+                // Time counts back half as fast as it counted up.
+                (true, false) => self.changing.saturating_sub(look.elapsed / 2),
+                (true, true) => 0,
+            };
             self.quiet = match captured {
                 Some(_) => 0,
                 None => self.quiet.saturating_add(look.elapsed),
@@ -386,6 +401,7 @@ impl Switch {
             if is_over || self.age > look.debounce.saturating_mul(LONGEST_BOUNCE) {
                 *self = Self {
                     state: self.state,
+                    changing: self.changing,
                     ..Self::default()
                 };
             }

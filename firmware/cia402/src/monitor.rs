@@ -89,12 +89,12 @@ impl Monitor {
             following_error: error,
             velocity: demand.velocity.saturating_sub(slippage),
             slippage,
-            is_lost: window != OFF
-                && self.outside.has_held(
-                    now,
-                    error.unsigned_abs() > window,
-                    configuration.following_error_time_out,
-                ),
+            // Looked at while it is off too, so that its time starts anew behind that.
+            is_lost: self.outside.has_held(
+                now,
+                window != OFF && error.unsigned_abs() > window,
+                configuration.following_error_time_out,
+            ),
         }
     }
 }
@@ -195,5 +195,25 @@ mod tests {
         assert!(!lost(11, 6));
         assert!(!lost(20, 6));
         assert!(lost(21, 6));
+    }
+
+    #[test]
+    fn m60_switched_off_and_on_the_time_of_6066h_starts_anew() {
+        let mut monitor = Monitor::new();
+        let mut lost = |milliseconds, following_error_window| {
+            let configuration = Configuration {
+                following_error_window,
+                following_error_time_out: 1_000,
+                ..Configuration::NONE
+            };
+            monitor
+                .observe(at(milliseconds), demand(10, 0), 0, &configuration)
+                .is_lost
+        };
+        assert!(!lost(0, 5));
+        assert!(!lost(500, OFF));
+        assert!(!lost(3_000, 5));
+        assert!(!lost(3_999, 5));
+        assert!(lost(4_000, 5));
     }
 }

@@ -127,6 +127,86 @@ fn m61_noise_that_never_ends_does_not_keep_an_old_edge() {
     assert!((1_980..2_010).contains(&edge.unwrap()), "{edge:?}");
 }
 
+/// A limit switch that is active in `active` of `of` ticks, in turn `active` and not, `long` ticks at a time; debounced for 3 ms.
+fn chattering(active: i32, of: i32, long: i32) -> impl Iterator<Item = bool> {
+    const LIMIT: InputConfiguration = InputConfiguration {
+        positive_limit: 0b0100,
+        debounce: 3,
+        ..InputConfiguration::NONE
+    };
+    let mut bench = Bench {
+        configuration: Some(LIMIT),
+        ..Bench::default()
+    };
+    (0..1_000).map(move |tick| {
+        let level = tick / long * active % of < active;
+        bench.see(level, None, None);
+        bench.switches.barred().forward
+    })
+}
+
+#[test]
+fn m61_a_limit_switch_that_is_active_for_half_of_the_time_bars_within_four_debounce_times() {
+    for (active, of) in [(1, 2), (5, 9), (3, 5), (2, 3), (9, 10)] {
+        for long in 1..=3 {
+            let mut bars = chattering(active, of, long);
+            // It may begin inactive, and there is the tick that sees it first.
+            let ticks = bars.position(|bars| bars).unwrap();
+            assert!(ticks <= 12 + 4, "{active}/{of}, {long}: {ticks} ms");
+            assert!(
+                bars.all(|bars| bars),
+                "{active}/{of}, {long}: it is free again"
+            );
+        }
+    }
+}
+
+#[test]
+fn m61_glitches_of_a_limit_switch_do_not_add_up() {
+    assert!(chattering(1, 3, 1).all(|bars| !bars));
+    assert!(chattering(1, 4, 2).all(|bars| !bars));
+}
+
+#[test]
+fn m61_a_home_switch_that_is_active_most_of_the_time_counts() {
+    let mut bench = Bench {
+        configuration: Some(InputConfiguration {
+            debounce: 20,
+            ..HOME
+        }),
+        ..Bench::default()
+    };
+    let mut counts = (0..1_000).map(|tick| bench.see(tick % 5 < 3, None, None).active);
+    // A fifth of the time is left.
+    let ticks = counts.position(|active| active).unwrap();
+    assert!((80..=110).contains(&ticks), "{ticks}");
+}
+
+#[test]
+fn m61_a_limit_switch_is_left_where_its_contact_first_opened() {
+    let mut bench = Bench {
+        configuration: Some(InputConfiguration {
+            positive_limit: 0b0100,
+            debounce: 3,
+            ..InputConfiguration::NONE
+        }),
+        ..Bench::default()
+    };
+    for _ in 0..10 {
+        bench.see(true, None, None);
+    }
+    bench.see(false, None, Some(500));
+    bench.see(true, Some(510), None);
+    bench.see(false, None, Some(520));
+    let mut ticks = 0;
+    while bench.switches.positive_limit.state.active {
+        bench.see(false, None, None);
+        ticks += 1;
+    }
+    assert_eq!(ticks, 3);
+    assert_eq!(bench.switches.positive_limit.state.edge, Some(1_500));
+}
+
 #[test]
 fn an_edge_that_was_not_captured_is_where_the_motor_was() {
     let mut bench = Bench {

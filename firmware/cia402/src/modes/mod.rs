@@ -310,7 +310,7 @@ impl Modes {
     pub(crate) fn limit_met(&mut self, motor: &Motor) {
         match self.active {
             Mode::NoMode | Mode::Homing => {}
-            Mode::ProfilePosition => self.profile_position.limit_met(),
+            Mode::ProfilePosition => self.profile_position.limit_met(motor),
             Mode::Velocity => self.velocity.limit_met(motor),
             Mode::ProfileVelocity => self.profile_velocity.limit_met(motor),
             Mode::InterpolatedPosition => self.interpolated_position.limit_met(),

@@ -97,6 +97,8 @@ pub(super) struct ProfilePosition {
     held: bool,
     /// The mode began in this tick: an edge of bit 4 is older than it.
     begins: bool,
+    /// The set-point under way is to be begun again: it is being stopped.
+    starts_anew: bool,
     window: Dwell,
 }
 
@@ -113,6 +115,7 @@ impl ProfilePosition {
             acknowledge: false,
             held: false,
             begins: true,
+            starts_anew: false,
             window: Dwell::new(),
         }
     }
@@ -123,10 +126,19 @@ impl ProfilePosition {
         self.target = motor.destination();
     }
 
-    /// A limit switch is stopping the motor: the set-points are not carried out.
-    pub(super) fn limit_met(&mut self) {
-        self.progress = Progress::Impossible;
-        self.next = None;
+    /// A limit switch is stopping the motor: the set-points are not carried out. One that leads away from the switch is: the motor
+    /// was turning round to it.
+    pub(super) fn limit_met(&mut self, motor: &Motor) {
+        let leads_away = self.current.is_some_and(|set_point| {
+            let way = set_point.target.saturating_sub(motor.committed_position());
+            motor.is_free(way).is_ok()
+        });
+        if leads_away && self.progress == Progress::UnderWay {
+            self.starts_anew = true;
+        } else {
+            self.progress = Progress::Impossible;
+            self.next = None;
+        }
     }
 
     /// One control tick; returns statusword bits 10 to 12.
@@ -135,7 +147,9 @@ impl ProfilePosition {
         let was_held = self.held;
         self.held = context.is_held();
 
-        if self.progress == Progress::UnderWay && !was_held {
+        if self.starts_anew && !self.held {
+            self.go_on(context);
+        } else if self.progress == Progress::UnderWay && !was_held {
             self.look_for_the_end(context);
         }
         if self.progress != Progress::UnderWay
@@ -361,6 +375,11 @@ impl ProfilePosition {
     /// The halt is over: the set-point under way goes on.
     fn resume(&mut self, context: &mut Context<'_>) {
         self.beyond.forget();
+        self.go_on(context);
+    }
+
+    /// The set-point under way is begun again, from whatever the motor does.
+    fn go_on(&mut self, context: &mut Context<'_>) {
         if let (Progress::UnderWay, Some(set_point)) = (self.progress, self.current) {
             self.start(set_point, context.motor);
         }
@@ -376,6 +395,7 @@ impl ProfilePosition {
         } = set_point;
         motor.set_ramps(ramps);
         self.beyond.forget();
+        self.starts_anew = false;
         let result = if end_velocity == 0 {
             motor.move_to(target, limits)
         } else {
@@ -414,6 +434,14 @@ impl ProfilePosition {
 
     fn is_reached(&mut self, context: &Context<'_>, limited: Limited) -> bool {
         let configuration = context.configuration;
+        let window = configuration.position_window;
+        let distance = context.position.abs_diff(self.target);
+        // Looked at whatever bit 10 says, so that no time counts in which the motor may have been elsewhere.
+        let is_inside = self.window.has_held(
+            context.now,
+            window != WINDOW_OFF && distance <= u64::from(window),
+            configuration.position_window_time,
+        );
         if context.is_halted() {
             return context.motor.standstill();
         }
@@ -429,15 +457,10 @@ impl ProfilePosition {
         {
             return false;
         }
-        if configuration.position_window == WINDOW_OFF {
+        if window == WINDOW_OFF {
             return self.progress == Progress::Done;
         }
-        let distance = context.position.abs_diff(self.target);
-        self.window.has_held(
-            context.now,
-            distance <= u64::from(configuration.position_window),
-            configuration.position_window_time,
-        )
+        is_inside
     }
 }
 

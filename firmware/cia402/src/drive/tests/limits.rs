@@ -206,7 +206,7 @@ fn a_velocity_that_a_limit_switch_ended_is_not_taken_up_by_itself() {
 
 #[test]
 fn a_limit_switch_met_while_turning_round_does_not_end_the_way_back() {
-    for mode in [Mode::ProfileVelocity, Mode::Velocity] {
+    for mode in [Mode::ProfilePosition, Mode::ProfileVelocity, Mode::Velocity] {
         let mut rig = cruising(mode);
         go(&mut rig, mode, -1);
         rig.ticks(20);
@@ -216,4 +216,34 @@ fn a_limit_switch_met_while_turning_round_does_not_end_the_way_back() {
         rig.ticks(50);
         assert!(rig.speed() < 0, "{mode:?}");
     }
+}
+
+#[test]
+fn a_set_point_behind_a_limit_switch_is_reached_and_so_is_the_one_that_waits() {
+    let mut rig = cruising(Mode::ProfilePosition);
+    rig.set_point(-5_000, 0x20);
+    rig.ticks(20);
+    rig.set_point(-6_000, 0);
+    rig.tick();
+    rig.digital.levels = POSITIVE;
+    rig.tick();
+    assert!(rig.limited());
+    let way = overrun(&mut rig);
+    assert!(way < QUICK, "{way} steps");
+    rig.until("motion", |rig| rig.actuals().velocity_demand < -1_000);
+    rig.digital.levels = 0;
+    rig.until("the first target", |rig| rig.motor.position == -5_000);
+    rig.until("the second target", |rig| rig.motor.position == -6_000);
+    rig.ticks(20);
+    assert!(rig.reached() && !rig.limited());
+}
+
+#[test]
+fn a_set_point_beyond_a_limit_switch_is_given_up() {
+    let mut rig = cruising(Mode::ProfilePosition);
+    rig.digital.levels = POSITIVE;
+    rig.ticks(100);
+    rig.digital.levels = 0;
+    rig.ticks(50);
+    assert!(rig.speed() == 0 && rig.limited() && !rig.reached());
 }

@@ -1,6 +1,6 @@
 //! Where a set-point leads, and when it counts as reached.
 
-use super::{IMMEDIATELY, RELATIVE};
+use super::{HALT, IMMEDIATELY, RELATIVE};
 use crate::testing::Rig;
 
 #[test]
@@ -183,4 +183,43 @@ fn d22_the_window_time_counts_from_the_set_point() {
     rig.tick();
     let ticks = rig.until("target reached", Rig::reached);
     assert!((24..=26).contains(&ticks), "{ticks} ms");
+}
+
+#[test]
+fn m34_switched_off_and_on_the_window_time_starts_anew() {
+    let mut rig = Rig::enabled();
+    rig.configuration.position_window_time = 100;
+    rig.slack = 100;
+    rig.post();
+    rig.ticks(110);
+    assert!(rig.reached());
+    rig.configuration.position_window = u32::MAX;
+    rig.post();
+    rig.motor.position += 50;
+    rig.ticks(20);
+    rig.motor.position -= 50;
+    rig.configuration.position_window = 10;
+    rig.post();
+    rig.tick();
+    let ticks = rig.until("target reached", Rig::reached);
+    assert!((99..=101).contains(&ticks), "{ticks} ms");
+}
+
+#[test]
+fn m34_the_window_is_looked_at_during_halt() {
+    let mut rig = Rig::enabled();
+    rig.configuration.position_window_time = 100;
+    rig.slack = 100;
+    rig.post();
+    rig.ticks(110);
+    assert!(rig.reached());
+    rig.write(0x0F | HALT);
+    rig.tick();
+    rig.motor.position += 50;
+    rig.ticks(20);
+    rig.motor.position -= 50;
+    rig.write(0x0F);
+    rig.tick();
+    let ticks = rig.until("target reached", Rig::reached);
+    assert!((99..=101).contains(&ticks), "{ticks} ms");
 }
