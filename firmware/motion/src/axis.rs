@@ -9,15 +9,17 @@
 //!
 //! Every pulse is accounted for: [`Axis::committed_position`] is always the sum of the pulses handed to the sink.
 
-use heapless::Deque;
+mod leg;
+mod trace;
 
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Position, State, Velocity};
 use crate::path::{FollowError, Path};
-use crate::plan::phase::Phase;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::train::{Chord, Train};
+use leg::Leg;
+use trace::Trace;
 
 /// What an axis is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,12 +62,6 @@ impl core::fmt::Display for AdvanceError {
 
 impl core::error::Error for AdvanceError {}
 
-/// Points of the recent past that are kept to tell what is being played.
-const TRACE: usize = 16;
-
-/// Chords per segment at most, however hard the acceleration: it bounds the work of a control tick.
-const CHORDS_PER_SEGMENT: u64 = 32;
-
 /// A stepper axis.
 #[derive(Debug, Clone)]
 pub struct Axis {
@@ -86,23 +82,9 @@ pub struct Axis {
     committed: i32,
     /// Whether records of the present motion have been handed out.
     moving: bool,
-    /// The phase of the plan at the horizon, and the state there; `None` until the next chord finds it.
+    /// Where the plan is one parabola from the horizon on; `None` elsewhere, at its corners and until the next chord finds it.
     leg: Option<Leg>,
-    trace: Deque<(Ticks, State), TRACE>,
-    /// The ticks of the last two points of the trace.
-    marked: (Ticks, Ticks),
-}
-
-/// A stretch of the plan that is one parabola.
-#[derive(Debug, Clone, Copy)]
-struct Leg {
-    phase: Phase,
-    /// The next corner.
-    until: Ticks,
-    /// The longest chord in it.
-    longest: u64,
-    /// At the commit horizon.
-    state: State,
+    trace: Trace,
 }
 
 impl Axis {
@@ -120,8 +102,7 @@ impl Axis {
             committed: 0,
             moving: false,
             leg: None,
-            trace: Deque::new(),
-            marked: (0, 0),
+            trace: Trace::new(),
         };
         axis.stand_at(0);
         axis
@@ -282,10 +263,9 @@ impl Axis {
     pub fn advance<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
         let pending = sink.pending();
         let starved = self.moving && pending == 0;
-        let enough = self
-            .handed
-            .wrapping_add(self.train.segment() << 1)
-            .saturating_sub(pending);
+        let pending = u32::try_from(pending).unwrap_or(u32::MAX);
+        let missing = (self.train.segment() << 1).saturating_sub(pending);
+        let enough = self.handed.wrapping_add(missing.into());
         loop {
             self.hand_out(sink)?;
             if self.handed >= enough || self.is_at_rest() {
@@ -309,16 +289,7 @@ impl Axis {
 
     /// What is being played now, if the sink still has `pending` ticks to play.
     pub fn demand(&self, pending: Ticks) -> Demand {
-        let played = self.played(pending);
-        let mut before: Option<&(Ticks, State)> = None;
-        for point in &self.trace {
-            if point.0 > played {
-                let state = before.map_or(point.1, |before| between(before, point, played));
-                return self.demand_of(state);
-            }
-            before = Some(point);
-        }
-        before.map_or_else(Demand::default, |point| self.demand_of(point.1))
+        self.demand_of(self.trace.at(self.played(pending)))
     }
 
     /// Whole steps handed to the sink so far: the sum of its pulses, −2³¹ ..= 2³¹−1.
@@ -327,9 +298,16 @@ impl Axis {
     }
 
     /// Whether the motion has ended and all its records have been handed out. The sink may still be playing them.
+    #[inline]
     pub fn is_at_rest(&self) -> bool {
+        // A leg ends at a corner at the latest, and the end is one.
+        self.leg.is_none() && self.has_ended()
+    }
+
+    #[inline(never)]
+    fn has_ended(&self) -> bool {
         self.end().is_some_and(|end| end <= self.horizon)
-            && self.train.next().is_none()
+            && self.train.waiting().is_empty()
             && self.train.is_closed(self.horizon)
             && self.train.due(self.state_at(self.horizon).position) == 0
     }
@@ -383,7 +361,7 @@ impl Axis {
         if let Some(path) = &mut self.path {
             return path.go_on(horizon, end, to, velocity);
         }
-        let grace = self.train.segment().saturating_mul(2);
+        let grace = Ticks::from(self.train.segment()) << 1;
         let mut path = Path::new(horizon, self.plan.state_at(horizon), grace);
         path.go_on(horizon, end, to, velocity)?;
         self.path = Some(path);
@@ -407,107 +385,105 @@ impl Axis {
     }
 
     /// Hands out the records made.
+    #[inline]
     fn hand_out<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
-        while let Some(record) = self.train.next() {
-            sink.push(record).map_err(|_| AdvanceError::SinkFull)?;
-            self.train.handed_out();
-            self.handed = self.handed.wrapping_add(record.ticks());
-            self.committed = self.committed.wrapping_add(record.steps());
+        for (taken, record) in self.train.waiting().iter().enumerate() {
+            if sink.push(*record).is_err() {
+                self.handed_out_part(taken);
+                return Err(AdvanceError::SinkFull);
+            }
             self.moving = true;
         }
+        self.train.handed_out();
+        self.handed = self.train.pen();
+        self.committed = self.train.steps_at_pen();
         Ok(())
+    }
+
+    /// The sink has taken only so many of the records made.
+    #[cold]
+    fn handed_out_part(&mut self, taken: usize) {
+        for record in self.train.waiting().iter().take(taken) {
+            self.handed = self.handed.wrapping_add(record.ticks());
+            self.committed = self.committed.wrapping_add(record.steps());
+        }
+        self.train.handed_out_part(taken);
     }
 
     /// Makes the records of the next chord.
     fn compose(&mut self) {
-        let begin = self.horizon;
-        let Some(leg) = self.leg.as_mut().filter(|leg| begin < leg.until) else {
-            self.compose_anew();
+        let chord = match &mut self.leg {
+            Some(leg) => {
+                let begin = self.horizon;
+                let from = leg.state();
+                let length = leg.next_chord(&self.train);
+                let left = leg.until.wrapping_sub(begin);
+                if u64::from(length) < left {
+                    Some((from, length, leg.go_on(length)))
+                } else {
+                    self.leg = None;
+                    let to = self.state_at(begin.wrapping_add(left));
+                    Some((from, left as u32, to))
+                }
+            }
+            None => self.next_chord(),
+        };
+        let Some((from, length, to)) = chord else {
             return;
         };
-        let from = leg.state;
-        let length = leg
-            .longest
-            .min(self.train.longest_chord(from.velocity))
-            .max(self.train.segment() / CHORDS_PER_SEGMENT)
-            .min(leg.until.wrapping_sub(begin));
-        let end = begin.wrapping_add(length);
-        let to = if end < leg.until {
-            leg.phase.at(end).rounded()
-        } else {
-            self.plan.state_at(end)
-        };
-        leg.state = to;
-        self.draw((begin, from), (end, to));
+        self.train.draw(&Chord {
+            begin: self.horizon,
+            length,
+            from: from.position,
+            to: to.position,
+            speeding_up: to.is_as_fast_as(from),
+        });
+        self.horizon = self.horizon.wrapping_add(length.into());
+        // Points that lie close together are thinned out.
+        let least = self.train.segment() / 4;
+        self.trace.mark(self.horizon, to, length, least);
     }
 
-    /// The same, wherever the axis is: on a path, between two phases, at the end.
+    /// The next chord, wherever the axis is: on a path, between two phases, at the end. Where the axis stands there is none; it closes what
+    /// is open.
     #[inline(never)]
-    fn compose_anew(&mut self) {
+    fn next_chord(&mut self) -> Option<(State, u32, State)> {
         let begin = self.horizon;
         let from = self.state_at(begin);
-        let segment = self.train.segment();
         if self.end().is_some_and(|end| end <= begin) && self.train.due(from.position) == 0 {
             self.train.close(begin);
             self.horizon = begin.max(self.train.pen());
-            self.mark(self.state_at(self.horizon));
-            return;
+            let standing = self.state_at(self.horizon);
+            let length = self.horizon.wrapping_sub(begin) as u32;
+            let least = self.train.segment() / 4;
+            self.trace.mark(self.horizon, standing, length, least);
+            return None;
         }
         let (corner, longest) = match &self.path {
             None => (self.plan.next_corner(begin), self.plan.longest_chord(begin)),
             Some(path) => (path.next_corner(begin), path.longest_chord(begin)),
         };
-        let corner = corner.map_or(Ticks::MAX, |corner| corner.saturating_sub(begin));
-        let length = longest
-            .min(self.train.longest_chord(from.velocity))
-            .max(segment / CHORDS_PER_SEGMENT)
-            .min(corner);
-        let end = begin.saturating_add(length);
-        let to = self.state_at(end);
-        self.leg = None;
+        let longest = u32::try_from(longest).unwrap_or(u32::MAX);
+        let length = self.train.chord(from.velocity, longest);
+        let corner = corner.unwrap_or(Ticks::MAX);
+        let left = corner.saturating_sub(begin);
+        let length = u32::try_from(left).map_or(length, |left| length.min(left));
+        let end = begin.saturating_add(length.into());
         if self.path.is_none()
+            && end < corner
             && let Some(phase) = self.plan.phase_at(begin)
             && phase.is_parabola()
         {
-            self.leg = Some(Leg {
-                phase: *phase,
-                until: begin.saturating_add(corner),
-                longest,
-                state: to,
-            });
+            let leg = Leg::new(phase, end, corner, longest);
+            let to = leg.state();
+            self.leg = Some(leg);
+            return Some((from, length, to));
         }
-        self.draw((begin, from), (end, to));
-    }
-
-    /// Makes the records of a chord from the horizon on, and moves the horizon to its end.
-    #[inline]
-    fn draw(&mut self, (begin, from): (Ticks, State), (end, to): (Ticks, State)) {
-        self.train.draw(&Chord {
-            from: (begin, from.position),
-            to: (end, to.position),
-            speeding_up: to.velocity.bits().unsigned_abs() >= from.velocity.bits().unsigned_abs(),
-        });
-        self.horizon = end;
-        self.mark(to);
-    }
-
-    /// Remembers the state at the horizon. Points that lie close together are thinned out.
-    fn mark(&mut self, state: State) {
-        let least = self.train.segment() / 4;
-        if self.marked.1.wrapping_sub(self.marked.0) < least {
-            self.trace.pop_back();
-        } else {
-            self.marked.0 = self.marked.1;
-        }
-        self.marked.1 = self.horizon;
-        if self.trace.is_full() {
-            self.trace.pop_front();
-        }
-        // There is room now.
-        let _ = self.trace.push_back((self.horizon, state));
+        Some((from, length, self.state_at(end)))
     }
 
     /// The motion has ended: from now on the axis stands on the whole step that the pulses have reached.
+    #[inline(never)]
     fn settle(&mut self) {
         self.leg = None;
         self.plan = Plan::at_rest(self.committed.into(), self.horizon);
@@ -521,11 +497,8 @@ impl Axis {
         self.committed = steps;
         self.train.reset(steps, self.handed);
         self.settle();
-        self.trace.clear();
-        // Points of long ago: the first two that follow do not lie close to another.
-        let long_ago = self.horizon.wrapping_sub(1 << 40);
-        self.marked = (long_ago.wrapping_sub(1 << 40), long_ago);
-        self.mark(self.plan.state_at(self.horizon));
+        let standing = self.plan.state_at(self.horizon);
+        self.trace.restart(self.horizon, standing);
     }
 
     fn redirect(&mut self, goal: Goal, limits: Limits) -> Result<(), PlanError> {
@@ -553,27 +526,6 @@ impl Axis {
             position: state.position.whole_steps(),
             velocity: state.velocity.steps_per_second(self.clock),
         }
-    }
-}
-
-/// The state at tick `t` between two points of the trace.
-fn between(before: &(Ticks, State), after: &(Ticks, State), t: Ticks) -> State {
-    let length = after.0.saturating_sub(before.0);
-    // Q16 of the way; points lie less than 2²⁹ ticks apart.
-    let part = (t.saturating_sub(before.0) << 16)
-        .checked_div(length)
-        .unwrap_or(0);
-    let blend = |from: i64, to: i64| {
-        // So it is with the velocity in a cruise, where most of the time is spent.
-        if from == to {
-            return from;
-        }
-        let change = i128::from(to.wrapping_sub(from)).wrapping_mul(part.into()) >> 16;
-        from.wrapping_add(change as i64)
-    };
-    State {
-        position: Position::from_bits(blend(before.1.position.bits(), after.1.position.bits())),
-        velocity: Velocity::from_bits(blend(before.1.velocity.bits(), after.1.velocity.bits())),
     }
 }
 

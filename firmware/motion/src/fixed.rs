@@ -121,6 +121,14 @@ pub struct State {
     pub velocity: Velocity,
 }
 
+impl State {
+    /// Whether it is as fast as `before`, or faster.
+    #[inline]
+    pub(crate) const fn is_as_fast_as(self, before: Self) -> bool {
+        self.velocity.0.unsigned_abs() >= before.velocity.0.unsigned_abs()
+    }
+}
+
 /// A [`State`] as plans keep it among themselves: both in Q96. Planning again from it loses nothing, so an
 /// axis may be planned again in every control tick and still arrive when it would have arrived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -140,7 +148,14 @@ impl Exact {
         }
     }
 
+    /// The position in the public resolution.
+    #[inline]
+    pub(crate) const fn rounded_position(self) -> Position {
+        Position::from_exact(self.position)
+    }
+
     /// The same in the public resolution.
+    #[inline]
     pub(crate) const fn rounded(self) -> State {
         State {
             position: Position::from_exact(self.position),

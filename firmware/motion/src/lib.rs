@@ -28,6 +28,7 @@ extern crate std;
 pub mod advanced_timer;
 pub mod axis;
 pub mod clock;
+mod crossings;
 mod divide;
 pub mod driver;
 pub mod fixed;

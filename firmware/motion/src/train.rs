@@ -8,7 +8,7 @@
 //! delays is made later, and never lost.
 
 use crate::clock::Ticks;
-use crate::divide::estimate;
+use crate::crossings::Crossings;
 use crate::fixed::{Position, Velocity};
 use crate::record::{Direction, DriverTiming, Record, SHORTEST_RECORD};
 
@@ -19,16 +19,25 @@ const MOST_RECORDS: usize = 8;
 /// The pulses of a run are counted in 16 bits.
 const LONGEST_RUN: u32 = u16::MAX as u32;
 
+/// Chords per segment at most, however hard the acceleration: it bounds the work of a control tick.
+const CHORDS_PER_SEGMENT: u32 = 32;
+
 /// From so many pulses in a chord on, the open period before it is as long as the periods in it.
 const MANY: u32 = 8;
+
+/// 3/16 of a step, times 8, for a square of Q24: two kinds of period, one in the middle of the other, are off by v² · length / 8.
+const MOST_BEND: u64 = 3 << 47;
 
 /// A stretch of the plan, taken as a straight line.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chord {
-    /// Where it begins.
-    pub(crate) from: (Ticks, Position),
-    /// Where it ends; later than it begins.
-    pub(crate) to: (Ticks, Position),
+    /// When it begins.
+    pub(crate) begin: Ticks,
+    /// How long it takes, in ticks: at least 1, and no longer than a segment.
+    pub(crate) length: u32,
+    /// Where it begins and ends.
+    pub(crate) from: Position,
+    pub(crate) to: Position,
     /// Whether the speed grows: the longer periods come first then, and otherwise last.
     pub(crate) speeding_up: bool,
 }
@@ -44,19 +53,26 @@ pub(crate) struct Train {
     least: u32,
     hold: u32,
     setup: u32,
-    segment: u64,
+    segment: u32,
+    /// The longest chord, and the speed up to which it may be so long, Q24 steps per tick.
+    longest: u32,
+    easy: u32,
     /// Steps made, modulo 2³².
     steps: i32,
     /// The level of the direction signal; `None` until a record has set it.
     direction: Option<Direction>,
     /// Up to here there are records. What follows is the open period.
     pen: Ticks,
-    /// Whether the open period begins with a pulse.
-    pulse: bool,
-    /// Records made, how many, and how many of them have been handed out.
+    /// The step of the pulse with which the open period begins, 1 or −1; 0 if it is silent.
+    open_step: i32,
+    /// The crossings of the last chord that had pulses.
+    crossings: Crossings,
+    /// Whether that was the last chord, it had many, and its last pulse is where it belongs: so the open period is as long as the
+    /// next one if the next chord is like it.
+    even: bool,
+    /// Records made, and how many.
     made: [Record; MOST_RECORDS],
     count: u8,
-    handed_out: u8,
 }
 
 impl Train {
@@ -68,21 +84,27 @@ impl Train {
         let hold = timing.pulse_high.saturating_add(timing.direction_hold);
         let (hold, setup) = (least.max(hold), least.max(timing.direction_setup));
         // Long enough that a record of one segment keeps every time of the driver.
-        let turn = u64::from(hold).saturating_add(setup.into());
+        let turn = hold.saturating_add(setup);
+        let segment = segment.min(1 << 28).max(turn.saturating_mul(2));
+        let longest = segment.min(shortest.saturating_mul(LONGEST_RUN));
+        let square = MOST_BEND.checked_div(longest.into()).unwrap_or(0);
         Self {
             width: timing.pulse_high as u16,
             shortest,
             least,
             hold,
             setup,
-            segment: u64::from(segment.min(1 << 28)).max(turn.saturating_mul(2)),
+            segment,
+            longest,
+            easy: square.isqrt() as u32,
             steps,
             direction: None,
             pen,
-            pulse: false,
+            open_step: 0,
+            crossings: Crossings::NONE,
+            even: false,
             made: [Record::NONE; MOST_RECORDS],
             count: 0,
-            handed_out: 0,
         }
     }
 
@@ -90,10 +112,10 @@ impl Train {
     pub(crate) fn reset(&mut self, steps: i32, pen: Ticks) {
         self.steps = steps;
         self.pen = pen;
-        self.pulse = false;
+        self.open_step = 0;
+        self.even = false;
         self.direction = None;
         self.count = 0;
-        self.handed_out = 0;
     }
 
     /// The shortest period between two pulses, in ticks.
@@ -102,25 +124,30 @@ impl Train {
     }
 
     /// The length of a segment in ticks. No record is longer, but for a run that begins with the last pulse before its chord.
-    pub(crate) const fn segment(&self) -> u64 {
+    pub(crate) const fn segment(&self) -> u32 {
         self.segment
     }
 
-    /// The longest chord at `velocity`, in ticks: so that no run has more pulses than a record can count, and that evenly
-    /// spaced pulses stay within three sixteenths of a step of the chord.
-    pub(crate) fn longest_chord(&self, velocity: Velocity) -> u64 {
-        // Two kinds of period, one in the middle of the other: v² · length / 8 ≤ 3/16, with v in Q24.
-        const MOST: u64 = 3 << 47;
-        let speed = velocity.bits().unsigned_abs() >> 32;
-        let square = speed.wrapping_mul(speed);
-        let longest = self
-            .segment
-            .min(u64::from(self.shortest).wrapping_mul(LONGEST_RUN.into()));
-        // Divisions are dear, and this one seldom limits.
-        if longest.saturating_mul(square) <= MOST {
-            return longest;
-        }
-        MOST.checked_div(square).unwrap_or(longest)
+    /// How long a chord from `velocity` on is if the plan allows `longest`, in ticks: so that no run has more pulses than a record can
+    /// count, and that evenly spaced pulses stay within three sixteenths of a step of the chord.
+    #[inline]
+    pub(crate) fn chord(&self, velocity: Velocity, longest: u32) -> u32 {
+        let speed = (velocity.bits().unsigned_abs() >> 32) as u32;
+        let most = if speed <= self.easy {
+            self.longest
+        } else {
+            self.shorter_chord(speed)
+        };
+        most.min(longest).max(self.segment / CHORDS_PER_SEGMENT)
+    }
+
+    /// Divisions are dear, and this one is seldom needed.
+    #[cold]
+    fn shorter_chord(&self, speed: u32) -> u32 {
+        let speed = u64::from(speed);
+        let length = MOST_BEND.checked_div(speed.wrapping_mul(speed));
+        // Less than the longest, so 32 bits hold it.
+        length.map_or(self.longest, |length| length as u32)
     }
 
     /// The tick up to which there are records.
@@ -130,25 +157,36 @@ impl Train {
 
     /// Whether nothing is open at tick `now`.
     pub(crate) fn is_closed(&self, now: Ticks) -> bool {
-        !self.pulse && self.pen >= now
+        !self.has_pulse() && self.pen >= now
     }
 
-    /// The next record to hand out.
-    pub(crate) fn next(&self) -> Option<Record> {
-        if self.handed_out < self.count {
-            self.made.get(usize::from(self.handed_out)).copied()
-        } else {
-            None
-        }
+    /// The records to hand out.
+    #[inline]
+    pub(crate) fn waiting(&self) -> &[Record] {
+        self.made.get(..usize::from(self.count)).unwrap_or_default()
     }
 
-    /// The record from [`Train::next`] has been handed out.
+    /// All of [`Train::waiting`] has been handed out.
+    #[inline]
     pub(crate) fn handed_out(&mut self) {
-        self.handed_out = self.handed_out.wrapping_add(1);
-        if self.handed_out >= self.count {
-            self.handed_out = 0;
-            self.count = 0;
+        self.count = 0;
+    }
+
+    /// Only the first `records` of [`Train::waiting`] have been handed out.
+    pub(crate) fn handed_out_part(&mut self, records: usize) {
+        self.count = self.count.saturating_sub(records as u8);
+        for place in 0..usize::from(self.count) {
+            let left = self.made.get(place.wrapping_add(records)).copied();
+            if let (Some(place), Some(left)) = (self.made.get_mut(place), left) {
+                *place = left;
+            }
         }
+    }
+
+    /// Steps up to the pen, modulo 2³²: those made, but for the one in the open period.
+    #[inline]
+    pub(crate) fn steps_at_pen(&self) -> i32 {
+        self.steps.wrapping_sub(self.open_step)
     }
 
     /// Steps due when the axis is at `position`, with their sign.
@@ -158,11 +196,10 @@ impl Train {
     }
 
     /// Makes the records of a chord. Those before must have been handed out.
+    #[inline(never)]
     pub(crate) fn draw(&mut self, chord: &Chord) {
-        let (begin, origin) = chord.from;
-        let (end, goal) = chord.to;
-        let way = goal.bits().wrapping_sub(origin.bits());
-        let due = self.due(goal);
+        let way = chord.to.bits().wrapping_sub(chord.from.bits());
+        let due = self.due(chord.to);
         // The plan knows the way it goes. Steps due the other way are rounding at a turning point, unless the plan stands.
         let direction = match way {
             0 if due < 0 => Direction::Reverse,
@@ -170,99 +207,129 @@ impl Train {
             _ => Direction::Reverse,
         };
         let due = due.wrapping_mul(direction.sign());
+        let was_even = core::mem::replace(&mut self.even, false);
         if due > 0 {
-            let crossings = Crossings::new(chord, way.unsigned_abs());
+            let pulses = due.unsigned_abs();
+            let way = way.unsigned_abs();
+            let fits = self.crossings.fits(chord.length, way);
+            if !fits {
+                self.crossings = Crossings::new(chord.length, way);
+            }
+            // From the chord's beginning to the middle between the step that was made last and the next.
             let lead = i64::from(self.steps)
                 .wrapping_shl(32)
-                .wrapping_sub(origin.bits());
+                .wrapping_sub(chord.from.bits());
             let lead = match direction {
                 Direction::Forward => lead,
                 Direction::Reverse => lead.wrapping_neg(),
             };
             let first = lead.wrapping_add(1 << 31);
             let last = first.wrapping_add(i64::from(due).wrapping_sub(1) << 32);
-            let first = begin.wrapping_add(crossings.after(first).into());
-            let last = begin.wrapping_add(crossings.after(last).into());
-            self.run(
-                direction,
-                due.unsigned_abs(),
-                (first, last),
-                end,
-                chord.speeding_up,
-            );
+            let last = self.crossings.after(last);
+            if fits
+                && was_even
+                && self.has_pulse()
+                && self.direction == Some(direction)
+                && self.go_on(chord, pulses, last, direction)
+            {
+                return;
+            }
+            let first = self.crossings.after(first);
+            self.run(chord, direction, pulses, (first, last));
         }
-        self.keep_short(direction, end);
+        self.keep_short(direction, chord);
+    }
+
+    /// Goes on as in the chord before, which was like this one: the open period is one of the same length. Not if that would be too
+    /// fast for the driver.
+    #[inline]
+    fn go_on(&mut self, chord: &Chord, pulses: u32, last: u32, direction: Direction) -> bool {
+        let span = last.wrapping_add(self.open_at(chord.begin).cast_unsigned());
+        let fastest = u64::from(pulses).wrapping_mul(self.shortest.into());
+        if !(MANY..=LONGEST_RUN).contains(&pulses) || u64::from(span) < fastest {
+            return false;
+        }
+        self.space(pulses, span, chord.speeding_up, direction);
+        let made = pulses.cast_signed().wrapping_mul(direction.sign());
+        self.steps = self.steps.wrapping_add(made);
+        self.even = self.is_at(chord, last);
+        true
+    }
+
+    /// Whether the open period begins with a pulse.
+    #[inline]
+    const fn has_pulse(&self) -> bool {
+        self.open_step != 0
+    }
+
+    /// Ticks from the pen to `now`; negative if the pen is ahead. Never more than a segment and the driver's times, either way.
+    #[inline]
+    fn open_at(&self, now: Ticks) -> i32 {
+        (now as u32).wrapping_sub(self.pen as u32).cast_signed()
+    }
+
+    /// Whether the pen is so many ticks behind the chord's beginning.
+    #[inline]
+    fn is_at(&self, chord: &Chord, offset: u32) -> bool {
+        self.open_at(chord.begin)
+            .cast_unsigned()
+            .wrapping_add(offset)
+            == 0
     }
 
     /// Closes the open period at `now`, or as soon after it as the driver allows. The axis stands.
     pub(crate) fn close(&mut self, now: Ticks) {
-        let least = if self.pulse {
-            u64::from(self.hold)
+        let least = if self.has_pulse() {
+            self.hold
         } else {
-            u64::from(self.least)
+            self.least
         };
-        let open = now.saturating_sub(self.pen);
-        if self.pulse || open > 0 {
+        let open = self.open_at(now).max(0).cast_unsigned();
+        if self.has_pulse() || open > 0 {
             let direction = self.direction.unwrap_or(Direction::Forward);
             self.silence(open.max(least), direction);
         }
     }
 
-    /// `pulses` evenly spaced pulses, from tick `first` to tick `last`; as many of them as fit before `end`.
-    fn run(
-        &mut self,
-        direction: Direction,
-        pulses: u32,
-        (first, last): (Ticks, Ticks),
-        end: Ticks,
-        speeding_up: bool,
-    ) {
+    /// `pulses` evenly spaced pulses, from `first` to `last`, in ticks from the chord's beginning; as many of them as fit in the chord.
+    fn run(&mut self, chord: &Chord, direction: Direction, pulses: u32, (first, last): (u32, u32)) {
         let shortest = self.shortest;
+        let open = self.open_at(chord.begin);
+        let (first, last) = (first.cast_signed(), last.cast_signed());
+        let length = chord.length.cast_signed();
         let joins = pulses >= MANY
-            && self.pulse
+            && self.has_pulse()
             && self.direction == Some(direction)
-            && self.is_alike(first, last, pulses);
+            && is_alike(open.wrapping_add(first), last.wrapping_sub(first), pulses);
         let (begin, gaps) = if joins {
-            (self.pen, pulses)
+            (open.wrapping_neg(), pulses)
         } else {
-            let first = first.max(self.earliest(direction));
-            if first > end {
+            let first = first.max(self.wait(direction).wrapping_sub(open));
+            if first > length {
                 return;
             }
             (first, pulses.wrapping_sub(1))
         };
-        // A chord is no longer than a segment, so that 32 bits hold its ticks.
         let mut gaps = gaps.min(LONGEST_RUN);
-        let mut span = last.saturating_sub(begin) as u32;
+        let mut span = last.wrapping_sub(begin).max(0).cast_unsigned();
         if u64::from(span) < u64::from(gaps).wrapping_mul(shortest.into()) {
             // Too dense for the driver: at its highest rate, and what does not fit is due in the next chord.
-            let room = end.saturating_sub(begin) as u32;
+            let room = length.wrapping_sub(begin).max(0).cast_unsigned();
             gaps = gaps.min(room.checked_div(shortest).unwrap_or(0));
             span = gaps.wrapping_mul(shortest);
         }
         let made = if joins {
             gaps
         } else {
-            self.open_pulse(begin, direction);
+            self.open_pulse(open.wrapping_add(begin).cast_unsigned(), direction);
             gaps.wrapping_add(1)
         };
         if gaps > 0 {
-            self.space(gaps, span, speeding_up, direction);
+            self.space(gaps, span, chord.speeding_up, direction);
         }
+        self.even = made == pulses && self.is_at(chord, last.cast_unsigned());
         let made = made.cast_signed().wrapping_mul(direction.sign());
         self.steps = self.steps.wrapping_add(made);
-    }
-
-    /// Whether the open period, up to `first`, is as long as those between so many pulses, but for an eighth: it can be one of
-    /// them then, and needs no record of its own.
-    fn is_alike(&self, first: Ticks, last: Ticks, pulses: u32) -> bool {
-        let Ok(open) = u32::try_from(first.wrapping_sub(self.pen)) else {
-            return false;
-        };
-        // No chord is so long that this does not fit.
-        let span = last.wrapping_sub(first) as u32;
-        let all = u64::from(open).wrapping_mul(pulses.wrapping_sub(1).into());
-        all.abs_diff(span.into()) <= u64::from(span >> 3)
     }
 
     /// So many periods in so many ticks, each beginning with a pulse. What remains when the ticks are shared out is one tick more in
@@ -302,48 +369,50 @@ impl Train {
         }
     }
 
-    /// The earliest tick for a pulse in `direction`.
-    fn earliest(&self, direction: Direction) -> Ticks {
+    /// Ticks from the pen to the earliest pulse in `direction`.
+    fn wait(&self, direction: Direction) -> i32 {
         let turning = self.direction != Some(direction);
-        let wait = match (turning, self.pulse) {
-            (false, _) => u64::from(self.least),
-            (true, false) => u64::from(self.setup),
-            (true, true) => u64::from(self.hold).saturating_add(u64::from(self.setup)),
+        let wait = match (turning, self.has_pulse()) {
+            (false, _) => self.least,
+            (true, false) => self.setup,
+            (true, true) => self.hold.saturating_add(self.setup),
         };
-        self.pen.saturating_add(wait)
+        wait.cast_signed()
     }
 
     /// Whether [`Train::flush`] brings the records up to `enough` if there are chords up to `now`.
+    #[inline]
     pub(crate) fn can_flush(&self, now: Ticks, enough: Ticks) -> bool {
-        let least = u64::from(self.hold).saturating_add(u64::from(self.least));
-        self.pen < enough && now >= enough.saturating_add(least)
+        let least = self.hold.saturating_add(self.least);
+        now >= enough.saturating_add(least.into()) && self.pen < enough
     }
 
     /// Makes a record of the open period without waiting for its end, up to just before `now`.
     pub(crate) fn flush(&mut self, now: Ticks) {
-        let open = now
-            .saturating_sub(self.pen)
-            .saturating_sub(u64::from(self.least));
+        let open = self.open_at(now).max(0).cast_unsigned();
+        let open = open.saturating_sub(self.least);
         self.silence(open, self.direction.unwrap_or(Direction::Forward));
     }
 
-    /// Ends the open period where a pulse begins, at or after [`Train::earliest`]; the period after the pulse is open then.
-    fn open_pulse(&mut self, at: Ticks, direction: Direction) {
-        if self.direction != Some(direction) && self.pulse {
+    /// Ends the open period, `ticks` long, where a pulse begins, at or after [`Train::wait`]; the period after the pulse is open then.
+    fn open_pulse(&mut self, mut ticks: u32, direction: Direction) {
+        if self.direction != Some(direction) && self.has_pulse() {
             let before = self.direction.unwrap_or(direction);
-            self.silence(u64::from(self.hold), before);
+            self.silence(self.hold, before);
+            ticks = ticks.saturating_sub(self.hold);
         }
-        self.silence(at.saturating_sub(self.pen), direction);
+        self.silence(ticks, direction);
         self.direction = Some(direction);
-        self.pulse = true;
+        self.open_step = direction.sign();
     }
 
-    /// Keeps the open period at `end` from growing beyond a segment: the pulse and silence so far become a record.
-    fn keep_short(&mut self, direction: Direction, end: Ticks) {
-        let open = end.saturating_sub(self.pen);
+    /// Keeps the open period at the end of a chord from growing beyond a segment: the pulse and silence so far become a record.
+    fn keep_short(&mut self, direction: Direction, chord: &Chord) {
+        let open = self.open_at(chord.begin);
+        let open = open.wrapping_add(chord.length.cast_signed());
         // What stays open is long enough for a record of its own, so the next pulse need not wait for it.
-        if open >= self.segment.saturating_add(u64::from(self.least)) {
-            let level = if self.pulse {
+        if open >= self.segment.wrapping_add(self.least).cast_signed() {
+            let level = if self.has_pulse() {
                 self.direction.unwrap_or(direction)
             } else {
                 direction
@@ -355,17 +424,15 @@ impl Train {
 
     /// Records for `ticks` of the open period: its pulse if it has one, then silence. None is longer than a segment or shorter than
     /// the driver's shortest period.
-    fn silence(&mut self, mut ticks: u64, direction: Direction) {
+    fn silence(&mut self, mut ticks: u32, direction: Direction) {
         while ticks > self.segment {
-            let part = self
-                .segment
-                .min(ticks.saturating_sub(u64::from(self.least)));
-            self.make(part as u32, 1, self.pulse, direction);
-            self.pulse = false;
+            let part = self.segment.min(ticks.saturating_sub(self.least));
+            self.make(part, 1, self.has_pulse(), direction);
+            self.open_step = 0;
             ticks = ticks.saturating_sub(part);
         }
-        self.make(ticks as u32, 1, self.pulse, direction);
-        self.pulse = false;
+        self.make(ticks, 1, self.has_pulse(), direction);
+        self.open_step = 0;
     }
 
     fn make(&mut self, period: u32, repeat: u32, pulse: bool, direction: Direction) {
@@ -392,52 +459,13 @@ impl Train {
     }
 }
 
-/// When a chord passes a distance from its beginning. One division of 64 bits by 32 for all its crossings.
-struct Crossings {
-    /// The chord's length in ticks.
-    length: u32,
-    /// How far ways are shifted so that 32 bits hold them and the chord's has no leading zeros: down, or up if it is less than a
-    /// step.
-    down: u32,
-    up: u32,
-    /// Ticks for 2³² units of a way so shifted. A tick is lost at most.
-    pace: u32,
-}
-
-impl Crossings {
-    fn new(chord: &Chord, way: u64) -> Self {
-        // A chord is no longer than a segment, which has 29 bits at most.
-        let length = chord.to.0.wrapping_sub(chord.from.0) as u32;
-        let above = (way >> 32) as u32;
-        let mut crossings = Self {
-            length,
-            down: 32_u32.wrapping_sub(above.leading_zeros()),
-            up: 0,
-            pace: 0,
-        };
-        if above == 0 {
-            crossings.up = (way as u32).leading_zeros() & 31;
-        }
-        let leading = crossings.shifted(way);
-        crossings.pace = estimate(u64::from(length) << 32, leading);
-        crossings
+/// Whether the open period, up to the first of so many pulses, is as long as those between them, which take `span` ticks, but for an
+/// eighth: it can be one of them then, and needs no record of its own.
+fn is_alike(open: i32, span: i32, pulses: u32) -> bool {
+    if open < 0 {
+        return false;
     }
-
-    /// 32 bits of a way, which is not longer than the chord's.
-    fn shifted(&self, way: u64) -> u32 {
-        if self.down == 0 {
-            (way as u32).wrapping_shl(self.up)
-        } else {
-            // A chord is shorter than 2³¹ steps.
-            let above = ((way >> 32) as u32).wrapping_shl(32_u32.wrapping_sub(self.down));
-            above | (way as u32).wrapping_shr(self.down)
-        }
-    }
-
-    /// Ticks from the chord's beginning until it has gone `distance`, Q32 steps; 0 for what lies behind it.
-    fn after(&self, distance: i64) -> u32 {
-        let part = self.shifted(distance.max(0).cast_unsigned());
-        let ticks = u64::from(part).wrapping_mul(self.pace.into()) >> 32;
-        (ticks as u32).min(self.length)
-    }
+    let (open, span) = (open.cast_unsigned(), span.cast_unsigned());
+    let all = u64::from(open).wrapping_mul(pulses.wrapping_sub(1).into());
+    all.abs_diff(span.into()) <= u64::from(span >> 3)
 }

@@ -39,7 +39,7 @@ fn config(timing: DriverTiming) -> AxisConfig {
 
 fn axis(timing: DriverTiming) -> (Axis, Replay) {
     let axis = Axis::new(config(timing));
-    let replay = Replay::new(timing, axis.train.segment());
+    let replay = Replay::new(timing, axis.train.segment().into());
     (axis, replay)
 }
 
@@ -52,7 +52,7 @@ fn run(axis: &mut Axis, sink: &mut Replay) {
             sink.play_out();
             return;
         }
-        sink.play(axis.train.segment());
+        sink.play(axis.train.segment().into());
     }
     panic!("the motion does not end");
 }

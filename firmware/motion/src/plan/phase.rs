@@ -139,6 +139,11 @@ impl Phase {
         (self.since_anchor(t) << 32).wrapping_sub(self.lead.into())
     }
 
+    /// Half of the acceleration at the anchor, Q96 steps per tick²; of a parabola, that everywhere.
+    pub(crate) const fn half_acceleration(&self) -> i128 {
+        self.half_acceleration
+    }
+
     /// Whether it is one parabola, so that the longest chord is the same everywhere.
     pub(crate) const fn is_parabola(&self) -> bool {
         matches!(self.curve, Curve::Parabola)
@@ -167,6 +172,17 @@ fn times(value: i128, ticks: i128) -> i128 {
     let Ok(factor) = u32::try_from(ticks.unsigned_abs()) else {
         return value.wrapping_mul(ticks);
     };
+    let product = product(value, factor);
+    if ticks < 0 {
+        product.wrapping_neg()
+    } else {
+        product
+    }
+}
+
+/// A product modulo 2¹²⁸, of four short ones.
+#[inline]
+pub(crate) fn product(value: i128, factor: u32) -> i128 {
     let value = value.cast_unsigned();
     let mut carry = 0;
     let mut digit = |shift: u32| {
@@ -177,12 +193,7 @@ fn times(value: i128, ticks: i128) -> i128 {
     };
     let low = digit(0) | digit(32) << 32;
     let high = digit(64) | digit(96) << 32;
-    let product = (u128::from(high) << 64 | u128::from(low)).cast_signed();
-    if ticks < 0 {
-        product.wrapping_neg()
-    } else {
-        product
-    }
+    (u128::from(high) << 64 | u128::from(low)).cast_signed()
 }
 
 /// The curve of a phase in the frame of its plan: positions count from the plan's start, positive towards the target.

@@ -26,7 +26,7 @@ fn fly(axis: &mut Axis, sink: &mut Replay, ticks: u64) {
     while sink.ticks - sink.pending() < until && !axis.is_at_rest() {
         axis.advance(sink).unwrap();
         sink.account(axis);
-        sink.play(axis.train.segment() / 2);
+        sink.play(u64::from(axis.train.segment() / 2));
     }
 }
 
@@ -65,7 +65,7 @@ fn a_move_begins_when_it_is_commanded() {
 #[test]
 fn two_segments_are_committed_and_little_more() {
     let (mut axis, mut sink) = axis(FAST);
-    let segment = axis.train.segment();
+    let segment = u64::from(axis.train.segment());
     for velocity in [100_000, 10_000, 500] {
         command(&mut axis, &mut sink, 1_000_000, Limits { velocity, ..T01 });
         for _ in 0..400 {
@@ -96,7 +96,7 @@ fn r1_target_moved_behind_in_full_flight() {
         axis.advance(&mut sink).unwrap();
         sink.account(&axis);
         highest = highest.max(sink.position);
-        sink.play(axis.train.segment());
+        sink.play(axis.train.segment().into());
     }
     assert_eq!(sink.position, 20_000);
     assert!(
@@ -247,7 +247,7 @@ fn a_full_sink_loses_nothing() {
             Err(error) => panic!("{error}"),
         }
         sink.account(&axis);
-        sink.play(axis.train.segment() / 8);
+        sink.play(u64::from(axis.train.segment() / 8));
     }
     assert!(refused > 10);
     assert_eq!((sink.position, sink.pulses), (5_000, 5_000));

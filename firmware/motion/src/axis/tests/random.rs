@@ -60,7 +60,7 @@ fn play(commands: &[Command], timing: crate::DriverTiming, capacity: usize) {
     sink.capacity = capacity;
     // A small sink delays commands, never pulses of the stream, so the plan is followed all the same.
     sink.tolerance = 1.0;
-    let quarter = axis.train.segment() / 4;
+    let quarter = u64::from(axis.train.segment() / 4);
     let mut starved = false;
     for command in commands {
         let moved = match *command {

@@ -1,0 +1,127 @@
+//! A stretch of the plan that is one parabola, walked along in chords.
+
+use crate::clock::Ticks;
+use crate::fixed::{Exact, State};
+use crate::plan::phase::{Phase, product};
+use crate::train::Train;
+
+/// Where the axis is on a parabola, and how it goes on. A chord of the same length as the one before is a few additions: what the position
+/// grows by in it has grown by the same amount again. Integers, modulo 2³² steps: it is what the phase says, to the last bit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Leg {
+    /// The next corner.
+    pub(super) until: Ticks,
+    /// The longest chord in it, in ticks.
+    longest: u32,
+    /// At the commit horizon, and rounded.
+    exact: Exact,
+    state: State,
+    /// Steps per tick², Q96, and whether there are any.
+    half_acceleration: i128,
+    bends: bool,
+    /// The chord that was gone last, in ticks; 0 for none.
+    length: u32,
+    /// What position and velocity grew by, and what that of the position grows by with every chord; all of them Q96.
+    way: i128,
+    gain: i128,
+    growth: i128,
+}
+
+impl Leg {
+    /// From tick `t` of a phase to the next corner.
+    pub(super) fn new(phase: &Phase, t: Ticks, until: Ticks, longest: u32) -> Self {
+        let exact = phase.at(t);
+        Self {
+            until,
+            longest,
+            exact,
+            state: exact.rounded(),
+            half_acceleration: phase.half_acceleration(),
+            bends: phase.half_acceleration() != 0,
+            length: 0,
+            way: 0,
+            gain: 0,
+            growth: 0,
+        }
+    }
+
+    /// At the commit horizon.
+    #[inline]
+    pub(super) const fn state(&self) -> State {
+        self.state
+    }
+
+    /// How long the next chord may be, in ticks.
+    #[inline]
+    pub(super) fn next_chord(&self, train: &Train) -> u32 {
+        if self.bends || self.length == 0 {
+            train.chord(self.state.velocity, self.longest)
+        } else {
+            self.length
+        }
+    }
+
+    /// Goes on by a chord of so many ticks, and gives the state at its end.
+    #[inline]
+    pub(super) fn go_on(&mut self, length: u32) -> State {
+        if length != self.length {
+            self.stride(length);
+        } else if self.bends {
+            self.way = self.way.wrapping_add(self.growth);
+        }
+        self.exact.position = self.exact.position.wrapping_add(self.way);
+        if self.bends {
+            self.exact.velocity = self.exact.velocity.wrapping_add(self.gain);
+            self.state = self.exact.rounded();
+        } else {
+            self.state.position = self.exact.rounded_position();
+        }
+        self.state
+    }
+
+    /// What a chord of so many ticks grows by, here.
+    #[inline(never)]
+    fn stride(&mut self, length: u32) {
+        let half = product(self.half_acceleration, length);
+        self.length = length;
+        self.way = product(self.exact.velocity.wrapping_add(half), length);
+        self.gain = half.wrapping_mul(2);
+        self.growth = product(self.gain, length);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Leg;
+    use crate::{Clock, Limits, Plan, State, Ticks};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn chords_of_a_leg_end_where_the_phase_says(
+            target in -2_000_000i64..2_000_000,
+            velocity in 1u32..2_000_000,
+            acceleration in 1u32..100_000_000,
+            deceleration in 1u32..100_000_000,
+            usual in 1u32..100_000,
+            lengths in prop::collection::vec((0u8..8, 1u32..100_000), 1..60),
+        ) {
+            let clock = Clock::new(168_000_000).unwrap();
+            let limits = Limits { velocity, acceleration, deceleration };
+            let plan = Plan::move_to(clock, 77, State::default(), target, limits).unwrap();
+            for phase in plan.phases() {
+                let mut t = phase.start();
+                let mut leg = Leg::new(phase, t, Ticks::MAX, u32::MAX);
+                prop_assert_eq!(leg.state(), phase.at(t).rounded());
+                for &(unusual, length) in &lengths {
+                    let length = if unusual == 0 { length } else { usual };
+                    t += Ticks::from(length);
+                    let state = leg.go_on(length);
+                    prop_assert_eq!(leg.exact, phase.at(t));
+                    prop_assert_eq!(state, phase.at(t).rounded());
+                    prop_assert_eq!(leg.state(), state);
+                }
+            }
+        }
+    }
+}
