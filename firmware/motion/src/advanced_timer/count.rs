@@ -37,6 +37,8 @@ pub(super) struct Course {
     /// What holds before the first mark that is kept.
     first: Mark,
     later: Deque<Mark, MARKS>,
+    /// That of the last mark.
+    direction: Direction,
 }
 
 impl Course {
@@ -49,6 +51,7 @@ impl Course {
                 direction: Direction::Forward,
             },
             later: Deque::new(),
+            direction: Direction::Forward,
         }
     }
 
@@ -74,11 +77,13 @@ impl Course {
         };
         // There is room, or the mark is not made ([`Course::has_room`]).
         let _ = self.later.push_back(mark);
+        self.direction = self.last().direction;
     }
 
     /// The direction of the last pulses handed out.
-    pub(super) fn direction(&self) -> Direction {
-        self.last().direction
+    #[inline]
+    pub(super) const fn direction(&self) -> Direction {
+        self.direction
     }
 
     /// The position when the counter shows `count`.

@@ -20,8 +20,9 @@ const LEAD_IN: u32 = 1 << 12;
 /// Looks at the stream until it has surely come to the end of a burst.
 const BURST_POLLS: u32 = 64;
 
-/// A slot is written only if the DMA comes to it so many ticks later, or more: longer than any interrupt takes.
-const MARGIN: u32 = 1 << 11;
+/// A slot is written only if the DMA comes to it 2¹¹ ticks later, or more: writing one takes less, however many interrupts come in
+/// between.
+const MARGIN_BITS: u32 = 11;
 
 /// Pulses that an advanced timer makes from records. It belongs to the control tick.
 pub struct Output<'a, R> {
@@ -35,10 +36,10 @@ pub struct Output<'a, R> {
     written: u32,
     fetched: u32,
     silenced: u32,
-    /// When the train began, and ticks of what was taken, of what was written, and of the last slot written; all wrap.
-    began: u32,
-    taken: u32,
-    length: u32,
+    /// When the DMA fetches the next slot to be written, and when all that was taken has been played, by the free-running count; and the
+    /// ticks of the last slot written.
+    request: u32,
+    end: u32,
     last: u32,
     /// What is left of a record that was taken.
     remainder: Remainder,
@@ -91,9 +92,8 @@ impl<'a, R: Registers> Output<'a, R> {
             written: 0,
             fetched: 0,
             silenced: 0,
-            began: 0,
-            taken: 0,
-            length: 0,
+            request: 0,
+            end: 0,
             last: 0,
             remainder: Remainder::NONE,
             pulses: 0,
@@ -108,26 +108,34 @@ impl<'a, R: Registers> Output<'a, R> {
             return;
         }
         self.fetched = self.fetched.wrapping_add(self.newly_fetched());
-        while self.silenced != self.fetched {
-            self.ring.put(self.silenced, Words::silent(self.level));
-            self.silenced = self.silenced.wrapping_add(1);
-        }
+        self.silence(self.fetched);
         if self.has_ended(0) {
             let left = self.remainder;
             self.stop();
             self.go_on(left);
         } else {
-            self.fill();
+            self.fill(0);
         }
+    }
+
+    /// Makes the slots before this one silent, as far as they are not.
+    #[inline]
+    fn silence(&mut self, end: u32) {
+        let silent = Words::silent(self.level);
+        let mut slot = self.silenced;
+        while slot != end {
+            self.ring.put(slot, silent);
+            slot = slot.wrapping_add(1);
+        }
+        self.silenced = end;
     }
 
     /// What was left of a record when the slots before it had been played: a train of its own.
     fn go_on(&mut self, left: Remainder) {
         if !left.is_empty() {
             self.remainder = left;
-            self.taken = left.ticks();
             self.start(left.direction());
-            self.fill();
+            self.fill(0);
         }
     }
 
@@ -188,32 +196,33 @@ impl<'a, R: Registers> Output<'a, R> {
         ahead.cast_signed() >= 2
     }
 
-    /// Ticks from now until the DMA fetches the next slot to be written; negative if that may be past.
+    /// How many slots can be written now, each of them in time; 0 or less if it may be too late for one.
     #[inline]
-    fn lead(&self) -> i32 {
-        let played = self.registers.now().wrapping_sub(self.began);
-        let request = self.length.wrapping_sub(self.last);
-        request.wrapping_sub(played).cast_signed()
+    fn in_time(&self) -> i32 {
+        let lead = self.request.wrapping_sub(self.registers.now());
+        lead.cast_signed() >> MARGIN_BITS
     }
 
-    /// Writes slots as long as there is room for what is left of the last record.
+    /// Writes slots as long as there is room for what is left of the last record. So many are in time without another look.
     #[inline]
-    fn fill(&mut self) {
+    fn fill(&mut self, mut in_time: i32) {
         while !self.remainder.is_empty() && self.has_room() {
-            if self.running && self.lead() < MARGIN as i32 {
-                return;
+            if in_time <= 0 {
+                in_time = self.in_time();
+                if in_time <= 0 {
+                    return;
+                }
             }
-            let Some(words) = self.remainder.next() else {
-                return;
-            };
+            in_time = in_time.wrapping_sub(1);
+            let words = self.remainder.next();
             // What follows must not turn back while it is silent.
             let next = self.written.wrapping_add(1);
             self.level = words.level();
             self.ring.set_level(next, self.level);
             self.ring.put(self.written, words);
             self.written = next;
+            self.request = self.request.wrapping_add(self.last);
             self.last = words.ticks();
-            self.length = self.length.wrapping_add(self.last);
         }
     }
 
@@ -244,9 +253,11 @@ impl<'a, R: Registers> Output<'a, R> {
         ] {
             self.registers.write(register, value);
         }
-        self.began = self.registers.now().wrapping_add(2 * LEAD_IN);
         // The first slot is fetched when the second silence begins.
+        self.request = self.registers.now().wrapping_add(LEAD_IN);
         self.last = LEAD_IN;
+        let began = self.request.wrapping_add(LEAD_IN);
+        self.end = began.wrapping_add(self.remainder.ticks());
         self.running = true;
     }
 
@@ -262,26 +273,14 @@ impl<'a, R: Registers> Output<'a, R> {
             }
         }
         self.registers.write(Register::StreamCr, bits::STREAM);
-        while self.written.wrapping_sub(self.silenced).cast_signed() > 0 {
-            self.ring.put(self.silenced, Words::silent(self.level));
-            self.silenced = self.silenced.wrapping_add(1);
+        if self.written.wrapping_sub(self.silenced).cast_signed() > 0 {
+            self.silence(self.written);
         }
         self.running = false;
         self.written = 0;
         self.fetched = 0;
         self.silenced = 0;
-        self.taken = 0;
-        self.length = 0;
-        self.last = 0;
         self.remainder = Remainder::NONE;
-    }
-
-    /// Ticks taken and not played yet; at least 1 until the last slot has been played.
-    #[inline]
-    fn unplayed(&self) -> u32 {
-        let played = self.registers.now().wrapping_sub(self.began);
-        let left = self.taken.wrapping_sub(played).cast_signed();
-        left.max(1).cast_unsigned()
     }
 }
 
@@ -294,11 +293,15 @@ impl<R: Registers> PulseSink for Output<'_, R> {
                 return Err(record);
             }
         }
-        if self.running && self.lead() < MARGIN as i32 {
-            // Too late to go on without a gap. When the last slot has been played, the next train begins.
-            self.service();
-            if self.running {
-                return Err(record);
+        let mut in_time = 0;
+        if self.running {
+            in_time = self.in_time();
+            if in_time <= 0 {
+                // Too late to go on without a gap. When the last slot has been played, the next train begins.
+                self.service();
+                if self.running {
+                    return Err(record);
+                }
             }
         }
         if self.course.direction() != record.direction {
@@ -311,20 +314,27 @@ impl<R: Registers> PulseSink for Output<'_, R> {
         if record.width > 0 {
             self.pulses = self.pulses.wrapping_add(record.repeat.into());
         }
-        self.taken = self.taken.wrapping_add(record.ticks() as u32);
         self.remainder = Remainder::of(&record);
-        if !self.running {
+        if self.running {
+            self.end = self.end.wrapping_add(self.remainder.ticks());
+        } else {
             self.start(level(record.direction));
         }
-        self.fill();
+        self.fill(in_time);
         Ok(())
     }
 
+    #[inline]
     fn pending(&self) -> Ticks {
-        if !self.running || self.has_ended(self.newly_fetched()) {
+        if !self.running {
             return 0;
         }
-        self.unplayed().into()
+        let left = self.end.wrapping_sub(self.registers.now()).cast_signed();
+        if left > 0 {
+            return left.cast_unsigned().into();
+        }
+        // At least 1 until the last slot has been played.
+        u64::from(!self.has_ended(self.newly_fetched()))
     }
 
     fn free(&self) -> usize {

@@ -33,11 +33,6 @@ impl Words {
         Self::run(LONGEST_PERIOD, MOST_PERIODS, 0, direction)
     }
 
-    /// A silent period.
-    pub(super) const fn pause(ticks: u32, direction: u32) -> Self {
-        Self::run(ticks, 1, 0, direction)
-    }
-
     /// The level of the direction signal.
     pub(super) const fn level(self) -> u32 {
         let [.., level] = self.0;
@@ -65,83 +60,104 @@ pub(super) const fn level(direction: Direction) -> u32 {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Remainder {
     period: u32,
-    /// Periods that have not begun.
-    periods: u32,
     width: u32,
     direction: u32,
+    /// Periods that have not begun.
+    periods: u32,
+    /// Periods of a run, and how many runs have one more; 0 where a period is longer than a run.
+    repeat: u32,
+    more: u32,
     /// Silence up to the end of the period under way.
-    silence: u64,
+    silence: u32,
 }
 
 impl Remainder {
     /// Nothing.
     pub(super) const NONE: Self = Self {
         period: 0,
-        periods: 0,
         width: 0,
         direction: 0,
+        periods: 0,
+        repeat: 0,
+        more: 0,
         silence: 0,
     };
 
     /// All of a record.
+    #[inline]
     pub(super) fn of(record: &Record) -> Self {
-        let pulses = record.width > 0;
+        let (mut period, mut periods) = (record.period, u32::from(record.repeat));
+        // Silence is one period if it can be.
+        if record.width == 0
+            && let Ok(ticks) = u32::try_from(record.ticks())
+        {
+            (period, periods) = (ticks, 1);
+        }
+        let (repeat, more) = if period > LONGEST_RUN {
+            (0, 0)
+        } else {
+            // In equal parts: a short one at the end might be over before the burst behind it. The product fits: a period has 15
+            // bits, and there are 16 bits of them.
+            let run = period.wrapping_mul(periods);
+            let parts = (run / LONGEST_RUN).max(periods / MOST_PERIODS);
+            let parts = parts.wrapping_add(1);
+            let repeat = periods.checked_div(parts).unwrap_or(0);
+            (repeat, periods.wrapping_sub(repeat.wrapping_mul(parts)))
+        };
         Self {
-            period: record.period,
-            periods: if pulses { record.repeat.into() } else { 0 },
+            period,
             width: record.width.into(),
             direction: level(record.direction),
-            silence: if pulses { 0 } else { record.ticks() },
+            periods,
+            repeat,
+            more,
+            silence: 0,
         }
     }
 
     /// Whether nothing is left.
+    #[inline]
     pub(super) const fn is_empty(&self) -> bool {
-        self.silence == 0 && self.periods == 0
+        self.silence | self.periods == 0
     }
 
     /// How long it takes, modulo 2³².
+    #[inline]
     pub(super) const fn ticks(&self) -> u32 {
         self.period
             .wrapping_mul(self.periods)
-            .wrapping_add(self.silence as u32)
+            .wrapping_add(self.silence)
     }
 
     /// The level of the direction signal.
+    #[inline]
     pub(super) const fn direction(&self) -> u32 {
         self.direction
     }
 
-    /// The next run.
+    /// The next run. There must be something left.
     #[inline]
-    pub(super) fn next(&mut self) -> Option<Words> {
-        if self.silence > 0 {
-            return Some(self.rest());
-        }
-        if self.periods == 0 {
-            return None;
-        }
+    pub(super) fn next(&mut self) -> Words {
         if self.period > LONGEST_RUN {
-            return Some(self.long_period());
+            return self.part_of_period();
         }
-        // In equal parts: a short one at the end might be over before the burst behind it. The product fits: a run has
-        // 16 bits of periods.
-        let run = self.period.wrapping_mul(self.periods);
-        let repeat = if run <= LONGEST_RUN && self.periods <= MOST_PERIODS {
-            self.periods
+        let repeat = if self.more == 0 {
+            self.repeat
         } else {
-            let parts = (run / LONGEST_RUN).max(self.periods / MOST_PERIODS);
-            self.periods
-                .div_ceil(parts.saturating_add(1).max(1))
-                .clamp(1, MOST_PERIODS)
+            self.more = self.more.wrapping_sub(1);
+            self.repeat.wrapping_add(1)
         };
         self.periods = self.periods.saturating_sub(repeat);
-        Some(Words::run(self.period, repeat, self.width, self.direction))
+        Words::run(self.period, repeat, self.width, self.direction)
     }
 
-    /// A pulse, and as much of its period as the longest run holds; the rest is silence.
+    /// Of a period that is longer than a run: a pulse, and as much of its period as the longest run holds; or some of the silence behind it.
     #[cold]
-    fn long_period(&mut self) -> Words {
+    #[inline(never)]
+    fn part_of_period(&mut self) -> Words {
+        if self.silence > 0 {
+            return self.rest();
+        }
         self.periods = self.periods.saturating_sub(1);
         // Neither part is short.
         let head = if self.width < LONGEST_RUN / 2 {
@@ -151,20 +167,19 @@ impl Remainder {
         } else {
             LONGEST_PERIOD / 2 + 1
         };
-        self.silence = self.period.saturating_sub(head).into();
+        self.silence = self.period.saturating_sub(head);
         Words::run(head, 1, self.width, self.direction)
     }
 
     /// A run of silence.
     fn rest(&mut self) -> Words {
-        let longest = u64::from(LONGEST_RUN);
-        let ticks = if self.silence <= longest {
+        let ticks = if self.silence <= LONGEST_RUN {
             self.silence
         } else {
             // Neither part is short.
-            longest.min(self.silence / 2)
+            LONGEST_RUN.min(self.silence / 2)
         };
         self.silence = self.silence.saturating_sub(ticks);
-        Words::pause(ticks as u32, self.direction)
+        Words::run(ticks, 1, 0, self.direction)
     }
 }
