@@ -42,7 +42,7 @@ impl Numbers {
 
     fn limits(&mut self) -> Limits {
         Limits {
-            velocity: 1 + self.below(1_000_000) as u32,
+            velocity: (1 + self.below(1_000_000) as u32).into(),
             acceleration: 1 << (14 + self.below(13)),
             deceleration: 1 << (14 + self.below(13)),
         }
@@ -55,7 +55,7 @@ fn every_pulse_of_long_moves_is_there() {
     let ring = Ring::new();
     let mut rig = Rig::new(&ring, FAST, Judge::new(FAST));
     let limits = Limits {
-        velocity: 1_000_000,
+        velocity: 1_000_000.into(),
         acceleration: 5_000_000,
         deceleration: 5_000_000,
     };
@@ -91,7 +91,7 @@ fn no_sequence_of_commands_makes_a_pulse_too_many() {
                 }
                 3 | 4 => {
                     let velocity = numbers.below(400_000) as i32 - 200_000;
-                    rig.axis.ramp_to(velocity, limits)
+                    rig.axis.ramp_to(velocity.into(), limits)
                 }
                 5 | 6 => rig.axis.stop(limits.deceleration),
                 _ => {
@@ -120,7 +120,7 @@ fn no_sequence_of_commands_makes_a_pulse_too_many() {
                 .move_to(
                     0,
                     Limits {
-                        velocity: 1_000_000,
+                        velocity: 1_000_000.into(),
                         acceleration: 100_000_000,
                         deceleration: 100_000_000,
                     },

@@ -4,7 +4,7 @@
 //! It changes seldom, so it passes from the communication task to the control tick apart from the commands, and only when an
 //! object of it was written. Codes are decoded on the way: a tick never sees one that means nothing.
 
-use motion::homing;
+use motion::{SignedSpeed, Speed, homing};
 
 use crate::brake::BrakeTimes;
 use crate::cyclic::CyclicConfiguration;
@@ -18,7 +18,7 @@ use crate::periphery::power_stage::Thresholds;
 use crate::periphery::touch_probe::Source;
 use crate::profile::{self, ProfileConfiguration};
 use crate::pulse_timing::PulseTiming;
-use crate::units::Units;
+use crate::units::{Ratio, Units};
 
 /// Everything that is set up, as the objects say it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,18 +55,18 @@ pub struct Configuration {
     pub position_window: u32,
     /// 6068h in milliseconds.
     pub position_window_time: u16,
-    /// 606Dh in steps/s.
-    pub velocity_window: u32,
+    /// 606Dh.
+    pub velocity_window: Speed,
     /// 606Eh in milliseconds.
     pub velocity_window_time: u16,
-    /// 606Fh in steps/s.
-    pub velocity_threshold: u32,
+    /// 606Fh.
+    pub velocity_threshold: Speed,
     /// 6070h in milliseconds.
     pub velocity_threshold_time: u16,
-    /// 60F8h in steps/s; a negative one counts as 0.
-    pub max_slippage: u32,
-    /// The smaller of 607Fh and 6080h, in steps/s.
-    pub max_velocity: u32,
+    /// 60F8h; a negative one counts as 0.
+    pub max_slippage: Speed,
+    /// The smaller of 607Fh and 6080h.
+    pub max_velocity: Speed,
     /// 60C5h in steps/s².
     pub max_acceleration: u32,
     /// 60C6h in steps/s².
@@ -175,31 +175,39 @@ impl VelocityConfiguration {
         }
     }
 
-    /// A velocity of the mode in steps/s, rounded towards zero.
-    pub fn steps_per_second(&self, velocity: i32) -> i32 {
+    /// The velocity of an amount of the mode, rounded once to the nearest.
+    pub fn speed(&self, amount: u32, reverse: bool) -> SignedSpeed {
         let (numerator, denominator) = self.dimension;
-        scaled(velocity, numerator, denominator)
+        let reverse = reverse != self.turns_round();
+        let ratio = Ratio::between(numerator.unsigned_abs(), denominator.unsigned_abs());
+        ratio.map_or(SignedSpeed::ZERO, |ratio| {
+            ratio.to_speed(amount).signed(reverse)
+        })
     }
 
-    /// A velocity in steps/s as the mode shows it, rounded towards zero.
-    pub fn shown(&self, steps_per_second: i32) -> i16 {
+    /// A velocity as the mode shows it, rounded once to the nearest.
+    pub fn shown(&self, velocity: SignedSpeed) -> i16 {
         let (numerator, denominator) = self.dimension;
-        let velocity = if numerator == denominator {
-            steps_per_second
+        let shown = if numerator == denominator {
+            velocity.whole()
         } else {
-            scaled(steps_per_second, denominator, numerator)
+            let ratio = Ratio::between(numerator.unsigned_abs(), denominator.unsigned_abs());
+            let amount = ratio.map_or(0, |ratio| ratio.to_units_of_speed(velocity.unsigned_abs()));
+            let amount = i32::try_from(amount).unwrap_or(i32::MAX);
+            if (velocity.bits() < 0) != self.turns_round() {
+                amount.wrapping_neg()
+            } else {
+                amount
+            }
         };
-        let end = if velocity < 0 { i16::MIN } else { i16::MAX };
-        i16::try_from(velocity).unwrap_or(end)
+        let end = if shown < 0 { i16::MIN } else { i16::MAX };
+        i16::try_from(shown).unwrap_or(end)
     }
-}
 
-/// `velocity * numerator / denominator`; 0 where nothing is to be divided by.
-fn scaled(velocity: i32, numerator: i32, denominator: i32) -> i32 {
-    let product = i64::from(velocity).saturating_mul(numerator.into());
-    let quotient = product.checked_div(denominator.into()).unwrap_or(0);
-    let end = if quotient < 0 { i32::MIN } else { i32::MAX };
-    i32::try_from(quotient).unwrap_or(end)
+    /// A unit of the mode is a velocity backwards.
+    const fn turns_round(&self) -> bool {
+        (self.dimension.0 < 0) != (self.dimension.1 < 0)
+    }
 }
 
 /// A speed that is gained in so many seconds, in steps/s²: at least 1, so that every ramp ends.
@@ -232,12 +240,12 @@ impl Configuration {
         following_error_time_out: 0,
         position_window: u32::MAX,
         position_window_time: 0,
-        velocity_window: 0,
+        velocity_window: Speed::ZERO,
         velocity_window_time: 0,
-        velocity_threshold: 0,
+        velocity_threshold: Speed::ZERO,
         velocity_threshold_time: 0,
-        max_slippage: u32::MAX,
-        max_velocity: u32::MAX,
+        max_slippage: Speed::MAX,
+        max_velocity: Speed::MAX,
         max_acceleration: u32::MAX,
         max_deceleration: u32::MAX,
         profile: ProfileConfiguration::NONE,
@@ -341,10 +349,10 @@ impl Configuration {
 pub struct HomingConfiguration {
     /// 6098h; 0 is no method.
     pub method: i8,
-    /// 6099h:1 in steps/s.
-    pub search_speed: u32,
-    /// 6099h:2 in steps/s.
-    pub zero_speed: u32,
+    /// 6099h:1.
+    pub search_speed: Speed,
+    /// 6099h:2.
+    pub zero_speed: Speed,
     /// 609Ah in steps/s².
     pub acceleration: u32,
     /// 607Ch in user units.
@@ -364,8 +372,8 @@ impl HomingConfiguration {
     /// What holds before anything is set up: no method.
     pub const NONE: Self = Self {
         method: 0,
-        search_speed: 0,
-        zero_speed: 0,
+        search_speed: Speed::ZERO,
+        zero_speed: Speed::ZERO,
         acceleration: 0,
         offset: 0,
         is_offset_subtracted: false,

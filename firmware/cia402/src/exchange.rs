@@ -6,6 +6,7 @@
 
 use canopen::Instant;
 use heapless::Deque;
+use motion::{SignedSpeed, Speed};
 
 use crate::configuration::Configuration;
 use crate::controlword::{Command, NEW_SET_POINT};
@@ -45,18 +46,18 @@ pub struct Commands {
     pub vl_target_velocity: i16,
     /// 607Ah in units of the user.
     pub target_position: i32,
-    /// 6081h in steps/s.
-    pub profile_velocity: u32,
-    /// 6082h in steps/s.
-    pub end_velocity: u32,
+    /// 6081h.
+    pub profile_velocity: Speed,
+    /// 6082h.
+    pub end_velocity: Speed,
     /// 60F2h.
     pub positioning_option: u16,
     /// 6083h in steps/s².
     pub profile_acceleration: u32,
     /// 6084h in steps/s².
     pub profile_deceleration: u32,
-    /// 60FFh in steps/s.
-    pub target_velocity: i32,
+    /// 60FFh.
+    pub target_velocity: SignedSpeed,
     /// 60B8h.
     pub touch_probe_function: u16,
     /// Bits 0 and 8 of 60B8h that were 0 since the last tick took its copy, so that a probe switched off and on between two ticks
@@ -80,10 +81,10 @@ pub struct SetPoint {
     pub controlword: u16,
     /// 607Ah in units of the user.
     pub target_position: i32,
-    /// 6081h in steps/s.
-    pub profile_velocity: u32,
-    /// 6082h in steps/s.
-    pub end_velocity: u32,
+    /// 6081h.
+    pub profile_velocity: Speed,
+    /// 6082h.
+    pub end_velocity: Speed,
     /// 60F2h.
     pub positioning_option: u16,
     /// 6083h in steps/s².
@@ -105,12 +106,12 @@ impl Commands {
         mode: 0,
         vl_target_velocity: 0,
         target_position: 0,
-        profile_velocity: 0,
-        end_velocity: 0,
+        profile_velocity: Speed::ZERO,
+        end_velocity: Speed::ZERO,
         positioning_option: 0,
         profile_acceleration: 0,
         profile_deceleration: 0,
-        target_velocity: 0,
+        target_velocity: SignedSpeed::ZERO,
         touch_probe_function: 0,
         touch_probes_off: 0,
         digital_outputs: 0,

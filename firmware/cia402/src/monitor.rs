@@ -5,7 +5,7 @@
 //! pulses, it is as smooth as the demand; as soon as it does not, it shows what the motor does.
 
 use canopen::Instant;
-use motion::Demand;
+use motion::{Demand, SignedSpeed};
 
 use crate::configuration::Configuration;
 use crate::dwell::Dwell;
@@ -30,10 +30,10 @@ pub(crate) struct Monitor {
 pub(crate) struct Observed {
     /// 60F4h: 6062h less 6064h, in steps.
     pub(crate) following_error: i32,
-    /// 606Ch in steps/s.
-    pub(crate) velocity: i32,
-    /// 606Bh less 606Ch, in steps/s.
-    pub(crate) slippage: i32,
+    /// 606Ch.
+    pub(crate) velocity: SignedSpeed,
+    /// 606Bh less 606Ch.
+    pub(crate) slippage: SignedSpeed,
     /// The following error has been outside of 6065h for 6066h.
     pub(crate) is_lost: bool,
 }
@@ -80,14 +80,14 @@ impl Monitor {
         let (growth, span) = self.put(now, error);
         // One step more or less is but the moment at which a pulse leaves.
         let slippage = if growth.unsigned_abs() <= 1 {
-            0
+            SignedSpeed::ZERO
         } else {
-            per_second(growth, span)
+            per_second(growth, span).into()
         };
         let window = configuration.following_error_window;
         Observed {
             following_error: error,
-            velocity: demand.velocity.saturating_sub(slippage),
+            velocity: demand.velocity.minus(slippage),
             slippage,
             // Looked at while it is off too, so that its time starts anew behind that.
             is_lost: self.outside.has_held(
@@ -119,7 +119,10 @@ mod tests {
     }
 
     fn demand(position: i64, velocity: i32) -> Demand {
-        Demand { position, velocity }
+        Demand {
+            position,
+            velocity: velocity.into(),
+        }
     }
 
     #[test]
@@ -134,7 +137,10 @@ mod tests {
                 late,
                 &Configuration::NONE,
             );
-            assert_eq!((observed.velocity, observed.slippage), (3_000, 0));
+            assert_eq!(
+                (observed.velocity, observed.slippage),
+                (3_000.into(), SignedSpeed::ZERO)
+            );
         }
     }
 
@@ -146,7 +152,10 @@ mod tests {
             let position = i64::try_from(tick).unwrap() * 8;
             last = monitor.observe(at(tick), demand(position, 8_000), 0, &Configuration::NONE);
         }
-        assert_eq!((last.velocity, last.slippage), (0, 8_000));
+        assert_eq!(
+            (last.velocity, last.slippage),
+            (SignedSpeed::ZERO, 8_000.into())
+        );
         assert_eq!(last.following_error, 99 * 8);
         assert!(!last.is_lost, "6065h is off");
     }
@@ -169,10 +178,10 @@ mod tests {
             }
             let wanted = 3_000_000 / length;
             assert!(
-                (i64::from(last.slippage) - wanted).abs() <= 1,
+                (i64::from(last.slippage.whole()) - wanted).abs() <= 1,
                 "{length} us: {last:?}"
             );
-            assert!((i64::from(last.velocity) - 3 * wanted).abs() <= 2);
+            assert!((i64::from(last.velocity.whole()) - 3 * wanted).abs() <= 2);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use motion::{
     AdvanceError, Axis, AxisConfig, Demand, Direction, FollowError, Limits, PlanError, Position,
-    PulseSink, Ramps, Record, Ticks, Velocity,
+    PulseSink, Ramps, Record, SignedSpeed, Speed, Ticks, Velocity,
 };
 
 use crate::cyclic::{Fine, Timescale};
@@ -311,8 +311,8 @@ impl Motor {
         self.axis.committed_position().saturating_add(way)
     }
 
-    /// The fastest the pulses can be sent, in steps/s.
-    pub(crate) fn max_velocity(&self) -> u32 {
+    /// The fastest the pulses can be sent.
+    pub(crate) fn max_velocity(&self) -> Speed {
         self.axis.max_velocity()
     }
 
@@ -328,11 +328,11 @@ impl Motor {
         self.begun(result)
     }
 
-    /// Moves through a position with an end velocity in steps/s and keeps that. On an error nothing changes.
+    /// Moves through a position with an end velocity and keeps that. On an error nothing changes.
     pub(crate) fn move_through(
         &mut self,
         target: i64,
-        end_velocity: u32,
+        end_velocity: Speed,
         limits: Limits,
     ) -> Result<(), Refused> {
         self.is_free(target.saturating_sub(self.committed))?;
@@ -366,15 +366,19 @@ impl Motor {
         result
     }
 
-    /// Reaches a velocity in steps/s at `end`, evenly from the one at the end of what is followed. See [`Axis::follow_velocity`].
-    pub(crate) fn follow_velocity(&mut self, end: Fine, velocity: i32) -> Result<(), FollowError> {
+    /// Reaches a velocity at `end`, evenly from the one at the end of what is followed. See [`Axis::follow_velocity`].
+    pub(crate) fn follow_velocity(
+        &mut self,
+        end: Fine,
+        velocity: SignedSpeed,
+    ) -> Result<(), FollowError> {
         let tick = self.timescale.tick_at(end);
         self.axis.follow_velocity(tick, velocity)?;
         self.stopped();
         Ok(())
     }
 
-    /// Where what is followed ends, in steps, and its velocity there in steps/s.
+    /// Where what is followed ends, in steps, and its velocity there.
     pub(crate) fn course_end(&self) -> Demand {
         let end = self.axis.course_end_demand();
         Demand {
@@ -403,9 +407,9 @@ impl Motor {
         self.committed
     }
 
-    /// Ramps to a velocity in steps/s and keeps it, from whatever the motor does now. On an error nothing changes.
-    pub(crate) fn ramp_to(&mut self, velocity: i32, limits: Limits) -> Result<(), Refused> {
-        self.is_free(velocity.into())?;
+    /// Ramps to a velocity and keeps it, from whatever the motor does now. On an error nothing changes.
+    pub(crate) fn ramp_to(&mut self, velocity: SignedSpeed, limits: Limits) -> Result<(), Refused> {
+        self.is_free(velocity.bits())?;
         self.choose_ramps();
         let result = self.axis.ramp_to(velocity, self.at_limit(limits));
         self.begun(result)
@@ -420,8 +424,8 @@ impl Motor {
         }
     }
 
-    /// The velocity from which the next command begins, in steps/s.
-    pub(crate) fn committed_velocity(&self) -> i32 {
+    /// The velocity from which the next command begins.
+    pub(crate) fn committed_velocity(&self) -> SignedSpeed {
         self.axis.committed_velocity()
     }
 

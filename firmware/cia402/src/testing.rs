@@ -139,7 +139,7 @@ impl Rig {
             commands: Commands {
                 remote: true,
                 mode: 1,
-                profile_velocity: 10_000,
+                profile_velocity: 10_000.into(),
                 profile_acceleration: 100_000,
                 profile_deceleration: 100_000,
                 ..Commands::NONE

@@ -17,6 +17,7 @@ use crate::fixed::{Position, State, Velocity};
 use crate::path::{FollowError, Path};
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
+use crate::speed::{SignedSpeed, Speed};
 use crate::train::{Chord, Train};
 use leg::Leg;
 use trace::Trace;
@@ -38,8 +39,8 @@ pub struct AxisConfig {
 pub struct Demand {
     /// Position demand value (6062h) in whole steps, −2³¹ ..= 2³¹−1.
     pub position: i64,
-    /// Velocity demand value (606Bh) in steps/s.
-    pub velocity: i32,
+    /// Velocity demand value (606Bh).
+    pub velocity: SignedSpeed,
 }
 
 /// Why [`Axis::advance`] has something to report. Nothing is lost either way.
@@ -132,24 +133,24 @@ impl Axis {
         self.redirect(Goal::Rest(target), limits)
     }
 
-    /// Moves through `target` with `end_velocity` in steps/s and keeps that; see [`Plan::then_move_through`].
+    /// Moves through `target` with `end_velocity` and keeps that; see [`Plan::then_move_through`].
     ///
     /// # Errors
     /// [`PlanError`]; the motion goes on as it was.
     pub fn move_through(
         &mut self,
         target: i64,
-        end_velocity: u32,
+        end_velocity: Speed,
         limits: Limits,
     ) -> Result<(), PlanError> {
         self.redirect(Goal::Pass(target, end_velocity), limits)
     }
 
-    /// Ramps to `velocity` in steps/s and keeps it.
+    /// Ramps to `velocity` and keeps it.
     ///
     /// # Errors
     /// [`PlanError`]; the motion goes on as it was.
-    pub fn ramp_to(&mut self, velocity: i32, limits: Limits) -> Result<(), PlanError> {
+    pub fn ramp_to(&mut self, velocity: SignedSpeed, limits: Limits) -> Result<(), PlanError> {
         self.redirect(Goal::Velocity(velocity), limits)
     }
 
@@ -159,9 +160,9 @@ impl Axis {
     /// [`PlanError::ZeroDeceleration`]; the motion goes on as it was.
     pub fn stop(&mut self, deceleration: u32) -> Result<(), PlanError> {
         self.ramp_to(
-            0,
+            SignedSpeed::ZERO,
             Limits {
-                velocity: 0,
+                velocity: Speed::ZERO,
                 acceleration: 0,
                 deceleration,
             },
@@ -193,15 +194,17 @@ impl Axis {
         self.go_on(end, to, Some(velocity))
     }
 
-    /// Changes the velocity evenly to `velocity` in steps/s (cut to [`Axis::max_velocity`]) until tick `end` of the axis' time; on
+    /// Changes the velocity evenly to `velocity` (cut to [`Axis::max_velocity`]) until tick `end` of the axis' time; on
     /// behind that as with [`Axis::follow`].
     ///
     /// # Errors
     /// [`FollowError`]; the motion goes on as it was.
-    pub fn follow_velocity(&mut self, end: Ticks, velocity: i32) -> Result<(), FollowError> {
-        let most = i32::try_from(self.max_velocity()).unwrap_or(i32::MAX);
-        let velocity = velocity.max(most.wrapping_neg()).min(most);
-        let velocity = Velocity::from_steps_per_second(self.clock, velocity);
+    pub fn follow_velocity(
+        &mut self,
+        end: Ticks,
+        velocity: SignedSpeed,
+    ) -> Result<(), FollowError> {
+        let velocity = Velocity::from_speed(self.clock, velocity.within(self.max_velocity()));
         let (start, from) = self.course_end();
         let length = end.saturating_sub(start);
         let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
@@ -312,8 +315,8 @@ impl Axis {
             && self.train.due(self.state_at(self.horizon).position) == 0
     }
 
-    /// The velocity at the commit horizon in steps/s: that from which the next command begins.
-    pub fn committed_velocity(&self) -> i32 {
+    /// The velocity at the commit horizon: that from which the next command begins.
+    pub fn committed_velocity(&self) -> SignedSpeed {
         self.demand_of(self.state_at(self.horizon)).velocity
     }
 
@@ -342,12 +345,10 @@ impl Axis {
             .whole_steps()
     }
 
-    /// The highest velocity in steps/s that driver and clock allow. Limits above it are cut to it.
-    pub fn max_velocity(&self) -> u32 {
-        self.clock
-            .hz()
-            .checked_div(self.train.shortest_period())
-            .unwrap_or(0)
+    /// The highest velocity that driver and clock allow, a whole number of steps/s. Limits above it are cut to it.
+    pub fn max_velocity(&self) -> Speed {
+        let hz = self.clock.hz().checked_div(self.train.shortest_period());
+        hz.map_or(Speed::ZERO, Speed::per_second)
     }
 
     fn go_on(
@@ -524,7 +525,7 @@ impl Axis {
     fn demand_of(&self, state: State) -> Demand {
         Demand {
             position: state.position.whole_steps(),
-            velocity: state.velocity.steps_per_second(self.clock),
+            velocity: state.velocity.speed(self.clock),
         }
     }
 }

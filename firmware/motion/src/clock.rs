@@ -3,6 +3,7 @@
 //! All times are counts of one hardware timer. A 64-bit count at 168 MHz wraps after 3480 years, so nothing here reasons
 //! about wrap-around.
 
+use crate::speed::Speed;
 use crate::wide::Wide;
 
 /// Ticks of the step timer, counted from when the axis was made.
@@ -55,11 +56,16 @@ impl Clock {
         self.hz
     }
 
-    /// A limit in steps/s as Q96 steps/tick. Rounded down, so that the limit holds, and cut to half a step per tick.
-    pub(crate) fn speed(self, steps_per_second: u32) -> Fine {
-        self.second
-            .wrapping_mul(u128::from(steps_per_second))
-            .min(TOP_SPEED)
+    /// A limit as Q96 steps/tick. Rounded down, so that the limit holds, and cut to half a step per tick.
+    pub(crate) fn speed(self, speed: Speed) -> Fine {
+        let whole = (speed.bits() >> 32) as u32;
+        let part = speed.bits() as u32;
+        // A second has 77 bits at most.
+        let mut fine = self.second.wrapping_mul(u128::from(whole));
+        if part != 0 {
+            fine = fine.wrapping_add(self.second.wrapping_mul(u128::from(part)) >> 32);
+        }
+        fine.min(TOP_SPEED)
     }
 
     /// Half of a limit in steps/s², as Q96 steps/tick². Rounded down, so that the limit holds.

@@ -2,6 +2,7 @@
 
 use crate::clock::{Clock, TOP_SPEED};
 use crate::divide::quotient;
+use crate::speed::SignedSpeed;
 
 /// A position in steps, Q32 (32 bits behind the point).
 ///
@@ -49,11 +50,11 @@ impl Velocity {
     /// Standing still.
     pub const ZERO: Self = Self(0);
 
-    /// The velocity nearest to `steps_per_second`, cut to half a step per tick.
-    pub fn from_steps_per_second(clock: Clock, steps_per_second: i32) -> Self {
-        let exact = clock.speed(steps_per_second.unsigned_abs());
+    /// The velocity nearest to one in steps/s, cut to half a step per tick.
+    pub fn from_speed(clock: Clock, speed: SignedSpeed) -> Self {
+        let exact = clock.speed(speed.unsigned_abs());
         let magnitude = (exact.saturating_add(1 << 39) >> 40) as i64;
-        Self(if steps_per_second < 0 {
+        Self(if speed.bits() < 0 {
             magnitude.wrapping_neg()
         } else {
             magnitude
@@ -70,19 +71,20 @@ impl Velocity {
         self.0
     }
 
-    /// The nearest whole number of steps/s, saturating.
-    pub fn steps_per_second(self, clock: Clock) -> i32 {
-        // The product has up to 94 bits; of the lower half only what carries over counts.
-        let bits = self.0.unsigned_abs();
+    /// The same in steps/s, to the nearest; cut to half a step per tick.
+    pub fn speed(self, clock: Clock) -> SignedSpeed {
+        let bits = self.0.unsigned_abs().min(1 << 55);
         let hz = u64::from(clock.hz());
-        let low = u64::from(bits as u32).wrapping_mul(hz) >> 32;
-        let product = (bits >> 32).wrapping_mul(hz).saturating_add(low);
-        let magnitude = i32::try_from(product.saturating_add(1 << 23) >> 24).unwrap_or(i32::MAX);
-        if self.0 < 0 {
+        // Q56 becomes Q32. The upper product has 53 bits at most.
+        let high = (bits >> 32).wrapping_mul(hz) << 8;
+        let low = u64::from(bits as u32).wrapping_mul(hz);
+        let low = low.wrapping_add(1 << 23) >> 24;
+        let magnitude = high.wrapping_add(low).cast_signed();
+        SignedSpeed::from_bits(if self.0 < 0 {
             magnitude.wrapping_neg()
         } else {
             magnitude
-        }
+        })
     }
 
     /// The velocity at which `way` takes so many ticks; zero for no ticks.

@@ -5,7 +5,8 @@
 //! motor. The pulses that were sent always add up to the distance that was commanded, whatever happened on the way.
 //!
 //! The contract:
-//! - Integers only. Positions are Q32 steps, velocities Q56 steps per tick, times ticks; plans keep all of them in Q96.
+//! - Integers only. Positions are Q32 steps, velocities Q56 steps per tick, times ticks; plans keep all of them in Q96. What is asked
+//!   for and shown are steps/s, Q32: from one step in an hour to the timer's ceiling nothing changes but the number.
 //! - Limits are never exceeded; zero limits are refused with a [`PlanError`].
 //! - No input makes it panic, block or loop without bound.
 //! - It knows no bus, no register and no clock but the count of ticks it is given.
@@ -36,6 +37,7 @@ pub mod homing;
 mod path;
 pub mod plan;
 pub mod record;
+pub mod speed;
 pub mod step_interrupt;
 mod train;
 #[cfg(test)]
@@ -51,3 +53,4 @@ pub use path::FollowError;
 pub use plan::phase::Phase;
 pub use plan::{Goal, Limits, Plan, PlanError, Ramps};
 pub use record::{Direction, DriverTiming, PulseSink, Record};
+pub use speed::{SignedSpeed, Speed};

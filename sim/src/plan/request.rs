@@ -48,14 +48,14 @@ impl Move {
             direction_hold: ticks(TURN),
         };
         let limits = Limits {
-            velocity: arguments.velocity,
+            velocity: arguments.velocity.into(),
             acceleration: arguments.acceleration,
             deceleration: arguments.deceleration.unwrap_or(arguments.acceleration),
         };
         let fastest = clock.hz() / timing.shortest_period();
         let initial = arguments.initial_velocity.unsigned_abs();
         for (name, velocity) in [
-            ("velocity", limits.velocity),
+            ("velocity", arguments.velocity),
             ("initial velocity", initial),
             ("end velocity", arguments.end_velocity),
         ] {
@@ -65,7 +65,7 @@ impl Move {
                 ));
             }
         }
-        if arguments.end_velocity > limits.velocity {
+        if arguments.end_velocity > arguments.velocity {
             return Err("the end velocity is above the profile velocity".to_owned());
         }
         let origin = origin(arguments.distance)?;
@@ -73,11 +73,11 @@ impl Move {
         let goal = if arguments.end_velocity == 0 {
             Goal::Rest(target)
         } else {
-            Goal::Pass(target, arguments.end_velocity)
+            Goal::Pass(target, arguments.end_velocity.into())
         };
         let from = State {
             position: Position::from_steps(origin),
-            velocity: Velocity::from_steps_per_second(clock, arguments.initial_velocity),
+            velocity: Velocity::from_speed(clock, arguments.initial_velocity.into()),
         };
         let plan = Plan::new(clock, 0, from, goal, limits, ramps(arguments)?)
             .map_err(|error| error.to_string())?;

@@ -4,7 +4,7 @@ mod differential;
 mod random;
 
 use motion::advanced_timer::{Register, Registers, Ring, bits};
-use motion::{Direction, DriverTiming, Limits, PulseSink, Record};
+use motion::{Direction, DriverTiming, Limits, PulseSink, Record, Speed};
 
 use super::rig::{HZ, Rig, SEGMENT};
 use super::{Judge, TimerModel};
@@ -26,7 +26,7 @@ const SLOW: DriverTiming = DriverTiming {
 };
 
 const LIMITS: Limits = Limits {
-    velocity: 100_000,
+    velocity: Speed::per_second(100_000),
     acceleration: 500_000,
     deceleration: 500_000,
 };
@@ -55,7 +55,7 @@ fn a_move_sends_its_pulses_and_stops_the_timer() {
             .move_to(
                 target,
                 Limits {
-                    velocity,
+                    velocity: velocity.into(),
                     acceleration: 5_000_000,
                     deceleration: 5_000_000,
                 },
@@ -75,7 +75,7 @@ fn a_move_sends_its_pulses_and_stops_the_timer() {
 fn a_train_is_played_without_a_gap() {
     let mut rig = rig(FAST);
     *rig.model.judge_mut() = Judge::new(FAST).logging();
-    rig.axis.ramp_to(200_000, LIMITS).unwrap();
+    rig.axis.ramp_to(200_000.into(), LIMITS).unwrap();
     for _ in 0..4_000 {
         rig.refill(SEGMENT.into());
     }
@@ -105,7 +105,7 @@ fn turning_round_keeps_the_times_of_the_driver() {
     ] {
         let mut rig = rig(timing);
         let sharp = Limits {
-            velocity: 200_000,
+            velocity: 200_000.into(),
             acceleration: 400_000_000,
             deceleration: 400_000_000,
         };
@@ -128,9 +128,9 @@ fn starving_is_silence_that_is_told_and_loses_nothing() {
             let mut rig = rig(FAST);
             rig.axis
                 .ramp_to(
-                    velocity,
+                    velocity.into(),
                     Limits {
-                        velocity: 1_000_000,
+                        velocity: 1_000_000.into(),
                         acceleration: 50_000_000,
                         deceleration: 50_000_000,
                     },
@@ -173,9 +173,9 @@ fn a_processor_that_hangs_has_three_seconds_of_silence() {
     let mut rig = rig(FAST);
     rig.axis
         .ramp_to(
-            1_000_000,
+            1_000_000.into(),
             Limits {
-                velocity: 1_000_000,
+                velocity: 1_000_000.into(),
                 ..LIMITS
             },
         )
@@ -194,9 +194,9 @@ fn dropping_keeps_the_count_of_pulses_that_left() {
         let mut rig = rig(FAST);
         rig.axis
             .ramp_to(
-                -300_000,
+                (-300_000).into(),
                 Limits {
-                    velocity: 300_000,
+                    velocity: 300_000.into(),
                     acceleration: 50_000_000,
                     ..LIMITS
                 },
@@ -259,7 +259,7 @@ fn a_train_after_a_drop_inside_a_pulse_begins_with_its_own() {
 #[test]
 fn the_break_input_cuts_the_pulses_by_hardware() {
     let mut rig = rig(FAST);
-    rig.axis.ramp_to(100_000, LIMITS).unwrap();
+    rig.axis.ramp_to(100_000.into(), LIMITS).unwrap();
     for _ in 0..1_000 {
         rig.refill(SEGMENT.into());
     }
@@ -320,7 +320,7 @@ fn a_step_a_minute_needs_no_other_mode() {
 fn a_captured_count_is_a_position() {
     let mut rig = rig(FAST);
     let sharp = Limits {
-        velocity: 100_000,
+        velocity: 100_000.into(),
         acceleration: 50_000_000,
         deceleration: 50_000_000,
     };

@@ -1,6 +1,7 @@
 //! A beat: the moment of a SYNC and the set-points that hold at it.
 
 use canopen::Instant;
+use motion::SignedSpeed;
 
 /// A SYNC, or a set-point that came where there is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,10 +12,10 @@ pub struct Beat {
     pub is_sync: bool,
     /// 607Ah in user units, if it was written since the beat before.
     pub position: Option<i32>,
-    /// 60FFh in increments/s, if it was written since the beat before.
-    pub velocity: Option<i32>,
+    /// 60FFh, if it was written since the beat before.
+    pub velocity: Option<SignedSpeed>,
     /// 60B0h in user units.
     pub position_offset: i32,
-    /// 60B1h in increments/s.
-    pub velocity_offset: i32,
+    /// 60B1h.
+    pub velocity_offset: SignedSpeed,
 }

@@ -53,7 +53,7 @@ impl Drive {
         let motion = Motion {
             power: self.power,
             standstill: self.settled,
-            velocity: self.motor.demand().velocity,
+            velocity: self.motor.demand().velocity.whole(),
         };
         self.periphery
             .current

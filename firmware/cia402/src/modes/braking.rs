@@ -3,7 +3,7 @@
 //! A jerk-limited ramp from v takes v/d + j⁻¹·d, over v/2 of that. Where d is not reached it is less than this formula says for any
 //! d, so d is cut to what keeps the numbers within 64 bits.
 
-use motion::Ramps;
+use motion::{Ramps, Speed};
 
 /// What the jerk adds to the time of a ramp, as a velocity: d²/j; and the deceleration that counts. In steps/s and steps/s².
 fn rounding(deceleration: u32, ramps: Ramps) -> (u64, u64) {
@@ -21,9 +21,10 @@ fn rounding(deceleration: u32, ramps: Ramps) -> (u64, u64) {
     }
 }
 
-/// The way to stop from a velocity in steps/s, in steps.
-pub(super) fn way(velocity: u32, deceleration: u32, ramps: Ramps) -> u64 {
-    let velocity = u64::from(velocity);
+/// The way to stop from a velocity, in steps.
+pub(super) fn way(velocity: Speed, deceleration: u32, ramps: Ramps) -> u64 {
+    // Rounded up: a way too long is on the safe side.
+    let velocity = (velocity.bits() >> 32).saturating_add(u64::from(velocity.bits() as u32 != 0));
     let (rounding, deceleration) = rounding(deceleration, ramps);
     velocity
         .saturating_mul(velocity.saturating_add(rounding))
@@ -31,9 +32,9 @@ pub(super) fn way(velocity: u32, deceleration: u32, ramps: Ramps) -> u64 {
         .unwrap_or(0)
 }
 
-/// The velocity with which the motor may pass a target and still stop within so many steps behind it, in steps/s. The next command
+/// The velocity with which the motor may pass a target and still stop within so many steps behind it, a whole number of steps/s. The next command
 /// comes a few control ticks after the target has been passed, so four milliseconds at this velocity are kept in reserve.
-pub(super) fn stoppable(deceleration: u32, ramps: Ramps, steps: u64) -> u32 {
+pub(super) fn stoppable(deceleration: u32, ramps: Ramps, steps: u64) -> Speed {
     let (rounding, deceleration) = rounding(deceleration, ramps);
     // v² + v·d²/j = 2·d·steps
     let velocity = |steps: u64| {
@@ -43,7 +44,8 @@ pub(super) fn stoppable(deceleration: u32, ramps: Ramps, steps: u64) -> u32 {
         root.saturating_sub(rounding) / 2
     };
     let reserve = velocity(steps) / 250;
-    u32::try_from(velocity(steps.saturating_sub(reserve))).unwrap_or(u32::MAX)
+    let velocity = velocity(steps.saturating_sub(reserve));
+    Speed::per_second(u32::try_from(velocity).unwrap_or(u32::MAX))
 }
 
 #[cfg(test)]
@@ -78,7 +80,7 @@ mod tests {
             ],
         ) {
             let velocity = stoppable(deceleration, ramps, steps);
-            let goes = exact(velocity.into(), deceleration.into(), ramps);
+            let goes = exact(velocity.whole().into(), deceleration.into(), ramps);
             prop_assert!(goes <= steps as f64, "{goes} steps of {steps}");
             let said = way(velocity, deceleration, ramps);
             prop_assert!(said as f64 + 1.0 >= goes, "{said} is less than {goes}");
@@ -87,7 +89,7 @@ mod tests {
 
     #[test]
     fn a_linear_stop_is_the_root_of_twice_the_ramp() {
-        assert_eq!(stoppable(50_000, Ramps::Linear, 1000), 9_797);
-        assert_eq!(way(10_000, 50_000, Ramps::Linear), 1000);
+        assert_eq!(stoppable(50_000, Ramps::Linear, 1000), 9_797.into());
+        assert_eq!(way(10_000.into(), 50_000, Ramps::Linear), 1000);
     }
 }

@@ -12,8 +12,10 @@
 //! Bit 10: during halt, the motor stands. Bit 12, drive follows the command value.
 
 use super::Context;
+use motion::{SignedSpeed, Speed};
+
 use super::following::{braking_way, gain, seconds};
-use crate::cyclic::{POINT, Slot};
+use crate::cyclic::Slot;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 use crate::statusword::{FOLLOWS, INTERNAL_LIMIT, TARGET_REACHED};
@@ -24,10 +26,10 @@ pub(super) struct CyclicVelocity {
     follows: bool,
     is_limited: bool,
     held: bool,
-    /// What is asked for, in steps/s.
-    velocity: i32,
-    /// What is carried out, in steps/s, Q16: slow ramps change it by less than 1 in a period.
-    exact: i64,
+    /// What is asked for.
+    velocity: SignedSpeed,
+    /// What is carried out.
+    carried_out: SignedSpeed,
     bridged: u8,
 }
 
@@ -37,8 +39,8 @@ impl CyclicVelocity {
             follows: false,
             is_limited: false,
             held: false,
-            velocity: 0,
-            exact: 0,
+            velocity: SignedSpeed::ZERO,
+            carried_out: SignedSpeed::ZERO,
             bridged: 0,
         }
     }
@@ -83,7 +85,7 @@ impl CyclicVelocity {
     fn take(&mut self, slot: &Slot, context: &mut Context<'_>) {
         let asked = slot.beat.and_then(|beat| {
             let offset = beat.velocity_offset;
-            Some(beat.velocity?.saturating_add(offset))
+            Some(beat.velocity?.plus(offset))
         });
         let lost = &context.configuration.cyclic.lost;
         match asked {
@@ -97,7 +99,7 @@ impl CyclicVelocity {
                 self.velocity = velocity;
             }
             None if !self.follows => return,
-            None if lost.is_as_before() || self.velocity == 0 => {}
+            None if lost.is_as_before() || self.velocity == SignedSpeed::ZERO => {}
             None if self.bridged >= lost.bridged => {
                 self.follows = false;
                 return context.lose_set_points();
@@ -107,42 +109,45 @@ impl CyclicVelocity {
         let end = slot.at.wrapping_add(context.latency(slot.period));
         let velocity = self.allowed(slot, context);
         if context.motor.is_at_rest() {
-            if velocity == 0 {
+            if velocity == SignedSpeed::ZERO {
                 return;
             }
             let _ = context
                 .motor
-                .follow_velocity(end.wrapping_sub(slot.period), 0);
+                .follow_velocity(end.wrapping_sub(slot.period), SignedSpeed::ZERO);
         }
         // A set-point that comes too late is passed by.
         let _ = context.motor.follow_velocity(end, velocity);
     }
 
     /// The velocity within all limits.
-    fn allowed(&mut self, slot: &Slot, context: &Context<'_>) -> i32 {
+    fn allowed(&mut self, slot: &Slot, context: &Context<'_>) -> SignedSpeed {
         let asked = self.velocity;
         let before = context.motor.course_end();
-        let most = i32::try_from(context.max_velocity()).unwrap_or(i32::MAX);
-        let velocity = asked.max(most.wrapping_neg()).min(most);
+        let velocity = asked.within(context.max_velocity());
         let velocity = before_limit(velocity, slot, before.position, context);
-        let velocity = if context.motor.is_free(velocity.into()).is_err() {
-            0
+        let velocity = if context.motor.is_free(velocity.bits()).is_err() {
+            SignedSpeed::ZERO
         } else {
             velocity
         };
-        if whole(self.exact).abs_diff(before.velocity) > 1 {
+        if self.carried_out.abs_diff(before.velocity) > Speed::per_second(1) {
             // Somebody else has moved the motor.
-            self.exact = i64::from(before.velocity) << POINT;
+            self.carried_out = before.velocity;
         }
-        self.exact = within_ramps(i64::from(velocity) << POINT, self.exact, slot, context);
-        let velocity = whole(self.exact);
-        self.is_limited = velocity != asked;
-        velocity
+        self.carried_out = within_ramps(velocity, self.carried_out, slot, context);
+        self.is_limited = self.carried_out != asked;
+        self.carried_out
     }
 }
 
-/// 60C5h and 60C6h, in steps/s, Q16.
-fn within_ramps(velocity: i64, before: i64, slot: &Slot, context: &Context<'_>) -> i64 {
+/// 60C5h and 60C6h.
+fn within_ramps(
+    velocity: SignedSpeed,
+    before: SignedSpeed,
+    slot: &Slot,
+    context: &Context<'_>,
+) -> SignedSpeed {
     let seconds = seconds(slot.period);
     let grows = velocity.unsigned_abs() > before.unsigned_abs();
     let ramp = if grows {
@@ -150,37 +155,51 @@ fn within_ramps(velocity: i64, before: i64, slot: &Slot, context: &Context<'_>) 
     } else {
         context.configuration.max_deceleration
     };
-    let change = (u128::from(ramp).wrapping_mul(seconds.into()) >> (32 - POINT)).max(1);
+    let change = u128::from(ramp).wrapping_mul(seconds.into()).max(1);
     let change = i64::try_from(change).unwrap_or(i64::MAX);
-    velocity
-        .max(before.saturating_sub(change))
-        .min(before.saturating_add(change))
-}
-
-/// The nearest whole velocity.
-const fn whole(exact: i64) -> i32 {
-    (exact.saturating_add(1 << (POINT - 1)) >> POINT) as i32
+    let before = before.bits();
+    let velocity = velocity.bits();
+    SignedSpeed::from_bits(
+        velocity
+            .max(before.saturating_sub(change))
+            .min(before.saturating_add(change)),
+    )
 }
 
 /// The velocity from which the motor can still stop at a software limit.
-fn before_limit(velocity: i32, slot: &Slot, position: i64, context: &Context<'_>) -> i32 {
+fn before_limit(
+    velocity: SignedSpeed,
+    slot: &Slot,
+    position: i64,
+    context: &Context<'_>,
+) -> SignedSpeed {
     let (low, high) = context.travel.increments;
-    let room = match velocity {
+    let room = match velocity.bits() {
         1.. => high.saturating_sub(position),
         ..=-1 => position.saturating_sub(low),
-        0 => return 0,
+        0 => return velocity,
     };
     if room > 1 << 46 {
         return velocity;
     }
     let seconds = seconds(slot.period);
     let deceleration = context.deceleration(StopRamp::QuickStop);
-    // The velocities are whole ones: what one is too high, the next can make up for.
+    // Positions are whole ones here: what a velocity is too high, the next can make up for.
     let down = gain(deceleration.saturating_sub(deceleration / 32), seconds);
-    let way = braking_way(room.max(0) << 16, down);
-    let most = (way.unsigned_abs().min(1 << 47) << 16)
-        .checked_div(seconds)
-        .and_then(|most| i32::try_from(most).ok())
-        .unwrap_or(i32::MAX);
-    velocity.max(most.wrapping_neg()).min(most)
+    let way = braking_way(room.max(0) << 16, down).unsigned_abs();
+    velocity.within(rate(way, seconds))
+}
+
+/// The speed at which a way takes so many seconds; Q16 and Q32. Rounded down, to a whole number of steps/s where it is high.
+fn rate(way: u64, seconds: u64) -> Speed {
+    let over = |shift| {
+        way.min(u64::MAX >> (shift + 1))
+            .wrapping_shl(shift)
+            .checked_div(seconds)
+    };
+    match over(16) {
+        Some(slow) if slow < 1 << 10 => Speed::from_bits(over(32).unwrap_or(0) << 16),
+        Some(fast) => u32::try_from(fast).map_or(Speed::MAX, Speed::per_second),
+        None => Speed::MAX,
+    }
 }

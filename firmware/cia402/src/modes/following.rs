@@ -10,7 +10,7 @@
 //! - A set-point that is missing is bridged at the velocity before, as often as 2051h:1 says. One is missing only where the motor
 //!   moves; where the last set-point was the only one, the motor stays there.
 
-use motion::{Limits, Position};
+use motion::{Limits, Position, Speed};
 
 use super::Context;
 use crate::cyclic::{Fine, Slot};
@@ -208,7 +208,7 @@ impl Following {
         let seconds = seconds(interval);
         let most = way_at(context.max_velocity(), seconds);
         let (limits, _) = context.within(Limits {
-            velocity: 0,
+            velocity: Speed::ZERO,
             acceleration: context.commands.profile_acceleration,
             deceleration: context.commands.profile_deceleration,
         });
@@ -315,9 +315,9 @@ pub(super) fn seconds(time: Fine) -> u64 {
     (u128::from(time).wrapping_mul(PER_TICK) >> 32) as u64
 }
 
-/// The way at a velocity in increments/s.
-pub(super) fn way_at(velocity: u32, seconds: u64) -> i64 {
-    let way = u128::from(velocity).wrapping_mul(seconds.into()) >> (32 - POINT);
+/// The way at a velocity.
+pub(super) fn way_at(velocity: Speed, seconds: u64) -> i64 {
+    let way = u128::from(velocity.bits()).wrapping_mul(seconds.into()) >> (64 - POINT);
     i64::try_from(way).unwrap_or(i64::MAX)
 }
 

@@ -18,8 +18,8 @@
 //! | attained | 0 | 1 | 1 |
 //! | failed | 1 | 0 | 1 at rest |
 
-use motion::homing::{self as engine, Failure, Fitted, Method, Order, Outcome, Seen, Speed};
-use motion::{Direction, Limits};
+use motion::homing::{self as engine, Failure, Fitted, Method, Order, Outcome, Seen};
+use motion::{Direction, Limits, Speed};
 
 use super::Context;
 use crate::configuration::HomingConfiguration;
@@ -147,8 +147,8 @@ impl Homing {
         let configuration = context.configuration.homing;
         let method = Method::from_code(configuration.method).filter(|method| {
             method.is_immediate()
-                || configuration.search_speed > 0
-                    && configuration.zero_speed > 0
+                || configuration.search_speed != Speed::ZERO
+                    && configuration.zero_speed != Speed::ZERO
                     && configuration.acceleration > 0
         });
         let Some(method) = method else {
@@ -252,7 +252,7 @@ const fn fitted(inputs: &InputConfiguration, block: bool) -> Fitted {
 fn carry_out(order: Order, search: &mut Search, context: &mut Context<'_>) -> Result<(), Refused> {
     let configuration = search.configuration;
     let max_velocity = context.max_velocity();
-    let limits = |velocity: u32| Limits {
+    let limits = |velocity: Speed| Limits {
         velocity: velocity.min(max_velocity),
         acceleration: (configuration.acceleration).min(context.configuration.max_acceleration),
         deceleration: (configuration.acceleration).min(context.configuration.max_deceleration),
@@ -261,21 +261,15 @@ fn carry_out(order: Order, search: &mut Search, context: &mut Context<'_>) -> Re
         Order::GoOn => {}
         Order::Run(direction, speed) => {
             let speed = match speed {
-                Speed::Search => configuration.search_speed,
-                Speed::Zero => configuration.zero_speed,
+                engine::Speed::Search => configuration.search_speed,
+                engine::Speed::Zero => configuration.zero_speed,
             };
-            let velocity = i32::try_from(speed).unwrap_or(i32::MAX);
-            return context.motor.ramp_to(
-                match direction {
-                    Direction::Forward => velocity,
-                    Direction::Reverse => velocity.wrapping_neg(),
-                },
-                limits(speed),
-            );
+            let velocity = speed.signed(direction == Direction::Reverse);
+            return context.motor.ramp_to(velocity, limits(speed));
         }
         Order::Stop => {
             if !context.motor.standstill() {
-                context.motor.stop(limits(0).deceleration);
+                context.motor.stop(limits(Speed::ZERO).deceleration);
             }
         }
         Order::Go(target) | Order::Return(target) => {

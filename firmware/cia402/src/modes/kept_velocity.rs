@@ -7,7 +7,7 @@
 //!   Motion away from a limit is always free, also from beyond it.
 //! - A limit switch ends the motion into it for good: it takes another velocity to move again, even once the switch is released.
 
-use motion::{Limits, Ramps};
+use motion::{Limits, Ramps, SignedSpeed};
 
 use crate::motor::Motor;
 use crate::units::Travel;
@@ -15,8 +15,7 @@ use crate::units::Travel;
 /// What is asked of the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Order {
-    /// In steps/s.
-    pub(super) velocity: i32,
+    pub(super) velocity: SignedSpeed,
     /// Its velocity is the greatest amount of the velocity above.
     pub(super) limits: Limits,
     /// The lowest and the highest position in steps; see [`crate::units::Travel`].
@@ -75,7 +74,7 @@ impl KeptVelocity {
 
     /// A limit switch is stopping the motor. A motion away from it goes on.
     pub(super) fn limit_met(&mut self, motor: &Motor) {
-        let is_into = |order: Order| motor.is_free(order.velocity.into()).is_err();
+        let is_into = |order: Order| motor.is_free(order.velocity.bits()).is_err();
         if self.order.is_some_and(is_into) {
             self.course = Course::AtSwitch;
         } else {
@@ -111,7 +110,7 @@ impl KeptVelocity {
 
 /// The limit in the direction of an order.
 const fn end_of(order: Order) -> i64 {
-    if order.velocity > 0 {
+    if order.velocity.bits() > 0 {
         order.travel.1
     } else {
         order.travel.0
@@ -132,17 +131,17 @@ fn begin(order: Order, motor: &mut Motor) -> Course {
         ..
     } = order;
     motor.set_ramps(ramps);
-    if velocity == 0 {
+    if velocity == SignedSpeed::ZERO {
         stop(motor, limits.deceleration);
         return Course::Free;
     }
-    if motor.is_free(velocity.into()).is_err() {
+    if motor.is_free(velocity.bits()).is_err() {
         stop(motor, limits.deceleration);
         return Course::AtSwitch;
     }
     let end = end_of(order);
     let has_end = Travel::NONE.increments.0 < end && end < Travel::NONE.increments.1;
-    let is_behind = if velocity > 0 {
+    let is_behind = if velocity.bits() > 0 {
         end <= motor.committed_position()
     } else {
         end >= motor.committed_position()
@@ -150,7 +149,11 @@ fn begin(order: Order, motor: &mut Motor) -> Course {
     let result = if has_end && (is_behind || is_within_reach(end, motor)) {
         stop(motor, limits.deceleration);
         let rest = motor.destination();
-        let is_ahead = if velocity > 0 { rest < end } else { rest > end };
+        let is_ahead = if velocity.bits() > 0 {
+            rest < end
+        } else {
+            rest > end
+        };
         let result = is_ahead.then(|| motor.move_to(end, limits));
         result.map(|result| result.map(|()| Course::ToLimit))
     } else {

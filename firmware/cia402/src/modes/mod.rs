@@ -17,7 +17,7 @@ mod profile_velocity;
 mod velocity;
 
 use canopen::Instant;
-use motion::{Demand, Limits, Ramps};
+use motion::{Demand, Limits, Ramps, Speed};
 
 use crate::configuration::Configuration;
 use crate::controlword::HALT;
@@ -221,8 +221,8 @@ impl Context<'_> {
         ramp_in(self.mode, ramp, self.commands, self.configuration)
     }
 
-    /// The fastest the motor may go, in steps/s.
-    pub(crate) fn max_velocity(&self) -> u32 {
+    /// The fastest the motor may go.
+    pub(crate) fn max_velocity(&self) -> Speed {
         self.configuration
             .max_velocity
             .min(self.motor.max_velocity())

@@ -23,7 +23,7 @@
 //! as 6064h has been within 6067h of the target for 6068h. With 6067h = FFFFFFFFh it is 1 when the profile has ended; with an
 //! end velocity, when the target is passed. During halt it says that the motor stands.
 
-use motion::{Limits, Ramps};
+use motion::{Limits, Ramps, Speed};
 
 use super::Context;
 use super::braking;
@@ -51,7 +51,7 @@ struct SetPoint {
     /// How the velocity changes: 6086h as it was at the edge of bit 4.
     ramps: Ramps,
     /// What is left of the velocity at the target, in steps/s.
-    end_velocity: u32,
+    end_velocity: Speed,
     /// The target or the velocity is not what the master asked for.
     limited: Limited,
 }
@@ -293,7 +293,7 @@ impl ProfilePosition {
             return;
         };
         let motor = &context.motor;
-        if set_point.end_velocity == 0 {
+        if set_point.end_velocity == Speed::ZERO {
             if motor.standstill() {
                 self.progress = Progress::Done;
             }
@@ -311,12 +311,12 @@ impl ProfilePosition {
             .target
             .saturating_sub(context.motor.committed_position());
         self.direction = way.signum();
-        if set_point.end_velocity != 0 {
+        if set_point.end_velocity != Speed::ZERO {
             let (low, high) = context.travel.increments;
             let limit = if way < 0 { low } else { high };
             let room = limit.saturating_sub(set_point.target).unsigned_abs();
             let end = if way == 0 {
-                0
+                Speed::ZERO
             } else {
                 braking::stoppable(set_point.limits.deceleration, set_point.ramps, room)
             };
@@ -355,13 +355,8 @@ impl ProfilePosition {
             return;
         };
         let velocity = set_point.end_velocity.min(set_point.limits.velocity);
-        let amount = i32::try_from(velocity).unwrap_or(i32::MAX);
         let order = Order {
-            velocity: if self.direction < 0 {
-                amount.wrapping_neg()
-            } else {
-                amount
-            },
+            velocity: velocity.signed(self.direction < 0),
             limits: Limits {
                 velocity,
                 ..set_point.limits
@@ -396,7 +391,7 @@ impl ProfilePosition {
         motor.set_ramps(ramps);
         self.beyond.forget();
         self.starts_anew = false;
-        let result = if end_velocity == 0 {
+        let result = if end_velocity == Speed::ZERO {
             motor.move_to(target, limits)
         } else {
             motor.move_through(target, end_velocity, limits)
@@ -453,7 +448,7 @@ impl ProfilePosition {
         }
         if self
             .current
-            .is_some_and(|set_point| set_point.end_velocity != 0)
+            .is_some_and(|set_point| set_point.end_velocity != Speed::ZERO)
         {
             return false;
         }
@@ -471,7 +466,7 @@ fn rest(context: &Context<'_>, deceleration: u32) -> i64 {
     let ramps = context.configuration.profile.ramps;
     let way = braking::way(velocity.unsigned_abs(), deceleration, ramps);
     let way = i64::try_from(way).unwrap_or(i64::MAX).saturating_add(1);
-    let way = way.saturating_mul(velocity.signum().into());
+    let way = way.saturating_mul(velocity.bits().signum());
     motor.committed_position().saturating_add(way)
 }
 

@@ -11,7 +11,7 @@
 //! Bit 10, target reached: 606Ch has been within 606Dh of 60FFh for 606Eh; during halt the motor stands. Bit 12, speed: 0 as soon as
 //! 606Ch has been above 606Fh for 6070h, 1 otherwise. Bit 13, slippage error: 606Bh and 606Ch differ by more than 60F8h.
 
-use motion::Limits;
+use motion::{Limits, SignedSpeed, Speed};
 
 use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
@@ -57,7 +57,7 @@ impl ProfileVelocity {
             deceleration: context.commands.profile_deceleration,
         });
         let order = Order {
-            velocity: signed(limits.velocity, asked),
+            velocity: limits.velocity.like(asked),
             limits,
             travel: context.travel.increments,
             ramps: context.configuration.profile.ramps,
@@ -73,12 +73,12 @@ impl ProfileVelocity {
         self.bits(context, asked, is_cut)
     }
 
-    fn bits(&mut self, context: &Context<'_>, asked: i32, is_cut: bool) -> u16 {
+    fn bits(&mut self, context: &Context<'_>, asked: SignedSpeed, is_cut: bool) -> u16 {
         let configuration = context.configuration;
         let velocity = context.observed.velocity;
         let reached = self.reached.has_held(
             context.now,
-            velocity.abs_diff(asked) <= configuration.velocity_window,
+            velocity.abs_diff(asked) <= configuration.velocity_window.plus(Speed::GRAIN),
             configuration.velocity_window_time,
         );
         let moving = self.moving.has_held(
@@ -98,16 +98,6 @@ impl ProfileVelocity {
             | bit(is_limited, INTERNAL_LIMIT)
             | bit(!moving, SPEED_ZERO)
             | bit(slips, SLIPPAGE)
-    }
-}
-
-/// An amount with the sign of a number; 0 has that of 0.
-pub(super) fn signed(amount: u32, like: i32) -> i32 {
-    let amount = i32::try_from(amount).unwrap_or(i32::MAX);
-    if like < 0 {
-        amount.wrapping_neg()
-    } else {
-        amount
     }
 }
 

@@ -10,7 +10,7 @@
 //!
 //! Bit 10: the velocity demand is what 6042h asks for; during halt the motor stands. Bits 12 and 13 are 0.
 
-use motion::Limits;
+use motion::{Limits, SignedSpeed};
 
 use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
@@ -27,8 +27,8 @@ enum Control {
     Halt,
     /// Bit 4 is 0.
     Disabled,
-    /// Bit 5 is 0; the velocity that is held, in steps/s.
-    Locked(i32),
+    /// Bit 5 is 0; the velocity that is held.
+    Locked(SignedSpeed),
 }
 
 /// The mode.
@@ -38,8 +38,8 @@ pub(super) struct Velocity {
     control: Control,
     /// What the velocity below was made from.
     source: Option<(i16, VelocityConfiguration)>,
-    /// What 6042h asks for, in steps/s.
-    asked: i32,
+    /// What 6042h asks for.
+    asked: SignedSpeed,
     is_cut: bool,
 }
 
@@ -49,7 +49,7 @@ impl Velocity {
             motion: KeptVelocity::new(),
             control: Control::Reference,
             source: None,
-            asked: 0,
+            asked: SignedSpeed::ZERO,
             is_cut: false,
         }
     }
@@ -88,17 +88,17 @@ impl Velocity {
             deceleration: profile.deceleration,
         });
         let order = Order {
-            velocity: super::profile_velocity::signed(limits.velocity, velocity),
+            velocity: limits.velocity.like(velocity),
             limits,
             travel: context.travel.increments,
             ramps: context.configuration.profile.ramps,
         };
         self.motion.follow(order, context.motor);
         let is_cut = self.is_cut || is_cut;
-        self.bits(context, context.demand.velocity == self.asked, is_cut)
+        self.bits(context, context.demand.velocity.is_like(self.asked), is_cut)
     }
 
-    /// 6042h with its limits, in steps/s. The division is made only when something has changed.
+    /// 6042h with its limits. The division is made only when something has changed.
     fn read(&mut self, context: &Context<'_>) {
         let profile = context.configuration.velocity;
         let reference = if context.commands.controlword & REFERENCE_RAMP == 0 {
@@ -117,8 +117,7 @@ impl Velocity {
             amount.max(profile.min_amount).min(profile.max_amount)
         };
         self.is_cut = within != amount;
-        let within = super::profile_velocity::signed(within, reference.into());
-        self.asked = profile.steps_per_second(within);
+        self.asked = profile.speed(within, reference < 0);
     }
 
     fn controlled_by(&self, context: &Context<'_>) -> Control {

@@ -22,6 +22,8 @@ mod ratio;
 mod si;
 mod travel;
 
+use motion::{SignedSpeed, Speed};
+
 use crate::objects::Objects;
 use crate::parameters::Parameter;
 pub(crate) use frame::Frame;
@@ -226,33 +228,42 @@ impl Units {
         u32::try_from(increments).unwrap_or(OFF).min(OFF - 1)
     }
 
-    /// Increments/s of a velocity, with its sign (60FFh, 60B1h).
+    /// A velocity, with its sign (60FFh, 60B1h).
     #[inline]
-    pub fn velocity(&self, user: i32) -> i32 {
-        let increments = self.velocity.to_increments(user.into());
-        nearest(self.with_velocity_polarity(increments))
+    pub fn velocity(&self, user: i32) -> SignedSpeed {
+        let velocity = if self.velocity.is_one() {
+            SignedSpeed::per_second(user)
+        } else {
+            self.speed(user.unsigned_abs()).signed(user < 0)
+        };
+        self.with_velocity_polarity(velocity)
     }
 
     /// A velocity in units of the user (606Bh, 606Ch).
     #[inline]
-    pub fn velocity_in_units(&self, increments: i32) -> i32 {
-        let user = self.velocity.to_units(increments.into());
-        nearest(self.with_velocity_polarity(user))
+    pub fn velocity_in_units(&self, velocity: SignedSpeed) -> i32 {
+        let velocity = self.with_velocity_polarity(velocity);
+        if self.velocity.is_one() {
+            return velocity.whole();
+        }
+        let amount = self.velocity.to_units_of_speed(velocity.unsigned_abs());
+        let amount = i64::try_from(amount).unwrap_or(i64::MAX);
+        nearest(turned(amount, velocity.bits() < 0))
     }
 
-    /// Increments/s of an amount that is to be reached or not exceeded (6081h, 607Fh, 6099h): at least 1, unless it is 0.
-    pub fn speed(&self, user: u32) -> u32 {
-        amount(self.velocity, user)
+    /// An amount that is to be reached or not exceeded (6081h, 607Fh, 6099h): more than 0, unless it is 0.
+    pub fn speed(&self, user: u32) -> Speed {
+        amount_of_speed(self.velocity, user)
     }
 
-    /// Increments/s of a velocity window or threshold (606Dh, 606Fh, 60F8h), to the nearest.
-    pub fn speed_window(&self, user: u32) -> u32 {
-        u32::try_from(self.velocity.to_increments(user.into())).unwrap_or(u32::MAX)
+    /// A velocity window or threshold (606Dh, 606Fh, 60F8h), to the nearest.
+    pub fn speed_window(&self, user: u32) -> Speed {
+        self.velocity.to_speed(user)
     }
 
-    /// Increments/s of a speed of the motor (6080h).
-    pub fn motor_speed(&self, user: u32) -> u32 {
-        amount(self.motor_speed, user)
+    /// A speed of the motor (6080h).
+    pub fn motor_speed(&self, user: u32) -> Speed {
+        amount_of_speed(self.motor_speed, user)
     }
 
     /// Increments/s² of a ramp (6083h, 6084h, 60C5h): at least 1, unless it is 0.
@@ -279,8 +290,12 @@ impl Units {
         turned(number, self.polarity & POSITION_POLARITY != 0)
     }
 
-    const fn with_velocity_polarity(&self, number: i64) -> i64 {
-        turned(number, self.polarity & VELOCITY_POLARITY != 0)
+    const fn with_velocity_polarity(&self, velocity: SignedSpeed) -> SignedSpeed {
+        if self.polarity & VELOCITY_POLARITY != 0 {
+            velocity.reversed()
+        } else {
+            velocity
+        }
     }
 }
 
@@ -297,6 +312,16 @@ const fn turned(number: i64, is_turned: bool) -> i64 {
 fn nearest(number: i64) -> i32 {
     let end = if number < 0 { i32::MIN } else { i32::MAX };
     i32::try_from(number).unwrap_or(end)
+}
+
+/// A speed: more than 0, unless it is 0.
+fn amount_of_speed(ratio: Ratio, user: u32) -> Speed {
+    let speed = ratio.to_speed(user);
+    if user == 0 {
+        speed
+    } else {
+        speed.max(Speed::LEAST)
+    }
 }
 
 /// An amount in increments: at least 1, unless it is 0.

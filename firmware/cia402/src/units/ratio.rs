@@ -1,6 +1,6 @@
 //! Exact ratios of increments to units.
 
-use motion::{by_digit, quotient};
+use motion::{Speed, by_digit, quotient};
 
 /// A ratio of two positive numbers in lowest terms: how many increments a unit is.
 ///
@@ -39,6 +39,37 @@ impl Ratio {
             increments: product(over)?,
             units: product(under)?,
         })
+    }
+
+    /// So many increments in so many units, not reduced; `None` if one of them is 0.
+    pub const fn between(increments: u32, units: u32) -> Option<Self> {
+        if increments == 0 || units == 0 {
+            return None;
+        }
+        Some(Self {
+            increments: increments as u64,
+            units: units as u64,
+        })
+    }
+
+    /// The speed of a number of units, where the ratio is in increments/s.
+    #[inline]
+    pub fn to_speed(self, units: u32) -> Speed {
+        if self.is_one() {
+            Speed::per_second(units)
+        } else {
+            Speed::from_bits(fine(units, self.increments, self.units))
+        }
+    }
+
+    /// The number of units of a speed, where the ratio is in increments/s.
+    #[inline]
+    pub fn to_units_of_speed(self, speed: Speed) -> u64 {
+        if self.is_one() {
+            speed.whole().into()
+        } else {
+            coarse(speed.bits(), self.units, self.increments)
+        }
     }
 
     /// Increments for a number of units.
@@ -88,6 +119,57 @@ fn scaled(value: i64, numerator: u64, denominator: u64) -> i64 {
     } else {
         scaled
     }
+}
+
+/// `value * numerator / denominator` with 32 bits behind the point, rounded to the nearest.
+#[inline(never)]
+fn fine(value: u32, numerator: u64, denominator: u64) -> u64 {
+    match (u32::try_from(numerator), u32::try_from(denominator)) {
+        (Ok(numerator), Ok(denominator)) => {
+            let product = u64::from(value).wrapping_mul(numerator.into());
+            let (whole, rest) = by_digit(product, denominator);
+            let Ok(whole) = u32::try_from(whole) else {
+                return u64::MAX;
+            };
+            // The rest is less than the denominator, so this is one digit.
+            let (part, rest) = by_digit(u64::from(rest) << 32, denominator);
+            let half = u64::from(rest >= denominator.wrapping_sub(rest));
+            (u64::from(whole) << 32).saturating_add(part.wrapping_add(half))
+        }
+        _ => {
+            let product = u128::from(value).wrapping_mul(u128::from(numerator));
+            let amount = quotient(product, 1, denominator.into());
+            rounded(amount, product << 32, denominator.into())
+        }
+    }
+}
+
+/// `value * numerator / denominator` of a value with 32 bits behind the point, rounded to the nearest whole number.
+#[inline(never)]
+fn coarse(value: u64, numerator: u64, denominator: u64) -> u64 {
+    match (u32::try_from(numerator), u32::try_from(denominator)) {
+        (Ok(numerator), Ok(denominator)) => {
+            let low = (value & u64::from(u32::MAX)).wrapping_mul(numerator.into());
+            let high = (value >> 32).wrapping_mul(numerator.into());
+            let (whole, rest) = by_digit(high.wrapping_add(low >> 32), denominator);
+            // Behind the point only whether it is half or more can count.
+            let twice = u64::from(rest) << 1 | (low >> 31 & 1);
+            whole.saturating_add(u64::from(twice >= denominator.into()))
+        }
+        _ => {
+            let product = u128::from(value).wrapping_mul(u128::from(numerator));
+            let denominator = u128::from(denominator) << 32;
+            rounded(quotient(product, 0, denominator), product, denominator)
+        }
+    }
+}
+
+/// A quotient rounded down, to the nearest.
+#[cold]
+fn rounded(whole: u128, numerator: u128, denominator: u128) -> u64 {
+    let rest = numerator.wrapping_sub(whole.wrapping_mul(denominator));
+    let is_half = rest >= denominator.wrapping_sub(rest);
+    u64::try_from(whole.saturating_add(is_half.into())).unwrap_or(u64::MAX)
 }
 
 /// The same for all numbers.
@@ -186,6 +268,29 @@ mod tests {
             let expected = exact(value, product(over), product(under));
             prop_assert_eq!(ratio.to_increments(value), expected);
             prop_assert_eq!(ratio.to_increments(value.saturating_neg()), expected.saturating_neg());
+        }
+
+        #[test]
+        fn m73_speeds_are_exact_to_their_last_bit(
+            over in prop::array::uniform2(1..u32::MAX),
+            under in prop::array::uniform2(1..u32::MAX),
+            s in 0u32..32, u in 0u32..32, units: u32, bits: u64, v in 0u32..64,
+        ) {
+            let over = over.map(|n| (n >> s).max(1));
+            let under = under.map(|n| (n >> u).max(1));
+            let Some(ratio) = Ratio::of(over, under) else {
+                return Ok(());
+            };
+            let product = |factors: [u32; 2]| u128::from(factors[0]) * u128::from(factors[1]);
+            let nearest = |n: u128, d: u128| u64::try_from(n / d + u128::from(n % d >= d - n % d));
+            let speed = nearest((u128::from(units) * product(over)) << 32, product(under));
+            prop_assert_eq!(ratio.to_speed(units).bits(), speed.unwrap_or(u64::MAX));
+            let bits = bits >> v;
+            let (n, d) = (u128::from(bits) * u128::from(ratio.units), u128::from(ratio.increments) << 32);
+            let expected = nearest(n, d).unwrap_or(u64::MAX);
+            let shown = ratio.to_units_of_speed(Speed::from_bits(bits));
+            // Whole numbers of steps/s stop at their end.
+            prop_assert!(shown == expected || ratio.is_one() && expected == 1 << 32, "{} {}", shown, expected);
         }
 
         #[test]

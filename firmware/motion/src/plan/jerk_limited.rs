@@ -14,6 +14,7 @@ use super::{Course, Goal, Limits, Plan, PlanError};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
 use crate::fixed::Exact;
+use crate::speed::{SignedSpeed, Speed};
 
 /// Looking for the velocity takes some eight steps. This bounds it.
 const MOST_STEPS: u32 = 48;
@@ -63,8 +64,8 @@ pub(super) fn plan(
     limits: Limits,
     jerk: Jerk,
 ) -> Result<(), PlanError> {
-    let is_stop = goal == Goal::Velocity(0);
-    if limits.velocity == 0 && !is_stop {
+    let is_stop = goal == Goal::Velocity(SignedSpeed::ZERO);
+    if limits.velocity == Speed::ZERO && !is_stop {
         return Err(PlanError::ZeroVelocity);
     }
     if limits.acceleration == 0 && !is_stop {
@@ -74,12 +75,12 @@ pub(super) fn plan(
         return Err(PlanError::ZeroDeceleration);
     }
     let rules = Rules::new(clock, limits, jerk);
-    let speed = |velocity: u32| clock.speed(velocity.min(limits.velocity)).cast_signed();
+    let speed = |velocity: Speed| clock.speed(velocity.min(limits.velocity)).cast_signed();
     match goal {
-        Goal::Velocity(0) => stop(plan, start, from, &rules),
+        Goal::Velocity(SignedSpeed::ZERO) => stop(plan, start, from, &rules),
         Goal::Velocity(velocity) => {
             let end = speed(velocity.unsigned_abs());
-            keep(plan, start, from, velocity < 0, end, &rules);
+            keep(plan, start, from, velocity.bits() < 0, end, &rules);
         }
         Goal::Rest(target) => reach(plan, start, from, (target, 0), &rules)?,
         Goal::Pass(target, velocity) => {

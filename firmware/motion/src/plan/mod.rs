@@ -20,7 +20,9 @@ mod velocity;
 use core::fmt;
 
 use crate::clock::{Clock, Ticks};
+use crate::divide::quotient;
 use crate::fixed::{Exact, State};
+use crate::speed::{SignedSpeed, Speed};
 use course::Course;
 use phase::Phase;
 use ramp::Jerk;
@@ -28,8 +30,8 @@ use ramp::Jerk;
 /// What a motion may ask of the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Profile velocity (6081h) in steps/s, at least 1. More than half a step per tick is cut to that.
-    pub velocity: u32,
+    /// Profile velocity (6081h), more than 0. More than half a step per tick is cut to that.
+    pub velocity: Speed,
     /// Profile acceleration (6083h) in steps/s², at least 1: rules while the speed grows.
     pub acceleration: u32,
     /// Profile deceleration (6084h) in steps/s², at least 1: rules while the speed falls.
@@ -54,10 +56,10 @@ pub enum Ramps {
 pub enum Goal {
     /// To stand at this position, in whole steps.
     Rest(i64),
-    /// To pass this position, in whole steps, with this velocity in steps/s (6082h), and keep it; see [`Plan::then_move_through`].
-    Pass(i64, u32),
-    /// To keep this velocity in steps/s; 0 is a stop.
-    Velocity(i32),
+    /// To pass this position, in whole steps, with this velocity (6082h), and keep it; see [`Plan::then_move_through`].
+    Pass(i64, Speed),
+    /// To keep this velocity; 0 is a stop.
+    Velocity(SignedSpeed),
 }
 
 /// Why there is no plan.
@@ -153,7 +155,7 @@ impl Plan {
         )
     }
 
-    /// Profile velocity: ramps to `steps_per_second` and keeps it; 0 is a stop, the ramp of halt and quick stop.
+    /// Profile velocity: ramps to `velocity` and keeps it; 0 is a stop, the ramp of halt and quick stop.
     ///
     /// The velocity is cut to `limits.velocity`. A stop needs no limit but the deceleration. The position may wrap.
     ///
@@ -163,14 +165,14 @@ impl Plan {
         clock: Clock,
         start: Ticks,
         from: State,
-        steps_per_second: i32,
+        velocity: SignedSpeed,
         limits: Limits,
     ) -> Result<Self, PlanError> {
         Self::new(
             clock,
             start,
             from,
-            Goal::Velocity(steps_per_second),
+            Goal::Velocity(velocity),
             limits,
             Ramps::Linear,
         )
@@ -205,10 +207,10 @@ impl Plan {
         target_steps: i64,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        self.then_move_through(clock, at, target_steps, 0, limits)
+        self.then_move_through(clock, at, target_steps, Speed::ZERO, limits)
     }
 
-    /// Moves through `target_steps` with `end_velocity` in steps/s (6082h), cut to that of `limits`, from the state that this plan
+    /// Moves through `target_steps` with `end_velocity` (6082h), cut to that of `limits`, from the state that this plan
     /// has at tick `at`, and keeps that velocity. Where the way is too short for it, it comes about behind the target. The
     /// axis stops on the target if the end velocity is 0 or the axis is there already.
     ///
@@ -219,7 +221,7 @@ impl Plan {
         clock: Clock,
         at: Ticks,
         target_steps: i64,
-        end_velocity: u32,
+        end_velocity: Speed,
         limits: Limits,
     ) -> Result<Self, PlanError> {
         let mut next = *self;
@@ -241,17 +243,11 @@ impl Plan {
         &self,
         clock: Clock,
         at: Ticks,
-        steps_per_second: i32,
+        velocity: SignedSpeed,
         limits: Limits,
     ) -> Result<Self, PlanError> {
         let mut next = *self;
-        next.redirect(
-            clock,
-            at,
-            Goal::Velocity(steps_per_second),
-            limits,
-            Ramps::Linear,
-        )?;
+        next.redirect(clock, at, Goal::Velocity(velocity), limits, Ramps::Linear)?;
         Ok(next)
     }
 
@@ -295,7 +291,7 @@ impl Plan {
         let to_rest = match goal {
             Goal::Rest(target) => Exact::at_rest(target).position == self.rest,
             Goal::Pass(..) => false,
-            Goal::Velocity(velocity) => velocity == 0,
+            Goal::Velocity(velocity) => velocity == SignedSpeed::ZERO,
         };
         is_braking && to_rest && self.end != Ticks::MAX && limits.deceleration != 0
     }
@@ -334,7 +330,7 @@ impl Plan {
                 self.is_sine = is_sine;
                 let made = match goal {
                     Goal::Rest(target) => {
-                        move_to::plan(self, clock, start, from, (target, 0), limits)
+                        move_to::plan(self, clock, start, from, (target, Speed::ZERO), limits)
                     }
                     Goal::Pass(target, end) => {
                         move_to::plan(self, clock, start, from, (target, end), limits)
@@ -422,12 +418,17 @@ impl Plan {
 
 /// The jerk at the ends of a sin² ramp between rest and the profile velocity v: Δv·π²/2T² = π²·a²/2v.
 fn sine_jerk(clock: Clock, from: Exact, limits: Limits) -> Jerk {
-    let speed = from.rounded().velocity.steps_per_second(clock);
-    let velocity = limits.velocity.max(speed.unsigned_abs()).max(1);
-    let ramp = u64::from(limits.acceleration.max(limits.deceleration));
+    let speed = from.rounded().velocity.speed(clock).unsigned_abs();
+    let velocity = match limits.velocity.max(speed.whole().into()) {
+        // A stop from less than a step per second, or from rest, where there is no ramp.
+        Speed::ZERO if speed == Speed::ZERO => Speed::per_second(1),
+        Speed::ZERO => speed,
+        velocity => velocity,
+    };
+    let ramp = u128::from(limits.acceleration.max(limits.deceleration));
     // π²/2 = 4.93; what does not fit is faster than any ramp.
-    let square = ramp.saturating_mul(ramp).checked_div(velocity.into());
-    let jerk = square.unwrap_or(0).saturating_mul(5);
+    let square = quotient(ramp.wrapping_mul(ramp), 1, velocity.bits().into());
+    let jerk = square.saturating_mul(5);
     Jerk {
         sixth: clock.sixth_jerk(u32::try_from(jerk).unwrap_or(u32::MAX).max(1)),
     }

@@ -8,6 +8,7 @@ use super::{Course, Limits, Plan, PlanError};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
 use crate::fixed::Exact;
+use crate::speed::Speed;
 use crate::wide::Wide;
 
 /// Plans the move in a frame in which the way still to go is positive.
@@ -16,10 +17,10 @@ pub(super) fn plan(
     clock: Clock,
     start: Ticks,
     from: Exact,
-    (target_steps, end_velocity): (i64, u32),
+    (target_steps, end_velocity): (i64, Speed),
     limits: Limits,
 ) -> Result<(), PlanError> {
-    if limits.velocity == 0 {
+    if limits.velocity == Speed::ZERO {
         return Err(PlanError::ZeroVelocity);
     }
     if limits.acceleration == 0 {
@@ -47,7 +48,7 @@ pub(super) fn plan(
     }
     let stop_way = ramp_way(speed, half_deceleration, stop_time, true);
 
-    let end = if end_velocity == 0 || gap == 0 {
+    let end = if end_velocity == Speed::ZERO || gap == 0 {
         End::REST
     } else {
         End::new(clock, end_velocity.min(limits.velocity), half_deceleration)
@@ -130,7 +131,7 @@ impl End {
         way: 0,
     };
 
-    fn new(clock: Clock, velocity: u32, half_deceleration: Fine) -> Self {
+    fn new(clock: Clock, velocity: Speed, half_deceleration: Fine) -> Self {
         let speed = clock.speed(velocity);
         let time = ramp_time(speed, half_deceleration);
         Self {

@@ -7,7 +7,7 @@ mod through;
 mod vectors;
 
 use super::{Goal, Limits, Plan, Ramps};
-use crate::{Clock, State, Ticks};
+use crate::{Clock, Speed, State, Ticks};
 
 /// The clocks for which all vectors must pass: two STM32 timers and the fastest one supported.
 const CLOCKS: [u32; 3] = [84_000_000, 168_000_000, 1_000_000_000];
@@ -19,13 +19,18 @@ fn clock(hz: u32) -> Clock {
 fn state(clock: Clock, steps: i64, velocity: i32) -> State {
     State {
         position: crate::Position::from_steps(steps),
-        velocity: crate::Velocity::from_steps_per_second(clock, velocity),
+        velocity: crate::Velocity::from_speed(clock, velocity.into()),
     }
 }
 
 /// Position in steps.
 fn steps(state: State) -> f64 {
     state.position.bits() as f64 / 2f64.powi(32)
+}
+
+/// Steps/s.
+fn amount(speed: Speed) -> f64 {
+    speed.bits() as f64 / 2f64.powi(32)
 }
 
 /// Velocity in steps/s.

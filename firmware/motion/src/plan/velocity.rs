@@ -4,6 +4,7 @@ use super::phase::{ramp_time, ramp_way};
 use super::{Course, Limits, Plan, PlanError};
 use crate::clock::{Clock, Ticks};
 use crate::fixed::Exact;
+use crate::speed::{SignedSpeed, Speed};
 
 /// Plans the ramp in a frame in which the velocity to reach is positive; for a stop, the one to leave.
 pub(super) fn plan(
@@ -11,7 +12,7 @@ pub(super) fn plan(
     clock: Clock,
     start: Ticks,
     from: Exact,
-    steps_per_second: i32,
+    velocity: SignedSpeed,
     limits: Limits,
 ) -> Result<(), PlanError> {
     if limits.deceleration == 0 {
@@ -20,7 +21,7 @@ pub(super) fn plan(
     let half_deceleration = clock.half_acceleration(limits.deceleration);
     let speed = from.velocity.unsigned_abs();
 
-    if steps_per_second == 0 {
+    if velocity == SignedSpeed::ZERO {
         let mut course = Course::new(plan, start, from, from.velocity < 0);
         if speed != 0 {
             course.brake(
@@ -33,18 +34,19 @@ pub(super) fn plan(
         course.rest_at(stop);
         return Ok(());
     }
-    if limits.velocity == 0 {
+    if limits.velocity == Speed::ZERO {
         return Err(PlanError::ZeroVelocity);
     }
     if limits.acceleration == 0 {
         return Err(PlanError::ZeroAcceleration);
     }
-    let goal = clock.speed(steps_per_second.unsigned_abs().min(limits.velocity));
+    let goal = clock.speed(velocity.unsigned_abs().min(limits.velocity));
     let half_acceleration = clock.half_acceleration(limits.acceleration);
 
-    let mut course = Course::new(plan, start, from, steps_per_second < 0);
+    let reverse = velocity.bits() < 0;
+    let mut course = Course::new(plan, start, from, reverse);
     let mut speed = speed;
-    if speed != 0 && (from.velocity < 0) != (steps_per_second < 0) {
+    if speed != 0 && (from.velocity < 0) != reverse {
         let time = ramp_time(speed, half_deceleration);
         let way = ramp_way(speed, half_deceleration, time, true);
         course.turn_back(speed, half_deceleration, time, way);

@@ -20,7 +20,7 @@ enum Command {
 
 fn limits() -> impl Strategy<Value = Limits> {
     (1..1_000_000u32, 14..27u32, 14..27u32).prop_map(|(velocity, a, d)| Limits {
-        velocity,
+        velocity: velocity.into(),
         acceleration: 1 << a,
         deceleration: 1 << d,
     })
@@ -45,7 +45,7 @@ fn play(commands: &[Command], timing: DriverTiming, burst: u64) {
     for command in commands {
         let _ = match *command {
             Command::MoveTo(target, limits) => rig.axis.move_to(target.into(), limits),
-            Command::RampTo(velocity, limits) => rig.axis.ramp_to(velocity, limits),
+            Command::RampTo(velocity, limits) => rig.axis.ramp_to(velocity.into(), limits),
             Command::Stop(deceleration) => rig.axis.stop(deceleration),
             Command::Drop => {
                 rig.output.drop_all();
@@ -71,7 +71,7 @@ fn play(commands: &[Command], timing: DriverTiming, burst: u64) {
     rig.finish(200_000);
     rig.account();
     let home = Limits {
-        velocity: 1_000_000,
+        velocity: 1_000_000.into(),
         acceleration: 100_000_000,
         deceleration: 100_000_000,
     };

@@ -20,7 +20,7 @@ pub fn run() {
     let clock = Clock::new(HZ).unwrap();
     // The reference vectors T01, a long trapezoid, and T14, a target inside the stopping distance: overshoot and return.
     let limits = Limits {
-        velocity: 100_000,
+        velocity: 100_000.into(),
         acceleration: 500_000,
         deceleration: 500_000,
     };
@@ -34,9 +34,9 @@ pub fn run() {
 
     let moving = State {
         position: Position::from_steps(0),
-        velocity: Velocity::from_steps_per_second(clock, 50_000),
+        velocity: Velocity::from_speed(clock, 50_000.into()),
     };
-    let mut planned = Plan::velocity(clock, 0, moving, 50_000, limits).unwrap();
+    let mut planned = Plan::velocity(clock, 0, moving, 50_000.into(), limits).unwrap();
     let (t14, ()) = count(|| plan(clock, black_box(&mut planned), 1_000, limits));
     assert_eq!(
         planned.state_at(Ticks::MAX).position,

@@ -63,7 +63,7 @@ fn axis() -> Axis {
 
 fn limits(velocity: u32) -> Limits {
     Limits {
-        velocity,
+        velocity: velocity.into(),
         acceleration: 500_000,
         deceleration: 500_000,
     }
@@ -111,7 +111,7 @@ pub fn share() {
 pub fn stop() {
     let mut axis = axis();
     let mut sink = Played::default();
-    axis.ramp_to(100_000, limits(100_000)).unwrap();
+    axis.ramp_to(100_000.into(), limits(100_000)).unwrap();
     let mut longest = 0;
     for turn in 0..2_000 {
         advance(&mut axis, &mut sink);
@@ -168,7 +168,7 @@ impl PulseSink for Felt {
 fn segment(velocity: u32, refills: u32) -> u32 {
     let mut axis = axis();
     let mut sink = Played::default();
-    axis.ramp_to(velocity.cast_signed(), limits(velocity))
+    axis.ramp_to(velocity.cast_signed().into(), limits(velocity))
         .unwrap();
     for _ in 0..refills {
         advance(&mut axis, &mut sink);
@@ -223,7 +223,7 @@ fn hand_out(axis: &mut Axis, output: &mut Output<'_, Still>) {
 fn refill(velocity: u32, refills: u32) -> u32 {
     let mut axis = axis();
     let mut output = Output::new(Still, &RING);
-    axis.ramp_to(velocity.cast_signed(), limits(velocity))
+    axis.ramp_to(velocity.cast_signed().into(), limits(velocity))
         .unwrap();
     let mut fetched = 0_u32;
     let mut end = None;

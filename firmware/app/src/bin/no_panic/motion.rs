@@ -5,17 +5,21 @@ use motion::homing::{self, Homing, Method};
 use motion::step_interrupt::{Edge, Player, RecordQueue, StepTimer};
 use motion::{
     Axis, AxisConfig, Clock, Direction, DriverTiming, Limits, Plan, Position, PulseSink, Ramps,
-    Record, State, Velocity,
+    Record, SignedSpeed, Speed, State, Velocity,
 };
 
 use super::{any, any_u64, look};
 
 pub fn any_limits() -> Limits {
     Limits {
-        velocity: any(),
+        velocity: Speed::from_bits(any_u64()),
         acceleration: any(),
         deceleration: any(),
     }
+}
+
+fn any_velocity() -> SignedSpeed {
+    SignedSpeed::from_bits(any_u64() as i64)
 }
 
 pub fn any_config() -> Option<AxisConfig> {
@@ -70,15 +74,15 @@ impl PulseSink for Sink {
 pub fn axis(axis: &mut Axis) {
     match any() {
         0 => look(axis.move_to(any_u64() as i64, any_limits()).is_ok().into()),
-        1 => look(axis.ramp_to(any() as i32, any_limits()).is_ok().into()),
+        1 => look(axis.ramp_to(any_velocity(), any_limits()).is_ok().into()),
         2 => look(axis.stop(any()).is_ok().into()),
         3 => look(axis.abort() as u32),
         7 => {
-            let end = any();
+            let end = Speed::from_bits(any_u64());
             let through = axis.move_through(any_u64() as i64, end, any_limits());
             look(through.is_ok().into());
         }
-        8 => look(axis.committed_velocity() as u32 + u32::from(axis.is_ending())),
+        8 => look(axis.committed_velocity().whole() as u32 + u32::from(axis.is_ending())),
         4 => axis.set_position(any_u64() as i64),
         5 => look(axis.demand(any_u64()).position as u32),
         9 => {
@@ -90,7 +94,11 @@ pub fn axis(axis: &mut Axis) {
             let velocity = Velocity::from_bits(any_u64() as i64);
             look(axis.follow_smoothly(any_u64(), to, velocity).is_ok().into());
         }
-        11 => look(axis.follow_velocity(any_u64(), any() as i32).is_ok().into()),
+        11 => look(
+            axis.follow_velocity(any_u64(), any_velocity())
+                .is_ok()
+                .into(),
+        ),
         12 => axis.set_ramps(any_ramps()),
         6 => look(
             axis.committed_position() as u32 + axis.target() as u32 + u32::from(axis.is_at_rest()),
@@ -231,16 +239,16 @@ pub fn timer_pulses(output: &mut Output<'_, AnyRegisters>) {
 pub fn plan(clock: Clock) {
     let from = State {
         position: Position::from_steps(any_u64() as i64),
-        velocity: Velocity::from_steps_per_second(clock, any() as i32),
+        velocity: Velocity::from_speed(clock, any_velocity()),
     };
     let plan = match any() {
         0 => Plan::move_to(clock, any_u64(), from, any_u64() as i64, any_limits()),
-        1 => Plan::velocity(clock, any_u64(), from, any() as i32, any_limits()),
+        1 => Plan::velocity(clock, any_u64(), from, any_velocity(), any_limits()),
         _ => Ok(Plan::at_rest(any_u64() as i64, any_u64())),
     };
     if let Ok(plan) = plan {
         let state = plan.state_at(any_u64());
-        look(state.position.whole_steps() as u32 ^ state.velocity.steps_per_second(clock) as u32);
+        look(state.position.whole_steps() as u32 ^ state.velocity.speed(clock).whole() as u32);
         look(
             plan.next_corner(any_u64())
                 .map_or(0, |corner| corner as u32),

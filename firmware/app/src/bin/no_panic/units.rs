@@ -1,7 +1,7 @@
 //! Units of the user, and the divisions behind them.
 
 use cia402::units::{Factors, Range, Ratio, Rotation, SiUnit, Units};
-use motion::{by_digit, quotient};
+use motion::{by_digit, quotient, SignedSpeed};
 
 use super::{any, any_u64, look};
 
@@ -43,12 +43,16 @@ pub fn units() {
     look_at(units.position_in_units(any_i64()));
     look_at(units.way(any_i32()));
     look_at(units.way_in_units(any_i32()).into());
-    look_at(units.velocity(any_i32()).into());
-    look_at(units.velocity_in_units(any_i32()).into());
+    look_at(units.velocity(any_i32()).bits());
+    look_at(
+        units
+            .velocity_in_units(SignedSpeed::from_bits(any_i64()))
+            .into(),
+    );
     look(units.window(any()));
-    look(units.speed(any()));
-    look(units.speed_window(any()));
-    look(units.motor_speed(any()));
+    look_at(units.speed(any()).bits().cast_signed());
+    look_at(units.speed_window(any()).bits().cast_signed());
+    look_at(units.motor_speed(any()).bits().cast_signed());
     look(units.acceleration(any()));
     look(units.jerk(any()));
     let range: Range = units.range();

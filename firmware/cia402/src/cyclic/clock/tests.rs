@@ -34,7 +34,7 @@ impl Network {
             position,
             velocity: None,
             position_offset: 0,
-            velocity_offset: 0,
+            velocity_offset: 0.into(),
         };
         let mut slots = Slots::new();
         let times = (self.interpolation << POINT, 0);

@@ -154,7 +154,7 @@ fn the_application_hears_of_what_the_drive_allows() {
     let mut commands = crate::Commands::NONE;
     let mut configuration = crate::Configuration::NONE;
     bench.exchange.take(&mut commands, &mut configuration);
-    assert_eq!(commands.profile_velocity, 14);
+    assert_eq!(commands.profile_velocity, 14.into());
 }
 
 #[test]

@@ -45,7 +45,7 @@ fn a_velocity_waits_until_the_brake_is_open() {
     for mode in [2, 3] {
         let mut rig = enabled();
         rig.commands.mode = mode;
-        rig.commands.target_velocity = 1_000;
+        rig.commands.target_velocity = 1_000.into();
         rig.commands.vl_target_velocity = 1_000;
         rig.configuration.velocity.acceleration = 100_000;
         rig.write(0x7F);

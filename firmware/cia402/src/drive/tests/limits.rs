@@ -28,7 +28,7 @@ fn cruising(mode: Mode) -> Rig {
         ..VelocityConfiguration::NONE
     };
     rig.commands.mode = mode.code();
-    rig.commands.profile_velocity = 30_000;
+    rig.commands.profile_velocity = 30_000.into();
     rig.enable();
     go(&mut rig, mode, 1);
     rig.ticks(400);
@@ -39,7 +39,7 @@ fn cruising(mode: Mode) -> Rig {
 fn go(rig: &mut Rig, mode: Mode, sign: i16) {
     match mode {
         Mode::Velocity => rig.commands.vl_target_velocity = 30_000 * sign,
-        _ => rig.commands.target_velocity = 30_000 * i32::from(sign),
+        _ => rig.commands.target_velocity = (30_000 * i32::from(sign)).into(),
     }
     if mode == Mode::ProfilePosition {
         rig.set_point(1_000_000 * i32::from(sign), 0x20);
@@ -121,8 +121,8 @@ fn a_limit_switch_makes_no_stop_gentler() {
 fn a_limit_switch_that_homing_looked_for_stops_it_once_it_is_left() {
     let mut rig = cruising(Mode::ProfilePosition);
     rig.configuration.homing.method = 18;
-    rig.configuration.homing.search_speed = 30_000;
-    rig.configuration.homing.zero_speed = 1_000;
+    rig.configuration.homing.search_speed = 30_000.into();
+    rig.configuration.homing.zero_speed = 1_000.into();
     rig.configuration.homing.acceleration = 100_000;
     rig.write(0x10F);
     rig.rest();
@@ -170,7 +170,7 @@ fn a_halt_after_a_command_away_from_a_limit_switch_is_not_lost() {
 fn keep(rig: &mut Rig, mode: Mode, velocity: i16) {
     match mode {
         Mode::Velocity => rig.commands.vl_target_velocity = velocity,
-        _ => rig.commands.target_velocity = velocity.into(),
+        _ => rig.commands.target_velocity = i32::from(velocity).into(),
     }
     rig.post();
 }

@@ -17,7 +17,7 @@ fn before_the_limit() -> Rig {
     rig.configuration.halt = StopRamp::SlowDown;
     rig.configuration.fault_reaction = Stop::on_fault(1).unwrap();
     rig.configuration.abort_connection = AbortConnectionOption::FaultSignal;
-    rig.commands.profile_velocity = 30_000;
+    rig.commands.profile_velocity = 30_000.into();
     rig.commands.profile_deceleration = 1_000_000;
     rig.enable();
     rig.set_point(20_000, 0);

@@ -7,9 +7,9 @@ use super::*;
 #[test]
 fn a_way_is_velocity_times_time() {
     let millisecond = seconds(1_000 << POINT);
-    assert_eq!(way_at(1_000_000, millisecond) >> POINT, 999);
+    assert_eq!(way_at(1_000_000.into(), millisecond) >> POINT, 999);
     assert_eq!(
-        way_at(2_000_000, seconds(500_000 << POINT)) >> POINT,
+        way_at(2_000_000.into(), seconds(500_000 << POINT)) >> POINT,
         999_999
     );
     // 100,000 increments/s² in a period of 10 ms: 10 more in each.

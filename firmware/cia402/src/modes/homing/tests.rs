@@ -20,8 +20,8 @@ fn homing(method: i8) -> Rig {
     };
     rig.configuration.homing = HomingConfiguration {
         method,
-        search_speed: 10_000,
-        zero_speed: 1_000,
+        search_speed: 10_000.into(),
+        zero_speed: 1_000.into(),
         acceleration: 200_000,
         ..HomingConfiguration::NONE
     };
@@ -175,7 +175,7 @@ fn m51_what_is_written_on_the_way_counts_for_the_next_time() {
     rig.ticks(20);
     rig.configuration.homing = HomingConfiguration {
         method: 21,
-        search_speed: 1,
+        search_speed: 1.into(),
         offset: 9_999,
         ..HomingConfiguration::NONE
     };

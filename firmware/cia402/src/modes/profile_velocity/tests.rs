@@ -6,9 +6,9 @@ use crate::testing::Rig;
 fn enabled() -> Rig {
     let mut rig = Rig::enabled();
     rig.commands.mode = Mode::ProfileVelocity.code();
-    rig.configuration.velocity_window = 100;
+    rig.configuration.velocity_window = 100.into();
     rig.configuration.velocity_window_time = 10;
-    rig.configuration.velocity_threshold = 50;
+    rig.configuration.velocity_threshold = 50.into();
     rig.configuration.velocity_threshold_time = 5;
     rig.post();
     rig.ticks(20);
@@ -17,7 +17,7 @@ fn enabled() -> Rig {
 }
 
 fn run(rig: &mut Rig, velocity: i32) {
-    rig.commands.target_velocity = velocity;
+    rig.commands.target_velocity = velocity.into();
     rig.post();
 }
 
@@ -126,7 +126,7 @@ fn m42_speed_is_zero_by_threshold_and_time() {
 #[test]
 fn m42_slippage_shows_while_the_motor_does_not_follow() {
     let mut rig = enabled();
-    rig.configuration.max_slippage = 2_000;
+    rig.configuration.max_slippage = 2_000.into();
     run(&mut rig, 10_000);
     rig.ticks(200);
     assert!(!rig.has(SLIPPAGE));
@@ -145,12 +145,12 @@ fn m42_slippage_shows_while_the_motor_does_not_follow() {
 #[test]
 fn m39_the_velocity_is_cut_and_bit_11_tells() {
     let mut rig = enabled();
-    rig.configuration.max_velocity = 4_000;
+    rig.configuration.max_velocity = 4_000.into();
     run(&mut rig, -10_000);
     rig.ticks(200);
     assert_eq!(rig.speed(), -4);
     assert!(rig.limited() && !rig.reached());
-    rig.configuration.max_velocity = 20_000;
+    rig.configuration.max_velocity = 20_000.into();
     rig.post();
     rig.ticks(200);
     assert_eq!(rig.speed(), -10);
@@ -287,7 +287,7 @@ fn i11_a_velocity_crosses_the_end_of_32_bits_without_a_jump() {
 #[test]
 fn ramps_written_behind_an_edge_of_bit_4_count_at_once() {
     let mut rig = enabled();
-    rig.commands.target_velocity = 10_000;
+    rig.commands.target_velocity = 10_000.into();
     rig.write(0x1F);
     rig.commands.profile_acceleration = 1_000_000;
     rig.post();

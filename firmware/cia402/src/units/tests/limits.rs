@@ -162,7 +162,7 @@ fn m58_limits_turn_with_the_polarity() {
     assert_eq!(go(&mut rig, 1_000), (-600, true));
     assert_eq!(go(&mut rig, -1_000), (200, true));
     rig.commands.mode = 3;
-    rig.commands.target_velocity = -5_000;
+    rig.commands.target_velocity = (-5_000).into();
     rig.post();
     rig.ticks(1_000);
     assert_eq!(rig.motor.position, -600);
@@ -175,7 +175,7 @@ fn m44_a_velocity_stops_at_a_limit_further_away_than_one_motion() {
     let mut rig = rig(ratio(u32::MAX, 1));
     rig.configuration.position_limits = (-10, 10);
     rig.commands.mode = 3;
-    rig.commands.target_velocity = 5_000;
+    rig.commands.target_velocity = 5_000.into();
     rig.post();
     rig.ticks(100);
     assert!(rig.speed() > 0);
@@ -191,8 +191,8 @@ fn m58_homing_looks_for_its_switches_in_increments() {
     rig.configuration.inputs.home = 1;
     rig.configuration.homing = HomingConfiguration {
         method: 19,
-        search_speed: 10_000,
-        zero_speed: 1_000,
+        search_speed: 10_000.into(),
+        zero_speed: 1_000.into(),
         acceleration: 200_000,
         offset: 7,
         ..HomingConfiguration::NONE

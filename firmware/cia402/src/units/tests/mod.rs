@@ -33,7 +33,7 @@ fn ratio(increments: u32, units: u32) -> Factors {
 fn rig(factors: Factors) -> Rig {
     let mut rig = Rig::new();
     rig.configuration.units = Units::new(factors).unwrap();
-    rig.commands.profile_velocity = 20_000;
+    rig.commands.profile_velocity = 20_000.into();
     rig.commands.profile_acceleration = 10_000_000;
     rig.commands.profile_deceleration = 10_000_000;
     rig.enable();

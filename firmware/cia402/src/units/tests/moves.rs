@@ -135,7 +135,7 @@ fn i11_a_velocity_crosses_the_end_of_32_bits_of_units_without_a_jump() {
         rig.commands.profile_acceleration = 10_000_000;
         rig.motor.position = i64::from(sign) * (i64::from(i32::MAX) / 10 - 5_000);
         rig.enable();
-        rig.commands.target_velocity = 20_000 * sign;
+        rig.commands.target_velocity = (20_000 * sign).into();
         rig.post();
         rig.ticks(100);
         let mut before = rig.actuals().position_actual;

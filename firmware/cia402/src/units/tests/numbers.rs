@@ -1,5 +1,6 @@
 //! Conversions by themselves.
 
+use motion::Speed;
 use proptest::prelude::*;
 
 use super::{NONE, ratio};
@@ -21,10 +22,10 @@ fn m73_the_factors_are_multiplied_as_cia_402_says() {
     assert_eq!(units.position(4_000), 8_000);
     assert_eq!(units.position_in_units(8_000), 4_000);
     // 240 mm/min are 4 mm/s.
-    assert_eq!(units.velocity(240), 8_000);
-    assert_eq!(units.velocity_in_units(-8_000), -240);
+    assert_eq!(units.velocity(240), 8_000.into());
+    assert_eq!(units.velocity_in_units((-8_000).into()), -240);
     assert_eq!(units.acceleration(4), 8_000);
-    assert_eq!(units.motor_speed(60), 3_200);
+    assert_eq!(units.motor_speed(60), 3_200.into());
 }
 
 #[test]
@@ -34,7 +35,10 @@ fn m73_velocities_have_an_encoder_of_their_own_if_it_is_told() {
         ..ratio(1_000, 1)
     })
     .unwrap();
-    assert_eq!((units.position(3), units.velocity(3)), (3_000, 1_500));
+    assert_eq!(
+        (units.position(3), units.velocity(3)),
+        (3_000, 1_500.into())
+    );
 }
 
 #[test]
@@ -44,20 +48,41 @@ fn m73_without_an_encoder_6080h_is_in_increments() {
         ..NONE
     })
     .unwrap();
-    assert_eq!(units.motor_speed(1_234), 1_234);
+    assert_eq!(units.motor_speed(1_234), 1_234.into());
     assert_eq!(units, Units::NONE);
 }
 
 #[test]
 fn m73_an_amount_does_not_become_nothing() {
     let units = Units::new(ratio(1, 1_000)).unwrap();
-    assert_eq!([units.speed(0), units.speed(1)], [0, 1]);
+    let thousandth = Speed::from_bits((1 << 32) / 1_000);
+    assert_eq!([units.speed(0), units.speed(1)], [Speed::ZERO, thousandth]);
     assert_eq!([units.acceleration(0), units.acceleration(1)], [0, 1]);
-    assert_eq!(
-        units.velocity(1),
-        0,
-        "a velocity of its own may be too slow"
-    );
+    assert_eq!(units.velocity(-1), thousandth.signed(true));
+    let tiny = Units::new(ratio(1, u32::MAX)).unwrap();
+    assert_eq!(tiny.speed(1), Speed::LEAST);
+    let tiny = Units::new(Factors {
+        velocity: (1_000, 1),
+        ..ratio(1, u32::MAX)
+    })
+    .unwrap();
+    assert_eq!(tiny.velocity(1), Speed::LEAST.signed(false), "not nothing");
+    assert_eq!(tiny.speed_window(1), Speed::ZERO, "a window is rounded");
+}
+
+#[test]
+fn m73_a_unit_may_be_a_step_in_an_hour() {
+    let units = Units::new(Factors {
+        velocity: (3_600, 1),
+        ..NONE
+    })
+    .unwrap();
+    let hour = Speed::from_bits(((1 << 32) + 1_800) / 3_600);
+    assert_eq!(units.velocity(1), hour.signed(false));
+    assert_eq!(units.velocity(-3_600), (-1).into());
+    for user in [0, 1, -1, 7, 3_599, -86_400_000, i32::MAX, i32::MIN] {
+        assert_eq!(units.velocity_in_units(units.velocity(user)), user);
+    }
 }
 
 #[test]
@@ -75,9 +100,9 @@ fn m58_each_polarity_turns_its_own_kind() {
         let units = Units::new(Factors { polarity, ..NONE }).unwrap();
         assert_eq!(units.position(5), position);
         assert_eq!(units.position_in_units(position), 5);
-        assert_eq!(units.velocity(7), velocity);
-        assert_eq!(units.velocity_in_units(velocity), 7);
-        assert_eq!(units.speed(7), 7, "amounts have no sign");
+        assert_eq!(units.velocity(7), velocity.into());
+        assert_eq!(units.velocity_in_units(velocity.into()), 7);
+        assert_eq!(units.speed(7), 7.into(), "amounts have no sign");
     }
 }
 
@@ -161,7 +186,7 @@ proptest! {
             units.window(number);
             let signed = number.cast_signed();
             units.velocity(signed);
-            units.velocity_in_units(signed);
+            units.velocity_in_units(signed.into());
             units.way_in_units(signed);
         }
         for number in [i32::MIN, i32::MAX, number.cast_signed()] {

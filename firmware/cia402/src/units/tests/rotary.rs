@@ -122,7 +122,7 @@ fn m59_one_direction_is_not_half_a_unit_the_other_way() {
 #[test]
 fn m59_one_direction_holds_in_motion_too() {
     let mut rig = rig(TABLE);
-    rig.commands.profile_velocity = 20_000;
+    rig.commands.profile_velocity = 20_000.into();
     rig.commands.profile_acceleration = 100_000;
     rig.commands.profile_deceleration = 100_000;
     rig.commands.positioning_option = 2 << 6;
@@ -145,7 +145,7 @@ fn m59_one_direction_holds_in_motion_too() {
 fn m59_a_velocity_turns_for_ever_and_shows_the_range() {
     let mut rig = rig(TABLE);
     rig.commands.mode = 3;
-    rig.commands.target_velocity = 20_000;
+    rig.commands.target_velocity = 20_000.into();
     rig.post();
     let mut wraps = 0;
     let mut last = 0;
@@ -174,7 +174,7 @@ fn m59_a_range_about_zero_wraps_on_both_sides() {
 fn m32_a_linear_axis_goes_on_behind_32_bits_where_it_is_shown() {
     let mut rig = rig(ratio(1, 100_000));
     rig.commands.mode = 3;
-    rig.commands.target_velocity = 20_000;
+    rig.commands.target_velocity = 20_000.into();
     rig.post();
     rig.until("behind the end", |rig| rig.actuals().position_actual < 0);
     rig.commands.mode = 1;

@@ -2,10 +2,10 @@
 
 use super::{FAST, HZ, Replay, SLOW, axis, run};
 use crate::axis::{AdvanceError, Axis};
-use crate::{Limits, Plan, PlanError, PulseSink};
+use crate::{Limits, Plan, PlanError, PulseSink, Speed};
 
 const T01: Limits = Limits {
-    velocity: 100_000,
+    velocity: Speed::per_second(100_000),
     acceleration: 500_000,
     deceleration: 500_000,
 };
@@ -67,7 +67,15 @@ fn two_segments_are_committed_and_little_more() {
     let (mut axis, mut sink) = axis(FAST);
     let segment = u64::from(axis.train.segment());
     for velocity in [100_000, 10_000, 500] {
-        command(&mut axis, &mut sink, 1_000_000, Limits { velocity, ..T01 });
+        command(
+            &mut axis,
+            &mut sink,
+            1_000_000,
+            Limits {
+                velocity: velocity.into(),
+                ..T01
+            },
+        );
         for _ in 0..400 {
             axis.advance(&mut sink).unwrap();
             assert!(sink.pending() >= 2 * segment);
@@ -115,7 +123,7 @@ fn r2_velocity_lowered_on_the_way() {
         &mut sink,
         100_000,
         Limits {
-            velocity: 25_000,
+            velocity: 25_000.into(),
             ..T01
         },
     );
@@ -126,7 +134,7 @@ fn r2_velocity_lowered_on_the_way() {
 #[test]
 fn r3_halt_and_go_on() {
     let (mut axis, mut sink) = axis(FAST);
-    axis.ramp_to(100_000, T01).unwrap();
+    axis.ramp_to(100_000.into(), T01).unwrap();
     sink.follow(&axis);
     fly(&mut axis, &mut sink, ms(300));
     let before = axis.plan.state_at(axis.horizon).position.whole_steps();
@@ -135,10 +143,11 @@ fn r3_halt_and_go_on() {
     run(&mut axis, &mut sink);
     assert!((sink.position - before - 10_000).abs() <= 1);
     assert_eq!(axis.target(), sink.position);
-    axis.ramp_to(100_000, T01).unwrap();
+    axis.ramp_to(100_000.into(), T01).unwrap();
     sink.follow(&axis);
     fly(&mut axis, &mut sink, ms(250));
-    assert_eq!(axis.demand(sink.pending()).velocity, 100_000);
+    let velocity = axis.demand(sink.pending()).velocity;
+    assert!(velocity.is_like(100_000.into()));
 }
 
 #[test]
@@ -150,7 +159,7 @@ fn a_stop_rests_on_a_whole_step_and_loses_none() {
             &mut sink,
             target,
             Limits {
-                velocity: 33_333,
+                velocity: 33_333.into(),
                 ..T01
             },
         );
@@ -167,7 +176,7 @@ fn a_stop_rests_on_a_whole_step_and_loses_none() {
             axis.demand(0),
             crate::Demand {
                 position: sink.position,
-                velocity: 0
+                velocity: 0.into()
             }
         );
     }
@@ -187,7 +196,7 @@ fn direction_changes_keep_setup_and_hold() {
     let (mut axis, mut sink) = axis(timing);
     sink.tolerance = 500.0;
     let sharp = Limits {
-        velocity: 200_000,
+        velocity: 200_000.into(),
         acceleration: 400_000_000,
         deceleration: 400_000_000,
     };
@@ -201,10 +210,10 @@ fn direction_changes_keep_setup_and_hold() {
 #[test]
 fn pulses_that_the_driver_cannot_take_lag_and_are_not_lost() {
     let (mut axis, mut sink) = axis(SLOW);
-    assert_eq!(axis.max_velocity(), HZ / 640);
+    assert_eq!(axis.max_velocity(), (HZ / 640).into());
     // Past the check of the axis: a plan for twice what the driver can take.
     let limits = Limits {
-        velocity: 525_000,
+        velocity: 525_000.into(),
         acceleration: 50_000_000,
         deceleration: 50_000_000,
     };
@@ -224,7 +233,7 @@ fn pulses_that_the_driver_cannot_take_lag_and_are_not_lost() {
 fn a_limit_above_the_driver_is_cut() {
     let (mut axis, mut sink) = axis(SLOW);
     let limits = Limits {
-        velocity: u32::MAX,
+        velocity: u32::MAX.into(),
         acceleration: 5_000_000,
         deceleration: 5_000_000,
     };
@@ -281,7 +290,7 @@ fn an_abort_stands_where_the_pulses_are() {
         axis.demand(0),
         crate::Demand {
             position: stood,
-            velocity: 0
+            velocity: 0.into()
         }
     );
     let records = sink.records;
@@ -303,7 +312,13 @@ fn a_refused_command_changes_nothing() {
     command(&mut axis, &mut sink, 5_000, T01);
     fly(&mut axis, &mut sink, ms(20));
     assert_eq!(
-        axis.move_to(0, Limits { velocity: 0, ..T01 }),
+        axis.move_to(
+            0,
+            Limits {
+                velocity: Speed::ZERO,
+                ..T01
+            }
+        ),
         Err(PlanError::ZeroVelocity)
     );
     assert_eq!(
@@ -342,11 +357,11 @@ fn the_demand_is_what_is_being_played() {
         let demand = axis.demand(sink.pending());
         let planned = sink.plans[0].state_at(played);
         assert!((demand.position - planned.position.whole_steps()).abs() <= 1);
-        let velocity = planned.velocity.steps_per_second(axis.clock);
+        let velocity = planned.velocity.speed(axis.clock);
         // Between two points of the trace the velocity is a straight line; at corners it is cut.
         assert!(
-            (demand.velocity - velocity).abs() <= 70,
-            "{demand:?} for {velocity}"
+            demand.velocity.abs_diff(velocity) <= 70.into(),
+            "{demand:?} for {velocity:?}"
         );
         sink.play(12_345);
     }
@@ -354,7 +369,7 @@ fn the_demand_is_what_is_being_played() {
         axis.demand(0),
         crate::Demand {
             position: 30_000,
-            velocity: 0
+            velocity: 0.into()
         }
     );
 }
@@ -364,7 +379,7 @@ fn a_velocity_crosses_the_end_of_the_span() {
     let (mut axis, mut sink) = axis(FAST);
     axis.set_position(i32::MAX.into());
     sink.position = i32::MAX.into();
-    axis.ramp_to(50_000, T01).unwrap();
+    axis.ramp_to(50_000.into(), T01).unwrap();
     sink.follow(&axis);
     fly(&mut axis, &mut sink, ms(200));
     axis.stop(500_000).unwrap();
@@ -374,7 +389,7 @@ fn a_velocity_crosses_the_end_of_the_span() {
     assert!(sink.position > i64::from(i32::MAX) + 9_000);
     assert_eq!(axis.committed_position(), sink.position - (1 << 32));
     // And back over the end.
-    axis.ramp_to(-50_000, T01).unwrap();
+    axis.ramp_to((-50_000).into(), T01).unwrap();
     sink.follow(&axis);
     fly(&mut axis, &mut sink, ms(500));
     axis.stop(500_000).unwrap();
@@ -399,7 +414,7 @@ fn pulses_are_in_the_middle_between_steps() {
 fn four_million_steps_per_second_stay_within_a_step() {
     let (mut axis, mut sink) = axis(FAST);
     let limits = Limits {
-        velocity: 4_000_000,
+        velocity: 4_000_000.into(),
         acceleration: 20_000_000,
         deceleration: 10_000_000,
     };
@@ -422,7 +437,7 @@ fn one_step_per_second_to_a_million() {
         for steps in [steps, -steps] {
             let (mut axis, mut sink) = axis(FAST);
             let limits = Limits {
-                velocity,
+                velocity: velocity.into(),
                 acceleration: 5_000_000,
                 deceleration: 5_000_000,
             };

@@ -94,11 +94,12 @@ fn i11_hours_of_velocity_cross_the_span_without_a_jump() {
             position: begin,
         };
         let limits = Limits {
-            velocity,
+            velocity: velocity.into(),
             acceleration: 5_000_000,
             deceleration: 5_000_000,
         };
-        axis.ramp_to(velocity as i32 * sign, limits).unwrap();
+        axis.ramp_to((velocity as i32 * sign).into(), limits)
+            .unwrap();
         let hours = 3 * 3_600 * u64::from(HZ);
         while sink.ticks < hours {
             axis.advance(&mut sink).unwrap();

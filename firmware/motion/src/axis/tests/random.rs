@@ -21,9 +21,9 @@ fn limits() -> impl Strategy<Value = Limits> {
     (1u32..1_000_000, 14u32..27, 14u32..27, any::<u16>()).prop_map(|(velocity, a, d, noise)| {
         Limits {
             velocity: if noise % 7 == 0 {
-                u32::from(noise) % 50
+                (u32::from(noise) % 50).into()
             } else {
-                velocity
+                velocity.into()
             },
             acceleration: (1 << a) + u32::from(noise),
             deceleration: (1 << d) + u32::from(noise),
@@ -65,7 +65,7 @@ fn play(commands: &[Command], timing: crate::DriverTiming, capacity: usize) {
     for command in commands {
         let moved = match *command {
             Command::MoveTo(target, limits) => axis.move_to(target.into(), limits),
-            Command::RampTo(velocity, limits) => axis.ramp_to(velocity, limits),
+            Command::RampTo(velocity, limits) => axis.ramp_to(velocity.into(), limits),
             Command::Stop(deceleration) => axis.stop(deceleration),
             Command::Abort => {
                 assert_eq!(axis.abort(), axis.committed_position());
@@ -102,7 +102,7 @@ fn play(commands: &[Command], timing: crate::DriverTiming, capacity: usize) {
     axis.move_to(
         777,
         Limits {
-            velocity: 1_000_000,
+            velocity: 1_000_000.into(),
             acceleration: 100_000_000,
             deceleration: 100_000_000,
         },

@@ -30,13 +30,13 @@ fn play(id: &str, hz: u32, segment: u32) {
         0
     };
     let limits = Limits {
-        velocity: v.velocity,
+        velocity: v.velocity.into(),
         acceleration: v.acceleration,
         deceleration: v.deceleration,
     };
     let from = State {
         position: Position::from_steps(origin),
-        velocity: Velocity::from_steps_per_second(clock, v.v0),
+        velocity: Velocity::from_speed(clock, v.v0.into()),
     };
     axis.set_position(origin);
     sink.position = origin;

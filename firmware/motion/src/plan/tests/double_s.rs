@@ -11,7 +11,7 @@ fn check(id: &str) {
     for hz in CLOCKS {
         let clock = clock(hz);
         let limits = Limits {
-            velocity: v.velocity,
+            velocity: v.velocity.into(),
             acceleration: v.acceleration,
             deceleration: v.acceleration,
         };

@@ -1,8 +1,8 @@
 //! What holds for every plan: limits, landing, direction, duration, symmetry, planning again. The numbers are those of the
 //! invariants; i07 is in the tests of units in `cia402`, i11 in those of profile velocity there; smooth ramps and i12 are in `smooth`.
 
-use super::{Goal, Limits, Plan, Ramps, clock, corners, per_second, state, steps};
-use crate::{Clock, PlanError, Position, State, Ticks, Velocity};
+use super::{Goal, Limits, Plan, Ramps, amount, clock, corners, per_second, state, steps};
+use crate::{Clock, PlanError, Position, Speed, State, Ticks, Velocity};
 use proptest::prelude::*;
 use std::vec::Vec;
 
@@ -38,7 +38,7 @@ pub(super) fn any_clock() -> impl Strategy<Value = Clock> {
 pub(super) fn any_limits() -> impl Strategy<Value = Limits> {
     let rate = || magnitude(1, u32::MAX);
     (rate(), rate(), rate()).prop_map(|(velocity, acceleration, deceleration)| Limits {
-        velocity,
+        velocity: velocity.into(),
         acceleration,
         deceleration,
     })
@@ -52,7 +52,7 @@ pub(super) fn usual_limits() -> impl Strategy<Value = Limits> {
         magnitude(10, 100_000_000),
     )
         .prop_map(|(velocity, acceleration, deceleration)| Limits {
-            velocity,
+            velocity: velocity.into(),
             acceleration,
             deceleration,
         })
@@ -61,7 +61,7 @@ pub(super) fn usual_limits() -> impl Strategy<Value = Limits> {
 pub(super) fn any_start(clock: Clock) -> impl Strategy<Value = State> {
     (any::<i64>(), signed(4_000_000)).prop_map(move |(bits, velocity)| State {
         position: Position::from_bits(bits),
-        velocity: Velocity::from_steps_per_second(clock, velocity),
+        velocity: Velocity::from_speed(clock, velocity.into()),
     })
 }
 
@@ -86,7 +86,7 @@ pub(super) fn samples(plan: &Plan, count: u64) -> Vec<Ticks> {
 /// The duration in seconds, by the formulas in floating point.
 fn ideal(distance: f64, v0: f64, limits: Limits) -> f64 {
     let (v, a, d) = (
-        f64::from(limits.velocity),
+        amount(limits.velocity),
         f64::from(limits.acceleration),
         f64::from(limits.deceleration),
     );
@@ -132,7 +132,7 @@ proptest! {
         limits in any_limits(),
     ) {
         let Ok(plan) = Plan::move_to(clock, 9, from, target.into(), limits) else { return Ok(()) };
-        let top = per_second(clock, from).abs().max(f64::from(limits.velocity));
+        let top = per_second(clock, from).abs().max(amount(limits.velocity));
         let rate = f64::from(clock.hz());
         for t in samples(&plan, 50) {
             let now = per_second(clock, plan.state_at(t));
@@ -241,7 +241,7 @@ proptest! {
         target in -2_000_000_000i64..2_000_000_000,
         limits in usual_limits(),
     ) {
-        let limits = Limits { velocity: limits.velocity.min(clock.hz() / 2), ..limits };
+        let limits = Limits { velocity: limits.velocity.min((clock.hz() / 2).into()), ..limits };
         let from = state(clock, 0, v0);
         let Ok(plan) = Plan::move_to(clock, 3, from, target, limits) else { return Ok(()) };
         let ideal = ideal(target as f64, per_second(clock, from), limits) * f64::from(clock.hz());
@@ -309,8 +309,8 @@ proptest! {
         deceleration in magnitude(100, u32::MAX),
     ) {
         let from = state(clock, 0, v0);
-        let limits = Limits { velocity: 0, acceleration: 0, deceleration };
-        let plan = Plan::velocity(clock, 0, from, 0, limits).unwrap();
+        let limits = Limits { velocity: 0.into(), acceleration: 0, deceleration };
+        let plan = Plan::velocity(clock, 0, from, 0.into(), limits).unwrap();
         let v = per_second(clock, from);
         let way = v * v.abs() / (2.0 * f64::from(deceleration));
         prop_assume!(way.abs() < 2e9);
@@ -330,14 +330,14 @@ proptest! {
         limits in usual_limits(),
     ) {
         let clock = clock(168_000_000);
-        let limits = Limits { velocity: (u64::from(v0) * u64::from(part) / 1000).max(1) as u32, ..limits };
+        let limits = Limits { velocity: ((u64::from(v0) * u64::from(part) / 1000).max(1) as u32).into(), ..limits };
         let from = state(clock, 0, v0 as i32);
         prop_assume!(within_span(v0 as i32, limits));
         let plan = Plan::move_to(clock, 0, from, target, limits).unwrap();
         let mut last = from.velocity;
         for t in samples(&plan, 100) {
             let now = plan.state_at(t).velocity;
-            if last.bits() > Velocity::from_steps_per_second(clock, limits.velocity as i32).bits() {
+            if last.bits() > Velocity::from_speed(clock, limits.velocity.signed(false)).bits() {
                 prop_assert!(now <= last, "speeds up at {t}");
             }
             last = now;
@@ -357,7 +357,7 @@ proptest! {
         when: Ticks,
     ) {
         let limits = Limits {
-            velocity: if zero == 0 { 0 } else { velocity },
+            velocity: if zero == 0 { 0.into() } else { velocity.into() },
             acceleration: if zero == 1 { 0 } else { acceleration },
             deceleration: if zero == 2 { 0 } else { deceleration },
         };
@@ -365,7 +365,7 @@ proptest! {
         for plan in [
             Plan::move_to(clock, start, from, target, limits),
             Plan::move_to(clock, start, from, target >> 32, limits),
-            Plan::velocity(clock, start, from, speed, limits),
+            Plan::velocity(clock, start, from, speed.into(), limits),
         ].into_iter().flatten() {
             plan.state_at(when);
             prop_assert!(plan.end().is_none_or(|end| end >= start));
@@ -384,7 +384,7 @@ fn i10_extreme_inputs_are_planned_or_refused() {
             for acceleration in extremes {
                 for deceleration in extremes {
                     let limits = Limits {
-                        velocity,
+                        velocity: velocity.into(),
                         acceleration,
                         deceleration,
                     };
@@ -402,7 +402,10 @@ fn i10_extreme_inputs_are_planned_or_refused() {
 fn check_extreme(clock: Clock, from: i64, target: i64, limits: Limits) {
     let plan = Plan::move_to(clock, 1, state(clock, from, 0), target, limits);
     let zero = match limits {
-        Limits { velocity: 0, .. } => Some(PlanError::ZeroVelocity),
+        Limits {
+            velocity: Speed::ZERO,
+            ..
+        } => Some(PlanError::ZeroVelocity),
         Limits {
             acceleration: 0, ..
         } => Some(PlanError::ZeroAcceleration),
@@ -429,11 +432,11 @@ fn check_extreme(clock: Clock, from: i64, target: i64, limits: Limits) {
 fn i11_a_velocity_crosses_the_span_without_a_jump() {
     let clock = clock(168_000_000);
     let limits = Limits {
-        velocity: 4_000_000,
+        velocity: 4_000_000.into(),
         acceleration: 1_000_000,
         deceleration: 1_000_000,
     };
-    let plan = Plan::velocity(clock, 0, state(clock, 0, 0), 4_000_000, limits).unwrap();
+    let plan = Plan::velocity(clock, 0, state(clock, 0, 0), 4_000_000.into(), limits).unwrap();
     assert_eq!(plan.end(), None);
     let hour = 3600 * 168_000_000u64;
     let mut last = plan.state_at(hour).position.bits();
@@ -461,7 +464,7 @@ fn i11_a_velocity_crosses_the_span_without_a_jump() {
 fn i03_a_move_over_most_of_the_span_keeps_its_direction() {
     let clock = clock(168_000_000);
     let limits = Limits {
-        velocity: 1_000_000,
+        velocity: 1_000_000.into(),
         acceleration: 1_000_000,
         deceleration: 1_000_000,
     };

@@ -3,7 +3,7 @@
 use super::properties::{
     any_clock, any_start, magnitude, samples, signed, usual_limits, within_span,
 };
-use super::{Goal, Limits, Plan, Ramps, clock, per_second, state, steps};
+use super::{Goal, Limits, Plan, Ramps, amount, clock, per_second, state, steps};
 use crate::{Clock, PlanError, Position, State, Ticks, Velocity};
 use proptest::prelude::*;
 use std::vec::Vec;
@@ -18,9 +18,9 @@ fn smooth() -> impl Strategy<Value = Ramps> {
 fn goal() -> impl Strategy<Value = Goal> {
     prop_oneof![
         3 => (-1_000_000i64..1_000_000).prop_map(Goal::Rest),
-        1 => (-1_000_000i64..1_000_000, 0u32..100_000).prop_map(|(target, end)| Goal::Pass(target, end)),
-        1 => (-1_000_000i32..1_000_000).prop_map(Goal::Velocity),
-        1 => Just(Goal::Velocity(0)),
+        1 => (-1_000_000i64..1_000_000, 0u32..100_000).prop_map(|(target, end)| Goal::Pass(target, end.into())),
+        1 => (-1_000_000i32..1_000_000).prop_map(|velocity| Goal::Velocity(velocity.into())),
+        1 => Just(Goal::Velocity(0.into())),
     ]
 }
 
@@ -50,7 +50,7 @@ fn double_s(distance: f64, limits: Limits, jerk: f64) -> f64 {
     );
     let time = |v: f64| ramp_time(v, a, jerk) + ramp_time(v, d, jerk);
     let way = |v: f64| v / 2.0 * time(v);
-    let top = f64::from(limits.velocity);
+    let top = amount(limits.velocity);
     if way(top) <= distance {
         return time(top) + (distance - way(top)) / top;
     }
@@ -95,7 +95,7 @@ proptest! {
         orders in proptest::collection::vec((goal(), 0u64..=1 << 32), 1..6),
     ) {
         let (a, d) = (f64::from(limits.acceleration), f64::from(limits.deceleration));
-        let top = f64::from(limits.velocity);
+        let top = amount(limits.velocity);
         let most = match ramps {
             Ramps::SinSquared => a.max(d) * core::f64::consts::FRAC_PI_2,
             _ => a.max(d),
@@ -203,7 +203,7 @@ proptest! {
         limits in usual_limits(),
         jerk in magnitude(1_000, u32::MAX),
     ) {
-        let limits = Limits { velocity: limits.velocity.min(clock.hz() / 2), ..limits };
+        let limits = Limits { velocity: limits.velocity.min((clock.hz() / 2).into()), ..limits };
         // With a slow clock the highest jerks are cut.
         let jerk = jerk.min(if clock.hz() == 1_000_000 { 200_000_000 } else { u32::MAX });
         let rest = state(clock, 0, 0);
@@ -266,7 +266,7 @@ proptest! {
         // A stop within the ramp to rest is that ramp.
         let mut stopped = first;
         let braking = first.last_ramp() + (end - first.last_ramp()) / 3;
-        stopped.redirect(clock, braking, Goal::Velocity(0), limits, ramps).unwrap();
+        stopped.redirect(clock, braking, Goal::Velocity(0.into()), limits, ramps).unwrap();
         let rest = steps(stopped.state_at(stopped.end().unwrap()));
         prop_assert!((rest - target as f64).abs() < 1e-3, "{rest} for {target}");
     }
@@ -280,7 +280,7 @@ proptest! {
         jerk in magnitude(1_000, 200_000_000),
     ) {
         let from = state(clock, 0, v0);
-        let limits = Limits { velocity: 0, acceleration: 0, deceleration };
+        let limits = Limits { velocity: 0.into(), acceleration: 0, deceleration };
         let v = per_second(clock, from);
         for ramps in [Ramps::SinSquared, Ramps::JerkLimited(jerk)] {
             let time = match ramps {
@@ -291,7 +291,7 @@ proptest! {
             if way.abs() > 2e9 {
                 continue;
             }
-            let plan = Plan::new(clock, 0, from, Goal::Velocity(0), limits, ramps).unwrap();
+            let plan = Plan::new(clock, 0, from, Goal::Velocity(0.into()), limits, ramps).unwrap();
             let real = steps(plan.state_at(plan.end().unwrap()));
             prop_assert!((real - way).abs() <= 1e-6 + way.abs() * 1e-6, "{real} for {way}");
         }
@@ -307,14 +307,14 @@ proptest! {
         ramps in smooth(),
     ) {
         let clock = clock(168_000_000);
-        let limits = Limits { velocity: (u64::from(v0) * u64::from(part) / 1000).max(1) as u32, ..limits };
+        let limits = Limits { velocity: ((u64::from(v0) * u64::from(part) / 1000).max(1) as u32).into(), ..limits };
         let from = state(clock, 0, v0 as i32);
         prop_assume!(within_span(v0 as i32, limits));
         let Ok(plan) = Plan::new(clock, 0, from, Goal::Rest(target), limits, ramps) else { return Ok(()) };
         let mut last = from.velocity;
         for t in samples(&plan, 100) {
             let now = plan.state_at(t).velocity;
-            if last.bits() > Velocity::from_steps_per_second(clock, limits.velocity as i32).bits() + (1 << 20) {
+            if last.bits() > Velocity::from_speed(clock, limits.velocity.signed(false)).bits() + (1 << 20) {
                 prop_assert!(now.bits() <= last.bits() + 1024, "speeds up at {t}");
             }
             last = now;
@@ -335,14 +335,14 @@ proptest! {
         when: Ticks,
     ) {
         let limits = |(velocity, acceleration, deceleration, _): (u32, u32, u32, u32)| Limits {
-            velocity: if zero == 0 { 0 } else { velocity },
+            velocity: if zero == 0 { 0.into() } else { velocity.into() },
             acceleration: if zero == 1 { 0 } else { acceleration },
             deceleration: if zero == 2 { 0 } else { deceleration },
         };
         let from = State { position: Position::from_bits(bits.0), velocity: Velocity::from_bits(bits.1) };
         let jerk = if zero == 3 { 0 } else { rates.3 };
         for ramps in [Ramps::SinSquared, Ramps::JerkLimited(jerk)] {
-            for goal in [Goal::Rest(target >> 32), Goal::Rest(target), Goal::Pass(target >> 32, rates.1), Goal::Velocity(speed)] {
+            for goal in [Goal::Rest(target >> 32), Goal::Rest(target), Goal::Pass(target >> 32, rates.1.into()), Goal::Velocity(speed.into())] {
                 let plan = Plan::new(clock, start, from, goal, limits(rates), ramps);
                 prop_assert!(jerk != 0 || ramps == Ramps::SinSquared || plan.is_err());
                 let Ok(mut plan) = plan else { continue };
@@ -350,7 +350,7 @@ proptest! {
                 prop_assert!(plan.end().is_none_or(|end| end >= start));
                 prop_assert!(plan.next_corner(when).is_none_or(|corner| corner > when));
                 let _ = plan.redirect(clock, when.max(start), Goal::Rest(-(target >> 33)), limits(more), ramps);
-                let _ = plan.redirect(clock, when.max(start), Goal::Velocity(0), limits(more), Ramps::JerkLimited(more.3));
+                let _ = plan.redirect(clock, when.max(start), Goal::Velocity(0.into()), limits(more), Ramps::JerkLimited(more.3));
                 plan.state_at(when);
             }
         }
@@ -379,12 +379,12 @@ proptest! {
 fn i11_a_smooth_velocity_crosses_the_span_without_a_jump() {
     let clock = clock(168_000_000);
     let limits = Limits {
-        velocity: 4_000_000,
+        velocity: 4_000_000.into(),
         acceleration: 1_000_000,
         deceleration: 1_000_000,
     };
     for ramps in [Ramps::SinSquared, Ramps::JerkLimited(10_000_000)] {
-        let goal = Goal::Velocity(-4_000_000);
+        let goal = Goal::Velocity((-4_000_000).into());
         let plan = Plan::new(clock, 0, state(clock, 0, 0), goal, limits, ramps).unwrap();
         assert_eq!(plan.end(), None);
         let hour = 3600 * 168_000_000u64;

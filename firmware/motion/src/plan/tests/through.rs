@@ -9,7 +9,7 @@ const HZ: u32 = 84_000_000;
 
 fn limits(velocity: u32, acceleration: u32, deceleration: u32) -> Limits {
     Limits {
-        velocity,
+        velocity: velocity.into(),
         acceleration,
         deceleration,
     }
@@ -22,11 +22,11 @@ fn through(from: i64, velocity: i32, target: i64, end: u32, limits: Limits) -> P
         clock,
         0,
         state(clock, from, velocity),
-        velocity.max(1),
+        velocity.max(1).into(),
         limits,
     );
     plan.unwrap()
-        .then_move_through(clock, 0, target, end, limits)
+        .then_move_through(clock, 0, target, end.into(), limits)
         .unwrap()
 }
 
@@ -108,8 +108,8 @@ proptest! {
         let limits = limits(top, acceleration, deceleration);
         let clock = clock(HZ);
         let start = state(clock, from, velocity);
-        let plan = Plan::velocity(clock, 0, start, velocity, limits).unwrap();
-        let plan = plan.then_move_through(clock, 0, target, end, limits).unwrap();
+        let plan = Plan::velocity(clock, 0, start, velocity.into(), limits).unwrap();
+        let plan = plan.then_move_through(clock, 0, target, end.into(), limits).unwrap();
         let kept = per_second(clock, plan.state_at(100 * u64::from(HZ)));
         let expected = f64::from(end.min(top)) * (target - from).signum() as f64;
         prop_assert!((kept - expected).abs() < 0.01, "{} instead of {}", kept, expected);

@@ -1,6 +1,7 @@
 //! The reference vectors T01 to T22 and V01 to V06 at three clocks, and the retarget sequences R1 to R3.
 
 use super::{CLOCKS, Limits, Plan, clock, corners, per_second, state, steps};
+use crate::Speed;
 use crate::vectors::{Move, Ramp, a_move, a_ramp};
 
 /// Late by at most this many ticks per corner that was rounded; never early, but for the rounding of the start velocity.
@@ -26,7 +27,7 @@ fn check_move(id: &str) {
             0
         };
         let limits = Limits {
-            velocity: v.velocity,
+            velocity: v.velocity.into(),
             acceleration: v.acceleration,
             deceleration: v.deceleration,
         };
@@ -117,13 +118,13 @@ fn check_ramp(id: &str) {
     for hz in CLOCKS {
         let clock = clock(hz);
         let limits = Limits {
-            velocity: u32::MAX,
+            velocity: u32::MAX.into(),
             acceleration: v.acceleration,
             deceleration: v.deceleration,
         };
         let start = 77;
         let from = state(clock, 5, v.v0);
-        let plan = Plan::velocity(clock, start, from, v.v1, limits).unwrap();
+        let plan = Plan::velocity(clock, start, from, v.v1.into(), limits).unwrap();
         let name = std::format!("{} at {hz} Hz", v.name);
 
         // The ramp is over where the cruise, or the rest, begins.
@@ -195,7 +196,7 @@ fn every_vector_has_its_test() {
 
 const HZ: u32 = 168_000_000;
 const T01: Limits = Limits {
-    velocity: 100_000,
+    velocity: Speed::per_second(100_000),
     acceleration: 500_000,
     deceleration: 500_000,
 };
@@ -233,7 +234,7 @@ fn r2_velocity_lowered_on_the_way() {
     let at = us(100_000);
     assert!((steps(first.state_at(at)) - 2_500.0).abs() < 1e-3);
     let slower = Limits {
-        velocity: 25_000,
+        velocity: 25_000.into(),
         ..T01
     };
     let second = first.then_move_to(clock, at, 100_000, slower).unwrap();
@@ -250,14 +251,16 @@ fn r2_velocity_lowered_on_the_way() {
 #[test]
 fn r3_halt_and_go_on() {
     let clock = clock(HZ);
-    let up = Plan::velocity(clock, 0, state(clock, 0, 0), 100_000, T01).unwrap();
+    let up = Plan::velocity(clock, 0, state(clock, 0, 0), 100_000.into(), T01).unwrap();
     let halt_at = us(300_000);
-    let halt = up.then_velocity(clock, halt_at, 0, T01).unwrap();
+    let halt = up.then_velocity(clock, halt_at, 0.into(), T01).unwrap();
     let stopped = halt.end().unwrap();
     assert!((stopped - halt_at).abs_diff(us(200_000)) <= 1);
     let way = steps(halt.state_at(stopped)) - steps(halt.state_at(halt_at));
     assert!((way - 10_000.0).abs() < 1e-3);
-    let again = halt.then_velocity(clock, stopped, 100_000, T01).unwrap();
+    let again = halt
+        .then_velocity(clock, stopped, 100_000.into(), T01)
+        .unwrap();
     let at_speed = again.phases().last().unwrap().start();
     assert!((at_speed - stopped).abs_diff(us(200_000)) <= 1);
 }

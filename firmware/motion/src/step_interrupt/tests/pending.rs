@@ -93,7 +93,7 @@ fn least_margin(velocity: u32, acceleration: u32, target: i64) -> u64 {
         timing,
     });
     let limits = Limits {
-        velocity,
+        velocity: velocity.into(),
         acceleration,
         deceleration: acceleration,
     };

@@ -17,7 +17,7 @@ fn m30_with_bit_9_the_first_target_is_passed_at_speed() {
     let mut rig = Rig::enabled();
     rig.set_point(5_000, 0);
     rig.ticks(200);
-    rig.commands.profile_velocity = 4_000;
+    rig.commands.profile_velocity = 4_000.into();
     rig.set_point(8_000, CHANGE_ON_SET_POINT);
     rig.tick();
     assert!(rig.acknowledged());
@@ -92,7 +92,7 @@ fn m30_halt_keeps_the_blending() {
 #[test]
 fn an_end_velocity_is_kept_behind_the_target() {
     let mut rig = Rig::enabled();
-    rig.commands.end_velocity = 2_000;
+    rig.commands.end_velocity = 2_000.into();
     rig.set_point(5_000, 0);
     rig.until("passed", |rig| rig.motor.position >= 4_990);
     assert!(!rig.reached());
@@ -101,7 +101,7 @@ fn an_end_velocity_is_kept_behind_the_target() {
     assert_eq!(rig.actuals().velocity_demand, 2_000);
     rig.ticks(500);
     assert_eq!(rig.speed(), 2);
-    rig.commands.end_velocity = 0;
+    rig.commands.end_velocity = 0.into();
     rig.set_point(100, 0);
     assert_eq!(rig.rest(), 100);
 }
@@ -110,7 +110,7 @@ fn an_end_velocity_is_kept_behind_the_target() {
 fn an_end_velocity_ends_at_the_software_limit() {
     let mut rig = Rig::enabled();
     rig.configuration.position_limits = (-6_000, 6_000);
-    rig.commands.end_velocity = 10_000;
+    rig.commands.end_velocity = 10_000.into();
     for (target, limit) in [(5_900, 6_000), (-5_900, -6_000)] {
         rig.set_point(target, 0);
         assert_eq!(rig.rest(), limit);

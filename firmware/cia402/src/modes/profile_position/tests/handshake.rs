@@ -114,7 +114,7 @@ fn m28_a_refused_set_point_changes_neither_of_the_others() {
         rig.set_point(target, 0);
         rig.tick();
     }
-    rig.commands.profile_velocity = 1;
+    rig.commands.profile_velocity = 1.into();
     rig.post();
     let mut highest = 0;
     rig.until("second set-point done", |rig| {
@@ -176,7 +176,7 @@ fn m27_what_is_written_after_the_edge_is_for_the_next_set_point() {
     let mut rig = Rig::enabled();
     rig.set_point(400, 0);
     rig.commands.target_position = 900;
-    rig.commands.profile_velocity = 0;
+    rig.commands.profile_velocity = 0.into();
     rig.write(0x0F | RELATIVE);
     assert_eq!(rig.rest(), 400);
 }
@@ -186,7 +186,7 @@ fn what_is_written_behind_the_edge_counts_for_all_but_the_set_point() {
     let mut rig = Rig::enabled();
     rig.configuration.fault_reaction = Stop::on_fault(1).unwrap();
     rig.set_point(100_000, 0);
-    rig.commands.profile_velocity = 1_000;
+    rig.commands.profile_velocity = 1_000.into();
     rig.commands.target_position = 5;
     rig.commands.profile_deceleration = 1_000_000;
     rig.write(0x0F | RELATIVE);

@@ -6,7 +6,7 @@ use crate::testing::Rig;
 #[test]
 fn a_velocity_the_pulses_cannot_reach_is_cut() {
     let mut rig = Rig::enabled();
-    rig.commands.profile_velocity = 1_000_000;
+    rig.commands.profile_velocity = 1_000_000.into();
     rig.set_point(500, 0);
     rig.tick();
     assert!(rig.limited());
@@ -20,7 +20,7 @@ fn m37_the_velocity_counts_from_the_next_set_point() {
     let mut rig = Rig::enabled();
     rig.set_point(5_000, 0);
     rig.ticks(200);
-    rig.commands.profile_velocity = 2_000;
+    rig.commands.profile_velocity = 2_000.into();
     rig.post();
     rig.ticks(50);
     assert_eq!(rig.speed(), 10);
@@ -35,7 +35,7 @@ fn m37_velocity_0_does_not_move() {
     let mut rig = Rig::enabled();
     rig.ticks(20);
     let profile_velocity = rig.commands.profile_velocity;
-    rig.commands.profile_velocity = 0;
+    rig.commands.profile_velocity = 0.into();
     rig.set_point(1_000, 0);
     rig.tick();
     assert!(rig.acknowledged());
@@ -56,7 +56,7 @@ fn m37_velocity_0_on_the_way_stops() {
     rig.set_point(100_000, 0);
     rig.ticks(200);
     let begin = rig.motor.position;
-    rig.commands.profile_velocity = 0;
+    rig.commands.profile_velocity = 0.into();
     rig.set_point(200_000, IMMEDIATELY);
     let stopped = rig.rest() - begin;
     assert!((500..540).contains(&stopped), "{stopped}");
