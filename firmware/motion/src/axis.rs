@@ -310,7 +310,7 @@ impl Axis {
     #[inline(never)]
     fn has_ended(&self) -> bool {
         self.end().is_some_and(|end| end <= self.horizon)
-            && self.train.waiting().is_empty()
+            && self.train.waiting(0).is_none()
             && self.train.is_closed(self.horizon)
             && self.train.due(self.state_at(self.horizon).position) == 0
     }
@@ -388,76 +388,66 @@ impl Axis {
     /// Hands out the records made.
     #[inline]
     fn hand_out<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
-        for (taken, record) in self.train.waiting().iter().enumerate() {
-            if sink.push(*record).is_err() {
+        let mut taken = 0;
+        while let Some(record) = self.train.waiting(taken) {
+            if sink.push(record).is_err() {
                 self.handed_out_part(taken);
                 return Err(AdvanceError::SinkFull);
             }
-            self.moving = true;
+            taken = taken.wrapping_add(1);
         }
-        self.train.handed_out();
-        self.handed = self.train.pen();
-        self.committed = self.train.steps_at_pen();
+        if taken > 0 {
+            self.moving = true;
+            self.train.handed_out();
+            self.handed = self.train.pen();
+            self.committed = self.train.steps_at_pen();
+        }
         Ok(())
     }
 
     /// The sink has taken only so many of the records made.
     #[cold]
     fn handed_out_part(&mut self, taken: usize) {
-        for record in self.train.waiting().iter().take(taken) {
+        for record in (0..taken).filter_map(|place| self.train.waiting(place)) {
             self.handed = self.handed.wrapping_add(record.ticks());
             self.committed = self.committed.wrapping_add(record.steps());
+            self.moving = true;
         }
         self.train.handed_out_part(taken);
     }
 
     /// Makes the records of the next chord.
     fn compose(&mut self) {
-        let chord = match &mut self.leg {
-            Some(leg) => {
-                let begin = self.horizon;
-                let from = leg.state();
-                let length = leg.next_chord(&self.train);
-                let left = leg.until.wrapping_sub(begin);
-                if u64::from(length) < left {
-                    Some((from, length, leg.go_on(length)))
-                } else {
-                    self.leg = None;
-                    let to = self.state_at(begin.wrapping_add(left));
-                    Some((from, left as u32, to))
-                }
-            }
-            None => self.next_chord(),
+        let on_leg = match &mut self.leg {
+            Some(leg) => leg.go_on(self.horizon, &self.train),
+            None => None,
         };
-        let Some((from, length, to)) = chord else {
+        let Some((chord, to)) = on_leg.or_else(|| self.next_chord()) else {
             return;
         };
-        self.train.draw(&Chord {
-            begin: self.horizon,
-            length,
-            from: from.position,
-            to: to.position,
-            speeding_up: to.is_as_fast_as(from),
-        });
-        self.horizon = self.horizon.wrapping_add(length.into());
-        // Points that lie close together are thinned out.
+        self.train.draw(&chord);
+        self.go_to(chord.begin.wrapping_add(chord.length.into()), to);
+    }
+
+    /// The commit horizon is here now. Points that lie close together are thinned out.
+    #[inline]
+    fn go_to(&mut self, horizon: Ticks, state: State) {
+        self.horizon = horizon;
         let least = self.train.segment() / 4;
-        self.trace.mark(self.horizon, to, length, least);
+        self.trace.mark(horizon, state, least);
     }
 
     /// The next chord, wherever the axis is: on a path, between two phases, at the end. Where the axis stands there is none; it closes what
     /// is open.
     #[inline(never)]
-    fn next_chord(&mut self) -> Option<(State, u32, State)> {
+    fn next_chord(&mut self) -> Option<(Chord, State)> {
+        self.leg = None;
         let begin = self.horizon;
         let from = self.state_at(begin);
         if self.end().is_some_and(|end| end <= begin) && self.train.due(from.position) == 0 {
             self.train.close(begin);
-            self.horizon = begin.max(self.train.pen());
-            let standing = self.state_at(self.horizon);
-            let length = self.horizon.wrapping_sub(begin) as u32;
-            let least = self.train.segment() / 4;
-            self.trace.mark(self.horizon, standing, length, least);
+            let closed = begin.max(self.train.pen());
+            self.go_to(closed, self.state_at(closed));
             return None;
         }
         let (corner, longest) = match &self.path {
@@ -470,17 +460,15 @@ impl Axis {
         let left = corner.saturating_sub(begin);
         let length = u32::try_from(left).map_or(length, |left| length.min(left));
         let end = begin.saturating_add(length.into());
+        let to = self.state_at(end);
         if self.path.is_none()
             && end < corner
             && let Some(phase) = self.plan.phase_at(begin)
             && phase.is_parabola()
         {
-            let leg = Leg::new(phase, end, corner, longest);
-            let to = leg.state();
-            self.leg = Some(leg);
-            return Some((from, length, to));
+            self.leg = Some(Leg::new(phase, end, corner, longest));
         }
-        Some((from, length, self.state_at(end)))
+        Some((Chord::between((begin, from), (length, to)), to))
     }
 
     /// The motion has ended: from now on the axis stands on the whole step that the pulses have reached.

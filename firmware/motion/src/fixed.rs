@@ -123,14 +123,6 @@ pub struct State {
     pub velocity: Velocity,
 }
 
-impl State {
-    /// Whether it is as fast as `before`, or faster.
-    #[inline]
-    pub(crate) const fn is_as_fast_as(self, before: Self) -> bool {
-        self.velocity.0.unsigned_abs() >= before.velocity.0.unsigned_abs()
-    }
-}
-
 /// A [`State`] as plans keep it among themselves: both in Q96. Planning again from it loses nothing, so an
 /// axis may be planned again in every control tick and still arrive when it would have arrived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

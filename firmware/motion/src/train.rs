@@ -9,7 +9,7 @@
 
 use crate::clock::Ticks;
 use crate::crossings::Crossings;
-use crate::fixed::{Position, Velocity};
+use crate::fixed::{Position, State, Velocity};
 use crate::record::{Direction, DriverTiming, Record, SHORTEST_RECORD};
 
 /// Records that one chord can make at most: three for the open period, one more at a change of direction, three runs, and one for
@@ -40,6 +40,23 @@ pub(crate) struct Chord {
     pub(crate) to: Position,
     /// Whether the speed grows: the longer periods come first then, and otherwise last.
     pub(crate) speeding_up: bool,
+    /// Whether the speed stays: the next chord may be like this one.
+    pub(crate) steady: bool,
+}
+
+impl Chord {
+    /// From one state to the next, so many ticks later.
+    pub(crate) fn between((begin, from): (Ticks, State), (length, to): (u32, State)) -> Self {
+        let (before, after) = (from.velocity.bits(), to.velocity.bits());
+        Self {
+            begin,
+            length,
+            from: from.position,
+            to: to.position,
+            speeding_up: after.unsigned_abs() >= before.unsigned_abs(),
+            steady: after == before,
+        }
+    }
 }
 
 /// Makes records from chords, and keeps the account of steps and ticks.
@@ -65,10 +82,9 @@ pub(crate) struct Train {
     pen: Ticks,
     /// The step of the pulse with which the open period begins, 1 or −1; 0 if it is silent.
     open_step: i32,
-    /// The crossings of the last chord that had pulses.
+    /// The crossings of the last chord, if it was steady and had many pulses, and if its last pulse is where it belongs: so the open
+    /// period is as long as the next one if the next chord is like it.
     crossings: Crossings,
-    /// Whether that was the last chord, it had many, and its last pulse is where it belongs: so the open period is as long as the
-    /// next one if the next chord is like it.
     even: bool,
     /// Records made, and how many.
     made: [Record; MOST_RECORDS],
@@ -160,19 +176,23 @@ impl Train {
         !self.has_pulse() && self.pen >= now
     }
 
-    /// The records to hand out.
+    /// The records to hand out, counted from 0.
     #[inline]
-    pub(crate) fn waiting(&self) -> &[Record] {
-        self.made.get(..usize::from(self.count)).unwrap_or_default()
+    pub(crate) fn waiting(&self, place: usize) -> Option<Record> {
+        if place < usize::from(self.count) {
+            self.made.get(place).copied()
+        } else {
+            None
+        }
     }
 
-    /// All of [`Train::waiting`] has been handed out.
+    /// All of them have been handed out.
     #[inline]
     pub(crate) fn handed_out(&mut self) {
         self.count = 0;
     }
 
-    /// Only the first `records` of [`Train::waiting`] have been handed out.
+    /// Only the first `records` of them have been handed out.
     pub(crate) fn handed_out_part(&mut self, records: usize) {
         self.count = self.count.saturating_sub(records as u8);
         for place in 0..usize::from(self.count) {
@@ -196,54 +216,32 @@ impl Train {
     }
 
     /// Makes the records of a chord. Those before must have been handed out.
-    #[inline(never)]
+    #[inline]
     pub(crate) fn draw(&mut self, chord: &Chord) {
-        let way = chord.to.bits().wrapping_sub(chord.from.bits());
-        let due = self.due(chord.to);
-        // The plan knows the way it goes. Steps due the other way are rounding at a turning point, unless the plan stands.
-        let direction = match way {
-            0 if due < 0 => Direction::Reverse,
-            0.. => Direction::Forward,
-            _ => Direction::Reverse,
-        };
-        let due = due.wrapping_mul(direction.sign());
-        let was_even = core::mem::replace(&mut self.even, false);
-        if due > 0 {
-            let pulses = due.unsigned_abs();
-            let way = way.unsigned_abs();
-            let fits = self.crossings.fits(chord.length, way);
-            if !fits {
-                self.crossings = Crossings::new(chord.length, way);
-            }
-            // From the chord's beginning to the middle between the step that was made last and the next.
-            let lead = i64::from(self.steps)
-                .wrapping_shl(32)
-                .wrapping_sub(chord.from.bits());
-            let lead = match direction {
-                Direction::Forward => lead,
-                Direction::Reverse => lead.wrapping_neg(),
-            };
-            let first = lead.wrapping_add(1 << 31);
-            let last = first.wrapping_add(i64::from(due).wrapping_sub(1) << 32);
-            let last = self.crossings.after(last);
-            if fits
-                && was_even
-                && self.has_pulse()
-                && self.direction == Some(direction)
-                && self.go_on(chord, pulses, last, direction)
-            {
-                return;
-            }
-            let first = self.crossings.after(first);
-            self.run(chord, direction, pulses, (first, last));
+        if !chord.steady || !self.even || !self.go_on(chord) {
+            self.draw_anew(chord);
         }
-        self.keep_short(direction, chord);
     }
 
-    /// Goes on as in the chord before, which was like this one: the open period is one of the same length. Not if that would be too
+    /// Goes on as in the chord before if this one is like it: the open period is one of the same length. Not if that would be too
     /// fast for the driver.
     #[inline]
-    fn go_on(&mut self, chord: &Chord, pulses: u32, last: u32, direction: Direction) -> bool {
+    fn go_on(&mut self, chord: &Chord) -> bool {
+        let Some(direction) = self.direction.filter(|_| self.has_pulse()) else {
+            return false;
+        };
+        // Ways and steps as if they went forward.
+        let turn = |value: i64| match direction {
+            Direction::Forward => value,
+            Direction::Reverse => value.wrapping_neg(),
+        };
+        let way = turn(chord.to.bits().wrapping_sub(chord.from.bits()));
+        if !self.crossings.fits(chord.length, way.cast_unsigned()) {
+            return false;
+        }
+        let pulses = self.due(chord.to).wrapping_mul(direction.sign());
+        let pulses = pulses.cast_unsigned();
+        let last = self.crossings.after(self.lead(chord, turn, pulses));
         let span = last.wrapping_add(self.open_at(chord.begin).cast_unsigned());
         let fastest = u64::from(pulses).wrapping_mul(self.shortest.into());
         if !(MANY..=LONGEST_RUN).contains(&pulses) || u64::from(span) < fastest {
@@ -254,6 +252,47 @@ impl Train {
         self.steps = self.steps.wrapping_add(made);
         self.even = self.is_at(chord, last);
         true
+    }
+
+    /// The same for any chord.
+    #[inline(never)]
+    fn draw_anew(&mut self, chord: &Chord) {
+        self.even = false;
+        let way = chord.to.bits().wrapping_sub(chord.from.bits());
+        let due = self.due(chord.to);
+        // The plan knows the way it goes. Steps due the other way are rounding at a turning point, unless the plan stands.
+        let direction = match way {
+            0 if due < 0 => Direction::Reverse,
+            0.. => Direction::Forward,
+            _ => Direction::Reverse,
+        };
+        let due = due.wrapping_mul(direction.sign());
+        if due > 0 {
+            let pulses = due.unsigned_abs();
+            let crossings = Crossings::new(chord.length, way.unsigned_abs());
+            let turn = |value: i64| match direction {
+                Direction::Forward => value,
+                Direction::Reverse => value.wrapping_neg(),
+            };
+            let first = crossings.after(self.lead(chord, turn, 1));
+            let last = crossings.after(self.lead(chord, turn, pulses));
+            let made = self.run(chord, direction, pulses, (first, last));
+            if chord.steady && made == pulses && self.is_at(chord, last) {
+                self.even = true;
+                self.crossings = crossings;
+            }
+        }
+        self.keep_short(direction, chord);
+    }
+
+    /// From the chord's beginning to the crossing of so many steps, Q32 steps.
+    #[inline]
+    fn lead(&self, chord: &Chord, turn: impl Fn(i64) -> i64, pulses: u32) -> i64 {
+        let made = i64::from(self.steps).wrapping_shl(32);
+        // In the middle between two steps.
+        turn(made.wrapping_sub(chord.from.bits()))
+            .wrapping_add(i64::from(pulses).wrapping_shl(32))
+            .wrapping_sub(1 << 31)
     }
 
     /// Whether the open period begins with a pulse.
@@ -292,7 +331,14 @@ impl Train {
     }
 
     /// `pulses` evenly spaced pulses, from `first` to `last`, in ticks from the chord's beginning; as many of them as fit in the chord.
-    fn run(&mut self, chord: &Chord, direction: Direction, pulses: u32, (first, last): (u32, u32)) {
+    /// Gives how many were made.
+    fn run(
+        &mut self,
+        chord: &Chord,
+        direction: Direction,
+        pulses: u32,
+        (first, last): (u32, u32),
+    ) -> u32 {
         let shortest = self.shortest;
         let open = self.open_at(chord.begin);
         let (first, last) = (first.cast_signed(), last.cast_signed());
@@ -306,7 +352,7 @@ impl Train {
         } else {
             let first = first.max(self.wait(direction).wrapping_sub(open));
             if first > length {
-                return;
+                return 0;
             }
             (first, pulses.wrapping_sub(1))
         };
@@ -327,9 +373,9 @@ impl Train {
         if gaps > 0 {
             self.space(gaps, span, chord.speeding_up, direction);
         }
-        self.even = made == pulses && self.is_at(chord, last.cast_unsigned());
-        let made = made.cast_signed().wrapping_mul(direction.sign());
-        self.steps = self.steps.wrapping_add(made);
+        let steps = made.cast_signed().wrapping_mul(direction.sign());
+        self.steps = self.steps.wrapping_add(steps);
+        made
     }
 
     /// So many periods in so many ticks, each beginning with a pulse. What remains when the ticks are shared out is one tick more in
@@ -383,8 +429,9 @@ impl Train {
     /// Whether [`Train::flush`] brings the records up to `enough` if there are chords up to `now`.
     #[inline]
     pub(crate) fn can_flush(&self, now: Ticks, enough: Ticks) -> bool {
-        let least = self.hold.saturating_add(self.least);
-        now >= enough.saturating_add(least.into()) && self.pen < enough
+        // A driver's times have 25 bits.
+        let least = self.hold.wrapping_add(self.least);
+        now >= enough.wrapping_add(least.into()) && self.pen < enough
     }
 
     /// Makes a record of the open period without waiting for its end, up to just before `now`.

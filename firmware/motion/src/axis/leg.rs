@@ -3,14 +3,14 @@
 use crate::clock::Ticks;
 use crate::fixed::{Exact, State};
 use crate::plan::phase::{Phase, product};
-use crate::train::Train;
+use crate::train::{Chord, Train};
 
 /// Where the axis is on a parabola, and how it goes on. A chord of the same length as the one before is a few additions: what the position
 /// grows by in it has grown by the same amount again. Integers, modulo 2³² steps: it is what the phase says, to the last bit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leg {
     /// The next corner.
-    pub(super) until: Ticks,
+    until: Ticks,
     /// The longest chord in it, in ticks.
     longest: u32,
     /// At the commit horizon, and rounded.
@@ -45,25 +45,34 @@ impl Leg {
         }
     }
 
-    /// At the commit horizon.
+    /// Goes on by a chord from tick `begin`, the commit horizon. Gives the chord and the state at its end; `None` if it would reach the next
+    /// corner.
     #[inline]
-    pub(super) const fn state(&self) -> State {
-        self.state
-    }
-
-    /// How long the next chord may be, in ticks.
-    #[inline]
-    pub(super) fn next_chord(&self, train: &Train) -> u32 {
-        if self.bends || self.length == 0 {
+    pub(super) fn go_on(&mut self, begin: Ticks, train: &Train) -> Option<(Chord, State)> {
+        let length = if self.bends || self.length == 0 {
             train.chord(self.state.velocity, self.longest)
         } else {
             self.length
+        };
+        if u64::from(length) >= self.until.saturating_sub(begin) {
+            return None;
         }
+        let from = self.state.position;
+        self.walk(length);
+        let chord = Chord {
+            begin,
+            length,
+            from,
+            to: self.state.position,
+            // Both have the same sign.
+            speeding_up: !self.bends || (self.gain ^ self.exact.velocity) >= 0,
+            steady: !self.bends,
+        };
+        Some((chord, self.state))
     }
 
-    /// Goes on by a chord of so many ticks, and gives the state at its end.
     #[inline]
-    pub(super) fn go_on(&mut self, length: u32) -> State {
+    fn walk(&mut self, length: u32) {
         if length != self.length {
             self.stride(length);
         } else if self.bends {
@@ -76,7 +85,6 @@ impl Leg {
         } else {
             self.state.position = self.exact.rounded_position();
         }
-        self.state
     }
 
     /// What a chord of so many ticks grows by, here.
@@ -112,14 +120,13 @@ mod tests {
             for phase in plan.phases() {
                 let mut t = phase.start();
                 let mut leg = Leg::new(phase, t, Ticks::MAX, u32::MAX);
-                prop_assert_eq!(leg.state(), phase.at(t).rounded());
+                prop_assert_eq!(leg.state, phase.at(t).rounded());
                 for &(unusual, length) in &lengths {
                     let length = if unusual == 0 { length } else { usual };
                     t += Ticks::from(length);
-                    let state = leg.go_on(length);
+                    leg.walk(length);
                     prop_assert_eq!(leg.exact, phase.at(t));
-                    prop_assert_eq!(state, phase.at(t).rounded());
-                    prop_assert_eq!(leg.state(), state);
+                    prop_assert_eq!(leg.state, phase.at(t).rounded());
                 }
             }
         }

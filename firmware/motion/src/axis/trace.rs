@@ -43,10 +43,11 @@ impl Trace {
         self.gap = u32::MAX;
     }
 
-    /// The horizon has come to a point, so many ticks behind the last. The last is forgotten if it lies closer than `least` to the one
-    /// before.
+    /// The horizon has come to a point. The last one is forgotten if it lies closer than `least` ticks to the one before.
     #[inline]
-    pub(super) fn mark(&mut self, t: Ticks, state: State, passed: u32, least: u32) {
+    pub(super) fn mark(&mut self, t: Ticks, state: State, least: u32) {
+        // All points lie less than 2³¹ ticks apart.
+        let passed = (t as u32).wrapping_sub(self.point(0).0 as u32);
         if self.gap < least {
             self.gap = self.gap.saturating_add(passed);
         } else {
