@@ -138,6 +138,53 @@ fn pulses_stay_close_to_the_plan_at_high_rates() {
     assert!(number(&full, "max_step_time_error_s") <= 25e-6);
 }
 
+/// Every pulse of the file against the trapezoid in closed form: none is further from it than the report says.
+#[test]
+fn the_greatest_error_is_that_of_the_worst_pulse() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pulses.csv");
+    let (distance, top, ramp) = (300_000.0, 1e6, 5e6);
+    let report = report(&format!(
+        "--distance 300000 --velocity 1000000 --acceleration 5000000 --pulses {}",
+        path.to_str().unwrap()
+    ));
+    let end = number(&report, "duration_s");
+    let travelled = |t: f64| match t {
+        _ if t < top / ramp => ramp * t * t / 2.0,
+        _ if end - t < top / ramp => distance - ramp * (end - t) * (end - t) / 2.0,
+        _ => top * top / ramp / 2.0 + (t - top / ramp) * top,
+    };
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mut worst = 0.0f64;
+    for line in text.lines().skip(1) {
+        let (tick, position) = line.split_once(',').unwrap();
+        let (tick, position): (f64, f64) = (tick.parse().unwrap(), position.parse().unwrap());
+        worst = worst.max((travelled(tick / 168e6) - (position - 0.5)).abs());
+    }
+    let told = number(&report, "max_position_error_steps");
+    assert!((told - worst).abs() < 1e-4, "{told} is not {worst}");
+    assert!(worst > 0.1, "{worst}");
+}
+
+/// The pulses of 63 years are not played, and nobody has to wait to learn it.
+#[test]
+fn a_move_too_long_to_play_is_refused() {
+    assert_refused(
+        "--distance 2000000000 --velocity 1 --acceleration 1",
+        "takes 23148 days",
+    );
+}
+
+#[test]
+fn longer_segments_than_the_drives_are_told() {
+    let arguments = "--distance 2600 --velocity 1 --acceleration 1";
+    let output = run(&arguments.split_whitespace().collect::<Vec<_>>());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("segments of 0.000260 s"), "{text}");
+    let segment = number(&report(arguments), "segment_s");
+    assert!((segment - 2_601.0 / 10e6).abs() < 1e-8, "{segment}");
+}
+
 #[test]
 fn the_pulses_of_the_file_are_those_of_the_report() {
     let folder = tempfile::tempdir().unwrap();

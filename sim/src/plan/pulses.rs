@@ -2,6 +2,9 @@
 //!
 //! A pulse belongs where the plan crosses the middle between two whole steps. How far the plan is from there when the pulse comes is
 //! its position error; how far away in time the crossing is, its time error.
+//!
+//! Within a run of even periods the position error is greatest at its ends or where the plan is as fast as the run, so these pulses stand for
+//! all of a long run.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -11,8 +14,8 @@ use motion::{Axis, Plan, PulseSink, Record, Ticks};
 
 use super::request::Move;
 
-/// So many pulses at most are compared with the plan; of longer moves, those of every so many records.
-const MOST_COMPARED: u64 = 2_000_000;
+/// Runs of so many pulses are compared pulse by pulse.
+const SHORT_RUN: u64 = 24;
 
 /// Gets the tick of every pulse and the position after it, counted from the start.
 type Note<'a> = &'a mut dyn FnMut(Ticks, i64) -> io::Result<()>;
@@ -74,8 +77,6 @@ pub(super) fn play(planned: &Move, mut note: Option<Note<'_>>) -> io::Result<Pla
             position: planned.origin,
             ..Played::default()
         },
-        stride: estimate(planned) / MOST_COMPARED + 1,
-        records: 0,
     };
     let mut now = 0;
     // One segment for each call, as in the drive; a few more to play what is left.
@@ -96,32 +97,10 @@ pub(super) fn play(planned: &Move, mut note: Option<Note<'_>>) -> io::Result<Pla
     Ok(played)
 }
 
-/// About how many pulses there will be.
-fn estimate(planned: &Move) -> u64 {
-    let corners = planned.plan.phases().iter().map(|phase| phase.start());
-    let mut last = planned.plan.state_at(0).position;
-    let mut sum = 0;
-    for corner in corners.chain([planned.end]) {
-        let position = planned.plan.state_at(corner).position;
-        // A phase of a move over the full span is longer than what a signed number holds.
-        let way = position.bits().wrapping_sub(last.bits());
-        sum += if planned.plan.phases().len() > 1 {
-            way.unsigned_abs() >> 32
-        } else {
-            way.cast_unsigned() >> 32
-        };
-        last = position;
-    }
-    sum
-}
-
 /// Compares pulses with the plan.
 struct Judge<'a> {
     planned: &'a Move,
     played: Played,
-    /// One of so many records is compared.
-    stride: u64,
-    records: u64,
 }
 
 impl Judge<'_> {
@@ -135,28 +114,27 @@ impl Judge<'_> {
             return Ok(());
         }
         let sign = i64::from(record.direction.sign());
-        let is_compared = self.records.is_multiple_of(self.stride);
-        self.records += 1;
+        let origin = self.played.position;
         // Behind a target that is passed with a velocity there is more to come.
         let period = u64::from(record.period);
         let in_time = (self.planned.end + period).saturating_sub(start) / period;
         let pulses = in_time.min(record.repeat.into());
-        if !is_compared && note.is_none() {
-            self.played.position += pulses as i64 * sign;
-            self.played.pulses += pulses;
-            return Ok(());
+        let run = Run {
+            start,
+            period,
+            pulses,
+        };
+        for pulse in run.worst(&self.planned.plan) {
+            self.compare(run.tick(pulse), origin + pulse as i64 * sign, sign);
         }
-        for pulse in 0..pulses {
-            let tick = start + pulse * period;
-            if is_compared {
-                self.compare(tick, self.played.position, sign);
-            }
-            self.played.position += sign;
-            self.played.pulses += 1;
-            if let Some(note) = note {
-                note(tick, self.played.position - self.planned.origin)?;
+        if let Some(note) = note {
+            for pulse in 0..pulses {
+                let position = origin + (pulse + 1) as i64 * sign;
+                note(run.tick(pulse), position - self.planned.origin)?;
             }
         }
+        self.played.position += pulses as i64 * sign;
+        self.played.pulses += pulses;
         Ok(())
     }
 
@@ -174,6 +152,46 @@ impl Judge<'_> {
             let off = crossing(plan, tick, middle, sign).abs_diff(tick) as f64;
             self.played.time_error = self.played.time_error.max(off);
         }
+    }
+}
+
+/// Pulses of one period.
+struct Run {
+    start: Ticks,
+    period: Ticks,
+    pulses: u64,
+}
+
+impl Run {
+    const fn tick(&self, pulse: u64) -> Ticks {
+        self.start + pulse * self.period
+    }
+
+    /// The pulses one of which is the furthest from the plan.
+    fn worst(&self, plan: &Plan) -> Vec<u64> {
+        if self.pulses <= SHORT_RUN {
+            return (0..self.pulses).collect();
+        }
+        let is_faster = |pulse: u64| {
+            let speed = plan.state_at(self.tick(pulse)).velocity.bits();
+            u128::from(speed.unsigned_abs()) * u128::from(self.period) >= 1 << 56
+        };
+        let last = self.pulses - 1;
+        let mut worst = vec![0, last];
+        let first = is_faster(0);
+        if first != is_faster(last) {
+            let (mut before, mut behind) = (0, last);
+            while behind - before > 1 {
+                let half = before.midpoint(behind);
+                if is_faster(half) == first {
+                    before = half;
+                } else {
+                    behind = half;
+                }
+            }
+            worst.extend([before, behind]);
+        }
+        worst
     }
 }
 

@@ -14,6 +14,9 @@ use crate::chart::{self, Chart};
 /// Points of a curve.
 const POINTS: u64 = 1000;
 
+/// The segments of the drive, in seconds, but for a tick.
+const DRIVE_SEGMENT: f64 = 250.5e-6;
+
 /// A stretch of the move.
 #[derive(Debug, Serialize)]
 struct Phase {
@@ -37,6 +40,8 @@ pub(super) struct Report {
     final_position: i64,
     max_position_error_steps: f64,
     max_step_time_error_s: f64,
+    /// The segments of which the pulses were made.
+    segment_s: f64,
     phases: Vec<Phase>,
 }
 
@@ -73,6 +78,7 @@ impl Report {
             final_position: played.position,
             max_position_error_steps: played.position_error,
             max_step_time_error_s: played.time_error / rate,
+            segment_s: seconds(planned.axis.segment.into()),
             phases,
         }
     }
@@ -97,6 +103,13 @@ impl fmt::Display for Report {
             self.max_position_error_steps,
             self.max_step_time_error_s * 1e6
         )?;
+        if self.segment_s > DRIVE_SEGMENT {
+            writeln!(
+                f,
+                "                made in segments of {:.6} s, longer than the drive's of 250 µs",
+                self.segment_s
+            )?;
+        }
         for phase in &self.phases {
             writeln!(
                 f,

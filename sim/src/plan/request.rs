@@ -12,7 +12,7 @@ const PULSE: u32 = 100;
 const TURN: u32 = 20;
 
 /// Pulses are made in segments of 250 µs, as in the drive. A move that lasts for hours gets longer ones, so that there are at
-/// most so many; no segment lasts longer than a second.
+/// most so many; no segment lasts longer than a second, and what would need more of them is not played.
 const MOST_SEGMENTS: u64 = 10_000_000;
 
 /// A planned move.
@@ -86,6 +86,14 @@ impl Move {
             None => passing(&plan, target)?,
         };
         let second = u64::from(clock.hz());
+        if end / second > MOST_SEGMENTS {
+            let days = 86_400 * second;
+            return Err(format!(
+                "the move takes {} days: its pulses are played for {} days at most",
+                end / days,
+                MOST_SEGMENTS / 86_400
+            ));
+        }
         let segment = (end / MOST_SEGMENTS).clamp(second / 4000, second.min(1 << 28));
         Ok(Self {
             clock,
