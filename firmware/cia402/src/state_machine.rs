@@ -267,10 +267,14 @@ impl StateMachine {
             seen.quick_stop = QuickStopOption::QuickStopRamp;
             self.quick_stop = QuickStopOption::QuickStopRamp;
         }
-        let stays = self.quick_stop.stays();
+        let triggers = seen.triggers(self.quick_stop.stays());
+        // In most ticks nothing happens: the table is not searched for that.
+        if triggers & leading_out_of(self.state) == 0 {
+            return None;
+        }
         let transition = TRANSITIONS
             .iter()
-            .find(|row| row.from == self.state && row.trigger.applies(&seen, stays))?;
+            .find(|row| row.from == self.state && triggers & row.trigger.bit() != 0)?;
         if transition.to == State::QuickStopActive {
             self.quick_stop = seen.quick_stop;
         }
@@ -285,22 +289,76 @@ impl Default for StateMachine {
     }
 }
 
+/// Commands in [`Trigger::bit`].
+const COMMAND: u32 = 1;
+/// Commands at standstill, behind the five commands.
+const AT_STANDSTILL: u32 = COMMAND + 5;
+
 impl Trigger {
-    fn applies(self, seen: &Conditions, stays: bool) -> bool {
-        match self {
-            Self::Automatic => true,
-            Self::Command(command) => seen.command == Some(command),
-            Self::AtStandstill(command) => {
-                (seen.standstill || seen.at_once) && seen.command == Some(command)
+    /// A bit for each trigger.
+    const fn bit(self) -> u32 {
+        let number = match self {
+            Self::Automatic => 0,
+            Self::Command(command) => COMMAND.wrapping_add(command as u32),
+            Self::AtStandstill(command) => AT_STANDSTILL.wrapping_add(command as u32),
+            Self::QuickStopCompleted => 11,
+            Self::Resume => 12,
+            Self::Fault => 13,
+            Self::ReactionCompleted => 14,
+            Self::FaultReset => 15,
+        };
+        1_u32.wrapping_shl(number)
+    }
+}
+
+impl Conditions {
+    /// The bits of all triggers that are there. `stays` tells of the quick stop under way.
+    fn triggers(&self, stays: bool) -> u32 {
+        let bit = |is_there: bool, trigger: Trigger| if is_there { trigger.bit() } else { 0 };
+        let command = self
+            .command
+            .map_or(0, |given| 1_u32.wrapping_shl(given as u32));
+        let may_leave = self.standstill || self.at_once;
+        let resumes = stays && self.command == Some(Command::EnableOperation);
+        bit(true, Trigger::Automatic)
+            | command << COMMAND
+            | if may_leave {
+                command << AT_STANDSTILL
+            } else {
+                0
             }
-            Self::QuickStopCompleted => seen.standstill && !stays,
-            Self::Resume => {
-                seen.standstill && stays && seen.command == Some(Command::EnableOperation)
-            }
-            Self::Fault => seen.fault,
-            Self::ReactionCompleted => seen.standstill,
-            Self::FaultReset => seen.fault_reset,
+            | bit(self.standstill && !stays, Trigger::QuickStopCompleted)
+            | bit(self.standstill && resumes, Trigger::Resume)
+            | bit(self.fault, Trigger::Fault)
+            | bit(self.standstill, Trigger::ReactionCompleted)
+            | bit(self.fault_reset, Trigger::FaultReset)
+    }
+}
+
+/// The bits of the triggers that lead out of a state.
+const fn triggers_out_of(state: State) -> u32 {
+    let mut bits = 0;
+    let mut rows = TRANSITIONS.as_slice();
+    while let [row, rest @ ..] = rows {
+        if row.from as u8 == state as u8 {
+            bits |= row.trigger.bit();
         }
+        rows = rest;
+    }
+    bits
+}
+
+/// The same, worked out by the compiler.
+const fn leading_out_of(state: State) -> u32 {
+    match state {
+        State::NotReadyToSwitchOn => const { triggers_out_of(State::NotReadyToSwitchOn) },
+        State::SwitchOnDisabled => const { triggers_out_of(State::SwitchOnDisabled) },
+        State::ReadyToSwitchOn => const { triggers_out_of(State::ReadyToSwitchOn) },
+        State::SwitchedOn => const { triggers_out_of(State::SwitchedOn) },
+        State::OperationEnabled => const { triggers_out_of(State::OperationEnabled) },
+        State::QuickStopActive => const { triggers_out_of(State::QuickStopActive) },
+        State::FaultReactionActive => const { triggers_out_of(State::FaultReactionActive) },
+        State::Fault => const { triggers_out_of(State::Fault) },
     }
 }
 

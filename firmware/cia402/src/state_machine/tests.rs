@@ -232,3 +232,62 @@ proptest! {
         }
     }
 }
+
+/// What the triggers say, in words.
+fn is_there(trigger: Trigger, seen: &Conditions, stays: bool) -> bool {
+    match trigger {
+        Trigger::Automatic => true,
+        Trigger::Command(command) => seen.command == Some(command),
+        Trigger::AtStandstill(command) => {
+            (seen.standstill || seen.at_once) && seen.command == Some(command)
+        }
+        Trigger::QuickStopCompleted => seen.standstill && !stays,
+        Trigger::Resume => {
+            seen.standstill && stays && seen.command == Some(Command::EnableOperation)
+        }
+        Trigger::Fault => seen.fault,
+        Trigger::ReactionCompleted => seen.standstill,
+        Trigger::FaultReset => seen.fault_reset,
+    }
+}
+
+#[test]
+fn the_first_row_whose_trigger_is_there_is_taken_and_no_other() {
+    let commands = [
+        None,
+        Some(Command::Shutdown),
+        Some(Command::SwitchOn),
+        Some(Command::EnableOperation),
+        Some(Command::QuickStop),
+        Some(Command::DisableVoltage),
+    ];
+    let options = [
+        QuickStopOption::QuickStopRamp,
+        QuickStopOption::QuickStopRampAndStay,
+    ];
+    for state in State::ALL {
+        for (command, bits) in commands
+            .into_iter()
+            .flat_map(|c| (0..16_u8).map(move |b| (c, b)))
+        {
+            for quick_stop in options {
+                let has = |bit: u8| bits & 1 << bit != 0;
+                let conditions = Conditions {
+                    command,
+                    at_once: has(0),
+                    standstill: has(1),
+                    fault: has(2),
+                    fault_reset: has(3),
+                    ..CALM
+                };
+                let expected = TRANSITIONS.iter().find(|row| {
+                    row.from == state && is_there(row.trigger, &conditions, quick_stop.stays())
+                });
+                let mut machine = machine_in(state, quick_stop);
+                let taken = machine.step(&conditions);
+                assert_eq!(taken.as_ref(), expected, "{state:?}, {conditions:?}");
+                assert_eq!(machine.state(), expected.map_or(state, |row| row.to));
+            }
+        }
+    }
+}
