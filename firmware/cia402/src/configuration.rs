@@ -7,6 +7,7 @@
 use motion::{SignedSpeed, Speed, homing};
 
 use crate::brake::BrakeTimes;
+use crate::copied::copy_fields;
 use crate::cyclic::CyclicConfiguration;
 use crate::inputs::InputConfiguration;
 use crate::objects::Objects;
@@ -261,6 +262,12 @@ impl Configuration {
         power_stage: Thresholds::NONE,
         cyclic: CyclicConfiguration::NONE,
     };
+
+    /// Takes over all of another one, field by field.
+    #[inline]
+    pub(crate) fn assign(&mut self, from: &Self) {
+        copy_fields!(Self { units, brake, pulse_timing, abort_connection, quick_stop, shutdown, disable_operation, halt, fault_reaction, quick_stop_deceleration, position_limits, position_limit_options, following_error_window, following_error_time_out, position_window, position_window_time, velocity_window, velocity_window_time, velocity_threshold, velocity_threshold_time, max_slippage, max_velocity, max_acceleration, max_deceleration, profile, velocity, inputs, homing, touch_probe_sources, outputs, analogue, currents, microsteps, is_reversed, power_stage, cyclic }, from => self);
+    }
 
     /// What the objects of a dictionary say. A code that means nothing (only a data sheet can hold one) counts as the default
     /// of the standard.

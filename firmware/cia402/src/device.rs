@@ -305,7 +305,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             configuration.cyclic.cycle =
                 od::read_u32(dictionary, sync::PERIOD, 0).unwrap_or_default();
             self.hooks.set_units(configuration.units);
-            exchange.lock(|exchange| exchange.configure(configuration));
+            exchange.lock(|exchange| exchange.configure(&configuration));
         }
         if let Some(orders) = self.hooks.desk.take_orders() {
             exchange.lock(|exchange| exchange.order(orders));

@@ -181,12 +181,13 @@ impl Drive {
         pulses: &mut S,
         exchange: &mut X,
     ) -> Outputs {
-        let is_configured = exchange.lock(|exchange| {
-            let is_configured = exchange.take(&mut self.commands, &mut self.configuration);
-            self.cyclic
-                .take(exchange, &self.configuration.cyclic, self.modes.active());
-            is_configured
-        });
+        let waiting = exchange.lock(|exchange| exchange.take(&mut self.commands));
+        if waiting.is_configured {
+            exchange.lock(|exchange| exchange.take_configuration(&mut self.configuration));
+        }
+        let cyclic = &self.configuration.cyclic;
+        self.cyclic
+            .take(waiting, exchange, cyclic, self.modes.active());
         let command = self.given_command();
         let elapsed = now
             .checked_duration_since(self.ticked)
@@ -212,7 +213,7 @@ impl Drive {
         self.motor.observe(position, self.power, pulses);
         self.motor.set_time(fine(now));
         self.cyclic.pass(fine(now));
-        if is_configured || self.limits.are_old(&self.frame, self.motor.is_referenced()) {
+        if waiting.is_configured || self.limits.are_old(&self.frame, self.motor.is_referenced()) {
             self.look_at_units(position);
         }
         self.switches.observe(
@@ -249,9 +250,15 @@ impl Drive {
         }
 
         let actuals = self.actuals(now, inputs, mode_bits);
+        let news = self.periphery_news(inputs);
         exchange.lock(|exchange| {
-            exchange.publish(actuals);
-            self.publish_periphery(inputs, exchange);
+            exchange.publish(&actuals);
+            if let Some(latched) = news.latched {
+                exchange.latch(latched);
+            }
+            if let Some(readings) = news.readings {
+                exchange.show(readings);
+            }
             if restarts {
                 exchange.forget_notices();
             }

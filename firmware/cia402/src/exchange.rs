@@ -10,6 +10,7 @@ use motion::{SignedSpeed, Speed};
 
 use crate::configuration::Configuration;
 use crate::controlword::{Command, NEW_SET_POINT};
+use crate::copied::copy_fields;
 use crate::cyclic::{Beat, Buffer, SyncStatus};
 use crate::faults::FaultNotice;
 use crate::modes::Mode;
@@ -135,6 +136,12 @@ impl Commands {
         self
     }
 
+    /// Takes over all of other ones, field by field.
+    #[inline]
+    fn assign(&mut self, from: &Self) {
+        copy_fields!(Self { controlword, rising, stop, shutdown_first, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point }, from => self);
+    }
+
     /// A tick has seen what is only given once.
     const fn forget_passed(&mut self) {
         self.rising = 0;
@@ -215,6 +222,12 @@ impl Actuals {
         )
     }
 
+    /// Takes over all of other ones, field by field.
+    #[inline]
+    fn assign(&mut self, from: &Self) {
+        copy_fields!(Self { at, statusword, mode_display, error_code, vl_velocity_demand, vl_velocity_actual, position_demand, position_actual_internal, position_actual, velocity_demand, velocity_actual, following_error, digital_inputs, referenced, homing_failure, sync, is_moving, safe }, from => self);
+    }
+
     /// What is known before the first tick: a drive that is not ready to switch on.
     pub const NONE: Self = Self {
         at: Instant::from_ticks(0),
@@ -246,6 +259,19 @@ impl Actuals {
     }
 }
 
+/// What waits for a control tick beside the commands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Waiting {
+    /// The configuration is a new one.
+    pub is_configured: bool,
+    /// 60C4h:6 was 0 since the last tick: data records from before are not to be carried out.
+    pub clears_records: bool,
+    /// So many data records.
+    pub records: usize,
+    /// So many beats.
+    pub beats: usize,
+}
+
 /// Beats that wait for a tick. There is about one for each.
 const BEATS: usize = 4;
 
@@ -269,8 +295,9 @@ pub struct Exchange {
     /// An edge of bit 4 is on its way to a tick, or the tick that took it has not published yet.
     start_posted: bool,
     start_taken: bool,
-    newest: Actuals,
-    before: Actuals,
+    /// The last two sets of actual values, and which of them is the newest.
+    actuals: [Actuals; 2],
+    is_second_newest: bool,
     notices: Deque<FaultNotice, NOTICES>,
     /// Beats and data records that no tick has taken yet. A master fills the buffer 60C4h with records back to back.
     beats: Deque<Beat, BEATS>,
@@ -299,8 +326,8 @@ impl Exchange {
             answered: 0,
             start_posted: false,
             start_taken: false,
-            newest: Actuals::NONE,
-            before: Actuals::NONE,
+            actuals: [Actuals::NONE; 2],
+            is_second_newest: false,
             notices: Deque::new(),
             beats: Deque::new(),
             records: Buffer::new(),
@@ -323,37 +350,46 @@ impl Exchange {
     }
 
     /// Sets what is set up. Call it before [`Exchange::post`], so that a tick that sees the commands knows it.
-    pub fn configure(&mut self, configuration: Configuration) {
+    pub fn configure(&mut self, configuration: &Configuration) {
         if !configuration.cyclic.buffer.is_open {
             self.clears_records = true;
             self.records.clear();
         }
-        self.configuration = configuration;
+        self.configuration.assign(configuration);
         self.is_configured = true;
     }
 
-    /// Brings a control tick's copies up to date. Edges and commands to stop are given once. Returns whether the configuration is
-    /// a new one.
-    pub fn take(&mut self, commands: &mut Commands, configuration: &mut Configuration) -> bool {
-        let is_configured = core::mem::take(&mut self.is_configured);
-        if is_configured {
-            *configuration = self.configuration;
-        }
+    /// Brings a control tick's copy of the commands up to date. Edges and commands to stop are given once. Returns what else there is to
+    /// take.
+    pub fn take(&mut self, commands: &mut Commands) -> Waiting {
         if self.taken == self.posted {
             commands.forget_passed();
         } else {
-            *commands = self.commands;
+            commands.assign(&self.commands);
             self.commands.forget_passed();
             self.taken = self.posted;
             self.start_taken |= core::mem::take(&mut self.start_posted);
         }
-        is_configured
+        Waiting {
+            is_configured: self.is_configured,
+            clears_records: core::mem::take(&mut self.clears_records),
+            records: self.records.len(),
+            beats: self.beats.len(),
+        }
+    }
+
+    /// Brings a control tick's copy of the configuration up to date, behind the commands: with these it knows what was set before.
+    pub fn take_configuration(&mut self, configuration: &mut Configuration) {
+        self.is_configured = false;
+        configuration.assign(&self.configuration);
     }
 
     /// Publishes what a control tick has made.
-    pub fn publish(&mut self, actuals: Actuals) {
-        self.before = self.newest;
-        self.newest = actuals;
+    pub fn publish(&mut self, actuals: &Actuals) {
+        self.is_second_newest = !self.is_second_newest;
+        let [first, second] = &mut self.actuals;
+        let oldest = if self.is_second_newest { second } else { first };
+        oldest.assign(actuals);
         self.answered = self.taken;
         self.start_taken = false;
     }
@@ -391,11 +427,13 @@ impl Exchange {
     /// Homing that is about to begin shows as begun, without waiting for the tick: a master that reads the statusword right behind
     /// its start would take the bits from before for the result.
     pub fn actuals_at(&self, stamp: Instant) -> Actuals {
-        let mut actuals = if self.newest.at <= stamp {
-            self.newest
+        let [first, second] = &self.actuals;
+        let (newest, before) = if self.is_second_newest {
+            (second, first)
         } else {
-            self.before
+            (first, second)
         };
+        let mut actuals = if newest.at <= stamp { *newest } else { *before };
         if (self.start_posted || self.start_taken) && actuals.is_ready_to_home() {
             actuals.statusword &= !(TARGET_REACHED | HOMING_ATTAINED | HOMING_ERROR);
         }
@@ -404,7 +442,8 @@ impl Exchange {
 
     /// The newest actual values.
     pub const fn newest(&self) -> &Actuals {
-        &self.newest
+        let [first, second] = &self.actuals;
+        if self.is_second_newest { second } else { first }
     }
 
     /// Orders for the scope, which the next tick takes.
@@ -435,7 +474,7 @@ impl Exchange {
 
     /// Whether a tick that has seen the latest commands found power off and the motor at rest.
     pub fn is_safe(&self) -> bool {
-        self.newest.safe && self.answered == self.posted
+        self.newest().safe && self.answered == self.posted
     }
 
     /// A beat came, behind the commands that were posted with it.
@@ -454,13 +493,6 @@ impl Exchange {
     /// A data record of the interpolated position mode came. As many wait for a tick as 60C4h lets wait.
     pub fn record(&mut self, record: i32) {
         self.records.push(record, self.configuration.cyclic.buffer);
-    }
-
-    /// Whether the data records were to be cleared since the last call.
-    pub const fn take_clear(&mut self) -> bool {
-        let clears = self.clears_records;
-        self.clears_records = false;
-        clears
     }
 
     /// The oldest data record that no tick has taken yet.

@@ -23,6 +23,7 @@ pub mod binding;
 pub mod brake;
 pub mod configuration;
 pub mod controlword;
+mod copied;
 pub mod cyclic;
 pub mod device;
 pub mod drive;

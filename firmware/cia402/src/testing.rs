@@ -193,7 +193,7 @@ impl Rig {
     /// The other commands have changed.
     pub(crate) fn post(&mut self) {
         let passed = self.history.take();
-        self.exchange.configure(self.configuration);
+        self.exchange.configure(&self.configuration);
         self.exchange.post(Commands {
             rising: passed.rising,
             stop: passed.stop,

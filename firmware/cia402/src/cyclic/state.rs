@@ -7,8 +7,8 @@ use super::buffer::Buffer;
 use super::clock::{NetworkClock, Slots};
 use super::pipeline::Pipeline;
 use super::schedule::Schedule;
-use super::{CyclicConfiguration, Fine, POINT, SyncStatus};
-use crate::exchange::Exchange;
+use super::{Beat, CyclicConfiguration, Fine, POINT, SyncStatus};
+use crate::exchange::{Exchange, Share, Waiting};
 use crate::modes::Mode;
 
 /// The clock of the network, the rhythm of the control ticks, and what waits.
@@ -40,32 +40,41 @@ impl Cyclic {
         }
     }
 
-    /// Takes what has come since the last tick.
-    pub(crate) fn take(
+    /// Takes what has come since the last tick: each piece under a lock of its own, and nothing is worked out there.
+    pub(crate) fn take<X: Share>(
         &mut self,
-        exchange: &mut Exchange,
+        waiting: Waiting,
+        exchange: &mut X,
         configuration: &CyclicConfiguration,
         mode: Mode,
     ) {
         self.slots.clear();
-        if exchange.take_clear() || mode != Mode::InterpolatedPosition {
+        if waiting.clears_records || mode != Mode::InterpolatedPosition {
             self.buffer.clear();
         }
-        while let Some(record) = exchange.take_record() {
-            if mode == Mode::InterpolatedPosition {
+        for _ in 0..waiting.records {
+            let record = exchange.lock(Exchange::take_record);
+            if mode == Mode::InterpolatedPosition
+                && let Some(record) = record
+            {
                 self.buffer.push(record, configuration.buffer);
             }
         }
-        let (period, cycle) = (micros(configuration.period), micros(configuration.cycle));
-        while let Some(beat) = exchange.take_beat() {
-            let is_new = match mode {
-                Mode::CyclicVelocity => beat.velocity.is_some(),
-                Mode::InterpolatedPosition => false,
-                _ => beat.position.is_some(),
-            };
-            self.clock
-                .hear(beat, is_new, (period, cycle), &mut self.slots);
+        for _ in 0..waiting.beats {
+            if let Some(beat) = exchange.lock(Exchange::take_beat) {
+                self.hear(beat, configuration, mode);
+            }
         }
+    }
+
+    fn hear(&mut self, beat: Beat, configuration: &CyclicConfiguration, mode: Mode) {
+        let periods = (micros(configuration.period), micros(configuration.cycle));
+        let is_new = match mode {
+            Mode::CyclicVelocity => beat.velocity.is_some(),
+            Mode::InterpolatedPosition => false,
+            _ => beat.position.is_some(),
+        };
+        self.clock.hear(beat, is_new, periods, &mut self.slots);
     }
 
     /// Lets time pass.

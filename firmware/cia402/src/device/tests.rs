@@ -56,8 +56,12 @@ fn what_comes_with_each_rpdo_is_no_new_configuration() {
         (0x60FF, 0, 4, false),
     ] {
         station.download(index, sub, size, 1).unwrap();
-        let is_configured = station.exchange.take(&mut commands, &mut configuration);
-        assert_eq!(is_configured, is_configuration, "{index:04X}h:{sub}");
+        let waiting = station.exchange.take(&mut commands);
+        station.exchange.take_configuration(&mut configuration);
+        assert_eq!(
+            waiting.is_configured, is_configuration,
+            "{index:04X}h:{sub}"
+        );
     }
 }
 

@@ -3,7 +3,7 @@
 use canopen::Instant;
 
 use super::{Drive, Inputs};
-use crate::exchange::Exchange;
+use crate::periphery::News;
 use crate::periphery::digital_outputs::Shown;
 use crate::periphery::motor_current::Motion;
 
@@ -23,12 +23,11 @@ impl Drive {
             .command(&self.commands, &self.configuration.outputs);
     }
 
-    /// What is new goes to the device.
-    pub(super) fn publish_periphery(&mut self, inputs: &Inputs, exchange: &mut Exchange) {
+    /// What is new for the device.
+    pub(super) fn periphery_news(&mut self, inputs: &Inputs) -> News {
         let units = &self.configuration.units;
         let shown = |increments| self.frame.shown(increments, units);
-        self.periphery
-            .publish(shown, inputs, &self.configuration, exchange);
+        self.periphery.news(shown, inputs, &self.configuration)
     }
 
     /// Tells the brake what 60FEh wants of it if that may, else what the state machine wants. 60FEh does not close it on a motor that

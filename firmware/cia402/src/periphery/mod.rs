@@ -15,7 +15,7 @@ use canopen::Instant;
 
 use crate::configuration::Configuration;
 use crate::drive::Inputs;
-use crate::exchange::{Commands, Exchange};
+use crate::exchange::Commands;
 use crate::inputs::Count;
 
 use analogue_input::AnalogueInput;
@@ -49,6 +49,12 @@ impl Readings {
             filtered: 0,
         },
     };
+}
+
+/// What is new in a tick.
+pub(crate) struct News {
+    pub(crate) latched: Option<Latched>,
+    pub(crate) readings: Option<Readings>,
 }
 
 /// The period with which readings are shown, in microseconds.
@@ -97,24 +103,28 @@ impl Periphery {
         self.since_shown = self.since_shown.saturating_add(elapsed);
     }
 
-    /// Hands over what is new. `shown` gives the position that objects show for one of the drive's.
-    pub(crate) fn publish(
+    /// What is new. `shown` gives the position that objects show for one of the drive's.
+    pub(crate) fn news(
         &mut self,
         shown: impl Fn(i64) -> i32,
         inputs: &Inputs,
         configuration: &Configuration,
-        exchange: &mut Exchange,
-    ) {
-        if let Some(latched) = self.probes.take_news(shown) {
-            exchange.latch(latched);
+    ) -> News {
+        News {
+            latched: self.probes.take_news(shown),
+            readings: (self.since_shown >= READING_PERIOD)
+                .then(|| self.readings(inputs, configuration)),
         }
-        if self.since_shown >= READING_PERIOD {
-            self.since_shown = 0;
-            exchange.show(Readings {
-                supply_voltage: inputs.supply_voltage.unwrap_or(0),
-                temperature: inputs.temperature.unwrap_or(0),
-                analogue: self.analogue.shown(&configuration.analogue),
-            });
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn readings(&mut self, inputs: &Inputs, configuration: &Configuration) -> Readings {
+        self.since_shown = 0;
+        Readings {
+            supply_voltage: inputs.supply_voltage.unwrap_or(0),
+            temperature: inputs.temperature.unwrap_or(0),
+            analogue: self.analogue.shown(&configuration.analogue),
         }
     }
 }

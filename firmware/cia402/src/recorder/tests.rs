@@ -60,7 +60,7 @@ impl<'a> Bench<'a> {
             digital_inputs: position as u32 & 0xFF,
             ..Actuals::NONE
         };
-        self.exchange.publish(actuals);
+        self.exchange.publish(&actuals);
         self.shown.push(actuals);
         self.recorder.tick(&self.rig.drive, &mut self.exchange);
         self.exchange.scope().state

@@ -153,7 +153,8 @@ fn the_application_hears_of_what_the_drive_allows() {
     assert_eq!(bench.device.application().told, [0x6081]);
     let mut commands = crate::Commands::NONE;
     let mut configuration = crate::Configuration::NONE;
-    bench.exchange.take(&mut commands, &mut configuration);
+    bench.exchange.take(&mut commands);
+    bench.exchange.take_configuration(&mut configuration);
     assert_eq!(commands.profile_velocity, 14.into());
 }
 
