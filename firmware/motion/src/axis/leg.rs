@@ -115,7 +115,7 @@ mod tests {
             lengths in prop::collection::vec((0u8..8, 1u32..100_000), 1..60),
         ) {
             let clock = Clock::new(168_000_000).unwrap();
-            let limits = Limits { velocity, acceleration, deceleration };
+            let limits = Limits { velocity: velocity.into(), acceleration, deceleration };
             let plan = Plan::move_to(clock, 77, State::default(), target, limits).unwrap();
             for phase in plan.phases() {
                 let mut t = phase.start();
