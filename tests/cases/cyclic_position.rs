@@ -436,8 +436,10 @@ fn m44_a_software_limit_stops_before_it() {
     assert!(master.has(INTERNAL_LIMIT));
     assert!(!master.has(FOLLOWS), "it stands, and not at its set-point");
     assert!(master.shown.iter().all(|shown| *shown <= 1_000));
+    master.shown.clear();
     master.steps([900; 500]);
     assert_eq!(master.drive.position(), 900, "the way back is free");
+    assert!(hardest(&master.shown) <= 3, "on the ramp of 6083h");
     assert!(master.has(FOLLOWS) && !master.has(INTERNAL_LIMIT));
 }
 
@@ -506,7 +508,7 @@ fn m68_interpolated_position_goes_through_its_records_while_bit_4_is_set() {
 }
 
 /// An expedited SDO download of 32 bits to a sub-index.
-fn expedited_sub(index: u16, sub: u8, value: i32) -> [u8; 8] {
+pub(crate) fn expedited_sub(index: u16, sub: u8, value: i32) -> [u8; 8] {
     let mut data = expedited(index, value);
     data[3] = sub;
     data

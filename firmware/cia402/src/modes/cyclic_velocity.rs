@@ -9,7 +9,8 @@
 //! - A missing set-point keeps the velocity, as often as 2051h:1 says. Then the motor stops with 6085h, and 2051h:2 says what else.
 //! - Halt (bit 8) stops on the ramp of 605Dh; set-points that come after it count again.
 //!
-//! Bit 10: during halt, the motor stands. Bit 12, drive follows the command value.
+//! Bit 10: during halt, the motor stands. Bit 12, drive follows the command value: 0 as well while a software limit or a limit switch keeps
+//! it from that.
 
 use super::Context;
 use motion::{SignedSpeed, Speed};
@@ -25,6 +26,8 @@ use crate::statusword::{FOLLOWS, INTERNAL_LIMIT, TARGET_REACHED};
 pub(super) struct CyclicVelocity {
     follows: bool,
     is_limited: bool,
+    /// A software limit or a limit switch is in the way.
+    is_barred: bool,
     held: bool,
     /// What is asked for.
     velocity: SignedSpeed,
@@ -38,6 +41,7 @@ impl CyclicVelocity {
         Self {
             follows: false,
             is_limited: false,
+            is_barred: false,
             held: false,
             velocity: SignedSpeed::ZERO,
             carried_out: SignedSpeed::ZERO,
@@ -58,6 +62,7 @@ impl CyclicVelocity {
     pub(super) const fn limit_met(&mut self) {
         self.follows = false;
         self.is_limited = true;
+        self.is_barred = true;
     }
 
     /// One control tick; returns statusword bits 10 to 12.
@@ -79,7 +84,7 @@ impl CyclicVelocity {
             context.is_halted() && context.motor.standstill(),
             TARGET_REACHED,
         ) | bit(self.is_limited, INTERNAL_LIMIT)
-            | bit(self.follows, FOLLOWS)
+            | bit(self.follows && !self.is_barred, FOLLOWS)
     }
 
     fn take(&mut self, slot: &Slot, context: &mut Context<'_>) {
@@ -124,13 +129,14 @@ impl CyclicVelocity {
     fn allowed(&mut self, slot: &Slot, context: &Context<'_>) -> SignedSpeed {
         let asked = self.velocity;
         let before = context.motor.course_end();
-        let velocity = asked.within(context.max_velocity());
-        let velocity = before_limit(velocity, slot, before.position, context);
+        let wanted = asked.within(context.max_velocity());
+        let velocity = before_limit(wanted, slot, before.position, context);
         let velocity = if context.motor.is_free(velocity.bits()).is_err() {
             SignedSpeed::ZERO
         } else {
             velocity
         };
+        self.is_barred = velocity != wanted;
         if self.carried_out.abs_diff(before.velocity) > Speed::per_second(1) {
             // Somebody else has moved the motor.
             self.carried_out = before.velocity;

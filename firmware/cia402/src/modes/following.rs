@@ -96,6 +96,12 @@ impl Following {
         self.is_limited
     }
 
+    /// Whether what was given to the axis ends at the last set-point as it was asked for; `None` while none is followed.
+    pub(super) fn is_at_goal(&self) -> Option<bool> {
+        let is_there = self.way == 0 && self.at == self.goal.wrapping_shl(POINT);
+        self.is_active.then_some(is_there)
+    }
+
     /// A limit switch stops the motor.
     pub(super) fn limit_met(&mut self) {
         self.forget();
@@ -200,11 +206,9 @@ impl Following {
     fn allowed(&mut self, need: i64, interval: Fine, context: &Context<'_>) -> i64 {
         let asked = need;
         let need = within_travel(self.at, need, context.travel);
-        if context.motor.is_free(need).is_err() {
-            self.is_limited = true;
-            self.is_catching_up = false;
-            return 0;
-        }
+        let need = Self::unbarred(need, context);
+        // A set-point beyond a limit stands still there.
+        let pace = if need == asked { self.pace } else { 0 };
         let seconds = seconds(interval);
         let most = way_at(context.max_velocity(), seconds);
         let (limits, _) = context.within(Limits {
@@ -217,31 +221,31 @@ impl Following {
         let change = need.saturating_sub(self.way);
         // Both this change and the one to the velocity of the set-points, behind it.
         let is_gentle = change.saturating_abs() <= up.max(down)
-            && need.saturating_sub(self.pace).saturating_abs() <= down;
+            && need.saturating_sub(pace).saturating_abs() <= down;
         let is_in_reach = need.saturating_abs() <= most && (!self.is_catching_up || is_gentle);
         let way = if is_in_reach {
-            self.is_catching_up = false;
             need
         } else {
-            self.is_catching_up = true;
-            self.chase(need, most, (up, down))
+            self.chase(need, pace, most, (up, down))
         };
         let way = self.before_limit(way, seconds, context);
-        self.is_limited = self.is_catching_up || asked != need || way != need;
+        let way = Self::unbarred(way, context);
+        // Out of a limit, too, the motor goes on with no jump.
+        self.is_catching_up = !is_in_reach || way != asked;
+        self.is_limited = self.is_catching_up;
         way
     }
 
     /// The way in this period on a ramp that ends with the set-points, at their velocity.
-    fn chase(&self, need: i64, most: i64, (up, down): (i64, i64)) -> i64 {
-        let behind = need.saturating_sub(self.pace);
+    fn chase(&self, need: i64, pace: i64, most: i64, (up, down): (i64, i64)) -> i64 {
+        let behind = need.saturating_sub(pace);
         let gained = braking_way(behind.saturating_abs(), down).min(behind.saturating_abs());
         let gained = if behind < 0 {
             gained.wrapping_neg()
         } else {
             gained
         };
-        let wanted = self
-            .pace
+        let wanted = pace
             .saturating_add(gained)
             .max(most.wrapping_neg())
             .min(most);
@@ -250,6 +254,12 @@ impl Following {
         wanted
             .max(self.way.saturating_sub(step))
             .min(self.way.saturating_add(step))
+    }
+
+    /// The way, if no limit switch bars it.
+    fn unbarred(way: i64, context: &Context<'_>) -> i64 {
+        let is_free = context.motor.is_free(way).is_ok();
+        if is_free { way } else { 0 }
     }
 
     /// The way that still lets the motor stop at a software limit.

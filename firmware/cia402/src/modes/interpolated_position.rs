@@ -6,7 +6,8 @@
 //! - Bit 4 = 0 and halt stop on the ramp of 605Dh. The records stay, and those that come are kept, until 60C4h:6 = 0 clears the buffer. Leaving
 //!   the mode, or operation enabled, clears it too.
 //!
-//! Bit 10: the last record is reached and none waits; during halt, the motor stands. Bit 11 as in cyclic synchronous position. Bit 12: the
+//! Bit 10: the motor stands at the last record and none waits; not where a limit or a stop has kept it from there. During halt, the motor
+//! stands. Bit 11 as in cyclic synchronous position. Bit 12: the
 //! motor follows records.
 
 use super::Context;
@@ -23,8 +24,8 @@ const ENABLE: u16 = NEW_SET_POINT;
 pub(super) struct InterpolatedPosition {
     motion: Following,
     held: bool,
-    /// A record has been followed since the mode began.
-    has_begun: bool,
+    /// The motor stands where the last record has led it.
+    is_there: bool,
 }
 
 impl InterpolatedPosition {
@@ -32,7 +33,7 @@ impl InterpolatedPosition {
         Self {
             motion: Following::new(),
             held: false,
-            has_begun: false,
+            is_there: false,
         }
     }
 
@@ -59,7 +60,6 @@ impl InterpolatedPosition {
             self.held = false;
             for slot in context.slots {
                 let record = context.buffer.pop();
-                self.has_begun |= record.is_some();
                 let target = record.map(|record| context.target(record));
                 if self.motion.take(*slot, target, context) == Outcome::Lost {
                     self.motion.forget();
@@ -67,7 +67,10 @@ impl InterpolatedPosition {
                 }
             }
         }
-        let is_over = self.has_begun && context.buffer.len() == 0 && context.motor.standstill();
+        // Somebody else stops the motor, or it has been at rest since it came there.
+        let is_there = self.motion.is_at_goal().unwrap_or(self.is_there);
+        self.is_there = is_there && context.motor.standstill();
+        let is_over = self.is_there && context.buffer.len() == 0;
         let reached = if is_over { TARGET_REACHED } else { 0 };
         bits(&self.motion, context) | reached
     }
