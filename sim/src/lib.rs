@@ -1,7 +1,7 @@
 //! The virtual drive: the firmware's own core on a PC, with a simulated motor and real CAN frames.
 //!
 //! - [`drive`]: the virtual drive; [`plant`]: its motor; [`machine`]: what its firmware serves beside the drive; [`flash`]: where it keeps its settings.
-//! - [`timer_model`]: the timers of the board that make step pulses, register by register.
+//! - [`timer_model`]: the timers of the board that make step pulses, register by register; [`exactness`]: what is measured on their pins.
 //! - [`bus`]: where frames travel. An in-process bus on virtual time, SLCAN over TCP, SocketCAN.
 //! - [`master`]: a CANopen master, on the in-process bus or on a real one.
 //! - [`data_sheet`]: what the objects of a device are called.
@@ -17,6 +17,7 @@ pub mod cli;
 pub mod data_sheet;
 pub mod demo;
 pub mod drive;
+pub mod exactness;
 pub mod flash;
 pub mod machine;
 pub mod master;

@@ -7,6 +7,7 @@
 //!
 //! It is no model of what software cannot see (synchronisation of the internal trigger, arbitration of the buses).
 
+pub mod board;
 mod judge;
 pub mod rig;
 #[cfg(test)]

@@ -1,0 +1,85 @@
+//! Prints the figures of `docs/benchmarks.md`, "Exactness", for `cargo xtask bench`: name, tab, whole number.
+
+use std::error::Error;
+use std::thread;
+
+use canopen::Duration;
+use sim::exactness::count::{long_moves, sequences};
+use sim::exactness::reaction::{Order, Reaction, longest};
+use sim::exactness::{STEEP, duration, position, rate};
+use sim::timer_model::rig::HZ;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("# Exactness");
+    // Each takes half a minute or so.
+    let other = thread::spawn(|| sequences(1_000_000));
+    let moves = long_moves(1_000_000_000);
+    let random = other
+        .join()
+        .map_err(|_| "the sequences of commands failed")?;
+    row("pulses too many or too few, of 10^9", moves.error);
+    row(
+        "pulses too many or too few, in 10^6 random sequences of commands",
+        random.error,
+    );
+
+    // What is behind the point of a tick is from the last digits of the theory.
+    let ticks = |ticks: f64| (ticks - 1e-3).ceil().max(0.0) as u64;
+    row(
+        "end of a move, moves T01 to T22, ticks of 6 ns",
+        ticks(duration::linear().ticks),
+    );
+    row(
+        "end of a move with limited jerk, moves J01 to J06, ticks of 6 ns",
+        ticks(duration::jerk_limited().ticks),
+    );
+
+    for (name, velocity) in [
+        ("position error at 100 kHz, thousandths of a step", 100_000),
+        ("position error at 500 kHz, thousandths of a step", 500_000),
+        ("position error at 1 MHz, thousandths of a step", 1_000_000),
+    ] {
+        let steps = position::greatest_error(velocity, STEEP);
+        row(name, (steps * 1_000.0).ceil() as u64);
+    }
+
+    let sustained = rate::at(1_000_000, 10)?;
+    row("rate on a full bus, steps/s", sustained.rate);
+    row(
+        "rate on a full bus, pulses too many or too few",
+        sustained.error,
+    );
+    // As fast as the driver bears: high and low take 34 ticks.
+    let ceiling = rate::at(HZ / 34, 1)?;
+    row("ceiling on a full bus, steps/s", ceiling.rate);
+    row(
+        "ceiling on a full bus, pulses too many or too few",
+        ceiling.error,
+    );
+
+    for (name, order) in [("halt", Order::Halt), ("quick stop", Order::QuickStop)] {
+        let mut worst = Reaction::default();
+        for refill in (0..250).step_by(50) {
+            // Ramps of 20 ms, a tenth of a segment longer each.
+            for tenth in 0..10 {
+                let ramp = STEEP - STEEP / 800 * tenth;
+                let reaction = longest(order, Duration::micros(refill), ramp)?;
+                worst.from_tick = worst.from_tick.max(reaction.from_tick);
+                worst.from_frame = worst.from_frame.max(reaction.from_frame);
+            }
+        }
+        let row = |from, microseconds| {
+            row(
+                &format!("{name} to the first slower step, from {from}, µs"),
+                microseconds,
+            );
+        };
+        row("the control tick", worst.from_tick);
+        row("its frame", worst.from_frame);
+    }
+    Ok(())
+}
+
+fn row(name: &str, figure: u64) {
+    println!("{name}\t{figure}");
+}

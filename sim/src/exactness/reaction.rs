@@ -1,0 +1,130 @@
+//! From an order to the end of the first slower step, at the pins.
+
+use canopen::{BitRate, Duration, Frame, Instant};
+
+use super::enabled;
+use crate::bus::Station;
+use crate::bus::simulated::Bus;
+use crate::master::Failure;
+use crate::timer_model::board::Board;
+use crate::timer_model::rig::HZ;
+
+/// What stops the motor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Bit 8 of the controlword.
+    Halt,
+    /// Bit 2 of the controlword falls.
+    QuickStop,
+}
+
+/// The longest reactions, in microseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Reaction {
+    /// From the control tick that has found the order.
+    pub from_tick: u64,
+    /// From the last bit of the frame that brought it, which may have come just behind a control tick.
+    pub from_frame: u64,
+}
+
+/// The velocity that is left, in steps/s.
+const VELOCITY: i32 = 100_000;
+
+/// Each order comes so many microseconds later, in relation to the control tick.
+const APART: u64 = 47;
+
+/// So many orders fall all over the millisecond of a control tick.
+const ORDERS: u64 = 1_000 / APART + 1;
+
+/// The longest of many reactions, while the motor cruises at 100,000 steps/s; it stops with 5,000,000 steps/s². The refills come `phase`
+/// behind the control ticks. `ramp`, the profile acceleration, decides where in a segment the cruise begins.
+///
+/// # Errors
+/// What the drive did not answer rightly.
+///
+/// # Panics
+/// If there is no slower step.
+pub fn longest(order: Order, phase: Duration, ramp: u32) -> Result<Reaction, Failure> {
+    let (mut master, handle) = enabled(Bus::new(BitRate::Kbit1000), phase)?;
+    let node = Board::NODE;
+    master.write(node, 0x6083, 0, ramp)?;
+    master.write(node, 0x60FF, 0, VELOCITY)?;
+    master.wait(Duration::millis(100))?;
+    // From here on orders come to the microsecond, and no bus is needed.
+    let mut now = master.now();
+    let mut board = master.bus_mut().detach(handle);
+    let mut longest = Reaction::default();
+    for number in 0..ORDERS {
+        let reaction = once(&mut board, now + Duration::micros(number * APART), order);
+        longest.from_tick = longest.from_tick.max(reaction.from_tick);
+        longest.from_frame = longest.from_frame.max(reaction.from_frame);
+        // At rest after 20 ms; back at the velocity, in whole milliseconds from the order before.
+        let back: &[u16] = match order {
+            Order::Halt => &[0x0F],
+            Order::QuickStop => &[0x06, 0x07, 0x0F],
+        };
+        now += Duration::millis(60);
+        for controlword in back {
+            give(&mut board, *controlword, now);
+            now += Duration::millis(5);
+        }
+        now += Duration::millis(40);
+    }
+    Ok(longest)
+}
+
+/// An order at `at`, and what becomes of it within 40 ms.
+fn once(board: &mut Board, at: Instant, order: Order) -> Reaction {
+    run(board, at - Duration::millis(1));
+    board.model().judge_mut().log = Some(Vec::new());
+    run(board, at);
+    let before = board.last_control_tick();
+    give(
+        board,
+        match order {
+            Order::Halt => 0x010F,
+            Order::QuickStop => 0x0B,
+        },
+        at,
+    );
+    // The tick that finds it is the first one behind it.
+    let mut tick = at;
+    while board.last_control_tick() == before {
+        tick += Duration::micros(1);
+        run(board, tick);
+    }
+    let tick = board.last_control_tick();
+    run(board, at + Duration::millis(40));
+    let judge = board.model().judge();
+    let log = judge.log.as_deref().unwrap_or_default();
+    let usual = u64::from(HZ) / VELOCITY.unsigned_abs() as u64;
+    let slower = log
+        .windows(2)
+        .filter_map(|pair| match pair {
+            [(rose, _), (next, _)] if next - rose > usual + 1 => Some(*next),
+            _ => None,
+        })
+        .next()
+        .expect("a slower step");
+    let since = |start: Instant| {
+        (slower - Board::ticks(start)).div_ceil(Board::ticks(Instant::from_ticks(1)))
+    };
+    Reaction {
+        from_tick: since(tick),
+        from_frame: since(at),
+    }
+}
+
+fn give(board: &mut Board, controlword: u16, at: Instant) {
+    let frame = Frame::data_frame(0x200 + u16::from(Board::NODE), &controlword.to_le_bytes());
+    board.receive(&frame, at);
+}
+
+/// Lets time pass.
+fn run(board: &mut Board, until: Instant) {
+    let mut next = board.poll(until);
+    while next <= until {
+        next = board.poll(until);
+    }
+    while board.transmit().is_some() {}
+}

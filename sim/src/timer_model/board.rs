@@ -1,0 +1,218 @@
+//! The drive as it is on the board: both halves of the firmware's drive, and its pulses made by the modelled timers.
+//!
+//! It runs what the tasks of the firmware run, at their rates: a control tick each millisecond, a refill each quarter of one, the
+//! node when a frame comes. Instructions take no time here; in their place each control tick and each refill comes late by up to
+//! 50 µs, which is longer than everything that the processor may be busy with (`docs/benchmarks.md`).
+
+use std::fmt;
+
+use canopen::{BitRate, Duration, Frame, Instant, NodeId, Settings};
+use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, State};
+use motion::advanced_timer::{Output, Ring};
+use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
+
+use super::rig::{HZ, SEGMENT};
+use super::{Judge, TimerModel};
+use crate::bus::Station;
+use crate::dictionary::Dictionary;
+
+/// Ticks of the step timer in a microsecond.
+const MICROSECOND: u64 = HZ as u64 / 1_000_000;
+
+/// Control ticks are so far apart.
+const CONTROL: Duration = Duration::from_ticks(1_000);
+
+/// Refills are so far apart.
+const REFILL: Duration = Duration::from_ticks(250);
+
+/// What a DMA burst may take (`docs/step-engine.md`), in ticks.
+const BURST: u64 = 84;
+
+/// A control tick or a refill is late by less than this, in microseconds.
+const LATEST: u64 = 50;
+
+/// Something that comes again and again, more or less late.
+#[derive(Clone, Copy, Debug)]
+struct Beat {
+    due: Instant,
+    late: Duration,
+}
+
+impl Beat {
+    fn at(self) -> Instant {
+        self.due + self.late
+    }
+}
+
+/// A drive on the modelled timers. Its node-ID is [`Board::NODE`]; the supply is there.
+pub struct Board {
+    device: Device<Dictionary>,
+    drive: Drive,
+    exchange: Exchange,
+    output: Output<'static, TimerModel<'static>>,
+    model: TimerModel<'static>,
+    control: Beat,
+    refill: Beat,
+    /// What says how late the next one is (an xorshift generator).
+    random: u64,
+    powered: bool,
+    /// When the last control tick was.
+    ticked: Instant,
+}
+
+impl fmt::Debug for Board {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Board")
+            .field("drive", &self.drive)
+            .field("model", &self.model)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Board {
+    /// The node-ID.
+    pub const NODE: u8 = 10;
+
+    /// A board without power; it gets it when it is polled for the first time. `timing` is what its driver needs; the refills come
+    /// `phase` later than the control ticks.
+    ///
+    /// # Panics
+    /// Never: the clock is one that motion can use, and the node-ID is one.
+    pub fn new(timing: DriverTiming, phase: Duration) -> Self {
+        // A bus owns its stations. What few boards there are may stay.
+        let ring: &'static Ring = Box::leak(Box::new(Ring::new()));
+        let model = TimerModel::new(ring, Judge::new(timing));
+        model.set_burst(BURST);
+        let config = DriveConfig {
+            axis: AxisConfig {
+                clock: Clock::new(HZ).expect("a clock that motion can use"),
+                segment: SEGMENT,
+                timing,
+            },
+            tick: CONTROL,
+            refills: (CONTROL.ticks() / REFILL.ticks()) as u32,
+        };
+        let settings = Settings {
+            node_id: NodeId::new(Self::NODE).expect("a node-ID"),
+            bit_rate: BitRate::Kbit1000,
+        };
+        let beat = |phase| Beat {
+            due: Instant::from_ticks(0) + phase,
+            late: Duration::from_ticks(0),
+        };
+        Self {
+            device: Device::new(Dictionary::default(), settings, 1),
+            drive: Drive::new(config),
+            exchange: Exchange::new(),
+            output: Output::new(model.clone(), ring),
+            model,
+            control: beat(Duration::from_ticks(0)),
+            refill: beat(phase),
+            random: 0x9E37_79B9_7F4A_7C15,
+            powered: false,
+            ticked: Instant::from_ticks(0),
+        }
+    }
+
+    /// The timers, and the pins.
+    pub fn model(&self) -> &TimerModel<'static> {
+        &self.model
+    }
+
+    /// The state of the drive.
+    pub fn state(&self) -> State {
+        self.drive.state()
+    }
+
+    /// When the last control tick was.
+    pub fn last_control_tick(&self) -> Instant {
+        self.ticked
+    }
+
+    /// The pulses that have left until `now`.
+    pub fn pulses_at(&mut self, now: Instant) -> u64 {
+        self.run_until(now);
+        self.model.judge().pulses
+    }
+
+    /// `now` in ticks of the step timer.
+    pub fn ticks(now: Instant) -> u64 {
+        now.ticks() * MICROSECOND
+    }
+
+    /// Runs every control tick and every refill up to `now`, and the timers.
+    fn run_until(&mut self, now: Instant) {
+        if !self.powered {
+            self.powered = true;
+            self.device.power_on(now, &mut self.exchange);
+        }
+        loop {
+            let (control, refill) = (self.control.at(), self.refill.at());
+            let next = control.min(refill);
+            if next > now {
+                break;
+            }
+            self.play_until(next);
+            if control <= refill {
+                self.control = self.after(self.control, CONTROL);
+                self.control_tick(next);
+            } else {
+                self.refill = self.after(self.refill, REFILL);
+                self.output.service();
+                self.drive.refill(&mut self.output);
+            }
+        }
+        self.play_until(now);
+    }
+
+    /// The next of its kind.
+    fn after(&mut self, beat: Beat, period: Duration) -> Beat {
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        Beat {
+            due: beat.due + period,
+            late: Duration::from_ticks(self.random % LATEST),
+        }
+    }
+
+    fn play_until(&mut self, now: Instant) {
+        let ticks = Self::ticks(now).saturating_sub(self.model.time());
+        self.model.run(ticks);
+    }
+
+    fn control_tick(&mut self, now: Instant) {
+        self.ticked = now;
+        self.output.service();
+        let inputs = Inputs {
+            supply: true,
+            position: self.output.position(),
+            ..Inputs::default()
+        };
+        let outputs = self
+            .drive
+            .tick(now, &inputs, &mut self.output, &mut self.exchange);
+        if outputs.drop_pulses && self.output.pending() > 0 {
+            self.output.drop_all();
+        }
+        self.device.poll(now, &mut self.exchange);
+    }
+}
+
+impl Station for Board {
+    fn receive(&mut self, frame: &Frame, now: Instant) {
+        self.run_until(now);
+        self.device.receive(frame, now, &mut self.exchange);
+    }
+
+    fn poll(&mut self, now: Instant) -> Instant {
+        self.run_until(now);
+        let deadline = self.device.poll(now, &mut self.exchange);
+        while self.device.event().is_some() {}
+        deadline.min(self.control.at()).min(self.refill.at())
+    }
+
+    fn transmit(&mut self) -> Option<Frame> {
+        self.device.transmit()
+    }
+}
