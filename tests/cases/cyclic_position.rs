@@ -61,8 +61,24 @@ impl Master {
         }
     }
 
+    /// From the next SYNC on they come in this period.
+    pub(crate) fn change_cycle(&mut self, cycle: u64) {
+        self.next = self.next - self.cycle + cycle;
+        self.cycle = cycle;
+    }
+
+    /// The next SYNC comes in so many microseconds.
+    pub(crate) fn next_in(&mut self, micros: u64) {
+        self.next = self.drive.now().ticks() + micros;
+    }
+
+    /// From SYNC to SYNC, in microseconds.
+    pub(crate) fn cycle_time(&self) -> u64 {
+        self.cycle
+    }
+
     /// A number of −120 ..= 120.
-    fn jitter(&mut self) -> i64 {
+    pub(crate) fn jitter(&mut self) -> i64 {
         self.random = self
             .random
             .wrapping_mul(6_364_136_223_846_793_005)
@@ -96,7 +112,7 @@ impl Master {
     }
 
     /// The set-point of this cycle.
-    fn set_point(&mut self, target: i32) {
+    pub(crate) fn set_point(&mut self, target: i32) {
         let mut data = [0; 6];
         data[..2].copy_from_slice(&self.controlword.to_le_bytes());
         data[2..].copy_from_slice(&target.to_le_bytes());
@@ -104,7 +120,7 @@ impl Master {
     }
 
     /// A whole cycle.
-    fn cycle(&mut self, target: i32, off: i64) {
+    pub(crate) fn cycle(&mut self, target: i32, off: i64) {
         self.set_point(target);
         self.commanded.push(target);
         self.sync(off);

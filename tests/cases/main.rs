@@ -7,6 +7,7 @@ mod can_layer;
 mod commissioning;
 mod controller;
 mod cyclic_limits;
+mod cyclic_periods;
 mod cyclic_position;
 mod cyclic_velocity;
 mod data_sheet;

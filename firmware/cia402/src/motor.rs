@@ -29,6 +29,17 @@ impl Barred {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Refused;
 
+/// The end of what is followed, as seen from a later moment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CourseEnd {
+    /// How long it is from there to that moment; 0 if the moment is not later.
+    pub(crate) left: Fine,
+    /// Where the axis is there.
+    pub(crate) position: Position,
+    /// How far it would go on from there until that moment, in steps × 2³².
+    pub(crate) way: i64,
+}
+
 /// An axis, and what has become of its pulses. It counts as the master does, from the home position once that is known; the board
 /// counts on from where the motor stood at power-on. Positions are increments, and do not wrap.
 #[derive(Debug)]
@@ -385,6 +396,25 @@ impl Motor {
             position: self.near(end.position),
             ..end
         }
+    }
+
+    /// From where, and in which time, something is followed that is to be done at `end`: from the last set-point given, or from where
+    /// the pulses handed out lead if they go beyond that.
+    pub(crate) fn course_to(&self, end: Fine) -> CourseEnd {
+        let (tick, state) = self.axis.course_end();
+        let left = self.timescale.tick_at(end).wrapping_sub(tick);
+        let left = u32::try_from(left.cast_signed().max(0)).unwrap_or(u32::MAX);
+        CourseEnd {
+            left: self.timescale.span(left),
+            position: state.position,
+            way: state.velocity.way(left),
+        }
+    }
+
+    /// Whether what is followed ends in motion, so soon that the motor would stand with no ramp within this time.
+    pub(crate) fn is_running_out(&self, time: Fine) -> bool {
+        let ticks = self.timescale.ticks(time);
+        self.axis.is_running_out(ticks.into())
     }
 
     /// Whether the motor moves, and follows set-points that come in each period.

@@ -220,6 +220,17 @@ impl Axis {
         self.path.is_some()
     }
 
+    /// Whether the last set-point is passed in motion, and the axis stands at once, with no ramp, within so many ticks behind the commit
+    /// horizon if no other set-point comes.
+    pub fn is_running_out(&self, ticks: Ticks) -> bool {
+        self.path.as_ref().is_some_and(|path| {
+            let rest = path.rest();
+            path.ends_in_motion()
+                && self.horizon < rest
+                && rest <= self.horizon.saturating_add(ticks)
+        })
+    }
+
     /// What [`Axis::course_end`] will be in whole steps and steps/s.
     pub fn course_end_demand(&self) -> Demand {
         self.demand_of(self.course_end().1)

@@ -98,8 +98,8 @@ impl Velocity {
         }
     }
 
-    /// The way over so many ticks, Q32 steps.
-    pub(crate) fn way(self, ticks: u32) -> i64 {
+    /// The way over so many ticks, in steps × 2³².
+    pub fn way(self, ticks: u32) -> i64 {
         (i128::from(self.0).wrapping_mul(ticks.into()) >> 24) as i64
     }
 

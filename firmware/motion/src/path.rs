@@ -182,6 +182,11 @@ impl Path {
         })
     }
 
+    /// Whether the last set-point is passed in motion.
+    pub(crate) fn ends_in_motion(&self) -> bool {
+        self.last().is_some_and(|last| last.velocity != 0)
+    }
+
     /// Goes on from where the path is at `horizon`, or from its end if that is later, to `to` at tick `end`: in a straight line,
     /// or with this velocity there.
     pub(crate) fn go_on(

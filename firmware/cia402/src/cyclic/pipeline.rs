@@ -11,6 +11,8 @@ pub(crate) struct Pipeline {
     depth: Fine,
     /// How long before a beat a control tick comes.
     lead: Fine,
+    /// From a control tick to the next, and a quarter of that as they come now and then late.
+    tick: Fine,
 }
 
 impl Pipeline {
@@ -23,7 +25,13 @@ impl Pipeline {
         Self {
             depth: tick.saturating_add(ahead),
             lead,
+            tick: tick.saturating_add(tick / 4),
         }
+    }
+
+    /// What is not done in this control tick is done by then.
+    pub(crate) const fn next_tick(&self) -> Fine {
+        self.tick
     }
 
     /// From a beat to the moment at which the motor is at its set-point: whole periods, less the time by which the control tick

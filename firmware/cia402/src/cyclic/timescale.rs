@@ -13,6 +13,8 @@ const APART: u64 = 250;
 pub(crate) struct Timescale {
     /// Ticks in a microsecond, Q16.
     pace: u64,
+    /// Microseconds in a tick, Q32.
+    tick: u64,
     /// The axis' time less that of the microseconds, in ticks.
     ahead: u64,
     is_running: bool,
@@ -23,6 +25,7 @@ impl Timescale {
     pub(crate) fn new(hz: u32) -> Self {
         Self {
             pace: (u64::from(hz) << POINT) / 1_000_000,
+            tick: (1_000_000_u64 << 32).checked_div(hz.into()).unwrap_or(0),
             ahead: 0,
             is_running: false,
         }
@@ -54,6 +57,11 @@ impl Timescale {
     /// Ticks of the axis' time that a span lasts.
     pub(crate) fn ticks(&self, time: Fine) -> u32 {
         u32::try_from(self.whole(time)).unwrap_or(u32::MAX)
+    }
+
+    /// The span that so many ticks last.
+    pub(crate) fn span(&self, ticks: u32) -> Fine {
+        u64::from(ticks).wrapping_mul(self.tick) >> (32 - POINT)
     }
 
     fn whole(&self, time: Fine) -> u64 {

@@ -61,6 +61,10 @@ impl CyclicPosition {
                     context.lose_set_points();
                 }
             }
+            if context.is_running_out() {
+                self.motion.forget();
+                context.lose_set_points();
+            }
         }
         bits(&self.motion, context)
     }

@@ -16,7 +16,7 @@ use super::Context;
 use motion::{SignedSpeed, Speed};
 
 use super::following::{braking_way, gain, seconds};
-use crate::cyclic::Slot;
+use crate::cyclic::{Fine, Slot};
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 use crate::statusword::{FOLLOWS, INTERNAL_LIMIT, TARGET_REACHED};
@@ -78,6 +78,10 @@ impl CyclicVelocity {
             for slot in context.slots {
                 self.take(slot, context);
             }
+            if context.is_running_out() {
+                self.follows = false;
+                context.lose_set_points();
+            }
         }
         let bit = |condition, bit| if condition { bit } else { 0 };
         bit(
@@ -112,8 +116,18 @@ impl CyclicVelocity {
             None => self.bridged = self.bridged.saturating_add(1),
         }
         let end = slot.at.wrapping_add(context.latency(slot.period));
-        let velocity = self.allowed(slot, context);
-        if context.motor.is_at_rest() {
+        let is_at_rest = context.motor.is_at_rest();
+        let interval = if is_at_rest {
+            slot.period
+        } else {
+            context.motor.course_to(end).left
+        };
+        if interval < slot.period / 4 {
+            // What was given before the period changed lasts that long.
+            return;
+        }
+        let velocity = self.allowed(interval, context);
+        if is_at_rest {
             if velocity == SignedSpeed::ZERO {
                 return;
             }
@@ -126,11 +140,11 @@ impl CyclicVelocity {
     }
 
     /// The velocity within all limits.
-    fn allowed(&mut self, slot: &Slot, context: &Context<'_>) -> SignedSpeed {
+    fn allowed(&mut self, interval: Fine, context: &Context<'_>) -> SignedSpeed {
         let asked = self.velocity;
         let before = context.motor.course_end();
         let wanted = asked.within(context.max_velocity());
-        let velocity = before_limit(wanted, slot, before.position, context);
+        let velocity = before_limit(wanted, interval, before.position, context);
         let velocity = if context.motor.is_free(velocity.bits()).is_err() {
             SignedSpeed::ZERO
         } else {
@@ -141,7 +155,7 @@ impl CyclicVelocity {
             // Somebody else has moved the motor.
             self.carried_out = before.velocity;
         }
-        self.carried_out = within_ramps(velocity, self.carried_out, slot, context);
+        self.carried_out = within_ramps(velocity, self.carried_out, interval, context);
         self.is_limited = self.carried_out != asked;
         self.carried_out
     }
@@ -151,10 +165,10 @@ impl CyclicVelocity {
 fn within_ramps(
     velocity: SignedSpeed,
     before: SignedSpeed,
-    slot: &Slot,
+    interval: Fine,
     context: &Context<'_>,
 ) -> SignedSpeed {
-    let seconds = seconds(slot.period);
+    let seconds = seconds(interval);
     let grows = velocity.unsigned_abs() > before.unsigned_abs();
     let ramp = if grows {
         context.configuration.max_acceleration
@@ -175,7 +189,7 @@ fn within_ramps(
 /// The velocity from which the motor can still stop at a software limit.
 fn before_limit(
     velocity: SignedSpeed,
-    slot: &Slot,
+    interval: Fine,
     position: i64,
     context: &Context<'_>,
 ) -> SignedSpeed {
@@ -188,7 +202,7 @@ fn before_limit(
     if room > 1 << 46 {
         return velocity;
     }
-    let seconds = seconds(slot.period);
+    let seconds = seconds(interval);
     let deceleration = context.deceleration(StopRamp::QuickStop);
     // Positions are whole ones here: what a velocity is too high, the next can make up for.
     let down = gain(deceleration.saturating_sub(deceleration / 32), seconds);

@@ -2,7 +2,10 @@
 //!
 //! The contract:
 //! - Between two set-points exactly the difference of them leaves, spread evenly over the time between them (60C0h = 0), or as a cubic
-//!   with the mean velocity of its neighbours (60C0h = −1).
+//!   with the mean velocity of its neighbours (60C0h = −1), but never beyond one of the two set-points. Where a cubic would be
+//!   faster than 607Fh and 6080h allow, the line is straight.
+//! - Each way is reckoned from where the pulses lead, and over the time there is from there. So a set-point that came too late, and a
+//!   period that has become another, pass no limit: what is missing is caught up with.
 //! - It begins where the motor stands. Set-points that are not there, and later what is farther away than 607Fh and 6080h allow in one
 //!   period, are caught up with: at these velocities, on the ramps 6083h and 6084h within 60C5h and 60C6h.
 //! - What is farther away than one motion leads counts as just so far: differences fit into their numbers.
@@ -35,18 +38,30 @@ pub(super) enum Outcome {
 struct Knot {
     end: Fine,
     at: i64,
+    /// From the set-point before.
     way: i64,
+    /// The time for it.
+    interval: Fine,
+    /// The longest way that is allowed in this time.
+    most: i64,
+}
+
+/// How the next set-point is gone to.
+#[derive(Clone, Copy, Debug)]
+struct Leg {
+    /// The time from the set-point before.
+    interval: Fine,
+    /// It begins where the last set-point was, about a period before.
+    is_in_step: bool,
 }
 
 /// The motion.
 #[derive(Debug)]
 pub(super) struct Following {
     is_active: bool,
-    /// When the last set-point is due.
-    end: Fine,
     /// The last set-point as it is carried out.
     at: i64,
-    /// The way to it in the last period.
+    /// The way to it in the last period; where the next one lasts otherwise, what would be as fast.
     way: i64,
     /// The last set-point as it was asked for, in increments.
     goal: i64,
@@ -66,7 +81,6 @@ impl Following {
     pub(super) const fn new() -> Self {
         Self {
             is_active: false,
-            end: 0,
             at: 0,
             way: 0,
             goal: 0,
@@ -124,7 +138,7 @@ impl Following {
             if !self.is_active && target.is_none() {
                 return Outcome::Followed;
             }
-            self.stand(end.wrapping_sub(slot.period), context.motor);
+            self.stand(context.motor);
         } else if !self.is_active {
             // It is still being stopped.
             return Outcome::Followed;
@@ -136,31 +150,41 @@ impl Following {
                 .max(here.saturating_sub(most))
                 .min(here.saturating_add(most))
         });
+        let Some(leg) = self.set_out(end, slot.period, context.motor) else {
+            // What was given before the period changed lasts that long.
+            if let Some(goal) = goal {
+                self.head_for(goal);
+            }
+            return Outcome::Followed;
+        };
         let Some(need) = self.need(goal, context) else {
             return Outcome::Lost;
         };
-        let interval = end.wrapping_sub(self.end);
-        if interval < slot.period / 4 || interval > slot.period.saturating_mul(4) {
-            // The period has changed, and the moments with it.
-            self.end = end;
-            return Outcome::Followed;
-        }
         let before = self.way;
-        self.way = self.allowed(need, interval, context);
+        let seconds = seconds(leg.interval);
+        let most = way_at(context.max_velocity(), seconds);
+        let is_usual = leg.interval.abs_diff(slot.period) <= slot.period / 64;
+        let pace = if is_usual {
+            self.pace
+        } else {
+            over(self.pace, slot.period, leg.interval)
+        };
+        self.way = self.allowed(need, pace, most, seconds, context);
         self.is_limited |= goal != target;
         let knot = Knot {
             end,
             at: self.at.wrapping_add(self.way),
             way: self.way,
+            interval: leg.interval,
+            most,
         };
-        self.give(knot, before, is_cubic, context.motor);
-        self.end = end;
+        self.give(knot, before, is_cubic && leg.is_in_step, context.motor);
         self.at = knot.at;
         Outcome::Followed
     }
 
-    /// Begins where the motor stands, at this moment.
-    fn stand(&mut self, end: Fine, motor: &Motor) {
+    /// Begins where the motor stands.
+    fn stand(&mut self, motor: &Motor) {
         let at = motor.committed_position();
         if !self.is_active {
             self.is_active = true;
@@ -172,19 +196,63 @@ impl Following {
         self.bridged = 0;
         self.at = at.wrapping_shl(POINT);
         self.way = 0;
-        self.end = end;
         self.waiting = None;
+    }
+
+    /// Finds from where a set-point is gone to that is due at `end`, and how fast the motor is there; `None` if there is no time for it.
+    fn set_out(&mut self, end: Fine, period: Fine, motor: &mut Motor) -> Option<Leg> {
+        let is_steady = |interval: Fine| interval.abs_diff(period) <= period / 4;
+        let mut course = motor.course_to(end);
+        if let Some(waiting) = self.waiting {
+            let interval = end.wrapping_sub(waiting.end);
+            let is_there = away(waiting.at.wrapping_sub(waiting.way), course.position) == 0;
+            if is_there && is_steady(interval) {
+                if self.is_catching_up {
+                    self.way = over(self.way, waiting.interval, interval);
+                }
+                return Some(Leg {
+                    interval,
+                    is_in_step: true,
+                });
+            }
+            self.waiting = None;
+            if is_there {
+                let _ = motor.follow(waiting.end, to(waiting.at), None);
+                course = motor.course_to(end);
+            }
+        }
+        let interval = if course.way == 0 {
+            course.left.min(period)
+        } else {
+            course.left
+        };
+        let away = away(self.at, course.position);
+        let is_in_step = away == 0 && is_steady(interval);
+        if !is_in_step || self.is_catching_up {
+            self.is_catching_up = true;
+            self.at = self.at.wrapping_add(away);
+            self.way = course.way >> (32 - POINT);
+        }
+        (interval >= period / 4).then_some(Leg {
+            interval,
+            is_in_step,
+        })
+    }
+
+    /// A set-point has come.
+    fn head_for(&mut self, goal: i64) {
+        let pace = goal.wrapping_sub(self.goal).wrapping_shl(POINT);
+        self.pace = if self.fresh == 0 { 0 } else { pace };
+        self.fresh = self.fresh.saturating_add(1);
+        self.bridged = 0;
+        self.goal = goal;
     }
 
     /// The way that is asked for; `None` if too many set-points are missing.
     fn need(&mut self, target: Option<i64>, context: &Context<'_>) -> Option<i64> {
         let lost = &context.configuration.cyclic.lost;
         if let Some(goal) = target {
-            let pace = goal.wrapping_sub(self.goal).wrapping_shl(POINT);
-            self.pace = if self.fresh == 0 { 0 } else { pace };
-            self.fresh = self.fresh.saturating_add(1);
-            self.bridged = 0;
-            self.goal = goal;
+            self.head_for(goal);
         } else if !lost.is_as_before() && self.fresh > 1 && self.way != 0 {
             if self.bridged >= lost.bridged {
                 return None;
@@ -202,15 +270,20 @@ impl Following {
         Some(self.goal.wrapping_shl(POINT).wrapping_sub(self.at))
     }
 
-    /// The way within all limits.
-    fn allowed(&mut self, need: i64, interval: Fine, context: &Context<'_>) -> i64 {
+    /// The way within all limits. Set-points are `pace` apart, and `most` is the longest way allowed.
+    fn allowed(
+        &mut self,
+        need: i64,
+        pace: i64,
+        most: i64,
+        seconds: u64,
+        context: &Context<'_>,
+    ) -> i64 {
         let asked = need;
         let need = within_travel(self.at, need, context.travel);
         let need = Self::unbarred(need, context);
         // A set-point beyond a limit stands still there.
-        let pace = if need == asked { self.pace } else { 0 };
-        let seconds = seconds(interval);
-        let most = way_at(context.max_velocity(), seconds);
+        let pace = if need == asked { pace } else { 0 };
         let (limits, _) = context.within(Limits {
             velocity: Speed::ZERO,
             acceleration: context.commands.profile_acceleration,
@@ -219,9 +292,9 @@ impl Following {
         let up = gain(limits.acceleration, seconds);
         let down = gain(limits.deceleration, seconds);
         let change = need.saturating_sub(self.way);
-        // Both this change and the one to the velocity of the set-points, behind it.
-        let is_gentle = change.saturating_abs() <= up.max(down)
-            && need.saturating_sub(pace).saturating_abs() <= down;
+        // Both this change and the one to the velocity of the set-points, behind it. Those are whole increments.
+        let is_gentle = change.saturating_abs() <= up.max(down).max(1 << POINT)
+            && need.saturating_sub(pace).saturating_abs() <= down.max(1 << POINT);
         let is_in_reach = need.saturating_abs() <= most && (!self.is_catching_up || is_gentle);
         let way = if is_in_reach {
             need
@@ -279,28 +352,75 @@ impl Following {
         way.max(most.wrapping_neg()).min(most)
     }
 
-    /// Gives a set-point to the axis; on a cubic the one before it. Too late a set-point is passed by, and the next one counts from where
-    /// the axis is then.
+    /// Gives a set-point to the axis; on a cubic the one before it. What the axis does not take, the next way makes up for.
     fn give(&mut self, knot: Knot, before: i64, is_cubic: bool, motor: &mut Motor) {
         let stands = before == 0 && knot.way == 0;
-        if stands && self.waiting.is_none() {
-            return;
-        }
-        if before == 0 && self.waiting.is_none() {
-            // Until the motion begins. There may be no time left to wait for.
-            let _ = motor.follow(self.end, to(self.at), None);
-        }
-        if !is_cubic {
-            let _ = motor.follow(knot.end, to(knot.at), None);
-        } else if let Some(waiting) = self.waiting.replace(knot) {
-            let mean = waiting.way.wrapping_add(knot.way) / 2;
-            let interval = knot.end.wrapping_sub(waiting.end);
-            let _ = motor.follow(waiting.end, to(waiting.at), Some((to(mean), interval)));
+        let Some(waiting) = self.waiting else {
             if stands {
-                self.waiting = None;
+                return;
             }
-        }
+            if before == 0 {
+                // Until the motion begins. There may be no time left to wait for.
+                let _ = motor.follow(knot.end.wrapping_sub(knot.interval), to(self.at), None);
+            }
+            if is_cubic {
+                self.waiting = Some(knot);
+            } else {
+                let _ = motor.follow(knot.end, to(knot.at), None);
+            }
+            return;
+        };
+        let first = motor.course_to(waiting.end).way >> (32 - POINT);
+        let before = over(waiting.way, waiting.interval, knot.interval);
+        let slope = slope(before, knot.way);
+        let last = over(slope, knot.interval, waiting.interval);
+        let curve = is_tame(first, last, waiting).then_some((to(slope), knot.interval));
+        let _ = motor.follow(waiting.end, to(waiting.at), curve);
+        self.waiting = (!stands).then_some(knot);
     }
+}
+
+/// How far the axis is from a position.
+const fn away(at: i64, position: Position) -> i64 {
+    let away = position.bits().wrapping_sub(to(at).bits()) >> (32 - POINT);
+    // What is rounded off does not count.
+    if away == -1 || away == 1 { 0 } else { away }
+}
+
+/// A way in so much time, over another time.
+fn over(way: i64, time: Fine, another: Fine) -> i64 {
+    if way == 0 || time == another {
+        return way;
+    }
+    let ratio = (another << POINT).checked_div(time).unwrap_or(0);
+    (i128::from(way).wrapping_mul(ratio.into()) >> POINT) as i64
+}
+
+/// The velocity between two ways, as a way: the mean of them, but so that no cubic passes its ends.
+fn slope(before: i64, behind: i64) -> i64 {
+    if (before < 0) != (behind < 0) {
+        return 0;
+    }
+    let least = before.saturating_abs().min(behind.saturating_abs());
+    let most = least.saturating_mul(3);
+    let mean = before.wrapping_add(behind) / 2;
+    mean.max(most.wrapping_neg()).min(most)
+}
+
+/// Whether a cubic that begins and ends with these velocities goes on in its direction all along, and no faster than it may.
+const fn is_tame(first: i64, last: i64, knot: Knot) -> bool {
+    let sign = knot.way.signum();
+    let way = knot.way.saturating_abs();
+    let (first, last) = (first.saturating_mul(sign), last.saturating_mul(sign));
+    let (within, most) = (way.saturating_mul(3), knot.most);
+    // The middle one of the three points that span the velocity.
+    let middle = within.saturating_sub(first).saturating_sub(last);
+    0 <= first
+        && first <= within
+        && last <= within
+        && first <= most
+        && last <= most
+        && middle <= most
 }
 
 /// The way that stays within the software limits, or leads back to them.

@@ -66,6 +66,10 @@ impl InterpolatedPosition {
                     context.lose_set_points();
                 }
             }
+            if context.is_running_out() {
+                self.motion.forget();
+                context.lose_set_points();
+            }
         }
         // Somebody else stops the motor, or it has been at rest since it came there.
         let is_there = self.motion.is_at_goal().unwrap_or(self.is_there);

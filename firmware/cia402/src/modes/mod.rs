@@ -181,6 +181,11 @@ impl Context<'_> {
         *self.lost_set_points = true;
     }
 
+    /// No set-point has come for so long that the motor would stand with no ramp before the next tick.
+    pub(crate) fn is_running_out(&self) -> bool {
+        self.motor.is_running_out(self.pipeline.next_tick())
+    }
+
     /// The position of a target of the user, in increments: of those that are shown like it, the one nearest to where the motor
     /// should be. There 6062h and 6064h will read as it was given.
     pub(crate) fn target(&mut self, user: i32) -> i64 {
