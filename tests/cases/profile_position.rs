@@ -109,6 +109,31 @@ fn d20_relative_set_points_add_up() {
 }
 
 #[test]
+fn d21_a_software_limit_written_on_the_way_or_in_halt_ends_the_move() {
+    for halts in [false, true] {
+        let mut drive = DriveBench::enabled(4);
+        drive.begin_move(100_000);
+        while drive.position() < 20_000 {
+            drive.run_millis(10);
+        }
+        if halts {
+            drive.command(0x11F);
+            drive.run_millis(300);
+            assert_ne!(drive.statusword() & TARGET_REACHED, 0, "halted");
+        }
+        drive.write_i32(0x607D, 1, -1_000);
+        drive.write_i32(0x607D, 2, 50_000);
+        drive.command(0x1F);
+        drive.run_millis(5);
+        assert_ne!(drive.statusword() & INTERNAL_LIMIT, 0);
+        drive.run_millis(4_000);
+        assert_eq!(drive.position(), 50_000);
+        assert_eq!(drive.statusword() & TARGET_REACHED, 0);
+        assert_ne!(drive.statusword() & INTERNAL_LIMIT, 0);
+    }
+}
+
+#[test]
 fn d21_a_target_outside_the_software_limits_ends_at_the_limit() {
     let mut drive = DriveBench::enabled(4);
     drive.write_i32(0x607D, 1, -1_000);

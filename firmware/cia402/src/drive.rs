@@ -100,6 +100,8 @@ pub struct Drive {
     frame: Frame,
     /// Where the motor may go.
     limits: SoftwareLimits,
+    /// In this tick the configuration, or where the motor may go, may have changed.
+    has_changed: bool,
     machine: StateMachine,
     modes: Modes,
     faults: Faults,
@@ -138,6 +140,7 @@ impl Drive {
             configuration: Configuration::NONE,
             frame: Frame::new(),
             limits: SoftwareLimits::new(),
+            has_changed: false,
             machine: StateMachine::new(),
             modes: Modes::new(),
             faults: Faults::default(),
@@ -213,7 +216,9 @@ impl Drive {
         self.motor.observe(position, self.power, pulses);
         self.motor.set_time(fine(now));
         self.cyclic.pass(fine(now));
-        if waiting.is_configured || self.limits.are_old(&self.frame, self.motor.is_referenced()) {
+        self.has_changed =
+            waiting.is_configured || self.limits.are_old(&self.frame, self.motor.is_referenced());
+        if self.has_changed {
             self.look_at_units(position);
         }
         self.switches.observe(
@@ -428,6 +433,7 @@ impl Drive {
                     demand: self.motor.demand(),
                     observed: self.observed,
                     travel: self.limits.travel(),
+                    has_changed: self.has_changed,
                     frame: &mut self.frame,
                     switches: &self.switches,
                     blocked,

@@ -79,6 +79,8 @@ pub(crate) struct Motor {
     stopping_at_limit: Option<u32>,
     /// The stop under way has a harder ramp than it was asked for, because of a software limit.
     stops_early: bool,
+    /// The deceleration that the motion under way is planned with, in steps/s²; 0 at rest.
+    deceleration: u32,
 }
 
 impl Motor {
@@ -104,6 +106,7 @@ impl Motor {
             stops_hard: false,
             stopping_at_limit: None,
             stops_early: false,
+            deceleration: 0,
         }
     }
 
@@ -264,9 +267,10 @@ impl Motor {
     }
 
     /// A motion takes the place of a stop, unless it is refused.
-    fn begun(&mut self, result: Result<(), PlanError>) -> Result<(), Refused> {
+    fn begun(&mut self, result: Result<(), PlanError>, deceleration: u32) -> Result<(), Refused> {
         result.map_err(|_| Refused)?;
         self.stopped();
+        self.deceleration = deceleration;
         Ok(())
     }
 
@@ -333,10 +337,11 @@ impl Motor {
     /// Moves to a position, from whatever the motor does now. On an error nothing changes.
     pub(crate) fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), Refused> {
         self.is_free(target.saturating_sub(self.committed))?;
+        let limits = self.at_limit(limits);
         let target = self.on_axis(target);
         self.choose_ramps();
-        let result = self.axis.move_to(target, self.at_limit(limits));
-        self.begun(result)
+        let result = self.axis.move_to(target, limits);
+        self.begun(result, limits.deceleration)
     }
 
     /// Moves through a position with an end velocity and keeps that. On an error nothing changes.
@@ -351,7 +356,7 @@ impl Motor {
         let target = self.on_axis(target);
         self.choose_ramps();
         let result = self.axis.move_through(target, end_velocity, limits);
-        self.begun(result)
+        self.begun(result, limits.deceleration)
     }
 
     /// Goes to a position, from the one followed before, and is there at `end`: in a straight line, or with a velocity there, as a
@@ -422,6 +427,12 @@ impl Motor {
         !self.at_rest && self.axis.is_following()
     }
 
+    /// The deceleration that the motion under way is planned with, in steps/s²: no gentler one may be needed to end where it ends. 0 at
+    /// rest.
+    pub(crate) const fn deceleration(&self) -> u32 {
+        self.deceleration
+    }
+
     /// Whether a stop is under way.
     pub(crate) const fn is_stopping(&self) -> bool {
         self.stopping.is_some()
@@ -440,9 +451,10 @@ impl Motor {
     /// Ramps to a velocity and keeps it, from whatever the motor does now. On an error nothing changes.
     pub(crate) fn ramp_to(&mut self, velocity: SignedSpeed, limits: Limits) -> Result<(), Refused> {
         self.is_free(velocity.bits())?;
+        let limits = self.at_limit(limits);
         self.choose_ramps();
-        let result = self.axis.ramp_to(velocity, self.at_limit(limits));
-        self.begun(result)
+        let result = self.axis.ramp_to(velocity, limits);
+        self.begun(result, limits.deceleration)
     }
 
     /// Whether no limit switch bars a motion of this sign.
@@ -479,6 +491,7 @@ impl Motor {
         let deceleration = deceleration.max(self.stopping_at_limit.unwrap_or(0));
         if self.axis.stop(deceleration).is_ok() {
             self.stopping = Some(deceleration);
+            self.deceleration = deceleration;
         } else {
             self.cut_off();
         }
@@ -511,6 +524,7 @@ impl Motor {
         self.at_rest = self.axis.is_at_rest();
         if self.at_rest {
             self.stopped();
+            self.deceleration = 0;
             self.stopping_at_limit = None;
         }
         result != Err(AdvanceError::Underrun)

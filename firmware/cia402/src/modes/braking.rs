@@ -3,7 +3,116 @@
 //! A jerk-limited ramp from v takes v/d + j⁻¹·d, over v/2 of that. Where d is not reached it is less than this formula says for any
 //! d, so d is cut to what keeps the numbers within 64 bits.
 
-use motion::{Ramps, Speed};
+use motion::{Ramps, SignedSpeed, Speed};
+
+use crate::motor::Motor;
+use crate::units::Travel;
+
+/// A ramp on which the motor slows down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Ramp {
+    /// In steps/s².
+    pub(super) deceleration: u32,
+    pub(super) ramps: Ramps,
+}
+
+/// How the motor is to slow down so that an end is not passed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Held {
+    pub(super) ramp: Ramp,
+    /// It is not the ramp that was asked for.
+    pub(super) is_harder: bool,
+    /// On no ramp that is allowed the motor comes to rest before the end.
+    pub(super) passes: bool,
+}
+
+/// The ramp on which the motor, from whatever it does now, comes to rest between two positions, in steps: the one that is asked for; or a
+/// linear one, as hard as needed, up to `hardest` steps/s², or to the ramp that the motion under way is planned with.
+///
+/// It is tried out on the motor, which may be left with a stop: the caller gives it its motion, which ends at `target` if it ends.
+pub(super) fn held_between(
+    motor: &mut Motor,
+    target: Option<i64>,
+    (low, high): (i64, i64),
+    asked: Ramp,
+    hardest: u32,
+) -> Held {
+    let as_asked = Held {
+        ramp: asked,
+        is_harder: false,
+        passes: false,
+    };
+    let velocity = motor.committed_velocity();
+    let reverse = velocity.bits() < 0;
+    let end = if reverse { low } else { high };
+    let is_open = end == Travel::NONE.increments.0 || end == Travel::NONE.increments.1;
+    if velocity == SignedSpeed::ZERO || is_open || asked.deceleration == 0 {
+        return as_asked;
+    }
+    let beyond = |position: i64| {
+        let beyond = position.saturating_sub(end);
+        if reverse {
+            beyond.saturating_neg()
+        } else {
+            beyond
+        }
+    };
+    // The motor may be on its way to the next step.
+    let room = beyond(motor.committed_position()).saturating_add(1);
+    let room = room.min(0).unsigned_abs();
+    let speed = velocity.unsigned_abs();
+    if asked.ramps == Ramps::Linear && way(speed, asked.deceleration, asked.ramps) < room {
+        return as_asked;
+    }
+    // sin² braking is finished as it was begun, and so would the stop be that is tried out. Anything else leaves it at its own jerk.
+    let is_sine = asked.ramps == Ramps::SinSquared && motor.is_ending();
+    let is_gentler = asked.deceleration < motor.deceleration();
+    if is_sine && !is_gentler && target == Some(motor.destination()) {
+        return as_asked;
+    }
+    let tried = Ramp {
+        ramps: if is_sine {
+            Ramps::JerkLimited(1)
+        } else {
+            asked.ramps
+        },
+        ..asked
+    };
+    // What is needed to end where it ends is rounded up.
+    let planned = motor.deceleration();
+    let hardest = hardest.max(planned.saturating_add(planned / 16));
+    let overrun = |motor: &mut Motor, ramp: Ramp| {
+        motor.set_ramps(ramp.ramps);
+        motor.stop(ramp.deceleration);
+        beyond(motor.destination())
+    };
+    if overrun(motor, tried) <= 0 {
+        return as_asked;
+    }
+    let ramp = Ramp {
+        deceleration: needed(speed, room).min(hardest).max(asked.deceleration),
+        ramps: Ramps::Linear,
+    };
+    Held {
+        ramp,
+        is_harder: true,
+        // A stop ends on the next whole step.
+        passes: overrun(motor, ramp) > 1,
+    }
+}
+
+/// The deceleration of a linear ramp from a velocity to rest within so many steps, in steps/s².
+fn needed(velocity: Speed, steps: u64) -> u32 {
+    let velocity = rounded_up(velocity);
+    let square = velocity.saturating_mul(velocity);
+    let deceleration = square.div_ceil(steps.saturating_mul(2).max(1));
+    u32::try_from(deceleration).unwrap_or(u32::MAX)
+}
+
+/// In steps/s.
+const fn rounded_up(velocity: Speed) -> u64 {
+    (velocity.bits() >> 32).saturating_add((velocity.bits() as u32 != 0) as u64)
+}
 
 /// What the jerk adds to the time of a ramp, as a velocity: d²/j; and the deceleration that counts. In steps/s and steps/s².
 fn rounding(deceleration: u32, ramps: Ramps) -> (u64, u64) {
@@ -23,8 +132,8 @@ fn rounding(deceleration: u32, ramps: Ramps) -> (u64, u64) {
 
 /// The way to stop from a velocity, in steps.
 pub(super) fn way(velocity: Speed, deceleration: u32, ramps: Ramps) -> u64 {
-    // Rounded up: a way too long is on the safe side.
-    let velocity = (velocity.bits() >> 32).saturating_add(u64::from(velocity.bits() as u32 != 0));
+    // A way too long is on the safe side.
+    let velocity = rounded_up(velocity);
     let (rounding, deceleration) = rounding(deceleration, ramps);
     velocity
         .saturating_mul(velocity.saturating_add(rounding))
@@ -85,6 +194,20 @@ mod tests {
             let said = way(velocity, deceleration, ramps);
             prop_assert!(said as f64 + 1.0 >= goes, "{said} is less than {goes}");
         }
+    }
+
+    #[test]
+    fn the_ramp_that_is_needed_is_no_longer_than_the_way() {
+        for (velocity, steps) in [(10_000_u32, 600), (1, 1), (4_000_000_000, 3), (7, u64::MAX)] {
+            let deceleration = needed(velocity.into(), steps);
+            assert!(
+                way(velocity.into(), deceleration, Ramps::Linear) <= steps
+                    || deceleration == u32::MAX,
+                "{velocity} steps/s, {steps} steps"
+            );
+        }
+        assert_eq!(needed(10_000.into(), 500), 100_000);
+        assert_eq!(needed(10.into(), 0), 100);
     }
 
     #[test]

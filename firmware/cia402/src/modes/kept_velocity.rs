@@ -4,11 +4,13 @@
 //! - A change is a ramp from whatever the motor does: the acceleration rules while the speed grows, the deceleration while it
 //!   falls, and a change of sign passes through standstill.
 //! - With a limit ahead the motion is a move to the limit at this velocity, so it slows down in time and ends on the limit exactly.
-//!   Motion away from a limit is always free, also from beyond it.
+//!   Motion away from a limit is always free, also from beyond it. Where the deceleration asked for would carry the motor through a limit,
+//!   it takes as hard a one as is needed, up to the quick stop ramp or the one it was planned with before.
 //! - A limit switch ends the motion into it for good: it takes another velocity to move again, even once the switch is released.
 
 use motion::{Limits, Ramps, SignedSpeed};
 
+use super::braking::{self, Ramp};
 use crate::motor::Motor;
 use crate::units::Travel;
 
@@ -22,14 +24,17 @@ pub(super) struct Order {
     pub(super) travel: (i64, i64),
     /// How the velocity is to change. Another profile counts from the next order on.
     pub(super) ramps: Ramps,
+    /// The deceleration of the quick stop ramp in steps/s².
+    pub(super) quick_stop: u32,
 }
 
 impl Order {
-    /// Whether this is what was asked for before, the profile aside.
+    /// Whether this is what was asked for before, the profile and the quick stop ramp aside.
     fn is_like(&self, other: Self) -> bool {
         *self
             == Self {
                 ramps: self.ramps,
+                quick_stop: self.quick_stop,
                 ..other
             }
     }
@@ -57,6 +62,8 @@ enum Course {
 pub(super) struct KeptVelocity {
     order: Option<Order>,
     course: Course,
+    /// The sign of the velocity that a software limit makes the motor lose on a harder ramp than it is asked to; 0 for none.
+    held_back: i64,
 }
 
 impl KeptVelocity {
@@ -64,6 +71,7 @@ impl KeptVelocity {
         Self {
             order: None,
             course: Course::None,
+            held_back: 0,
         }
     }
 
@@ -89,22 +97,25 @@ impl KeptVelocity {
             self.order.map(|order| order.velocity) != Some(order.velocity)
         } else {
             !self.order.is_some_and(|before| order.is_like(before))
-                || self.course == Course::Barred
+                || self.course == Course::Barred && motor.is_at_rest()
                 || self.course == Course::Far && is_within_reach(end_of(order), motor)
         };
         if is_new {
             self.order = Some(order);
-            self.course = begin(order, motor);
+            (self.course, self.held_back) = begin(order, motor);
         }
     }
 
     /// Whether a limit slows the motor down or holds it.
     pub(super) fn is_limited(&self, motor: &Motor) -> bool {
-        match self.course {
-            Course::None | Course::Free | Course::Far => false,
-            Course::ToLimit => motor.is_ending(),
-            Course::Barred | Course::AtSwitch => true,
-        }
+        let is_held_back =
+            self.held_back != 0 && motor.committed_velocity().bits().signum() == self.held_back;
+        is_held_back
+            || match self.course {
+                Course::None | Course::Free | Course::Far => false,
+                Course::ToLimit => motor.is_ending(),
+                Course::Barred | Course::AtSwitch => true,
+            }
     }
 }
 
@@ -123,22 +134,35 @@ const fn is_within_reach(end: i64, motor: &Motor) -> bool {
     way.unsigned_abs() < Motor::REACH.unsigned_abs() / 2
 }
 
-fn begin(order: Order, motor: &mut Motor) -> Course {
+/// Plans the motion. Returns what has become of it, and the sign of the velocity that is lost on a harder ramp; 0 for none.
+fn begin(order: Order, motor: &mut Motor) -> (Course, i64) {
     let Order {
         velocity,
         limits,
         ramps,
-        ..
+        travel,
+        quick_stop,
     } = order;
     motor.set_ramps(ramps);
     if velocity == SignedSpeed::ZERO {
         stop(motor, limits.deceleration);
-        return Course::Free;
+        return (Course::Free, 0);
     }
     if motor.is_free(velocity.bits()).is_err() {
         stop(motor, limits.deceleration);
-        return Course::AtSwitch;
+        return (Course::AtSwitch, 0);
     }
+    let asked = Ramp {
+        deceleration: limits.deceleration,
+        ramps,
+    };
+    let heading = motor.committed_velocity().bits().signum();
+    let held = braking::held_between(motor, Some(end_of(order)), travel, asked, quick_stop);
+    motor.set_ramps(held.ramp.ramps);
+    let limits = Limits {
+        deceleration: held.ramp.deceleration,
+        ..limits
+    };
     let end = end_of(order);
     let has_end = Travel::NONE.increments.0 < end && end < Travel::NONE.increments.1;
     let is_behind = if velocity.bits() > 0 {
@@ -154,19 +178,23 @@ fn begin(order: Order, motor: &mut Motor) -> Course {
         } else {
             rest > end
         };
+        // A harder ramp ends on the limit.
+        let is_ahead = is_ahead || held.is_harder && !held.passes && !is_behind;
         let result = is_ahead.then(|| motor.move_to(end, limits));
         result.map(|result| result.map(|()| Course::ToLimit))
     } else {
         let course = if has_end { Course::Far } else { Course::Free };
         Some(motor.ramp_to(velocity, limits).map(|()| course))
     };
-    match result {
+    let course = match result {
         Some(Ok(course)) => course,
         Some(Err(_)) | None => {
             stop(motor, limits.deceleration);
             Course::Barred
         }
-    }
+    };
+    let held_back = if held.is_harder { heading } else { 0 };
+    (course, held_back)
 }
 
 fn stop(motor: &mut Motor, deceleration: u32) {

@@ -155,6 +155,8 @@ pub(crate) struct Context<'a> {
     pub(crate) observed: Observed,
     /// Where the motor may go by 607Dh.
     pub(crate) travel: Travel,
+    /// The configuration, or where the motor may go, is perhaps not that of the last tick.
+    pub(crate) has_changed: bool,
     pub(crate) frame: &'a mut Frame,
     pub(crate) is_brake_open: bool,
     pub(crate) motor: &'a mut Motor,

@@ -23,45 +23,26 @@
 //! as 6064h has been within 6067h of the target for 6068h. With 6067h = FFFFFFFFh it is 1 when the profile has ended; with an
 //! end velocity, when the target is passed. During halt it says that the motor stands.
 
-use motion::{Limits, Ramps, Speed};
+mod set_point;
+
+use motion::{Limits, Speed};
 
 use super::Context;
-use super::braking;
+use super::braking::{self, Ramp};
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, NEW_SET_POINT, RELATIVE};
 use crate::dwell::Dwell;
 use crate::exchange;
-use crate::motor::Motor;
+use crate::motor::{Motor, Refused};
+use crate::option_codes::StopRamp;
 use crate::statusword::{INTERNAL_LIMIT, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
-use crate::units::Rotation;
+use crate::units::{Rotation, Travel};
+use set_point::{Limited, SetPoint};
 
 /// 6067h: the window is not looked at.
 const WINDOW_OFF: u32 = u32::MAX;
 /// 60F2h: what relative set-points count from.
 const RELATIVE_TO: u16 = 3;
-
-/// A target with its profile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct SetPoint {
-    /// In units of the user.
-    user: i64,
-    /// The same in increments.
-    target: i64,
-    limits: Limits,
-    /// How the velocity changes: 6086h as it was at the edge of bit 4.
-    ramps: Ramps,
-    /// What is left of the velocity at the target, in steps/s.
-    end_velocity: Speed,
-    /// The target or the velocity is not what the master asked for.
-    limited: Limited,
-}
-
-/// Which part of a set-point was cut to a limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Limited {
-    target: bool,
-    profile: bool,
-}
 
 /// How far a set-point has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,8 +78,14 @@ pub(super) struct ProfilePosition {
     held: bool,
     /// The mode began in this tick: an edge of bit 4 is older than it.
     begins: bool,
-    /// The set-point under way is to be begun again: it is being stopped.
+    /// The set-point under way is to be begun again: it is being stopped, or a limit has changed.
     starts_anew: bool,
+    /// A limit that was written behind it has cut the target of the set-point under way, and it has not been begun again yet.
+    is_recut: bool,
+    /// A software limit makes the motor slow down harder than the set-point asks for.
+    is_held_back: bool,
+    /// The software limits that the set-points were cut to.
+    travel: Travel,
     window: Dwell,
 }
 
@@ -116,6 +103,9 @@ impl ProfilePosition {
             held: false,
             begins: true,
             starts_anew: false,
+            is_recut: false,
+            is_held_back: false,
+            travel: Travel::NONE,
             window: Dwell::new(),
         }
     }
@@ -147,10 +137,14 @@ impl ProfilePosition {
         let was_held = self.held;
         self.held = context.is_held();
 
+        if self.progress == Progress::UnderWay && !was_held && !self.starts_anew {
+            self.look_for_the_end(context);
+        }
+        if context.has_changed {
+            self.look_at_limits(context);
+        }
         if self.starts_anew && !self.held {
             self.go_on(context);
-        } else if self.progress == Progress::UnderWay && !was_held {
-            self.look_for_the_end(context);
         }
         if self.progress != Progress::UnderWay
             && let Some(next) = self.next.take()
@@ -183,14 +177,20 @@ impl ProfilePosition {
         let controlword = given.controlword;
         let immediately = controlword & CHANGE_IMMEDIATELY != 0;
         let waits = !immediately && self.progress == Progress::UnderWay;
-        let set_point = self.read(given, context, waits);
+        self.travel = context.travel;
+        let mut set_point = self.read(given, context, waits);
         if !waits {
             self.next = None;
             self.begin(set_point, context);
         } else if self.next.is_none() {
+            set_point.blends = controlword & CHANGE_ON_SET_POINT != 0;
             self.next = Some(set_point);
-            if controlword & CHANGE_ON_SET_POINT != 0 {
-                self.blend(set_point, context);
+            if let Some(current) = self.current {
+                let blended = self.blended(current);
+                if blended != current {
+                    self.current = Some(blended);
+                    self.starts_anew = true;
+                }
             }
         } else {
             return false;
@@ -207,44 +207,35 @@ impl ProfilePosition {
         } else {
             at(context.demand.position)
         };
-        let wanted = self.wanted(given, context, waits, here);
-        let (low, high) = context.travel.user;
-        let (least, most) = units.range().within_reach(here);
-        let user = wanted.max(least).min(most).max(low).min(high);
-        let far = units.position(user);
-        let start = if waits {
-            self.target
+        let mut set_point = SetPoint::new(
+            given,
+            self.wanted(given, context, waits, here),
+            context.configuration.profile.ramps,
+        );
+        set_point.pace(context);
+        self.aim(&mut set_point, context, waits);
+        set_point
+    }
+
+    /// Gives a set-point its target within the software limits, and within what one motion can lead.
+    fn aim(&self, set_point: &mut SetPoint, context: &Context<'_>, waits: bool) {
+        let units = &context.configuration.units;
+        let here = if waits {
+            self.previous(context)
         } else {
-            context.motor.committed_position()
+            context.frame.position(context.demand.position, units)
         };
-        // In motion, the way to stop and to come back is part of it.
-        let stop = rest(context, given.profile_deceleration)
-            .saturating_sub(context.motor.committed_position());
+        let (start, stop) = if waits {
+            (self.target, 0)
+        } else {
+            let committed = context.motor.committed_position();
+            // In motion, the way to stop and to come back is part of it.
+            let rest = rest(context, set_point.asked.deceleration);
+            (committed, rest.saturating_sub(committed))
+        };
         let reach = Motor::REACH.saturating_sub(stop.saturating_abs().saturating_mul(4));
-        let target = far
-            .max(start.saturating_sub(reach))
-            .min(start.saturating_add(reach));
-        let user = if target == far {
-            user
-        } else {
-            units.position_in_units(target)
-        };
-        let (limits, is_cut) = context.within(Limits {
-            velocity: given.profile_velocity,
-            acceleration: given.profile_acceleration,
-            deceleration: given.profile_deceleration,
-        });
-        SetPoint {
-            user,
-            target,
-            limits,
-            ramps: context.configuration.profile.ramps,
-            end_velocity: given.end_velocity,
-            limited: Limited {
-                target: user != wanted,
-                profile: is_cut,
-            },
-        }
+        let reach = (start.saturating_sub(reach), start.saturating_add(reach));
+        set_point.aim(context, here, reach);
     }
 
     /// The previous target in units of the user.
@@ -307,45 +298,70 @@ impl ProfilePosition {
 
     /// A set-point becomes the one under way.
     fn begin(&mut self, mut set_point: SetPoint, context: &mut Context<'_>) {
-        let way = set_point
-            .target
-            .saturating_sub(context.motor.committed_position());
-        self.direction = way.signum();
-        if set_point.end_velocity != Speed::ZERO {
-            let (low, high) = context.travel.increments;
-            let limit = if way < 0 { low } else { high };
-            let room = limit.saturating_sub(set_point.target).unsigned_abs();
-            let end = if way == 0 {
-                Speed::ZERO
-            } else {
-                braking::stoppable(set_point.limits.deceleration, set_point.ramps, room)
-            };
-            set_point.end_velocity = set_point.end_velocity.min(end);
-        }
+        self.is_recut = false;
+        self.head_for(&mut set_point, context);
         self.current = Some(set_point);
-        self.target = set_point.target;
-        self.user = Some(set_point.user);
-        context.frame.remember(set_point.user, set_point.target);
         self.progress = Progress::UnderWay;
-        self.window = Dwell::new();
         if !self.held {
-            self.start(set_point, context.motor);
+            self.start(set_point, context);
         }
     }
 
-    /// The set-point under way is to be left for `next` at its target without slowing down more than needed.
-    fn blend(&mut self, next: SetPoint, context: &mut Context<'_>) {
-        let way = next.target.saturating_sub(self.target);
-        let Some(mut set_point) = self.current.filter(|_| way.signum() == self.direction) else {
-            return;
-        };
-        let room = way.unsigned_abs();
-        let end = braking::stoppable(next.limits.deceleration, next.ramps, room)
-            .min(set_point.limits.velocity);
-        set_point.end_velocity = set_point.end_velocity.max(end);
-        self.current = Some(set_point);
-        if !self.held {
-            self.start(set_point, context.motor);
+    /// The target of a set-point is the one that counts from now on.
+    fn head_for(&mut self, set_point: &mut SetPoint, context: &mut Context<'_>) {
+        let way = (set_point.target).saturating_sub(context.motor.committed_position());
+        self.direction = way.signum();
+        set_point.end_within(context.travel, self.direction);
+        self.target = set_point.target;
+        self.user = Some(set_point.user);
+        context.frame.remember(set_point.user, set_point.target);
+        self.window = Dwell::new();
+    }
+
+    /// The set-point under way as it is left for the one that waits: with bit 9 without slowing down more than needed.
+    fn blended(&self, mut current: SetPoint) -> SetPoint {
+        if let Some(next) = self.next.filter(|next| next.blends) {
+            let way = next.target.saturating_sub(current.target);
+            if way.signum() == self.direction {
+                current.blend(&next, way.unsigned_abs());
+            }
+        }
+        current
+    }
+
+    /// A limit may have changed: it counts for the set-points under way and in the buffer too. What is done stays as it is.
+    #[cold]
+    #[inline(never)]
+    fn look_at_limits(&mut self, context: &mut Context<'_>) {
+        let is_cut_anew = core::mem::replace(&mut self.travel, context.travel) != context.travel;
+        let is_under_way = self.progress == Progress::UnderWay;
+        let before = (self.current).filter(|_| is_under_way || self.progress == Progress::Passed);
+        let mut current = before;
+        if let Some(current) = &mut current {
+            current.pace(context);
+            if is_under_way && is_cut_anew {
+                let target = current.target;
+                self.aim(current, context, false);
+                if current.target != target {
+                    self.is_recut = true;
+                    self.head_for(current, context);
+                }
+            }
+            current.end_within(context.travel, self.direction);
+        }
+        if let Some(mut next) = self.next {
+            next.pace(context);
+            if is_cut_anew {
+                self.aim(&mut next, context, true);
+            }
+            self.next = Some(next);
+        }
+        if is_under_way {
+            current = current.map(|current| self.blended(current));
+        }
+        if current != before {
+            self.current = current;
+            self.starts_anew |= is_under_way;
         }
     }
 
@@ -363,6 +379,7 @@ impl ProfilePosition {
             },
             travel: context.travel.increments,
             ramps: set_point.ramps,
+            quick_stop: context.deceleration(StopRamp::QuickStop),
         };
         self.beyond.follow(order, context.motor);
     }
@@ -376,22 +393,45 @@ impl ProfilePosition {
     /// The set-point under way is begun again, from whatever the motor does.
     fn go_on(&mut self, context: &mut Context<'_>) {
         if let (Progress::UnderWay, Some(set_point)) = (self.progress, self.current) {
-            self.start(set_point, context.motor);
+            self.start(set_point, context);
         }
     }
 
-    fn start(&mut self, set_point: SetPoint, motor: &mut Motor) {
+    fn start(&mut self, set_point: SetPoint, context: &mut Context<'_>) {
+        let starts_anew = core::mem::take(&mut self.starts_anew);
+        let is_recut = core::mem::take(&mut self.is_recut);
+        self.beyond.forget();
+        let quick_stop = context.deceleration(StopRamp::QuickStop);
+        let motor = &mut *context.motor;
+        let asked = Ramp {
+            deceleration: set_point.limits.deceleration,
+            ramps: set_point.ramps,
+        };
+        let travel = context.travel.increments;
+        let mut ramp = asked;
+        let target = Some(set_point.target).filter(|_| set_point.end_velocity == Speed::ZERO);
+        if starts_anew && target.is_some() {
+            // The motor brakes for its target perhaps: a lower 60C6h is no reason to pass it.
+            let around = set_point.around(motor);
+            ramp = braking::held_between(motor, target, around, ramp, 0).ramp;
+        }
+        let held = braking::held_between(motor, target, travel, ramp, quick_stop);
+        self.is_held_back = held.is_harder;
+        let ramp = held.ramp;
+        motor.set_ramps(ramp.ramps);
+        let limits = Limits {
+            deceleration: ramp.deceleration,
+            ..set_point.limits
+        };
         let SetPoint {
             target,
-            limits,
-            ramps,
             end_velocity,
             ..
         } = set_point;
-        motor.set_ramps(ramps);
-        self.beyond.forget();
-        self.starts_anew = false;
-        let result = if end_velocity == Speed::ZERO {
+        let is_beyond = held.passes || set_point.is_passed_by(motor, &context.configuration.units);
+        let result = if is_recut && set_point.limited.target && is_beyond {
+            Err(Refused)
+        } else if end_velocity == Speed::ZERO {
             motor.move_to(target, limits)
         } else {
             motor.move_through(target, end_velocity, limits)
@@ -416,6 +456,7 @@ impl ProfilePosition {
         }
         let is_limited = limited.target
             || limited.profile
+            || self.is_held_back
             || self.progress == Progress::Impossible
             || self.progress == Progress::Passed && self.beyond.is_limited(context.motor);
         if is_limited {
@@ -468,13 +509,6 @@ fn rest(context: &Context<'_>, deceleration: u32) -> i64 {
     let way = i64::try_from(way).unwrap_or(i64::MAX).saturating_add(1);
     let way = way.saturating_mul(velocity.bits().signum());
     motor.committed_position().saturating_add(way)
-}
-
-impl Limited {
-    const NONE: Self = Self {
-        target: false,
-        profile: false,
-    };
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::dwell::Dwell;
 use crate::motor::Motor;
+use crate::option_codes::StopRamp;
 use crate::statusword::{INTERNAL_LIMIT, SLIPPAGE, SPEED_ZERO, TARGET_REACHED};
 
 /// The mode.
@@ -61,6 +62,7 @@ impl ProfileVelocity {
             limits,
             travel: context.travel.increments,
             ramps: context.configuration.profile.ramps,
+            quick_stop: context.deceleration(StopRamp::QuickStop),
         };
         if !context.is_held() {
             self.held = false;

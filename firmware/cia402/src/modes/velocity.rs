@@ -92,6 +92,7 @@ impl Velocity {
             limits,
             travel: context.travel.increments,
             ramps: context.configuration.profile.ramps,
+            quick_stop: context.deceleration(StopRamp::QuickStop),
         };
         self.motion.follow(order, context.motor);
         let is_cut = self.is_cut || is_cut;

@@ -204,6 +204,44 @@ fn m44_beyond_a_limit_only_the_way_back_is_free() {
 }
 
 #[test]
+fn m44_a_gentler_6084h_carries_no_velocity_through_a_software_limit() {
+    // 6084h, and a velocity the other way that is braked for with it.
+    for velocity in [10_000, -3_000] {
+        let mut rig = enabled();
+        rig.configuration.position_limits = (-8_000, 8_000);
+        run(&mut rig, 10_000);
+        rig.until("600 steps before it", |rig| rig.motor.position >= 7_400);
+        rig.commands.profile_deceleration = 10_000;
+        run(&mut rig, velocity);
+        rig.tick();
+        assert!(rig.limited(), "{velocity}");
+        let mut farthest = 0;
+        for _ in 0..1_000 {
+            rig.tick();
+            farthest = farthest.max(rig.motor.position);
+        }
+        assert!(
+            (7_990..=8_000).contains(&farthest),
+            "{velocity}: {farthest}"
+        );
+        assert_eq!(rig.limited(), velocity > 0, "{velocity}");
+    }
+}
+
+#[test]
+fn m44_with_a_gentle_6085h_the_ramp_that_was_begun_stops_the_motor_before_the_limit() {
+    let mut rig = enabled();
+    rig.configuration.quick_stop_deceleration = 20_000;
+    rig.configuration.position_limits = (-8_000, 8_000);
+    run(&mut rig, 10_000);
+    rig.until("braking", |rig| rig.motor.position >= 7_700);
+    rig.commands.profile_deceleration = 10_000;
+    rig.post();
+    rig.tick();
+    assert_eq!(rig.rest(), 8_000);
+}
+
+#[test]
 fn m44_a_limit_that_appears_too_near_stops_the_motor_without_a_way_back() {
     let mut rig = enabled();
     run(&mut rig, 10_000);

@@ -3,6 +3,7 @@
 mod blending;
 mod halt;
 mod handshake;
+mod limits;
 mod mode_change;
 mod target;
 mod velocity;
