@@ -13,7 +13,7 @@ mod leg;
 mod trace;
 
 use crate::clock::{Clock, Ticks};
-use crate::fixed::{Position, State, Velocity};
+use crate::fixed::{Exact, Position, State, Velocity};
 use crate::path::{FollowError, Path};
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
@@ -382,9 +382,13 @@ impl Axis {
 
     /// Where the plan or the path is at tick `t`.
     fn state_at(&self, t: Ticks) -> State {
+        self.exact_at(t).rounded()
+    }
+
+    fn exact_at(&self, t: Ticks) -> Exact {
         match &self.path {
-            None => self.plan.state_at(t),
-            Some(path) => path.exact_at(t).rounded(),
+            None => self.plan.exact_at(t),
+            Some(path) => path.exact_at(t),
         }
     }
 
@@ -470,8 +474,19 @@ impl Axis {
         let corner = corner.unwrap_or(Ticks::MAX);
         let left = corner.saturating_sub(begin);
         let length = u32::try_from(left).map_or(length, |left| length.min(left));
-        let end = begin.saturating_add(length.into());
-        let to = self.state_at(end);
+        let mut length = length;
+        let mut end = begin.saturating_add(length.into());
+        let mut to = self.state_at(end);
+        let due = self.train.due(to.position);
+        if due != 0 && to.velocity.creeps() {
+            // The chord ends at its pulse, or begins there if that is behind it already; so the pulse is at its tick.
+            let late = self.exact_at(end).since_middle(self.train.step(due));
+            if late < length.into() {
+                length = length.wrapping_sub(late as u32);
+                end = begin.saturating_add(length.into());
+                to = self.state_at(end);
+            }
+        }
         if self.path.is_none()
             && end < corner
             && let Some(phase) = self.plan.phase_at(begin)

@@ -98,6 +98,11 @@ impl Velocity {
         }
     }
 
+    /// Whether a tick is less than what a [`Position`] can tell: slower than 2⁻³² steps per tick.
+    pub(crate) const fn creeps(self) -> bool {
+        self.0.unsigned_abs() < 1 << 24
+    }
+
     /// The way over so many ticks, in steps × 2³².
     pub fn way(self, ticks: u32) -> i64 {
         (i128::from(self.0).wrapping_mul(ticks.into()) >> 24) as i64
@@ -146,6 +151,20 @@ impl Exact {
     #[inline]
     pub(crate) const fn rounded_position(self) -> Position {
         Position::from_exact(self.position)
+    }
+
+    /// How many ticks ago this state was in the middle in front of the step at `steps` (modulo 2³²), at the velocity of now. 0 at rest.
+    pub(crate) fn since_middle(self, steps: i32) -> u128 {
+        let way = self
+            .position
+            .wrapping_sub(Self::at_rest(steps.into()).position);
+        let way = if self.velocity < 0 {
+            way.wrapping_neg()
+        } else {
+            way
+        };
+        let beyond = way.wrapping_add(1 << 95).max(0).cast_unsigned();
+        quotient(beyond, 0, self.velocity.unsigned_abs())
     }
 
     /// The same in the public resolution.

@@ -215,6 +215,11 @@ impl Train {
         (position.whole_steps() as i32).wrapping_sub(self.steps)
     }
 
+    /// The next step in the direction of those due, modulo 2³².
+    pub(crate) const fn step(&self, due: i32) -> i32 {
+        self.steps.wrapping_add(due.signum())
+    }
+
     /// Makes the records of a chord. Those before must have been handed out.
     #[inline]
     pub(crate) fn draw(&mut self, chord: &Chord) {

@@ -1,7 +1,7 @@
 //! A stretch of the plan that is one parabola, walked along in chords.
 
 use crate::clock::Ticks;
-use crate::fixed::{Exact, State};
+use crate::fixed::{Exact, State, Velocity};
 use crate::plan::phase::{Phase, product};
 use crate::train::{Chord, Train};
 
@@ -19,6 +19,8 @@ pub(super) struct Leg {
     /// Steps per tick², Q96, and whether there are any.
     half_acceleration: i128,
     bends: bool,
+    /// Steady, and so slow that a tick is less than the positions of a chord tell.
+    creeps: bool,
     /// The chord that was gone last, in ticks; 0 for none.
     length: u32,
     /// What position and velocity grew by, and what that of the position grows by with every chord; all of them Q96.
@@ -31,13 +33,15 @@ impl Leg {
     /// From tick `t` of a phase to the next corner.
     pub(super) fn new(phase: &Phase, t: Ticks, until: Ticks, longest: u32) -> Self {
         let exact = phase.at(t);
+        let bends = phase.half_acceleration() != 0;
         Self {
             until,
             longest,
             exact,
             state: exact.rounded(),
             half_acceleration: phase.half_acceleration(),
-            bends: phase.half_acceleration() != 0,
+            bends,
+            creeps: !bends && Velocity::from_exact(exact.velocity).creeps(),
             length: 0,
             way: 0,
             gain: 0,
@@ -46,7 +50,7 @@ impl Leg {
     }
 
     /// Goes on by a chord from tick `begin`, the commit horizon. Gives the chord and the state at its end; `None` if it would reach the next
-    /// corner.
+    /// corner, or if it has a pulse whose tick must be looked for.
     #[inline]
     pub(super) fn go_on(&mut self, begin: Ticks, train: &Train) -> Option<(Chord, State)> {
         let length = if self.bends || self.length == 0 {
@@ -59,6 +63,9 @@ impl Leg {
         }
         let from = self.state.position;
         self.walk(length);
+        if self.creeps && train.due(self.state.position) != 0 {
+            return None;
+        }
         let chord = Chord {
             begin,
             length,

@@ -4,6 +4,7 @@ mod behaviour;
 mod hours;
 mod random;
 mod replay;
+mod slow;
 mod vectors;
 
 use super::{Axis, AxisConfig};

@@ -252,7 +252,7 @@ impl Shape {
         let turn = |value: i128| if reverse { value.wrapping_neg() } else { value };
         Phase {
             start: begin,
-            anchor: start.saturating_add((anchor >> 32) as u64),
+            anchor: start.saturating_add(whole_ticks(anchor)),
             position: origin.wrapping_add(turn(position)),
             velocity: turn(velocity),
             half_acceleration: turn(half_acceleration),
@@ -287,9 +287,18 @@ fn part(value: i128, fraction: u32) -> i128 {
     high.wrapping_add(low.into())
 }
 
-/// An offset rounded up to whole ticks.
+/// An offset rounded up to whole ticks. The slowest speeds take longer than ticks can count; that is for ever.
 pub(crate) fn ticks_up(offset: Offset) -> Ticks {
-    (offset.saturating_add(u128::from(u32::MAX)) >> 32) as u64
+    whole_ticks(offset.saturating_add(u128::from(u32::MAX)))
+}
+
+/// The same rounded down.
+fn whole_ticks(offset: Offset) -> Ticks {
+    if offset >> 96 == 0 {
+        (offset >> 32) as u64
+    } else {
+        Ticks::MAX
+    }
 }
 
 /// How long it takes to change speed by `change` at twice `half_acceleration`, as an [`Offset`].
