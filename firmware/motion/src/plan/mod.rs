@@ -426,9 +426,10 @@ fn sine_jerk(clock: Clock, from: Exact, limits: Limits) -> Jerk {
         velocity => velocity,
     };
     let ramp = u128::from(limits.acceleration.max(limits.deceleration));
-    // π²/2 = 4.93; what does not fit is faster than any ramp.
-    let square = quotient(ramp.wrapping_mul(ramp), 1, velocity.bits().into());
-    let jerk = square.saturating_mul(5);
+    // π²/2 = 4.93, and rounded up: with less a ramp that is left would go on beyond its velocity. What does not fit is faster than
+    // any ramp.
+    let square = ramp.wrapping_mul(ramp).saturating_mul(5);
+    let jerk = quotient(square, 1, velocity.bits().into()).saturating_add(1);
     Jerk {
         sixth: clock.sixth_jerk(u32::try_from(jerk).unwrap_or(u32::MAX).max(1)),
     }

@@ -113,7 +113,7 @@ fn a_step_in_an_hour_is_at_its_tick_with_segments_of_a_quarter_of_a_millisecond(
         let mut sink = Ticker::default();
         play(&mut axis, &mut sink, 1);
         // Half of the time of the ramp is lost.
-        let due = 3 * u64::from(HZ) + (u128::from(HOURLY.bits()) * u128::from(HZ) >> 33) as u64;
+        let due = 3 * u64::from(HZ) + ((u128::from(HOURLY.bits()) * u128::from(HZ)) >> 33) as u64;
         assert!(
             sink.pulses[0].abs_diff(due) <= 1,
             "{:?} for {due}",

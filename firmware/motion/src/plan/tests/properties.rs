@@ -35,24 +35,34 @@ pub(super) fn any_clock() -> impl Strategy<Value = Clock> {
     .prop_map(clock)
 }
 
+/// Half of them no whole numbers. Slower ones, whose ways are not so long, are in the tests of the axis.
+fn speed(most: u32) -> impl Strategy<Value = Speed> {
+    (magnitude(1, most), any::<u32>(), any::<bool>()).prop_map(|(whole, part, is_whole)| {
+        let part = if is_whole { 0 } else { part };
+        Speed::from_bits(u64::from(whole) << 32 | u64::from(part))
+    })
+}
+
 pub(super) fn any_limits() -> impl Strategy<Value = Limits> {
     let rate = || magnitude(1, u32::MAX);
-    (rate(), rate(), rate()).prop_map(|(velocity, acceleration, deceleration)| Limits {
-        velocity: velocity.into(),
-        acceleration,
-        deceleration,
+    (speed(u32::MAX - 1), rate(), rate()).prop_map(|(velocity, acceleration, deceleration)| {
+        Limits {
+            velocity,
+            acceleration,
+            deceleration,
+        }
     })
 }
 
 /// Limits of real machines.
 pub(super) fn usual_limits() -> impl Strategy<Value = Limits> {
     (
-        magnitude(1, 4_000_000),
+        speed(4_000_000),
         magnitude(10, 100_000_000),
         magnitude(10, 100_000_000),
     )
         .prop_map(|(velocity, acceleration, deceleration)| Limits {
-            velocity: velocity.into(),
+            velocity,
             acceleration,
             deceleration,
         })

@@ -134,6 +134,25 @@ proptest! {
         }
     }
 
+    #[test]
+    fn i01_a_gentle_ramp_that_is_left_does_not_go_beyond_its_velocity(
+        velocity in 1u32..1_000,
+        acceleration in 1u32..100,
+        cut in 0u64..=1 << 32,
+    ) {
+        let clock = clock(84_000_000);
+        let limits = Limits { velocity: velocity.into(), acceleration, deceleration: acceleration };
+        let mut plan = Plan::at_rest(0, 0);
+        let keep = Goal::Velocity(limits.velocity.signed(false));
+        plan.redirect(clock, 0, keep, limits, Ramps::SinSquared).unwrap();
+        let at = ((u128::from(last(&plan, clock)) * u128::from(cut)) >> 32) as Ticks;
+        plan.redirect(clock, at, Goal::Velocity(0.into()), limits, Ramps::SinSquared).unwrap();
+        for t in all_over(&plan, clock, 64) {
+            let now = per_second(clock, plan.state_at(t));
+            prop_assert!(now <= f64::from(velocity) + 1e-6, "{now} of {velocity}");
+        }
+    }
+
     /// The end is the target, exactly, from any velocity, and again from anywhere on the way to another.
     #[test]
     fn i02_a_smooth_move_lands_on_its_target(
