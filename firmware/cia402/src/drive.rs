@@ -22,7 +22,7 @@ use crate::inputs::{DigitalInputs, Switches};
 use crate::modes::{Context, Modes};
 use crate::monitor::{Monitor, Observed};
 use crate::motor::Motor;
-use crate::option_codes::Stop;
+use crate::option_codes::{Stop, StopRamp};
 use crate::periphery::Periphery;
 use crate::recorder;
 use crate::state_machine::{Conditions, State, StateMachine, Transition};
@@ -124,6 +124,10 @@ pub struct Drive {
     restarted: bool,
     /// "Shutdown" was written before the command that stands, and has not been carried out yet.
     shutdown_first: bool,
+    /// "Shutdown" or "disable operation" was the last command, and waits for the motor to stand.
+    pending: Option<Command>,
+    /// The network may command the drive, or 6007h lets it go on without.
+    is_commanded: bool,
     /// The fault that 6007h = 1 makes of a loss of the network has been raised.
     is_abandoned: bool,
     /// When the last tick was.
@@ -156,6 +160,8 @@ impl Drive {
             settled: false,
             restarted: false,
             shutdown_first: false,
+            pending: None,
+            is_commanded: false,
             is_abandoned: false,
             ticked: Instant::from_ticks(0),
             cyclic: Cyclic::new(&outlast_tick(config), config.tick),
@@ -191,7 +197,7 @@ impl Drive {
         let cyclic = &self.configuration.cyclic;
         self.cyclic
             .take(waiting, exchange, cyclic, self.modes.active());
-        let command = self.given_command();
+        let command = self.command();
         let elapsed = now
             .checked_duration_since(self.ticked)
             .map_or(0, |span| u32::try_from(span.ticks()).unwrap_or(u32::MAX));
@@ -344,6 +350,7 @@ impl Drive {
             &self.periphery.stage,
         );
         let (remote, command, lost) = self.under_6007h(command);
+        let lost_now = core::mem::replace(&mut self.is_commanded, remote) && !remote;
         let silent = self.set_points_lost();
         let reaction = detected.or(lost).or(silent);
         let reset = self.commands.remote && self.commands.rising & FAULT_RESET != 0;
@@ -363,6 +370,8 @@ impl Drive {
             self.carry_out(transition, reaction);
         } else if reaction == Some(Reaction::PowerOff) {
             self.power_off();
+        } else if lost_now && !self.is_abandoned && self.is_stopped_by_state() {
+            self.stop(Stop::Ramp(StopRamp::QuickStop));
         }
         self.brake.set(
             self.power && (self.brake.is_released() || !self.is_leaving(remote, command)),
@@ -419,8 +428,12 @@ impl Drive {
             State::OperationEnabled => {
                 if let Some(Stop::Ramp(ramp)) = self.leaving(command) {
                     // The transition waits until the motor stands.
-                    let deceleration = self.deceleration(ramp);
-                    self.modes.interrupt(&mut self.motor, deceleration);
+                    self.modes.interrupt(
+                        &mut self.motor,
+                        ramp,
+                        &self.commands,
+                        &self.configuration,
+                    );
                     return self.mind_limits() | self.mind_travel();
                 }
                 let limit = self.mind_limits();

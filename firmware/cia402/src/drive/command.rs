@@ -7,9 +7,21 @@ use crate::option_codes::AbortConnectionOption;
 use crate::state_machine::State;
 
 impl Drive {
-    /// The command of this tick: one to stop that was overwritten since the last tick, else "shutdown" if a master in a
+    /// The command of this tick: that of the controlword; or, as a controlword with bit 7 is none, the one before it to leave
+    /// operation enabled, while that waits for the motor.
+    pub(super) fn command(&mut self) -> Option<Command> {
+        let given = self.given_command();
+        if self.machine.state() != State::OperationEnabled {
+            self.pending = None;
+        } else if given.is_some() {
+            self.pending = given.filter(|given| self.leaving(Some(*given)).is_some());
+        }
+        given.or(self.pending)
+    }
+
+    /// What the master has given: a command to stop that was overwritten since the last tick, else "shutdown" if a master in a
     /// hurry has gone past it already, else the one that stands in the controlword.
-    pub(super) fn given_command(&mut self) -> Option<Command> {
+    fn given_command(&mut self) -> Option<Command> {
         let commands = &self.commands;
         let standing = Command::decode(commands.controlword);
         let leads_up = matches!(standing, Some(Command::SwitchOn | Command::EnableOperation));

@@ -46,6 +46,14 @@ impl Drive {
         }
     }
 
+    /// Whether the state itself stops the motor.
+    pub(super) const fn is_stopped_by_state(&self) -> bool {
+        matches!(
+            self.machine.state(),
+            State::QuickStopActive | State::FaultReactionActive
+        )
+    }
+
     pub(super) fn stop(&mut self, stop: Stop) {
         match stop {
             Stop::PowerOff => self.power_off(),

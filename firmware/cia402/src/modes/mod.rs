@@ -264,6 +264,8 @@ pub(crate) struct Modes {
     active: Mode,
     /// The active mode has given up its set-points, and the motor is slowing down.
     interrupted: bool,
+    /// The ramp of 605Dh has been taken since then.
+    halted: bool,
     profile_position: ProfilePosition,
     profile_velocity: ProfileVelocity,
     velocity: Velocity,
@@ -278,6 +280,7 @@ impl Modes {
         Self {
             active: Mode::NoMode,
             interrupted: false,
+            halted: false,
             profile_position: ProfilePosition::new(),
             profile_velocity: ProfileVelocity::new(),
             velocity: Velocity::new(),
@@ -346,13 +349,37 @@ impl Modes {
         }
     }
 
-    /// Operation is to be left, or the mode: the motor slows down with `deceleration`, its set-points are forgotten.
-    pub(crate) fn interrupt(&mut self, motor: &mut Motor, deceleration: u32) {
+    /// Operation is to be left, or the mode: the motor slows down on this ramp, its set-points are forgotten. A halt, and whatever stop is
+    /// under way, becomes no gentler by that.
+    pub(crate) fn interrupt(
+        &mut self,
+        motor: &mut Motor,
+        ramp: StopRamp,
+        commands: &Commands,
+        configuration: &Configuration,
+    ) {
         if !self.interrupted {
             self.interrupted = true;
-            if !motor.standstill() {
-                motor.stop(deceleration);
-            }
+            self.halted = false;
+            self.slow_down(motor, ramp, commands, configuration);
+        }
+        let halts = commands.controlword & HALT != 0 && self.active != Mode::Homing;
+        if halts && !self.halted {
+            self.halted = true;
+            self.slow_down(motor, configuration.halt, commands, configuration);
+        }
+    }
+
+    fn slow_down(
+        &self,
+        motor: &mut Motor,
+        ramp: StopRamp,
+        commands: &Commands,
+        configuration: &Configuration,
+    ) {
+        if !motor.standstill() {
+            let deceleration = self.deceleration(ramp, commands, configuration);
+            motor.stop_no_gentler(deceleration, configuration.profile.is_smooth(ramp));
         }
     }
 
@@ -361,9 +388,8 @@ impl Modes {
         let wanted = Mode::from_code(context.commands.mode).unwrap_or(self.active);
         if wanted != self.active {
             if !context.motor.standstill() && !wanted.begins_in_motion() {
-                let deceleration =
-                    self.deceleration(StopRamp::SlowDown, context.commands, context.configuration);
-                self.interrupt(context.motor, deceleration);
+                let (commands, configuration) = (context.commands, context.configuration);
+                self.interrupt(context.motor, StopRamp::SlowDown, commands, configuration);
                 return 0;
             }
             self.active = wanted;

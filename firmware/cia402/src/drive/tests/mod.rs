@@ -5,6 +5,7 @@ mod faults;
 mod limits;
 mod network;
 mod options;
+mod pending;
 mod states;
 mod stops;
 mod travel;
