@@ -18,6 +18,7 @@ mod guarding;
 mod heartbeat;
 mod homing;
 mod inputs_outputs;
+mod interpolated_position;
 mod lost_steps;
 mod lss;
 mod lss_many_drives;

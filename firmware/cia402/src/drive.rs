@@ -221,7 +221,7 @@ impl Drive {
         }
         self.motor.observe(position, self.power, pulses);
         self.motor.set_time(fine(now));
-        self.cyclic.pass(fine(now));
+        self.cyclic.pass(fine(now), &self.configuration.cyclic);
         self.has_changed =
             waiting.is_configured || self.limits.are_old(&self.frame, self.motor.is_referenced());
         if self.has_changed {
@@ -248,6 +248,9 @@ impl Drive {
             let blocked = self.blocked(inputs, position);
             self.operate(now, position, elapsed, blocked, command)
         };
+        if self.state() != State::OperationEnabled || !self.modes.keeps_records() {
+            self.cyclic.buffer.clear();
+        }
 
         let is_cyclic = self.modes.active().is_cyclic();
         let next_tick = self.cyclic.next_tick(now, is_cyclic);

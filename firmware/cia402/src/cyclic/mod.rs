@@ -4,13 +4,15 @@
 //! are slots: evenly spaced moments, each with its set-point or with none. A slot is decided on once, and what comes for it
 //! later is not used.
 //!
-//! Without SYNC the set-points themselves are the beats.
+//! Without SYNC the set-points themselves are the beats; but the data records of interpolated position have a rhythm of their own, as
+//! a master may write several ahead.
 
 mod beat;
 mod buffer;
 mod clock;
 pub(crate) mod lock;
 mod pipeline;
+mod rhythm;
 mod schedule;
 mod state;
 mod timer;

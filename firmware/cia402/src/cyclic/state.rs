@@ -6,8 +6,9 @@ use motion::AxisConfig;
 use super::buffer::Buffer;
 use super::clock::{NetworkClock, Slots};
 use super::pipeline::Pipeline;
+use super::rhythm::Rhythm;
 use super::schedule::Schedule;
-use super::{Beat, CyclicConfiguration, Fine, POINT, SyncStatus};
+use super::{Beat, CyclicConfiguration, Fine, POINT, SyncStatus, fine};
 use crate::exchange::{Exchange, Share, Waiting};
 use crate::modes::Mode;
 
@@ -15,6 +16,8 @@ use crate::modes::Mode;
 #[derive(Debug)]
 pub(crate) struct Cyclic {
     clock: NetworkClock,
+    /// Of the data records, where there is no SYNC.
+    rhythm: Rhythm,
     schedule: Schedule,
     pub(crate) pipeline: Pipeline,
     /// The set-points of this tick.
@@ -32,6 +35,7 @@ impl Cyclic {
         Self {
             pipeline: Pipeline::new(axis, schedule.tick(), schedule.lead()),
             clock: NetworkClock::new(),
+            rhythm: Rhythm::new(),
             schedule,
             slots: Slots::new(),
             buffer: Buffer::new(),
@@ -49,25 +53,34 @@ impl Cyclic {
         mode: Mode,
     ) {
         self.slots.clear();
-        if waiting.clears_records || mode != Mode::InterpolatedPosition {
+        let has_records = mode == Mode::InterpolatedPosition;
+        if !has_records {
+            self.rhythm.stop();
+        }
+        if waiting.clears_records || !has_records {
             self.buffer.clear();
         }
+        let mut is_empty = self.buffer.len() == 0;
         for _ in 0..waiting.records {
             let record = exchange.lock(Exchange::take_record);
-            if mode == Mode::InterpolatedPosition
-                && let Some(record) = record
-            {
+            if has_records && let Some(record) = record {
                 self.buffer.push(record, configuration.buffer);
             }
         }
         for _ in 0..waiting.beats {
             if let Some(beat) = exchange.lock(Exchange::take_beat) {
-                self.hear(beat, configuration, mode);
+                if beat.is_sync || !has_records {
+                    self.hear(beat, configuration, mode);
+                } else if core::mem::take(&mut is_empty) {
+                    self.rhythm
+                        .hear(fine(beat.at), micros(configuration.period));
+                }
             }
         }
     }
 
     fn hear(&mut self, beat: Beat, configuration: &CyclicConfiguration, mode: Mode) {
+        self.rhythm.stop();
         let periods = (micros(configuration.period), micros(configuration.cycle));
         let is_new = match mode {
             Mode::CyclicVelocity => beat.velocity.is_some(),
@@ -77,9 +90,15 @@ impl Cyclic {
         self.clock.hear(beat, is_new, periods, &mut self.slots);
     }
 
-    /// Lets time pass.
-    pub(crate) fn pass(&mut self, now: Fine) {
+    /// Lets time pass. `configuration` is what was taken with the beats of this tick.
+    pub(crate) fn pass(&mut self, now: Fine, configuration: &CyclicConfiguration) {
         self.clock.pass(now, &mut self.slots);
+        if self.rhythm.is_running() {
+            self.slots.clear();
+            let waits = self.buffer.len();
+            self.rhythm
+                .pass(now, micros(configuration.period), waits, &mut self.slots);
+        }
     }
 
     /// When the next tick is due, in step with the beat if there is a mode that needs it.

@@ -383,6 +383,11 @@ impl Modes {
         }
     }
 
+    /// Whether data records of interpolated position are kept: not outside of the mode, and not when what it was after is forgotten.
+    pub(crate) const fn keeps_records(&self) -> bool {
+        matches!(self.active, Mode::InterpolatedPosition) && !self.interrupted
+    }
+
     /// One control tick in operation enabled. Returns the bits of the statusword that belong to the mode.
     pub(crate) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let wanted = Mode::from_code(context.commands.mode).unwrap_or(self.active);
