@@ -125,8 +125,8 @@ pub enum FaultNotice {
     Cleared(u16),
 }
 
-/// The most faults that are told apart at one time; a further one changes 603Fh alone.
-const STANDING: usize = 4;
+/// The most faults that are told apart at one time; a further one stops the motor and is not told, neither by 603Fh.
+const STANDING: usize = 8;
 
 /// The faults that stand.
 #[derive(Debug, Default)]
@@ -199,8 +199,8 @@ impl Faults {
         if *reaction != Some(Reaction::PowerOff) {
             *reaction = Some(FaultClass::of(code).reaction);
         }
-        self.error_code = code;
         if !self.standing.contains(&code) && self.standing.push(code).is_ok() {
+            self.error_code = code;
             self.notify(FaultNotice::Raised(code));
         }
     }
@@ -413,9 +413,29 @@ mod tests {
     }
 
     #[test]
-    fn more_faults_than_can_be_told_apart_still_change_the_code() {
+    fn what_603fh_shows_is_the_last_emergency_message() {
         let mut faults = Faults::default();
-        for code in 0x7301..=0x7306 {
+        let mut told = 0;
+        // One that comes again while it stands is no new one.
+        for code in [0x7301, 0x7302, 0x7303, 0x7304, 0x7301, 0x7305] {
+            let inputs = Inputs {
+                fault: Some(code),
+                ..CALM
+            };
+            faults.detect(&inputs, true, false, false, &SUPPLIED);
+            while let Some(notice) = faults.take_notice() {
+                assert_eq!(notice, FaultNotice::Raised(code));
+                told = code;
+            }
+            assert_eq!(faults.error_code(), told);
+        }
+        assert_eq!(told, 0x7305);
+    }
+
+    #[test]
+    fn of_more_faults_than_can_be_told_apart_the_last_one_told_is_in_603fh() {
+        let mut faults = Faults::default();
+        for code in 0x7301..=0x730C {
             let inputs = Inputs {
                 fault: Some(code),
                 ..CALM
@@ -425,8 +445,8 @@ mod tests {
                     .detect(&inputs, true, false, false, &SUPPLIED)
                     .is_some()
             );
-            assert_eq!(faults.error_code(), code);
         }
+        assert_eq!(faults.error_code(), 0x7308);
         let told = core::iter::from_fn(|| faults.take_notice()).count();
         assert_eq!(told, STANDING);
         faults.reset();

@@ -6,6 +6,8 @@
 //! - Bit 4 that falls interrupts: the motor slows down with 609Ah, at most 60C6h, and what was known of the home position before
 //!   is still known. So it is after a failure. On the way back to the home position that is already known anew.
 //! - Halt (bit 8) slows down with 609Ah; releasing it goes on.
+//! - 607Fh, 6080h, 60C5h and 60C6h hold here too; bit 11 is 1 while one of them cuts the motion under way. Software limits do not: homing
+//!   gives them their places.
 //! - Edges count while the mode is at work only, as in profile position. Nothing begins without operation enabled.
 //! - A method that is not supported, or needs a switch that no input is for, fails at once and moves nothing. 2034h:2 tells why
 //!   homing failed.
@@ -26,7 +28,7 @@ use crate::configuration::HomingConfiguration;
 use crate::controlword::NEW_SET_POINT;
 use crate::inputs::InputConfiguration;
 use crate::motor::Refused;
-use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
+use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, INTERNAL_LIMIT, TARGET_REACHED};
 
 /// 2034h:2 while homing has not failed.
 const NO_FAILURE: u8 = 0;
@@ -63,6 +65,8 @@ struct Search {
     /// What the master's count has beyond the engine's, modulo 2³²: home has its name before the motor drives back to it, while
     /// the engine goes on in the count in which it found home.
     shift: i32,
+    /// The motion under way is slower, or gentler, than 6099h and 609Ah ask for.
+    is_limited: bool,
 }
 
 impl Search {
@@ -120,7 +124,7 @@ impl Homing {
         self.failure
     }
 
-    /// One control tick; returns statusword bits 10, 12 and 13.
+    /// One control tick; returns statusword bits 10 to 13.
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let begins = core::mem::replace(&mut self.begins, false);
         if begins && context.motor.is_referenced() && !context.configuration.homing.starts_afresh {
@@ -161,6 +165,7 @@ impl Homing {
                     engine,
                     configuration,
                     shift: 0,
+                    is_limited: false,
                 });
             }
             Err(failure) => self.fail(code(failure)),
@@ -213,10 +218,16 @@ impl Homing {
         } else {
             0
         };
-        match self.progress {
+        match &self.progress {
             Progress::Idle => at_rest,
-            Progress::UnderWay(_) if context.is_halted() => at_rest,
-            Progress::UnderWay(_) => 0,
+            Progress::UnderWay(search) => {
+                let bits = if context.is_halted() { at_rest } else { 0 };
+                if search.is_limited {
+                    bits | INTERNAL_LIMIT
+                } else {
+                    bits
+                }
+            }
             Progress::Attained => HOMING_ATTAINED | at_rest,
             Progress::Failed => HOMING_ERROR | at_rest,
         }
@@ -251,11 +262,14 @@ const fn fitted(inputs: &InputConfiguration, block: bool) -> Fitted {
 /// What the engine wants.
 fn carry_out(order: Order, search: &mut Search, context: &mut Context<'_>) -> Result<(), Refused> {
     let configuration = search.configuration;
-    let max_velocity = context.max_velocity();
-    let limits = |velocity: Speed| Limits {
-        velocity: velocity.min(max_velocity),
-        acceleration: (configuration.acceleration).min(context.configuration.max_acceleration),
-        deceleration: (configuration.acceleration).min(context.configuration.max_deceleration),
+    let mut within = |velocity: Speed| {
+        let (limits, is_cut) = context.within(Limits {
+            velocity,
+            acceleration: configuration.acceleration,
+            deceleration: configuration.acceleration,
+        });
+        search.is_limited = is_cut;
+        limits
     };
     match order {
         Order::GoOn => {}
@@ -265,15 +279,17 @@ fn carry_out(order: Order, search: &mut Search, context: &mut Context<'_>) -> Re
                 engine::Speed::Zero => configuration.zero_speed,
             };
             let velocity = speed.signed(direction == Direction::Reverse);
-            return context.motor.ramp_to(velocity, limits(speed));
+            let limits = within(speed);
+            return context.motor.ramp_to(velocity, limits);
         }
         Order::Stop => {
             if !context.motor.standstill() {
-                context.motor.stop(limits(Speed::ZERO).deceleration);
+                let most = context.configuration.max_deceleration;
+                context.motor.stop(configuration.acceleration.min(most));
             }
         }
         Order::Go(target) | Order::Return(target) => {
-            let limits = limits(configuration.zero_speed);
+            let limits = within(configuration.zero_speed);
             if let Order::Return(home) = order {
                 search.set_home(context, home);
             }

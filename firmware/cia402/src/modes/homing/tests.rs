@@ -371,6 +371,54 @@ fn m48_an_interrupted_homing_slows_down_no_faster_than_allowed() {
     assert!((2_500..2_600).contains(&way), "{way}");
 }
 
+#[test]
+fn m39_speeds_and_ramps_of_homing_that_are_cut_show_in_bit_11() {
+    type Cut = fn(&mut Rig);
+    let cuts: [Cut; 3] = [
+        |rig| rig.configuration.max_velocity = 4_000.into(),
+        |rig| rig.configuration.max_acceleration = 20_000,
+        |rig| rig.configuration.max_deceleration = 20_000,
+    ];
+    for cut in cuts {
+        let mut rig = homing(19);
+        cut(&mut rig);
+        rig.post();
+        rig.tick();
+        assert!(!rig.has(INTERNAL_LIMIT), "nothing is under way");
+        rig.write(START);
+        rig.ticks(3);
+        assert!(rig.has(INTERNAL_LIMIT));
+        until(&mut rig, 500, |rig| rig.has(HOMING_ATTAINED));
+        assert!(!rig.has(INTERNAL_LIMIT), "it is done");
+    }
+    // 6099h:2 alone is below 607Fh.
+    let mut rig = homing(19);
+    rig.configuration.max_velocity = 4_000.into();
+    rig.post();
+    rig.write(START);
+    until(&mut rig, 500, |rig| rig.motor.position > 500);
+    until(&mut rig, 500, |rig| rig.actuals().velocity_demand == -1_000);
+    assert!(!rig.has(INTERNAL_LIMIT));
+    // Neither is there anything to tell where nothing is cut.
+    let mut rig = homing(19);
+    rig.write(START);
+    until(&mut rig, 500, |rig| {
+        assert!(!rig.has(INTERNAL_LIMIT));
+        rig.has(HOMING_ATTAINED)
+    });
+}
+
+#[test]
+fn m57_homing_does_not_look_at_the_software_limits() {
+    let mut rig = homing(19);
+    rig.configuration.position_limits = (-100, 100);
+    rig.post();
+    rig.write(START);
+    until(&mut rig, 500, |rig| rig.has(HOMING_ATTAINED));
+    assert!((490..=500).contains(&rig.motor.position));
+    assert!(!rig.has(INTERNAL_LIMIT));
+}
+
 /// Homing that drives back, with the end of the 32-bit count at position 490, 10 steps before the switch.
 fn across_the_count(offset: i32) -> Rig {
     let mut rig = homing(37);
