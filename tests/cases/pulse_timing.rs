@@ -16,7 +16,7 @@ fn turning(bench: &mut DriveBench, velocity: i32) {
 #[test]
 fn a_driver_limits_the_velocity_and_bit_11_tells() {
     // 1 / (high + low), in ticks of the step clock of 84 MHz, rounded up.
-    for (number, most) in [(1, 500_000), (2, 262_500), (5, 1_000_000), (6, 149_732)] {
+    for (number, most) in [(1, 500_000), (2, 249_258), (5, 1_000_000), (6, 149_732)] {
         let mut bench = DriveBench::started(4);
         bench.write_u8(0x20B0, 1, number);
         turning(&mut bench, most);

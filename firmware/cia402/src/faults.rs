@@ -22,6 +22,8 @@ pub const OVER_TEMPERATURE: u16 = 0x4210;
 pub const TEMPERATURE_WARNING: u16 = 0x4310;
 /// 3220h, DC link under-voltage: the supply is gone while there should be current in the motor.
 pub const UNDER_VOLTAGE: u16 = 0x3220;
+/// 5200h, control hardware: what makes the pulses has stood still.
+pub const PULSES_STOPPED: u16 = 0x5200;
 /// 6100h, internal software: pulses were handed out too late. A warning: it changes no state.
 pub const PULSES_LATE: u16 = 0x6100;
 /// 8612h, reference limit: both limit switches are active, so that no direction is free.

@@ -65,7 +65,8 @@ impl Driver {
     pub const fn timing(self) -> Nanoseconds {
         let (pulse_high, pulse_low, direction) = match self {
             Self::A4988 => (1_000, 1_000, 200),
-            Self::Drv8825 => (1_900, 1_900, 650),
+            // 1.9 µs each at least, and 250 kHz at most.
+            Self::Drv8825 => (1_900, 2_100, 650),
             Self::Tmc2209 | Self::Tmc5160 => (100, 100, 20),
             Self::Lv8729 => (500, 500, 500),
             // 150 kHz at most.
@@ -118,7 +119,7 @@ mod tests {
             .map(|driver| clock.hz() / driver.timing().in_ticks(clock).shortest_period());
         assert_eq!(
             rates,
-            [500_000, 262_500, 4_941_176, 4_941_176, 1_000_000, 149_866]
+            [500_000, 250_000, 4_941_176, 4_941_176, 1_000_000, 149_866]
         );
     }
 }

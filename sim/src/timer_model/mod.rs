@@ -54,6 +54,11 @@ impl<'a> TimerModel<'a> {
         self.0.borrow_mut().burst_ticks = ticks;
     }
 
+    /// The stream no longer serves requests, or does so again.
+    pub fn stall_stream(&self, is_stalled: bool) {
+        self.0.borrow_mut().is_stalled = is_stalled;
+    }
+
     /// The break input becomes active: the outputs are cut off by hardware.
     pub fn pull_break(&self) {
         let mut machine = self.0.borrow_mut();
@@ -117,6 +122,7 @@ struct Machine<'a> {
     fetched_ahead: u32,
     burst: Option<Burst>,
     burst_ticks: u64,
+    is_stalled: bool,
     count: u32,
 }
 
@@ -146,6 +152,7 @@ impl<'a> Machine<'a> {
             fetched_ahead: 0,
             burst: None,
             burst_ticks: 60,
+            is_stalled: false,
             count: 0,
         }
     }
@@ -206,6 +213,10 @@ impl<'a> Machine<'a> {
                     self.burst = None;
                 }
                 if !self.streams() {
+                    assert!(
+                        self.register(Register::Dier) & bits::UDE == 0,
+                        "a request could be left for the next train"
+                    );
                     self.burst = None;
                 }
             }
@@ -268,7 +279,8 @@ impl<'a> Machine<'a> {
                 "the run that ends at {end} was shorter than the DMA burst for the next one"
             );
             self.update();
-            if self.streams() && self.register(Register::Dier) & bits::UDE != 0 {
+            if self.streams() && !self.is_stalled && self.register(Register::Dier) & bits::UDE != 0
+            {
                 let done = self.now + self.burst_ticks;
                 self.burst = Some(Burst { done });
             }

@@ -45,10 +45,7 @@ impl<'a> Rig<'a> {
         }
     }
 
-    /// Hands out pulses, and lets time pass.
-    ///
-    /// # Panics
-    /// If an underrun is not told, or is told where there was none.
+    /// Hands out pulses, and lets time pass. Underruns that are told are counted.
     pub fn refill(&mut self, ticks: u64) {
         self.output.service();
         match self.axis.advance(&mut self.output) {

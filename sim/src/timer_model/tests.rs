@@ -169,7 +169,36 @@ fn starving_is_silence_that_is_told_and_loses_nothing() {
 }
 
 #[test]
-fn a_processor_that_hangs_has_three_seconds_of_silence() {
+fn a_refill_that_is_late_within_the_horizon_is_not_noticed() {
+    for velocity in [50, 3_000, 100_000, 1_000_000_u32] {
+        let mut rig = rig(FAST);
+        *rig.model.judge_mut() = Judge::new(FAST).logging();
+        let limits = Limits {
+            velocity: 1_000_000.into(),
+            acceleration: 50_000_000,
+            deceleration: 50_000_000,
+        };
+        rig.axis
+            .ramp_to(velocity.cast_signed().into(), limits)
+            .unwrap();
+        for refill in 0..200 {
+            // Two segments less a slot, which cannot be changed once it is preloaded.
+            let late = if refill % 10 == 9 { SEGMENT / 2 } else { 0 };
+            rig.refill(u64::from(SEGMENT + late));
+        }
+        assert_eq!(rig.underruns, 0, "{velocity} steps/s");
+        let judge = rig.model.judge();
+        let log = judge.log.as_ref().unwrap();
+        let cruise = log.iter().filter(|(at, _)| *at > u64::from(HZ) / 40);
+        let times: Vec<_> = cruise.map(|(at, _)| *at).collect();
+        let period = u64::from(HZ / velocity);
+        let is_even = |pair: &[u64]| (pair[1] - pair[0]).abs_diff(period) <= 1;
+        assert!(times.windows(2).all(is_even), "{velocity} steps/s");
+    }
+}
+
+#[test]
+fn a_processor_that_hangs_has_six_seconds_of_silence() {
     let mut rig = rig(FAST);
     rig.axis
         .ramp_to(
@@ -184,8 +213,62 @@ fn a_processor_that_hangs_has_three_seconds_of_silence() {
         rig.refill(SEGMENT.into());
     }
     let committed = rig.axis.committed_position();
-    rig.model.run(3 * u64::from(HZ));
+    rig.model.run(6 * u64::from(HZ));
     assert_eq!(rig.model.judge().position, committed);
+}
+
+/// The same at the ceiling, where the ring is fullest.
+#[test]
+fn a_processor_that_hangs_at_the_ceiling_has_six_seconds_too() {
+    let mut rig = rig(FAST);
+    let limits = Limits {
+        velocity: 4_900_000.into(),
+        acceleration: 50_000_000,
+        deceleration: 50_000_000,
+    };
+    rig.axis.ramp_to(4_900_000.into(), limits).unwrap();
+    for _ in 0..600 {
+        rig.refill(SEGMENT.into());
+    }
+    let committed = rig.axis.committed_position();
+    rig.model.run(6 * u64::from(HZ));
+    assert_eq!(rig.model.judge().position, committed);
+}
+
+#[test]
+fn a_stream_that_stands_still_is_cut_within_a_millisecond() {
+    for velocity in [3_000, 100_000, 1_000_000] {
+        let mut rig = rig(FAST);
+        let limits = Limits {
+            velocity: 1_000_000.into(),
+            acceleration: 50_000_000,
+            deceleration: 50_000_000,
+        };
+        rig.axis.ramp_to(velocity.into(), limits).unwrap();
+        for _ in 0..400 {
+            rig.refill(SEGMENT.into());
+        }
+        assert!(!rig.output.has_failed());
+        rig.model.stall_stream(true);
+        for _ in 0..4 {
+            rig.refill(SEGMENT.into());
+        }
+        assert!(rig.output.has_failed(), "{velocity} steps/s");
+        let pulses = rig.model.judge().pulses;
+        rig.refill(u64::from(HZ) / 10);
+        rig.refill(SEGMENT.into());
+        assert_eq!(rig.model.judge().pulses, pulses, "{velocity} steps/s");
+        // The counter has seen what left, and with the stream at work again pulses are made as before.
+        let position = rig.output.position();
+        assert_eq!(position, rig.model.judge().position);
+        rig.model.stall_stream(false);
+        rig.output.mend();
+        rig.axis.abort();
+        rig.axis.set_position(position);
+        rig.axis.move_to(position - 500, limits).unwrap();
+        rig.finish(1_000);
+        assert_eq!(rig.model.judge().position, position - 500);
+    }
 }
 
 #[test]

@@ -12,7 +12,9 @@
 //! The contract:
 //! - Behind the last record the ring is silent, a tenth of a second in every slot, and a slot that was played is made silent
 //!   again: if records do not come in time the pulses end, and nothing is played twice. So many slots are always silent that the
-//!   ring takes more than 3 seconds to come round with the processor stopped, which is for a watchdog to end.
+//!   ring takes more than 6 seconds to come round with the processor stopped, which is for a watchdog to end.
+//! - If the DMA stream itself stands still, the timer would play its last run for ever: the train is cut within a millisecond, and it is
+//!   told ([`Output::has_failed`]).
 //! - The direction changes with the beginning of a silent run, by hardware: set-up and hold times are exact to the tick.
 //! - A record is taken whole or not at all. What cannot follow the record before without a gap is not taken until the ring has run
 //!   dry and is started anew.

@@ -8,8 +8,8 @@ use super::ring::{Ring, SLOTS, WORDS};
 use super::slots::{Remainder, Words, level};
 use crate::{PulseSink, Record, Ticks};
 
-/// Slots that are always silent: with the processor stopped they take 3.2 s at 168 MHz.
-const SILENT_SLOTS: u32 = 32;
+/// Slots that are always silent: with the processor stopped they take 6.4 s at 168 MHz.
+const SILENT_SLOTS: u32 = 64;
 
 /// Words of the whole ring.
 const ALL_WORDS: u32 = (SLOTS * WORDS) as u32;
@@ -19,6 +19,9 @@ const LEAD_IN: u32 = 1 << 12;
 
 /// Looks at the stream until it has surely come to the end of a burst.
 const BURST_POLLS: u32 = 64;
+
+/// Ticks after which the DMA has surely come to another slot of a train: the longest run has 65,535.
+const PATIENCE: u32 = 96 << 10;
 
 /// A slot is written only if the DMA comes to it 2¹¹ ticks later, or more: writing one takes less, however many interrupts come in
 /// between.
@@ -30,12 +33,16 @@ pub struct Output<'a, R> {
     ring: &'a Ring,
     /// The timer runs.
     running: bool,
+    /// The stream stood still while the timer ran.
+    failed: bool,
     /// The level of the direction signal in the slots that are silent.
     level: u32,
     /// Since the start of the train: slots written, fetched by the DMA, and made silent again.
     written: u32,
     fetched: u32,
     silenced: u32,
+    /// When it was seen last that the DMA had come to another slot.
+    moved: u32,
     /// When the DMA fetches the next slot to be written, and when all that was taken has been played, by the free-running count; and the
     /// ticks of the last slot written.
     request: u32,
@@ -67,7 +74,7 @@ impl<'a, R: Registers> Output<'a, R> {
             (Reg::StreamCr, 0),
             (Reg::Cr1, bits::URS | bits::ARPE),
             (Reg::Cr2, bits::TRGO_OC1REF),
-            (Reg::Dier, bits::UDE),
+            (Reg::Dier, 0),
             (Reg::Psc, 0),
             (Reg::Ccr1, 0),
             (Reg::Ccr2, 0),
@@ -88,10 +95,12 @@ impl<'a, R: Registers> Output<'a, R> {
             registers,
             ring,
             running: false,
+            failed: false,
             level: 0,
             written: 0,
             fetched: 0,
             silenced: 0,
+            moved: 0,
             request: 0,
             end: 0,
             last: 0,
@@ -107,12 +116,20 @@ impl<'a, R: Registers> Output<'a, R> {
         if !self.running {
             return;
         }
-        self.fetched = self.fetched.wrapping_add(self.newly_fetched());
+        let newly = self.newly_fetched();
+        let is_stuck = newly == 0 && self.is_overdue();
+        if newly != 0 {
+            self.fetched = self.fetched.wrapping_add(newly);
+            self.moved = self.registers.now();
+        }
         self.silence(self.fetched);
         if self.has_ended(0) {
             let left = self.remainder;
             self.stop();
             self.go_on(left);
+        } else if is_stuck {
+            self.drop_all();
+            self.failed = true;
         } else {
             self.fill(0);
         }
@@ -167,9 +184,16 @@ impl<'a, R: Registers> Output<'a, R> {
         self.registers.read(Register::Bdtr) & bits::MOE == 0
     }
 
-    /// Lets the outputs go on after a break, at rest. As long as the break input is active this has no effect.
+    /// Whether the DMA stream stood still while the timer ran, which played its last run again and again: the train was dropped at
+    /// the next [`Output::service`], what left was counted, and nothing is taken until [`Output::mend`].
+    pub fn has_failed(&self) -> bool {
+        self.failed
+    }
+
+    /// Lets the outputs go on after a break or a failure, at rest. As long as the break input is active it has no effect on the break.
     pub fn mend(&mut self) {
         if !self.running {
+            self.failed = false;
             self.registers.write(Register::Sr, !bits::BIF);
             self.registers
                 .write(Register::Bdtr, bits::BREAK | bits::MOE);
@@ -194,6 +218,11 @@ impl<'a, R: Registers> Output<'a, R> {
     fn has_ended(&self, newly: u32) -> bool {
         let ahead = self.fetched.wrapping_add(newly).wrapping_sub(self.written);
         ahead.cast_signed() >= 2
+    }
+
+    /// Whether the DMA should have come to another slot long ago.
+    fn is_overdue(&self) -> bool {
+        self.registers.now().wrapping_sub(self.moved) > PATIENCE
     }
 
     /// How many slots can be written now, each of them in time; 0 or less if it may be too late for one.
@@ -249,12 +278,14 @@ impl<'a, R: Registers> Output<'a, R> {
             (Reg::Ccr2, direction),
             (Reg::Egr, bits::UG),
             (Reg::Ccmr1, bits::CHANNEL_1_PWM | bits::CHANNEL_2_PWM),
+            (Reg::Dier, bits::UDE),
             (Reg::Cr1, bits::URS | bits::ARPE | bits::CEN),
         ] {
             self.registers.write(register, value);
         }
         // The first slot is fetched when the second silence begins.
-        self.request = self.registers.now().wrapping_add(LEAD_IN);
+        self.moved = self.registers.now();
+        self.request = self.moved.wrapping_add(LEAD_IN);
         self.last = LEAD_IN;
         let began = self.request.wrapping_add(LEAD_IN);
         self.end = began.wrapping_add(self.remainder.ticks());
@@ -272,7 +303,14 @@ impl<'a, R: Registers> Output<'a, R> {
                 break;
             }
         }
+        // A request that came meanwhile must not be left for the next train.
+        self.registers.write(Register::Dier, 0);
         self.registers.write(Register::StreamCr, bits::STREAM);
+        for _ in 0..BURST_POLLS {
+            if self.registers.read(Register::StreamCr) & bits::STREAM_ON == 0 {
+                break;
+            }
+        }
         if self.written.wrapping_sub(self.silenced).cast_signed() > 0 {
             self.silence(self.written);
         }
@@ -287,6 +325,9 @@ impl<'a, R: Registers> Output<'a, R> {
 impl<R: Registers> PulseSink for Output<'_, R> {
     #[inline]
     fn push(&mut self, record: Record) -> Result<(), Record> {
+        if self.failed {
+            return Err(record);
+        }
         if !self.remainder.is_empty() || !self.has_room() {
             self.service();
             if !self.remainder.is_empty() || !self.has_room() {

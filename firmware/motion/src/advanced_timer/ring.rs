@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use super::slots::Words;
 
 /// Slots of the ring. A power of two.
-pub const SLOTS: usize = 128;
+pub const SLOTS: usize = 256;
 
 /// Words of a slot: PSC, ARR, RCR, CCR1, CCR2.
 ///

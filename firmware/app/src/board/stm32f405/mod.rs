@@ -34,7 +34,7 @@ mod switches;
 use canopen::cia301::serial_number::fold;
 use cortex_m_rt::{exception, ExceptionFrame};
 use defmt_rtt as _;
-use stm32f4xx_hal::gpio::{Output, Pull, PC12, PC6, PC7};
+use stm32f4xx_hal::gpio::{Output, Pull, Speed, PC12, PC6, PC7};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Enable};
@@ -54,7 +54,8 @@ const CORE_HZ: u32 = 168_000_000;
 const TIMERS_HZ: u32 = 84_000_000;
 
 /// Time without a sign of life after which the board starts anew. Erasing a flash sector stops the core for 0.8 s at
-/// most, and two may be erased in a row; the watchdog's oscillator may be half as fast again as its nominal 32 kHz.
+/// most, and two may be erased in a row; the watchdog's oscillator has 17 to 47 kHz instead of its nominal 32 kHz, so it bites after 2.0 to
+/// 5.6 s. The ring of step pulses is silent for longer than that.
 const WATCHDOG_MS: u32 = 3_000;
 
 impl Board for Stm32f405 {
@@ -128,8 +129,9 @@ impl Board for Stm32f405 {
         let pulse_timer = pulse_timer::PulseTimer::new(
             (device.TIM1, device.TIM2, device.DMA2),
             (
-                b.pb13.into_alternate(),
-                b.pb14.into_alternate(),
+                // At the lowest speed of a pin a pulse of 100 ns would hardly leave.
+                b.pb13.into_alternate().speed(Speed::VeryHigh),
+                b.pb14.into_alternate().speed(Speed::VeryHigh),
                 b.pb12.into_alternate().internal_resistor(Pull::Up),
             ),
             (
@@ -201,8 +203,13 @@ impl Board for Stm32f405 {
     }
 
     fn refill_done() {
-        // SAFETY: writing 0 to the flag of TIM7 clears it, and nothing else touches the timer once it runs.
-        unsafe { (*pac::TIM7::ptr()).sr().write(|w| w.uif().clear_bit()) };
+        // SAFETY: writing 0 to the flag of TIM7 clears it, reading it has no effect, and nothing else touches the timer once it runs.
+        unsafe {
+            let timer = &*pac::TIM7::ptr();
+            timer.sr().write(|w| w.uif().clear_bit());
+            // The write is through before the interrupt is left, or it would come once more.
+            let _ = timer.sr().read();
+        }
     }
 
     fn idle() {

@@ -7,7 +7,7 @@
 
 use core::ptr::addr_of;
 
-use cia402::faults::EXTERNAL;
+use cia402::faults::{EXTERNAL, PULSES_STOPPED};
 use motion::advanced_timer::{Output, Register, Registers, Ring};
 use motion::{PulseSink, Record, Ticks};
 use stm32f4xx_hal::gpio::{Alternate, PA0, PA1, PB11, PB12, PB13, PB14};
@@ -185,6 +185,9 @@ impl Pulses for TimerPulses {
     }
 
     fn fault(&self) -> Option<u16> {
+        if self.0.has_failed() {
+            return Some(PULSES_STOPPED);
+        }
         self.0.is_broken().then_some(EXTERNAL)
     }
 
