@@ -545,6 +545,16 @@ impl<S: PulseSink> PulseSink for Directed<'_, S> {
         self.pulses.push(turned(record)).map_err(turned)
     }
 
+    fn push_all(&mut self, records: &[Record]) -> usize {
+        if !self.is_reversed {
+            return self.pulses.push_all(records);
+        }
+        let taken = records
+            .iter()
+            .take_while(|record| self.push(**record).is_ok());
+        taken.count()
+    }
+
     fn pending(&self) -> Ticks {
         self.pulses.pending()
     }

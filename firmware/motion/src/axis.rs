@@ -321,7 +321,7 @@ impl Axis {
     #[inline(never)]
     fn has_ended(&self) -> bool {
         self.end().is_some_and(|end| end <= self.horizon)
-            && self.train.waiting(0).is_none()
+            && self.train.waiting().is_empty()
             && self.train.is_closed(self.horizon)
             && self.train.due(self.state_at(self.horizon).position) == 0
     }
@@ -403,27 +403,26 @@ impl Axis {
     /// Hands out the records made.
     #[inline]
     fn hand_out<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
-        let mut taken = 0;
-        while let Some(record) = self.train.waiting(taken) {
-            if sink.push(record).is_err() {
-                self.handed_out_part(taken);
-                return Err(AdvanceError::SinkFull);
-            }
-            taken = taken.wrapping_add(1);
+        let waiting = self.train.waiting();
+        if waiting.is_empty() {
+            return Ok(());
         }
-        if taken > 0 {
-            self.moving = true;
-            self.train.handed_out();
-            self.handed = self.train.pen();
-            self.committed = self.train.steps_at_pen();
+        let taken = sink.push_all(waiting);
+        if taken < waiting.len() {
+            self.handed_out_part(taken);
+            return Err(AdvanceError::SinkFull);
         }
+        self.moving = true;
+        self.train.handed_out();
+        self.handed = self.train.pen();
+        self.committed = self.train.steps_at_pen();
         Ok(())
     }
 
     /// The sink has taken only so many of the records made.
     #[cold]
     fn handed_out_part(&mut self, taken: usize) {
-        for record in (0..taken).filter_map(|place| self.train.waiting(place)) {
+        for record in self.train.waiting().iter().take(taken) {
             self.handed = self.handed.wrapping_add(record.ticks());
             self.committed = self.committed.wrapping_add(record.steps());
             self.moving = true;

@@ -88,6 +88,18 @@ pub trait PulseSink {
     /// The record itself when there is no room; it will be offered again.
     fn push(&mut self, record: Record) -> Result<(), Record>;
 
+    /// Takes records one behind the other, as long as there is room, and gives how many it has taken.
+    #[inline]
+    fn push_all(&mut self, records: &[Record]) -> usize {
+        let mut taken = 0;
+        while let Some(record) = records.get(taken)
+            && self.push(*record).is_ok()
+        {
+            taken = taken.wrapping_add(1);
+        }
+        taken
+    }
+
     /// Ticks of the records taken that have not been played yet.
     fn pending(&self) -> Ticks;
 

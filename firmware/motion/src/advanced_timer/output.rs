@@ -5,11 +5,14 @@ use core::fmt;
 use super::count::Course;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
-use super::slots::{Remainder, Words, level};
+use super::slots::{Remainder, Words, is_slot, level};
 use crate::{PulseSink, Record, Ticks};
 
 /// Slots that are always silent: with the processor stopped they take 6.4 s at 168 MHz.
 const SILENT_SLOTS: u32 = 64;
+
+/// Slots that may be written ahead.
+const MOST_SLOTS: u32 = SLOTS as u32 - SILENT_SLOTS;
 
 /// Words of the whole ring.
 const ALL_WORDS: u32 = (SLOTS * WORDS) as u32;
@@ -255,9 +258,43 @@ impl<'a, R: Registers> Output<'a, R> {
         }
     }
 
+    /// Takes records that are a slot each and go the same way as the one before, as long as there is room and they are in time: where
+    /// pulses are dense, nearly all are like that. Gives how many.
+    #[inline(never)]
+    fn push_slots(&mut self, records: &[Record]) -> usize {
+        if !self.running || !self.remainder.is_empty() {
+            return 0;
+        }
+        let room = MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.silenced));
+        let most = room.min(self.in_time().max(0).cast_unsigned()) as usize;
+        let (direction, level) = (self.course.direction(), self.level);
+        let (mut slot, mut last) = (self.written, self.last);
+        let (mut request, mut end, mut pulses) = (self.request, self.end, self.pulses);
+        for record in records.iter().take(most) {
+            if record.direction != direction || !is_slot(record) {
+                break;
+            }
+            let repeat = u32::from(record.repeat);
+            let words = Words::run(record.period, repeat, record.width.into(), level);
+            self.ring.set_level(slot.wrapping_add(1), level);
+            self.ring.put(slot, words);
+            slot = slot.wrapping_add(1);
+            request = request.wrapping_add(last);
+            last = words.ticks();
+            end = end.wrapping_add(last);
+            if record.width > 0 {
+                pulses = pulses.wrapping_add(repeat);
+            }
+        }
+        let taken = slot.wrapping_sub(self.written);
+        (self.written, self.last) = (slot, last);
+        (self.request, self.end, self.pulses) = (request, end, pulses);
+        taken as usize
+    }
+
     /// Whether a slot may be written without touching the silent ones.
     fn has_room(&self) -> bool {
-        self.written.wrapping_sub(self.silenced) < SLOTS as u32 - SILENT_SLOTS
+        self.written.wrapping_sub(self.silenced) < MOST_SLOTS
     }
 
     /// Begins a train with what is in the ring. The silence in front is played twice: once from here, and once because it is
@@ -366,6 +403,25 @@ impl<R: Registers> PulseSink for Output<'_, R> {
     }
 
     #[inline]
+    fn push_all(&mut self, records: &[Record]) -> usize {
+        let mut taken = 0;
+        while let Some(record) = records.get(taken) {
+            if is_slot(record) {
+                let slots = self.push_slots(records.get(taken..).unwrap_or_default());
+                taken = taken.wrapping_add(slots);
+                if slots > 0 {
+                    continue;
+                }
+            }
+            if self.push(*record).is_err() {
+                break;
+            }
+            taken = taken.wrapping_add(1);
+        }
+        taken
+    }
+
+    #[inline]
     fn pending(&self) -> Ticks {
         if !self.running {
             return 0;
@@ -382,7 +438,6 @@ impl<R: Registers> PulseSink for Output<'_, R> {
         if !self.remainder.is_empty() {
             return 0;
         }
-        let room = SLOTS as u32 - SILENT_SLOTS;
-        room.saturating_sub(self.written.wrapping_sub(self.silenced)) as usize
+        MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.silenced)) as usize
     }
 }

@@ -19,7 +19,8 @@ pub(super) struct Words(pub(super) [u32; 4]);
 
 impl Words {
     /// `repeat` (1 ..= 256) periods of `period` (1 ..= 65535) ticks; the registers hold one less.
-    const fn run(period: u32, repeat: u32, width: u32, direction: u32) -> Self {
+    #[inline]
+    pub(super) const fn run(period: u32, repeat: u32, width: u32, direction: u32) -> Self {
         Self([
             period.wrapping_sub(1),
             repeat.wrapping_sub(1),
@@ -54,6 +55,16 @@ pub(super) const fn level(direction: Direction) -> u32 {
         Direction::Forward => LONGEST_PERIOD,
         Direction::Reverse => 0,
     }
+}
+
+/// Whether a record is one slot.
+#[inline]
+pub(super) fn is_slot(record: &Record) -> bool {
+    let repeat = u32::from(record.repeat);
+    // The product fits where the period does.
+    record.period <= LONGEST_RUN
+        && repeat <= MOST_PERIODS
+        && record.period.wrapping_mul(repeat) <= LONGEST_RUN
 }
 
 /// What is left of a record on its way into slots. Ticks and pulses of its runs are those of the record, exactly.

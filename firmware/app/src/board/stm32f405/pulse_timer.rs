@@ -158,6 +158,11 @@ impl PulseSink for TimerPulses {
         self.0.push(record)
     }
 
+    #[inline(always)]
+    fn push_all(&mut self, records: &[Record]) -> usize {
+        self.0.push_all(records)
+    }
+
     fn pending(&self) -> Ticks {
         self.0.pending()
     }
