@@ -20,7 +20,7 @@ pub struct Counted {
 
 fn limits(velocity: u32, ramp: u32) -> Limits {
     Limits {
-        velocity,
+        velocity: velocity.into(),
         acceleration: ramp,
         deceleration: ramp,
     }
@@ -93,7 +93,7 @@ pub fn sequences(number: u64) -> Counted {
 
 fn command(rig: &mut Rig<'_>, numbers: &mut Numbers) -> Result<(), PlanError> {
     let limits = Limits {
-        velocity: 1 + numbers.below(1_000_000) as u32,
+        velocity: (1 + numbers.below(1_000_000) as u32).into(),
         acceleration: 1 << (14 + numbers.below(13)),
         deceleration: 1 << (14 + numbers.below(13)),
     };
@@ -104,7 +104,7 @@ fn command(rig: &mut Rig<'_>, numbers: &mut Numbers) -> Result<(), PlanError> {
         }
         3 | 4 => {
             let velocity = numbers.below(400_000) as i32 - 200_000;
-            rig.axis.ramp_to(velocity, limits)
+            rig.axis.ramp_to(velocity.into(), limits)
         }
         5 | 6 => rig.axis.stop(limits.deceleration),
         _ => {

@@ -30,7 +30,7 @@ pub struct Ends {
 pub fn linear() -> Ends {
     ends("trapezoid", |vector| {
         let limits = Limits {
-            velocity: whole(&vector["vmax"]) as u32,
+            velocity: (whole(&vector["vmax"]) as u32).into(),
             acceleration: whole(&vector["a"]) as u32,
             deceleration: whole(&vector["d"]) as u32,
         };
@@ -50,7 +50,7 @@ pub fn jerk_limited() -> Ends {
     ends("jerk", |vector| {
         let ramp = whole(&vector["a"]) as u32;
         let limits = Limits {
-            velocity: whole(&vector["v"]) as u32,
+            velocity: (whole(&vector["v"]) as u32).into(),
             acceleration: ramp,
             deceleration: ramp,
         };
@@ -90,7 +90,7 @@ fn planned(vector: &Value, v0: i32, limits: Limits, ramps: Ramps) -> Plan {
     };
     let from = State {
         position: Position::from_steps(origin),
-        velocity: Velocity::from_steps_per_second(clock(), v0),
+        velocity: Velocity::from_speed(clock(), v0.into()),
     };
     let goal = Goal::Rest(origin + distance);
     Plan::new(clock(), 0, from, goal, limits, ramps).expect("a move that can be")

@@ -17,7 +17,7 @@ use crate::timer_model::rig::{HZ, Rig, SEGMENT};
 /// If a pulse is missing.
 pub fn greatest_error(velocity: u32, ramp: u32) -> f64 {
     let limits = Limits {
-        velocity,
+        velocity: velocity.into(),
         acceleration: ramp,
         deceleration: ramp,
     };
