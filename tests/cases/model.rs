@@ -108,7 +108,7 @@ impl Model {
             OperationEnabled if disable_voltage => Some(SwitchOnDisabled), // 9
             SwitchedOn if quick_stop || disable_voltage => Some(SwitchOnDisabled), // 10
             OperationEnabled if quick_stop => Some(QuickStopActive), // 11
-            QuickStopActive if disable_voltage || self.running_option <= 3 => {
+            QuickStopActive if disable_voltage || self.running_option <= 4 => {
                 Some(SwitchOnDisabled)
             } // 12
             QuickStopActive if enable => Some(OperationEnabled),   // 16
@@ -138,7 +138,7 @@ fn any_action() -> impl Strategy<Value = Action> {
         // Commands as masters send them, some with bits of others, some just noise.
         12 => prop::sample::select(vec![0x06_u16, 0x07, 0x0F, 0x02, 0x00, 0x80, 0x8F, 0x10F, 0x106]).prop_map(Action::Controlword),
         3 => any::<u16>().prop_map(|controlword| Action::Controlword(controlword & !0x10)),
-        2 => prop::sample::select(vec![0_i16, 1, 2, 3, 5, 6, 7]).prop_map(Action::QuickStopOption),
+        2 => prop::sample::select(vec![0_i16, 1, 2, 3, 4, 5, 6, 7, 8]).prop_map(Action::QuickStopOption),
         1 => (0_i16..=1, 0_i16..=1).prop_map(|(shutdown, disable)| Action::LeavingOptions(shutdown, disable)),
         3 => prop::sample::select(vec![0_i8, 1, 2, 3, 3, 4, 5, 6, -1]).prop_map(Action::Mode),
         2 => (-10_000_i16..=10_000).prop_map(Action::Velocity),

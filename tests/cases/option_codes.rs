@@ -54,6 +54,7 @@ fn m07_every_quick_stop_option_has_its_ramp_and_its_end() {
         (1, SLOW_DOWN, SWITCH_ON_DISABLED),
         (2, QUICK_STOP, SWITCH_ON_DISABLED),
         (3, QUICK_STOP, SWITCH_ON_DISABLED),
+        (4, QUICK_STOP, SWITCH_ON_DISABLED),
     ] {
         let mut drive = cruising();
         drive.write_i16(0x605A, 0, code);
@@ -61,7 +62,12 @@ fn m07_every_quick_stop_option_has_its_ramp_and_its_end() {
         drive.command(0x02);
         comes_to_rest(&mut drive, begin, ramp, end);
     }
-    for (code, ramp) in [(5, SLOW_DOWN), (6, QUICK_STOP), (7, QUICK_STOP)] {
+    for (code, ramp) in [
+        (5, SLOW_DOWN),
+        (6, QUICK_STOP),
+        (7, QUICK_STOP),
+        (8, QUICK_STOP),
+    ] {
         let mut drive = cruising();
         drive.write_i16(0x605A, 0, code);
         let begin = drive.position();
@@ -80,6 +86,7 @@ fn m10_a_fault_stops_the_motor_as_605eh_says() {
         (1, SLOW_DOWN),
         (2, QUICK_STOP),
         (3, QUICK_STOP),
+        (4, QUICK_STOP),
     ] {
         let mut drive = cruising();
         drive.write_i16(0x605E, 0, code);

@@ -1,8 +1,7 @@
 //! The option codes of CiA 402-2: how the motor is stopped on each occasion, and where the state machine goes afterwards.
 //!
-//! "Current limit" in these codes means the hardest stop that the motor can follow. An open-loop stepper that is asked for more
-//! torque than it has loses steps instead of slipping, so for it that is the quick stop ramp. "Voltage limit" means nothing to it:
-//! codes 4 and 8 of 605Ah are refused.
+//! "Current limit" and "voltage limit" in these codes mean the hardest stop that the motor can follow. An open-loop stepper that is
+//! asked for more torque than it has loses steps instead of slipping, so for it that is the quick stop ramp.
 
 /// A ramp to stop on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,15 +12,18 @@ pub enum StopRamp {
     QuickStop,
     /// At the current limit: for a stepper the quick stop ramp.
     CurrentLimit,
+    /// At the voltage limit: for a stepper the quick stop ramp too.
+    VoltageLimit,
 }
 
 impl StopRamp {
-    /// What a code of the halt option 605Dh asks for: 1 to 3.
+    /// What a code of the halt option 605Dh asks for: 1 to 4.
     pub const fn on_halt(code: i16) -> Option<Self> {
         match code {
             1 => Some(Self::SlowDown),
             2 => Some(Self::QuickStop),
             3 => Some(Self::CurrentLimit),
+            4 => Some(Self::VoltageLimit),
             _ => None,
         }
     }
@@ -46,7 +48,7 @@ impl Stop {
         }
     }
 
-    /// What a code of the fault reaction option 605Eh asks for: 0 to 3.
+    /// What a code of the fault reaction option 605Eh asks for: 0 to 4.
     pub const fn on_fault(code: i16) -> Option<Self> {
         match (code, StopRamp::on_halt(code)) {
             (0, _) => Some(Self::PowerOff),
@@ -68,24 +70,30 @@ pub enum QuickStopOption {
     QuickStopRamp = 2,
     /// 3: slow down at the current limit, then switch on disabled.
     CurrentLimit = 3,
+    /// 4: slow down at the voltage limit, then switch on disabled.
+    VoltageLimit = 4,
     /// 5: slow down on the slow down ramp and stay in quick stop active.
     SlowDownRampAndStay = 5,
     /// 6: slow down on the quick stop ramp and stay in quick stop active.
     QuickStopRampAndStay = 6,
     /// 7: slow down at the current limit and stay in quick stop active.
     CurrentLimitAndStay = 7,
+    /// 8: slow down at the voltage limit and stay in quick stop active.
+    VoltageLimitAndStay = 8,
 }
 
 impl QuickStopOption {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::DisableDrive,
         Self::SlowDownRamp,
         Self::QuickStopRamp,
         Self::CurrentLimit,
+        Self::VoltageLimit,
         Self::SlowDownRampAndStay,
         Self::QuickStopRampAndStay,
         Self::CurrentLimitAndStay,
+        Self::VoltageLimitAndStay,
     ];
 
     /// The option with this code; `None` if it is not supported.
@@ -100,6 +108,7 @@ impl QuickStopOption {
             Self::SlowDownRamp | Self::SlowDownRampAndStay => Stop::Ramp(StopRamp::SlowDown),
             Self::QuickStopRamp | Self::QuickStopRampAndStay => Stop::Ramp(StopRamp::QuickStop),
             Self::CurrentLimit | Self::CurrentLimitAndStay => Stop::Ramp(StopRamp::CurrentLimit),
+            Self::VoltageLimit | Self::VoltageLimitAndStay => Stop::Ramp(StopRamp::VoltageLimit),
         }
     }
 
@@ -107,7 +116,10 @@ impl QuickStopOption {
     pub const fn stays(self) -> bool {
         matches!(
             self,
-            Self::SlowDownRampAndStay | Self::QuickStopRampAndStay | Self::CurrentLimitAndStay
+            Self::SlowDownRampAndStay
+                | Self::QuickStopRampAndStay
+                | Self::CurrentLimitAndStay
+                | Self::VoltageLimitAndStay
         )
     }
 }

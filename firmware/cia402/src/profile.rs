@@ -5,7 +5,7 @@
 //! position, profile velocity, the velocity mode and their halt, from the next set-point or target velocity on. Homing and stops at a limit
 //! switch have linear ramps.
 //!
-//! A stop on the quick stop ramp (codes 2, 3, 6 and 7 of 605Ah, 2 and 3 of 605Dh and 605Eh) is linear too, as it is to be short;
+//! A stop on the quick stop ramp (codes 2 to 4 and 6 to 8 of 605Ah, 2 to 4 of 605Dh and 605Eh) is linear too, as it is to be short;
 //! 20A0h = 1 keeps the profile there.
 
 use motion::Ramps;
@@ -42,7 +42,9 @@ impl ProfileConfiguration {
     pub(crate) const fn is_smooth(&self, ramp: StopRamp) -> bool {
         match ramp {
             StopRamp::SlowDown => true,
-            StopRamp::QuickStop | StopRamp::CurrentLimit => self.has_smooth_quick_stop,
+            StopRamp::QuickStop | StopRamp::CurrentLimit | StopRamp::VoltageLimit => {
+                self.has_smooth_quick_stop
+            }
         }
     }
 }

@@ -109,12 +109,12 @@ fn d32_the_modes_accepted_are_those_of_6502h() {
 }
 
 #[test]
-fn m07_unsupported_quick_stop_options_are_refused() {
+fn m07_quick_stop_options_are_those_of_the_standard() {
     let mut station = Station::new();
     for option in [-1i16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, i16::MIN] {
         let result = station.download(0x605A, 0, 2, u32::from(option.cast_unsigned()));
         let expected = match option {
-            0..=3 | 5..=7 => Ok(()),
+            0..=8 => Ok(()),
             _ => Err(0x0609_0030),
         };
         assert_eq!(result, expected, "option {option}");
@@ -128,8 +128,8 @@ fn option_codes_are_those_of_the_standard() {
         (0x6007, 3, 0),
         (0x605B, 1, 0),
         (0x605C, 1, 0),
-        (0x605D, 3, 1),
-        (0x605E, 3, 0),
+        (0x605D, 4, 1),
+        (0x605E, 4, 0),
     ] {
         for option in -1..=5i16 {
             let result = station.download(index, 0, 2, u32::from(option.cast_unsigned()));

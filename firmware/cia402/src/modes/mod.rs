@@ -253,7 +253,7 @@ fn ramp_in(mode: Mode, ramp: StopRamp, commands: &Commands, configuration: &Conf
         (Mode::Velocity, _) => configuration.velocity.quick_stop,
         (Mode::Homing, StopRamp::SlowDown) => configuration.homing.acceleration,
         (_, StopRamp::SlowDown) => commands.profile_deceleration,
-        (_, StopRamp::QuickStop | StopRamp::CurrentLimit) => configuration.quick_stop_deceleration,
+        (_, _) => configuration.quick_stop_deceleration,
     };
     deceleration.min(configuration.max_deceleration)
 }

@@ -50,7 +50,12 @@ fn m05_disable_operation_with_605ch_0_cuts_the_power() {
 
 #[test]
 fn m35_halt_stops_on_the_ramp_of_605dh() {
-    for (code, ramp) in [(1, SLOW_DOWN), (2, QUICK_STOP), (3, QUICK_STOP)] {
+    for (code, ramp) in [
+        (1, SLOW_DOWN),
+        (2, QUICK_STOP),
+        (3, QUICK_STOP),
+        (4, QUICK_STOP),
+    ] {
         let mut rig = cruising();
         rig.configuration.halt = StopRamp::on_halt(code).unwrap();
         rig.write(0x10F);
@@ -64,7 +69,12 @@ fn m35_halt_stops_on_the_ramp_of_605dh() {
 
 #[test]
 fn m10_the_fault_reaction_stops_on_the_ramp_of_605eh() {
-    for (code, ramp) in [(1, SLOW_DOWN), (2, QUICK_STOP), (3, QUICK_STOP)] {
+    for (code, ramp) in [
+        (1, SLOW_DOWN),
+        (2, QUICK_STOP),
+        (3, QUICK_STOP),
+        (4, QUICK_STOP),
+    ] {
         let mut rig = cruising();
         rig.configuration.fault_reaction = Stop::on_fault(code).unwrap();
         rig.post();

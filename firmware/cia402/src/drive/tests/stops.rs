@@ -20,9 +20,11 @@ fn m07_each_option_stops_on_its_ramp_and_ends_in_its_state() {
         (1, 500, State::SwitchOnDisabled),
         (2, 50, State::SwitchOnDisabled),
         (3, 50, State::SwitchOnDisabled),
+        (4, 50, State::SwitchOnDisabled),
         (5, 500, State::QuickStopActive),
         (6, 50, State::QuickStopActive),
         (7, 50, State::QuickStopActive),
+        (8, 50, State::QuickStopActive),
     ] {
         let mut rig = cruising();
         rig.configuration.quick_stop = quick_stop(option);
