@@ -471,9 +471,9 @@ impl Drive {
                 } else {
                     0
                 };
-                bits | self.mind_limits()
+                bits | self.idle_bits() | self.mind_limits()
             }
-            _ => return 0,
+            _ => return self.idle_bits(),
         };
         bits | self.mind_travel()
     }

@@ -10,6 +10,11 @@ use crate::state_machine::State;
 use crate::statusword;
 
 impl Drive {
+    /// What the mode says while it is not at work.
+    pub(super) const fn idle_bits(&self) -> u16 {
+        self.modes.idle_bits(&self.motor, &self.configuration)
+    }
+
     pub(super) fn actuals(&self, now: Instant, inputs: &Inputs, mode_bits: u16) -> Actuals {
         let state = self.machine.state();
         let bit = |condition, bit| if condition { bit } else { 0 };

@@ -4,7 +4,7 @@
 //!   evenly, by no more than 60C5h and 60C6h allow.
 //! - The velocity is cut to 607Fh, to 6080h and to what the pulses can reach; before a software limit 607Dh the motor slows down with 6085h
 //!   and stops on it. Bit 11 shows each of these.
-//! - The mode may begin while the motor moves: it goes on as it is until the first set-point. Where it followed set-points of another
+//! - The mode may begin while the motor moves: it goes on as it is until the first set-point, within the software limits. Where it followed set-points of another
 //!   cyclic mode, the next one is awaited as within the mode.
 //! - A missing set-point keeps the velocity, as often as 2051h:1 says. Then the motor stops with 6085h, and 2051h:2 says what else.
 //! - Halt (bit 8) stops on the ramp of 605Dh; set-points that come after it count again.
@@ -13,9 +13,10 @@
 //! it from that.
 
 use super::Context;
-use motion::{SignedSpeed, Speed};
+use motion::{Limits, Ramps, SignedSpeed, Speed};
 
 use super::following::{braking_way, gain, seconds};
+use super::kept_velocity::{KeptVelocity, Order};
 use crate::cyclic::{Fine, Slot};
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
@@ -34,6 +35,11 @@ pub(super) struct CyclicVelocity {
     /// What is carried out.
     carried_out: SignedSpeed,
     bridged: u8,
+    /// No set-point has come, and the motor goes on with what the mode before was after.
+    goes_on: bool,
+    /// The velocity that it is to keep meanwhile.
+    kept: Option<SignedSpeed>,
+    motion: KeptVelocity,
 }
 
 impl CyclicVelocity {
@@ -46,6 +52,9 @@ impl CyclicVelocity {
             velocity: SignedSpeed::ZERO,
             carried_out: SignedSpeed::ZERO,
             bridged: 0,
+            goes_on: false,
+            kept: None,
+            motion: KeptVelocity::new(),
         }
     }
 
@@ -55,12 +64,20 @@ impl CyclicVelocity {
         if motor.is_following() {
             self.follows = true;
             self.velocity = motor.course_end().velocity;
+        } else {
+            self.goes_on = !motor.is_stopping();
         }
+    }
+
+    /// What the motor was to keep in the mode before.
+    pub(super) const fn go_on_with(&mut self, velocity: Option<SignedSpeed>) {
+        self.kept = velocity;
     }
 
     /// A limit switch is stopping the motor.
     pub(super) const fn limit_met(&mut self) {
         self.follows = false;
+        self.goes_on = false;
         self.is_limited = true;
         self.is_barred = true;
     }
@@ -71,6 +88,7 @@ impl CyclicVelocity {
             if !self.held {
                 self.held = true;
                 self.follows = false;
+                self.goes_on = false;
                 context.halt();
             }
         } else {
@@ -81,6 +99,9 @@ impl CyclicVelocity {
             if context.is_running_out() {
                 self.follows = false;
                 context.lose_set_points();
+            }
+            if self.goes_on {
+                self.go_on(context);
             }
         }
         let bit = |condition, bit| if condition { bit } else { 0 };
@@ -104,6 +125,7 @@ impl CyclicVelocity {
                     return;
                 }
                 self.follows = true;
+                self.goes_on = false;
                 self.bridged = 0;
                 self.velocity = velocity;
             }
@@ -137,6 +159,38 @@ impl CyclicVelocity {
         }
         // A set-point that comes too late is passed by.
         let _ = context.motor.follow_velocity(end, velocity);
+    }
+
+    /// Until the first set-point: a motion that has no end, or ends beyond a software limit, becomes one that ends at the limit.
+    fn go_on(&mut self, context: &mut Context<'_>) {
+        if context.motor.is_at_rest() {
+            self.goes_on = false;
+            return;
+        }
+        let travel = context.travel.increments;
+        let here = context.motor.committed_position();
+        let end = context.motor.destination();
+        let velocity = match self.kept {
+            Some(velocity) => velocity,
+            None if end <= travel.1.max(here) && end >= travel.0.min(here) => return,
+            None => context.motor.committed_velocity(),
+        };
+        self.kept = Some(velocity);
+        let quick_stop = context.deceleration(StopRamp::QuickStop);
+        let (limits, is_cut) = context.within(Limits {
+            velocity: velocity.unsigned_abs(),
+            acceleration: context.commands.profile_acceleration,
+            deceleration: quick_stop,
+        });
+        let order = Order {
+            velocity: limits.velocity.like(velocity),
+            limits,
+            travel,
+            ramps: Ramps::Linear,
+            quick_stop,
+        };
+        self.motion.follow(order, context.motor);
+        self.is_limited = is_cut || self.motion.is_limited(context.motor);
     }
 
     /// The velocity within all limits.

@@ -90,6 +90,18 @@ impl KeptVelocity {
         }
     }
 
+    /// The velocity of the order that is carried out; `None` if there is none, or the motor is to stand.
+    pub(super) const fn velocity(&self) -> Option<SignedSpeed> {
+        match (self.order, self.course) {
+            (Some(order), Course::Free | Course::Far | Course::ToLimit)
+                if order.velocity.bits() != 0 =>
+            {
+                Some(order.velocity)
+            }
+            _ => None,
+        }
+    }
+
     /// Carries out an order. Nothing is planned while it stays the same; what software limits bar is tried again, what a limit
     /// switch has ended is not, unless another velocity is asked for.
     pub(super) fn follow(&mut self, order: Order, motor: &mut Motor) {

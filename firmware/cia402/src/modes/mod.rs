@@ -17,7 +17,7 @@ mod profile_velocity;
 mod velocity;
 
 use canopen::Instant;
-use motion::{Demand, Limits, Ramps, Speed};
+use motion::{Demand, Limits, Ramps, SignedSpeed, Speed};
 
 use crate::configuration::Configuration;
 use crate::controlword::HALT;
@@ -27,6 +27,7 @@ use crate::inputs::Switches;
 use crate::monitor::Observed;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
+use crate::statusword::HOMING_ATTAINED;
 use crate::units::{Frame, Travel};
 
 use cyclic_position::CyclicPosition;
@@ -349,6 +350,16 @@ impl Modes {
         }
     }
 
+    /// The velocity that the motor is to keep for good, if that is what the mode at work is after.
+    const fn kept_velocity(&self) -> Option<SignedSpeed> {
+        match self.active {
+            Mode::ProfilePosition => self.profile_position.end_velocity(),
+            Mode::Velocity => self.velocity.kept_velocity(),
+            Mode::ProfileVelocity => self.profile_velocity.kept_velocity(),
+            _ => None,
+        }
+    }
+
     /// Operation is to be left, or the mode: the motor slows down on this ramp, its set-points are forgotten. A halt, and whatever stop is
     /// under way, becomes no gentler by that.
     pub(crate) fn interrupt(
@@ -388,6 +399,17 @@ impl Modes {
         matches!(self.active, Mode::InterpolatedPosition) && !self.interrupted
     }
 
+    /// The bits of the statusword that a mode has outside of operation enabled: a master that asks whether home is known need not
+    /// enable the drive for it.
+    pub(crate) const fn idle_bits(&self, motor: &Motor, configuration: &Configuration) -> u16 {
+        let shows = matches!(self.active, Mode::Homing) && !configuration.homing.starts_afresh;
+        if shows && motor.is_referenced() {
+            HOMING_ATTAINED
+        } else {
+            0
+        }
+    }
+
     /// One control tick in operation enabled. Returns the bits of the statusword that belong to the mode.
     pub(crate) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let wanted = Mode::from_code(context.commands.mode).unwrap_or(self.active);
@@ -397,9 +419,13 @@ impl Modes {
                 self.interrupt(context.motor, StopRamp::SlowDown, commands, configuration);
                 return 0;
             }
+            let kept = self.kept_velocity();
             self.active = wanted;
             context.mode = wanted;
             self.enter(context.motor);
+            if wanted == Mode::CyclicVelocity {
+                self.cyclic_velocity.go_on_with(kept);
+            }
         } else if self.interrupted {
             self.enter(context.motor);
         }

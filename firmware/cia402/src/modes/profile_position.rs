@@ -14,7 +14,8 @@
 //!   of the mode, hands over nothing.
 //! - Halt (bit 8) stops on the ramp of 605Dh and keeps the target; releasing it goes on. Set-points are taken but not started.
 //! - A target outside 607Dh, or outside 32 bits, is cut to the limit; bit 11 shows it and bit 10 stays 0. The limits are off
-//!   while the minimum is not below the maximum.
+//!   while the minimum is not below the maximum. Where the motor is beyond a limit, a relative target further out leads nowhere, and one
+//!   the other way just as far as it says.
 //! - A velocity above 607Fh, 6080h or what the pulses can reach, a ramp above 60C5h or 60C6h is cut (bit 11). A set-point
 //!   that cannot be carried out (6081h = 0) is taken and acknowledged, the motor stops or stays, bit 10 stays 0 and bit 11 is 1;
 //!   the next set-point replaces it at once.
@@ -25,7 +26,7 @@
 
 mod set_point;
 
-use motion::{Limits, Speed};
+use motion::{Limits, SignedSpeed, Speed};
 
 use super::Context;
 use super::braking::{self, Ramp};
@@ -116,6 +117,18 @@ impl ProfilePosition {
         self.target = motor.destination();
     }
 
+    /// The velocity that the motor is to keep behind the target; `None` if it is to stop there.
+    pub(super) const fn end_velocity(&self) -> Option<SignedSpeed> {
+        match (self.current, self.progress) {
+            (Some(set_point), Progress::UnderWay | Progress::Passed)
+                if set_point.end_velocity.bits() != 0 =>
+            {
+                Some(set_point.end_velocity.signed(self.direction < 0))
+            }
+            _ => None,
+        }
+    }
+
     /// A limit switch is stopping the motor: the set-points are not carried out. One that leads away from the switch is: the motor
     /// was turning round to it.
     pub(super) fn limit_met(&mut self, motor: &Motor) {
@@ -199,19 +212,16 @@ impl ProfilePosition {
     }
 
     /// A set-point within all limits.
-    fn read(&self, given: exchange::SetPoint, context: &Context<'_>, waits: bool) -> SetPoint {
-        let units = &context.configuration.units;
-        let at = |increments| context.frame.position(increments, units);
-        let here = if waits {
-            self.previous(context)
-        } else {
-            at(context.demand.position)
-        };
+    fn read(&self, given: exchange::SetPoint, context: &mut Context<'_>, waits: bool) -> SetPoint {
+        let here = self.base(context, waits);
         let mut set_point = SetPoint::new(
             given,
             self.wanted(given, context, waits, here),
             context.configuration.profile.ramps,
         );
+        if given.controlword & RELATIVE != 0 {
+            set_point.begins_at(here);
+        }
         set_point.pace(context);
         self.aim(&mut set_point, context, waits);
         set_point
@@ -219,23 +229,27 @@ impl ProfilePosition {
 
     /// Gives a set-point its target within the software limits, and within what one motion can lead.
     fn aim(&self, set_point: &mut SetPoint, context: &Context<'_>, waits: bool) {
-        let units = &context.configuration.units;
-        let here = if waits {
-            self.previous(context)
-        } else {
-            context.frame.position(context.demand.position, units)
-        };
+        let here = self.base(context, waits);
         let (start, stop) = if waits {
             (self.target, 0)
         } else {
             let committed = context.motor.committed_position();
             // In motion, the way to stop and to come back is part of it.
-            let rest = rest(context, set_point.asked.deceleration);
-            (committed, rest.saturating_sub(committed))
+            (committed, longest_stop(context, set_point))
         };
-        let reach = Motor::REACH.saturating_sub(stop.saturating_abs().saturating_mul(4));
+        let reach = Motor::REACH.saturating_sub(stop.saturating_mul(4));
         let reach = (start.saturating_sub(reach), start.saturating_add(reach));
         set_point.aim(context, here, reach);
+    }
+
+    /// Where the motor should be, or will be when a set-point that waits begins, in units of the user.
+    fn base(&self, context: &Context<'_>, waits: bool) -> i64 {
+        if waits {
+            self.previous(context)
+        } else {
+            let units = &context.configuration.units;
+            context.frame.position(context.demand.position, units)
+        }
     }
 
     /// The previous target in units of the user.
@@ -245,35 +259,34 @@ impl ProfilePosition {
             .unwrap_or_else(|| context.frame.position(self.target, units))
     }
 
-    /// The target that is asked for, in units of the user, on the count that goes on behind the ends of 607Bh. `here` is where the
-    /// motor should be, or will be when a set-point that waits begins.
+    /// The target that is asked for, in units of the user, on the count that goes on behind the ends of 607Bh. `here` is its base.
     fn wanted(
         &self,
         given: exchange::SetPoint,
-        context: &Context<'_>,
+        context: &mut Context<'_>,
         waits: bool,
         here: i64,
     ) -> i64 {
         let units = &context.configuration.units;
         let asked = i64::from(given.target_position);
-        let at = |increments| context.frame.position(increments, units);
         if given.controlword & RELATIVE != 0 {
             let base = match given.positioning_option & RELATIVE_TO {
                 1 => here,
-                2 if !waits => at(context.position),
+                2 if !waits => context.frame.position(context.position, units),
                 _ => self.previous(context),
             };
             return base.saturating_add(asked);
         }
         let rotation = Rotation::of(given.positioning_option);
-        let rest = || rest(context, given.profile_deceleration);
+        if waits || rotation == Rotation::Linear {
+            return units.range().target(asked, here, rotation);
+        }
+        let rest = rest(context, given.profile_deceleration);
         let from = match rotation {
-            _ if waits => here,
-            Rotation::Linear => here,
-            Rotation::Shortest => at(rest()),
+            Rotation::Linear | Rotation::Shortest => context.frame.position(rest, units),
             // Half a unit back would be the wrong direction.
-            Rotation::Positive => context.frame.position_beyond(rest(), units, true),
-            Rotation::Negative => context.frame.position_beyond(rest(), units, false),
+            Rotation::Positive => context.frame.position_beyond(rest, units, true),
+            Rotation::Negative => context.frame.position_beyond(rest, units, false),
         };
         units.range().target(asked, from, rotation)
     }
@@ -500,15 +513,26 @@ impl ProfilePosition {
     }
 }
 
-/// Where the motor would come to rest, in steps. Rounded up, so that it is not passed.
-fn rest(context: &Context<'_>, deceleration: u32) -> i64 {
-    let motor = &context.motor;
-    let velocity = motor.committed_velocity();
-    let ramps = context.configuration.profile.ramps;
-    let way = braking::way(velocity.unsigned_abs(), deceleration, ramps);
-    let way = i64::try_from(way).unwrap_or(i64::MAX).saturating_add(1);
-    let way = way.saturating_mul(velocity.bits().signum());
-    motor.committed_position().saturating_add(way)
+/// Where the motor comes to rest, in steps, with the ramps that the set-point would have. To know that it is stopped; the set-point that
+/// begins in this tick takes the place of the stop before any of it is carried out.
+fn rest(context: &mut Context<'_>, deceleration: u32) -> i64 {
+    if !context.motor.is_at_rest() && !context.motor.is_stopping() {
+        let deceleration = deceleration.min(context.configuration.max_deceleration);
+        context.motor.set_ramps(context.configuration.profile.ramps);
+        context.motor.stop(deceleration);
+    }
+    context.motor.destination()
+}
+
+/// How far the motor may go until it stands, in steps: no less than it really is, but for a ramp that is under way.
+fn longest_stop(context: &Context<'_>, set_point: &SetPoint) -> i64 {
+    let velocity = context.motor.committed_velocity().unsigned_abs();
+    let deceleration = set_point
+        .asked
+        .deceleration
+        .min(context.configuration.max_deceleration);
+    let way = braking::way(velocity, deceleration, set_point.ramps);
+    i64::try_from(way).unwrap_or(i64::MAX).saturating_add(1)
 }
 
 #[cfg(test)]

@@ -44,6 +44,11 @@ impl ProfileVelocity {
         *self = Self::new();
     }
 
+    /// The velocity that the motor is to keep; `None` if it is to stand.
+    pub(super) const fn kept_velocity(&self) -> Option<SignedSpeed> {
+        self.motion.velocity()
+    }
+
     /// A limit switch is stopping the motor.
     pub(super) fn limit_met(&mut self, motor: &Motor) {
         self.motion.limit_met(motor);

@@ -2,6 +2,7 @@
 
 mod brake;
 mod faults;
+mod handover;
 mod limits;
 mod network;
 mod options;

@@ -12,6 +12,8 @@ use crate::units::{Travel, Units};
 pub(super) struct SetPoint {
     /// The target that is asked for, in units of the user.
     wanted: i64,
+    /// Of a relative one, where it begins in units of the user: that may be beyond a software limit, and its way leads from there.
+    start: Option<i64>,
     /// The target in units of the user.
     pub(super) user: i64,
     /// The same in increments.
@@ -55,6 +57,7 @@ impl SetPoint {
         };
         Self {
             wanted,
+            start: None,
             user: wanted,
             target: 0,
             asked,
@@ -65,6 +68,11 @@ impl SetPoint {
             limited: Limited::NONE,
             blends: false,
         }
+    }
+
+    /// It is relative, and begins here, in units of the user. From beyond a software limit it then goes the way it says, or nowhere.
+    pub(super) const fn begins_at(&mut self, start: i64) {
+        self.start = Some(start);
     }
 
     /// Cuts velocities and ramps to 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach, and 6082h to 6081h.
@@ -83,6 +91,10 @@ impl SetPoint {
     ) {
         let units = &context.configuration.units;
         let (low, high) = context.travel.user;
+        let (low, high) = match self.start {
+            Some(start) => (low.min(start), high.max(start)),
+            None => (low, high),
+        };
         let (least, most) = units.range().within_reach(here);
         let user = self.wanted.max(least).min(most).max(low).min(high);
         let far = units.position(user);

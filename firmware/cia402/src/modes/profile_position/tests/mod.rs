@@ -1,10 +1,12 @@
 //! The mode in a drive, on virtual time. The profile: 10000 steps/s, 100000 steps/s² both ways (500 steps each).
 
+mod beyond;
 mod blending;
 mod halt;
 mod handshake;
 mod limits;
 mod mode_change;
+mod rotary;
 mod target;
 mod velocity;
 
