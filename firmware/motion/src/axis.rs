@@ -14,7 +14,7 @@ mod trace;
 
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Exact, Position, State, Velocity};
-use crate::path::{FollowError, Path};
+use crate::path::{FollowError, Manner, Path};
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::speed::{SignedSpeed, Speed};
@@ -72,6 +72,8 @@ pub struct Axis {
     ramps: Ramps,
     /// The set-points that are followed; in their place the plan stands still.
     path: Option<Path>,
+    /// What the last way of a velocity that is followed had beyond 2⁻³² steps, in 2⁻⁵⁶ of them.
+    carry: u32,
     train: Train,
     /// The segment as it was configured; the driver may need a longer one.
     segment: u32,
@@ -96,6 +98,7 @@ impl Axis {
             plan: Plan::at_rest(0, 0),
             ramps: Ramps::Linear,
             path: None,
+            carry: 0,
             train: Train::new(config.timing, config.segment, 0, 0),
             segment: config.segment,
             horizon: 0,
@@ -178,7 +181,7 @@ impl Axis {
     /// # Errors
     /// [`FollowError`]; the motion goes on as it was.
     pub fn follow(&mut self, end: Ticks, to: Position) -> Result<(), FollowError> {
-        self.go_on(end, to, None)
+        self.go_on(end, to, Manner::Straight)
     }
 
     /// As [`Axis::follow`], on a cubic that begins with the velocity that the axis has there and ends with `velocity`.
@@ -191,7 +194,7 @@ impl Axis {
         to: Position,
         velocity: Velocity,
     ) -> Result<(), FollowError> {
-        self.go_on(end, to, Some(velocity))
+        self.go_on(end, to, Manner::Bent(velocity))
     }
 
     /// Changes the velocity evenly to `velocity` (cut to [`Axis::max_velocity`]) until tick `end` of the axis' time; on
@@ -209,10 +212,18 @@ impl Axis {
         let length = end.saturating_sub(start);
         let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
         let mean = (from.velocity.bits() >> 1).wrapping_add(velocity.bits() >> 1);
-        let way = Velocity::from_bits(mean).way(length);
-        let to = Position::from_bits(from.position.bits().wrapping_add(way));
-        let is_even = from.velocity == velocity;
-        self.go_on(end, to, (!is_even).then_some(velocity))
+        // The way in Q56: what a position cannot hold of it is kept for the next one, or slow velocities would drift.
+        let way = i128::from(mean).wrapping_mul(length.into());
+        let way = way.wrapping_add(self.carry.into());
+        let to = from.position.bits().wrapping_add((way >> 24) as i64);
+        let manner = if from.velocity == velocity {
+            Manner::Steady(velocity)
+        } else {
+            Manner::Bent(velocity)
+        };
+        self.go_on(end, Position::from_bits(to), manner)?;
+        self.carry = way as u32 & 0xFF_FFFF;
+        Ok(())
     }
 
     /// Whether set-points are followed, or were until the axis came to rest.
@@ -362,20 +373,15 @@ impl Axis {
         hz.map_or(Speed::ZERO, Speed::per_second)
     }
 
-    fn go_on(
-        &mut self,
-        end: Ticks,
-        to: Position,
-        velocity: Option<Velocity>,
-    ) -> Result<(), FollowError> {
+    fn go_on(&mut self, end: Ticks, to: Position, manner: Manner) -> Result<(), FollowError> {
         let horizon = self.horizon;
         self.leg = None;
         if let Some(path) = &mut self.path {
-            return path.go_on(horizon, end, to, velocity);
+            return path.go_on(horizon, end, to, manner);
         }
         let grace = Ticks::from(self.train.segment()) << 1;
         let mut path = Path::new(horizon, self.plan.state_at(horizon), grace);
-        path.go_on(horizon, end, to, velocity)?;
+        path.go_on(horizon, end, to, manner)?;
         self.path = Some(path);
         Ok(())
     }

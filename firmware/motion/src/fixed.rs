@@ -108,6 +108,12 @@ impl Velocity {
         (i128::from(self.0).wrapping_mul(ticks.into()) >> 24) as i64
     }
 
+    /// In the resolution of plans.
+    #[allow(clippy::cast_lossless, reason = "From is not const; the cast widens")]
+    pub(crate) const fn exact(self) -> i128 {
+        (self.0 as i128) << 40
+    }
+
     /// Rounds Q96 steps/tick towards zero.
     pub(crate) const fn from_exact(exact: i128) -> Self {
         let magnitude = (exact.unsigned_abs() >> 40) as i64;

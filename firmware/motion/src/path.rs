@@ -32,13 +32,24 @@ impl core::fmt::Display for FollowError {
 
 impl core::error::Error for FollowError {}
 
+/// How the axis goes from one set-point to the next.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Manner {
+    /// In a straight line.
+    Straight,
+    /// In a straight line at this velocity, which leads there but for what positions cannot tell.
+    Steady(Velocity),
+    /// On a cubic that ends with this velocity.
+    Bent(Velocity),
+}
+
 /// From one set-point to the next.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
     start: Ticks,
     /// In ticks, at least 1.
     length: u32,
-    /// ⌊2⁶⁴ / length⌋, or nearly so.
+    /// Of a cubic: ⌊2⁶⁴ / length⌋, or nearly so.
     inverse: u64,
     from: Position,
     to: Position,
@@ -61,7 +72,7 @@ impl Piece {
         Self {
             start,
             length,
-            inverse: u64::MAX.checked_div(length.into()).unwrap_or(0),
+            inverse: 0,
             from,
             to,
             velocity: rate(way, length),
@@ -70,10 +81,29 @@ impl Piece {
         }
     }
 
-    /// Velocities are Q32 steps over the whole piece.
-    fn cubic(start: Ticks, length: u32, from: Position, to: Position, ends: (i64, i64)) -> Self {
+    /// The velocity is not worked out: rounded ways would make it another one, and in each piece.
+    fn steady(start: Ticks, length: u32, from: Position, to: Position, velocity: Velocity) -> Self {
+        Self {
+            start,
+            length,
+            inverse: 0,
+            from,
+            to,
+            velocity: velocity.exact(),
+            curve: None,
+            chord: u64::MAX,
+        }
+    }
+
+    fn cubic(
+        start: Ticks,
+        length: u32,
+        from: Position,
+        to: Position,
+        ends: (Velocity, Velocity),
+    ) -> Self {
         let way = to.bits().wrapping_sub(from.bits());
-        let (first, last) = ends;
+        let (first, last) = (ends.0.way(length), ends.1.way(length));
         // x = from + a·u + b·u² + c·u³ with the way and both velocities given.
         let b = way
             .wrapping_mul(3)
@@ -88,10 +118,10 @@ impl Piece {
         let bits = 64u32.wrapping_sub(bend(0).max(bend(1)).leading_zeros());
         let shorter = bits.saturating_sub(32).div_ceil(2);
         Self {
-            velocity: rate(last, length),
+            inverse: u64::MAX.checked_div(length.into()).unwrap_or(0),
             curve: Some([first, b, c]),
             chord: u64::from(length).wrapping_shr(shorter).max(1),
-            ..Self::straight(start, length, from, to)
+            ..Self::steady(start, length, from, to, ends.1)
         }
     }
 
@@ -142,7 +172,7 @@ impl Path {
     pub(crate) fn new(start: Ticks, at: State, grace: u64) -> Self {
         // A piece without length: the path is at its end.
         let begin = Piece {
-            velocity: i128::from(at.velocity.bits()) << 40,
+            velocity: at.velocity.exact(),
             length: 0,
             ..Piece::straight(start, 0, at.position, at.position)
         };
@@ -187,14 +217,13 @@ impl Path {
         self.last().is_some_and(|last| last.velocity != 0)
     }
 
-    /// Goes on from where the path is at `horizon`, or from its end if that is later, to `to` at tick `end`: in a straight line,
-    /// or with this velocity there.
+    /// Goes on from where the path is at `horizon`, or from its end if that is later, to `to` at tick `end`.
     pub(crate) fn go_on(
         &mut self,
         horizon: Ticks,
         end: Ticks,
         to: Position,
-        velocity: Option<Velocity>,
+        manner: Manner,
     ) -> Result<(), FollowError> {
         let (last, at_last) = self.end();
         let (start, from) = if last >= horizon {
@@ -205,10 +234,11 @@ impl Path {
         let length = end.checked_sub(start).filter(|length| *length > 0);
         let length = length.ok_or(FollowError::TooLate)?;
         let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
-        let piece = match velocity {
-            None => Piece::straight(start, length, from.position, to),
-            Some(velocity) => {
-                let ends = (from.velocity.way(length), velocity.way(length));
+        let piece = match manner {
+            Manner::Straight => Piece::straight(start, length, from.position, to),
+            Manner::Steady(velocity) => Piece::steady(start, length, from.position, to, velocity),
+            Manner::Bent(velocity) => {
+                let ends = (from.velocity, velocity);
                 Piece::cubic(start, length, from.position, to, ends)
             }
         };

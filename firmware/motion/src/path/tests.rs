@@ -177,6 +177,34 @@ fn a_stop_begins_with_the_velocity_of_the_path() {
 }
 
 #[test]
+fn a_slow_velocity_that_is_given_each_millisecond_does_not_drift() {
+    const MILLISECOND: u64 = 84_000;
+    const PIECES: u64 = 100_000;
+    let hour = crate::Speed::from_bits((1 << 32) / 3_600);
+    for velocity in [hour, crate::Speed::from_bits(4_294_967)] {
+        for reverse in [false, true] {
+            let mut axis = axis();
+            let mut sink = Notes::default();
+            let asked = velocity.signed(reverse);
+            for piece in 1..=PIECES {
+                axis.follow_velocity((piece + 4) * MILLISECOND, asked)
+                    .unwrap();
+                tick(&mut axis, &mut sink, SEGMENT);
+                sink.steps.clear();
+                sink.records.clear();
+                assert!(piece < 3 || axis.course_end_demand().velocity.is_like(asked));
+            }
+            let (end, state) = axis.course_end();
+            assert_eq!(end, (PIECES + 4) * MILLISECOND);
+            // But for half of the first five milliseconds, a ramp.
+            let way = state.position.bits().unsigned_abs() as f64;
+            let expected = velocity.bits() as f64 * (PIECES as f64 + 1.5) / 1_000.0;
+            assert!((way / expected - 1.0).abs() < 1e-5, "{way} for {expected}");
+        }
+    }
+}
+
+#[test]
 fn what_comes_too_late_or_too_early_is_refused() {
     let mut axis = axis();
     let to = Position::from_steps(1);
