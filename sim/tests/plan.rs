@@ -346,3 +346,44 @@ fn what_cannot_be_is_refused_in_one_line() {
         "cannot write /no/such/folder/plan.svg: no such file or directory",
     );
 }
+
+#[test]
+fn velocities_are_decimals() {
+    // One step in 1,000 seconds, and three of them.
+    let slow = report("--distance 3 --velocity 0.001 --acceleration 1");
+    assert_eq!(slow["pulses"], 3);
+    assert_eq!(slow["final_position"], 3);
+    assert!(
+        (number(&slow, "duration_s") - 3_000.001).abs() < 1e-3,
+        "{slow}"
+    );
+    assert!((number(&slow, "peak_velocity") - 0.001).abs() < 1e-9);
+    assert!(number(&slow, "max_step_time_error_s") < 1e-6);
+    // An hour a step.
+    let hour = report("--distance 1 --velocity 0.000277777778 --acceleration 1");
+    assert!(
+        (number(&hour, "duration_s") / 3_600.0 - 1.0).abs() < 1e-6,
+        "{hour}"
+    );
+    let passing = report(
+        "--distance 10 --velocity 2.5 --acceleration 1 --initial-velocity 0.75 --end-velocity 1.5",
+    );
+    let phases = passing["phases"].as_array().unwrap();
+    let first = phases[0]["velocity"].as_f64().unwrap();
+    assert!((first - 0.75).abs() < 1e-9, "{passing}");
+    let whole = report("--distance 10 --velocity 2 --acceleration 1");
+    assert_eq!(
+        whole,
+        report("--distance 10 --velocity 2.000 --acceleration 1")
+    );
+}
+
+#[test]
+fn what_is_no_decimal_velocity_is_refused() {
+    assert_refused("--distance 1 --velocity 1e3 --acceleration 1", "1e3");
+    assert_refused("--distance 1 --velocity 0.0 --acceleration 1", "zero");
+    assert_refused(
+        "--distance 4000000000 --velocity 0.001 --acceleration 1",
+        "years",
+    );
+}

@@ -4,6 +4,7 @@
 //! the pulses is measured on them: how many there were, where they lead, and how far each is from where and when the plan has it.
 //! Units are steps and seconds.
 
+mod decimal;
 mod pulses;
 mod report;
 mod request;
@@ -11,6 +12,8 @@ mod request;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::PathBuf;
+
+use motion::{SignedSpeed, Speed};
 
 use crate::system_error::plain;
 use report::Report;
@@ -22,9 +25,9 @@ pub struct Arguments {
     /// How far to go, in steps; negative is backwards
     #[arg(long, value_name = "STEPS", allow_negative_numbers = true)]
     pub distance: i64,
-    /// Profile velocity in steps/s
-    #[arg(long, value_name = "STEPS/S")]
-    pub velocity: u32,
+    /// Profile velocity in steps/s; a decimal such as 0.000278 counts to 2⁻³² steps/s, and so do the two below
+    #[arg(long, value_name = "STEPS/S", value_parser = decimal::speed)]
+    pub velocity: Speed,
     /// Profile acceleration in steps/s², while the speed grows
     #[arg(long, value_name = "STEPS/S²")]
     pub acceleration: u32,
@@ -41,13 +44,14 @@ pub struct Arguments {
     #[arg(
         long,
         value_name = "STEPS/S",
-        default_value_t = 0,
+        value_parser = decimal::velocity,
+        default_value = "0",
         allow_negative_numbers = true
     )]
-    pub initial_velocity: i32,
+    pub initial_velocity: SignedSpeed,
     /// The velocity at the target in steps/s, which is kept beyond
-    #[arg(long, value_name = "STEPS/S", default_value_t = 0)]
-    pub end_velocity: u32,
+    #[arg(long, value_name = "STEPS/S", value_parser = decimal::speed, default_value = "0")]
+    pub end_velocity: Speed,
     /// The clock of the step timer in Hz
     #[arg(long, value_name = "HZ", default_value_t = 168_000_000)]
     pub clock: u32,

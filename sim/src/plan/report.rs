@@ -91,7 +91,7 @@ impl fmt::Display for Report {
             "duration        {:.9} s, {} ticks",
             self.duration_s, self.duration_ticks
         )?;
-        writeln!(f, "peak velocity   {:.3} steps/s", self.peak_velocity)?;
+        writeln!(f, "peak velocity   {:.9} steps/s", self.peak_velocity)?;
         writeln!(
             f,
             "pulses          {}, to step {}",
@@ -113,7 +113,7 @@ impl fmt::Display for Report {
         for phase in &self.phases {
             writeln!(
                 f,
-                "from {:>14.9} s for {:>14.9} s: {:>14.3} steps/s, {:>14.1} steps/s²",
+                "from {:>14.9} s for {:>14.9} s: {:>17.9} steps/s, {:>14.1} steps/s²",
                 phase.start_s, phase.duration_s, phase.velocity, phase.acceleration
             )?;
         }

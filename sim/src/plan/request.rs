@@ -1,10 +1,11 @@
 //! From the command line to a plan.
 
 use motion::{
-    AxisConfig, Clock, DriverTiming, Goal, Limits, Plan, Position, Ramps, State, Ticks, Velocity,
+    AxisConfig, Clock, DriverTiming, Goal, Limits, Plan, Position, Ramps, Speed, State, Ticks,
+    Velocity,
 };
 
-use super::{Arguments, Profile};
+use super::{Arguments, Profile, decimal};
 
 /// Shortest time of the step signal being high, and being low, in ns: what a fast driver chip needs.
 const PULSE: u32 = 100;
@@ -48,7 +49,7 @@ impl Move {
             direction_hold: ticks(TURN),
         };
         let limits = Limits {
-            velocity: arguments.velocity.into(),
+            velocity: arguments.velocity,
             acceleration: arguments.acceleration,
             deceleration: arguments.deceleration.unwrap_or(arguments.acceleration),
         };
@@ -59,7 +60,8 @@ impl Move {
             ("initial velocity", initial),
             ("end velocity", arguments.end_velocity),
         ] {
-            if velocity > fastest {
+            if velocity > fastest.into() {
+                let velocity = decimal::shown(velocity);
                 return Err(format!(
                     "{name} of {velocity} steps/s is too high: pulses come at {fastest} steps/s at most with this clock"
                 ));
@@ -70,18 +72,23 @@ impl Move {
         }
         let origin = origin(arguments.distance)?;
         let target = origin + arguments.distance;
-        let goal = if arguments.end_velocity == 0 {
+        let goal = if arguments.end_velocity == Speed::ZERO {
             Goal::Rest(target)
         } else {
-            Goal::Pass(target, arguments.end_velocity.into())
+            Goal::Pass(target, arguments.end_velocity)
         };
         let from = State {
             position: Position::from_steps(origin),
-            velocity: Velocity::from_speed(clock, arguments.initial_velocity.into()),
+            velocity: Velocity::from_speed(clock, arguments.initial_velocity),
         };
         let plan = Plan::new(clock, 0, from, goal, limits, ramps(arguments)?)
             .map_err(|error| error.to_string())?;
         let end = match plan.end() {
+            // The clock counts no further.
+            Some(end) if end >= Ticks::MAX - 1 => {
+                let years = Ticks::MAX / u64::from(clock.hz()) / 31_556_952;
+                return Err(format!("the move takes longer than {years} years"));
+            }
             Some(end) => end,
             None => passing(&plan, target)?,
         };
