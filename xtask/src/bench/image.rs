@@ -23,7 +23,7 @@ pub fn count() -> Result<Vec<Table>> {
     join(fast, small)
 }
 
-/// The rows of both runs side by side.
+/// The rows of both runs side by side. A row with several counts has those of the build for speed alone.
 fn join(mut fast: Vec<Table>, small: Vec<Table>) -> Result<Vec<Table>> {
     ensure!(
         fast.iter().any(|table| !table.rows.is_empty()),
@@ -43,7 +43,9 @@ fn join(mut fast: Vec<Table>, small: Vec<Table>) -> Result<Vec<Table>> {
     let twins = small.into_iter().flat_map(|table| table.rows);
     let rows = fast.iter_mut().flat_map(|table| &mut table.rows);
     for (row, twin) in rows.zip(twins) {
-        row.figures.extend(twin.figures);
+        if row.figures.len() == 1 {
+            row.figures.extend(twin.figures);
+        }
     }
     Ok(fast)
 }
@@ -91,9 +93,13 @@ fn take(line: &str, tables: &mut Vec<Table>) -> bool {
         });
         return true;
     }
-    let row = line
-        .split_once('\t')
-        .and_then(|(name, count)| Some(Row::new(name.trim(), &[count.trim().parse().ok()?])));
+    let row = line.split_once('\t').and_then(|(name, counts)| {
+        let counts: Result<Vec<_>, _> = counts
+            .split('\t')
+            .map(|count| count.trim().parse())
+            .collect();
+        Some(Row::new(name.trim(), &counts.ok()?))
+    });
     match (row, tables.last_mut()) {
         (Some(row), Some(table)) => {
             table.rows.push(row);
@@ -120,7 +126,10 @@ mod tests {
         let mut tables = tables(&["# Instructions", "SDO upload, expedited\t412"]);
         assert_eq!(tables[0].rows, [Row::new("SDO upload, expedited", &[412])]);
         assert!(!take("a word from the firmware", &mut tables));
+        assert!(take("profile position\t2300\t2000\t9000", &mut tables));
+        assert_eq!(tables[0].rows[1].figures, [2300, 2000, 9000]);
         assert!(!take("name\tnumber", &mut tables));
+        assert!(!take("name\t1\t", &mut tables));
         assert!(!take("no table yet\t1", &mut Vec::new()));
     }
 
@@ -131,6 +140,8 @@ mod tests {
         let joined = join(fast, small.clone()).unwrap();
         assert_eq!(joined[0].rows, [Row::new("a", &[1, 10])]);
         assert_eq!(joined[1].rows, [Row::new("b", &[2, 20])]);
+        let several = tables(&["# One", "a\t1\t2"]);
+        assert_eq!(join(several.clone(), several.clone()).unwrap(), several);
         assert!(join(tables(&["# One", "b\t1"]), small).is_err());
         assert!(join(Vec::new(), Vec::new()).is_err());
     }

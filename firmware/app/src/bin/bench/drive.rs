@@ -1,13 +1,15 @@
-//! The drive: a control tick at rest and one in motion.
+//! The drive: its control tick in each mode, and how long it locks.
 
 use core::hint::black_box;
 
-use canopen::{BitRate, Duration, Frame, Instant, NodeId, Settings};
+use canopen::{BitRate, Duration, Instant, NodeId, Settings};
 use cia402::units::Ratio;
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink, Record, Ticks};
 
-use crate::{count, row};
+use crate::{columns, count, heading, row};
+
+mod modes;
 
 mod dictionary {
     include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));
@@ -72,17 +74,22 @@ struct Bench {
     exchange: Timed,
     motor: Motor,
     now: Instant,
+    /// From here on the home switch, input 3, is active.
+    home: i64,
+    /// Most instructions in one control tick.
+    worst: u32,
 }
 
 #[inline(never)]
-fn tick(drive: &mut Drive, now: Instant, motor: &mut Motor, exchange: &mut Timed) {
-    let inputs = Inputs {
+fn tick(drive: &mut Drive, now: Instant, levels: u8, motor: &mut Motor, exchange: &mut Timed) {
+    let mut inputs = Inputs {
         supply: true,
         position: motor.position,
         warning: None,
         fault: None,
         ..Inputs::default()
     };
+    inputs.digital.levels = levels;
     drive.tick(now, &inputs, motor, exchange);
 }
 
@@ -91,60 +98,42 @@ impl Bench {
     fn millisecond(&mut self) -> u32 {
         self.now += TICK;
         self.motor.pending = self.motor.pending.saturating_sub((HZ / 1_000).into());
+        let levels = u8::from(self.motor.position >= self.home) << 2;
         let (count, ()) = count(|| {
             tick(
                 &mut self.drive,
                 self.now,
+                levels,
                 &mut self.motor,
                 &mut self.exchange,
             );
         });
+        self.worst = self.worst.max(count);
         self.device.poll(self.now, &mut self.exchange);
         while self.device.transmit().is_some() {}
         count
     }
-
-    fn download(&mut self, index: u16, size: u8, value: i32) {
-        self.download_to(index, 0, size, value);
-    }
-
-    fn download_to(&mut self, index: u16, sub: u8, size: u8, value: i32) {
-        let [low, high] = index.to_le_bytes();
-        let [a, b, c, d] = value.to_le_bytes();
-        let request = [0x23 | (4 - size) << 2, low, high, sub, a, b, c, d];
-        self.device.receive(
-            &Frame::data_frame(0x60A, &request),
-            self.now,
-            &mut self.exchange,
-        );
-        let answer = self.device.transmit().unwrap();
-        assert_eq!(answer.payload()[0], 0x60);
-        self.millisecond();
-        self.millisecond();
-    }
-
-    fn statusword(&self) -> u16 {
-        self.device.node().dictionary().statusword()
-    }
 }
 
-/// All workloads of the drive.
+/// The workloads of the drive that are rows of the large table.
 pub fn run() {
-    let (at_rest, cruising, _) = drive_there(1, false);
-    row("drive: control tick, enabled, at rest", at_rest);
-    row("drive: control tick, cruising at 20 kHz", cruising);
-    let (at_rest, cruising, _) = drive_there(3, false);
+    let longest = modes::ALL
+        .iter()
+        .map(|mode| modes::drive(mode, true).longest);
     row(
-        "drive: control tick, at rest, a unit is 1/3 of a step",
-        at_rest,
+        "drive: longest lock of the exchange",
+        longest.max().unwrap_or(0),
     );
-    row(
-        "drive: control tick, cruising, a unit is 1/3 of a step",
-        cruising,
-    );
-    let (_, _, longest) = drive_there(1, true);
-    row("drive: longest lock of the exchange", longest);
     conversions();
+}
+
+/// What a control tick costs in each mode.
+pub fn ticks() {
+    heading("Control tick");
+    for mode in &modes::ALL {
+        let cost = modes::drive(mode, false);
+        columns(mode.name, &[cost.moving, cost.at_rest, cost.worst]);
+    }
 }
 
 /// What it takes to convert a position.
@@ -167,62 +156,42 @@ fn convert(ratio: Ratio, increments: i64) -> i64 {
     ratio.to_units(increments)
 }
 
-/// Enables the drive and moves it by 20,000 steps, in so many units to a step. What a control tick costs at rest and cruising,
-/// and the longest lock if locks are timed.
-#[inline(never)]
-fn drive_there(units: i32, is_timed: bool) -> (u32, u32, u32) {
-    let settings = Settings {
-        node_id: NodeId::new(10).unwrap(),
-        bit_rate: BitRate::Kbit1000,
-    };
-    let config = DriveConfig {
-        axis: AxisConfig {
-            clock: Clock::new(HZ).unwrap(),
-            segment: HZ / 1_000,
-            timing: DriverTiming {
-                pulse_high: 210,
-                pulse_low: 210,
-                direction_setup: 420,
-                direction_hold: 420,
+impl Bench {
+    /// A drive that has just got power, with a refill of pulses in each control tick.
+    fn new(is_timed: bool) -> Self {
+        let settings = Settings {
+            node_id: NodeId::new(10).unwrap(),
+            bit_rate: BitRate::Kbit1000,
+        };
+        let config = DriveConfig {
+            axis: AxisConfig {
+                clock: Clock::new(HZ).unwrap(),
+                segment: HZ / 1_000,
+                timing: DriverTiming {
+                    pulse_high: 210,
+                    pulse_low: 210,
+                    direction_setup: 420,
+                    direction_hold: 420,
+                },
             },
-        },
-        tick: TICK,
-        refills: 1,
-    };
-    let mut bench = Bench {
-        device: Device::new(Dictionary::new(), settings, 1),
-        drive: Drive::new(config),
-        exchange: Timed {
-            exchange: Exchange::new(),
-            is_timed,
-            longest: 0,
-        },
-        motor: Motor::default(),
-        now: Instant::from_ticks(0),
-    };
-    bench.device.power_on(bench.now, &mut bench.exchange);
-    bench.millisecond();
-    bench.download(0x6060, 1, 1);
-    bench.download_to(0x6092, 1, 4, 3_200 * units);
-    for controlword in [0x06, 0x07, 0x0F] {
-        bench.download(0x6040, 2, controlword);
-    }
-    assert_eq!(bench.statusword() & 0x6F, 0x27, "operation enabled");
-    for _ in 0..100 {
+            tick: TICK,
+            refills: 1,
+        };
+        let mut bench = Self {
+            device: Device::new(Dictionary::new(), settings, 1),
+            drive: Drive::new(config),
+            exchange: Timed {
+                exchange: Exchange::new(),
+                is_timed,
+                longest: 0,
+            },
+            motor: Motor::default(),
+            now: Instant::from_ticks(0),
+            home: i64::MAX,
+            worst: 0,
+        };
+        bench.device.power_on(bench.now, &mut bench.exchange);
         bench.millisecond();
+        bench
     }
-    let at_rest = bench.millisecond();
-
-    bench.download(0x607A, 4, 20_000 * units);
-    bench.download(0x6081, 4, 20_000 * units);
-    bench.download(0x6040, 2, 0x1F);
-    for _ in 0..500 {
-        bench.millisecond();
-    }
-    let cruising = bench.millisecond();
-    while bench.motor.pending > 0 {
-        bench.millisecond();
-    }
-    assert_eq!(bench.motor.position, 20_000);
-    (at_rest, cruising, bench.exchange.longest)
 }

@@ -23,7 +23,7 @@ mod pulses;
 mod scope;
 
 use cortex_m_rt::{entry, exception, ExceptionFrame};
-use cortex_m_semihosting::{debug, heprintln, hprintln};
+use cortex_m_semihosting::{debug, heprintln, hprint, hprintln};
 // Only for the linker script of the firmware, which expects its symbols.
 use defmt as _;
 use stm32f4xx_hal::pac;
@@ -57,6 +57,15 @@ fn row(name: &str, count: u32) {
     hprintln!("{}\t{}", name, count);
 }
 
+/// One row of a table with several counts.
+fn columns(name: &str, counts: &[u32]) {
+    hprint!("{}", name);
+    for count in counts {
+        hprint!("\t{}", count);
+    }
+    hprintln!();
+}
+
 #[entry]
 fn main() -> ! {
     heading("Instructions");
@@ -65,6 +74,7 @@ fn main() -> ! {
     pulses::run();
     drive::run();
     scope::run();
+    drive::ticks();
     heading("Share of the CPU at full bus load");
     device::load();
     heading("Share of the CPU for stepping");
