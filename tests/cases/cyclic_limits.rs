@@ -100,9 +100,10 @@ impl Walk {
         let mut way = 0;
         while self.at != target {
             let left = (target - self.at).abs();
-            let stops_in = way * (way + 1) / 2;
-            way = if left <= stops_in { way - 1 } else { way + 1 };
-            way = way.min(pace).min(left).max(1);
+            way = (way + 1).min(pace);
+            while way * (way + 1) / 2 > left {
+                way -= 1;
+            }
             self.step(self.at + way * sign);
         }
     }
@@ -361,5 +362,83 @@ fn m44_a_stop_out_of_cyclic_position_ends_before_the_software_limit() {
         let rest = master.drive.position();
         assert!((9_500..=10_000).contains(&rest), "{what}: {rest}");
         assert!(!master.has(INTERNAL_LIMIT), "{what}: it stands");
+    }
+}
+
+/// Set-points on a ramp of so many increments/s² to so many increments/s and back to rest, in whole units of so many increments.
+fn ramp(cycle: u64, acceleration: f64, velocity: f64, unit: i32) -> Vec<i32> {
+    let seconds = cycle as f64 / 1e6;
+    let (mut at, mut now) = (0.0, 0.0);
+    let mut set_points = Vec::new();
+    let up = (velocity / acceleration / seconds).ceil();
+    for k in 0..(3.0 * up) as u32 {
+        let next: f64 = match f64::from(k) {
+            k if k < up => (now + acceleration * seconds).min(velocity),
+            k if k < 2.0 * up => now,
+            _ => (now - acceleration * seconds).max(0.0),
+        };
+        at += (now + next) / 2.0 * seconds;
+        now = next;
+        set_points.push((at / f64::from(unit)).round() as i32);
+    }
+    set_points
+}
+
+#[test]
+fn m39_set_points_within_60c5h_and_60c6h_are_followed_exactly() {
+    // Whole increments change the way of a millisecond by many times what 60C5h allows.
+    for (cycle, acceleration, velocity, unit) in [
+        (1_000, 2_000.0, 300.0, 1),
+        (1_000, 100_000.0, 20_000.0, 1),
+        (1_000, 100_000.0, 20_000.0, 17),
+        (2_000, 1_000_000.0, 50_000.0, 1),
+        (10_000, 20_000.0, 5_000.0, 3),
+    ] {
+        let mut drive = DriveBench::started(4);
+        // A unit is so many increments.
+        drive.write_u32(0x6091, 1, u32::try_from(unit).unwrap());
+        let limit = acceleration as u32 / u32::try_from(unit).unwrap() + 1;
+        drive.write_u32(0x60C5, 0, limit);
+        drive.write_u32(0x60C6, 0, limit);
+        let mut master = Master::of(drive, 8, cycle);
+        master.steps([0; 100]);
+        assert!(master.has(FOLLOWS));
+        for target in ramp(cycle, acceleration, velocity, unit) {
+            master.steps([target]);
+            let bits = master.drive.statusword() & (FOLLOWS | INTERNAL_LIMIT);
+            assert_eq!(bits, FOLLOWS, "{cycle} us, {acceleration}, {unit}");
+        }
+    }
+}
+
+#[test]
+fn m39_60c5h_and_60c6h_bound_what_cyclic_set_points_ask_for() {
+    for (mode, hardness) in [(8, 5.0), (8, 50.0), (7, 5.0)] {
+        let mut drive = DriveBench::started(4);
+        for index in [0x60C5, 0x60C6, 0x6083, 0x6084] {
+            drive.write_u32(index, 0, 200_000);
+        }
+        let mut walk = Walk {
+            master: Master::of(drive, mode, 10_000),
+            mode,
+            at: 0,
+        };
+        if mode == 7 {
+            walk.master.drive.command(0x1F);
+        }
+        walk.steps([0; 50]);
+        assert!(walk.master.has(FOLLOWS), "mode {mode}");
+        walk.master.drive.record_motion();
+        let mut is_limited = false;
+        for target in ramp(10_000, 200_000.0 * hardness, 40_000.0, 1) {
+            walk.step(target);
+            is_limited |= walk.master.has(INTERNAL_LIMIT) && !walk.master.has(FOLLOWS);
+        }
+        assert!(is_limited, "mode {mode}, {hardness}");
+        walk.stay(200);
+        assert_eq!(walk.position(), i64::from(walk.at), "mode {mode}");
+        assert!(walk.master.has(FOLLOWS) && !walk.master.has(INTERNAL_LIMIT));
+        let hardest = walk.master.drive.greatest_acceleration();
+        assert!(hardest <= 220_000, "mode {mode}, {hardness}: {hardest}");
     }
 }

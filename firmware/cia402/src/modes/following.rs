@@ -8,14 +8,19 @@
 //!   period that has become another, pass no limit: what is missing is caught up with.
 //! - It begins where the motor stands. Set-points that are not there, and later what is farther away than 607Fh and 6080h allow in one
 //!   period, are caught up with: at these velocities, on the ramps 6083h and 6084h within 60C5h and 60C6h.
+//! - So is what 60C5h and 60C6h do not allow, as far as whole units let it be known ([`acceleration`]).
 //! - What is farther away than one motion leads counts as just so far: differences fit into their numbers.
 //! - Before a software limit 607Dh the motor slows down with 6085h and stops on it. The way back is free.
 //! - A set-point that is missing is bridged at the velocity before, as often as 2051h:1 says. One is missing only where the motor
 //!   moves; where the last set-point was the only one, the motor stays there.
 
+mod acceleration;
+
 use motion::{Limits, Position, Speed};
 
 use super::Context;
+use acceleration::{Most, SetPoints};
+
 use crate::cyclic::{Fine, Slot};
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
@@ -73,6 +78,10 @@ pub(super) struct Following {
     bridged: u8,
     is_catching_up: bool,
     is_limited: bool,
+    /// The set-points that were followed, for 60C5h and 60C6h.
+    set_points: SetPoints,
+    /// By how much the difference of two ways may be off because they are whole units.
+    rounding: i64,
     /// Of a cubic: it waits for the one behind it.
     waiting: Option<Knot>,
 }
@@ -89,6 +98,8 @@ impl Following {
             bridged: 0,
             is_catching_up: false,
             is_limited: false,
+            set_points: SetPoints::new(),
+            rounding: 0,
             waiting: None,
         }
     }
@@ -169,6 +180,7 @@ impl Following {
         } else {
             over(self.pace, slot.period, leg.interval)
         };
+        let was_catching_up = self.is_catching_up;
         self.way = self.allowed(need, pace, most, seconds, context);
         self.is_limited |= goal != target;
         let knot = Knot {
@@ -178,6 +190,14 @@ impl Following {
             interval: leg.interval,
             most,
         };
+        if was_catching_up || self.is_catching_up {
+            let way = over(knot.way, leg.interval, slot.period);
+            self.rounding = rounding(context);
+            self.set_points
+                .begin(whole(knot.at.wrapping_sub(way)), whole(knot.at));
+        } else {
+            self.set_points.keep(whole(knot.at));
+        }
         self.give(knot, before, is_cubic && leg.is_in_step, context.motor);
         self.at = knot.at;
         Outcome::Followed
@@ -295,7 +315,18 @@ impl Following {
         // Both this change and the one to the velocity of the set-points, behind it. Those are whole increments.
         let is_gentle = change.saturating_abs() <= up.max(down).max(1 << POINT)
             && need.saturating_sub(pace).saturating_abs() <= down.max(1 << POINT);
-        let is_in_reach = need.saturating_abs() <= most && (!self.is_catching_up || is_gentle);
+        let is_within_ramps = if self.is_catching_up {
+            is_gentle
+        } else {
+            let most = Most {
+                up: gain(context.configuration.max_acceleration, seconds),
+                down: gain(context.configuration.max_deceleration, seconds),
+                rounding: self.rounding,
+            };
+            let at = whole(self.at.saturating_add(need));
+            self.set_points.may_be_followed_by(at, most)
+        };
+        let is_in_reach = need.saturating_abs() <= most && is_within_ramps;
         let way = if is_in_reach {
             need
         } else {
@@ -421,6 +452,18 @@ const fn is_tame(first: i64, last: i64, knot: Knot) -> bool {
         && first <= most
         && last <= most
         && middle <= most
+}
+
+/// The whole increments of a position, modulo 2³².
+const fn whole(at: i64) -> i32 {
+    (at >> POINT) as i32
+}
+
+/// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two ways.
+fn rounding(context: &Context<'_>) -> i64 {
+    let unit = context.configuration.units.position(1).saturating_abs();
+    let most = unit.max(1).saturating_add(1).saturating_mul(2);
+    most.min(1 << 40) << POINT
 }
 
 /// The way that stays within the software limits, or leads back to them.
