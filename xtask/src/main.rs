@@ -5,7 +5,7 @@
 //! | `test`  | installs what is missing and runs every test, the firmware in the emulator included |
 //! | `qemu`  | builds the firmware and runs it in QEMU, its CAN bus served as SLCAN on TCP |
 //! | `size`  | flash and RAM of the firmware by crate |
-//! | `bench` | instruction counts in the emulator, compared with the committed table |
+//! | `bench` | instruction counts in the emulator, and how exact the pulses are, compared with the committed tables |
 //! | `soak`  | a thousand million step pulses through planner, train and a model of the timers: none too many, none too few |
 //! | `fuzz`  | random inputs for the node, the SDO server, the LSS slave and od-gen, as long as you like |
 //!
@@ -52,7 +52,7 @@ enum Task {
     Qemu(qemu::Arguments),
     /// Print flash and RAM of the firmware by crate
     Size,
-    /// Count instructions in the emulator and compare them with docs/benchmarks.md
+    /// Count instructions in the emulator, measure pulses, and compare them with docs/benchmarks.md
     Bench(bench::Arguments),
     /// Fuzz the node, the SDO server, the LSS slave and the reader of data sheets; what is found is kept in the build folder
     Fuzz(fuzz::Arguments),

@@ -1,6 +1,7 @@
 //! `cargo xtask soak`: very many pulses through planner, train and the modelled timers of the board, built for speed.
 //!
-//! It is the test `sim/tests/soak.rs` at night length. Every pulse on the modelled pins is counted; one too many or too few fails.
+//! It is the test `sim/tests/soak.rs` at any length: as it stands half a minute of counting behind some minutes of building, and a night
+//! with larger numbers. Every pulse on the modelled pins is counted; one too many or too few fails.
 
 use std::process::ExitCode;
 

@@ -2,7 +2,8 @@
 //!
 //! It runs what the tasks of the firmware run, at their rates: a control tick each millisecond, a refill each quarter of one, the
 //! node when a frame comes. Instructions take no time here; in their place each control tick and each refill comes late by up to
-//! 50 µs, which is longer than everything that the processor may be busy with (`docs/benchmarks.md`).
+//! 50 µs, which is longer than everything that the processor may be busy with, but for planning a jerk-limited move
+//! (`docs/benchmarks.md`).
 
 use std::fmt;
 

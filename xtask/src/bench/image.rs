@@ -84,7 +84,7 @@ fn run(qemu: &Path, image: &Path) -> Result<Vec<Table>> {
 }
 
 /// Puts a line into the tables; whether it belongs there.
-fn take(line: &str, tables: &mut Vec<Table>) -> bool {
+pub(super) fn take(line: &str, tables: &mut Vec<Table>) -> bool {
     if let Some(heading) = line.strip_prefix("# ") {
         tables.push(Table {
             heading: heading.trim().to_owned(),

@@ -39,6 +39,9 @@ impl Row {
 const GOAL: &str = "goal";
 const GOAL_FOR_SIZE: &str = "goal for size";
 
+/// What stands before a goal that a figure is not to be below.
+const AT_LEAST: &str = "at least ";
+
 /// The column that tells how far the goal is.
 const MISSED: &str = "missed by";
 
@@ -90,7 +93,8 @@ pub fn write(document: &str, table: &Table) -> Result<String> {
     Ok(text.join("\n") + "\n")
 }
 
-/// Fills the column that tells how far the goal is.
+/// Fills the column that tells how far the goal is. A goal is a number that the figure is not to be above, or `at least` and one that it
+/// is not to be below.
 fn tell_missed(titles: &[&str], cells: &mut [String]) {
     let column = |title| titles.iter().position(|other| *other == title);
     let goal = column(GOAL).map(|goal| (1, goal));
@@ -99,11 +103,18 @@ fn tell_missed(titles: &[&str], cells: &mut [String]) {
     let (Some((held, goal)), Some(missed)) = (goal, column(MISSED)) else {
         return;
     };
-    let figure = |column: usize| cells.get(column).and_then(|cell| cell.parse::<u64>().ok());
-    let text = match (figure(held), figure(goal)) {
-        (Some(now), Some(goal)) if now > goal && goal > 0 => {
-            format!("{} %", (now - goal) * 100 / goal)
+    let cell = |column: usize| cells.get(column).map_or("", String::as_str);
+    let (figure, goal) = (cell(held), cell(goal));
+    let least = goal.strip_prefix(AT_LEAST);
+    let text = match (figure.parse::<u64>(), least.unwrap_or(goal).parse::<u64>()) {
+        (Ok(now), Ok(goal)) if least.is_some() && now < goal => {
+            format!("{} %", (goal - now) * 100 / goal)
         }
+        (Ok(now), Ok(goal)) if least.is_none() && now > goal => (now - goal)
+            .saturating_mul(100)
+            .checked_div(goal)
+            // Of a goal of 0 there is no share.
+            .map_or_else(|| now.to_string(), |share| format!("{share} %")),
         _ => String::new(),
     };
     if let Some(cell) = cells.get_mut(missed) {
@@ -225,6 +236,36 @@ The end.
                 "| near | 100 | 100 |  |",
                 "| far | 150 | 100 | 50 % |",
                 "| free | 9 |  |  |"
+            ]
+        );
+    }
+
+    #[test]
+    fn a_goal_may_be_nothing_or_the_least() {
+        let document = "\
+## Goals
+| operation | here | goal | missed by |
+|---|---|---|---|
+| none | 0 | 0 |  |
+| some | 0 | 0 |  |
+| fast | 1 | at least 100 |  |
+| slow | 1 | at least 100 |  |
+";
+        let rows = [
+            Row::new("none", &[0]),
+            Row::new("some", &[3]),
+            Row::new("fast", &[100]),
+            Row::new("slow", &[60]),
+        ];
+        let new = write(document, &table("Goals", &rows)).unwrap();
+        let lines: Vec<_> = new.lines().skip(3).collect();
+        assert_eq!(
+            lines,
+            [
+                "| none | 0 | 0 |  |",
+                "| some | 3 | 0 | 3 |",
+                "| fast | 100 | at least 100 |  |",
+                "| slow | 60 | at least 100 | 40 % |"
             ]
         );
     }

@@ -79,8 +79,6 @@ fn main() -> ! {
     device::load();
     heading("Share of the CPU for stepping");
     pulses::share();
-    heading("Reaction");
-    pulses::stop();
     heading("Longest paths");
     longest::run();
     heading("Look-up");

@@ -1,46 +1,239 @@
 //! Motion: planning a move.
+//!
+//! Each plan is made as an axis makes it, over the plan that was. Beside moves that are known, very many are tried with limits from
+//! all that there are, from rest and from any moment of the motion before: what matters is the dearest of them.
 
 use core::hint::black_box;
 
-use motion::{Clock, Goal, Limits, Plan, Position, Ramps, State, Ticks, Velocity};
+use motion::{Clock, Goal, Limits, Plan, Position, Ramps, SignedSpeed, State, Ticks, Velocity};
 
 use crate::{count, row};
 
 const HZ: u32 = 84_000_000;
-/// Plans as an axis does, over the plan that was.
+
+/// So many plans are tried for each kind of ramp.
+const TRIED: u32 = 1_500;
+
+/// Steps/s³ of the moves that are known: a ramp to 100,000 steps/s takes 300 ms.
+const JERK: Ramps = Ramps::JerkLimited(5_000_000);
+
 #[inline(never)]
-fn plan(clock: Clock, plan: &mut Plan, target: i64, limits: Limits) {
-    let goal = Goal::Rest(target);
-    plan.redirect(clock, 0, goal, limits, Ramps::Linear)
-        .unwrap();
+fn plan(clock: Clock, plan: &mut Plan, at: Ticks, goal: Goal, limits: Limits, ramps: Ramps) {
+    plan.redirect(clock, at, goal, limits, ramps).unwrap();
 }
 
-/// Both plans.
+fn limits(velocity: u32, acceleration: u32, deceleration: u32) -> Limits {
+    Limits {
+        velocity: velocity.into(),
+        acceleration,
+        deceleration,
+    }
+}
+
+/// Those of most reference vectors.
+fn usual() -> Limits {
+    limits(100_000, 500_000, 500_000)
+}
+
+/// All plans.
 pub fn run() {
+    reference();
+    linear();
+    smooth();
+    dearest();
+}
+
+/// The reference vectors T01, a long trapezoid, and T14, a target inside the stopping distance: overshoot and return.
+fn reference() {
     let clock = Clock::new(HZ).unwrap();
-    // The reference vectors T01, a long trapezoid, and T14, a target inside the stopping distance: overshoot and return.
-    let limits = Limits {
-        velocity: 100_000.into(),
-        acceleration: 500_000,
-        deceleration: 500_000,
-    };
-    let mut planned = Plan::at_rest(0, 0);
-    let (t01, ()) = count(|| plan(clock, black_box(&mut planned), 100_000, limits));
-    assert_eq!(
-        planned.state_at(Ticks::MAX).position,
-        Position::from_steps(100_000)
-    );
+    let t01 = cost(Plan::at_rest(0, 0), 0, Goal::Rest(100_000), Ramps::Linear);
     row("motion: plan T01, from rest", t01);
 
     let moving = State {
         position: Position::from_steps(0),
         velocity: Velocity::from_speed(clock, 50_000.into()),
     };
-    let mut planned = Plan::velocity(clock, 0, moving, 50_000.into(), limits).unwrap();
-    let (t14, ()) = count(|| plan(clock, black_box(&mut planned), 1_000, limits));
-    assert_eq!(
-        planned.state_at(Ticks::MAX).position,
-        Position::from_steps(1_000)
-    );
+    let planned = Plan::velocity(clock, 0, moving, 50_000.into(), usual()).unwrap();
+    let t14 = cost(planned, 0, Goal::Rest(1_000), Ramps::Linear);
     row("motion: plan T14, overshoot and return", t14);
+}
+
+/// Profile velocity and stop, with linear ramps.
+fn linear() {
+    for (name, first, then) in [
+        ("motion: plan a velocity, from rest", None, 100_000),
+        ("motion: plan a velocity, reversing", Some(100_000), -80_000),
+        ("motion: plan a stop, cruising", Some(100_000), 0),
+    ] {
+        row(name, changed(first, then, Ramps::Linear, CRUISE));
+    }
+}
+
+/// Half a second: a motion at 100,000 steps/s cruises, whatever its ramps.
+const CRUISE: Ticks = (HZ / 2) as Ticks;
+
+/// A tenth of a second: it is in the middle of its ramp.
+const RAMP: Ticks = (HZ / 10) as Ticks;
+
+/// Smooth ramps, which are the dearer ones.
+fn smooth() {
+    let sine = [
+        "motion: plan with sin², from rest",
+        "motion: plan with sin², from rest, a short way",
+        "motion: plan with sin², in a ramp, further",
+        "motion: plan with sin², in a ramp, back",
+        "motion: plan with sin², a velocity, from rest",
+        "motion: plan with sin², a stop, in a ramp",
+    ];
+    let jerk = [
+        "motion: plan with jerk, from rest",
+        "motion: plan with jerk, from rest, its peak searched",
+        "motion: plan with jerk, in a ramp, further",
+        "motion: plan with jerk, in a ramp, back",
+        "motion: plan with jerk, a velocity, from rest",
+        "motion: plan with jerk, a stop, in a ramp",
+    ];
+    for (names, ramps) in [(sine, Ramps::SinSquared), (jerk, JERK)] {
+        let moving = running(Goal::Rest(100_000), ramps);
+        let costs = [
+            cost(Plan::at_rest(0, 0), 0, Goal::Rest(100_000), ramps),
+            cost(Plan::at_rest(0, 0), 0, Goal::Rest(1_000), ramps),
+            cost(moving, RAMP, Goal::Rest(120_000), ramps),
+            cost(moving, RAMP, Goal::Rest(-2_000), ramps),
+            changed(None, 100_000, ramps, 0),
+            changed(Some(100_000), 0, ramps, RAMP),
+        ];
+        for (name, cost) in names.into_iter().zip(costs) {
+            row(name, cost);
+        }
+    }
+}
+
+/// The dearest of very many.
+fn dearest() {
+    row("motion: plan, dearest found, linear", search(0));
+    row("motion: plan, dearest found, sin²", search(1));
+    row("motion: plan, dearest found, jerk", search(2));
+}
+
+/// A motion from rest.
+fn running(goal: Goal, ramps: Ramps) -> Plan {
+    let mut planned = Plan::at_rest(0, 0);
+    let clock = Clock::new(HZ).unwrap();
+    plan(clock, &mut planned, 0, goal, usual(), ramps);
+    planned
+}
+
+/// What it costs to change, at a tick of a motion that keeps one velocity or of rest, to another velocity.
+fn changed(first: Option<i32>, then: i32, ramps: Ramps, at: Ticks) -> u32 {
+    let planned = first.map_or(Plan::at_rest(0, 0), |velocity| {
+        running(Goal::Velocity(velocity.into()), ramps)
+    });
+    cost(planned, at, Goal::Velocity(then.into()), ramps)
+}
+
+/// What it costs to leave for a goal.
+fn cost(mut planned: Plan, at: Ticks, goal: Goal, ramps: Ramps) -> u32 {
+    let clock = Clock::new(HZ).unwrap();
+    let (cost, ()) = count(|| plan(clock, black_box(&mut planned), at, goal, usual(), ramps));
+    check(&planned, goal);
+    cost
+}
+
+/// A plan leads to its goal.
+fn check(planned: &Plan, goal: Goal) {
+    let end = planned.state_at(Ticks::MAX);
+    match goal {
+        Goal::Rest(target) => assert_eq!(end.position, Position::from_steps(target)),
+        Goal::Velocity(SignedSpeed::ZERO) => assert_eq!(end.velocity, Velocity::ZERO),
+        _ => assert_eq!(planned.end(), None),
+    }
+}
+
+/// Numbers that look random (an xorshift generator).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn below(&mut self, end: u64) -> u64 {
+        self.next() % end
+    }
+
+    /// Of so many binary digits at most, as often of few as of many; at least 1.
+    fn digits(&mut self, most: u64) -> u32 {
+        let digits = 1 + self.below(most);
+        (1 << (digits - 1) | self.below(1 << (digits - 1))) as u32
+    }
+
+    /// The same, forwards or backwards.
+    fn way(&mut self, most: u64) -> i32 {
+        let way = self.digits(most).cast_signed();
+        if self.below(2) == 0 {
+            way
+        } else {
+            -way
+        }
+    }
+
+    /// Most often a target, as that is the dearest.
+    fn goal(&mut self) -> Goal {
+        match self.below(8) {
+            0 => Goal::Velocity(self.way(22).into()),
+            1 => Goal::Velocity(SignedSpeed::ZERO),
+            2 => Goal::Pass(self.way(28).into(), self.digits(22).into()),
+            _ => Goal::Rest(self.way(28).into()),
+        }
+    }
+}
+
+/// The dearest plan with linear ramps (0), sin² (1) or with a jerk (2).
+fn search(kind: u32) -> u32 {
+    let clock = Clock::new(HZ).unwrap();
+    let mut numbers = Numbers(0x9E37_79B9_7F4A_7C15);
+    let mut planned = Plan::at_rest(0, 0);
+    let mut now = 0;
+    let mut most = 0;
+    for _ in 0..TRIED {
+        let rule = limits(numbers.digits(22), numbers.digits(27), numbers.digits(27));
+        let goal = numbers.goal();
+        let jerk = numbers.digits(31);
+        let ramps = match kind {
+            0 => Ramps::Linear,
+            1 => Ramps::SinSquared,
+            _ => Ramps::JerkLimited(jerk),
+        };
+        let (cost, made) =
+            count(|| attempt(clock, black_box(&mut planned), now, goal, rule, ramps));
+        most = most.max(cost);
+        // What braking leads too far away is refused, and so is all that follows: on from rest.
+        if !made || numbers.below(4) == 0 {
+            planned = Plan::at_rest(0, now);
+            continue;
+        }
+        if let Goal::Rest(_) | Goal::Velocity(SignedSpeed::ZERO) = goal {
+            check(&planned, goal);
+        }
+        // Somewhere in the motion, or in the second that follows if it has no end.
+        let end = planned.end().unwrap_or(now + Ticks::from(HZ));
+        now += numbers.below((end - now).max(1));
+    }
+    most
+}
+
+#[inline(never)]
+fn attempt(
+    clock: Clock,
+    plan: &mut Plan,
+    at: Ticks,
+    goal: Goal,
+    limits: Limits,
+    ramps: Ramps,
+) -> bool {
+    plan.redirect(clock, at, goal, limits, ramps).is_ok()
 }

@@ -26,7 +26,6 @@ const TIMING: DriverTiming = DriverTiming {
 struct Played {
     pending: Ticks,
     steps: i64,
-    slowest: u32,
 }
 
 impl PulseSink for Played {
@@ -34,7 +33,6 @@ impl PulseSink for Played {
     fn push(&mut self, record: Record) -> Result<(), Record> {
         self.pending += record.ticks();
         self.steps += i64::from(record.steps());
-        self.slowest = self.slowest.max(record.period);
         Ok(())
     }
 
@@ -100,13 +98,22 @@ pub fn run() {
     row("steps: interrupts, both edges of a step", step::<true>());
 }
 
-/// The share of the CPU for stepping at 1 MHz, in thousandths, and how fast a stop is felt.
+/// The share of the CPU for stepping, in thousandths.
 pub fn share() {
-    // 4,000 refills in a second, a cycle and a half for each instruction.
-    let share = |velocity| refill(velocity) * 4_000 * 3 / 2 / (HZ / 1_000);
-    row("pulses at 1 MHz, by the timer", share(1_000_000));
-    row("pulses at 2 MHz, by the timer", share(1_988_165));
-    row("pulses at 4.9 MHz, by the timer", share(4_869_565));
+    for (name, velocity) in [
+        ("pulses at 10 kHz, by the timer", 10_000),
+        ("pulses at 1 MHz, by the timer", 1_000_000),
+        ("pulses at 2 MHz, by the timer", 1_988_165),
+        ("pulses at 4.9 MHz, by the timer", 4_869_565),
+    ] {
+        row(name, thousandths(refills(velocity, CRUISE, 4_000)));
+    }
+    // The second in the middle of the two that the ramp takes.
+    let ramp = refills(500_000, 2_000, 4_000);
+    row(
+        "pulses in a ramp to 500 kHz, by the timer",
+        thousandths(ramp),
+    );
     let each = step::<false>();
     row(
         "pulses at 100 kHz, by interrupts",
@@ -114,61 +121,9 @@ pub fn share() {
     );
 }
 
-/// From the order to stop to the end of the first slower step, in µs: what was handed out is played before.
-pub fn stop() {
-    let mut axis = axis();
-    let mut sink = Played::default();
-    axis.ramp_to(100_000.into(), limits(100_000)).unwrap();
-    let mut longest = 0;
-    for turn in 0..2_000 {
-        advance(&mut axis, &mut sink);
-        if turn > 1_000 && turn % 50 == 0 {
-            // Right after a refill, when the most has been handed out.
-            let mut stopped = axis.clone();
-            stopped.stop(50_000_000).unwrap();
-            let mut felt = Felt {
-                pending: sink.pending,
-                total: sink.pending,
-                slower: None,
-            };
-            while felt.slower.is_none() {
-                felt.pending = felt.pending.saturating_sub(SEGMENT.into());
-                advance(&mut stopped, &mut felt);
-            }
-            longest = longest.max(felt.slower.unwrap_or(0));
-        }
-        sink.pending = sink.pending.saturating_sub(SEGMENT.into());
-    }
-    row(
-        "quick stop to the first slower step",
-        (longest / 168) as u32,
-    );
-}
-
-/// A sink that waits for a slower step than those of 100 kHz.
-struct Felt {
-    pending: Ticks,
-    total: Ticks,
-    slower: Option<Ticks>,
-}
-
-impl PulseSink for Felt {
-    fn push(&mut self, record: Record) -> Result<(), Record> {
-        if self.slower.is_none() && record.period > 1_690 {
-            self.slower = Some(self.total + Ticks::from(record.period));
-        }
-        self.pending += record.ticks();
-        self.total += record.ticks();
-        Ok(())
-    }
-
-    fn pending(&self) -> Ticks {
-        self.pending
-    }
-
-    fn free(&self) -> usize {
-        64
-    }
+/// Of the instructions of a second, a cycle and a half for each.
+fn thousandths(instructions: u32) -> u32 {
+    instructions / 2 * 3 / (HZ / 1_000)
 }
 
 /// One refill of a segment, so many refills after the start.
@@ -226,8 +181,16 @@ fn hand_out(axis: &mut Axis, output: &mut Output<'_, Still>) {
     axis.advance(output).unwrap();
 }
 
-/// One refill of the ring at this velocity, which it takes two seconds to reach.
+/// Refills until a motion cruises.
+const CRUISE: u32 = 8_500;
+
+/// One refill of the ring at this velocity.
 fn refill(velocity: u32) -> u32 {
+    refills(velocity, CRUISE, 1)
+}
+
+/// So many refills of the ring, so many after the start: what they cost together. The velocity is reached in two seconds.
+fn refills(velocity: u32, before: u32, number: u32) -> u32 {
     let mut axis = axis();
     let mut output = Output::new(Still, &RING);
     let limits = Limits {
@@ -239,8 +202,12 @@ fn refill(velocity: u32) -> u32 {
     let mut end = None;
     // The silence in front.
     let mut under_way = 1 << 12;
-    for _ in 0..8_500 {
-        hand_out(&mut axis, &mut output);
+    let mut sum = 0;
+    for turn in 0..before + number {
+        let (count, ()) = count(|| hand_out(&mut axis, &mut output));
+        if turn >= before {
+            sum += count;
+        }
         let now = NOW.load(Ordering::Relaxed).wrapping_add(SEGMENT);
         NOW.store(now, Ordering::Relaxed);
         // The slots that have been fetched when the next refill comes.
@@ -256,9 +223,8 @@ fn refill(velocity: u32) -> u32 {
             Ordering::Relaxed,
         );
     }
-    let (count, ()) = count(|| hand_out(&mut axis, &mut output));
     output.drop_all();
-    count
+    sum
 }
 
 fn ticks([_, reload, repetitions, ..]: [u32; WORDS]) -> u32 {

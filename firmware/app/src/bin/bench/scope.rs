@@ -56,7 +56,7 @@ pub fn run() {
         refills: 1,
     });
     let mut exchange = Exchange::new();
-    exchange.publish(Actuals {
+    exchange.publish(&Actuals {
         at: Instant::from_ticks(1_000),
         ..Actuals::NONE
     });
