@@ -150,8 +150,8 @@ impl Train {
     }
 
     /// How long a chord from `velocity` on is if the plan allows `longest`, in ticks: so that no run has more pulses than a record can
-    /// count, and that evenly spaced pulses stay within three quarters of a step of the chord: a quarter up to 1.15 MHz on a timer of 168 MHz. It is a segment where the plan allows it, up
-    /// to 4.9 MHz on a timer of 168 MHz.
+    /// count, and that evenly spaced pulses stay within three quarters of a step of the chord. It is a segment of 250 µs where the plan allows
+    /// it, up to 4.9 MHz on a timer of 168 MHz.
     #[inline]
     pub(crate) fn chord(&self, velocity: Velocity, longest: u32) -> u32 {
         let speed = (velocity.bits().unsigned_abs() >> 32) as u32;
@@ -406,21 +406,28 @@ impl Train {
             self.make(period, gaps, true, direction);
             return;
         }
-        if gaps.wrapping_mul(gaps) > span / 5 {
+        if gaps.wrapping_mul(gaps) > span >> 2 {
             let shares = shares(more.1, fewer.1, span, base);
             if shares > 0 {
                 self.interleave(more, fewer, shares, direction);
                 return;
             }
         }
-        // The pulses are off by gaps² / (4 · span) steps at most, a twentieth as a rule.
+        // The pulses are off by gaps² / (4 · span) steps at most, a sixteenth as a rule.
         let [one, other] = if speeding_up {
             [long, short]
         } else {
             [short, long]
         };
-        self.make(one.0, one.1, true, direction);
-        self.make(other.0, other.1, true, direction);
+        for (period, repeat) in [one, other] {
+            self.keep(Record {
+                period,
+                repeat: repeat as u16,
+                width: self.width,
+                direction,
+            });
+        }
+        self.pen = self.pen.wrapping_add(span.into());
     }
 
     /// Crowded pulses: in each share the fewer periods in the middle of the others, so that pulses are ahead in one half of it and behind in
@@ -547,13 +554,18 @@ impl Train {
             width,
             direction,
         };
+        self.keep(record);
+        self.pen = self.pen.wrapping_add(record.ticks());
+    }
+
+    #[inline]
+    fn keep(&mut self, record: Record) {
         let room = self.made.get_mut(usize::from(self.count));
         debug_assert!(room.is_some(), "{NO_ROOM}");
         if let Some(room) = room {
             *room = record;
             self.count = self.count.wrapping_add(1);
         }
-        self.pen = self.pen.wrapping_add(record.ticks());
     }
 }
 

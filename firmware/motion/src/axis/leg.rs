@@ -58,7 +58,7 @@ impl Leg {
         } else {
             self.length
         };
-        if u64::from(length) >= self.until.saturating_sub(begin) {
+        if u64::from(length) >= self.until.wrapping_sub(begin) {
             return None;
         }
         let from = self.state.position;

@@ -24,8 +24,9 @@ pub(super) struct Trace {
     points: [Point; POINTS],
     /// The place of the newest, counted round and round.
     newest: u32,
-    /// How far the newest is from the one before, in ticks.
+    /// How far the newest is from the one before, in ticks, and when it was, modulo 2³².
     gap: u32,
+    at: u32,
 }
 
 impl Trace {
@@ -34,6 +35,7 @@ impl Trace {
             points: [NOWHERE; POINTS],
             newest: 0,
             gap: u32::MAX,
+            at: 0,
         }
     }
 
@@ -41,13 +43,15 @@ impl Trace {
     pub(super) fn restart(&mut self, t: Ticks, state: State) {
         self.points = [(t, state); POINTS];
         self.gap = u32::MAX;
+        self.at = t as u32;
     }
 
     /// The horizon has come to a point. The last one is forgotten if it lies closer than `least` ticks to the one before.
     #[inline]
     pub(super) fn mark(&mut self, t: Ticks, state: State, least: u32) {
         // All points lie less than 2³¹ ticks apart.
-        let passed = (t as u32).wrapping_sub(self.point(0).0 as u32);
+        let passed = (t as u32).wrapping_sub(self.at);
+        self.at = t as u32;
         if self.gap < least {
             self.gap = self.gap.saturating_add(passed);
         } else {
