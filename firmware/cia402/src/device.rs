@@ -14,6 +14,7 @@
 
 pub(crate) mod commissioning;
 mod controller;
+mod fleeting;
 mod periphery;
 mod storage;
 
@@ -79,6 +80,7 @@ pub struct Device<D: Dictionary, A = ()> {
     synced: Option<Instant>,
     /// What 5FF0h shows.
     configuration: canopen::Configuration,
+    fleeting: fleeting::Fleeting,
 }
 
 impl<D: Dictionary + Objects> Device<D> {
@@ -108,6 +110,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             counters: Counters::default(),
             unsafe_since: None,
             synced: None,
+            fleeting: fleeting::Fleeting::new(),
         }
     }
 
@@ -154,6 +157,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             Phase::Off => return canopen::time::NEVER,
             Phase::Running => {}
             Phase::Stopping(reset) => {
+                self.watch(exchange);
                 if !exchange.lock(|exchange| exchange.is_safe()) {
                     return now.checked_add_duration(WAIT).unwrap_or(now);
                 }
@@ -165,6 +169,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         self.keep_overrun(&actuals, now);
         let deadline = self.node.poll(now, &mut self.hooks);
         self.take_reset();
+        self.follow_state(&actuals, exchange);
         self.post(exchange);
         self.beat(now, exchange);
         self.serve_controller();
@@ -174,7 +179,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 
     /// The next frame to send.
     pub fn transmit(&mut self) -> Option<Frame> {
-        self.node.transmit(&mut self.hooks)
+        let frame = self.node.transmit(&mut self.hooks)?;
+        self.sees(&frame);
+        Some(frame)
     }
 
     /// Drops what is too late to be sent ([`Node::drop_late`]).

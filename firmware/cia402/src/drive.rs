@@ -132,6 +132,10 @@ pub struct Drive {
     is_abandoned: bool,
     /// When the last tick was.
     ticked: Instant,
+    /// When the state began.
+    entered: Instant,
+    /// The state has been seen on the bus, or nobody looks.
+    is_seen: bool,
     /// The beat of the network, and what the cyclic modes go by.
     cyclic: Cyclic,
 }
@@ -164,6 +168,8 @@ impl Drive {
             is_commanded: false,
             is_abandoned: false,
             ticked: Instant::from_ticks(0),
+            entered: Instant::from_ticks(0),
+            is_seen: true,
             cyclic: Cyclic::new(&outlast_tick(config), config.tick),
         }
     }
@@ -197,6 +203,7 @@ impl Drive {
         let cyclic = &self.configuration.cyclic;
         self.cyclic
             .take(waiting, exchange, cyclic, self.modes.active());
+        self.is_seen = waiting.is_seen;
         let command = self.command();
         let elapsed = now
             .checked_duration_since(self.ticked)
@@ -362,7 +369,9 @@ impl Drive {
             remote,
             quick_stop: self.configuration.quick_stop,
             at_once: self.leaving(command) == Some(Stop::PowerOff),
-            standstill: self.motor.standstill() && self.is_held_by_brake(now, remote, command),
+            standstill: self.motor.standstill()
+                && self.is_held_by_brake(now, remote, command)
+                && self.has_shown(now),
             fault: reaction.is_some(),
             fault_reset: reset && !self.faults.cause_stands(),
         };
@@ -370,6 +379,7 @@ impl Drive {
             self.faults.renew();
         }
         if let Some(transition) = self.machine.step(&conditions) {
+            self.entered = now;
             self.carry_out(transition, reaction);
         } else if reaction == Some(Reaction::PowerOff) {
             self.power_off();

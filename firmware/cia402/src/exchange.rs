@@ -270,6 +270,8 @@ pub struct Waiting {
     pub records: usize,
     /// So many beats.
     pub beats: usize,
+    /// The state that was published last has been seen on the bus, or nobody looks.
+    pub is_seen: bool,
 }
 
 /// Beats that wait for a tick. There is about one for each.
@@ -295,6 +297,9 @@ pub struct Exchange {
     /// An edge of bit 4 is on its way to a tick, or the tick that took it has not published yet.
     start_posted: bool,
     start_taken: bool,
+    /// Masters may see the state in a transmit PDO; and the one that was published last has been seen, or cannot be.
+    is_watched: bool,
+    is_seen: bool,
     /// The last two sets of actual values, and which of them is the newest.
     actuals: [Actuals; 2],
     is_second_newest: bool,
@@ -326,6 +331,8 @@ impl Exchange {
             answered: 0,
             start_posted: false,
             start_taken: false,
+            is_watched: false,
+            is_seen: false,
             actuals: [Actuals::NONE; 2],
             is_second_newest: false,
             notices: Deque::new(),
@@ -375,6 +382,7 @@ impl Exchange {
             clears_records: core::mem::take(&mut self.clears_records),
             records: self.records.len(),
             beats: self.beats.len(),
+            is_seen: self.is_seen || !self.is_watched,
         }
     }
 
@@ -386,12 +394,23 @@ impl Exchange {
 
     /// Publishes what a control tick has made.
     pub fn publish(&mut self, actuals: &Actuals) {
+        self.is_seen &= (self.newest().statusword ^ actuals.statusword) & State::BITS == 0;
         self.is_second_newest = !self.is_second_newest;
         let [first, second] = &mut self.actuals;
         let oldest = if self.is_second_newest { second } else { first };
         oldest.assign(actuals);
         self.answered = self.taken;
         self.start_taken = false;
+    }
+
+    /// Whether masters may see the state of the drive in a transmit PDO.
+    pub const fn watch(&mut self, is_watched: bool) {
+        self.is_watched = is_watched;
+    }
+
+    /// This state was sent in a transmit PDO, or none has it.
+    pub fn state_shown(&mut self, state: State) {
+        self.is_seen |= State::from_statusword(self.newest().statusword) == Some(state);
     }
 
     /// The touch probes have stored something, or are set up anew.

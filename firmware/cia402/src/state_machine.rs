@@ -1,7 +1,7 @@
 //! The state machine of CiA 402-2: eight states, sixteen transitions, one table.
 //!
-//! It takes at most one transition in a control tick, so every state it passes is published at least once: quick stop
-//! active and fault reaction active show even when the motor stands already. "Enable operation" in ready to switch on
+//! It takes at most one transition in a control tick, so every state it passes is published at least once. The drive lets quick stop
+//! active and fault reaction active last until a transmit PDO has shown them, even when the motor stands already. "Enable operation" in ready to switch on
 //! is transition 3 in one tick and transition 4 in the next.
 //!
 //! Transition 0 (start to not ready to switch on) is [`StateMachine::new`].
@@ -44,6 +44,9 @@ impl State {
         Self::Fault,
     ];
 
+    /// The bits of the statusword that code the state.
+    pub(crate) const BITS: u16 = 0x6F;
+
     /// Its coding in bits 0 to 3, 5 and 6 of the statusword.
     pub const fn statusword(self) -> u16 {
         match self {
@@ -71,6 +74,11 @@ impl State {
             (_, 0x07) => Some(Self::QuickStopActive),
             _ => None,
         }
+    }
+
+    /// Whether the drive leaves it by itself, perhaps at once: masters are to see it all the same.
+    pub(crate) const fn is_fleeting(self) -> bool {
+        matches!(self, Self::QuickStopActive | Self::FaultReactionActive)
     }
 
     /// Whether there may be current in the motor.

@@ -38,6 +38,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         exchange: &mut X,
     ) {
         self.node.controller_changed(state, now);
+        self.look_at_bus(state == ControllerState::BusOff, exchange);
         if self.phase == Phase::Running {
             self.post(exchange);
         }

@@ -2,6 +2,7 @@
 
 mod application;
 mod dictionary;
+mod fleeting;
 mod rig;
 
 use std::format;

@@ -1,6 +1,6 @@
 //! How a motion ends that the mode of operation did not end: the option codes, the brake, the limits.
 
-use canopen::Instant;
+use canopen::{Duration, Instant};
 
 use super::Drive;
 use crate::controlword::Command;
@@ -9,6 +9,9 @@ use crate::motor::Barred;
 use crate::option_codes::{Stop, StopRamp};
 use crate::state_machine::State;
 use crate::statusword;
+
+/// So long does a state wait for a transmit PDO.
+const LONGEST_SHOWN: Duration = Duration::from_ticks(50_000);
 
 impl Drive {
     /// Whether the state is about to be left with the power going off, once the motor stands.
@@ -35,6 +38,15 @@ impl Drive {
             self.brake.set(false, now);
         }
         self.brake.is_closed(self.configuration.brake, now)
+    }
+
+    /// Whether the state may end by itself: a transmit PDO has shown it, or nobody has come to do so for long.
+    pub(super) fn has_shown(&self, now: Instant) -> bool {
+        !self.machine.state().is_fleeting()
+            || self.is_seen
+            || now
+                .checked_duration_since(self.entered)
+                .is_some_and(|span| span >= LONGEST_SHOWN)
     }
 
     /// How operation ends with a command that leaves it by 605Bh or 605Ch; `None` for any other.
