@@ -311,6 +311,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             let mut configuration = Configuration::of(dictionary);
             configuration.cyclic.cycle =
                 od::read_u32(dictionary, sync::PERIOD, 0).unwrap_or_default();
+            configuration.cyclic.is_measured = !self.hooks.has_period();
             self.hooks.set_units(configuration.units);
             exchange.lock(|exchange| exchange.configure(&configuration));
         }

@@ -20,7 +20,7 @@ use canopen::{Application, Instant};
 use motion::homing::Method;
 
 use crate::controlword::ControlwordHistory;
-use crate::cyclic::Beat;
+use crate::cyclic::{Beat, CyclicConfiguration};
 use crate::device::commissioning::Commissioning;
 use crate::device::{RESTART_DELAY, SDO_TIME_OUT};
 use crate::exchange::Commands;
@@ -83,6 +83,8 @@ pub(crate) struct Hooks<A> {
     fresh: (bool, bool),
     /// A data record 60C1h:1 that was written.
     record: Option<i32>,
+    /// 60C2h was written, or something else than its default is stored.
+    has_period: bool,
 }
 
 impl<A> Hooks<A> {
@@ -103,6 +105,7 @@ impl<A> Hooks<A> {
             produced: 0,
             fresh: (false, false),
             record: None,
+            has_period: false,
         }
     }
 
@@ -137,6 +140,17 @@ impl<A> Hooks<A> {
         let written = self.written;
         self.written = false;
         written
+    }
+
+    /// Whether anybody has said how far apart set-points are (60C2h).
+    pub(crate) const fn has_period(&self) -> bool {
+        self.has_period
+    }
+
+    /// Parameters were loaded. A default among them says nothing: everything is stored, whoever wrote it.
+    pub(crate) fn loaded<D: Objects>(&mut self, dictionary: &D) {
+        let period = CyclicConfiguration::of(dictionary).period;
+        self.has_period = period != CyclicConfiguration::NONE.period;
     }
 
     /// Whether an object of the configuration was written since the last call.
@@ -244,6 +258,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
             Some(Parameter::InterpolationRecord) => {
                 self.record = Some(dictionary.interpolation_record());
             }
+            Some(Parameter::InterpolationTimeValue | Parameter::InterpolationTimeIndex) => {
+                self.has_period = true;
+            }
             _ => {}
         }
         self.written |= parameter.is_some();
@@ -325,6 +342,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         self.application.power_on(dictionary);
         dictionary.agree();
         self.history = ControlwordHistory::new(dictionary.controlword());
+        self.has_period = false;
         self.written = true;
         self.configured = true;
     }

@@ -213,11 +213,10 @@ impl NetworkClock {
 
     /// Whether the beat comes with another period than one that is set up, where that is known.
     pub(crate) fn differs(&self, interpolation: Fine, cycle: Fine) -> bool {
-        let is_far = |period: Fine, from: Fine| from.abs_diff(period) > period / 16;
+        let is_far = |period: Fine, from: Fine| from != 0 && from.abs_diff(period) > period / 16;
         self.is_synced
             && self.lock.is_locked()
-            && (is_far(self.period(), interpolation)
-                || cycle != 0 && is_far(self.lock.period(), cycle))
+            && (is_far(self.period(), interpolation) || is_far(self.lock.period(), cycle))
     }
 
     /// What 2050h shows of the beat.

@@ -16,6 +16,9 @@ pub(crate) const SHORTEST: Fine = 500 << POINT;
 /// The longest period, two seconds.
 pub(crate) const LONGEST: Fine = 2_000_000 << POINT;
 
+/// What is taken for the period before there is anything to measure by, where nobody has said so: 1 ms.
+const USUAL: Fine = 1_000 << POINT;
+
 /// Beats until the loop counts as locked.
 const SETTLED: u8 = 32;
 /// Missed in a row: there is no beat any more.
@@ -172,6 +175,7 @@ impl Lock {
     }
 
     fn begin(&mut self, stamp: Fine, [expected, _]: [Fine; 2]) {
+        let expected = if expected == 0 { USUAL } else { expected };
         *self = Self {
             at: stamp,
             heard: stamp,

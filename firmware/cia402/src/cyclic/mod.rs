@@ -54,6 +54,8 @@ pub struct CyclicConfiguration {
     pub is_cubic: bool,
     /// 60C2h in microseconds, 1000 to 2,000,000.
     pub period: u32,
+    /// Nobody has written 60C2h: set-points come with each SYNC, however far apart those are.
+    pub is_measured: bool,
     /// 1006h in microseconds; 0 if it is not known.
     pub cycle: u32,
     /// 60C4h.
@@ -88,6 +90,7 @@ impl CyclicConfiguration {
     pub const NONE: Self = Self {
         is_cubic: false,
         period: 1_000,
+        is_measured: true,
         cycle: 0,
         buffer: BufferConfiguration::NONE,
         lost: LostSetPoints {
@@ -95,6 +98,17 @@ impl CyclicConfiguration {
             reaction: 1,
         },
     };
+
+    /// How far apart set-points and SYNCs should be; 0 where nobody has said so.
+    pub(crate) const fn periods(&self) -> (Fine, Fine) {
+        let cycle = (self.cycle as Fine) << POINT;
+        let period = if self.is_measured {
+            cycle
+        } else {
+            (self.period as Fine) << POINT
+        };
+        (period, cycle)
+    }
 
     /// What the objects of a dictionary say.
     pub(crate) fn of<D: Objects>(dictionary: &D) -> Self {
@@ -105,6 +119,7 @@ impl CyclicConfiguration {
         Self {
             is_cubic: dictionary.interpolation_sub_mode() < 0,
             period: period.clamp(1_000, 2_000_000),
+            is_measured: false,
             cycle: 0,
             buffer: BufferConfiguration {
                 size: dictionary.interpolation_buffer_size(),

@@ -81,13 +81,13 @@ impl Cyclic {
 
     fn hear(&mut self, beat: Beat, configuration: &CyclicConfiguration, mode: Mode) {
         self.rhythm.stop();
-        let periods = (micros(configuration.period), micros(configuration.cycle));
         let is_new = match mode {
             Mode::CyclicVelocity => beat.velocity.is_some(),
             Mode::InterpolatedPosition => false,
             _ => beat.position.is_some(),
         };
-        self.clock.hear(beat, is_new, periods, &mut self.slots);
+        self.clock
+            .hear(beat, is_new, configuration.periods(), &mut self.slots);
     }
 
     /// Lets time pass. `configuration` is what was taken with the beats of this tick.
@@ -109,8 +109,8 @@ impl Cyclic {
 
     /// Whether SYNC comes with another period than is set up.
     pub(crate) fn differs(&self, configuration: &CyclicConfiguration) -> bool {
-        self.clock
-            .differs(micros(configuration.period), micros(configuration.cycle))
+        let (interpolation, cycle) = configuration.periods();
+        self.clock.differs(interpolation, cycle)
     }
 
     /// 2050h and 60C4h:4.

@@ -37,6 +37,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         if self.node.is_loading() {
             self.hooks.protection.load();
             self.node.load_parameters(store, now, &mut self.hooks);
+            self.hooks.loaded(self.node.dictionary());
             self.start_commissioning();
             self.refresh(now, exchange);
             self.hooks.touch();
