@@ -241,7 +241,7 @@ impl Drive {
             elapsed,
         );
         self.measure(inputs, now, elapsed, position);
-        self.monitor(now, position);
+        self.monitor(now, position, inputs.slack == 0);
 
         let restart = self.commands.restart;
         let restarts = restart && !self.restarted && self.is_idle();
@@ -318,12 +318,12 @@ impl Drive {
     }
 
     /// Compares what the motor does with what it should.
-    fn monitor(&mut self, now: Instant, position: i64) {
+    fn monitor(&mut self, now: Instant, position: i64, is_counted: bool) {
         if self.power {
             let demand = self.motor.demand();
-            self.observed = self
-                .monitor
-                .observe(now, demand, position, &self.configuration);
+            self.observed =
+                self.monitor
+                    .observe(now, demand, position, is_counted, &self.configuration);
             self.lost |= self.observed.is_lost;
         } else {
             self.monitor.reset(now);

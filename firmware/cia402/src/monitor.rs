@@ -68,15 +68,22 @@ impl Monitor {
         (error.wrapping_sub(before), moment.wrapping_sub(since))
     }
 
-    /// Looks at the motor at the start of a tick.
+    /// Looks at the motor at the start of a tick. `is_counted` says that its position is the pulses that have left, and not that of an
+    /// encoder.
     pub(crate) fn observe(
         &mut self,
         now: Instant,
         demand: Demand,
         position: i64,
+        is_counted: bool,
         configuration: &Configuration,
     ) -> Observed {
         let error = (demand.position as i32).wrapping_sub(position as i32);
+        let error = if is_counted && error.unsigned_abs() <= moment_of_a_pulse(demand.velocity) {
+            0
+        } else {
+            error
+        };
         let (growth, span) = self.put(now, error);
         // One step more or less is but the moment at which a pulse leaves.
         let slippage = if growth.unsigned_abs() <= 1 {
@@ -97,6 +104,12 @@ impl Monitor {
             ),
         }
     }
+}
+
+/// By how many steps pulses that are counted may differ from the demand though none is missing: one for the moment at which it
+/// leaves, and what passes in the 4 µs between the looks at the count and at the clock.
+const fn moment_of_a_pulse(velocity: SignedSpeed) -> u32 {
+    1 + (velocity.unsigned_abs().bits() >> (32 + 18)) as u32
 }
 
 /// A change in so many microseconds as one in a second, saturating.
@@ -135,6 +148,7 @@ mod tests {
                 at(tick),
                 demand(position, 3_000),
                 late,
+                false,
                 &Configuration::NONE,
             );
             assert_eq!(
@@ -150,7 +164,13 @@ mod tests {
         let mut last = Observed::default();
         for tick in 0..100 {
             let position = i64::try_from(tick).unwrap() * 8;
-            last = monitor.observe(at(tick), demand(position, 8_000), 0, &Configuration::NONE);
+            last = monitor.observe(
+                at(tick),
+                demand(position, 8_000),
+                0,
+                false,
+                &Configuration::NONE,
+            );
         }
         assert_eq!(
             (last.velocity, last.slippage),
@@ -173,7 +193,7 @@ mod tests {
                 } else {
                     // 12 steps in each tick, and 3 of them slip.
                     let demand = demand(tick * 12, 12_000_000 / length as i32);
-                    last = monitor.observe(now, demand, tick * 9 + 60, &Configuration::NONE);
+                    last = monitor.observe(now, demand, tick * 9 + 60, false, &Configuration::NONE);
                 }
             }
             let wanted = 3_000_000 / length;
@@ -186,6 +206,31 @@ mod tests {
     }
 
     #[test]
+    fn m60_without_an_encoder_a_motor_that_follows_has_no_following_error() {
+        let mut monitor = Monitor::new();
+        let configuration = Configuration {
+            following_error_window: 0,
+            ..Configuration::NONE
+        };
+        for (tick, error) in [(0, -1), (1, 1), (2, 0), (3, 1), (4, -1)] {
+            let observed = monitor.observe(at(tick), demand(error, 900), 0, true, &configuration);
+            assert_eq!(observed.following_error, 0);
+            assert!(!observed.is_lost);
+        }
+        // With an encoder it is one, and so are two steps that are missing.
+        let observed = monitor.observe(at(5), demand(1, 900), 0, false, &configuration);
+        assert_eq!((observed.following_error, observed.is_lost), (1, true));
+        let observed = monitor.observe(at(6), demand(2, 900), 0, true, &configuration);
+        assert_eq!((observed.following_error, observed.is_lost), (2, true));
+        // At 2,000,000 steps/s seven of them pass between two looks.
+        let fast = |error| demand(error, 2_000_000);
+        let observed = monitor.observe(at(7), fast(8), 0, true, &configuration);
+        assert_eq!(observed.following_error, 0);
+        let observed = monitor.observe(at(8), fast(9), 0, true, &configuration);
+        assert_eq!(observed.following_error, 9);
+    }
+
+    #[test]
     fn m60_the_following_error_counts_after_its_time() {
         let mut monitor = Monitor::new();
         let configuration = Configuration {
@@ -195,7 +240,7 @@ mod tests {
         };
         let mut lost = |milliseconds, error| {
             monitor
-                .observe(at(milliseconds), demand(error, 0), 0, &configuration)
+                .observe(at(milliseconds), demand(error, 0), 0, false, &configuration)
                 .is_lost
         };
         assert!(!lost(0, -6));
@@ -216,7 +261,7 @@ mod tests {
                 ..Configuration::NONE
             };
             monitor
-                .observe(at(milliseconds), demand(10, 0), 0, &configuration)
+                .observe(at(milliseconds), demand(10, 0), 0, false, &configuration)
                 .is_lost
         };
         assert!(!lost(0, 5));
