@@ -667,27 +667,6 @@ fn m68_records_that_run_out_in_motion_are_lost_set_points() {
 }
 
 #[test]
-fn m72_what_sdo_reads_is_what_the_pdo_of_the_same_tick_shows() {
-    let mut master = Master::new(8, 4_000);
-    master.steps([0; 100]);
-    for k in 1..=200_i32 {
-        master.cycle(k * 40, 0);
-        // Between two ticks the same values stand, whoever asks.
-        let actuals = master.drive.axis().actuals();
-        let sampled = master.shown.last().copied();
-        let before = master.commanded.iter().rev().nth(2).copied();
-        assert_eq!(sampled, before.filter(|_| sampled.is_some()));
-        let (at, position) = (actuals.at, actuals.position_actual);
-        let read = master.drive.read_i32(0x6064, 0);
-        let actuals = master.drive.axis().actuals();
-        if actuals.at == at {
-            assert_eq!(read, position);
-        }
-        master.next = master.next.max(master.drive.now().ticks() + 100);
-    }
-}
-
-#[test]
 fn soft_motion_starts_at_1_2_and_4_ms_with_four_pdos_each_way() {
     for cycle in [1_000, 2_000, 4_000] {
         let mut drive = DriveBench::booted(4);

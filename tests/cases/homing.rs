@@ -4,7 +4,7 @@ use canopen::Duration;
 use sim::drive::Setup;
 use sim::plant::{Axis, Index, Switch, Track};
 use tests::DriveBench;
-use tests::drive::{INTERNAL_LIMIT, OPERATION_ENABLED, SWITCH_ON_DISABLED, TARGET_REACHED};
+use tests::drive::{FAULT, INTERNAL_LIMIT, OPERATION_ENABLED, SWITCH_ON_DISABLED, TARGET_REACHED};
 
 /// Statusword bit 12 in homing.
 const ATTAINED: u16 = 1 << 12;
@@ -333,6 +333,62 @@ fn d31_a_limit_switch_stops_a_move_and_lets_it_turn_back() {
     drive.reaches_target(8_000);
     assert_eq!(drive.axis().plant().rotor(), 40_000);
     assert_eq!(drive.statusword() & INTERNAL_LIMIT, 0);
+}
+
+#[test]
+fn m55_a_drive_that_is_switched_on_upon_a_limit_switch_may_drive_away() {
+    let mut drive = homing(axis(window(), 60_000), 37);
+    assert_eq!(run(&mut drive), ATTAINED | TARGET_REACHED);
+    assert_ne!(drive.statusword() & INTERNAL_LIMIT, 0);
+    drive.write_u8(0x6060, 0, 1);
+    drive.command(0x0F);
+    drive.run_millis(5);
+    drive.begin_move(1_000);
+    drive.run_millis(500);
+    assert_eq!(drive.axis().plant().rotor(), 60_000, "into the switch");
+    assert_eq!(drive.statusword() & TARGET_REACHED, 0);
+    drive.begin_move(-30_000);
+    drive.reaches_target(8_000);
+    assert_eq!(drive.axis().plant().rotor(), 30_000);
+    assert_eq!(drive.statusword() & INTERNAL_LIMIT, 0);
+    drive.reaches(OPERATION_ENABLED, 1);
+}
+
+#[test]
+fn m56_both_limit_switches_are_a_fault_with_an_emergency_message() {
+    let mut drive = homing(axis(window(), 0), 37);
+    assert_eq!(run(&mut drive), ATTAINED | TARGET_REACHED);
+    drive.write_u8(0x6060, 0, 1);
+    drive.command(0x0F);
+    drive.run_millis(5);
+    drive.begin_move(20_000);
+    drive.run_millis(200);
+    drive.drain(1);
+    let both = Axis {
+        track: Track {
+            negative_limit: Some(Switch::up_to(100_000)),
+            positive_limit: Some(Switch::from(-100_000)),
+            ..Track::default()
+        },
+        ..Axis::default()
+    };
+    drive.axis().plant_mut().mount(&both);
+    drive.drain_until("084: 12 86 21 ..", 20);
+    drive.reaches(FAULT, 200);
+    assert_eq!(drive.read_u16(0x603F, 0), 0x8612);
+    let rotor = drive.axis().plant().rotor();
+    // The cause stands: the fault comes again, and no direction is free.
+    drive.command(0x00);
+    drive.command(0x80);
+    drive.drain_until("084: 12 86 21 ..", 20);
+    drive.command(0x0F);
+    drive.stays_in(FAULT, 100);
+    assert_eq!(drive.axis().plant().rotor(), rotor);
+    drive.axis().plant_mut().mount(&axis(window(), 0));
+    drive.run_millis(20);
+    drive.command(0x80);
+    drive.reaches(SWITCH_ON_DISABLED, 10);
+    drive.drain_until("084: 00 00 ..", 20);
 }
 
 #[test]

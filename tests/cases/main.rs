@@ -4,6 +4,7 @@
 
 mod bouncing_switches;
 mod can_layer;
+mod coherence;
 mod commissioning;
 mod controller;
 mod cyclic_limits;

@@ -6,6 +6,9 @@ use tests::drive::{INTERNAL_LIMIT, QUICK_STOP_ACTIVE, SWITCH_ON_DISABLED, TARGET
 /// Statusword bit 12: speed is 0.
 const SPEED_ZERO: u16 = 1 << 12;
 
+/// Statusword bit 13: slippage.
+const SLIPPAGE: u16 = 1 << 13;
+
 /// A drive in operation enabled, profile velocity. Ramps of 100,000 steps/s²: 100 ms to 10,000 steps/s.
 fn enabled() -> DriveBench {
     let mut drive = DriveBench::started(4);
@@ -82,6 +85,29 @@ fn m42_the_windows_and_their_times_are_obeyed() {
     assert_eq!(drive.statusword() & TARGET_REACHED, 0);
     drive.run_millis(25);
     assert_ne!(drive.statusword() & TARGET_REACHED, 0);
+}
+
+#[test]
+fn m42_slippage_shows_while_the_motor_is_behind_by_more_than_60f8h() {
+    for (limit, slips) in [(2_000, true), (8_000, false)] {
+        let mut drive = enabled();
+        drive.write_i32(0x60F8, 0, limit);
+        drive.write_i32(0x60FF, 0, 10_000);
+        drive.run_millis(200);
+        assert_eq!(drive.statusword() & SLIPPAGE, 0);
+        // 5,000 steps/s are missing.
+        for _ in 0..30 {
+            drive.axis().plant_mut().displace(-5);
+            drive.run_millis(1);
+        }
+        assert_eq!(
+            drive.axis().actuals().statusword & SLIPPAGE != 0,
+            slips,
+            "{limit}"
+        );
+        drive.run_millis(50);
+        assert_eq!(drive.statusword() & SLIPPAGE, 0);
+    }
 }
 
 #[test]

@@ -76,6 +76,24 @@ fn m31_60f2h_says_what_relative_set_points_count_from() {
 }
 
 #[test]
+fn m31_the_demand_and_the_actual_position_differ_by_the_following_error() {
+    let ends = [1_u16, 2].map(|option| {
+        let mut drive = DriveBench::enabled(4);
+        drive.write_u32(0x6065, 0, u32::MAX);
+        drive.write_u16(0x60F2, 0, option);
+        hand_over(&mut drive, 10_000, 0x10);
+        drive.run_millis(300);
+        drive.axis().plant_mut().displace(-100);
+        hand_over(&mut drive, 2_000, 0x70);
+        // Before it rests, where it would be a fault.
+        drive.axis().plant_mut().displace(100);
+        drive.run_millis(1_500);
+        drive.position()
+    });
+    assert_eq!(ends[0] - ends[1], 100, "{ends:?}");
+}
+
+#[test]
 fn m39_the_maxima_cap_the_profile_and_show_in_bit_11() {
     for (index, maximum) in [
         (0x607F, 4_000),
