@@ -1,30 +1,27 @@
 //! Jerk-limited motion: a target or a velocity, from any position, velocity and acceleration.
 //!
 //! A move is a ramp to a velocity, a cruise, and a ramp to rest; from rest to rest that is the double-S, the fastest there is. Where
-//! there is no room for the profile velocity, the greatest one for which both ramps fit is looked for by regula falsi: each
-//! step is two ramps in closed form. It is rounded down, and the cruise takes up what that leaves.
+//! there is no room for the profile velocity, the greatest one for which both ramps fit is looked for (`cruise.rs`).
 //!
 //! A motion that has to turn round comes to rest first. A ramp that is under way is left at the same jerk: its acceleration goes to
 //! nothing, or on to that of the next ramp.
 
 use super::move_to::way_to;
 use super::phase::Offset;
-use super::ramp::{Jerk, Ramp, coasting, steady_way};
+use super::ramp::{Jerk, Ramp, coasting};
 use super::{Course, Goal, Limits, Plan, PlanError};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
 use crate::fixed::Exact;
 use crate::speed::{SignedSpeed, Speed};
 
-/// Looking for the velocity takes some eight steps. This bounds it.
-const MOST_STEPS: u32 = 48;
-
 /// What rules the motion, all per tick.
+#[derive(Debug)]
 pub(super) struct Rules {
-    top: i128,
-    acceleration: Fine,
-    deceleration: Fine,
-    jerk: Jerk,
+    pub(super) top: i128,
+    pub(super) acceleration: Fine,
+    pub(super) deceleration: Fine,
+    pub(super) jerk: Jerk,
 }
 
 impl Rules {
@@ -206,7 +203,7 @@ pub(super) struct Route {
 
 impl Route {
     /// How far both ramps go.
-    fn way(&self) -> u128 {
+    pub(super) fn way(&self) -> u128 {
         let (first, last) = (self.first.way, self.last.way);
         if first < 0 {
             return last.saturating_add(first).max(0).unsigned_abs();
@@ -216,29 +213,18 @@ impl Route {
 }
 
 impl Rules {
-    fn over(&self, velocity: i128, acceleration: i128, cruise: i128, end: i128) -> Route {
+    pub(super) fn over(
+        &self,
+        velocity: i128,
+        acceleration: i128,
+        cruise: i128,
+        end: i128,
+    ) -> Route {
         Route {
             first: self.ramp(velocity, acceleration, cruise),
             cruise,
             last: self.ramp(cruise, 0, end),
         }
-    }
-
-    /// How far both ramps of [`Rules::over`] go; cheap where the motion begins with no acceleration.
-    fn span(&self, velocity: i128, acceleration: i128, cruise: i128, end: i128) -> u128 {
-        if acceleration != 0 {
-            return self.over(velocity, acceleration, cruise, end).way();
-        }
-        let steady = |from: i128, to: i128| {
-            let slows = to < from;
-            let most = if slows {
-                self.deceleration
-            } else {
-                self.acceleration
-            };
-            steady_way(from, to, most, self.jerk).unsigned_abs()
-        };
-        steady(velocity, cruise).saturating_add(steady(cruise, end))
     }
 
     /// The fastest way over `way`, from a state to the velocity `end`; `None` if the ramps are too long.
@@ -248,76 +234,6 @@ impl Rules {
         // Both ways of adding up differ by their roundings at most, and the landing is anchored at the target.
         (cruise > 0).then_some(route)
     }
-
-    /// The velocity between the ramps.
-    fn cruise(&self, velocity: i128, acceleration: i128, end: i128, way: u128) -> Option<i128> {
-        let span = |cruise| self.span(velocity, acceleration, cruise, end);
-        let mut high = self.top;
-        let mut high_way = span(high);
-        if high_way <= way {
-            return Some(high);
-        }
-        let mut low = coasting(velocity, acceleration, self.jerk)
-            .max(end)
-            .min(self.top);
-        let mut low_way = span(low);
-        if low_way > way {
-            if low == end {
-                return None;
-            }
-            (high, high_way) = (low, low_way);
-            low = end;
-            low_way = span(low);
-            if low_way > way {
-                return None;
-            }
-        }
-        // An end that stays twice counts for half as much (the Illinois algorithm).
-        let mut weight = (0, 0);
-        let mut was_low = false;
-        for step in 0..MOST_STEPS {
-            let missing = way.wrapping_sub(low_way);
-            // The cruise is over within a quarter of a tick.
-            if missing <= low.unsigned_abs() >> 2 || high.wrapping_sub(low) <= 1 << 8 {
-                break;
-            }
-            let excess = high_way.saturating_sub(way);
-            let room = high.wrapping_sub(low).unsigned_abs();
-            let part = share(missing >> weight.0, excess >> weight.1);
-            // Far from the end the way grows with a power of the velocity between 1.5 and 2, close to it in a straight line.
-            let part = if excess > way >> 4 {
-                u128::from(((part << 32) as u64).isqrt())
-            } else if step % 8 == 7 {
-                1 << 31
-            } else {
-                part
-            };
-            let ahead = (room >> 32)
-                .wrapping_mul(part)
-                .wrapping_add((room & 0xFFFF_FFFF).wrapping_mul(part) >> 32);
-            let middle = low.wrapping_add(ahead.cast_signed().max(1));
-            let tried = span(middle);
-            if tried <= way {
-                (low, low_way) = (middle, tried);
-                weight = (0, if was_low { (weight.1 + 1).min(40) } else { 0 });
-                was_low = true;
-            } else {
-                (high, high_way) = (middle, tried);
-                weight = (if was_low { 0 } else { (weight.0 + 1).min(40) }, 0);
-                was_low = false;
-            }
-        }
-        Some(low)
-    }
-}
-
-/// part/(part + other), Q32; a little less than that, so that the velocity looked for is met from below.
-fn share(part: u128, other: u128) -> u128 {
-    let sum = part.saturating_add(other).max(1);
-    let shift = 128u32
-        .saturating_sub(sum.leading_zeros())
-        .saturating_sub(64);
-    quotient(part >> shift, 1, (sum >> shift).max(1)).clamp(1, 0xFFFF_FFFF)
 }
 
 impl Course<'_> {

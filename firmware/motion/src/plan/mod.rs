@@ -10,10 +10,12 @@
 //! whenever it grows, in either direction.
 
 mod course;
+mod cruise;
 mod jerk_limited;
 mod move_to;
 pub(crate) mod phase;
 mod ramp;
+mod rough;
 mod sine;
 mod velocity;
 

@@ -19,12 +19,12 @@ pub(crate) struct Jerk {
 
 impl Jerk {
     /// All of it, Q128.
-    const fn whole(self) -> Fine {
+    pub(super) const fn whole(self) -> Fine {
         self.sixth.wrapping_mul(6)
     }
 
     /// How long it takes to change the acceleration by this much, Q96.
-    fn time(self, change: Fine) -> Offset {
+    pub(super) fn time(self, change: Fine) -> Offset {
         quotient(change, 2, self.whole())
     }
 }
@@ -55,7 +55,15 @@ impl Piece {
         }
     }
 
-    fn goes(&self) -> i128 {
+    /// The velocity at its end.
+    pub(super) fn end_velocity(&self) -> i128 {
+        let half = scaled(self.sixth_jerk.saturating_mul(3), self.time) >> 32;
+        let mean = self.acceleration.saturating_add(half);
+        self.velocity.saturating_add(scaled(mean, self.time))
+    }
+
+    /// How far it goes.
+    pub(super) fn goes(&self) -> i128 {
         let bend = scaled(self.sixth_jerk, self.time) >> 32;
         let half = (self.acceleration >> 1).saturating_add(bend);
         scaled(
