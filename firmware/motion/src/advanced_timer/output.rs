@@ -5,7 +5,7 @@ use core::fmt;
 use super::count::Course;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
-use super::slots::{Remainder, Words, is_slot, level};
+use super::slots::{LONGEST_RUN, Remainder, Runs, Words, level};
 use crate::{PulseSink, Record, Ticks};
 
 /// Slots that are always silent: with the processor stopped they take 6.4 s at 168 MHz.
@@ -258,38 +258,54 @@ impl<'a, R: Registers> Output<'a, R> {
         }
     }
 
-    /// Takes records that are a slot each and go the same way as the one before, as long as there is room and they are in time: where
-    /// pulses are dense, nearly all are like that. Gives how many.
+    /// Takes records of short periods that go the same way as the one before, as long as there is room and they are in time: where pulses
+    /// are dense, nearly all are like that. Gives how many.
     #[inline(never)]
-    fn push_slots(&mut self, records: &[Record]) -> usize {
+    fn push_dense(&mut self, records: &[Record]) -> usize {
         if !self.running || !self.remainder.is_empty() {
             return 0;
         }
         let room = MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.silenced));
-        let most = room.min(self.in_time().max(0).cast_unsigned()) as usize;
+        let mut most = room.min(self.in_time().max(0).cast_unsigned());
         let (direction, level) = (self.course.direction(), self.level);
         let (mut slot, mut last) = (self.written, self.last);
         let (mut request, mut end, mut pulses) = (self.request, self.end, self.pulses);
-        for record in records.iter().take(most) {
-            if record.direction != direction || !is_slot(record) {
+        let mut taken = 0_usize;
+        for record in records {
+            let repeat = u32::from(record.repeat);
+            let Some(mut runs) = Runs::of(record.period, repeat) else {
+                break;
+            };
+            // Silence is one period.
+            let is_odd = record.width == 0 && repeat != 1;
+            if record.direction != direction || is_odd || runs.count > most {
                 break;
             }
-            let repeat = u32::from(record.repeat);
-            let words = Words::run(record.period, repeat, record.width.into(), level);
-            self.ring.set_level(slot.wrapping_add(1), level);
-            self.ring.put(slot, words);
-            slot = slot.wrapping_add(1);
-            request = request.wrapping_add(last);
-            last = words.ticks();
-            end = end.wrapping_add(last);
+            most = most.wrapping_sub(runs.count);
+            let mut left = runs.count;
+            loop {
+                // Most records are one run.
+                let repeat = if runs.count == 1 { repeat } else { runs.next() };
+                let words = Words::run(record.period, repeat, record.width.into(), level);
+                self.ring.set_level(slot.wrapping_add(1), level);
+                self.ring.put(slot, words);
+                slot = slot.wrapping_add(1);
+                request = request.wrapping_add(last);
+                last = words.ticks();
+                left = left.wrapping_sub(1);
+                if left == 0 {
+                    break;
+                }
+            }
+            end = end.wrapping_add(record.period.wrapping_mul(repeat));
             if record.width > 0 {
                 pulses = pulses.wrapping_add(repeat);
             }
+            taken = taken.wrapping_add(1);
         }
-        let taken = slot.wrapping_sub(self.written);
         (self.written, self.last) = (slot, last);
         (self.request, self.end, self.pulses) = (request, end, pulses);
-        taken as usize
+        taken
     }
 
     /// Whether a slot may be written without touching the silent ones.
@@ -406,17 +422,18 @@ impl<R: Registers> PulseSink for Output<'_, R> {
     fn push_all(&mut self, records: &[Record]) -> usize {
         let mut taken = 0;
         while let Some(record) = records.get(taken) {
-            if is_slot(record) {
-                let slots = self.push_slots(records.get(taken..).unwrap_or_default());
-                taken = taken.wrapping_add(slots);
-                if slots > 0 {
-                    continue;
+            let dense = if record.period <= LONGEST_RUN {
+                self.push_dense(records.get(taken..).unwrap_or_default())
+            } else {
+                0
+            };
+            taken = taken.wrapping_add(dense);
+            if dense == 0 {
+                if self.push(*record).is_err() {
+                    break;
                 }
+                taken = taken.wrapping_add(1);
             }
-            if self.push(*record).is_err() {
-                break;
-            }
-            taken = taken.wrapping_add(1);
         }
         taken
     }

@@ -57,14 +57,51 @@ pub(super) const fn level(direction: Direction) -> u32 {
     }
 }
 
-/// Whether a record is one slot.
-#[inline]
-pub(super) fn is_slot(record: &Record) -> bool {
-    let repeat = u32::from(record.repeat);
-    // The product fits where the period does.
-    record.period <= LONGEST_RUN
-        && repeat <= MOST_PERIODS
-        && record.period.wrapping_mul(repeat) <= LONGEST_RUN
+/// A record in equal runs: a short one at the end might be over before the burst behind it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Runs {
+    /// How many there are, the periods of each, and how many have one more.
+    pub(super) count: u32,
+    repeat: u32,
+    more: u32,
+}
+
+impl Runs {
+    /// Of so many periods; `None` if one is longer than a run may be.
+    #[inline]
+    pub(super) fn of(period: u32, periods: u32) -> Option<Self> {
+        if period > LONGEST_RUN {
+            return None;
+        }
+        // The product fits: a period has 15 bits, and there are 16 bits of them.
+        let run = period.wrapping_mul(periods);
+        if run <= LONGEST_RUN && periods <= MOST_PERIODS {
+            return Some(Self {
+                count: 1,
+                repeat: periods,
+                more: 0,
+            });
+        }
+        let count = (run / LONGEST_RUN).max(periods / MOST_PERIODS);
+        let count = count.wrapping_add(1);
+        let repeat = periods.checked_div(count).unwrap_or(0);
+        let more = periods.wrapping_sub(repeat.wrapping_mul(count));
+        Some(Self {
+            count,
+            repeat,
+            more,
+        })
+    }
+
+    /// The periods of the next run.
+    #[inline]
+    pub(super) fn next(&mut self) -> u32 {
+        if self.more == 0 {
+            return self.repeat;
+        }
+        self.more = self.more.wrapping_sub(1);
+        self.repeat.wrapping_add(1)
+    }
 }
 
 /// What is left of a record on its way into slots. Ticks and pulses of its runs are those of the record, exactly.
@@ -75,9 +112,8 @@ pub(super) struct Remainder {
     direction: u32,
     /// Periods that have not begun.
     periods: u32,
-    /// Periods of a run, and how many runs have one more; 0 where a period is longer than a run.
-    repeat: u32,
-    more: u32,
+    /// How they are shared out; `None` where a period is longer than a run.
+    runs: Option<Runs>,
     /// Silence up to the end of the period under way.
     silence: u32,
 }
@@ -89,8 +125,7 @@ impl Remainder {
         width: 0,
         direction: 0,
         periods: 0,
-        repeat: 0,
-        more: 0,
+        runs: None,
         silence: 0,
     };
 
@@ -104,24 +139,12 @@ impl Remainder {
         {
             (period, periods) = (ticks, 1);
         }
-        let (repeat, more) = if period > LONGEST_RUN {
-            (0, 0)
-        } else {
-            // In equal parts: a short one at the end might be over before the burst behind it. The product fits: a period has 15
-            // bits, and there are 16 bits of them.
-            let run = period.wrapping_mul(periods);
-            let parts = (run / LONGEST_RUN).max(periods / MOST_PERIODS);
-            let parts = parts.wrapping_add(1);
-            let repeat = periods.checked_div(parts).unwrap_or(0);
-            (repeat, periods.wrapping_sub(repeat.wrapping_mul(parts)))
-        };
         Self {
             period,
             width: record.width.into(),
             direction: level(record.direction),
             periods,
-            repeat,
-            more,
+            runs: Runs::of(period, periods),
             silence: 0,
         }
     }
@@ -149,15 +172,10 @@ impl Remainder {
     /// The next run. There must be something left.
     #[inline]
     pub(super) fn next(&mut self) -> Words {
-        if self.period > LONGEST_RUN {
+        let Some(runs) = &mut self.runs else {
             return self.part_of_period();
-        }
-        let repeat = if self.more == 0 {
-            self.repeat
-        } else {
-            self.more = self.more.wrapping_sub(1);
-            self.repeat.wrapping_add(1)
         };
+        let repeat = runs.next();
         self.periods = self.periods.saturating_sub(repeat);
         Words::run(self.period, repeat, self.width, self.direction)
     }
