@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             document = table::write(&document, now)?;
         }
         let (lines, count) = compare(&now.rows, &committed, now.slack);
-        say!("{:<50} {:>16} {:>16}", now.heading, "now", "committed")?;
+        say!("{:<66} {:>16} {:>16}", now.heading, "now", "committed")?;
         for line in lines {
             say!("{line}")?;
         }
@@ -155,7 +155,7 @@ fn compare(now: &[Row], committed: &[Row], slack: u64) -> (Vec<String>, usize) {
         let before = before.map_or_else(|| "-".to_owned(), figures);
         let mark = if same { "" } else { "  changed" };
         lines.push(format!(
-            "{:<50} {:>16} {before:>16}{mark}",
+            "{:<66} {:>16} {before:>16}{mark}",
             row.name,
             figures(row)
         ));
@@ -166,7 +166,7 @@ fn compare(now: &[Row], committed: &[Row], slack: u64) -> (Vec<String>, usize) {
     {
         changed += 1;
         lines.push(format!(
-            "{:<50} {:>16} {:>16}  gone",
+            "{:<66} {:>16} {:>16}  gone",
             gone.name,
             "-",
             figures(gone)
