@@ -2,6 +2,7 @@
 
 mod differential;
 mod random;
+mod slow;
 
 use motion::advanced_timer::{Register, Registers, Ring, bits};
 use motion::{Direction, DriverTiming, Limits, PulseSink, Record, Speed};

@@ -3,10 +3,12 @@
 use std::cell::RefCell;
 
 use motion::step_interrupt::{self, Edge, Shared, StepTimer};
-use motion::{Direction, PulseSink, Record};
+use motion::{Axis, AxisConfig, Clock, Direction, PulseSink, Record, Speed, Ticks};
 use proptest::prelude::*;
 
+use super::slow::{HOURLY, limits};
 use super::{FAST, ring};
+use crate::timer_model::rig::{HZ, SEGMENT};
 use crate::timer_model::{Judge, TimerModel};
 use motion::advanced_timer::Output;
 
@@ -181,6 +183,69 @@ fn from_the_first(log: Vec<(u64, i8)>) -> Vec<(u64, i8)> {
     log.into_iter()
         .map(|(at, sign)| (at - first, sign))
         .collect()
+}
+
+/// Keeps the records of an axis.
+#[derive(Default)]
+struct Kept {
+    records: Vec<Record>,
+    pending: Ticks,
+}
+
+impl PulseSink for Kept {
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        self.pending += record.ticks();
+        self.records.push(record);
+        Ok(())
+    }
+
+    fn pending(&self) -> Ticks {
+        self.pending
+    }
+
+    fn free(&self) -> usize {
+        usize::MAX
+    }
+}
+
+#[test]
+fn both_backends_play_a_step_in_an_hour_and_a_megahertz_alike() {
+    let mut axis = Axis::new(AxisConfig {
+        clock: Clock::new(HZ).unwrap(),
+        segment: SEGMENT,
+        timing: FAST,
+    });
+    let mut kept = Kept::default();
+    let fast = Speed::per_second(1_000_000);
+    let orders = [
+        (HOURLY, false, 400),
+        (fast, false, 40),
+        (HOURLY, false, 400),
+        (fast, true, 40),
+        (HOURLY, true, 40),
+    ];
+    for (speed, reverse, refills) in orders {
+        axis.ramp_to(speed.signed(reverse), limits(speed)).unwrap();
+        for _ in 0..refills {
+            axis.advance(&mut kept).unwrap();
+            kept.pending = kept.pending.saturating_sub(SEGMENT.into());
+        }
+    }
+    axis.stop(1_000_000).unwrap();
+    while !axis.is_at_rest() {
+        kept.pending = 0;
+        let _ = axis.advance(&mut kept);
+    }
+    let by_timer = from_the_first(by_timer(&kept.records));
+    assert!(by_timer.len() > 15_000);
+    assert_eq!(
+        from_the_first(by_interrupts::<false>(&kept.records)),
+        by_timer
+    );
+    assert_eq!(
+        from_the_first(by_interrupts::<true>(&kept.records)),
+        by_timer
+    );
 }
 
 proptest! {
