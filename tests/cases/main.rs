@@ -50,6 +50,7 @@ mod sdo_random;
 mod sdo_servers;
 mod seeded;
 mod set_points;
+mod slow_velocities;
 mod state_machine;
 mod storage;
 mod sync_emergency;

@@ -1,6 +1,6 @@
 //! Units of the user (CiA 402-2, "factor group"): what a number of a master is in increments, and back.
 //!
-//! The drive counts increments: steps, increments/s, increments/s². A master may count in units of its own:
+//! The drive counts increments: steps, increments/s with 32 bits behind the point, increments/s². A master may count in units of its own:
 //!
 //! - positions: one unit is 608Fh · 6091h / 6092h increments (encoder resolution, gear ratio, feed constant);
 //! - velocities: position units/s times 6096h. Where 6090h:1 is not 0, 6090h takes the place of 608Fh;
@@ -13,8 +13,9 @@
 //! The contract:
 //! - Conversions are exact rationals, rounded once to the nearest, halves away from zero. Nothing adds up.
 //! - What is too large for the number it becomes stops at its end; a limit of the drive is met there, and bit 11 tells.
-//! - An amount that is not 0 does not become 0: a velocity limit or a ramp is at least one increment per second (squared).
-//! - The factors are multiplied and reduced when one of them is written. While a unit is an increment, a conversion is a comparison.
+//! - An amount that is not 0 does not become 0: a velocity is at least 2⁻³² increments/s, a ramp one increment/s².
+//! - The factors are multiplied and reduced when one of them is written. While a unit is an increment, a conversion is a comparison, and a
+//!   shift for velocities.
 
 mod frame;
 mod range;
