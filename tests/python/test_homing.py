@@ -59,6 +59,8 @@ def test_is_homed_as_long_as_the_home_position_is_known(drive):
     # In another mode, and without power, nothing is forgotten.
     drive.op_mode = "PROFILED POSITION"
     drive.state = "SWITCHED ON"
+    assert drive.is_homed()
+    drive.op_mode = "PROFILED POSITION"
     drive.state = "OPERATION ENABLED"
     assert drive.is_homed()
 
