@@ -13,6 +13,8 @@ pub(crate) struct Pipeline {
     lead: Fine,
     /// From a control tick to the next, and a quarter of that as they come now and then late.
     tick: Fine,
+    /// A period, and its latency.
+    known: (Fine, Fine),
 }
 
 impl Pipeline {
@@ -26,6 +28,7 @@ impl Pipeline {
             depth: tick.saturating_add(ahead),
             lead,
             tick: tick.saturating_add(tick / 4),
+            known: (0, 0),
         }
     }
 
@@ -41,6 +44,22 @@ impl Pipeline {
     /// not hang on that. That is never more than an eighth of the depth: of a long period, the rest of the depth would not be there
     /// when the motor is to set out for a set-point.
     pub(crate) fn latency(&self, period: Fine) -> Fine {
+        let (known, latency) = self.known;
+        if known == period && period != 0 {
+            latency
+        } else {
+            self.worked_out(period)
+        }
+    }
+
+    /// This is the period that is asked for from now on: as long as it stays the same, its latency is worked out once.
+    pub(crate) fn expect(&mut self, period: Fine) {
+        if self.known.0 != period {
+            self.known = (period, self.worked_out(period));
+        }
+    }
+
+    fn worked_out(&self, period: Fine) -> Fine {
         let allowed = (period / 16).min(self.depth / 8);
         let periods = self
             .depth
@@ -79,6 +98,11 @@ mod tests {
             let pipeline = Pipeline::new(&axis, micros(1_000), micros(250));
             for period in [1, 2, 3, 10, 23, 24, 25, 50, 100, 250, 2_000] {
                 let period = micros(period * 1_000);
+                let mut expecting = pipeline;
+                expecting.expect(period);
+                for other in [period, period + 1] {
+                    assert_eq!(expecting.latency(other), pipeline.latency(other));
+                }
                 let latency = pipeline.latency(period) + pipeline.lead;
                 assert_eq!(latency % period, 0);
                 let known = pipeline.depth - pipeline.depth / 8;

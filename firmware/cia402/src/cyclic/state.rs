@@ -93,6 +93,7 @@ impl Cyclic {
     /// Lets time pass. `configuration` is what was taken with the beats of this tick.
     pub(crate) fn pass(&mut self, now: Fine, configuration: &CyclicConfiguration) {
         self.clock.pass(now, &mut self.slots);
+        self.pipeline.expect(self.clock.period());
         if self.rhythm.is_running() {
             self.slots.clear();
             let waits = self.buffer.len();

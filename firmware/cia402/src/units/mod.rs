@@ -134,6 +134,8 @@ pub struct Units {
     motor_speed: Ratio,
     polarity: u8,
     range: Range,
+    /// Positions are increments, and are not turned around: most conversions are none.
+    is_plain: bool,
 }
 
 impl Units {
@@ -145,6 +147,7 @@ impl Units {
         motor_speed: Ratio::ONE,
         polarity: 0,
         range: Range::ALL,
+        is_plain: true,
     };
 
     /// The units that these factors make. `None` if a factor is 0, or if a ratio in lowest terms has more than 64 bits.
@@ -158,11 +161,12 @@ impl Units {
         let (feed, turns) = factors.feed;
         let of_velocity = factors.velocity;
         let of_acceleration = factors.acceleration;
+        let position = Ratio::of(
+            [position_encoder.0, motor, turns],
+            [position_encoder.1, shaft, feed],
+        )?;
         Some(Self {
-            position: Ratio::of(
-                [position_encoder.0, motor, turns],
-                [position_encoder.1, shaft, feed],
-            )?,
+            position,
             velocity: Ratio::of(
                 [velocity_encoder.0, motor, turns, of_velocity.1],
                 [velocity_encoder.1, shaft, feed, of_velocity.0],
@@ -189,6 +193,7 @@ impl Units {
             },
             polarity: factors.polarity,
             range: Range::new(factors.range),
+            is_plain: position.is_one() && factors.polarity & POSITION_POLARITY == 0,
         })
     }
 
@@ -200,12 +205,18 @@ impl Units {
     /// Increments of a position, on the count that goes on behind the ends of 607Bh.
     #[inline]
     pub fn position(&self, user: i64) -> i64 {
+        if self.is_plain {
+            return user;
+        }
         self.with_position_polarity(self.position.to_increments(user))
     }
 
     /// The position in units of the user, on the count that goes on behind the ends of 607Bh.
     #[inline]
     pub fn position_in_units(&self, increments: i64) -> i64 {
+        if self.is_plain {
+            return increments;
+        }
         self.with_position_polarity(self.position.to_units(increments))
     }
 
