@@ -253,7 +253,19 @@ impl Path {
     fn forget(&mut self, horizon: Ticks) {
         let over = |piece: &&Piece| piece.end() <= horizon;
         let gone = self.pieces().iter().take_while(over).count();
-        self.pieces.rotate_left(gone.min(MOST_PIECES));
+        if gone == 0 {
+            return;
+        }
+        // Behind the count nothing counts: only what stays is moved.
+        let stay = self.pieces().len().saturating_sub(gone);
+        for place in 0..stay {
+            let from = place.saturating_add(gone);
+            if let (Some(piece), Some(to)) =
+                (self.pieces.get(from).copied(), self.pieces.get_mut(place))
+            {
+                *to = piece;
+            }
+        }
         self.count = self.count.saturating_sub(gone as u8);
     }
 
