@@ -82,8 +82,10 @@ impl Runs {
                 more: 0,
             });
         }
-        let count = (run / LONGEST_RUN).max(periods / MOST_PERIODS);
-        let count = count.wrapping_add(1);
+        // Never more runs than periods.
+        let count = run
+            .div_ceil(LONGEST_RUN)
+            .max(periods.div_ceil(MOST_PERIODS));
         let repeat = periods.checked_div(count).unwrap_or(0);
         let more = periods.wrapping_sub(repeat.wrapping_mul(count));
         Some(Self {

@@ -5,7 +5,7 @@ use std::vec::Vec;
 use proptest::prelude::*;
 
 use super::count::Course;
-use super::slots::{LONGEST_PERIOD, LONGEST_RUN, MOST_PERIODS, Remainder, Words};
+use super::slots::{LONGEST_PERIOD, LONGEST_RUN, MOST_PERIODS, Remainder, Runs, Words};
 use crate::Direction::{Forward, Reverse};
 use crate::Record;
 use crate::record::SHORTEST_RECORD;
@@ -67,6 +67,25 @@ proptest! {
         let pulses = if record.width > 0 { record.repeat } else { 0 };
         let expected: Vec<_> = (0..pulses).map(|pulse| u64::from(pulse) * u64::from(record.period)).collect();
         prop_assert_eq!(rises, expected);
+    }
+}
+
+/// Each run has a period of its own, and all periods are in one: with none at all the repetition counter would wrap.
+#[test]
+fn runs_share_out_their_periods() {
+    let periods = [1, 2, 3, 255, 256, 257, 511, 512, 513, 1024, 65_535];
+    for period in (84..=LONGEST_RUN).step_by(4).chain([LONGEST_RUN]) {
+        for periods in periods {
+            let mut runs = Runs::of(period, periods).unwrap();
+            let shares: Vec<_> = (0..runs.count).map(|_| runs.next()).collect();
+            assert!(
+                shares
+                    .iter()
+                    .all(|share| (1..=MOST_PERIODS).contains(share)),
+                "{periods} of {period}: {shares:?}"
+            );
+            assert_eq!(shares.iter().sum::<u32>(), periods);
+        }
     }
 }
 
