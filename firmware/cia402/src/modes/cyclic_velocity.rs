@@ -183,6 +183,7 @@ impl CyclicVelocity {
             deceleration: quick_stop,
         });
         let order = Order {
+            asked: velocity,
             velocity: limits.velocity.like(velocity),
             limits,
             travel,

@@ -6,7 +6,8 @@
 //! - With a limit ahead the motion is a move to the limit at this velocity, so it slows down in time and ends on the limit exactly.
 //!   Motion away from a limit is always free, also from beyond it. Where the deceleration asked for would carry the motor through a limit,
 //!   it takes as hard a one as is needed, up to the quick stop ramp or the one it was planned with before.
-//! - A limit switch ends the motion into it for good: it takes another velocity to move again, even once the switch is released.
+//! - A limit switch ends the motion into it for good: it takes another velocity to move again, even once the switch is released,
+//!   and another limit of the velocity is not one.
 
 use motion::{Limits, Ramps, SignedSpeed};
 
@@ -17,6 +18,9 @@ use crate::units::Travel;
 /// What is asked of the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Order {
+    /// What the master asks for, before any limit cuts it, in whatever unit: it tells one velocity from another.
+    pub(super) asked: SignedSpeed,
+    /// What the limits leave of it.
     pub(super) velocity: SignedSpeed,
     /// Its velocity is the greatest amount of the velocity above.
     pub(super) limits: Limits,
@@ -29,10 +33,11 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// Whether this is what was asked for before, the profile and the quick stop ramp aside.
+    /// Whether this is the same motion as before, the profile and the quick stop ramp aside.
     fn is_like(&self, other: Self) -> bool {
         *self
             == Self {
+                asked: self.asked,
                 ramps: self.ramps,
                 quick_stop: self.quick_stop,
                 ..other
@@ -106,7 +111,8 @@ impl KeptVelocity {
     /// switch has ended is not, unless another velocity is asked for.
     pub(super) fn follow(&mut self, order: Order, motor: &mut Motor) {
         let is_new = if self.course == Course::AtSwitch {
-            self.order.map(|order| order.velocity) != Some(order.velocity)
+            // A limit that is written cuts the velocity otherwise, but asks for no other.
+            self.order.map(|before| before.asked) != Some(order.asked)
         } else {
             !self.order.is_some_and(|before| order.is_like(before))
                 || self.course == Course::Barred && motor.is_at_rest()
@@ -115,6 +121,8 @@ impl KeptVelocity {
         if is_new {
             self.order = Some(order);
             (self.course, self.held_back) = begin(order, motor);
+        } else if let Some(before) = &mut self.order {
+            before.asked = order.asked;
         }
     }
 
@@ -149,6 +157,7 @@ const fn is_within_reach(end: i64, motor: &Motor) -> bool {
 /// Plans the motion. Returns what has become of it, and the sign of the velocity that is lost on a harder ramp; 0 for none.
 fn begin(order: Order, motor: &mut Motor) -> (Course, i64) {
     let Order {
+        asked: _,
         velocity,
         limits,
         ramps,

@@ -385,6 +385,7 @@ impl ProfilePosition {
         };
         let velocity = set_point.end_velocity.min(set_point.limits.velocity);
         let order = Order {
+            asked: set_point.end_velocity.signed(self.direction < 0),
             velocity: velocity.signed(self.direction < 0),
             limits: Limits {
                 velocity,

@@ -63,6 +63,7 @@ impl ProfileVelocity {
             deceleration: context.commands.profile_deceleration,
         });
         let order = Order {
+            asked,
             velocity: limits.velocity.like(asked),
             limits,
             travel: context.travel.increments,

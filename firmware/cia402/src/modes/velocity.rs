@@ -75,7 +75,7 @@ impl Velocity {
         let before = self.control;
         self.control = self.controlled_by(context);
         let profile = context.configuration.velocity;
-        let velocity = match self.control {
+        let (asked, velocity) = match self.control {
             Control::Halt | Control::Disabled => {
                 if before != self.control {
                     self.motion.forget();
@@ -84,8 +84,8 @@ impl Velocity {
                 let reached = context.motor.standstill() && context.is_brake_open;
                 return self.bits(context, reached, false);
             }
-            Control::Locked(velocity) => velocity,
-            Control::Reference => self.asked,
+            Control::Locked(velocity) => (velocity, velocity),
+            Control::Reference => (i32::from(Self::reference(context)).into(), self.asked),
         };
         let (limits, is_cut) = context.within(Limits {
             velocity: velocity.unsigned_abs(),
@@ -93,6 +93,7 @@ impl Velocity {
             deceleration: profile.deceleration,
         });
         let order = Order {
+            asked,
             velocity: limits.velocity.like(velocity),
             limits,
             travel: context.travel.increments,
@@ -104,14 +105,19 @@ impl Velocity {
         self.bits(context, context.demand.velocity.is_like(self.asked), is_cut)
     }
 
-    /// 6042h with its limits. The division is made only when something has changed.
-    fn read(&mut self, context: &Context<'_>) {
-        let profile = context.configuration.velocity;
-        let reference = if context.commands.controlword & REFERENCE_RAMP == 0 {
+    /// 6042h as it is written; 0 without the reference ramp.
+    const fn reference(context: &Context<'_>) -> i16 {
+        if context.commands.controlword & REFERENCE_RAMP == 0 {
             0
         } else {
             context.commands.vl_target_velocity
-        };
+        }
+    }
+
+    /// 6042h with its limits. The division is made only when something has changed.
+    fn read(&mut self, context: &Context<'_>) {
+        let profile = context.configuration.velocity;
+        let reference = Self::reference(context);
         if self.source == Some((reference, profile)) {
             return;
         }

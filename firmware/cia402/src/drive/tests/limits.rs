@@ -191,6 +191,18 @@ fn a_velocity_that_a_limit_switch_ended_is_not_taken_up_by_itself() {
         rig.post();
         rig.ticks(50);
         assert!(rig.speed() == 0 && rig.limited(), "{mode:?}: a ramp");
+        // 607Fh; 6046h and 604Ch.
+        let before = rig.configuration;
+        rig.configuration.max_velocity = 500.into();
+        rig.configuration.velocity.max_amount = 400;
+        rig.configuration.velocity.dimension = (1, 2);
+        rig.post();
+        rig.ticks(50);
+        assert!(rig.speed() == 0 && rig.limited(), "{mode:?}: a limit");
+        rig.configuration = before;
+        rig.post();
+        rig.ticks(50);
+        assert!(rig.speed() == 0 && rig.limited(), "{mode:?}: no limit");
         rig.digital.levels = POSITIVE;
         rig.tick();
         keep(&mut rig, mode, 4_000);
