@@ -1,13 +1,16 @@
 //! The axis as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
 
+mod directed;
+
 use motion::{
     AdvanceError, Axis, AxisConfig, Demand, Direction, FollowError, Limits, PlanError, Position,
-    PulseSink, Ramps, Record, SignedSpeed, Speed, Ticks, Velocity,
+    PulseSink, Ramps, SignedSpeed, Speed, Ticks, Velocity,
 };
 
 use crate::cyclic::{Fine, Timescale};
 use crate::inputs::Count;
 use crate::pulse_timing::PulseTiming;
+use directed::Directed;
 
 /// The directions that limit switches bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -81,6 +84,8 @@ pub(crate) struct Motor {
     stops_early: bool,
     /// The deceleration that the motion under way is planned with, in steps/s²; 0 at rest.
     deceleration: u32,
+    /// The hardest ramp on which it may end because it was planned so, in steps/s²; 0 at rest.
+    hardest: u32,
 }
 
 impl Motor {
@@ -107,6 +112,7 @@ impl Motor {
             stopping_at_limit: None,
             stops_early: false,
             deceleration: 0,
+            hardest: 0,
         }
     }
 
@@ -235,7 +241,10 @@ impl Motor {
         let is_beyond = end > high.max(self.committed) || end < low.min(self.committed);
         let own = self.stopping.unwrap_or(0);
         if is_beyond && (own < deceleration || !self.stops_hard) {
-            self.stop_on(own.max(deceleration), false);
+            let harder = own.max(deceleration);
+            let hardest = self.hardest.max(harder);
+            self.stop_on(harder, false);
+            self.hardest = hardest;
             self.stops_early = true;
         }
         !self.stops_early
@@ -270,8 +279,15 @@ impl Motor {
     fn begun(&mut self, result: Result<(), PlanError>, deceleration: u32) -> Result<(), Refused> {
         result.map_err(|_| Refused)?;
         self.stopped();
-        self.deceleration = deceleration;
+        self.planned_with(deceleration);
         Ok(())
+    }
+
+    /// The motion under way has this deceleration; 0 for none.
+    const fn planned_with(&mut self, deceleration: u32) {
+        self.deceleration = deceleration;
+        // What is needed to end where it ends is rounded up.
+        self.hardest = deceleration.saturating_add(deceleration / 16);
     }
 
     /// Looks at the motor at the start of a tick. `position` is where it really is; the axis takes it over while the motor
@@ -377,7 +393,7 @@ impl Motor {
             }
         };
         if result.is_ok() {
-            self.stopped();
+            self.followed();
         }
         result
     }
@@ -390,8 +406,14 @@ impl Motor {
     ) -> Result<(), FollowError> {
         let tick = self.timescale.tick_at(end);
         self.axis.follow_velocity(tick, velocity)?;
-        self.stopped();
+        self.followed();
         Ok(())
+    }
+
+    /// Set-points take the place of a planned motion, and of its ramps.
+    const fn followed(&mut self) {
+        self.stopped();
+        self.planned_with(0);
     }
 
     /// Where what is followed ends, in steps, and its velocity there.
@@ -431,6 +453,17 @@ impl Motor {
     /// rest.
     pub(crate) const fn deceleration(&self) -> u32 {
         self.deceleration
+    }
+
+    /// The hardest ramp on which the motion under way may end because it was planned so, in steps/s²: its own and a little more, unless it
+    /// has been held back. 0 at rest.
+    pub(crate) const fn hardest(&self) -> u32 {
+        self.hardest
+    }
+
+    /// The motion under way may end on this ramp, in steps/s², and on no harder one: its own is not what was asked for.
+    pub(crate) const fn set_hardest(&mut self, hardest: u32) {
+        self.hardest = hardest;
     }
 
     /// Whether a stop is under way.
@@ -491,7 +524,7 @@ impl Motor {
         let deceleration = deceleration.max(self.stopping_at_limit.unwrap_or(0));
         if self.axis.stop(deceleration).is_ok() {
             self.stopping = Some(deceleration);
-            self.deceleration = deceleration;
+            self.planned_with(deceleration);
         } else {
             self.cut_off();
         }
@@ -524,53 +557,12 @@ impl Motor {
         self.at_rest = self.axis.is_at_rest();
         if self.at_rest {
             self.stopped();
-            self.deceleration = 0;
+            self.planned_with(0);
             self.stopping_at_limit = None;
         }
         result != Err(AdvanceError::Underrun)
     }
 }
 
-/// Pulses on their way to a motor that may turn the other way.
-struct Directed<'a, S> {
-    pulses: &'a mut S,
-    is_reversed: bool,
-}
-
-impl<S: PulseSink> PulseSink for Directed<'_, S> {
-    fn push(&mut self, record: Record) -> Result<(), Record> {
-        if !self.is_reversed {
-            return self.pulses.push(record);
-        }
-        self.pulses.push(turned(record)).map_err(turned)
-    }
-
-    fn push_all(&mut self, records: &[Record]) -> usize {
-        if !self.is_reversed {
-            return self.pulses.push_all(records);
-        }
-        let taken = records
-            .iter()
-            .take_while(|record| self.push(**record).is_ok());
-        taken.count()
-    }
-
-    fn pending(&self) -> Ticks {
-        self.pulses.pending()
-    }
-
-    fn free(&self) -> usize {
-        self.pulses.free()
-    }
-}
-
-/// The same pulses the other way.
-const fn turned(record: Record) -> Record {
-    Record {
-        direction: match record.direction {
-            Direction::Forward => Direction::Reverse,
-            Direction::Reverse => Direction::Forward,
-        },
-        ..record
-    }
-}
+#[cfg(test)]
+mod tests;

@@ -24,6 +24,25 @@ pub(super) struct Held {
     pub(super) is_harder: bool,
     /// On no ramp that is allowed the motor comes to rest before the end.
     pub(super) passes: bool,
+    /// The hardest ramp that is allowed, in steps/s²; 0 where none is needed.
+    hardest: u32,
+}
+
+impl Held {
+    /// The motor has its motion. It is not harder than it was asked to be, so no later one may be harder still because of it.
+    pub(super) const fn taken(self, motor: &mut Motor) {
+        if self.hardest > 0 {
+            motor.set_hardest(self.hardest);
+        }
+    }
+
+    /// This, after another that gave the ramp for it.
+    pub(super) fn after(self, other: Self) -> Self {
+        Self {
+            hardest: self.hardest.max(other.hardest),
+            ..self
+        }
+    }
 }
 
 /// The ramp on which the motor, from whatever it does now, comes to rest between two positions, in steps: the one that is asked for; or a
@@ -41,6 +60,7 @@ pub(super) fn held_between(
         ramp: asked,
         is_harder: false,
         passes: false,
+        hardest: 0,
     };
     let velocity = motor.committed_velocity();
     let reverse = velocity.bits() < 0;
@@ -78,19 +98,20 @@ pub(super) fn held_between(
         },
         ..asked
     };
-    // What is needed to end where it ends is rounded up.
-    let planned = motor.deceleration();
-    let hardest = hardest.max(planned.saturating_add(planned / 16));
+    let planned = motor.hardest();
+    let hardest = hardest.max(planned).max(asked.deceleration);
     let overrun = |motor: &mut Motor, ramp: Ramp| {
         motor.set_ramps(ramp.ramps);
         motor.stop(ramp.deceleration);
+        // Nothing is planned yet.
+        motor.set_hardest(planned);
         beyond(motor.destination())
     };
     if overrun(motor, tried) <= 0 {
         return as_asked;
     }
     let ramp = Ramp {
-        deceleration: needed(speed, room).min(hardest).max(asked.deceleration),
+        deceleration: needed(speed, room).max(asked.deceleration).min(hardest),
         ramps: Ramps::Linear,
     };
     Held {
@@ -98,6 +119,7 @@ pub(super) fn held_between(
         is_harder: true,
         // A stop ends on the next whole step.
         passes: overrun(motor, ramp) > 1,
+        hardest,
     }
 }
 

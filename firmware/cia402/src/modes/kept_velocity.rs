@@ -214,6 +214,7 @@ fn begin(order: Order, motor: &mut Motor) -> (Course, i64) {
             Course::Barred
         }
     };
+    held.taken(motor);
     let held_back = if held.is_harder { heading } else { 0 };
     (course, held_back)
 }

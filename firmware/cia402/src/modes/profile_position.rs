@@ -422,14 +422,16 @@ impl ProfilePosition {
             ramps: set_point.ramps,
         };
         let travel = context.travel.increments;
-        let mut ramp = asked;
+        let mut before = None;
         let target = Some(set_point.target).filter(|_| set_point.end_velocity == Speed::ZERO);
         if starts_anew && target.is_some() {
             // The motor brakes for its target perhaps: a lower 60C6h is no reason to pass it.
             let around = set_point.around(motor);
-            ramp = braking::held_between(motor, target, around, ramp, 0).ramp;
+            before = Some(braking::held_between(motor, target, around, asked, 0));
         }
+        let ramp = before.map_or(asked, |before| before.ramp);
         let held = braking::held_between(motor, target, travel, ramp, quick_stop);
+        let held = before.map_or(held, |before| held.after(before));
         self.is_held_back = held.is_harder;
         let ramp = held.ramp;
         motor.set_ramps(ramp.ramps);
@@ -456,6 +458,7 @@ impl ProfilePosition {
                 motor.stop(limits.deceleration);
             }
         }
+        held.taken(motor);
     }
 
     fn bits(&mut self, context: &Context<'_>, taken: bool) -> u16 {

@@ -332,3 +332,45 @@ fn ramps_written_behind_an_edge_of_bit_4_count_at_once() {
     let ticks = rig.until("velocity", |rig| rig.actuals().velocity_demand == 10_000);
     assert!(ticks <= 15, "{ticks}");
 }
+
+#[test]
+fn m44_no_order_hardens_the_ramp_beyond_6085h() {
+    let mut rig = enabled();
+    run(&mut rig, 10_000);
+    rig.ticks(200);
+    let near = i32::try_from(rig.motor.position).unwrap() + 100;
+    rig.configuration.position_limits = (-1_000, near);
+    // 6085h: 250 steps.
+    rig.configuration.quick_stop_deceleration = 200_000;
+    rig.post();
+    let before = rig.motor.position;
+    for tick in 0..100 {
+        run(&mut rig, 10_000 + tick % 2);
+        rig.tick();
+    }
+    assert_eq!(rig.speed(), 0);
+    // What was handed out before goes on: up to 20 steps.
+    let way = rig.motor.position - before;
+    assert!((250..=280).contains(&way), "{way} steps");
+    assert!(rig.limited());
+}
+
+#[test]
+fn m44_a_limit_that_6085h_just_spares_is_reached_whatever_is_asked_for() {
+    for near in [280, 300, 400] {
+        let mut rig = enabled();
+        run(&mut rig, 10_000);
+        rig.ticks(200);
+        let near = i32::try_from(rig.motor.position).unwrap() + near;
+        rig.configuration.position_limits = (-1_000, near);
+        rig.configuration.quick_stop_deceleration = 200_000;
+        rig.commands.profile_deceleration = 20_000;
+        rig.post();
+        for tick in 0..300 {
+            run(&mut rig, 10_000 + tick % 2);
+            rig.tick();
+        }
+        let beyond = rig.motor.position - i64::from(near);
+        assert!((-2..=1).contains(&beyond), "{near}: {beyond} steps beyond");
+    }
+}

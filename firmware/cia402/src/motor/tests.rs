@@ -1,0 +1,41 @@
+use canopen::{Duration, Instant};
+use motion::{AxisConfig, Clock, DriverTiming, Limits};
+
+use super::Motor;
+use crate::cyclic::fine;
+use crate::testing::Player;
+
+#[test]
+fn what_is_followed_has_no_ramp_of_its_own() {
+    let mut motor = Motor::new(AxisConfig {
+        clock: Clock::new(1_000_000).unwrap(),
+        segment: 500,
+        timing: DriverTiming {
+            pulse_high: 2,
+            pulse_low: 2,
+            direction_setup: 5,
+            direction_hold: 5,
+        },
+    });
+    let mut pulses = Player::with_room(256);
+    let limits = Limits {
+        velocity: 1_000.into(),
+        acceleration: 1_600_000,
+        deceleration: 1_600_000,
+    };
+    motor.ramp_to(1_000.into(), limits).unwrap();
+    assert_eq!(motor.deceleration(), 1_600_000);
+    assert_eq!(motor.hardest(), 1_700_000);
+    let mut now = Instant::from_ticks(0);
+    for _ in 0..10 {
+        motor.observe(pulses.position, true, &pulses);
+        motor.set_time(fine(now));
+        motor.advance(&mut pulses);
+        pulses.play(1_000);
+        now += Duration::from_ticks(1_000);
+    }
+    let soon = fine(now + Duration::from_ticks(4_000));
+    motor.follow_velocity(soon, 900.into()).unwrap();
+    assert_eq!(motor.deceleration(), 0);
+    assert_eq!(motor.hardest(), 0);
+}
