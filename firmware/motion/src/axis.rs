@@ -281,7 +281,7 @@ impl Axis {
         self.stand_at(steps as i32);
     }
 
-    /// Hands out records until the sink has two segments to play, or the motion ends. To be called in every control tick.
+    /// Hands out records until the sink has two segments to play (four of a smooth motion), or the motion ends. To be called in every control tick.
     ///
     /// # Errors
     /// [`AdvanceError`]: the sink is full, or ran empty.
@@ -289,7 +289,7 @@ impl Axis {
         let pending = sink.pending();
         let starved = self.moving && pending == 0;
         let pending = u32::try_from(pending).unwrap_or(u32::MAX);
-        let missing = (self.train.segment() << 1).saturating_sub(pending);
+        let missing = self.reserve().saturating_sub(pending);
         let enough = self.handed.wrapping_add(missing.into());
         loop {
             self.hand_out(sink)?;
@@ -309,6 +309,16 @@ impl Axis {
             Err(AdvanceError::Underrun)
         } else {
             Ok(())
+        }
+    }
+
+    /// So many ticks are handed out ahead: two segments. A smooth motion has four, as planning another one takes the processor more than half a
+    /// millisecond at worst, and all that time no records are made.
+    const fn reserve(&self) -> u32 {
+        if self.path.is_none() && self.plan.is_smooth() {
+            self.train.segment() << 2
+        } else {
+            self.train.segment() << 1
         }
     }
 

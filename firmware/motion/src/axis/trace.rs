@@ -5,7 +5,7 @@ use crate::divide::by_digit;
 use crate::fixed::{Position, State, Velocity};
 
 /// Points that are kept. A power of two.
-const POINTS: usize = 16;
+const POINTS: usize = 32;
 
 /// A tick, and the state there.
 type Point = (Ticks, State);

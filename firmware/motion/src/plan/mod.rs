@@ -353,6 +353,11 @@ impl Plan {
         Ok(())
     }
 
+    /// Whether its ramps are not linear: another smooth plan in motion begins with the acceleration of this one.
+    pub(crate) const fn is_smooth(&self) -> bool {
+        self.jerk.is_some()
+    }
+
     /// The first tick of the ramp to rest; the end, if the axis stands.
     pub(crate) const fn last_ramp(&self) -> Ticks {
         self.last_ramp

@@ -2,7 +2,7 @@
 
 use super::{FAST, HZ, Replay, SLOW, axis, run};
 use crate::axis::{AdvanceError, Axis};
-use crate::{Limits, Plan, PlanError, PulseSink, Speed};
+use crate::{Limits, Plan, PlanError, PulseSink, Ramps, Speed};
 
 const T01: Limits = Limits {
     velocity: Speed::per_second(100_000),
@@ -88,6 +88,36 @@ fn two_segments_are_committed_and_little_more() {
             assert!(axis.horizon - (sink.ticks - sink.pending()) <= 3 * segment + 100);
             sink.play(segment / 4);
         }
+    }
+}
+
+/// Planning a smooth motion anew takes long: so much more is handed out, and the demand still is what is being played.
+#[test]
+fn four_segments_of_a_smooth_motion_are_committed() {
+    for ramps in [Ramps::SinSquared, Ramps::JerkLimited(20_000_000)] {
+        let (mut axis, mut sink) = axis(FAST);
+        let segment = u64::from(axis.train.segment());
+        axis.set_ramps(ramps);
+        command(&mut axis, &mut sink, 30_000, T01);
+        for _ in 0..800 {
+            axis.advance(&mut sink).unwrap();
+            assert!(sink.pending() >= 4 * segment);
+            assert!(sink.pending() <= 5 * segment + 100);
+            let played = sink.ticks - sink.pending();
+            let planned = sink.plans[0].state_at(played);
+            let demand = axis.demand(sink.pending());
+            assert!((demand.position - planned.position.whole_steps()).abs() <= 1);
+            let velocity = planned.velocity.speed(axis.clock);
+            assert!(demand.velocity.abs_diff(velocity) <= 70.into());
+            sink.play(segment / 4);
+        }
+        // A stop with linear ramps is at two again once what was handed out has been played.
+        axis.set_ramps(Ramps::Linear);
+        axis.stop(500_000).unwrap();
+        sink.follow(&axis);
+        sink.play(2 * segment);
+        axis.advance(&mut sink).unwrap();
+        assert!(sink.pending() < 4 * segment);
     }
 }
 
