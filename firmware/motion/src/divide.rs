@@ -71,6 +71,21 @@ pub fn by_digit(numerator: u64, divisor: u32) -> (u64, u32) {
     ((u64::from(first) << 32) | u64::from(second), remainder)
 }
 
+/// ⌊numerator · 2⁶⁴ / divisor⌋; 0 for a divisor of 0.
+pub(crate) fn fraction(numerator: u64, divisor: u32) -> u128 {
+    if divisor == 0 {
+        return 0;
+    }
+    let (whole, left) = by_digit(numerator, divisor);
+    let shift = divisor.leading_zeros() & 31;
+    let digit = |left: u32| estimate((u64::from(left) << 32) << shift, divisor << shift);
+    let first = digit(left);
+    // What is left of left · 2³² is less than the divisor.
+    let second = digit(0_u32.wrapping_sub(first.wrapping_mul(divisor)));
+    let behind = (u64::from(first) << 32) | u64::from(second);
+    (u128::from(whole) << 64) | u128::from(behind)
+}
+
 /// A number of 96 bits times a digit.
 fn times(number: u128, digit: u32) -> u128 {
     let digit = u64::from(digit);
@@ -113,7 +128,7 @@ fn half_digit(remainder: u32, next: u32, divisor: u32) -> (u32, u32) {
 
 #[cfg(test)]
 mod tests {
-    use super::{by_digit, quotient};
+    use super::{by_digit, fraction, quotient};
     use proptest::prelude::*;
 
     #[test]
@@ -123,6 +138,7 @@ mod tests {
         assert_eq!(quotient(0, 3, 1), 0);
         assert_eq!(by_digit(5, 0), (0, 0));
         assert_eq!(by_digit(u64::MAX, 0), (0, 0));
+        assert_eq!(fraction(u64::MAX, 0), 0);
     }
 
     #[test]
@@ -152,6 +168,13 @@ mod tests {
             let remainder = u32::try_from(n % divisor).unwrap();
             prop_assert_eq!(by_digit(n, d), (n / divisor, remainder));
             prop_assert_eq!(by_digit(u64::MAX, d).0, u64::MAX / divisor);
+        }
+
+        #[test]
+        fn a_fraction_of_two_digits_is_exact(n: u64, d: u32, s in 0u32..64, u in 0u32..32) {
+            let (n, d) = (n >> s, (d >> u).max(1));
+            prop_assert_eq!(fraction(n, d), (u128::from(n) << 64) / u128::from(d));
+            prop_assert_eq!(fraction(u64::MAX, d), (u128::from(u64::MAX) << 64) / u128::from(d));
         }
 
         #[test]

@@ -6,7 +6,7 @@
 //! A path whose next piece is late coasts: it goes on at its last velocity for a short while, then it stands.
 
 use crate::clock::Ticks;
-use crate::divide::quotient;
+use crate::divide::fraction;
 use crate::fixed::{Exact, Position, State, Velocity};
 
 /// Pieces that are kept: the one that is becoming pulses, and those behind it.
@@ -154,7 +154,7 @@ const fn exact(position: Position) -> i128 {
 
 /// Q32 steps in so many ticks, as Q96 steps/tick.
 fn rate(way: i64, length: u32) -> i128 {
-    let rate = quotient(way.unsigned_abs().into(), 2, length.into()).cast_signed();
+    let rate = fraction(way.unsigned_abs(), length).cast_signed();
     if way < 0 { rate.wrapping_neg() } else { rate }
 }
 

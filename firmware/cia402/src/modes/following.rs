@@ -370,8 +370,8 @@ impl Following {
     fn before_limit(&self, way: i64, seconds: u64, context: &Context<'_>) -> i64 {
         let (low, high) = context.travel.increments;
         let room = match way {
-            1.. => high.saturating_mul(1 << POINT).saturating_sub(self.at),
-            ..=-1 => self.at.saturating_sub(low.saturating_mul(1 << POINT)),
+            1.. => fine_way(high).saturating_sub(self.at),
+            ..=-1 => self.at.saturating_sub(fine_way(low)),
             0 => return 0,
         };
         // Far enough away that there is no need to look closely.
@@ -379,6 +379,9 @@ impl Following {
             return way;
         }
         let down = gain(context.deceleration(StopRamp::QuickStop), seconds);
+        if may_brake_behind(way.unsigned_abs(), room, down) {
+            return way;
+        }
         let most = braking_way(room.max(0), down);
         way.max(most.wrapping_neg()).min(most)
     }
@@ -469,8 +472,8 @@ fn rounding(context: &Context<'_>) -> i64 {
 /// The way that stays within the software limits, or leads back to them.
 fn within_travel(at: i64, need: i64, travel: Travel) -> i64 {
     let (low, high) = travel.increments;
-    let low = low.saturating_mul(1 << POINT).min(at);
-    let high = high.saturating_mul(1 << POINT).max(at);
+    let low = fine_way(low).min(at);
+    let high = fine_way(high).max(at);
     at.saturating_add(need)
         .max(low)
         .min(high)
@@ -484,23 +487,57 @@ const fn to(at: i64) -> Position {
 
 /// A time in seconds, Q32.
 pub(super) fn seconds(time: Fine) -> u64 {
-    const PER_TICK: u128 = (1_u128 << 48) / 1_000_000;
-    (u128::from(time).wrapping_mul(PER_TICK) >> 32) as u64
+    const PER_TICK: u64 = (1 << 48) / 1_000_000;
+    let (high, low) = (time >> 32, time & u64::from(u32::MAX));
+    high.wrapping_mul(PER_TICK)
+        .wrapping_add(low.wrapping_mul(PER_TICK) >> 32)
 }
 
 /// The way at a velocity.
 pub(super) fn way_at(velocity: Speed, seconds: u64) -> i64 {
-    let way = u128::from(velocity.bits()).wrapping_mul(seconds.into()) >> (64 - POINT);
-    i64::try_from(way).unwrap_or(i64::MAX)
+    let way = scaled(velocity.bits(), seconds);
+    i64::try_from(way >> (32 - POINT)).unwrap_or(i64::MAX)
 }
 
 /// By how much the way in a period grows from one to the next, at an acceleration in increments/s².
 pub(super) fn gain(acceleration: u32, seconds: u64) -> i64 {
-    let velocity = u128::from(acceleration).wrapping_mul(seconds.into()) >> POINT;
-    let way = velocity.wrapping_mul(seconds.into()) >> 32;
-    i64::try_from(way)
-        .unwrap_or(i64::MAX / 4)
-        .clamp(1, i64::MAX / 4)
+    let velocity = scaled(u64::from(acceleration) << (32 - POINT), seconds);
+    let way = scaled(velocity, seconds).min(1 << 61);
+    way.cast_signed().clamp(1, i64::MAX / 4)
+}
+
+/// A number times another in Q32. One too large for a number is the largest.
+fn scaled(number: u64, by: u64) -> u64 {
+    if u32::try_from(by).is_err() {
+        let product = u128::from(number).wrapping_mul(by.into()) >> 32;
+        return u64::try_from(product).unwrap_or(u64::MAX);
+    }
+    let (high, low) = (number >> 32, number & u64::from(u32::MAX));
+    high.wrapping_mul(by)
+        .wrapping_add(low.wrapping_mul(by) >> 32)
+}
+
+/// Whether the motor can still stop within `room` after a way in a period, for certain: s² ≤ 2g·(room − s). False where it cannot,
+/// and for ways so long that it is not looked at.
+fn may_brake_behind(way: u64, room: i64, gain: i64) -> bool {
+    let (room, gain) = (room.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
+    let is_short = u32::try_from(way).is_ok();
+    is_short
+        && room.checked_sub(way).is_some_and(|behind| {
+            way.wrapping_mul(way) <= gain.saturating_mul(2).saturating_mul(behind)
+        })
+}
+
+/// Increments with their bits behind the point. What has no room is the end of the numbers.
+const fn fine_way(increments: i64) -> i64 {
+    let way = increments.wrapping_shl(POINT);
+    if way >> POINT == increments {
+        way
+    } else if increments < 0 {
+        i64::MIN
+    } else {
+        i64::MAX
+    }
 }
 
 /// The longest way in a period after which the motor can still stop within `room`, when the way can be less by `gain` in each

@@ -58,15 +58,19 @@ impl SetPoints {
 
     /// Whether `at`, one period behind the last set-point, keeps to the limits.
     pub(super) fn may_be_followed_by(&self, at: i32, most: Most) -> bool {
-        let mut span = 1;
-        while span * 2 <= self.count {
-            let middle = self.before(span);
+        let mut middle = self.before(1);
+        for doublings in 0..=LONGEST.ilog2() {
+            let span = 2 << doublings;
+            if span > self.count {
+                break;
+            }
             let way = at.wrapping_sub(middle);
-            let before = middle.wrapping_sub(self.before(span * 2));
-            if !may_change(before.into(), way.into(), span, most) {
+            let start = self.before(span);
+            let before = middle.wrapping_sub(start);
+            if !may_change(before, way, doublings, most) {
                 return false;
             }
-            span *= 2;
+            middle = start;
         }
         true
     }
@@ -78,8 +82,17 @@ impl SetPoints {
     }
 }
 
-/// Whether the way of so many periods may become another, in increments.
-fn may_change(before: i64, way: i64, periods: usize, most: Most) -> bool {
+/// Whether the way of 2ⁿ periods may become another, in increments.
+fn may_change(before: i32, way: i32, doublings: u32, most: Most) -> bool {
+    // More than ways of 32 bits differ by; so nothing here is too large for its number.
+    const ROOM: i64 = 1 << 50;
+    let (before, way) = (i64::from(before), i64::from(way));
+    let change = way.abs_diff(before).cast_signed() << super::POINT;
+    let rounding = most.rounding.min(ROOM);
+    // So it is in a steady motion.
+    if change <= rounding {
+        return true;
+    }
     let turns = (before < 0) != (way < 0) && before != 0 && way != 0;
     let gain = if turns {
         most.up.max(most.down)
@@ -88,13 +101,8 @@ fn may_change(before: i64, way: i64, periods: usize, most: Most) -> bool {
     } else {
         most.down
     };
-    let squares = i64::try_from(periods * periods).unwrap_or(i64::MAX);
-    let change = way.abs_diff(before).saturating_mul(1 << super::POINT);
-    change
-        <= gain
-            .saturating_mul(squares)
-            .saturating_add(most.rounding)
-            .unsigned_abs()
+    let squares = gain.min(ROOM).wrapping_shl(2 * doublings);
+    change <= squares.wrapping_add(rounding)
 }
 
 #[cfg(test)]

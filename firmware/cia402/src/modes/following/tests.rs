@@ -28,6 +28,44 @@ fn the_root_is_that_of_large_numbers_too() {
 }
 
 proptest! {
+    /// The short ways to work out are those of wide numbers.
+    #[test]
+    fn products_of_half_the_width_are_those_of_the_whole(
+        (number, narrow) in (any::<u64>(), 0..64_u32),
+        time in 0_u64..40_000_000 << POINT,
+        acceleration: u32,
+    ) {
+        let number = number >> narrow;
+        let per_tick = (1_u128 << 48) / 1_000_000;
+        let seconds = seconds(time);
+        prop_assert_eq!(u128::from(seconds), (u128::from(time) * per_tick) >> 32);
+        let product = (u128::from(number) * u128::from(seconds)) >> 32;
+        prop_assert_eq!(scaled(number, seconds), u64::try_from(product).unwrap_or(u64::MAX));
+        let velocity = (u128::from(acceleration) * u128::from(seconds)) >> POINT;
+        let change = ((velocity * u128::from(seconds)) >> 32).clamp(1, (i64::MAX / 4) as u128);
+        prop_assert_eq!(u128::from(gain(acceleration, seconds).unsigned_abs()), change);
+        prop_assert_eq!(fine_way(number.cast_signed()), number.cast_signed().saturating_mul(1 << POINT));
+    }
+
+    /// Where there is plainly room no root is needed: the way is within it, and the root says so too where it is exact.
+    #[test]
+    fn m44_room_that_is_plainly_enough_is_what_the_root_allows(
+        (way, room, gain) in (any::<u64>(), 0_i64..i64::MAX, 1_i64..1 << 61),
+        (short, tight, gentle) in (0..64_u32, 0..63_u32, 0..61_u32),
+    ) {
+        let (way, room, gain) = (way >> short, room >> tight, (gain >> gentle).max(1));
+        let is_enough = may_brake_behind(way, room, gain);
+        let (s, r, g) = (u128::from(way), room as u128, gain as u128);
+        let fits = s <= r && s.checked_mul(s).is_some_and(|square| {
+            square <= 2 * g * (r - s)
+        });
+        prop_assert_eq!(is_enough, fits && way <= u64::from(u32::MAX));
+        if g * g + 2 * g * r < 1 << 64 {
+            let allowed = s <= u128::from(braking_way(room, gain).unsigned_abs());
+            prop_assert_eq!(is_enough, allowed);
+        }
+    }
+
     /// A motor that begins with the longest way allowed, and takes the longest in each period, ends within the room.
     #[test]
     fn m44_braking_never_needs_more_room_than_there_is(
