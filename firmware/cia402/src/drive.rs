@@ -14,7 +14,7 @@ use motion::{AxisConfig, PulseSink};
 
 use crate::brake::Brake;
 use crate::configuration::Configuration;
-use crate::controlword::{Command, FAULT_RESET};
+use crate::controlword::Command;
 use crate::cyclic::{Cyclic, fine};
 use crate::exchange::{Actuals, Commands, Share};
 use crate::faults::{EXTERNAL, Faults, Reaction};
@@ -136,6 +136,10 @@ pub struct Drive {
     entered: Instant,
     /// The state has been seen on the bus, or nobody looks.
     is_seen: bool,
+    /// The fault reaction is over, and goes on only to be seen.
+    is_only_shown: bool,
+    /// A fault was reset meanwhile.
+    resets_early: bool,
     /// The beat of the network, and what the cyclic modes go by.
     cyclic: Cyclic,
 }
@@ -170,6 +174,8 @@ impl Drive {
             ticked: Instant::from_ticks(0),
             entered: Instant::from_ticks(0),
             is_seen: true,
+            is_only_shown: false,
+            resets_early: false,
             cyclic: Cyclic::new(&outlast_tick(config), config.tick),
         }
     }
@@ -341,6 +347,7 @@ impl Drive {
         self.machine = StateMachine::new();
         self.faults = Faults::default();
         self.lost = false;
+        self.resets_early = false;
     }
 
     /// Faults, then the state machine, then what a transition does to the motor.
@@ -363,15 +370,15 @@ impl Drive {
         let lost_now = core::mem::replace(&mut self.is_commanded, remote) && !remote;
         let silent = self.set_points_lost();
         let reaction = detected.or(lost).or(silent);
-        let reset = self.commands.remote && self.commands.rising & FAULT_RESET != 0;
+        let is_over = self.motor.standstill() && self.is_held_by_brake(now, remote, command);
+        let has_shown = self.has_shown(now);
+        let reset = self.resets_fault(is_over, has_shown, reaction.is_some());
         let conditions = Conditions {
             command,
             remote,
             quick_stop: self.configuration.quick_stop,
             at_once: self.leaving(command) == Some(Stop::PowerOff),
-            standstill: self.motor.standstill()
-                && self.is_held_by_brake(now, remote, command)
-                && self.has_shown(now),
+            standstill: is_over && has_shown,
             fault: reaction.is_some(),
             fault_reset: reset && !self.faults.cause_stands(),
         };

@@ -2,8 +2,9 @@
 //!
 //! Newer data takes the place of what waits in a transmit PDO, so a state of a millisecond may never reach the bus: it is busy, an inhibit
 //! time runs, SYNC is still to come. The device therefore tells the drive when a PDO with the state has been taken out to be sent, and the
-//! drive leaves the state no sooner, but 50 ms after it began at the latest. What the state does to motor and power is not put off by that,
-//! nor is "disable voltage".
+//! drive leaves the state no sooner, but 50 ms after it began at the latest. What it does to the motor is not put off
+//! by that, nor is power that goes off at once, by an option code or "disable voltage". Power that goes off once the motor stands stays
+//! on until the state ends; the brake, if there is one, has closed by then.
 //!
 //! Nobody waits where nothing would show the state: no transmit PDO that is sent without being asked for has the statusword, the node is not
 //! Operational, or it is bus-off.

@@ -39,6 +39,21 @@ impl Drive {
         }
     }
 
+    /// Whether the master resets a fault: in this tick, or when the reaction was over already and went on only to be seen
+    /// (`is_over`, and not yet `has_shown`). A fault that comes later is no one's that the master knows.
+    pub(super) fn resets_fault(&mut self, is_over: bool, has_shown: bool, is_new: bool) -> bool {
+        let edge = self.commands.remote && self.commands.rising & FAULT_RESET != 0;
+        if self.machine.state() != State::FaultReactionActive {
+            self.is_only_shown = false;
+            return edge | core::mem::take(&mut self.resets_early);
+        }
+        let is_only_shown = is_over && !has_shown;
+        let was_only_shown = core::mem::replace(&mut self.is_only_shown, is_only_shown);
+        self.resets_early |= edge && (is_only_shown || was_only_shown);
+        self.resets_early &= !is_new;
+        edge
+    }
+
     /// What is left of remote control: whether there is one, the command, and the fault that its loss is. A reset of the device
     /// always stops the motor; otherwise 6007h says what the loss means to a drive with power.
     pub(super) fn under_6007h(

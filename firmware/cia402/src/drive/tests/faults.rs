@@ -287,3 +287,60 @@ fn pulses_that_went_astray_are_found_at_rest() {
         [Raised(POSITION_MISMATCH), Cleared(POSITION_MISMATCH)]
     );
 }
+
+#[test]
+fn d10_a_reset_counts_while_the_reaction_goes_on_only_to_be_seen() {
+    // The motor moves at first, and the master waits for so many ticks before it resets.
+    for (waits, resets) in [(1, false), (30, true), (49, true)] {
+        let mut rig = cruising();
+        rig.exchange.watch(true);
+        rig.fault = Some(OVER_TEMPERATURE);
+        rig.tick();
+        rig.fault = None;
+        rig.ticks(waits);
+        assert_eq!(rig.state(), State::FaultReactionActive);
+        rig.write(0x80);
+        rig.ticks(3);
+        rig.write(0x00);
+        rig.ticks(60);
+        let ends = if resets {
+            State::SwitchOnDisabled
+        } else {
+            State::Fault
+        };
+        assert_eq!(rig.state(), ends, "{waits}");
+    }
+}
+
+#[test]
+fn d10_a_reset_during_the_reaction_is_for_no_fault_that_follows() {
+    let mut rig = cruising();
+    rig.exchange.watch(true);
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.ticks(30);
+    rig.write(0x80);
+    rig.tick();
+    rig.fault = Some(OVER_CURRENT);
+    rig.tick();
+    rig.fault = None;
+    rig.ticks(60);
+    assert_eq!(rig.state(), State::Fault);
+    rig.write(0x00);
+    rig.write(0x80);
+    rig.tick();
+    assert_eq!(rig.state(), State::SwitchOnDisabled);
+}
+
+#[test]
+fn d12_a_reset_during_the_reaction_with_the_cause_present_stays_in_fault() {
+    let mut rig = cruising();
+    rig.exchange.watch(true);
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.ticks(30);
+    rig.write(0x80);
+    rig.ticks(60);
+    assert_eq!(rig.state(), State::Fault);
+    rig.fault = None;
+    rig.ticks(10);
+    assert_eq!(rig.state(), State::Fault);
+}
