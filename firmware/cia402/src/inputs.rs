@@ -6,7 +6,8 @@
 //! captured at the first edge: bounces that follow do not shift it.
 //!
 //! A limit switch protects: where it is unsure, it is active. Its inactive time counts back half as fast only, so that one that is active
-//! for half of the time counts after four debounce times at most, and it is left again after a debounce time without a break.
+//! for half of the time counts after four debounce times at most, and it is left again after a debounce time without a break;
+//! a captured edge between two ticks is one too.
 //!
 //! Several inputs may have one function; the switch is active when one of them is.
 //!
@@ -370,6 +371,12 @@ impl Switch {
         let differs = active != self.state.active;
         let captured = look.first_edge(mask, !self.state.active);
         let edge = captured.or(differs.then_some(look.position));
+        let is_old = self.age > look.debounce.saturating_mul(LONGEST_BOUNCE);
+        if protects && self.state.active && look.first_edge(mask, true).is_some() {
+            // It was touched again since the last tick: whatever the level is now, no break has lasted.
+            self.changing = 0;
+            self.edge = self.edge.filter(|_| !is_old);
+        }
         if self.edge.is_none() {
             self.edge = edge;
             self.age = 0;

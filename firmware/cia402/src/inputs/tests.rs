@@ -328,3 +328,33 @@ fn a_count_is_the_nearest_to_where_the_motor_is() {
     assert_eq!(reversed.board_position(), -4);
     assert_eq!(reversed.of(-14), (5 << 32) + 17);
 }
+
+#[test]
+fn m61_a_limit_switch_that_touches_between_two_ticks_is_not_left() {
+    let mut bench = Bench {
+        configuration: Some(InputConfiguration {
+            positive_limit: 0b0100,
+            debounce: 3,
+            ..InputConfiguration::NONE
+        }),
+        ..Bench::default()
+    };
+    for _ in 0..5 {
+        bench.see(true, None, None);
+    }
+    assert!(bench.switches.barred().forward);
+    // Every tick finds it open, but it closes for a moment in between.
+    for tick in 0..20 {
+        bench.see(false, Some(tick), Some(tick));
+        assert!(bench.switches.barred().forward);
+    }
+    // The break counts from the last touch.
+    for _ in 0..2 {
+        bench.see(false, None, None);
+        assert!(bench.switches.barred().forward);
+    }
+    bench.see(false, None, None);
+    assert!(!bench.switches.barred().forward);
+    let edge = bench.switches.positive_limit.state.edge.unwrap();
+    assert!((1_006..1_020).contains(&edge), "{edge}");
+}
