@@ -211,18 +211,18 @@ impl Axis {
         let (start, from) = self.course_end();
         let length = end.saturating_sub(start);
         let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
-        let mean = (from.velocity.bits() >> 1).wrapping_add(velocity.bits() >> 1);
-        // The way in Q56: what a position cannot hold of it is kept for the next one, or slow velocities would drift.
-        let way = i128::from(mean).wrapping_mul(length.into());
+        let both = i128::from(from.velocity.bits()).wrapping_add(velocity.bits().into());
+        // Twice the way in Q56: what a position cannot hold of it is kept for the next one, or slow velocities would drift.
+        let way = both.wrapping_mul(length.into());
         let way = way.wrapping_add(self.carry.into());
-        let to = from.position.bits().wrapping_add((way >> 24) as i64);
+        let to = from.position.bits().wrapping_add((way >> 25) as i64);
         let manner = if from.velocity == velocity {
             Manner::Steady(velocity)
         } else {
             Manner::Bent(velocity)
         };
         self.go_on(end, Position::from_bits(to), manner)?;
-        self.carry = way as u32 & 0xFF_FFFF;
+        self.carry = way as u32 & 0x1FF_FFFF;
         Ok(())
     }
 

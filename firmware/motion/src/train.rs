@@ -160,7 +160,8 @@ impl Train {
         } else {
             self.shorter_chord(speed)
         };
-        most.min(longest).max(self.segment / CHORDS_PER_SEGMENT)
+        let least = (self.segment / CHORDS_PER_SEGMENT).min(self.longest);
+        most.min(longest).max(least)
     }
 
     /// Divisions are dear, and this one is seldom needed.

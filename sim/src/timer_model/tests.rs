@@ -198,6 +198,33 @@ fn a_refill_that_is_late_within_the_horizon_is_not_noticed() {
     }
 }
 
+/// A change of direction that was on its way when the stream stopped: what left meanwhile went the old way, and is counted so.
+#[test]
+fn a_stream_that_stands_still_before_a_turn_is_counted_as_it_went() {
+    for refills in 1..5 {
+        let mut rig = rig(FAST);
+        let limits = Limits {
+            velocity: 20_000.into(),
+            acceleration: 400_000_000,
+            deceleration: 400_000_000,
+        };
+        rig.axis.ramp_to(20_000.into(), limits).unwrap();
+        for _ in 0..100 {
+            rig.refill(SEGMENT.into());
+        }
+        rig.axis.ramp_to((-20_000).into(), limits).unwrap();
+        for _ in 0..refills {
+            rig.refill(u64::from(SEGMENT) / 4);
+        }
+        rig.model.stall_stream(true);
+        for _ in 0..6 {
+            rig.refill(SEGMENT.into());
+        }
+        assert!(rig.output.has_failed());
+        assert_eq!(rig.output.position(), rig.model.judge().position);
+    }
+}
+
 /// The dearest smooth plan takes the processor 590 µs, between two refills: the pulses go on meanwhile.
 #[test]
 fn the_dearest_plan_makes_no_pause() {

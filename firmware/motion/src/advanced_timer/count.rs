@@ -92,6 +92,14 @@ impl Course {
         passed.unwrap_or(&self.first).position_at(count)
     }
 
+    /// The position when the counter shows `count` and the last pulses went this way, whatever was to come.
+    pub(super) fn position_going(&self, count: u32, direction: Direction) -> i64 {
+        let passed = self.later.iter().rev();
+        let mut passed = passed.filter(|mark| has_passed(mark, count));
+        let mark = passed.find(|mark| mark.direction == direction);
+        mark.unwrap_or(&self.first).position_at(count)
+    }
+
     /// The counter shows `count` now: what is far behind is moved on.
     pub(super) fn go_on(&mut self, count: u32) {
         let behind = count.wrapping_sub(self.first.count).cast_signed();

@@ -5,7 +5,7 @@ use core::fmt;
 use super::count::Course;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
-use super::slots::{LONGEST_RUN, Remainder, Runs, Words, level};
+use super::slots::{LONGEST_RUN, Remainder, Runs, Words, direction_of, level};
 use crate::{PulseSink, Record, Ticks};
 
 /// Slots that are always silent: with the processor stopped they take 6.4 s at 168 MHz.
@@ -46,6 +46,8 @@ pub struct Output<'a, R> {
     silenced: u32,
     /// When it was seen last that the DMA had come to another slot.
     moved: u32,
+    /// The level of the direction signal in the last slot that was fetched.
+    fetched_level: u32,
     /// When the DMA fetches the next slot to be written, and when all that was taken has been played, by the free-running count; and the
     /// ticks of the last slot written.
     request: u32,
@@ -104,6 +106,7 @@ impl<'a, R: Registers> Output<'a, R> {
             fetched: 0,
             silenced: 0,
             moved: 0,
+            fetched_level: 0,
             request: 0,
             end: 0,
             last: 0,
@@ -124,6 +127,8 @@ impl<'a, R: Registers> Output<'a, R> {
         if newly != 0 {
             self.fetched = self.fetched.wrapping_add(newly);
             self.moved = self.registers.now();
+            let [.., level] = self.ring.words(self.fetched.wrapping_sub(1));
+            self.fetched_level = level;
         }
         self.silence(self.fetched);
         if self.has_ended(0) {
@@ -131,8 +136,7 @@ impl<'a, R: Registers> Output<'a, R> {
             self.stop();
             self.go_on(left);
         } else if is_stuck {
-            self.drop_all();
-            self.failed = true;
+            self.give_up();
         } else {
             self.fill(0);
         }
@@ -173,13 +177,29 @@ impl<'a, R: Registers> Output<'a, R> {
 
     /// Drops what has not been played. A pulse that has begun is cut short but counts.
     pub fn drop_all(&mut self) {
+        let count = self.cut();
+        self.course = Course::new(count, self.course.position_at(count));
+    }
+
+    /// The stream stands still, and its last slot has been played again and again: all pulses since then went one way.
+    #[cold]
+    fn give_up(&mut self) {
+        let direction = direction_of(self.fetched_level);
+        let count = self.cut();
+        let position = self.course.position_going(count, direction);
+        self.course = Course::new(count, position);
+        self.failed = true;
+    }
+
+    /// Ends pulses and train at once; gives the pulses that were counted.
+    fn cut(&mut self) -> u32 {
         // No pulse begins from here on, so the counter stands.
         self.registers
             .write(Register::Ccmr1, bits::CHANNEL_1_LOW | bits::CHANNEL_2_PWM);
         self.stop();
         let count = self.registers.read(Register::CounterCnt);
         self.pulses = count;
-        self.course = Course::new(count, self.course.position_at(count));
+        count
     }
 
     /// Whether the break input has cut the outputs off. Pulses that the timer made since then were counted and did not leave.
@@ -383,7 +403,7 @@ impl<R: Registers> PulseSink for Output<'_, R> {
         }
         if !self.remainder.is_empty() || !self.has_room() {
             self.service();
-            if !self.remainder.is_empty() || !self.has_room() {
+            if self.failed || !self.remainder.is_empty() || !self.has_room() {
                 return Err(record);
             }
         }
@@ -393,7 +413,7 @@ impl<R: Registers> PulseSink for Output<'_, R> {
             if in_time <= 0 {
                 // Too late to go on without a gap. When the last slot has been played, the next train begins.
                 self.service();
-                if self.running {
+                if self.failed || self.running {
                     return Err(record);
                 }
             }
