@@ -262,6 +262,8 @@ const fn fitted(inputs: &InputConfiguration, block: bool) -> Fitted {
 /// What the engine wants.
 fn carry_out(order: Order, search: &mut Search, context: &mut Context<'_>) -> Result<(), Refused> {
     let configuration = search.configuration;
+    // A motion that has ended is cut no longer.
+    search.is_limited &= !context.motor.standstill();
     let mut within = |velocity: Speed| {
         let (limits, is_cut) = context.within(Limits {
             velocity,
@@ -285,6 +287,7 @@ fn carry_out(order: Order, search: &mut Search, context: &mut Context<'_>) -> Re
         Order::Stop => {
             if !context.motor.standstill() {
                 let most = context.configuration.max_deceleration;
+                search.is_limited = configuration.acceleration > most;
                 context.motor.stop(configuration.acceleration.min(most));
             }
         }

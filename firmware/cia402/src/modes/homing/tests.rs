@@ -409,6 +409,30 @@ fn m39_speeds_and_ramps_of_homing_that_are_cut_show_in_bit_11() {
 }
 
 #[test]
+fn m39_the_halt_of_a_homing_whose_speed_is_cut_is_cut_only_in_its_own_ramp() {
+    for stop_is_cut in [false, true] {
+        let mut rig = homing(19);
+        rig.configuration.max_velocity = 4_000.into();
+        if stop_is_cut {
+            rig.configuration.max_deceleration = 20_000;
+        }
+        rig.post();
+        rig.write(START);
+        rig.ticks(100);
+        assert!(rig.has(INTERNAL_LIMIT));
+        rig.write(START | 0x100);
+        rig.ticks(5);
+        assert!(rig.speed() > 0, "it slows down");
+        assert_eq!(rig.has(INTERNAL_LIMIT), stop_is_cut);
+        rig.rest();
+        assert!(!rig.has(INTERNAL_LIMIT), "nothing is under way");
+        rig.write(START);
+        rig.ticks(50);
+        assert!(rig.has(INTERNAL_LIMIT));
+    }
+}
+
+#[test]
 fn m57_homing_does_not_look_at_the_software_limits() {
     let mut rig = homing(19);
     rig.configuration.position_limits = (-100, 100);
