@@ -147,6 +147,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             .prepare(actuals.has_power(), actuals.is_moving, stamp);
         self.node.receive(frame, stamp, &mut self.hooks);
         self.take_reset();
+        self.follow_state(&actuals, exchange);
         self.post(exchange);
         self.beat(stamp, exchange);
     }

@@ -38,8 +38,6 @@ pub(super) struct Fleeting {
     state: Option<State>,
     /// It has been shown, or nothing would show it.
     is_done: bool,
-    /// The drive knows that.
-    is_told: bool,
 }
 
 impl Fleeting {
@@ -49,7 +47,6 @@ impl Fleeting {
             is_bus_off: false,
             state: None,
             is_done: true,
-            is_told: true,
         }
     }
 }
@@ -72,21 +69,24 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         }
     }
 
-    /// The dictionary shows these values, which are the newest, and the node has made its PDOs of them.
+    /// The dictionary shows these values, and the node has made its PDOs of them.
     pub(super) fn follow_state<X: Share>(&mut self, actuals: &Actuals, exchange: &mut X) {
         self.watch(exchange);
+        // What has left since the last call: the dictionary may show something older now.
+        self.tell(exchange);
         let state = State::from_statusword(actuals.statusword).filter(|state| state.is_fleeting());
         if state != self.fleeting.state {
-            let is_over = state.is_none();
             self.fleeting.state = state;
-            self.fleeting.is_done = is_over || pdos(self.node.dictionary()).next().is_none();
-            self.fleeting.is_told = is_over;
+            self.fleeting.is_done =
+                state.is_none() || pdos(self.node.dictionary()).next().is_none();
+            self.tell(exchange);
         }
-        if self.fleeting.is_done
-            && !self.fleeting.is_told
-            && let Some(state) = state
-        {
-            self.fleeting.is_told = true;
+    }
+
+    /// Tells the drive that a state is done, and again as long as it lasts: one that it has left and entered again meanwhile shows
+    /// in the same PDO.
+    fn tell<X: Share>(&self, exchange: &mut X) {
+        if let Some(state) = self.fleeting.state.filter(|_| self.fleeting.is_done) {
             exchange.lock(|exchange| exchange.state_shown(state));
         }
     }

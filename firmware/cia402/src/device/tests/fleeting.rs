@@ -137,3 +137,40 @@ fn nobody_waits_where_no_pdo_tells() {
     blocked(&mut station, 2);
     assert_eq!(station.state(), State::SwitchOnDisabled);
 }
+
+#[test]
+fn m08_a_pdo_that_a_sync_sends_before_the_device_is_polled_shows_the_state() {
+    let mut station = enabled(1, 0);
+    station.milliseconds(5);
+    stop(&mut station);
+    station.control_tick();
+    station.take();
+    station.send(0x080, &[]);
+    assert_eq!(shown(&mut station), [QUICK_STOP]);
+    station.milliseconds(3);
+    assert_eq!(station.state(), State::SwitchOnDisabled);
+}
+
+#[test]
+fn a_state_that_comes_again_before_the_device_looks_is_shown_already() {
+    let mut station = enabled(255, 0);
+    // It stays, and the next one does not.
+    station.download(0x605A, 0, 2, 6).unwrap();
+    stop(&mut station);
+    station.milliseconds(10);
+    station.download(0x605A, 0, 2, 2).unwrap();
+    // With bit 10: it stands.
+    assert_eq!(shown(&mut station).last().unwrap(), "184 17 06 01");
+    station.send(0x204, &[0x0F, 0x00, 0x01]);
+    let sent = station.now;
+    station.control_tick();
+    assert_eq!(
+        State::from_statusword(station.exchange.actuals_at(station.now).statusword),
+        Some(State::OperationEnabled)
+    );
+    // These frames were sent without a pause, but the second is handed over late.
+    station.deliver(0x204, &[0x02, 0x00, 0x01], sent);
+    station.control_tick();
+    station.milliseconds(4);
+    assert_eq!(station.state(), State::SwitchOnDisabled);
+}
