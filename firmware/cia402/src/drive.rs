@@ -19,7 +19,7 @@ use crate::cyclic::{Cyclic, fine};
 use crate::exchange::{Actuals, Commands, Share};
 use crate::faults::{EXTERNAL, Faults, Reaction};
 use crate::inputs::{DigitalInputs, Switches};
-use crate::modes::{Context, Modes};
+use crate::modes::{Context, Mode, Modes};
 use crate::monitor::{Monitor, Observed};
 use crate::motor::Motor;
 use crate::option_codes::{Stop, StopRamp};
@@ -207,8 +207,9 @@ impl Drive {
             exchange.lock(|exchange| exchange.take_configuration(&mut self.configuration));
         }
         let cyclic = &self.configuration.cyclic;
-        self.cyclic
-            .take(waiting, exchange, cyclic, self.modes.active());
+        let mode = self.modes.active();
+        let wanted = Mode::from_code(self.commands.mode).unwrap_or(mode);
+        self.cyclic.take(waiting, exchange, cyclic, (mode, wanted));
         self.is_seen = waiting.is_seen;
         let command = self.command();
         let elapsed = now

@@ -115,17 +115,33 @@ const fn moment_of_a_pulse(velocity: SignedSpeed) -> u32 {
 /// A change in so many microseconds as one in a second, saturating.
 #[cold]
 fn per_second(growth: i32, span: u32) -> i32 {
-    let number = i64::from(growth)
-        .saturating_mul(1_000_000)
-        .checked_div(span.into())
-        .unwrap_or(0);
-    let end = if number < 0 { i32::MIN } else { i32::MAX };
-    i32::try_from(number).unwrap_or(end)
+    let million = u64::from(growth.unsigned_abs()).wrapping_mul(1_000_000);
+    let (number, _) = motion::by_digit(million, span);
+    if growth < 0 {
+        let end = i32::MIN;
+        0_i32
+            .checked_sub_unsigned(u32::try_from(number).unwrap_or(u32::MAX))
+            .unwrap_or(end)
+    } else {
+        i32::try_from(number).unwrap_or(i32::MAX)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn m27_a_velocity_is_the_whole_quotient_towards_zero() {
+        for growth in [0, 1, -1, 7, -7, 4_294, -4_295, 123_456, i32::MAX, i32::MIN] {
+            for span in [1, 3, 999, 1_000, 1_001, 999_999, 1_000_000, u32::MAX] {
+                let number = i64::from(growth) * 1_000_000 / i64::from(span);
+                let expected = number.clamp(i32::MIN.into(), i32::MAX.into());
+                assert_eq!(i64::from(per_second(growth, span)), expected);
+            }
+            assert_eq!(per_second(growth, 0), 0);
+        }
+    }
 
     fn at(milliseconds: u64) -> Instant {
         Instant::from_ticks(milliseconds * 1000)

@@ -48,6 +48,8 @@ pub(crate) struct NetworkClock {
     spacing: Spacing,
     /// A set-point that waits for its slot.
     early: Option<Beat>,
+    /// There is a mode that goes by the slots. Without one they pass, and nothing is in them.
+    is_used: bool,
 }
 
 /// How far apart set-points are, in SYNCs.
@@ -103,7 +105,13 @@ impl NetworkClock {
             since: 0,
             spacing: Spacing::NONE,
             early: None,
+            is_used: true,
         }
+    }
+
+    /// Whether there is, or may soon be, a mode that goes by the slots.
+    pub(crate) const fn set_used(&mut self, is_used: bool) {
+        self.is_used = is_used;
     }
 
     pub(crate) const fn lock(&self) -> &Lock {
@@ -112,7 +120,11 @@ impl NetworkClock {
 
     /// The time between set-points.
     pub(crate) fn period(&self) -> Fine {
-        self.lock.period().saturating_mul(self.share.into())
+        let period = self.lock.period();
+        match self.share {
+            1 => period,
+            share => period.saturating_mul(share.into()),
+        }
     }
 
     /// A beat came. `is_new` says whether it brings a set-point, `interpolation` is 60C2h and `cycle` 1006h, both 0 if not known.
@@ -181,8 +193,12 @@ impl NetworkClock {
     }
 
     fn slot(&mut self, slots: &mut Slots) {
-        let beat = self.early.take();
         self.since = 0;
+        if !self.is_used {
+            self.early = None;
+            return;
+        }
+        let beat = self.early.take();
         let slot = Slot {
             at: self.lock.at(),
             period: self.period(),
@@ -221,10 +237,8 @@ impl NetworkClock {
 
     /// What 2050h shows of the beat.
     pub(crate) fn status(&self) -> SyncStatus {
-        let nanoseconds = |time: Fine| {
-            let whole = time.saturating_mul(1_000) >> POINT;
-            u32::try_from(whole).unwrap_or(u32::MAX)
-        };
+        // A period is at most two seconds, and so is jitter.
+        let nanoseconds = |time: Fine| (time.wrapping_mul(1_000) >> POINT) as u32;
         let is_there = self.lock.state() != 0;
         let shown = |time| if is_there { nanoseconds(time) } else { 0 };
         SyncStatus {

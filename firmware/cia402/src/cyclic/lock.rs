@@ -243,9 +243,11 @@ impl Lock {
             _ => 5,
         };
         self.at = self.at.wrapping_add_signed(error >> shift);
-        let gain = (error >> (2 * shift + 1))
-            .checked_div(periods.into())
-            .unwrap_or(0);
+        let gain = error >> (2 * shift + 1);
+        let gain = match periods {
+            1 => gain,
+            _ => gain.checked_div(periods.into()).unwrap_or(0),
+        };
         self.period = self
             .period
             .saturating_add_signed(gain)

@@ -52,20 +52,64 @@ impl Schedule {
 
     /// From this tick to the next, towards the moments of `lock`.
     fn in_step(&mut self, lock: &Lock) -> Fine {
-        let ticks = lock
-            .period()
-            .saturating_sub(lock.period() / 16)
-            .checked_div(self.nominal)
-            .unwrap_or(0)
-            .saturating_add(1);
-        self.tick = lock.period().checked_div(ticks).unwrap_or(self.nominal);
+        self.tick = self.even(lock.period());
         // The tick of the grid that is nearest to where the next tick would be.
         let wanted = self.due.wrapping_add(self.tick);
         let off = span(lock.at().wrapping_sub(self.lead()), wanted);
         let tick = self.tick.cast_signed();
-        let off = off.checked_rem_euclid(tick).unwrap_or(0);
-        let off = if off > tick / 2 { off - tick } else { off };
+        let off = nearest(off, tick);
         let most = tick / 32;
         self.tick.wrapping_add_signed(-off.max(-most).min(most))
+    }
+
+    /// As many ticks as a period needs, all of the same length. Where one is enough there is nothing to divide.
+    fn even(&self, period: Fine) -> Fine {
+        let least = period.saturating_sub(period / 16);
+        if least < self.nominal {
+            return period;
+        }
+        let ticks = least
+            .checked_div(self.nominal)
+            .unwrap_or(0)
+            .saturating_add(1);
+        period.checked_div(ticks).unwrap_or(self.nominal)
+    }
+}
+
+/// How far off the nearest tick of a grid is. In step, it is near already.
+fn nearest(off: i64, tick: i64) -> i64 {
+    let half = tick / 2;
+    if -half < off && off <= half {
+        return off;
+    }
+    let off = off.checked_rem_euclid(tick).unwrap_or(0);
+    if off > half { off - tick } else { off }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const TICK: Fine = 1_000 << POINT;
+
+    proptest! {
+        #[test]
+        fn m63_ticks_of_a_period_are_even_and_hardly_longer_than_nominal(period in TICK / 2..2_000 * TICK) {
+            let tick = Schedule::new(Duration::micros(1_000)).even(period);
+            let ticks = (period - period / 16) / TICK + 1;
+            prop_assert_eq!(tick, period / ticks);
+            prop_assert!(tick <= TICK + TICK / 15 + 1);
+        }
+
+        #[test]
+        fn m63_the_nearest_tick_is_at_most_half_a_tick_away(off in -10_000_i64..10_000, tick in 1_i64..2_000) {
+            let found = nearest(off, tick);
+            prop_assert_eq!((off - found) % tick, 0);
+            prop_assert!(2 * found <= tick && 2 * found > -tick - 2, "{found}");
+            let folded = off.rem_euclid(tick);
+            prop_assert_eq!(found, if folded > tick / 2 { folded - tick } else { folded });
+        }
     }
 }

@@ -50,9 +50,11 @@ impl Cyclic {
         waiting: Waiting,
         exchange: &mut X,
         configuration: &CyclicConfiguration,
-        mode: Mode,
+        (mode, wanted): (Mode, Mode),
     ) {
         self.slots.clear();
+        // The mode may become another in this tick.
+        self.clock.set_used(mode.is_cyclic() || wanted.is_cyclic());
         let has_records = mode == Mode::InterpolatedPosition;
         if !has_records {
             self.rhythm.stop();

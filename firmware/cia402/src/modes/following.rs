@@ -304,33 +304,30 @@ impl Following {
         let need = Self::unbarred(need, context);
         // A set-point beyond a limit stands still there.
         let pace = if need == asked { pace } else { 0 };
-        let (limits, _) = context.within(Limits {
-            velocity: Speed::ZERO,
-            acceleration: context.commands.profile_acceleration,
-            deceleration: context.commands.profile_deceleration,
-        });
-        let up = gain(limits.acceleration, seconds);
-        let down = gain(limits.deceleration, seconds);
-        let change = need.saturating_sub(self.way);
-        // Both this change and the one to the velocity of the set-points, behind it. Those are whole increments.
-        let is_gentle = change.saturating_abs() <= up.max(down).max(1 << POINT)
-            && need.saturating_sub(pace).saturating_abs() <= down.max(1 << POINT);
         let is_within_ramps = if self.is_catching_up {
-            is_gentle
+            let (up, down) = ramps(seconds, context);
+            let change = need.saturating_sub(self.way);
+            // Both this change and the one to the velocity of the set-points, behind it. Those are whole increments.
+            change.saturating_abs() <= up.max(down).max(1 << POINT)
+                && need.saturating_sub(pace).saturating_abs() <= down.max(1 << POINT)
         } else {
-            let most = Most {
-                up: gain(context.configuration.max_acceleration, seconds),
-                down: gain(context.configuration.max_deceleration, seconds),
-                rounding: self.rounding,
-            };
             let at = whole(self.at.saturating_add(need));
-            self.set_points.may_be_followed_by(at, most)
+            // A steady motion keeps to limits of any size.
+            let least = Most::rounding(self.rounding);
+            self.set_points.may_be_followed_by(at, least) || {
+                let most = Most {
+                    up: gain(context.configuration.max_acceleration, seconds),
+                    down: gain(context.configuration.max_deceleration, seconds),
+                    ..least
+                };
+                self.set_points.may_be_followed_by(at, most)
+            }
         };
         let is_in_reach = need.saturating_abs() <= most && is_within_ramps;
         let way = if is_in_reach {
             need
         } else {
-            self.chase(need, pace, most, (up, down))
+            self.chase(need, pace, most, ramps(seconds, context))
         };
         let way = self.before_limit(way, seconds, context);
         let way = Self::unbarred(way, context);
@@ -412,6 +409,17 @@ impl Following {
         let _ = motor.follow(waiting.end, to(waiting.at), curve);
         self.waiting = (!stands).then_some(knot);
     }
+}
+
+/// By how much a way may grow and shrink from period to period while the motor catches up.
+fn ramps(seconds: u64, context: &Context<'_>) -> (i64, i64) {
+    let (limits, _) = context.within(Limits {
+        velocity: Speed::ZERO,
+        acceleration: context.commands.profile_acceleration,
+        deceleration: context.commands.profile_deceleration,
+    });
+    let up = gain(limits.acceleration, seconds);
+    (up, gain(limits.deceleration, seconds))
 }
 
 /// How far the axis is from a position.

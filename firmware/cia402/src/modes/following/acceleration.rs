@@ -21,6 +21,17 @@ pub(super) struct Most {
     pub(super) rounding: i64,
 }
 
+impl Most {
+    /// Nothing but what rounding makes of a steady motion.
+    pub(super) const fn rounding(rounding: i64) -> Self {
+        Self {
+            up: 0,
+            down: 0,
+            rounding,
+        }
+    }
+}
+
 /// The last set-points, in whole increments modulo 2³².
 #[derive(Debug)]
 pub(super) struct SetPoints {
