@@ -1,10 +1,8 @@
 //! Switches whose contacts bounce: the debounce time 2033h makes one change of them, and it is where they first closed.
 
 use canopen::Duration;
-use sim::drive::Setup;
 use sim::plant::{Axis, Switch, Track};
 use tests::DriveBench;
-use tests::drive::SWITCH_ON_DISABLED;
 
 /// 60FDh bit 2: home switch.
 const HOME: u32 = 1 << 2;
@@ -19,13 +17,7 @@ fn drive(seed: u64, debounce: u8) -> DriveBench {
         },
         ..Axis::default()
     };
-    let setup = Setup {
-        axis: Some(axis),
-        ..Setup::with_node_id(1, 4)
-    };
-    let mut drive = DriveBench::with(setup, 4);
-    drive.start();
-    drive.reaches(SWITCH_ON_DISABLED, 20);
+    let mut drive = DriveBench::on(axis);
     drive.write_u8(0x2033, 0, debounce);
     drive
 }

@@ -1,7 +1,6 @@
 //! The cyclic modes 7, 8 and 9 at software limits and limit switches, in virtual time.
 
 use canopen::Frame;
-use sim::drive::Setup;
 use sim::plant::{Axis, Switch, Track};
 use tests::DriveBench;
 use tests::drive::{
@@ -9,7 +8,7 @@ use tests::drive::{
     TARGET_REACHED,
 };
 
-use crate::cyclic_position::{FOLLOWS, Master, expedited, expedited_sub, hardest};
+use crate::cyclic_master::{FOLLOWS, Master, expedited, expedited_sub, hardest};
 
 /// Statusword bit 13 in the modes that follow positions.
 const FOLLOWING_ERROR: u16 = 1 << 13;
@@ -49,13 +48,7 @@ impl Walk {
             },
             ..Axis::default()
         };
-        let setup = Setup {
-            axis: Some(axis),
-            ..Setup::with_node_id(1, 4)
-        };
-        let mut drive = DriveBench::with(setup, 4);
-        drive.start();
-        drive.reaches(SWITCH_ON_DISABLED, 20);
+        let mut drive = DriveBench::on(axis);
         // Mode 9 knows no other ramps.
         drive.write_u32(0x60C5, 0, 1_000_000);
         drive.write_u32(0x60C6, 0, 1_000_000);

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use sim::drive::MotionSample;
 use tests::drive::{INTERNAL_LIMIT, OPERATION_ENABLED};
 
-use crate::cyclic_position::{FOLLOWS, Master, expedited};
+use crate::cyclic_master::{FOLLOWS, Master, expedited};
 
 /// 607Fh, in increments/s.
 const FASTEST: i64 = 20_000;

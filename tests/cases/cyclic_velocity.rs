@@ -3,7 +3,7 @@
 use canopen::Frame;
 use tests::drive::{FAULT, INTERNAL_LIMIT};
 
-use crate::cyclic_position::{FOLLOWS, Master, expedited, hardest};
+use crate::cyclic_master::{FOLLOWS, Master, expedited, hardest};
 
 /// A master of mode 9 and a cycle of 1 ms, that need not repeat a velocity.
 fn master() -> Master {

@@ -1,11 +1,10 @@
 //! The following error over the bus: what it shows, and when it is a fault.
 
-use sim::drive::Setup;
 use sim::plant::{Axis, Track};
 use tests::DriveBench;
 use tests::drive::{FAULT, OPERATION_ENABLED, SWITCH_ON_DISABLED};
 
-use crate::cyclic_position::Master;
+use crate::cyclic_master::Master;
 
 /// Statusword bit 13 in profile position: following error.
 const FOLLOWING_ERROR: u16 = 1 << 13;
@@ -92,13 +91,7 @@ fn m42_606ch_of_a_motor_that_is_stuck_is_0_whatever_the_period_of_sync() {
             },
             ..Axis::default()
         };
-        let setup = Setup {
-            axis: Some(axis),
-            ..Setup::with_node_id(1, 4)
-        };
-        let mut drive = DriveBench::with(setup, 4);
-        drive.start();
-        drive.reaches(SWITCH_ON_DISABLED, 20);
+        let mut drive = DriveBench::on(axis);
         drive.write_u32(0x6065, 0, u32::MAX);
         let mut master = Master::of(drive, 8, cycle);
         master.steps([0; 100]);

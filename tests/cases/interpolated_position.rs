@@ -4,7 +4,7 @@ use canopen::{Duration, Frame};
 use tests::DriveBench;
 use tests::drive::{FAULT, OPERATION_ENABLED, QUICK_STOP_ACTIVE, SWITCH_ON_DISABLED};
 
-use crate::cyclic_position::{FOLLOWS, Master, expedited};
+use crate::cyclic_master::{FOLLOWS, Master, expedited};
 
 /// Writes a record by SDO, without waiting for the answer.
 fn record(drive: &mut DriveBench, position: i32) {

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use sim::drive::Setup;
 use sim::plant::{Axis, Load, MotorData, SupplyData, Track};
 use tests::DriveBench;
 use tests::drive::{FAULT, OPERATION_ENABLED, SWITCH_ON_DISABLED, TARGET_REACHED};
@@ -36,13 +35,7 @@ fn axis(encoder: bool) -> Axis {
 
 /// A drive on an axis that is enabled, and faults once its motor is 100 steps off for 10 ms.
 fn enabled(axis: Axis) -> DriveBench {
-    let setup = Setup {
-        axis: Some(axis),
-        ..Setup::with_node_id(1, 4)
-    };
-    let mut drive = DriveBench::with(setup, 4);
-    drive.start();
-    drive.reaches(SWITCH_ON_DISABLED, 20);
+    let mut drive = DriveBench::on(axis);
     drive.write_u32(0x6065, 0, 100);
     drive.write_u16(0x6066, 0, 10);
     drive.enable();
@@ -190,14 +183,7 @@ fn home(drive: &mut DriveBench, method: i8, speeds: (u32, u32)) -> i64 {
 }
 
 fn on(axis: Axis) -> DriveBench {
-    let setup = Setup {
-        axis: Some(axis),
-        ..Setup::with_node_id(1, 4)
-    };
-    let mut drive = DriveBench::with(setup, 4);
-    drive.start();
-    drive.reaches(SWITCH_ON_DISABLED, 20);
-    drive
+    DriveBench::on(axis)
 }
 
 #[test]

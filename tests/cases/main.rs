@@ -8,6 +8,7 @@ mod coherence;
 mod commissioning;
 mod controller;
 mod cyclic_limits;
+mod cyclic_master;
 mod cyclic_periods;
 mod cyclic_position;
 mod cyclic_velocity;

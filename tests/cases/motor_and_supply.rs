@@ -27,13 +27,7 @@ fn motor() -> MotorData {
 
 /// A drive in operation enabled with these currents in milliamperes, on this axis.
 fn enabled(axis: Axis, currents: [u16; 3]) -> DriveBench {
-    let setup = Setup {
-        axis: Some(axis),
-        ..Setup::with_node_id(1, 4)
-    };
-    let mut drive = DriveBench::with(setup, 4);
-    drive.start();
-    drive.reaches(SWITCH_ON_DISABLED, 20);
+    let mut drive = DriveBench::on(axis);
     for (sub, current) in (1..).zip(currents) {
         drive.write_u16(CURRENTS, sub, current);
     }

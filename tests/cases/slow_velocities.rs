@@ -4,7 +4,7 @@ use canopen::Frame;
 use tests::DriveBench;
 use tests::drive::{INTERNAL_LIMIT, TARGET_REACHED};
 
-use crate::cyclic_position::{FOLLOWS, Master, expedited};
+use crate::cyclic_master::{FOLLOWS, Master, expedited};
 
 /// Statusword bit 12 in profile velocity: speed is 0.
 const SPEED_ZERO: u16 = 1 << 12;

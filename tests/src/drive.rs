@@ -2,6 +2,7 @@
 
 use canopen::Frame;
 use sim::drive::{Setup, VirtualDrive};
+use sim::plant::Axis;
 
 use crate::line::Line;
 
@@ -72,6 +73,18 @@ impl DriveBench {
     /// A drive that is Operational, in switch on disabled.
     pub fn started(node_id: u8) -> Self {
         let mut bench = Self::booted(node_id);
+        bench.start();
+        bench.reaches(SWITCH_ON_DISABLED, 20);
+        bench
+    }
+
+    /// A drive with this axis as its motor, Operational, in switch on disabled.
+    pub fn on(axis: Axis) -> Self {
+        let setup = Setup {
+            axis: Some(axis),
+            ..Setup::with_node_id(1, 4)
+        };
+        let mut bench = Self::with(setup, 4);
         bench.start();
         bench.reaches(SWITCH_ON_DISABLED, 20);
         bench

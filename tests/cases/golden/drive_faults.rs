@@ -1,9 +1,8 @@
 //! Each kind of fault of the drive as candump shows it, from operation enabled on: its emergency message, the statusword, its reset.
 
 use canopen::{Duration, Frame};
-use sim::drive::Setup;
 use sim::plant::{Axis, STEP_CLOCK_HZ, SupplyChange, SupplyData, Switch, Track};
-use tests::drive::{DriveBench, SWITCH_ON_DISABLED};
+use tests::drive::DriveBench;
 
 /// The fault comes and goes, and a rising edge of controlword bit 7 resets it.
 fn trace_of(mut come: impl FnMut(&mut DriveBench), mut go: impl FnMut(&mut DriveBench)) -> String {
@@ -115,13 +114,7 @@ fn a_supply_that_rises_too_high() {
         }),
         ..Axis::default()
     };
-    let setup = Setup {
-        axis: Some(axis),
-        ..Setup::with_node_id(1, 4)
-    };
-    let mut drive = DriveBench::with(setup, 4);
-    drive.start();
-    drive.reaches(SWITCH_ON_DISABLED, 20);
+    let mut drive = DriveBench::on(axis);
     drive.enable();
     drive.run_millis(100);
     drive.command(0x80);

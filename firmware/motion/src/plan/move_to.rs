@@ -205,12 +205,17 @@ impl Route {
         let (mantissa, exponent) = square.leading();
         let acceleration = u128::from(self.limits.acceleration);
         let deceleration = u128::from(self.limits.deceleration);
-        // 64 + 32 + 31 bits: no overflow.
-        let share = quotient(
-            u128::from(mantissa).wrapping_mul(deceleration) << 31,
-            0,
-            acceleration.wrapping_add(deceleration),
-        );
+        let share = if acceleration == deceleration {
+            // Half of it; most moves are like that, and a division is dear.
+            u128::from(mantissa) << 30
+        } else {
+            // 64 + 32 + 31 bits: no overflow.
+            quotient(
+                u128::from(mantissa).wrapping_mul(deceleration) << 31,
+                0,
+                acceleration.wrapping_add(deceleration),
+            )
+        };
         // share · 2^(exponent − 31), brought to 64 bits and an even exponent, so that its root is a shift.
         let mut shift = 64u32.saturating_sub(share.leading_zeros());
         if (shift ^ exponent) & 1 == 0 {
