@@ -182,10 +182,6 @@ fn home(drive: &mut DriveBench, method: i8, speeds: (u32, u32)) -> i64 {
     drive.axis().plant().rotor() - i64::from(shown)
 }
 
-fn on(axis: Axis) -> DriveBench {
-    DriveBench::on(axis)
-}
-
 #[test]
 fn d25_a_hard_stop_is_felt_by_the_load_angle() {
     for (method, stop) in [(-3, 7_000), (-4, -6_000)] {
@@ -198,7 +194,7 @@ fn d25_a_hard_stop_is_felt_by_the_load_angle() {
             motor.senses_stall = true;
             motor.load.compliance = 8;
         }
-        let mut drive = on(axis);
+        let mut drive = DriveBench::on(axis);
         let zero = home(&mut drive, method, (4_000, 1_000));
         // Nobody has counted what was lost at the stop: one electrical turn to either side.
         assert!((zero - stop).abs() <= TURN, "method {method}: {zero}");
@@ -211,16 +207,16 @@ fn d25_the_ready_axes_with_a_motor_find_home() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../sim/plants/with_motor");
         Axis::read(&folder.join(name)).unwrap()
     };
-    let mut belt = on(axis("belt.toml"));
+    let mut belt = DriveBench::on(axis("belt.toml"));
     belt.write_u8(0x2032, 0, 0b11);
     let zero = home(&mut belt, 24, (20_000, 1_000));
     assert!((zero - 2_408).abs() <= PLAY, "belt: {zero}");
 
-    let mut lead_screw = on(axis("lead_screw.toml"));
+    let mut lead_screw = DriveBench::on(axis("lead_screw.toml"));
     let zero = home(&mut lead_screw, 1, (20_000, 1_000));
     assert!((zero - 1_100).abs() <= PLAY, "lead screw: {zero}");
 
-    let mut rotary_table = on(axis("rotary_table.toml"));
+    let mut rotary_table = DriveBench::on(axis("rotary_table.toml"));
     let zero = home(&mut rotary_table, 33, (10_000, 1_000));
     let beside = (zero - 640).rem_euclid(3_200);
     assert!(

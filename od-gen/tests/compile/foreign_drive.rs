@@ -7,7 +7,7 @@ mod dictionary {
 }
 
 use canopen::{BitRate, Duration, Frame, Instant, NodeId, Settings};
-use cia402::{Actuals, Commands, Configuration, Device, Exchange};
+use cia402::{Actuals, Commands, Device, Exchange};
 use dictionary::Dictionary;
 
 struct Station {
@@ -33,8 +33,8 @@ impl Station {
 
     /// What the next control tick would take.
     fn commands(&mut self) -> Commands {
-        let (mut commands, mut configuration) = (Commands::NONE, Configuration::NONE);
-        self.exchange.take(&mut commands, &mut configuration);
+        let mut commands = Commands::NONE;
+        self.exchange.take(&mut commands);
         commands
     }
 
@@ -69,7 +69,7 @@ fn main() {
 
     // At power-on: 500 tenths are 5000 steps/s; 6083h and its shadow 2007h (in thousands) agree.
     let commands = station.commands();
-    assert_eq!((commands.profile_velocity, commands.mode), (5000, 0));
+    assert_eq!((commands.profile_velocity.whole(), commands.mode), (5000, 0));
     assert_eq!((commands.profile_acceleration, commands.profile_deceleration), (1000, 1000));
     assert_eq!(station.read(0x2007), 1);
 
@@ -77,7 +77,7 @@ fn main() {
     assert_eq!(station.write(0x2003, 4, 1000)[0], OK);
     assert_eq!(station.commands().target_position, 1600);
     assert_eq!(station.write(0x2006, 2, 123)[0], OK);
-    assert_eq!(station.commands().profile_velocity, 1230);
+    assert_eq!(station.commands().profile_velocity.whole(), 1230);
     assert_eq!(station.write(0x2012, 1, 1)[0], OK);
     assert_eq!(station.commands().profile_deceleration, 20_000);
 
@@ -100,7 +100,7 @@ fn main() {
     assert_eq!(station.write(0x2007, 2, 0)[4..], [0x32, 0, 0x09, 0x06]);
 
     // What the drive shows: 24 bits of micrometres, moved by 1000, and codes.
-    station.exchange.publish(Actuals {
+    station.exchange.publish(&Actuals {
         statusword: 0x1237,
         mode_display: 1,
         position_actual: -160,
