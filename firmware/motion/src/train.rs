@@ -76,9 +76,10 @@ pub(crate) struct Train {
     hold: u32,
     setup: u32,
     segment: u32,
-    /// The longest chord, and the speed up to which it may be so long, Q24 steps per tick.
+    /// The longest chord, the speed up to which it may be so long, Q24 steps per tick, and the shortest chord.
     longest: u32,
     easy: u32,
+    least_chord: u32,
     /// Steps made, modulo 2³².
     steps: i32,
     /// The level of the direction signal; `None` until a record has set it.
@@ -118,6 +119,7 @@ impl Train {
             segment,
             longest,
             easy: square.isqrt() as u32,
+            least_chord: longest.min(segment / CHORDS_PER_SEGMENT),
             steps,
             direction: None,
             pen,
@@ -160,8 +162,7 @@ impl Train {
         } else {
             self.shorter_chord(speed)
         };
-        let least = (self.segment / CHORDS_PER_SEGMENT).min(self.longest);
-        most.min(longest).max(least)
+        most.min(longest).max(self.least_chord)
     }
 
     /// Divisions are dear, and this one is seldom needed.
