@@ -34,7 +34,7 @@ def identity(lss):
 def test_fastscan_finds_the_unconfigured_drive(lss):
     expected = identity(lss)
     # Every bit that is 1 costs one time-out, and an answer that comes late spoils the scan.
-    lss.RESPONSE_TIMEOUT = 1
+    lss.RESPONSE_TIMEOUT = 2
     found, words = lss.fast_scan()
     assert found
     assert words == expected
@@ -46,9 +46,10 @@ def test_fastscan_finds_the_unconfigured_drive(lss):
 
 @pytest.mark.only("socketcan")
 def test_fastscan_finds_two_drives_in_turn(start, connect):
-    serials = (0x12345678, 0x12345679)
+    # Each bit that is 1 costs a time-out, so there are few; and time enough for two drives to answer on a busy machine.
+    serials = (0x10000, 0x10001)
     network = connect([start(arguments=["--serial", serial]) for serial in serials][0])
-    network.lss.RESPONSE_TIMEOUT = 1
+    network.lss.RESPONSE_TIMEOUT = 4
     for node_id, serial in enumerate(serials, start=1):
         boot_up = Frames(network, 0x700 + node_id)
         assert network.lss.fast_scan() == (True, [0, 0x402, 0x10000, serial])
