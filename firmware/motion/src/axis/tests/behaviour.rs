@@ -441,7 +441,7 @@ fn pulses_are_in_the_middle_between_steps() {
 }
 
 #[test]
-fn four_million_steps_per_second_stay_within_a_step() {
+fn four_million_steps_per_second_stay_within_a_step_and_its_rounding() {
     let (mut axis, mut sink) = axis(FAST);
     // Whole steps are half a step off in any case.
     sink.tolerance = 1.5;
