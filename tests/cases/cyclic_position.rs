@@ -2,7 +2,7 @@
 
 use canopen::Frame;
 use tests::DriveBench;
-use tests::drive::{FAULT, INTERNAL_LIMIT, OPERATION_ENABLED, State};
+use tests::drive::{FAULT, INTERNAL_LIMIT, OPERATION_ENABLED};
 
 use crate::cyclic_master::{FOLLOWS, Master, expedited_sub, hardest, latency};
 
@@ -486,35 +486,4 @@ fn m68_records_that_run_out_in_motion_are_lost_set_points() {
     }
     assert!(FAULT.is_shown_by(master.drive.statusword()));
     assert_eq!(master.drive.read_u16(0x603F, 0), 0x8250);
-}
-
-#[test]
-fn soft_motion_starts_at_1_2_and_4_ms_with_four_pdos_each_way() {
-    for cycle in [1_000, 2_000, 4_000] {
-        let mut drive = DriveBench::booted(4);
-        // Pre-operational: the mode, its period, every PDO synchronous.
-        drive.write_u8(0x6060, 0, 8);
-        drive.write_u8(0x60C2, 1, u8::try_from(cycle / 1_000).unwrap());
-        for number in 0..4 {
-            for base in [0x1400, 0x1800] {
-                drive.write_u8(base + number, 2, 1);
-            }
-        }
-        drive.start();
-        let mut master = Master::on(drive, cycle);
-        let states: [(u16, State); 3] = [
-            (0x06, tests::drive::READY_TO_SWITCH_ON),
-            (0x07, tests::drive::SWITCHED_ON),
-            (0x0F, OPERATION_ENABLED),
-        ];
-        for (controlword, state) in states {
-            master.controlword = controlword;
-            let actual = master.shown.last().copied().unwrap_or(0);
-            master.steps(std::iter::repeat_n(actual, 50));
-            assert!(state.is_shown_by(master.drive.statusword()), "{cycle} us");
-        }
-        master.steps(to_and_fro(i32::try_from(cycle / 50).unwrap()));
-        master.is_exact(150);
-        assert_eq!(master.drive.read_u8(0x2050, 1), 2, "locked");
-    }
 }

@@ -52,6 +52,7 @@ mod sdo_servers;
 mod seeded;
 mod set_points;
 mod slow_velocities;
+mod soft_motion;
 mod state_machine;
 mod storage;
 mod sync_emergency;
