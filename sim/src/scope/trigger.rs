@@ -47,10 +47,14 @@ impl Trigger {
                 None => (bit, Edge::Rising),
                 Some((_, other)) => return Err(format!("a bit becomes 0 or 1, and not {other}")),
             };
-            let bit = bit.trim().parse().ok().filter(|bit| *bit < 32);
-            let bit: u32 = bit.ok_or("the bits of a value are 0 to 31")?;
+            let object = mapping(object, sheet)?;
+            // A bit that is not there never changes, and nobody would be told.
+            let bits = (object & 0xFF).min(32);
+            let bit = bit.trim().parse().ok().filter(|bit| *bit < bits);
+            let bit: u32 =
+                bit.ok_or_else(|| format!("the bits of this value are 0 to {}", bits - 1))?;
             return Ok(Self::Edge {
-                object: mapping(object, sheet)?,
+                object,
                 edge,
                 level: 0,
                 mask: 1 << bit,
@@ -63,10 +67,12 @@ impl Trigger {
         ] {
             if let Some((object, level)) = text.split_once(sign) {
                 let level = level.trim().parse();
+                let level = level.map_err(|error| format!("the level of the trigger: {error}"))?;
+                within_range(object, level, sheet)?;
                 return Ok(Self::Edge {
                     object: mapping(object, sheet)?,
                     edge,
-                    level: level.map_err(|error| format!("the level of the trigger: {error}"))?,
+                    level,
                     mask: 0,
                 });
             }
@@ -74,5 +80,17 @@ impl Trigger {
         Err(format!(
             "`{text}` is no trigger: now, drive, fault, OBJECT>LEVEL, OBJECT<LEVEL, OBJECT~LEVEL, OBJECT#BIT or OBJECT#BIT=0"
         ))
+    }
+}
+
+/// A value is on the upper side from the level on: it must be able to come to both sides.
+fn within_range(object: &str, level: i32, sheet: &DataSheet) -> Result<(), String> {
+    let address = sheet.find(object.trim())?;
+    let range = sheet.data_type(address).and_then(|known| known.range());
+    match range {
+        Some((least, most)) if i128::from(level) <= least || i128::from(level) > most => Err(
+            format!("{address} never crosses {level}: its values are {least} to {most}"),
+        ),
+        _ => Ok(()),
     }
 }

@@ -59,13 +59,22 @@ impl<'a> TimerModel<'a> {
         self.0.borrow_mut().is_stalled = is_stalled;
     }
 
-    /// The break input becomes active: the outputs are cut off by hardware.
-    pub fn pull_break(&self) {
+    /// The level of the break input. While it is active the outputs are cut off by hardware, and software can neither let them go on nor
+    /// clear the flag.
+    pub fn set_break(&self, is_active: bool) {
         let mut machine = self.0.borrow_mut();
-        machine.registers[Register::Bdtr as usize] &= !bits::MOE;
-        machine.registers[Register::Sr as usize] |= bits::BIF;
-        let now = machine.now;
-        machine.judge.cut(now);
+        machine.is_break_active = is_active;
+        machine.cut_off();
+    }
+
+    /// What a capture channel of the counter (1 to 4) has caught of an edge at its pin at this moment: the filter tells it some ticks later.
+    ///
+    /// # Panics
+    /// If the channel is not set up to capture edges of its pin.
+    pub fn capture(&self, channel: u32) -> u32 {
+        let filter = self.0.borrow().filter_of(channel);
+        self.run(filter);
+        self.0.borrow().count
     }
 
     /// Whether the timer stands where channel 1 would be high.
@@ -123,6 +132,7 @@ struct Machine<'a> {
     burst: Option<Burst>,
     burst_ticks: u64,
     is_stalled: bool,
+    is_break_active: bool,
     count: u32,
 }
 
@@ -153,6 +163,7 @@ impl<'a> Machine<'a> {
             burst: None,
             burst_ticks: 60,
             is_stalled: false,
+            is_break_active: false,
             count: 0,
         }
     }
@@ -221,7 +232,14 @@ impl<'a> Machine<'a> {
                 }
             }
             Register::CounterCnt => self.count = value,
-            Register::Sr => self.registers[register as usize] &= value,
+            Register::Sr => {
+                self.registers[register as usize] &= value;
+                self.cut_off();
+            }
+            Register::Bdtr => {
+                self.registers[register as usize] = value;
+                self.cut_off();
+            }
             _ => self.registers[register as usize] = value,
         }
     }
@@ -232,6 +250,31 @@ impl<'a> Machine<'a> {
             Register::CounterCnt => self.count,
             _ => self.register(register),
         }
+    }
+
+    /// An active break input cuts the outputs off, if it is switched on.
+    fn cut_off(&mut self) {
+        if self.is_break_active && self.register(Register::Bdtr) & bits::BREAK == bits::BREAK {
+            self.registers[Register::Bdtr as usize] &= !bits::MOE;
+            self.registers[Register::Sr as usize] |= bits::BIF;
+            self.judge.cut(self.now);
+        }
+    }
+
+    /// How long the input filter of a capture channel takes, in ticks of TIM1, which has twice the clock of the counter.
+    fn filter_of(&self, channel: u32) -> u64 {
+        assert!((1..=4).contains(&channel));
+        let pair = if channel <= 2 {
+            Register::CounterCcmr1
+        } else {
+            Register::CounterCcmr2
+        };
+        let mode = self.register(pair) >> (8 * ((channel - 1) % 2)) & 0xFF;
+        let polarity = self.register(Register::CounterCcer) >> (4 * (channel - 1)) & 0xF;
+        assert_eq!(mode & 0b11, 0b01, "the channel captures its own pin");
+        assert_eq!(polarity, 0b1011, "both edges are captured");
+        assert_eq!(mode >> 4, 3, "the filter wants 8 samples");
+        2 * 8
     }
 
     /// CEN.
