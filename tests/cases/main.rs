@@ -61,4 +61,5 @@ mod time;
 mod touch_probe;
 mod units;
 mod velocity;
+mod visibility;
 mod walk_through;
