@@ -121,6 +121,21 @@ fn m68_a_command_to_leave_that_is_taken_back_leaves_no_record() {
     assert!(OPERATION_ENABLED.is_shown_by(master.drive.statusword()));
 }
 
+/// As ros2_canopen does: its RPDO is synchronous, so it repeats the last record with each SYNC while it has none to give.
+#[test]
+fn m68_records_under_halt_without_bit_4_are_not_kept() {
+    let mut master = Master::new(7, 10_000);
+    for (controlword, kept) in [(0x10F, 0), (0x0F, 5), (0x10F, 5), (0x11F, 10)] {
+        master.drive.command(controlword);
+        for _ in 0..5 {
+            record(&mut master.drive, 0);
+            master.sync(0);
+        }
+        let waits = master.drive.read_u16(0x60C4, 4);
+        assert_eq!(waits, kept, "controlword {controlword:03X}h");
+    }
+}
+
 /// A drive in mode 7 with 60C2h = 10 ms and bit 4, which has never heard of SYNC.
 fn without_sync() -> DriveBench {
     let mut drive = DriveBench::started(4);

@@ -4,7 +4,8 @@
 //!   record leaves it at each SYNC that is due by 60C2h; without SYNC, in each period. How it is followed, [`Following`] says.
 //! - An empty buffer is bridged as a missing set-point is. Then the motor stops with 6085h, and 2051h:2 says what else.
 //! - Bit 4 = 0 and halt stop on the ramp of 605Dh. The records stay, and those that come are kept, until 60C4h:6 = 0 clears the buffer. Leaving
-//!   the mode, or operation enabled, clears it too.
+//!   the mode, or operation enabled, clears it too. Halt with bit 4 = 0 says that nothing is wanted: what comes meanwhile is dropped, or it would
+//!   be in the way of a master that repeats its RPDO with each SYNC.
 //!
 //! Bit 10: the motor stands at the last record and none waits; not where a limit or a stop has kept it from there. During halt, the motor
 //! stands. Bit 11 as in cyclic synchronous position. Bit 12: the
@@ -13,11 +14,16 @@
 use super::Context;
 use super::cyclic_position::bits;
 use super::following::{Following, Outcome};
-use crate::controlword::NEW_SET_POINT;
+use crate::controlword::{HALT, NEW_SET_POINT};
 use crate::statusword::TARGET_REACHED;
 
 /// Controlword bit 4 in this mode.
 const ENABLE: u16 = NEW_SET_POINT;
+
+/// Whether records that come with this controlword are taken: not under halt while bit 4 is 0.
+pub(super) const fn takes_records(controlword: u16) -> bool {
+    controlword & (HALT | ENABLE) != HALT
+}
 
 /// The mode.
 #[derive(Debug)]

@@ -394,6 +394,11 @@ impl Modes {
         }
     }
 
+    /// Whether data records of interpolated position that come with this controlword are taken.
+    pub(crate) const fn takes_records(controlword: u16) -> bool {
+        interpolated_position::takes_records(controlword)
+    }
+
     /// Whether data records of interpolated position are kept: not outside of the mode, and not when what it was after is forgotten.
     pub(crate) const fn keeps_records(&self) -> bool {
         matches!(self.active, Mode::InterpolatedPosition) && !self.interrupted
