@@ -42,6 +42,7 @@ mod profile_velocity;
 mod pulse_timing;
 mod random_frames;
 mod ros2_canopen;
+mod ros2_driver;
 mod scope;
 mod sdo;
 mod sdo_block_download;

@@ -155,8 +155,8 @@ impl SoftMotion {
         assert_eq!(drive.read_u32(0x1000, 0) & 0xFFFF, 402);
         drive.write_u32(0x1006, 0, u32::try_from(cycle).unwrap());
         for number in 0..4 {
-            map(&mut drive, 0x1400 + number, RPDOS[usize::from(number)]);
-            map(&mut drive, 0x1800 + number, TPDOS[usize::from(number)]);
+            drive.map_pdo(0x1400 + number, RPDOS[usize::from(number)], 1);
+            drive.map_pdo(0x1800 + number, TPDOS[usize::from(number)], 1);
         }
         drive.write_u8(0x60C2, 1, u8::try_from(cycle / 1_000).unwrap());
         drive.write_u8(0x60C2, 2, i8::cast_unsigned(-3));
@@ -309,23 +309,6 @@ impl SoftMotion {
             assert_eq!(shown, commanded, "{} us, cycle {}", self.cycle, first + k);
         }
     }
-}
-
-/// Gives a PDO its objects as a master does at start-up: invalid, without objects, with each of them, synchronous, valid again.
-fn map(drive: &mut DriveBench, index: u16, objects: &[u32]) {
-    let cob_id = drive.read_u32(index, 1) & 0x7FFF_FFFF;
-    drive.write_u32(index, 1, cob_id | 1 << 31);
-    drive.write_u8(index + 0x200, 0, 0);
-    for (sub, object) in (1..).zip(objects) {
-        drive.write_u32(index + 0x200, sub, *object);
-    }
-    drive.write_u8(index + 0x200, 0, u8::try_from(objects.len()).unwrap());
-    drive.write_u8(index, 2, 1);
-    if index >= 0x1800 {
-        drive.write_u16(index, 3, 0);
-        drive.write_u16(index, 5, 0);
-    }
-    drive.write_u32(index, 1, cob_id);
 }
 
 #[test]

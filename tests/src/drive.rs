@@ -110,6 +110,25 @@ impl DriveBench {
         }
     }
 
+    /// Gives a PDO (1400h, 1800h and up) its objects as masters do at start-up: invalid, without objects, then each of them, its
+    /// transmission type, no timers, valid again.
+    #[track_caller]
+    pub fn map_pdo(&mut self, index: u16, objects: &[u32], transmission_type: u8) {
+        let cob_id = self.read_u32(index, 1) & 0x7FFF_FFFF;
+        self.write_u32(index, 1, cob_id | 1 << 31);
+        self.write_u8(index + 0x200, 0, 0);
+        for (sub, object) in (1..).zip(objects) {
+            self.write_u32(index + 0x200, sub, *object);
+        }
+        self.write_u8(index + 0x200, 0, objects.len() as u8);
+        self.write_u8(index, 2, transmission_type);
+        if index >= 0x1800 {
+            self.write_u16(index, 3, 0);
+            self.write_u16(index, 5, 0);
+        }
+        self.write_u32(index, 1, cob_id);
+    }
+
     /// Sends a controlword by RPDO 1.
     pub fn command(&mut self, controlword: u16) {
         let cob_id = 0x200 + u16::from(self.node_id);
