@@ -19,6 +19,7 @@ mod golden;
 mod guarding;
 mod heartbeat;
 mod homing;
+mod homing_debounce;
 mod inputs_outputs;
 mod interpolated_position;
 mod lost_steps;

@@ -372,10 +372,12 @@ impl Switch {
         let captured = look.first_edge(mask, !self.state.active);
         let edge = captured.or(differs.then_some(look.position));
         let is_old = self.age > look.debounce.saturating_mul(LONGEST_BOUNCE);
+        let mut is_dropped = false;
         if protects && self.state.active && look.first_edge(mask, true).is_some() {
             // It was touched again since the last tick: whatever the level is now, no break has lasted.
             self.changing = 0;
             self.edge = self.edge.filter(|_| !is_old);
+            is_dropped = is_old;
         }
         if self.edge.is_none() {
             self.edge = edge;
@@ -387,10 +389,13 @@ impl Switch {
                 state: SwitchState {
                     active,
                     edge: self.edge,
+                    pending: None,
                 },
                 ..Self::default()
             };
-        } else if differs {
+            return;
+        }
+        if differs {
             self.changing = self.changing.saturating_add(look.elapsed);
             self.quiet = 0;
         } else {
@@ -413,6 +418,8 @@ impl Switch {
                 };
             }
         }
+        // One that is old has been decided on, even where the next one begins at once.
+        self.state.pending = self.edge.filter(|_| !is_dropped);
     }
 }
 

@@ -43,7 +43,10 @@ impl Bench {
         self.switches
             .observe(&inputs, &configuration, self.count(), 1_000);
         self.position += 10;
-        self.switches.home.state
+        SwitchState {
+            pending: None,
+            ..self.switches.home.state
+        }
     }
 }
 
@@ -58,11 +61,13 @@ fn at(position: i64) -> Count {
 const INACTIVE: SwitchState = SwitchState {
     active: false,
     edge: None,
+    pending: None,
 };
 
 const ACTIVE: SwitchState = SwitchState {
     active: true,
     edge: None,
+    pending: None,
 };
 
 #[test]
@@ -74,11 +79,66 @@ fn m61_a_change_counts_after_the_debounce_time_and_where_it_was_captured() {
     assert_eq!(bench.see(true, None, None), INACTIVE);
     assert_eq!(bench.see(true, None, None), INACTIVE);
     let edge = Some(1_007);
-    assert_eq!(
-        bench.see(true, None, None),
-        SwitchState { active: true, edge }
-    );
+    assert_eq!(bench.see(true, None, None), SwitchState { edge, ..ACTIVE });
     assert_eq!(bench.see(true, None, None), ACTIVE);
+}
+
+#[test]
+fn m61_an_edge_is_pending_until_it_counts_or_is_dropped() {
+    let mut bench = Bench::default();
+    let pending = |bench: &Bench| bench.switches.home.state.pending;
+    bench.see(true, Some(7), None);
+    assert_eq!(pending(&bench), Some(1_007));
+    bench.see(true, None, None);
+    bench.see(true, None, None);
+    assert_eq!(pending(&bench), Some(1_007));
+    assert_eq!(bench.see(true, None, None).edge, Some(1_007));
+    assert_eq!(pending(&bench), None);
+    // A glitch is one as long as it may still be bouncing.
+    bench.see(false, None, Some(20));
+    bench.see(true, Some(21), None);
+    assert_eq!(pending(&bench), Some(1_020));
+    for _ in 0..3 {
+        bench.see(true, None, None);
+    }
+    assert_eq!(pending(&bench), None);
+}
+
+#[test]
+fn m61_a_contact_that_never_rests_keeps_no_edge_pending_for_ever() {
+    for debounce in [0, 3, 20, 255] {
+        for protects in [false, true] {
+            let mask = 0b0100;
+            let mut bench = Bench {
+                configuration: Some(InputConfiguration {
+                    home: if protects { 0 } else { mask },
+                    positive_limit: if protects { mask } else { 0 },
+                    debounce,
+                    ..InputConfiguration::NONE
+                }),
+                ..Bench::default()
+            };
+            let mut longest = 0;
+            let mut since = 0;
+            for tick in 0..5_000 {
+                bench.see(tick % 2 == 0, Some(1), Some(2));
+                let Switches {
+                    home,
+                    positive_limit,
+                    ..
+                } = &bench.switches;
+                let switch = if protects { positive_limit } else { home };
+                since = if switch.state.pending.is_some() {
+                    since + 1
+                } else {
+                    0
+                };
+                longest = longest.max(since);
+            }
+            let bound = 5 * i32::from(debounce) + 5;
+            assert!(longest <= bound, "{debounce}, {protects}: {longest} ms");
+        }
+    }
 }
 
 #[test]
@@ -221,8 +281,8 @@ fn an_edge_that_was_not_captured_is_where_the_motor_was() {
     assert_eq!(
         bench.see(false, None, None),
         SwitchState {
-            active: false,
-            edge: Some(20)
+            edge: Some(20),
+            ..INACTIVE
         }
     );
 }
@@ -242,8 +302,8 @@ fn an_inverted_input_is_active_while_it_is_low() {
     assert_eq!(
         bench.see(true, Some(4), None),
         SwitchState {
-            active: false,
-            edge: Some(1_004)
+            edge: Some(1_004),
+            ..INACTIVE
         }
     );
     assert_eq!(bench.switches.word(), 0b100 << 16, "levels are shown bare");

@@ -50,6 +50,9 @@ pub struct SwitchState {
     pub active: bool,
     /// In the tick in which `active` changes: the position captured at the edge, if it was. Else the position in that tick counts.
     pub edge: Option<i32>,
+    /// The filter has seen an edge and is not sure of it yet: where it was. It becomes that of a change, or it is dropped. A
+    /// filter must decide within a bounded time, whatever the contact does: the motor waits for it at rest.
+    pub pending: Option<i32>,
 }
 
 /// What is seen in one tick. Positions are in steps, modulo 2³².
@@ -137,7 +140,8 @@ pub enum Failure {
     TooLong,
     /// No index pulse within the longest way to it.
     NoIndex,
-    /// The edge was run over again and again: the switch is too narrow for the search speed and the acceleration.
+    /// The switch is too narrow for the search speed: its edge was run over again and again, or it was passed to the limit switch and
+    /// touched for less than its filter wants.
     TooNarrow,
 }
 

@@ -12,6 +12,8 @@
 //! - The last edge is passed at zero speed and in one direction whatever the start, so that the hysteresis of a switch does not
 //!   shift home. Positions are those captured at the edge, not those at which it was noticed.
 //! - Home is the outermost position at which the switch is active: a rising and a falling edge at one place are one home.
+//! - An edge is noticed late, by the filter of the switch. So the motor turns back only when the filter has decided on all it has seen:
+//!   an edge that is noticed belongs to the run under way, and so does the first index pulse behind it.
 //! - Every change of direction is a full stop. The motor never goes on into a limit switch, other than the one it looks for.
 //! - Nothing goes on for ever: see [`Settings`] for the bounds, and [`Failure`] for how it ends.
 
@@ -65,6 +67,8 @@ pub struct Homing {
     /// The end of the switch's range that was passed last.
     passed: Option<End>,
     was_active: bool,
+    /// The switch was touched since its last change, and its filter has dropped that.
+    was_touched: bool,
     runs: u8,
     halted: bool,
     position: i32,
@@ -74,8 +78,10 @@ pub struct Homing {
     blocked_time: u64,
     /// Where the way to the index pulse begins: the reference edge, if there is one.
     edge: i32,
-    /// The last two index pulses before the edge was noticed; they may lie behind it.
-    pulses: [Option<i32>; 2],
+    /// The edge that the filter of the switch is not sure of yet.
+    pending: Option<i32>,
+    /// The first index pulse behind that edge.
+    early_pulse: Option<i32>,
     home: i32,
 }
 
@@ -124,6 +130,7 @@ impl Homing {
             turned: false,
             passed: None,
             was_active,
+            was_touched: false,
             runs: 0,
             halted: false,
             position: seen.position,
@@ -131,7 +138,8 @@ impl Homing {
             time: 0,
             blocked_time: 0,
             edge: seen.position,
-            pulses: [None; 2],
+            pending: None,
+            early_pulse: None,
             home: seen.position,
         })
     }
@@ -172,7 +180,8 @@ impl Homing {
         arrived: bool,
     ) -> Result<Outcome, Failure> {
         let order = match self.phase {
-            Phase::Choosing if arrived => return self.choose(seen),
+            // What was passed before the stop must not be noticed on the way back.
+            Phase::Choosing if arrived && self.pending.is_none() => return self.choose(seen),
             Phase::Approaching => self.approach(seen)?,
             Phase::LastMove => self.pass_edge(seen, passed)?,
             Phase::ToIndex => self.run_to_index(seen)?,
@@ -221,10 +230,13 @@ impl Homing {
             return Ok(None);
         };
         let switch = seen.switch(approach.switch);
+        let pending = core::mem::replace(&mut self.pending, switch.pending);
         if switch.active == self.was_active {
+            self.was_touched |= pending.is_some() && switch.pending.is_none();
             return Ok(None);
         }
         self.was_active = switch.active;
+        self.was_touched = false;
         self.passed = Some(End::crossed(self.direction, switch.active));
         Ok(Some((switch.edge.unwrap_or(seen.position), switch.active)))
     }
@@ -256,7 +268,6 @@ impl Homing {
             let direction = approach.last();
             self.free_way(seen, direction)?;
             self.phase = Phase::LastMove;
-            self.pulses = [None; 2];
             return Ok(self.run(direction, self.last_speed()));
         };
         if self.free_way(seen, direction).is_err() {
@@ -301,11 +312,20 @@ impl Homing {
             AtLimit::AsSet => self.settings.turns_at_limit,
         };
         if self.turned || !may_turn || self.passed.is_some() || self.was_active {
-            return Err(Failure::Limit);
+            return Err(self.at_limit());
         }
         self.turned = true;
         self.search = self.search.reversed();
         Ok(())
+    }
+
+    /// What it means to have met a limit switch on the way to an edge.
+    const fn at_limit(&self) -> Failure {
+        if self.was_touched {
+            Failure::TooNarrow
+        } else {
+            Failure::Limit
+        }
     }
 
     fn approach(&mut self, seen: &Seen) -> Result<Order, Failure> {
@@ -323,28 +343,49 @@ impl Homing {
     }
 
     fn pass_edge(&mut self, seen: &Seen, passed: Option<(i32, bool)>) -> Result<Order, Failure> {
-        if seen.index.is_some() {
-            self.pulses = [self.pulses[1], seen.index];
-        }
         let Some((edge, rose)) = passed else {
-            self.free_way(seen, self.direction)?;
+            self.keep_pulse(seen);
+            self.free_way(seen, self.direction)
+                .map_err(|_| self.at_limit())?;
             return Ok(Order::GoOn);
         };
-        self.home = if rose {
-            edge
-        } else {
-            edge.wrapping_sub(self.direction.sign())
-        };
+        self.home = self.outermost(edge, rose);
         if !self.method.index {
             return Ok(self.finish());
         }
+        let early = self.early_pulse.filter(|_| self.edge == self.home);
         // The last move was at zero speed: it just goes on.
         let order = self.begin_index(self.direction, self.home);
-        let mut pulses = self.pulses.into_iter().flatten();
+        let mut pulses = [early, seen.index].into_iter().flatten();
         Ok(match pulses.find(|pulse| self.is_behind_edge(*pulse)) {
             Some(pulse) => self.take_index(pulse),
             None => order,
         })
+    }
+
+    /// Keeps the first index pulse behind an edge that is not noticed yet.
+    fn keep_pulse(&mut self, seen: &Seen) {
+        let Some(pending) = self.pending else {
+            self.early_pulse = None;
+            return;
+        };
+        let edge = self.outermost(pending, !self.was_active);
+        if edge != self.edge {
+            self.edge = edge;
+            self.early_pulse = None;
+        }
+        self.early_pulse = self
+            .early_pulse
+            .or(seen.index.filter(|pulse| self.is_behind_edge(*pulse)));
+    }
+
+    /// The outermost position at which the switch is active, at an edge that was passed in this run.
+    const fn outermost(&self, edge: i32, rose: bool) -> i32 {
+        if rose {
+            edge
+        } else {
+            edge.wrapping_sub(self.direction.sign())
+        }
     }
 
     fn begin_index(&mut self, direction: Direction, edge: i32) -> Order {

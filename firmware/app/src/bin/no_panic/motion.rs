@@ -112,6 +112,7 @@ pub fn homing(homing: &mut Option<Homing>) {
     let switch = || homing::SwitchState {
         active: any() == 0,
         edge: (any() == 0).then(|| any() as i32),
+        pending: (any() == 0).then(|| any() as i32),
     };
     let seen = homing::Seen {
         elapsed: any(),

@@ -17,7 +17,7 @@ pub(crate) struct Track {
     pub(crate) stops: Option<Range>,
     /// So far beyond its edge a switch changes.
     pub(crate) hysteresis: i64,
-    /// So many ticks after its edge a switch is seen to have changed.
+    /// A switch is seen to have changed when it has kept its level for so many ticks.
     pub(crate) latency: usize,
 }
 
@@ -44,8 +44,10 @@ struct Switch {
     range: Option<Range>,
     hysteresis: i64,
     active: bool,
-    /// The edge and how many ticks until it is seen.
-    waiting: Option<(i32, usize)>,
+    /// Where it left the level that is seen.
+    edge: Option<i32>,
+    /// In how many ticks it has not been at that level.
+    changing: usize,
     seen: SwitchState,
 }
 
@@ -55,7 +57,8 @@ impl Switch {
             range,
             hysteresis,
             active: false,
-            waiting: None,
+            edge: None,
+            changing: 0,
             seen: SwitchState::default(),
         };
         switch.active = switch.is_active_at(position);
@@ -73,26 +76,26 @@ impl Switch {
             .is_some_and(|(low, high)| low + margin <= position && position <= high - margin)
     }
 
-    fn step(&mut self, position: i64, latency: usize) {
-        let active = self.is_active_at(position);
-        if active != self.active {
-            self.active = active;
-            self.waiting = Some((position as i32, latency));
+    fn step(&mut self, position: i64) {
+        self.active = self.is_active_at(position);
+        if self.active != self.seen.active {
+            self.edge = self.edge.or(Some(position as i32));
         }
     }
 
-    fn look(&mut self) -> SwitchState {
+    fn look(&mut self, latency: usize) -> SwitchState {
         self.seen.edge = None;
-        if let Some((edge, ticks)) = self.waiting.take() {
-            if ticks > 0 {
-                self.waiting = Some((edge, ticks - 1));
-            } else if self.active != self.seen.active {
-                self.seen = SwitchState {
-                    active: self.active,
-                    edge: Some(edge),
-                };
-            }
+        if self.active == self.seen.active {
+            self.changing = 0;
+            self.edge = None;
+        } else if self.changing < latency {
+            self.changing += 1;
+        } else {
+            self.changing = 0;
+            self.seen.active = self.active;
+            self.seen.edge = self.edge.take();
         }
+        self.seen.pending = self.edge;
         self.seen
     }
 }
@@ -151,7 +154,10 @@ impl Bench {
     }
 
     pub(crate) fn seen(&mut self) -> Seen {
-        let [negative_limit, positive_limit, home] = self.switches.each_mut().map(Switch::look);
+        let [negative_limit, positive_limit, home] = self
+            .switches
+            .each_mut()
+            .map(|switch| switch.look(self.track.latency));
         Seen {
             elapsed: 1_000,
             position: self.position as i32,
@@ -219,7 +225,7 @@ impl Bench {
             }
             self.position = next;
             for switch in &mut self.switches {
-                switch.step(next, self.track.latency);
+                switch.step(next);
             }
             if let Some((first, distance)) = self.track.index
                 && (next - first).rem_euclid(distance) == 0
