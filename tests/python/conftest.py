@@ -2,6 +2,9 @@
 
 `--target virtual` is a virtual drive that serves SLCAN, `--target firmware` the firmware image in QEMU, and
 `--target socketcan` a virtual drive on `vcan0`. Without it the virtual drive is tested.
+
+Against a virtual drive, the tests marked `own_limits` run in virtual time (`stepped.py`), with the time-outs of python-canopen as they are. On the
+other targets, which run in real time, its time-outs are those of `patience`: a PC that is busy tells nothing about the drive.
 """
 
 import pathlib
@@ -13,6 +16,7 @@ from canopen.profiles.p402 import BaseNode402
 
 from frames import Frames
 from server import Programs
+from stepped import VirtualTime
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EDS = ROOT / "eds" / "axis402.eds"
@@ -27,6 +31,9 @@ SDO_TIME_OUT, SERVER_PATIENCE = 0x5FF3, 20_000
 def pytest_addoption(parser):
     parser.addoption("--target", action="append", choices=["virtual", "firmware", "socketcan"])
     parser.addoption("--sim", default=ROOT / "target" / "debug" / "sim", help="the virtual drive's program")
+    parser.addoption(
+        "--stepped", default=ROOT / "target" / "debug" / "stepped_drive", help="the virtual drive in virtual time"
+    )
     parser.addoption("--axis402", default=ROOT / "target" / "debug" / "axis402", help="the master's command line")
     parser.addoption("--xtask", default=ROOT / "target" / "debug" / "xtask", help="the program that runs the emulator")
     parser.addoption("--image", help="the firmware's ELF file; without it, it is built")
@@ -38,6 +45,7 @@ def kinds(config):
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "only(kind, ...): the test is about these targets alone")
+    config.addinivalue_line("markers", "own_limits: with the time-outs of python-canopen, if the drive is virtual")
 
 
 def pytest_generate_tests(metafunc):
@@ -62,21 +70,53 @@ def pytest_make_parametrize_id(val):
     return f"{val:X}h" if isinstance(val, int) and val > 9 else None
 
 
-@pytest.fixture(scope="session", autouse=True)
-def patience():
-    """python-canopen's patience is for a PC that does nothing else; what it waits for must come, but may come late."""
-    for name in vars(BaseNode402):
-        if name.startswith(("TIMEOUT_SWITCH", "TIMEOUT_CHECK")):
-            setattr(BaseNode402, name, 10)
-    canopen.sdo.SdoClient.RESPONSE_TIMEOUT = 3
-    canopen.lss.LssMaster.RESPONSE_TIMEOUT = 3
-    # How often its thread looks whether it is to end.
-    canopen.Network.NOTIFIER_CYCLE = 0.02
+@pytest.fixture(autouse=True)
+def virtual_time(request, monkeypatch):
+    """The clock of a test that runs in virtual time, otherwise nothing."""
+    if "kind" in request.fixturenames and request.getfixturevalue("kind") == "virtual":
+        if request.node.get_closest_marker("own_limits"):
+            return VirtualTime(monkeypatch)
+    return None
+
+
+@pytest.fixture(autouse=True)
+def patience(virtual_time, monkeypatch):
+    """In real time python-canopen's patience is for a PC that does nothing else; what it waits for must come, but may come late."""
+    if virtual_time is None:
+        for name in vars(BaseNode402):
+            if name.startswith(("TIMEOUT_SWITCH", "TIMEOUT_CHECK")):
+                monkeypatch.setattr(BaseNode402, name, 10)
+        monkeypatch.setattr(BaseNode402, "TIMEOUT_HOMING_DEFAULT", 60)
+        monkeypatch.setattr(canopen.sdo.SdoClient, "RESPONSE_TIMEOUT", 3)
+        monkeypatch.setattr(canopen.lss.LssMaster, "RESPONSE_TIMEOUT", 3)
+        # How often its thread looks whether it is to end.
+        monkeypatch.setattr(canopen.Network, "NOTIFIER_CYCLE", 0.02)
+
+
+@pytest.fixture(autouse=True)
+def late(virtual_time, monkeypatch, caplog):
+    """What has not come in time, which must be nothing. `BaseNode402` tells it only when a path of several states is late too, and logs a
+    mode that is late."""
+    late = []
+    if virtual_time is not None:
+        change_state = BaseNode402._change_state
+
+        def watched(drive, target):
+            is_there = change_state(drive, target)
+            if not is_there:
+                late.append(target)
+            return is_there
+
+        monkeypatch.setattr(BaseNode402, "_change_state", watched)
+    yield late
+    if virtual_time is not None:
+        late += [record.getMessage() for record in caplog.get_records("call") if "imeout" in record.getMessage()]
+        assert late == []
 
 
 @pytest.fixture(scope="session")
 def programs(pytestconfig):
-    return Programs(*[pytestconfig.getoption(name) for name in ("--sim", "--axis402", "--xtask", "--image")])
+    return Programs(*[pytestconfig.getoption(name) for name in ("--sim", "--stepped", "--axis402", "--xtask", "--image")])
 
 
 @pytest.fixture
@@ -97,11 +137,15 @@ def started(tmp_path):
 
 
 @pytest.fixture
-def start(programs, kind, started):
+def start(programs, kind, started, virtual_time):
     """Starts devices, each with its store and its other arguments."""
 
     def start(store=None, arguments=()):
-        started.append(programs.start(kind, store, arguments))
+        if virtual_time is not None:
+            assert store is None
+            started.append(virtual_time.start([programs.stepped, *arguments]))
+        else:
+            started.append(programs.start(kind, store, arguments))
         return started[-1]
 
     return start

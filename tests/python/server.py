@@ -115,8 +115,9 @@ class Socketcan:
 class Programs:
     """Where the programs are, and how each kind of device is started."""
 
-    def __init__(self, sim, axis402, xtask, image):
+    def __init__(self, sim, stepped, axis402, xtask, image):
         self.sim = sim
+        self.stepped = stepped
         self.axis402 = axis402
         self.xtask = xtask
         self.image = image

@@ -11,14 +11,13 @@ from conftest import EDS, NODE_ID, add
 from canopen.profiles.p402 import BaseNode402
 from frames import wait_until
 
+pytestmark = pytest.mark.own_limits
+
 PLANTS = pathlib.Path(__file__).resolve().parents[2] / "sim" / "plants"
 
 ATTAINED = 0x1000
 ERROR = 0x2000
 TARGET_REACHED = 0x0400
-
-#: python-canopen waits so long for a homing to end, in seconds.
-PATIENCE = 60
 
 
 def prepare(drive, method):
@@ -45,7 +44,7 @@ def on_axis(start, connect, plant):
 def test_home_is_here(drive, method):
     prepare(drive, method)
     drive.sdo[0x607C].raw = -4_321
-    assert drive.homing(timeout=PATIENCE)
+    assert drive.homing()
     assert drive.sdo[0x6041].raw & (ERROR | ATTAINED | TARGET_REACHED) == ATTAINED | TARGET_REACHED
     assert drive.sdo[0x6064].raw == -4_321
     assert drive.sdo[0x2034][1].raw == 1
@@ -54,7 +53,7 @@ def test_home_is_here(drive, method):
 def test_is_homed_as_long_as_the_home_position_is_known(drive):
     prepare(drive, 37)
     assert not drive.is_homed()
-    assert drive.homing(timeout=PATIENCE)
+    assert drive.homing()
     assert drive.is_homed()
     # In another mode, and without power, nothing is forgotten.
     drive.op_mode = "PROFILED POSITION"
@@ -69,7 +68,7 @@ def test_without_its_switch_homing_fails_and_says_so(drive):
     prepare(drive, 24)
     # No input is for a home switch.
     drive.sdo[0x2031][3].raw = 0
-    assert not drive.homing(timeout=PATIENCE)
+    assert not drive.homing()
     assert drive.sdo[0x6041].raw & (ERROR | ATTAINED) == ERROR
     assert drive.sdo[0x2034][2].raw == 1
     assert drive.sdo[0x6064].raw == 0
@@ -82,7 +81,7 @@ def test_a_belt_is_homed_by_its_switches(start, connect, method):
     # Its limit switches are normally closed.
     drive.sdo[0x2032].raw = 0b11
     drive.sdo[0x607C].raw = 100
-    assert drive.homing(timeout=PATIENCE)
+    assert drive.homing()
     # Home is where the switch was; the motor has gone on for as long as it took to stop.
     assert 0 < abs(drive.sdo[0x6064].raw - 100) < 200
 
@@ -91,12 +90,12 @@ def test_a_belt_is_homed_by_its_switches(start, connect, method):
 def test_a_motor_with_a_mass_is_homed_and_felt_at_its_stop(start, connect):
     drive = prepare(on_axis(start, connect, "with_motor/belt.toml"), 24)
     drive.sdo[0x2032].raw = 0b11
-    assert drive.homing(timeout=PATIENCE)
+    assert drive.homing()
     assert abs(drive.sdo[0x6064].raw) < 200
     # Behind the negative limit switch, which is nothing to the drive now, there is a stop; the driver senses it.
     drive.sdo[0x2031][1].raw = 0
     drive.sdo[0x6098].raw = -4
-    assert drive.homing(timeout=PATIENCE)
+    assert drive.homing()
     assert drive.sdo[0x2034][2].raw == 0
     assert abs(drive.sdo[0x6064].raw) < 500
 
@@ -106,7 +105,7 @@ def test_a_lead_screw_is_homed_by_limit_switch_and_index(start, connect):
     drive = prepare(on_axis(start, connect, "lead_screw.toml"), 1)
     before = drive.sdo[0x6064].raw
     assert before == 0
-    assert drive.homing(timeout=PATIENCE)
+    assert drive.homing()
     # The motor stood at 60,000, the first index pulse right of the limit switch is at 1,100.
     drive.op_mode = "PROFILED POSITION"
     drive.sdo[0x607A].raw = 58_900
@@ -121,10 +120,10 @@ def test_a_limit_switch_that_is_met_is_an_error(start, connect):
     # The home switch is behind the motor: method 19 looks for it in the other direction.
     drive = prepare(on_axis(start, connect, "belt.toml"), 19)
     drive.sdo[0x2032].raw = 0b11
-    assert not drive.homing(timeout=PATIENCE)
+    assert not drive.homing()
     assert drive.sdo[0x60FD].raw & 0b111 == 0b010
     assert drive.sdo[0x2034][2].raw == 2
     # The way back is free.
     drive.sdo[0x6040].raw = 0x0F
     drive.sdo[0x2030][1].raw = 0b10
-    assert drive.homing(timeout=PATIENCE)
+    assert drive.homing()

@@ -4,6 +4,8 @@ import pytest
 
 from frames import Frames, wait_until
 
+pytestmark = pytest.mark.own_limits
+
 # Controlword: enable operation, and the bits of the mode.
 ENABLE = 0x000F
 NEW_SET_POINT = 0x0010

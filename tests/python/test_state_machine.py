@@ -1,9 +1,14 @@
-"""The CiA 402 state machine, driven by python-canopen's `BaseNode402`."""
+"""The CiA 402 state machine, driven by python-canopen's `BaseNode402`.
+
+With a virtual drive each transition has 0.4 s, the way to a state 0.8 s and a mode 0.5 s, as python-canopen has it (`stepped.py`).
+"""
 
 import pytest
 from canopen.profiles.p402 import State402
 
 from frames import wait_until
+
+pytestmark = pytest.mark.own_limits
 
 #: Every state that can be commanded, up and down again.
 THERE_AND_BACK = [
@@ -79,3 +84,36 @@ def test_modes_that_are_there(ready):
     for code, mode in [(0, "NO MODE"), (1, "PROFILED POSITION"), (6, "HOMING")]:
         ready.sdo[0x6060].raw = code
         wait_until(lambda: ready.op_mode == mode, mode)
+
+
+def test_a_fault_is_reset(network, ready):
+    # A heartbeat that stays away is a fault while the motor has power (6007h).
+    ready.sdo[0x6007].raw = 1
+    ready.sdo[0x1016][1].raw = 5 << 16 | 50
+    # The drive stays Operational, so that the fault is reset by the state machine alone.
+    ready.sdo[0x1029][1].raw = 1
+    ready.state = "OPERATION ENABLED"
+    network.send_message(0x705, b"\x05")
+    wait_until(lambda: ready.state == "FAULT", "the fault")
+    assert state_by_sdo(ready) == ["FAULT"]
+    assert ready.sdo[0x603F].raw == 0x8130
+    # The other node is back, and is not watched any more.
+    ready.sdo[0x1016][1].raw = 0
+    ready.reset_from_fault()
+    assert state_by_sdo(ready) == ["OPERATION ENABLED"]
+
+
+@pytest.mark.only("virtual")
+def test_what_takes_longer_than_python_canopen_waits_is_seen(ready, late):
+    ready.op_mode = "PROFILED VELOCITY"
+    ready.state = "OPERATION ENABLED"
+    ready.sdo[0x60FF].raw = 10_000
+    wait_until(lambda: ready.sdo[0x606C].raw == 10_000, "606Ch")
+    # Ten seconds on the ramp of 6084h, which 605Ch asks for.
+    ready.sdo[0x6084].raw = 1_000
+    with pytest.raises(RuntimeError, match="Timeout"):
+        ready.state = "SWITCHED ON"
+    # One try ends after 0.4 s, the next after 0.8 s.
+    assert late == ["SWITCHED ON"] * 2
+    late.clear()
+    wait_until(lambda: state_by_sdo(ready) == ["SWITCHED ON"], "the end of the ramp")

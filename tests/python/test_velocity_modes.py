@@ -5,6 +5,8 @@ from canopen.profiles.p402 import OperationMode
 
 from frames import wait_until
 
+pytestmark = pytest.mark.own_limits
+
 # Controlword: enable operation, bits 4 to 6 of the velocity mode, halt.
 ENABLE = 0x000F
 RAMP = 0x0070

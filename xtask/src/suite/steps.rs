@@ -201,14 +201,18 @@ fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the programs of the Python tests: the virtual drive, and a master's command line.
+/// Builds the programs of the Python tests: the virtual drive, the one in virtual time, and a master's command line.
 fn devices() -> Command {
     cargo(&[
         "build",
         "--package",
         "sim",
+        "--package",
+        "tests",
         "--bin",
         "sim",
+        "--bin",
+        "stepped_drive",
         "--bin",
         "axis402",
     ])
@@ -289,6 +293,8 @@ fn pytest(python: &Path, target: &str) -> Command {
     command
         .arg("--sim")
         .arg(place::built("sim"))
+        .arg("--stepped")
+        .arg(place::built("stepped_drive"))
         .arg("--axis402")
         .arg(place::built("axis402"))
         .arg("--xtask")
