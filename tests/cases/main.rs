@@ -7,6 +7,7 @@ mod can_layer;
 mod coherence;
 mod commissioning;
 mod controller;
+mod cyclic_exactness;
 mod cyclic_limits;
 mod cyclic_master;
 mod cyclic_periods;

@@ -7,7 +7,7 @@
 use heapless::Vec;
 
 use super::lock::{Heard, Lock};
-use super::{Beat, Fine, POINT, SyncStatus, fine};
+use super::{Beat, Fine, POINT, Pipeline, SyncStatus, fine};
 
 /// The most slots in one control tick.
 const MOST: usize = 4;
@@ -30,6 +30,18 @@ pub(crate) struct Slot {
     pub(crate) period: Fine,
     /// What has come; `None` if nothing new has.
     pub(crate) beat: Option<Beat>,
+}
+
+impl Slot {
+    /// When the motor is to be at its set-point. A cubic has to know the one behind it first.
+    pub(crate) fn due(&self, pipeline: &Pipeline, is_cubic: bool) -> Fine {
+        let due = self.at.wrapping_add(pipeline.latency(self.period));
+        if is_cubic {
+            due.wrapping_add(self.period)
+        } else {
+            due
+        }
+    }
 }
 
 /// The clock of the network.

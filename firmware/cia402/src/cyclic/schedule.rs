@@ -2,8 +2,13 @@
 //!
 //! In step, a tick comes a quarter of a tick before each beat, so that SYNC finds the values of that moment, and as many in between as keep ticks
 //! from being longer than they nominally are. The rhythm is brought into step by at most 1/32 in each tick.
+//!
+//! The moment before a beat is the one at which the motor is at a set-point. That was settled when the set-point came, some beats ago, and
+//! with jitter the loop has moved since: so the tick keeps to that moment ([`Schedule::aim`]), and not to what the loop says by now. At
+//! 500,000 increments/s the motor would be five of them further otherwise.
 
 use canopen::{Duration, Instant};
+use heapless::Deque;
 
 use super::lock::Lock;
 use super::{Fine, POINT, fine, span};
@@ -16,7 +21,12 @@ pub(crate) struct Schedule {
     due: Fine,
     /// From one tick to the next, as it is now.
     tick: Fine,
+    /// When the motor will be at set-points, the next one first.
+    aims: Deque<Fine, AIMS>,
 }
+
+/// Of the shortest periods so many set-points are on their way to the motor.
+const AIMS: usize = 12;
 
 impl Schedule {
     /// Ticks of this period.
@@ -26,7 +36,17 @@ impl Schedule {
             nominal,
             due: 0,
             tick: nominal,
+            aims: Deque::new(),
         }
+    }
+
+    /// The motor will be at a set-point at this moment. What was to be later than that was settled by a beat that is no more.
+    pub(crate) fn aim(&mut self, at: Fine) {
+        while self.aims.back().is_some_and(|later| span(*later, at) <= 0) {
+            let _ = self.aims.pop_back();
+        }
+        // What has no room is one more tick that keeps to the loop.
+        let _ = self.aims.push_back(at);
     }
 
     /// How long before a beat a tick comes.
@@ -55,11 +75,26 @@ impl Schedule {
         self.tick = self.even(lock.period());
         // The tick of the grid that is nearest to where the next tick would be.
         let wanted = self.due.wrapping_add(self.tick);
-        let off = span(lock.at().wrapping_sub(self.lead()), wanted);
         let tick = self.tick.cast_signed();
+        let grid = self
+            .aimed_at(wanted)
+            .unwrap_or_else(|| lock.at().wrapping_sub(self.lead()));
+        let off = span(grid, wanted);
         let off = nearest(off, tick);
         let most = tick / 32;
         self.tick.wrapping_add_signed(-off.max(-most).min(most))
+    }
+
+    /// The next moment at which the motor is at a set-point, seen from the next tick.
+    fn aimed_at(&mut self, wanted: Fine) -> Option<Fine> {
+        let half = (self.tick / 2).cast_signed();
+        while let Some(aim) = self.aims.front() {
+            if span(*aim, wanted) <= half {
+                return Some(*aim);
+            }
+            let _ = self.aims.pop_front();
+        }
+        None
     }
 
     /// As many ticks as a period needs, all of the same length. Where one is enough there is nothing to divide.
@@ -103,6 +138,37 @@ mod tests {
             prop_assert!(tick <= TICK + TICK / 15 + 1);
         }
 
+        /// Whatever jitter moves them by from one to the next, a tick comes at each moment at which the motor is at a set-point.
+        #[test]
+        fn m63_a_tick_comes_at_each_moment_that_is_aimed_at(
+            period in prop::sample::select(std::vec![1_000_u64, 2_000, 4_000, 10_000]),
+            off in prop::collection::vec(-10_i64..=10, 20..60),
+        ) {
+            let mut schedule = Schedule::new(Duration::micros(1_000));
+            let mut lock = Lock::new();
+            for k in 0..8 {
+                lock.hear((k * period) << POINT, [period << POINT, 0]);
+            }
+            let aims = (9..).zip(&off).map(|(k, off)| (k * period).strict_add_signed(*off));
+            let mut coming = aims.clone();
+            let mut ticks = std::vec::Vec::new();
+            let mut now = Instant::from_ticks(8 * period);
+            for _ in 0..off.len() as u64 * period / 900 {
+                // Three of them are known ahead.
+                while schedule.aims.len() < 3 && let Some(aim) = coming.next() {
+                    schedule.aim(aim << POINT);
+                }
+                now = schedule.next(now, &lock);
+                ticks.push(now.ticks());
+            }
+            let mut met = 0;
+            for aim in aims.take_while(|aim| *aim < now.ticks()) {
+                prop_assert!(ticks.contains(&aim), "{aim}: {ticks:?}");
+                met += 1;
+            }
+            prop_assert!(met >= 15, "{met}");
+        }
+
         #[test]
         fn m63_the_nearest_tick_is_at_most_half_a_tick_away(off in -10_000_i64..10_000, tick in 1_i64..2_000) {
             let found = nearest(off, tick);
@@ -111,5 +177,17 @@ mod tests {
             let folded = off.rem_euclid(tick);
             prop_assert_eq!(found, if folded > tick / 2 { folded - tick } else { folded });
         }
+    }
+    #[test]
+    fn m63_moments_of_a_beat_that_is_no_more_are_forgotten() {
+        let mut schedule = Schedule::new(Duration::micros(1_000));
+        for second in 1..=20 {
+            schedule.aim(second * 1_000 * TICK);
+        }
+        schedule.aim(5 * TICK);
+        schedule.aim(6 * TICK);
+        assert_eq!(schedule.aimed_at(5 * TICK), Some(5 * TICK));
+        assert_eq!(schedule.aimed_at(6 * TICK), Some(6 * TICK));
+        assert_eq!(schedule.aimed_at(7 * TICK), None);
     }
 }

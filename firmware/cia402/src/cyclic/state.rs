@@ -107,6 +107,10 @@ impl Cyclic {
             self.rhythm
                 .pass(now, micros(configuration.period), waits, &mut self.slots);
         }
+        for slot in &self.slots {
+            let at = slot.due(&self.pipeline, configuration.is_cubic);
+            self.schedule.aim(at);
+        }
     }
 
     /// When the next tick is due, in step with the beat if there is a mode that needs it.

@@ -137,7 +137,7 @@ impl CyclicVelocity {
             }
             None => self.bridged = self.bridged.saturating_add(1),
         }
-        let end = slot.at.wrapping_add(context.latency(slot.period));
+        let end = slot.due(&context.pipeline, false);
         let is_at_rest = context.motor.is_at_rest();
         let interval = if is_at_rest {
             slot.period

@@ -21,7 +21,7 @@ use motion::{Demand, Limits, Ramps, SignedSpeed, Speed};
 
 use crate::configuration::Configuration;
 use crate::controlword::HALT;
-use crate::cyclic::{Buffer, Fine, Pipeline, Slot};
+use crate::cyclic::{Buffer, Pipeline, Slot};
 use crate::exchange::Commands;
 use crate::inputs::Switches;
 use crate::monitor::Observed;
@@ -172,11 +172,6 @@ pub(crate) struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// From a beat to the moment at which the motor is at its set-point.
-    pub(crate) fn latency(&self, period: Fine) -> Fine {
-        self.pipeline.latency(period)
-    }
-
     /// Too many set-points were missing: stops with 6085h.
     pub(crate) fn lose_set_points(&mut self) {
         let deceleration = self.deceleration(StopRamp::QuickStop);
