@@ -10,6 +10,7 @@
 //! Every pulse is accounted for: [`Axis::committed_position`] is always the sum of the pulses handed to the sink.
 
 mod leg;
+mod line;
 mod trace;
 
 use crate::clock::{Clock, Ticks};
@@ -385,10 +386,11 @@ impl Axis {
 
     fn go_on(&mut self, end: Ticks, to: Position, manner: Manner) -> Result<(), FollowError> {
         let horizon = self.horizon;
-        self.leg = None;
         if let Some(path) = &mut self.path {
+            // The line that the axis is on stays as it is.
             return path.go_on(horizon, end, to, manner);
         }
+        self.leg = None;
         let grace = Ticks::from(self.train.segment()) << 1;
         let mut path = Path::new(horizon, self.plan.state_at(horizon), grace);
         path.go_on(horizon, end, to, manner)?;
@@ -452,7 +454,8 @@ impl Axis {
             Some(leg) => leg.go_on(self.horizon, &self.train),
             None => None,
         };
-        let Some((chord, to)) = on_leg.or_else(|| self.next_chord()) else {
+        let next = on_leg.or_else(|| self.chord_on_line());
+        let Some((chord, to)) = next.or_else(|| self.next_chord()) else {
             return;
         };
         self.train.draw(&chord);

@@ -32,14 +32,23 @@ pub(super) struct Leg {
 impl Leg {
     /// From tick `t` of a phase to the next corner.
     pub(super) fn new(phase: &Phase, t: Ticks, until: Ticks, longest: u32) -> Self {
-        let exact = phase.at(t);
-        let bends = phase.half_acceleration() != 0;
+        Self::from(phase.at(t), phase.half_acceleration(), until, longest)
+    }
+
+    /// Along a straight line up to its end, from here.
+    pub(super) fn on_line(exact: Exact, until: Ticks) -> Self {
+        Self::from(exact, 0, until, u32::MAX)
+    }
+
+    #[inline]
+    fn from(exact: Exact, half_acceleration: i128, until: Ticks, longest: u32) -> Self {
+        let bends = half_acceleration != 0;
         Self {
             until,
             longest,
             exact,
             state: exact.rounded(),
-            half_acceleration: phase.half_acceleration(),
+            half_acceleration,
             bends,
             creeps: !bends && Velocity::from_exact(exact.velocity).creeps(),
             length: 0,
