@@ -5,8 +5,9 @@ use std::thread;
 
 use canopen::Duration;
 use sim::exactness::count::{long_moves, sequences};
-use sim::exactness::reaction::{Order, Reaction, longest};
+use sim::exactness::reaction::{Order, Profile, Reaction, longest};
 use sim::exactness::{STEEP, duration, position, rate};
+use sim::master::Failure;
 use sim::timer_model::rig::HZ;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -57,27 +58,44 @@ fn main() -> Result<(), Box<dyn Error>> {
         ceiling.error,
     );
 
-    for (name, order) in [("halt", Order::Halt), ("quick stop", Order::QuickStop)] {
-        let mut worst = Reaction::default();
-        for refill in (0..250).step_by(50) {
-            // Ramps of 20 ms, a tenth of a segment longer each.
-            for tenth in 0..10 {
-                let ramp = STEEP - STEEP / 800 * tenth;
-                let reaction = longest(order, Duration::micros(refill), ramp)?;
-                worst.from_tick = worst.from_tick.max(reaction.from_tick);
-                worst.from_frame = worst.from_frame.max(reaction.from_frame);
+    for (name, order) in [
+        ("halt", Order::Halt),
+        ("quick stop", Order::QuickStop),
+        ("disable operation", Order::DisableOperation),
+    ] {
+        for (ramps, profile) in [
+            ("", Profile::Linear),
+            (", sin² ramps", Profile::SinSquared),
+            (", limited jerk", Profile::JerkLimited),
+        ] {
+            let worst = reaction(order, profile)?;
+            if profile == Profile::Linear {
+                row(
+                    &format!("{name} to the first slower step, from the control tick, µs"),
+                    worst.from_tick,
+                );
             }
-        }
-        let row = |from, microseconds| {
             row(
-                &format!("{name} to the first slower step, from {from}, µs"),
-                microseconds,
+                &format!("{name} to the first slower step, from its frame{ramps}, µs"),
+                worst.from_frame,
             );
-        };
-        row("the control tick", worst.from_tick);
-        row("its frame", worst.from_frame);
+        }
     }
     Ok(())
+}
+
+/// The longest of 1,100 reactions.
+fn reaction(order: Order, profile: Profile) -> Result<Reaction, Failure> {
+    let mut worst = Reaction::default();
+    for refill in (0..250).step_by(50) {
+        // Ramps of 20 ms, a tenth of a segment longer each.
+        for tenth in 0..10 {
+            let ramp = STEEP - STEEP / 800 * tenth;
+            let refill = Duration::micros(refill);
+            worst = worst.max(longest(order, profile, refill, ramp)?);
+        }
+    }
+    Ok(worst)
 }
 
 fn row(name: &str, figure: u64) {

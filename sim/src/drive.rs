@@ -17,7 +17,7 @@ use canopen::{
 };
 use cia402::inputs::DigitalInputs;
 use cia402::recorder::{Memory, Recorder};
-use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects};
+use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects, Outputs};
 use motion::{AxisConfig, Clock, DriverTiming};
 
 use crate::bus::Station;
@@ -308,21 +308,51 @@ where
     fn control_tick(&mut self, now: Instant) -> Option<Instant> {
         self.plant.advance(now);
         let inputs = Inputs {
-            supply: self.plant.supply,
-            position: self.plant.position(),
-            warning: self.plant.warning,
-            fault: self.plant.fault,
             digital: digital(self.plant.look()),
-            stall: self.plant.stall(),
-            slack: self.plant.slack(),
-            supply_voltage: Some(self.plant.supply_voltage),
-            temperature: Some(self.plant.temperature),
-            analogue: Some(self.plant.analogue),
+            ..self.inputs()
         };
         let outputs = self
             .drive
             .tick(now, &inputs, self.plant.pulses_mut(), &mut self.exchange);
         self.recorder.tick(&self.drive, &mut self.exchange);
+        self.carry_out(&outputs);
+        if let Some(samples) = &mut self.samples {
+            samples.push(MotionSample {
+                at: now,
+                position: self.plant.position(),
+            });
+        }
+        self.end_tick(now);
+        outputs.next_tick
+    }
+
+    /// A command to stop has come: a tick of its own. The next control tick comes when it would have come.
+    fn early_tick(&mut self, now: Instant) {
+        let inputs = self.inputs();
+        let outputs =
+            self.drive
+                .early_tick(now, &inputs, self.plant.pulses_mut(), &mut self.exchange);
+        self.carry_out(&outputs);
+        self.end_tick(now);
+    }
+
+    /// What the board measures, but for the edges of the inputs.
+    fn inputs(&self) -> Inputs {
+        Inputs {
+            supply: self.plant.supply,
+            position: self.plant.position(),
+            warning: self.plant.warning,
+            fault: self.plant.fault,
+            digital: DigitalInputs::NONE,
+            stall: self.plant.stall(),
+            slack: self.plant.slack(),
+            supply_voltage: Some(self.plant.supply_voltage),
+            temperature: Some(self.plant.temperature),
+            analogue: Some(self.plant.analogue),
+        }
+    }
+
+    fn carry_out(&mut self, outputs: &Outputs) {
         if outputs.drop_pulses {
             self.plant.pulses_mut().drop_all();
         }
@@ -330,16 +360,13 @@ where
         self.plant.set_driver(outputs.current, outputs.microsteps);
         self.plant.set_outputs(outputs.digital);
         self.plant.open_brake(outputs.brake_released);
-        if let Some(samples) = &mut self.samples {
-            samples.push(MotionSample {
-                at: now,
-                position: self.plant.position(),
-            });
-        }
+    }
+
+    /// What the node does behind each tick.
+    fn end_tick(&mut self, now: Instant) {
         self.device.poll(now, &mut self.exchange);
         self.serve_store(now);
         self.handle_events();
-        outputs.next_tick
     }
 
     fn serve_store(&mut self, now: Instant) {
@@ -387,6 +414,9 @@ where
         }
         self.device.receive(frame, now, &mut self.exchange);
         self.handle_events();
+        if self.device.calls_early() {
+            self.early_tick(now);
+        }
     }
 
     fn poll(&mut self, now: Instant) -> Instant {

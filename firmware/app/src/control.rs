@@ -5,7 +5,8 @@
 //! fault stops the motor how is for [`Drive`] to say; this file only names the faults.
 //!
 //! The contract:
-//! - One tick is one call of [`Drive::tick`], whatever the bus does. The exchange is locked for the copies only.
+//! - One tick is one call of [`Drive::tick`], whatever the bus does; a command to stop has one of [`Drive::early_tick`] before the next, and
+//!   the ticks keep their beat. The exchange is locked for the copies only.
 //! - A fault of the stage goes before lost frames: a drive has one cause at a time. Bus-off is for the device to see: it
 //!   stops the motor as every communication error does.
 //! - Lost frames are a fault only while the motor has current. Storing stops the processor, so on a busy bus frames are lost
@@ -17,7 +18,7 @@
 use canopen::{Duration, Instant};
 use cia402::inputs::{time_of_edge, Capture};
 use cia402::recorder::{Memory, Recorder};
-use cia402::{Drive, DriveConfig, Exchange, Inputs, State};
+use cia402::{Drive, DriveConfig, Exchange, Inputs, Outputs, State};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
 use rtic::Mutex;
 
@@ -95,18 +96,9 @@ impl Control {
                 State::Fault | State::FaultReactionActive
             );
 
-        self.pulses.service();
-        let now = clock::now();
-        let counter = Selected::ticks();
+        let (now, counter) = self.look(overrun && !harmless);
         let inputs = &mut self.inputs;
-        inputs.supply = self.stage.supply();
-        inputs.position = self.pulses.position();
         self.stage.measure(inputs);
-        inputs.fault = self
-            .stage
-            .fault()
-            .or(self.pulses.fault())
-            .or((overrun && !harmless).then_some(CAN_OVERRUN));
         let pulses = &self.pulses;
         self.edges.take(
             Selected::input_levels(),
@@ -120,6 +112,46 @@ impl Control {
         let outputs = self
             .drive
             .tick(now, inputs, &mut self.pulses, &mut Locked(&mut exchange));
+        self.carry_out(&outputs);
+        self.recorder.tick(&self.drive, &mut Locked(&mut exchange));
+        if alive {
+            self.stage.feed_watchdog();
+        }
+        (now, outputs.next_tick)
+    }
+
+    /// A tick of its own for a command to stop, unless a regular one was first.
+    pub fn stop(&mut self, mut exchange: impl Mutex<T = Exchange>) {
+        if !exchange.lock(|exchange| exchange.calls_early()) {
+            return;
+        }
+        let (now, _) = self.look(false);
+        let outputs = self.drive.early_tick(
+            now,
+            &self.inputs,
+            &mut self.pulses,
+            &mut Locked(&mut exchange),
+        );
+        self.carry_out(&outputs);
+    }
+
+    /// Takes what the board sees and every tick needs. Returns when that was, and the board's counter then.
+    fn look(&mut self, overrun: bool) -> (Instant, u32) {
+        self.pulses.service();
+        let now = clock::now();
+        let counter = Selected::ticks();
+        let inputs = &mut self.inputs;
+        inputs.supply = self.stage.supply();
+        inputs.position = self.pulses.position();
+        inputs.fault = self
+            .stage
+            .fault()
+            .or(self.pulses.fault())
+            .or(overrun.then_some(CAN_OVERRUN));
+        (now, counter)
+    }
+
+    fn carry_out(&mut self, outputs: &Outputs) {
         self.stage.set_power(outputs.power_stage);
         self.stage.set_brake(outputs.brake_released);
         self.stage.set_outputs(outputs.digital);
@@ -130,11 +162,6 @@ impl Control {
         if outputs.drop_pulses && self.pulses.pending() > 0 {
             self.pulses.drop_all();
         }
-        self.recorder.tick(&self.drive, &mut Locked(&mut exchange));
-        if alive {
-            self.stage.feed_watchdog();
-        }
-        (now, outputs.next_tick)
     }
 
     /// Hands out pulses between two ticks.

@@ -7,6 +7,7 @@
 //! | `can_received`, `serial` | 4 | CAN controller | stamps frames and queues them |
 //! | `can_sent`, `can_error` | 4 | CAN controller | room for the next frame; errors |
 //! | `control` | 3 | system timer, 1 kHz or in step with SYNC | state machine, mode, planner |
+//! | `stop` | 3 | `node`, for a command to stop | the control tick for it, which does not wait for the next one |
 //! | `refill` | 3 | refill timer, 4 kHz | hands out pulses between control ticks |
 //! | `node` | 2 | a frame, room to send, every control tick | CANopen; writes the parameter sectors |
 //! | `lights` | 1 | `node`, every 50 ms | green and red light |
@@ -40,7 +41,7 @@ mod settings;
 #[forbid(unsafe_code)]
 mod share;
 
-#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI1, SPI2])]
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI1, SPI2, SPI3])]
 mod app {
     use canopen::Settings;
     use cia402::inputs::Capture;
@@ -218,6 +219,12 @@ mod app {
         node::spawn().ok();
     }
 
+    #[task(priority = 3, shared = [exchange, control])]
+    fn stop(cx: stop::Context) {
+        cx.shared.control.stop(cx.shared.exchange);
+        node::spawn().ok();
+    }
+
     #[task(binds = TIM7, priority = 3, shared = [control])]
     fn refill(cx: refill::Context) {
         cx.shared.control.refill();
@@ -226,7 +233,11 @@ mod app {
     #[task(priority = 2, shared = [exchange, bus, alive, node])]
     fn node(mut cx: node::Context) {
         cx.shared.alive.lock(|alive| *alive = true);
-        cx.shared.node.run(cx.shared.exchange, cx.shared.bus);
+        let stop = || {
+            // An error says that one is on its way already.
+            stop::spawn().ok();
+        };
+        cx.shared.node.run(cx.shared.exchange, cx.shared.bus, stop);
         if let Some(signal) = cx.shared.node.signal() {
             lights::spawn(signal).ok();
         }

@@ -182,8 +182,13 @@ impl Node {
         }
     }
 
-    /// Everything there is to do.
-    pub fn run(&mut self, mut exchange: impl Mutex<T = Exchange>, mut bus: impl Mutex<T = CanBus>) {
+    /// Everything there is to do. `stop` is called as soon as the motor is to stop before the next control tick.
+    pub fn run(
+        &mut self,
+        mut exchange: impl Mutex<T = Exchange>,
+        mut bus: impl Mutex<T = CanBus>,
+        mut stop: impl FnMut(),
+    ) {
         // No more frames than can wait, so that time passes under any load; answers go out between the requests.
         for _ in 0..crate::inbox::DEPTH {
             let Some(Stamped { frame, at }) = self.received.dequeue() else {
@@ -194,6 +199,9 @@ impl Node {
                 Some(detection) => detection.frame_received(),
                 None => {
                     self.device.receive(&frame, at, &mut Locked(&mut exchange));
+                    if self.device.calls_early() {
+                        stop();
+                    }
                     self.send(&mut bus);
                 }
             }
@@ -207,6 +215,9 @@ impl Node {
         }
         // The deadline it gives is never sooner than the next control tick, after which this runs anyway.
         self.device.poll(now, &mut Locked(&mut exchange));
+        if self.device.calls_early() {
+            stop();
+        }
         while let Some(event) = self.device.event() {
             match event {
                 // The lights ask for the state when they want it.

@@ -81,6 +81,8 @@ pub struct Device<D: Dictionary, A = ()> {
     /// What 5FF0h shows.
     configuration: canopen::Configuration,
     fleeting: fleeting::Fleeting,
+    /// The motor is to stop before the next control tick.
+    calls_early: bool,
 }
 
 impl<D: Dictionary + Objects> Device<D> {
@@ -111,6 +113,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             unsafe_since: None,
             synced: None,
             fleeting: fleeting::Fleeting::new(),
+            calls_early: false,
         }
     }
 
@@ -150,6 +153,14 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         self.follow_state(&actuals, exchange);
         self.post(exchange);
         self.beat(stamp, exchange);
+    }
+
+    /// Whether a command to stop has come since the last call: [`crate::Drive::early_tick`] is to run at once, and not with the next
+    /// control tick.
+    pub const fn calls_early(&mut self) -> bool {
+        let calls = self.calls_early;
+        self.calls_early = false;
+        calls
     }
 
     /// Lets time pass; call it after each control tick and at the returned deadline.
@@ -322,7 +333,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         if self.hooks.take_written() || network != self.network {
             self.network = network;
             let commands = self.hooks.commands(self.node.dictionary(), network);
-            exchange.lock(|exchange| exchange.post(commands));
+            self.calls_early |= exchange.lock(|exchange| exchange.post(commands));
         }
     }
 }

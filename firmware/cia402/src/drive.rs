@@ -5,6 +5,7 @@
 //! operation enabled, quick stop active and fault reaction active, and nowhere else.
 
 mod command;
+mod early;
 mod periphery;
 mod report;
 mod stopping;
@@ -73,7 +74,7 @@ pub struct Inputs {
 /// What the board must do, set at the end of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Outputs {
-    /// When the next tick is due, in step with SYNC; `None` where nothing but the nominal period matters. To the nearest microsecond;
+    /// When the next tick is due, in step with SYNC; `None` where nothing but the nominal period matters, and behind an early tick. To the nearest microsecond;
     /// what is rounded off does not add up.
     pub next_tick: Option<Instant>,
     /// Current in the motor.
@@ -142,6 +143,8 @@ pub struct Drive {
     resets_early: bool,
     /// The beat of the network, and what the cyclic modes go by.
     cyclic: Cyclic,
+    /// The tick that runs is an early one.
+    is_early: bool,
 }
 
 impl Drive {
@@ -177,6 +180,7 @@ impl Drive {
             is_only_shown: false,
             resets_early: false,
             cyclic: Cyclic::new(&outlast_tick(config), config.tick),
+            is_early: false,
         }
     }
 
@@ -218,31 +222,10 @@ impl Drive {
             .checked_duration_since(self.ticked)
             .map_or(0, |span| u32::try_from(span.ticks()).unwrap_or(u32::MAX));
         self.ticked = now;
-        if !self.power {
-            let is_reversed = self.configuration.is_reversed;
-            self.motor.set_reversed(is_reversed, inputs.position);
-        }
-        let position = self.motor.position_of(inputs.position);
-        let displaced = self.power
-            && self.settled
-            && !self.motor.is_cut()
-            && self.motor.is_displaced(position, inputs.slack);
-        // The pulses of the last tick may have been cut off before they left, though they are counted.
-        let is_cut_off = inputs.fault == Some(EXTERNAL) && !self.settled;
-        if displaced || is_cut_off {
-            self.motor.lose_reference();
-        }
-        if !self.power && self.motor.standstill() {
-            self.motor.set_timing(self.configuration.pulse_timing);
-        }
-        self.motor.observe(position, self.power, pulses);
-        self.motor.set_time(fine(now));
+        let (position, displaced) = self.look_at_motor(now, inputs, pulses);
         self.cyclic.pass(fine(now), &self.configuration.cyclic);
-        self.has_changed =
-            waiting.is_configured || self.limits.are_old(&self.frame, self.motor.is_referenced());
-        if self.has_changed {
-            self.look_at_units(position);
-        }
+        self.is_early = false;
+        self.look_for_changes(waiting.is_configured, position);
         self.switches.observe(
             &inputs.digital,
             &self.configuration.inputs,
@@ -271,7 +254,61 @@ impl Drive {
         let is_cyclic = self.modes.active().is_cyclic();
         let next_tick = self.cyclic.next_tick(now, is_cyclic);
 
-        let in_time = self.motor.advance(pulses);
+        let outputs = self.hand_over(
+            (now, elapsed),
+            inputs,
+            mode_bits,
+            restarts,
+            pulses,
+            exchange,
+        );
+        Outputs {
+            next_tick,
+            ..outputs
+        }
+    }
+
+    /// Where the motor is, and whether it is not where it should be.
+    fn look_at_motor<S: PulseSink>(
+        &mut self,
+        now: Instant,
+        inputs: &Inputs,
+        pulses: &S,
+    ) -> (i64, bool) {
+        if !self.power {
+            let is_reversed = self.configuration.is_reversed;
+            self.motor.set_reversed(is_reversed, inputs.position);
+        }
+        let position = self.motor.position_of(inputs.position);
+        let displaced = self.power
+            && self.settled
+            && !self.motor.is_cut()
+            && self.motor.is_displaced(position, inputs.slack);
+        // The pulses of the last tick may have been cut off before they left, though they are counted.
+        let is_cut_off = inputs.fault == Some(EXTERNAL) && !self.settled;
+        if displaced || is_cut_off {
+            self.motor.lose_reference();
+        }
+        if !self.power && self.motor.standstill() {
+            self.motor.set_timing(self.configuration.pulse_timing);
+        }
+        self.motor.observe(position, self.power, pulses);
+        self.motor.set_time(fine(now));
+        (position, displaced)
+    }
+
+    /// Hands out pulses (an early tick only to a motor that stands), and publishes what the tick has made of the drive.
+    fn hand_over<S: PulseSink, X: Share>(
+        &mut self,
+        (now, elapsed): (Instant, u32),
+        inputs: &Inputs,
+        mode_bits: u16,
+        restarts: bool,
+        pulses: &mut S,
+        exchange: &mut X,
+    ) -> Outputs {
+        // The set-points of the cyclic modes count on what is handed out when.
+        let in_time = self.is_early && !self.motor.is_at_rest() || self.motor.advance(pulses);
         self.settled = self.motor.is_settled(pulses);
         if !in_time {
             self.faults.pulses_late(true);
@@ -297,13 +334,22 @@ impl Drive {
             }
         });
         Outputs {
-            next_tick,
+            next_tick: None,
             power_stage: self.power,
             brake_released: self.fitted_brake.is_released(),
             drop_pulses: !self.power || self.motor.is_cut(),
             current: self.motor_current(elapsed),
             microsteps: self.configuration.microsteps,
             digital: self.output_levels(actuals.statusword),
+        }
+    }
+
+    /// Works out anew what hangs on units and limits, if they or the home position may have changed.
+    fn look_for_changes(&mut self, is_configured: bool, position: i64) {
+        self.has_changed =
+            is_configured || self.limits.are_old(&self.frame, self.motor.is_referenced());
+        if self.has_changed {
+            self.look_at_units(position);
         }
     }
 
@@ -480,6 +526,7 @@ impl Drive {
                     slots: &self.cyclic.slots,
                     buffer: &mut self.cyclic.buffer,
                     pipeline: self.cyclic.pipeline,
+                    is_early: self.is_early,
                     lost_set_points: &mut self.cyclic.has_lost,
                 });
                 bits | limit

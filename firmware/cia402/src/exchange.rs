@@ -1,23 +1,27 @@
 //! What passes between the communication task and the control tick.
 //!
 //! Commands and the configuration go one way, actual values the other, each copied whole, so neither side ever sees half of a
-//! change; what has not changed is not copied. The exchange keeps the last two sets of actual values: the answer to a SYNC shows the drive as it was when the SYNC arrived, even if
-//! a control tick ran in between.
+//! change; what has not changed is not copied. The exchange keeps the last three sets of actual values: the answer to a SYNC shows the drive as it was when the SYNC arrived, even if
+//! a control tick ran in between, and an early one before it.
+
+mod actuals;
+
+pub use actuals::Actuals;
 
 use canopen::Instant;
 use heapless::Deque;
 use motion::{SignedSpeed, Speed};
 
 use crate::configuration::Configuration;
-use crate::controlword::{Command, NEW_SET_POINT};
+use crate::controlword::{Command, HALT, NEW_SET_POINT};
 use crate::copied::copy_fields;
-use crate::cyclic::{Beat, Buffer, SyncStatus};
+use crate::cyclic::{Beat, Buffer};
 use crate::faults::FaultNotice;
-use crate::modes::Mode;
 use crate::periphery::{Latched, Readings};
 use crate::recorder::{self, Orders, Status};
 use crate::state_machine::State;
 use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
+use actuals::History;
 
 /// Everything the control tick needs from the bus: one consistent copy. Velocities and accelerations are in increments already,
 /// positions in units of the user.
@@ -142,6 +146,20 @@ impl Commands {
         copy_fields!(Self { controlword, rising, stop, shutdown_first, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point }, from => self);
     }
 
+    /// Whether these ask for a stop that those of before did not: halt, a command that leaves operation enabled, or the network may command the drive no
+    /// longer.
+    fn stop_behind(&self, before: &Self) -> bool {
+        let standing = Command::decode(before.controlword);
+        let leaves = match (self.stop, Command::decode(self.controlword)) {
+            (Some(stop), _) => Some(stop),
+            (None, command @ Some(Command::Shutdown | Command::SwitchOn)) => command,
+            (None, _) => None,
+        };
+        self.controlword & !before.controlword & HALT != 0
+            || leaves.is_some() && leaves != standing
+            || before.remote && !self.remote
+    }
+
     /// A tick has seen what is only given once.
     const fn forget_passed(&mut self) {
         self.rising = 0;
@@ -164,98 +182,6 @@ impl Commands {
             profile_acceleration: self.profile_acceleration,
             profile_deceleration: self.profile_deceleration,
         })
-    }
-}
-
-/// Everything the bus may know of the drive: made together in one control tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Actuals {
-    /// When the tick ran.
-    pub at: Instant,
-    /// 6041h.
-    pub statusword: u16,
-    /// 6061h.
-    pub mode_display: i8,
-    /// 603Fh.
-    pub error_code: u16,
-    /// 6043h in units of the velocity mode; 0 outside of it.
-    pub vl_velocity_demand: i16,
-    /// 6044h in units of the velocity mode; 0 outside of it.
-    pub vl_velocity_actual: i16,
-    /// 6062h in units of the user.
-    pub position_demand: i32,
-    /// 6063h in increments (steps).
-    pub position_actual_internal: i32,
-    /// 6064h in units of the user.
-    pub position_actual: i32,
-    /// 606Bh in units of the user.
-    pub velocity_demand: i32,
-    /// 606Ch in units of the user.
-    pub velocity_actual: i32,
-    /// 60F4h in units of the user.
-    pub following_error: i32,
-    /// 60FDh.
-    pub digital_inputs: u32,
-    /// 2034h:1: the home position is known.
-    pub referenced: bool,
-    /// 2034h:2.
-    pub homing_failure: u8,
-    /// 2050h.
-    pub sync: SyncStatus,
-    /// The motor moves.
-    pub is_moving: bool,
-    /// Power is off, the motor stands, and a restart that was asked for is done: a reset may go on.
-    pub safe: bool,
-}
-
-impl Actuals {
-    /// Whether the power stage is on, or may be so in a moment.
-    pub fn has_power(&self) -> bool {
-        matches!(
-            State::from_statusword(self.statusword),
-            Some(
-                State::SwitchedOn
-                    | State::OperationEnabled
-                    | State::QuickStopActive
-                    | State::FaultReactionActive
-            )
-        )
-    }
-
-    /// Takes over all of other ones, field by field.
-    #[inline]
-    fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { at, statusword, mode_display, error_code, vl_velocity_demand, vl_velocity_actual, position_demand, position_actual_internal, position_actual, velocity_demand, velocity_actual, following_error, digital_inputs, referenced, homing_failure, sync, is_moving, safe }, from => self);
-    }
-
-    /// What is known before the first tick: a drive that is not ready to switch on.
-    pub const NONE: Self = Self {
-        at: Instant::from_ticks(0),
-        statusword: 0,
-        mode_display: 0,
-        error_code: 0,
-        vl_velocity_demand: 0,
-        vl_velocity_actual: 0,
-        position_demand: 0,
-        position_actual_internal: 0,
-        position_actual: 0,
-        velocity_demand: 0,
-        velocity_actual: 0,
-        following_error: 0,
-        digital_inputs: 0,
-        referenced: false,
-        homing_failure: 0,
-        sync: SyncStatus::NONE,
-        is_moving: false,
-        safe: false,
-    };
-}
-
-impl Actuals {
-    /// Whether an edge of bit 4 begins homing.
-    fn is_ready_to_home(&self) -> bool {
-        self.mode_display == Mode::Homing.code()
-            && State::from_statusword(self.statusword) == Some(State::OperationEnabled)
     }
 }
 
@@ -300,9 +226,11 @@ pub struct Exchange {
     /// Masters may see the state in a transmit PDO; and the one that was published last has been seen, or cannot be.
     is_watched: bool,
     is_seen: bool,
-    /// The last two sets of actual values, and which of them is the newest.
-    actuals: [Actuals; 2],
-    is_second_newest: bool,
+    /// A command to stop came, and no tick has taken it yet.
+    is_urgent: bool,
+    /// The last tick was an early one.
+    was_early: bool,
+    actuals: History,
     notices: Deque<FaultNotice, NOTICES>,
     /// Beats and data records that no tick has taken yet. A master fills the buffer 60C4h with records back to back.
     beats: Deque<Beat, BEATS>,
@@ -333,8 +261,9 @@ impl Exchange {
             start_taken: false,
             is_watched: false,
             is_seen: false,
-            actuals: [Actuals::NONE; 2],
-            is_second_newest: false,
+            is_urgent: false,
+            was_early: false,
+            actuals: History::new(),
             notices: Deque::new(),
             beats: Deque::new(),
             records: Buffer::new(),
@@ -349,11 +278,19 @@ impl Exchange {
     }
 
     /// Posts commands. They replace those that no tick has taken yet, but for edges and commands to stop, which add up, and
-    /// for a set-point whose edge has not been seen yet.
-    pub fn post(&mut self, commands: Commands) {
+    /// for a set-point whose edge has not been seen yet. Returns whether the motor is to stop, and an early tick is to see to it.
+    pub fn post(&mut self, commands: Commands) -> bool {
         self.start_posted |= commands.rising & NEW_SET_POINT != 0;
+        self.is_urgent |= commands.stop_behind(&self.commands) && self.newest().is_stoppable();
         self.commands = commands.after(&self.commands);
         self.posted = self.posted.wrapping_add(1);
+        self.calls_early()
+    }
+
+    /// Whether a command to stop waits that an early tick is to carry out. Between two regular ticks there is one at most, however often a
+    /// master changes its mind.
+    pub const fn calls_early(&self) -> bool {
+        self.is_urgent && !self.was_early
     }
 
     /// Sets what is set up. Call it before [`Exchange::post`], so that a tick that sees the commands knows it.
@@ -369,6 +306,25 @@ impl Exchange {
     /// Brings a control tick's copy of the commands up to date. Edges and commands to stop are given once. Returns what else there is to
     /// take.
     pub fn take(&mut self, commands: &mut Commands) -> Waiting {
+        self.take_commands(commands);
+        self.was_early = false;
+        Waiting {
+            clears_records: core::mem::take(&mut self.clears_records),
+            records: self.records.len(),
+            beats: self.beats.len(),
+            ..self.waiting()
+        }
+    }
+
+    /// The same for an early tick. Data records and beats are left for the regular one.
+    pub fn take_early(&mut self, commands: &mut Commands) -> Waiting {
+        self.take_commands(commands);
+        self.was_early = true;
+        self.waiting()
+    }
+
+    fn take_commands(&mut self, commands: &mut Commands) {
+        self.is_urgent = false;
         if self.taken == self.posted {
             commands.forget_passed();
         } else {
@@ -377,11 +333,15 @@ impl Exchange {
             self.taken = self.posted;
             self.start_taken |= core::mem::take(&mut self.start_posted);
         }
+    }
+
+    /// What waits for any tick.
+    const fn waiting(&self) -> Waiting {
         Waiting {
             is_configured: self.is_configured,
-            clears_records: core::mem::take(&mut self.clears_records),
-            records: self.records.len(),
-            beats: self.beats.len(),
+            clears_records: false,
+            records: 0,
+            beats: 0,
             is_seen: self.is_seen || !self.is_watched,
         }
     }
@@ -395,10 +355,7 @@ impl Exchange {
     /// Publishes what a control tick has made.
     pub fn publish(&mut self, actuals: &Actuals) {
         self.is_seen &= (self.newest().statusword ^ actuals.statusword) & State::BITS == 0;
-        self.is_second_newest = !self.is_second_newest;
-        let [first, second] = &mut self.actuals;
-        let oldest = if self.is_second_newest { second } else { first };
-        oldest.assign(actuals);
+        self.actuals.put(actuals);
         self.answered = self.taken;
         self.start_taken = false;
     }
@@ -441,18 +398,12 @@ impl Exchange {
         self.has_news = true;
     }
 
-    /// The newest actual values that were there at `stamp`. A stamp older than the last two ticks gets the older of them.
+    /// The newest actual values that were there at `stamp`. A stamp older than the last three ticks gets the oldest of them.
     ///
     /// Homing that is about to begin shows as begun, without waiting for the tick: a master that reads the statusword right behind
     /// its start would take the bits from before for the result.
     pub fn actuals_at(&self, stamp: Instant) -> Actuals {
-        let [first, second] = &self.actuals;
-        let (newest, before) = if self.is_second_newest {
-            (second, first)
-        } else {
-            (first, second)
-        };
-        let mut actuals = if newest.at <= stamp { *newest } else { *before };
+        let mut actuals = *self.actuals.at(stamp);
         if (self.start_posted || self.start_taken) && actuals.is_ready_to_home() {
             actuals.statusword &= !(TARGET_REACHED | HOMING_ATTAINED | HOMING_ERROR);
         }
@@ -461,8 +412,7 @@ impl Exchange {
 
     /// The newest actual values.
     pub const fn newest(&self) -> &Actuals {
-        let [first, second] = &self.actuals;
-        if self.is_second_newest { second } else { first }
+        self.actuals.newest()
     }
 
     /// Orders for the scope, which the next tick takes.

@@ -274,6 +274,19 @@ impl Switches {
             | u32::from(inputs.levels & ALL) << 16;
     }
 
+    /// What the last tick has found at edges is not for a tick that does not look.
+    pub(crate) const fn forget_edges(&mut self) {
+        self.negative_limit.state.edge = None;
+        self.positive_limit.state.edge = None;
+        self.home.state.edge = None;
+        self.index = None;
+    }
+
+    /// The bare levels in the last tick that has looked.
+    pub(crate) const fn levels(&self) -> u8 {
+        self.levels
+    }
+
     /// The directions in which there is a limit switch.
     pub(crate) const fn barred(&self) -> Barred {
         Barred {

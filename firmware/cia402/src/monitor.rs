@@ -78,12 +78,7 @@ impl Monitor {
         is_counted: bool,
         configuration: &Configuration,
     ) -> Observed {
-        let error = (demand.position as i32).wrapping_sub(position as i32);
-        let error = if is_counted && error.unsigned_abs() <= moment_of_a_pulse(demand.velocity) {
-            0
-        } else {
-            error
-        };
+        let error = following_error(demand, position, is_counted);
         let (growth, span) = self.put(now, error);
         // One step more or less is but the moment at which a pulse leaves.
         let slippage = if growth.unsigned_abs() <= 1 {
@@ -103,6 +98,24 @@ impl Monitor {
                 configuration.following_error_time_out,
             ),
         }
+    }
+}
+
+impl Observed {
+    /// Looks at the motor between two ticks that measure: its slippage is the one that was found last.
+    pub(crate) fn look_again(&mut self, demand: Demand, position: i64, is_counted: bool) {
+        self.following_error = following_error(demand, position, is_counted);
+        self.velocity = demand.velocity.minus(self.slippage);
+    }
+}
+
+/// 60F4h in steps. Of pulses that are counted none is missing as long as it may just be on its way.
+const fn following_error(demand: Demand, position: i64, is_counted: bool) -> i32 {
+    let error = (demand.position as i32).wrapping_sub(position as i32);
+    if is_counted && error.unsigned_abs() <= moment_of_a_pulse(demand.velocity) {
+        0
+    } else {
+        error
     }
 }
 

@@ -211,7 +211,32 @@ impl Rig {
 
     /// One control tick, then the motor plays until the next one.
     pub(crate) fn tick(&mut self) -> Actuals {
-        let inputs = Inputs {
+        self.tick_and_play(Self::TICK)
+    }
+
+    /// One control tick, then the motor plays for so long.
+    pub(crate) fn tick_and_play(&mut self, time: Duration) -> Actuals {
+        let inputs = self.inputs();
+        self.digital.changed = 0;
+        self.digital.captured = DigitalInputs::NONE.captured;
+        self.seen = inputs.position;
+        self.outputs = self
+            .drive
+            .tick(self.now, &inputs, &mut self.motor, &mut self.exchange);
+        self.play(time)
+    }
+
+    /// An early tick, then the motor plays for so long. Edges of inputs are for the regular one.
+    pub(crate) fn early_tick_and_play(&mut self, time: Duration) -> Actuals {
+        let inputs = self.inputs();
+        self.outputs =
+            self.drive
+                .early_tick(self.now, &inputs, &mut self.motor, &mut self.exchange);
+        self.play(time)
+    }
+
+    fn inputs(&self) -> Inputs {
+        Inputs {
             supply: self.supply,
             position: self.motor.position,
             warning: self.warning,
@@ -222,19 +247,26 @@ impl Rig {
             supply_voltage: self.supply_voltage,
             temperature: self.temperature,
             analogue: self.analogue,
-        };
-        self.digital.changed = 0;
-        self.digital.captured = DigitalInputs::NONE.captured;
-        self.seen = inputs.position;
-        self.outputs = self
-            .drive
-            .tick(self.now, &inputs, &mut self.motor, &mut self.exchange);
+        }
+    }
+
+    fn play(&mut self, time: Duration) -> Actuals {
         if self.outputs.drop_pulses {
             self.motor.clear();
         }
-        self.motor.play(Self::TICK.ticks());
-        self.now += Self::TICK;
+        self.motor_plays(time);
         self.actuals()
+    }
+
+    /// Time without a tick.
+    pub(crate) fn motor_plays(&mut self, time: Duration) {
+        self.motor.play(time.ticks());
+        self.now += time;
+    }
+
+    /// The time of the next tick.
+    pub(crate) const fn now(&self) -> Instant {
+        self.now
     }
 
     pub(crate) fn ticks(&mut self, count: usize) -> Actuals {

@@ -7,7 +7,6 @@ use crate::bus::Station;
 use crate::bus::simulated::Bus;
 use crate::master::Failure;
 use crate::timer_model::board::Board;
-use crate::timer_model::rig::HZ;
 
 /// What stops the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,15 +15,41 @@ pub enum Order {
     Halt,
     /// Bit 2 of the controlword falls.
     QuickStop,
+    /// Bit 3 of the controlword falls.
+    DisableOperation,
 }
+
+/// How the velocity changes, 6086h.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Profile {
+    /// 0.
+    Linear,
+    /// 1: sin² ramps as long as linear ones; 20A0h lets the quick stop ramp have them too.
+    SinSquared,
+    /// 3: limited jerk, [`JERK`]; 20A0h as for sin².
+    JerkLimited,
+}
+
+/// Steps/s³: [`super::STEEP`] within 5 ms.
+pub const JERK: u32 = 1_000_000_000;
 
 /// The longest reactions, in microseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reaction {
-    /// From the control tick that has found the order.
+    /// From the control tick that has found the order, an early one or a regular one.
     pub from_tick: u64,
     /// From the last bit of the frame that brought it, which may have come just behind a control tick.
     pub from_frame: u64,
+}
+
+impl Reaction {
+    /// The longer of two, each by itself.
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            from_tick: self.from_tick.max(other.from_tick),
+            from_frame: self.from_frame.max(other.from_frame),
+        }
+    }
 }
 
 /// The velocity that is left, in steps/s.
@@ -44,23 +69,35 @@ const ORDERS: u64 = 1_000 / APART + 1;
 ///
 /// # Panics
 /// If there is no slower step.
-pub fn longest(order: Order, phase: Duration, ramp: u32) -> Result<Reaction, Failure> {
+pub fn longest(
+    order: Order,
+    profile: Profile,
+    phase: Duration,
+    ramp: u32,
+) -> Result<Reaction, Failure> {
     let (mut master, handle) = enabled(Bus::new(BitRate::Kbit1000), phase)?;
     let node = Board::NODE;
+    let code: i16 = match profile {
+        Profile::Linear => 0,
+        Profile::SinSquared => 1,
+        Profile::JerkLimited => 3,
+    };
+    master.write(node, 0x6086, 0, code)?;
+    master.write(node, 0x60A4, 1, JERK)?;
+    master.write(node, 0x20A0, 0, u8::from(profile != Profile::Linear))?;
     master.write(node, 0x6083, 0, ramp)?;
     master.write(node, 0x60FF, 0, VELOCITY)?;
     master.wait(Duration::millis(100))?;
     // From here on orders come to the microsecond, and no bus is needed.
-    let mut now = master.now();
+    let mut now = master.now() + Duration::millis(10);
     let mut board = master.bus_mut().detach(handle);
     let mut longest = Reaction::default();
     for number in 0..ORDERS {
         let reaction = once(&mut board, now + Duration::micros(number * APART), order);
-        longest.from_tick = longest.from_tick.max(reaction.from_tick);
-        longest.from_frame = longest.from_frame.max(reaction.from_frame);
+        longest = longest.max(reaction);
         // At rest after 20 ms; back at the velocity, in whole milliseconds from the order before.
         let back: &[u16] = match order {
-            Order::Halt => &[0x0F],
+            Order::Halt | Order::DisableOperation => &[0x0F],
             Order::QuickStop => &[0x06, 0x07, 0x0F],
         };
         now += Duration::millis(60);
@@ -78,33 +115,39 @@ fn once(board: &mut Board, at: Instant, order: Order) -> Reaction {
     run(board, at - Duration::millis(1));
     board.model().judge_mut().log = Some(Vec::new());
     run(board, at);
-    let before = board.last_control_tick();
+    let before = board.last_tick();
     give(
         board,
         match order {
             Order::Halt => 0x010F,
             Order::QuickStop => 0x0B,
+            Order::DisableOperation => 0x07,
         },
         at,
     );
     // The tick that finds it is the first one behind it.
     let mut tick = at;
-    while board.last_control_tick() == before {
+    while board.last_tick() == before {
         tick += Duration::micros(1);
         run(board, tick);
     }
-    let tick = board.last_control_tick();
+    let tick = board.last_tick();
     run(board, at + Duration::millis(40));
     let judge = board.model().judge();
     let log = judge.log.as_deref().unwrap_or_default();
-    let usual = u64::from(HZ) / VELOCITY.unsigned_abs() as u64;
-    let slower = log
-        .windows(2)
-        .filter_map(|pair| match pair {
-            [(rose, _), (next, _)] if next - rose > usual + 1 => Some(*next),
+    let steps = || {
+        log.windows(2).filter_map(|pair| match pair {
+            [(rose, _), (next, _)] => Some((*next, next - rose)),
             _ => None,
         })
-        .next()
+    };
+    let usual = steps()
+        .take_while(|(next, _)| *next <= Board::ticks(at))
+        .map(|(_, period)| period)
+        .max()
+        .expect("a cruise");
+    let (slower, _) = steps()
+        .find(|(_, period)| *period > usual)
         .expect("a slower step");
     let since = |start: Instant| {
         (slower - Board::ticks(start)).div_ceil(Board::ticks(Instant::from_ticks(1)))

@@ -3,7 +3,7 @@
 use canopen::Duration;
 
 use super::count::{Counted, long_moves, sequences};
-use super::reaction::{Order, longest};
+use super::reaction::{Order, Profile, longest};
 use super::{duration, position, rate};
 
 #[test]
@@ -48,13 +48,16 @@ fn the_ceiling_is_that_of_the_driver() {
 }
 
 #[test]
-fn a_stop_is_felt_within_two_control_ticks() {
-    for (order, phase, ramp) in [
-        (Order::Halt, 0, 5_000_000),
-        (Order::QuickStop, 125, 4_960_000),
+fn a_stop_is_felt_within_a_millisecond_of_its_frame() {
+    for (order, profile, phase, ramp) in [
+        (Order::Halt, Profile::Linear, 0, 5_000_000),
+        (Order::QuickStop, Profile::Linear, 125, 4_960_000),
+        (Order::DisableOperation, Profile::Linear, 150, 4_970_000),
     ] {
-        let reaction = longest(order, Duration::micros(phase), ramp).unwrap();
-        assert!(reaction.from_tick <= 1_000, "{order:?}: {reaction:?}");
-        assert!(reaction.from_frame <= 2_000, "{order:?}: {reaction:?}");
+        let reaction = longest(order, profile, Duration::micros(phase), ramp).unwrap();
+        let case = format!("{order:?}, {profile:?}: {reaction:?}");
+        assert!(reaction.from_frame <= 1_000, "{case}");
+        // It is not felt before the pulses have left that are handed out.
+        assert!(reaction.from_frame > 500, "{case}");
     }
 }

@@ -1,14 +1,14 @@
 //! The drive as it is on the board: both halves of the firmware's drive, and its pulses made by the modelled timers.
 //!
 //! It runs what the tasks of the firmware run, at their rates: a control tick each millisecond, a refill each quarter of one, the
-//! node when a frame comes. Instructions take no time here; in their place each control tick and each refill comes late by up to
+//! node when a frame comes. Instructions take no time here; in their place each control tick, each refill and each early tick comes late by up to
 //! 50 µs, which is longer than everything that the processor may be busy with, but for planning a jerk-limited move
 //! (`docs/benchmarks.md`).
 
 use std::fmt;
 
 use canopen::{BitRate, Duration, Frame, Instant, NodeId, Settings};
-use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, State};
+use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Outputs, State};
 use motion::advanced_timer::{Output, Ring};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
 
@@ -54,10 +54,12 @@ pub struct Board {
     model: TimerModel<'static>,
     control: Beat,
     refill: Beat,
+    /// When a command to stop is carried out that has come.
+    early: Option<Instant>,
     /// What says how late the next one is (an xorshift generator).
     random: u64,
     powered: bool,
-    /// When the last control tick was.
+    /// When the last control tick was, or an early one.
     ticked: Instant,
 }
 
@@ -109,6 +111,7 @@ impl Board {
             model,
             control: beat(Duration::from_ticks(0)),
             refill: beat(phase),
+            early: None,
             random: 0x9E37_79B9_7F4A_7C15,
             powered: false,
             ticked: Instant::from_ticks(0),
@@ -125,8 +128,8 @@ impl Board {
         self.drive.state()
     }
 
-    /// When the last control tick was.
-    pub fn last_control_tick(&self) -> Instant {
+    /// When the last control tick was, or an early one.
+    pub fn last_tick(&self) -> Instant {
         self.ticked
     }
 
@@ -149,12 +152,14 @@ impl Board {
         }
         loop {
             let (control, refill) = (self.control.at(), self.refill.at());
-            let next = control.min(refill);
+            let next = control.min(refill).min(self.early.unwrap_or(control));
             if next > now {
                 break;
             }
             self.play_until(next);
-            if control <= refill {
+            if self.early.take_if(|early| *early <= next).is_some() {
+                self.early_tick(next);
+            } else if control <= refill {
                 self.control = self.after(self.control, CONTROL);
                 self.control_tick(next);
             } else {
@@ -168,13 +173,17 @@ impl Board {
 
     /// The next of its kind.
     fn after(&mut self, beat: Beat, period: Duration) -> Beat {
+        Beat {
+            due: beat.due + period,
+            late: self.lateness(),
+        }
+    }
+
+    fn lateness(&mut self) -> Duration {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
         self.random ^= self.random << 17;
-        Beat {
-            due: beat.due + period,
-            late: Duration::from_ticks(self.random % LATEST),
-        }
+        Duration::from_ticks(self.random % LATEST)
     }
 
     fn play_until(&mut self, now: Instant) {
@@ -184,15 +193,36 @@ impl Board {
 
     fn control_tick(&mut self, now: Instant) {
         self.ticked = now;
-        self.output.service();
-        let inputs = Inputs {
-            supply: true,
-            position: self.output.position(),
-            ..Inputs::default()
-        };
+        let inputs = self.inputs();
         let outputs = self
             .drive
             .tick(now, &inputs, &mut self.output, &mut self.exchange);
+        self.end_tick(now, &outputs);
+    }
+
+    fn early_tick(&mut self, now: Instant) {
+        if !self.exchange.calls_early() {
+            // A control tick was first.
+            return;
+        }
+        self.ticked = now;
+        let inputs = self.inputs();
+        let outputs = self
+            .drive
+            .early_tick(now, &inputs, &mut self.output, &mut self.exchange);
+        self.end_tick(now, &outputs);
+    }
+
+    fn inputs(&mut self) -> Inputs {
+        self.output.service();
+        Inputs {
+            supply: true,
+            position: self.output.position(),
+            ..Inputs::default()
+        }
+    }
+
+    fn end_tick(&mut self, now: Instant, outputs: &Outputs) {
         if outputs.drop_pulses && self.output.pending() > 0 {
             self.output.drop_all();
         }
@@ -204,13 +234,18 @@ impl Station for Board {
     fn receive(&mut self, frame: &Frame, now: Instant) {
         self.run_until(now);
         self.device.receive(frame, now, &mut self.exchange);
+        if self.device.calls_early() {
+            let late = self.lateness();
+            self.early.get_or_insert(now + late);
+        }
     }
 
     fn poll(&mut self, now: Instant) -> Instant {
         self.run_until(now);
         let deadline = self.device.poll(now, &mut self.exchange);
         while self.device.event().is_some() {}
-        deadline.min(self.control.at()).min(self.refill.at())
+        let next = self.control.at().min(self.refill.at());
+        deadline.min(next).min(self.early.unwrap_or(next))
     }
 
     fn transmit(&mut self) -> Option<Frame> {

@@ -444,7 +444,11 @@ fn drive(
                 temperature: (any() == 0).then(|| any() as i16),
                 analogue: (any() == 0).then(|| any() as u16),
             };
-            let outputs = drive.tick(any_time(), &inputs, &mut Sink, exchange);
+            let outputs = if any() == 0 {
+                drive.early_tick(any_time(), &inputs, &mut Sink, exchange)
+            } else {
+                drive.tick(any_time(), &inputs, &mut Sink, exchange)
+            };
             drive.refill(&mut Sink);
             look(u32::from(outputs.power_stage) + u32::from(outputs.drop_pulses));
             look(u32::from(outputs.current) + u32::from(outputs.digital));
@@ -459,6 +463,8 @@ fn drive(
         12 => outbox.clear(),
         14 => device.drop_late(any_time()),
         13 => look(device.application().0 .0.value().len() as u32),
+        17 => look(device.calls_early().into()),
+        18 => look(exchange.lock(|exchange| exchange.calls_early()).into()),
         _ => device.receive(&any_frame(), any_time(), exchange),
     }
 }

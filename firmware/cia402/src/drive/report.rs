@@ -66,6 +66,7 @@ impl Drive {
             homing_failure: self.modes.homing_failure(),
             sync: self.cyclic.status(),
             is_moving: !self.motor.standstill(),
+            is_driven: !self.settled,
             safe: !self.power
                 && self.settled
                 && matches!(state, State::SwitchOnDisabled | State::Fault)

@@ -167,6 +167,8 @@ pub(crate) struct Context<'a> {
     pub(crate) buffer: &'a mut Buffer,
     /// From a beat to the next, and the time it takes until pulses that are handed out now have left.
     pub(crate) pipeline: Pipeline,
+    /// A regular tick follows in less than a period.
+    pub(crate) is_early: bool,
     /// Too many set-points were missing.
     pub(crate) lost_set_points: &'a mut bool,
 }
@@ -181,7 +183,7 @@ impl Context<'_> {
 
     /// No set-point has come for so long that the motor would stand with no ramp before the next tick.
     pub(crate) fn is_running_out(&self) -> bool {
-        self.motor.is_running_out(self.pipeline.next_tick())
+        !self.is_early && self.motor.is_running_out(self.pipeline.next_tick())
     }
 
     /// The position of a target of the user, in increments: of those that are shown like it, the one nearest to where the motor

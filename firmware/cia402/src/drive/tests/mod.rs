@@ -1,6 +1,7 @@
 //! The drive as a whole, on virtual time.
 
 mod brake;
+mod early;
 mod faults;
 mod handover;
 mod limits;

@@ -1,0 +1,275 @@
+//! A tick between two control ticks: it carries out a stop at once, and leaves everything else to the regular ones.
+
+use std::vec::Vec;
+
+use canopen::{Duration, Instant};
+use motion::{Ramps, SignedSpeed};
+
+use crate::configuration::HomingConfiguration;
+use crate::cyclic::Beat;
+use crate::exchange::Actuals;
+use crate::inputs::InputConfiguration;
+use crate::state_machine::State;
+use crate::testing::Rig;
+
+/// A drive that cruises at 10 steps a tick.
+fn cruising() -> Rig {
+    let mut rig = Rig::enabled();
+    rig.set_point(100_000, 0);
+    rig.ticks(200);
+    assert_eq!(rig.speed(), 10);
+    rig
+}
+
+/// A tick, and the controlword so many microseconds behind it. Returns whether an early tick was called for; it has run then.
+fn written_behind_a_tick(rig: &mut Rig, behind: u64, controlword: u16) -> bool {
+    rig.tick_and_play(Duration::micros(behind));
+    rig.write(controlword);
+    let is_called = rig.exchange.calls_early();
+    let rest = Duration::micros(1_000 - behind);
+    if is_called {
+        rig.early_tick_and_play(rest);
+    } else {
+        rig.tick_and_play(rest);
+    }
+    is_called
+}
+
+#[test]
+fn m07_a_command_to_stop_is_carried_out_before_the_next_tick() {
+    for (controlword, state) in [
+        (0x010F, State::OperationEnabled),
+        (0x000B, State::QuickStopActive),
+        (0x0007, State::OperationEnabled),
+        (0x0006, State::ReadyToSwitchOn),
+        (0x0000, State::SwitchOnDisabled),
+    ] {
+        let mut rig = cruising();
+        assert!(written_behind_a_tick(&mut rig, 300, controlword));
+        assert_eq!(rig.state(), state, "{controlword:04X}h");
+        let stops = matches!(state, State::OperationEnabled | State::QuickStopActive);
+        assert_eq!(rig.outputs.power_stage, stops);
+        // What the ticks behind it find is a motor that slows down already: a stop that is asked for later ends later.
+        let mut late = cruising();
+        late.tick();
+        late.write(controlword);
+        late.tick();
+        assert!(rig.rest() <= late.rest(), "{controlword:04X}h");
+    }
+}
+
+#[test]
+fn m07_without_power_the_pulses_end_at_once() {
+    let mut rig = cruising();
+    rig.tick_and_play(Duration::micros(300));
+    let position = rig.motor.position;
+    rig.write(0x0000);
+    rig.early_tick_and_play(Duration::micros(700));
+    assert_eq!(rig.motor.position, position);
+}
+
+#[test]
+fn what_stops_nothing_waits_for_the_control_tick() {
+    for controlword in [0x0F, 0x1F, 0x3F, 0x8F, 0x020F, 0x4F] {
+        let mut rig = cruising();
+        assert!(!written_behind_a_tick(&mut rig, 300, controlword));
+    }
+    // Nor is there haste where the motor stands.
+    let mut rig = Rig::enabled();
+    for controlword in [0x010F, 0x0F, 0x0B] {
+        assert!(!written_behind_a_tick(&mut rig, 300, controlword));
+    }
+}
+
+#[test]
+fn m39_a_motor_that_is_about_to_move_is_stopped_as_well() {
+    let mut rig = Rig::enabled();
+    rig.set_point(100_000, 0);
+    assert!(written_behind_a_tick(&mut rig, 300, 0x011F));
+    assert!(rig.rest() < 2);
+}
+
+#[test]
+fn a_master_that_changes_its_mind_has_one_early_tick_between_two() {
+    let mut rig = cruising();
+    let mut early = 0;
+    for _ in 0..20 {
+        rig.tick_and_play(Duration::micros(100));
+        let mut in_period = 0;
+        for half in 0..9 {
+            rig.write(if half % 2 == 0 { 0x010F } else { 0x0F });
+            if rig.exchange.calls_early() {
+                in_period += 1;
+                rig.early_tick_and_play(Duration::micros(100));
+            } else {
+                rig.motor_plays(Duration::micros(100));
+            }
+        }
+        assert!(in_period <= 1);
+        early += in_period;
+    }
+    assert!(early > 10, "{early}");
+}
+
+#[test]
+fn d23_a_network_that_is_lost_stops_the_motor_at_once() {
+    let mut rig = cruising();
+    rig.tick_and_play(Duration::micros(300));
+    rig.commands.remote = false;
+    rig.post();
+    assert!(rig.exchange.calls_early());
+    rig.early_tick_and_play(Duration::micros(700));
+    assert_eq!(rig.state(), State::QuickStopActive);
+}
+
+/// What a master does in the tick with this number.
+type Script = fn(&mut Rig, u64);
+
+/// Every set of actual values, and the motor behind each tick. Early ticks run
+/// behind regular ones as they may: while the motor has pulses to come.
+fn run(rig: Rig, script: Script, is_disturbed: bool) -> Vec<(Actuals, i64)> {
+    let mut rig = rig;
+    let mut random = 1_u32;
+    let mut all = Vec::new();
+    for number in 0..1_500 {
+        script(&mut rig, number);
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let behind = u64::from(random >> 8) % 998 + 1;
+        let actuals = rig.tick_and_play(Duration::micros(behind));
+        let rest = Duration::micros(1_000 - behind);
+        if is_disturbed && actuals.is_driven && random >> 30 != 0 {
+            rig.early_tick_and_play(rest);
+        } else {
+            rig.motor_plays(rest);
+        }
+        all.push((actuals, rig.motor.position));
+    }
+    all
+}
+
+/// Early ticks that have nothing to carry out change nothing.
+fn is_undisturbed(made: impl Fn() -> Rig, script: Script) {
+    let plain = run(made(), script, false);
+    let disturbed = run(made(), script, true);
+    assert!(plain.iter().any(|(_, position)| *position != 0));
+    for (number, pair) in plain.iter().zip(&disturbed).enumerate() {
+        assert_eq!(pair.0, pair.1, "tick {number}");
+    }
+}
+
+#[test]
+fn m34_early_ticks_shorten_no_time_of_profile_position() {
+    let enabled = || {
+        let mut rig = Rig::enabled();
+        rig.configuration.position_window_time = 7;
+        rig
+    };
+    is_undisturbed(enabled, |rig, number| match number {
+        10 => rig.set_point(3_000, 0),
+        50 => rig.set_point(500, 0),
+        900 => rig.set_point(-2_000, 0x20),
+        _ => {}
+    });
+    let smooth = || {
+        let mut rig = Rig::enabled();
+        rig.configuration.profile.ramps = Ramps::JerkLimited(5_000_000);
+        rig
+    };
+    is_undisturbed(smooth, |rig, number| match number {
+        10 => rig.set_point(3_000, 0),
+        600 => rig.set_point(-2_000, 0x20),
+        700 => rig.set_point(2_000, 0x20),
+        _ => {}
+    });
+}
+
+#[test]
+fn m52_early_ticks_take_no_edge_twice_and_shorten_no_debounce() {
+    let homing = || {
+        let mut rig = Rig::new();
+        rig.commands.mode = 6;
+        rig.configuration.inputs = InputConfiguration {
+            home: 1,
+            negative_limit: 2,
+            positive_limit: 4,
+            debounce: 5,
+            ..InputConfiguration::NONE
+        };
+        rig.configuration.homing = HomingConfiguration {
+            method: 19,
+            search_speed: 10_000.into(),
+            zero_speed: 1_000.into(),
+            acceleration: 200_000,
+            ..HomingConfiguration::NONE
+        };
+        rig.enable();
+        rig
+    };
+    is_undisturbed(homing, |rig, number| {
+        rig.digital.levels = u8::from(rig.motor.position >= 300);
+        if number == 10 {
+            rig.write(0x1F);
+        }
+    });
+    let limited = || {
+        let mut rig = homing();
+        rig.commands.mode = 1;
+        rig.post();
+        rig.ticks(3);
+        rig
+    };
+    is_undisturbed(limited, |rig, number| {
+        // It chatters before it stays.
+        rig.digital.levels = if number > 200 || number % 7 == 0 {
+            4
+        } else {
+            0
+        };
+        if number == 10 {
+            rig.set_point(100_000, 0);
+        }
+    });
+}
+
+#[test]
+fn m63_early_ticks_take_no_set_point_twice_and_leave_sync_its_beat() {
+    let cyclic = |mode| {
+        let mut rig = Rig::new();
+        rig.commands.mode = mode;
+        rig.configuration.cyclic.period = 1_000;
+        rig.enable();
+        rig
+    };
+    /// A SYNC in each millisecond, 250 µs behind the tick that is next, with a set-point.
+    fn beat(rig: &mut Rig, number: u64) {
+        let at = rig.now() - Duration::micros(750);
+        // There and back, with breaks of which one is too long.
+        let is_there = number % 200 != 7 && !(1_000..1_003).contains(&number);
+        let way = 5 * i32::try_from(number % 600).unwrap();
+        let position = if number % 1_200 < 600 {
+            way
+        } else {
+            3_000 - way
+        };
+        rig.exchange.beat(Beat {
+            at: Instant::from_ticks(at.ticks()),
+            is_sync: true,
+            position: is_there.then_some(position),
+            velocity: is_there.then(|| SignedSpeed::from(3 * position)),
+            position_offset: 0,
+            velocity_offset: SignedSpeed::ZERO,
+        });
+    }
+    is_undisturbed(|| cyclic(8), beat);
+    is_undisturbed(|| cyclic(9), beat);
+    is_undisturbed(
+        || cyclic(7),
+        |rig, number| {
+            if number == 10 {
+                rig.write(0x1F);
+            }
+            rig.exchange.record(5 * i32::try_from(number).unwrap());
+            beat(rig, number);
+        },
+    );
+}
