@@ -1,6 +1,10 @@
 """Homing by python-canopen's own `BaseNode402.homing()`, and what it leaves behind.
 
 It looks at bits 13, 12 and 10 of the statusword from the moment it has set the start bit on, which it never takes back.
+
+The virtual drive is homed on the ready axes. The image in the emulator has its inputs along the axis too (`cargo xtask qemu --input`), and captures
+their edges in its interrupts; so whatever finds home by switches and index pulses is homed there as well. It has no end stop and no driver that
+feels one, so the methods -1 to -4 are for the virtual drive alone.
 """
 
 import pathlib
@@ -127,3 +131,62 @@ def test_a_limit_switch_that_is_met_is_an_error(start, connect):
     drive.sdo[0x6040].raw = 0x0F
     drive.sdo[0x2030][1].raw = 0b10
     assert drive.homing()
+
+
+#: 2031h: what inputs 1 to 5 are for.
+NEGATIVE_LIMIT, POSITIVE_LIMIT, HOME, INDEX, PROBE = 1, 2, 3, 4, 5
+
+#: Where the inputs are high on the axis of the emulator, in steps; index pulses are one step wide.
+LIMITS = [f"{NEGATIVE_LIMIT}=..-10000", f"{POSITIVE_LIMIT}=10000.."]
+PULSES = [f"{INDEX}={step}..{step}" for step in (-9_200, -400, 400, 2_800, 3_600, 4_400, 5_200, 9_000)]
+WINDOW = [f"{HOME}=3000..4000"]
+TO_THE_END = [f"{HOME}=3000.."]
+FROM_THE_BEGINNING = [f"{HOME}=..3000"]
+
+#: Of each method the home switch, and the step at which home is.
+HOMES = {
+    1: (WINDOW, -9_200),
+    2: (WINDOW, 9_000),
+    3: (TO_THE_END, 2_800),
+    6: (FROM_THE_BEGINNING, 2_800),
+    8: (WINDOW, 3_600),
+    10: (WINDOW, 4_400),
+    12: (WINDOW, 3_600),
+    17: (WINDOW, -10_000),
+    18: (WINDOW, 10_000),
+    20: (TO_THE_END, 3_000),
+    22: (FROM_THE_BEGINNING, 3_000),
+    23: (WINDOW, 3_000),
+    24: (WINDOW, 3_000),
+    26: (WINDOW, 4_000),
+    30: (WINDOW, 3_000),
+    33: (WINDOW, -400),
+    34: (WINDOW, 400),
+}
+
+
+@pytest.mark.only("firmware")
+@pytest.mark.parametrize("method", HOMES)
+def test_the_firmware_is_homed_by_its_inputs_to_the_step(start, connect, method):
+    switch, home = HOMES[method]
+    # A mark beside home tells where that is, on the side that is away from the limits.
+    side = 1 if home < 0 else -1
+    mark = home + side * 500
+    inputs = [*LIMITS, *PULSES, *switch, f"{PROBE}={mark}.."]
+    arguments = [word for mark in inputs for word in ("--input", mark)]
+    drive = prepare(add(connect(start(arguments=arguments)), BaseNode402(NODE_ID, str(EDS))), method)
+    drive.sdo[0x2031][4].raw = INDEX
+    drive.sdo[0x6099][1].raw = 10_000
+    assert drive.homing()
+    assert drive.sdo[0x2034][1].raw == 1
+    # The edge of the mark, passed upwards, is as far from 0 as the mark is from home.
+    drive.op_mode = "PROFILED POSITION"
+    for target in (side * 500 - 300, side * 500 + 300):
+        drive.sdo[0x607A].raw = target
+        drive.sdo[0x6040].raw = 0x0F
+        drive.sdo[0x6040].raw = 0x1F
+        wait_until(lambda there=target: drive.sdo[0x6064].raw == there, f"6064h = {target}")
+        # For the second move: the first positive edge.
+        drive.sdo[0x60B8].raw = 0x11
+    assert drive.sdo[0x60B9].raw == 0x03
+    assert drive.sdo[0x60BA].raw == side * 500

@@ -36,7 +36,15 @@ pub struct Arguments {
     /// Run this ELF file instead of building the firmware
     #[arg(long, value_name = "ELF")]
     image: Option<PathBuf>,
+
+    /// Input N (1 to 6) is high while the motor is from step FROM to step TO, counted from power-on, both included; without one of them, as far
+    /// as it goes. May be given up to 16 times, several times for an input too
+    #[arg(long = "input", value_name = "N=FROM..TO", value_parser = mark)]
+    inputs: Vec<[u8; 12]>,
 }
+
+/// The most marks that the image takes.
+const MARKS: usize = 16;
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
@@ -49,6 +57,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .as_deref()
         .map(firmware::given)
         .transpose()?;
+    if arguments.inputs.len() > MARKS {
+        return Err(refuse(format!("more than {MARKS} times --input")));
+    }
     let stop = stop_signal()?;
 
     let qemu = setup::emulator()?;
@@ -65,6 +76,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .tempdir()
         .context("making an empty parameter store")?;
     let store = arguments.store.as_deref().unwrap_or(empty.path());
+    fs::write(store.join("inputs.bin"), arguments.inputs.concat())
+        .context("writing what is along the axis")?;
 
     let mut emulator = Emulator::serve(&qemu, &image, address, store)?;
     let started = Instant::now();
@@ -88,6 +101,29 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             );
         }
     }
+}
+
+/// A mark along the axis as the image reads it: the input, the first step and the last, each four bytes.
+fn mark(text: &str) -> Result<[u8; 12], String> {
+    let form = || "not of the form N=FROM..TO".to_owned();
+    let (input, range) = text.split_once('=').ok_or_else(form)?;
+    let (from, to) = range.split_once("..").ok_or_else(form)?;
+    let input: u32 = input.parse().map_err(|_| form())?;
+    if !(1..=6).contains(&input) {
+        return Err("there are inputs 1 to 6".to_owned());
+    }
+    let step = |text: &str, missing: i32| match text {
+        "" => Ok(missing),
+        text => text.parse::<i32>().map_err(|_| form()),
+    };
+    let mut bytes = [0; 12];
+    let numbers = [
+        input.to_le_bytes(),
+        step(from, i32::MIN)?.to_le_bytes(),
+        step(to, i32::MAX)?.to_le_bytes(),
+    ];
+    bytes.copy_from_slice(&numbers.concat());
+    Ok(bytes)
 }
 
 /// The address with this name, if it can be served.
@@ -177,6 +213,25 @@ mod tests {
             refusal(free_address(&address)),
             format!("cannot serve SLCAN on {address}: address already in use")
         );
+    }
+
+    #[test]
+    fn a_mark_along_the_axis_has_an_input_and_two_ends() {
+        let bytes = |numbers: [i32; 3]| numbers.map(i32::to_le_bytes).concat();
+        assert_eq!(mark("3=-5..70000").unwrap()[..], bytes([3, -5, 70_000]));
+        assert_eq!(mark("1=..-1").unwrap()[..], bytes([1, i32::MIN, -1]));
+        assert_eq!(mark("6=0..").unwrap()[..], bytes([6, 0, i32::MAX]));
+        for wrong in [
+            "",
+            "3",
+            "3=4",
+            "0=1..2",
+            "7=1..2",
+            "3=a..2",
+            "3=1..4000000000",
+        ] {
+            assert!(mark(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -1,11 +1,13 @@
 //! The emulator: QEMU's machine `netduinoplus2`, which has an STM32F405 without CAN, pins, flash programming and PLL.
 //!
 //! CAN frames travel as lines of SLCAN over USART2, which the emulator serves on a TCP port. Parameters lie in a file of the
-//! host. Step pulses go nowhere, but they are timed and counted as on a board. All times are the emulator's virtual time.
+//! host. Step pulses go nowhere, but they are timed and counted as on a board; a file of the host may tell which inputs they move along
+//! the axis. There is no mass, no end stop and no driver that feels one. All times are the emulator's virtual time.
 //!
 //! What the machine does not have must not be touched: reading the chip's unique number is a fault, and waiting for the PLL
 //! never ends.
 
+mod inputs;
 mod parameter_file;
 mod pulses;
 mod semihosting;
@@ -20,7 +22,7 @@ use stm32f4xx_hal::pac;
 
 use motion::step_interrupt;
 
-use super::{user_memory, Board, InputLines, Lights, Parts, Stage};
+use super::{user_memory, Board, Lights, Parts, Stage};
 use crate::control::TIMING;
 use crate::settings::Inputs;
 
@@ -42,7 +44,7 @@ impl Board for Qemu {
     type Bus = serial::SerialBus;
     type Stage = IdealStage;
     type Lights = NoLights;
-    type InputLines = NoLines;
+    type InputLines = inputs::Lines;
     type Parameters = parameter_file::ParameterFile;
 
     fn start(device: pac::Peripherals) -> Parts<Self> {
@@ -52,12 +54,15 @@ impl Board for Qemu {
         let (queue, player) = step_interrupt::split(shared, timer, TIMING);
         Parts {
             pulses: pulses::InterruptPulses(queue),
-            steps: pulses::StepPlayer(player),
+            steps: pulses::StepPlayer {
+                player,
+                axis: inputs::Axis::open(),
+            },
             receiver: serial::Receiver::new(),
             bus: serial::SerialBus::new(device.USART2),
             stage: IdealStage,
             lights: NoLights,
-            input_lines: NoLines,
+            input_lines: inputs::Lines,
             parameters: parameter_file::ParameterFile::open(),
             // The machine has no pins.
             inputs: Inputs {
@@ -75,8 +80,7 @@ impl Board for Qemu {
     }
 
     fn input_levels() -> u8 {
-        // The machine has no pins: what is not connected is low.
-        0
+        inputs::levels()
     }
 
     fn refill_done() {}
@@ -115,15 +119,6 @@ impl Stage for IdealStage {
     fn set_brake(&mut self, _open: bool) {}
 
     fn feed_watchdog(&mut self) {}
-}
-
-/// Nothing is connected to the inputs.
-pub struct NoLines;
-
-impl InputLines for NoLines {
-    fn take(&mut self) -> u8 {
-        0
-    }
 }
 
 /// Nobody sees the lights.

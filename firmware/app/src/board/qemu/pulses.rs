@@ -3,6 +3,7 @@
 use motion::step_interrupt::{Player, RecordQueue};
 use motion::{PulseSink, Record, Ticks};
 
+use super::inputs::Axis;
 use super::step_timer::AlarmTimer;
 use crate::board::{Pulses, Steps};
 
@@ -45,15 +46,19 @@ impl Pulses for InterruptPulses {
     fn mend(&mut self) {}
 }
 
-/// The step interrupt.
-pub struct StepPlayer(pub Player<'static, AlarmTimer>);
+/// The step interrupt, and what the steps bring the motor to.
+pub struct StepPlayer {
+    pub player: Player<'static, AlarmTimer>,
+    pub axis: Axis,
+}
 
 impl Steps for StepPlayer {
     fn on_interrupt(&mut self) {
-        self.0.on_interrupt();
+        self.player.on_interrupt();
+        self.axis.pass(self.player.position());
     }
 
     fn count(&mut self, _input: usize) -> u32 {
-        self.0.position().cast_unsigned()
+        self.player.position().cast_unsigned()
     }
 }
