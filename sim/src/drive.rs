@@ -24,6 +24,7 @@ use crate::bus::Station;
 use crate::flash::{Flash, ParameterStore};
 use crate::machine::ScopeMemory;
 use crate::plant::{Axis, Plant, STEP_CLOCK_HZ, Sensed, WIRES};
+use crate::settings::{FactoryStore, Settings as FactorySettings};
 
 /// The period of the control tick.
 pub const CONTROL_TICK: Duration = Duration::from_ticks(1_000);
@@ -370,8 +371,11 @@ where
     }
 
     fn serve_store(&mut self, now: Instant) {
-        self.device
-            .serve_store(&mut self.setup.store, now, &mut self.exchange);
+        let none = FactorySettings::default();
+        let axis = self.setup.axis.as_ref();
+        let settings = axis.map_or(&none, |axis| &axis.settings);
+        let mut store = FactoryStore::new(&mut self.setup.store, settings);
+        self.device.serve_store(&mut store, now, &mut self.exchange);
     }
 
     fn handle_events(&mut self) {

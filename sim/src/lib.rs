@@ -1,6 +1,6 @@
 //! The virtual drive: the firmware's own core on a PC, with a simulated motor and real CAN frames.
 //!
-//! - [`drive`]: the virtual drive; [`plant`]: its motor; [`machine`]: what its firmware serves beside the drive; [`flash`]: where it keeps its settings.
+//! - [`drive`]: the virtual drive; [`plant`]: its motor; [`machine`]: what its firmware serves beside the drive; [`flash`]: where it keeps its settings; [`settings`]: those of the factory.
 //! - [`timer_model`]: the timers of the board that make step pulses, register by register; [`exactness`]: what is measured on their pins.
 //! - [`bus`]: where frames travel. An in-process bus on virtual time, SLCAN over TCP, SocketCAN.
 //! - [`master`]: a CANopen master, on the in-process bus or on a real one.
@@ -25,6 +25,7 @@ pub mod plan;
 pub mod plant;
 pub mod scope;
 pub mod serve;
+pub mod settings;
 mod system_error;
 pub mod timer_model;
 pub mod trace;

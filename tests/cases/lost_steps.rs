@@ -208,7 +208,6 @@ fn d25_the_ready_axes_with_a_motor_find_home() {
         Axis::read(&folder.join(name)).unwrap()
     };
     let mut belt = DriveBench::on(axis("belt.toml"));
-    belt.write_u8(0x2032, 0, 0b11);
     let zero = home(&mut belt, 24, (20_000, 1_000));
     assert!((zero - 2_408).abs() <= PLAY, "belt: {zero}");
 

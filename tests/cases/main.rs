@@ -3,6 +3,7 @@
 //! One module per service; the name of a listed case begins with its id.
 
 mod bouncing_switches;
+mod brake;
 mod can_layer;
 mod coherence;
 mod commissioning;

@@ -82,8 +82,8 @@ def test_without_its_switch_homing_fails_and_says_so(drive):
 @pytest.mark.parametrize("method", [17, 18, 23, 24, 25, 26, 27, 28, 29, 30])
 def test_a_belt_is_homed_by_its_switches(start, connect, method):
     drive = prepare(on_axis(start, connect, "belt.toml"), method)
-    # Its limit switches are normally closed.
-    drive.sdo[0x2032].raw = 0b11
+    # Its limit switches are normally closed: the axis brings this setting along.
+    assert drive.sdo[0x2032].raw == 0b11
     drive.sdo[0x607C].raw = 100
     assert drive.homing()
     # Home is where the switch was; the motor has gone on for as long as it took to stop.
@@ -93,7 +93,6 @@ def test_a_belt_is_homed_by_its_switches(start, connect, method):
 @pytest.mark.only("virtual")
 def test_a_motor_with_a_mass_is_homed_and_felt_at_its_stop(start, connect):
     drive = prepare(on_axis(start, connect, "with_motor/belt.toml"), 24)
-    drive.sdo[0x2032].raw = 0b11
     assert drive.homing()
     assert abs(drive.sdo[0x6064].raw) < 200
     # Behind the negative limit switch, which is nothing to the drive now, there is a stop; the driver senses it.
@@ -123,7 +122,6 @@ def test_a_lead_screw_is_homed_by_limit_switch_and_index(start, connect):
 def test_a_limit_switch_that_is_met_is_an_error(start, connect):
     # The home switch is behind the motor: method 19 looks for it in the other direction.
     drive = prepare(on_axis(start, connect, "belt.toml"), 19)
-    drive.sdo[0x2032].raw = 0b11
     assert not drive.homing()
     assert drive.sdo[0x60FD].raw & 0b111 == 0b010
     assert drive.sdo[0x2034][2].raw == 2

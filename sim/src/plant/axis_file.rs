@@ -8,6 +8,7 @@ use std::path::Path;
 
 use super::motor::{MotorData, SupplyData};
 use super::track::Track;
+use crate::settings::Settings;
 use crate::system_error::plain;
 use sections::{File, Mistake};
 
@@ -26,6 +27,8 @@ pub struct Axis {
     pub motor: Option<MotorData>,
     /// What feeds it. Without one nothing ever happens to the supply.
     pub supply: Option<SupplyData>,
+    /// What a drive on this axis is set to by the factory.
+    pub settings: Settings,
 }
 
 impl Axis {

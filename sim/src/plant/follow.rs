@@ -58,7 +58,7 @@ impl Plant {
         Orders {
             current: if self.energised { self.current() } else { 0 },
             microsteps: self.pulses_of_full_step(),
-            is_braked: !self.is_brake_open,
+            is_braked: !self.brake.is_open(self.moved),
             supply: match &self.source {
                 Some(source) => source.volts(),
                 None => f64::from(self.supply_voltage) / 1e3,

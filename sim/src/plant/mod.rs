@@ -6,6 +6,7 @@
 //! step that made them, as the capture units of a board do. The same commands and the same seed give the same motion.
 
 mod axis_file;
+mod brake;
 mod chance;
 mod contact;
 mod follow;
@@ -20,6 +21,7 @@ pub use motor::{Heat, Load, MotorData, SupplyChange, SupplyData};
 pub use pulses::{PulsePlayer, Pulses};
 pub use track::{Index, SwitchStates, Track, WIRES};
 
+use brake::Brake;
 use canopen::{Duration, Instant};
 use motion::Ticks;
 use motor::Motor;
@@ -35,7 +37,7 @@ pub struct Plant {
     pulses: PulsePlayer,
     now: Instant,
     energised: bool,
-    is_brake_open: bool,
+    brake: Brake,
     /// Where the motor stands along the axis.
     rotor: i64,
     /// What moves it, if a pulse is not simply a step.
@@ -82,7 +84,7 @@ impl Plant {
             motor: None,
             moved: now,
             source: None,
-            is_brake_open: false,
+            brake: Brake::new(),
             origin: 0,
             surroundings: Surroundings::default(),
             blocked: false,
@@ -125,7 +127,7 @@ impl Plant {
             motor.power_on();
         }
         self.energised = false;
-        self.is_brake_open = false;
+        self.open_brake(false);
         self.fault = None;
         self.warning = None;
     }
@@ -212,14 +214,23 @@ impl Plant {
         self.energised
     }
 
-    /// The holding brake opens or closes.
+    /// The holding brake is told to open or to close; on an axis with a motor it takes its time.
     pub fn open_brake(&mut self, open: bool) {
-        self.is_brake_open = open;
+        let delay = self.motor.as_ref().map(|motor| {
+            let load = &motor.data().load;
+            if open {
+                load.brake_release
+            } else {
+                load.brake_engage
+            }
+        });
+        self.brake
+            .order(open, self.now, delay.unwrap_or(Duration::from_ticks(0)));
     }
 
-    /// Whether the holding brake is open.
+    /// Whether the holding brake is told to be open.
     pub fn is_brake_open(&self) -> bool {
-        self.is_brake_open
+        self.brake.opens()
     }
 
     /// What the motor driver is set to: the current in milliamperes, and the pulses of a full step.

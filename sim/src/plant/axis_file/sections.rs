@@ -1,5 +1,6 @@
 //! The sections of the file. Keys that are not known are refused.
 
+use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 
 use canopen::Duration;
@@ -7,9 +8,11 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::Axis;
+use crate::data_sheet::DataSheet;
 use crate::plant::contact::Switch;
 use crate::plant::motor::{Heat, Load, MotorData, SupplyData};
 use crate::plant::track::{Index, Track};
+use crate::settings::Settings;
 
 /// How far an end stop gives way under 1 N·m if the file does not say so, in steps.
 const COMPLIANCE: NonZeroU32 = NonZeroU32::new(8).unwrap();
@@ -42,6 +45,8 @@ pub(super) struct File {
     load: Option<Spanned<Load>>,
     heat: Option<Spanned<Heat>>,
     supply: Option<SupplyData>,
+    #[serde(default)]
+    settings: BTreeMap<Spanned<String>, i64>,
 }
 
 /// `[stops]`: the axis cannot leave this range.
@@ -185,6 +190,7 @@ impl File {
             encoder: self.encoder,
             motor: self.motor()?,
             supply: self.supply.clone(),
+            settings: self.settings()?,
             track: self.track(),
         })
     }
@@ -220,6 +226,18 @@ impl File {
             return Err(mistake(section, what));
         }
         Ok(Some(motor))
+    }
+
+    /// `[settings]`, as the generic drive has them.
+    fn settings(&self) -> Result<Settings, Mistake> {
+        let sheet = DataSheet::axis402();
+        let mut settings = Settings::default();
+        for (name, number) in &self.settings {
+            settings
+                .set(&sheet, name.get_ref(), *number)
+                .map_err(|what| mistake(name, what))?;
+        }
+        Ok(settings)
     }
 
     fn track(self) -> Track {

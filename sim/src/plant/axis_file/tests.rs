@@ -1,6 +1,7 @@
 use canopen::Duration;
 
 use super::*;
+use crate::data_sheet::Address;
 use crate::plant::{Heat, Index, Load, SupplyChange, Switch};
 
 fn refused(text: &str) -> (Option<usize>, String) {
@@ -44,8 +45,46 @@ fn every_key_is_understood() {
         },
         motor: None,
         supply: None,
+        settings: Settings::default(),
     };
     assert_eq!(axis, Ok(expected));
+}
+
+#[test]
+fn settings_are_objects_by_number_or_name() {
+    let settings = Axis::from_toml(
+        "[settings]\n\"2040h:2\" = 30\n\"Brake release time\" = 60\n\"2032h\" = 0b11\n",
+    )
+    .unwrap()
+    .settings;
+    assert_eq!(
+        settings.values(),
+        [
+            (Address::new(0x2032, 0), vec![3]),
+            (Address::new(0x2040, 1), vec![60, 0]),
+            (Address::new(0x2040, 2), vec![30, 0]),
+        ]
+    );
+}
+
+#[test]
+fn what_is_no_setting_is_refused_with_its_line() {
+    for (setting, what) in [
+        ("\"4444h\" = 1", "no object"),
+        ("\"Brake relish time\" = 1", "no object"),
+        ("\"6041h\" = 1", "no setting"),
+        ("\"1017h\" = 100", "no setting"),
+        ("\"2040h:1\" = 10001", "beyond its limits"),
+        ("\"2032h\" = -1", "2032h"),
+        ("\"2032h\" = \"x\"", "invalid type"),
+        ("\"2040h:1\" = 1\n\"Brake release time\" = 2", "twice"),
+    ] {
+        let (line, why) = refused(&format!("[settings]\n{setting}\n"));
+        assert!(
+            line >= Some(2) && why.contains(what),
+            "{setting}: {line:?} {why}"
+        );
+    }
 }
 
 #[test]
@@ -64,7 +103,7 @@ fn every_key_of_a_motor_is_understood() {
          [motor]\nfull_steps = 400\nmicrosteps = 8\nrated_current_ma = 1500\nholding_torque_mnm = 400\n\
          detent_torque_mnm = 15\nrotor_inertia_gcm2 = 54\nresistance_mohm = 1600\ninductance_uh = 2800\n\
          damping_percent = 20\nstall_sense = true\nencoder_counts = 4000\n\
-         [load]\ninertia_gcm2 = 120\nfriction_mnm = 20\ndrag_mnm = 10\ntorque_mnm = -30\nbrake_mnm = 900\n\
+         [load]\ninertia_gcm2 = 120\nfriction_mnm = 20\ndrag_mnm = 10\ntorque_mnm = -30\nbrake_mnm = 900\nbrake_release_ms = 40\nbrake_engage_ms = 25\n\
          [heat]\nambient_c = -5\nrise_k = 70\ntime_constant_s = 600\n\
          [supply]\nvoltage_mv = 36000\nresistance_mohm = 200\n\
          [[supply.change]]\nat_ms = 5000\nfor_ms = 250\nvoltage_mv = 9000\n",
@@ -88,6 +127,8 @@ fn every_key_of_a_motor_is_understood() {
             drag: 10,
             torque: -30,
             brake: 900,
+            brake_release: Duration::from_ticks(40_000),
+            brake_engage: Duration::from_ticks(25_000),
             compliance: 5,
         },
         heat: Heat {

@@ -102,7 +102,7 @@ impl MotorData {
 }
 
 /// What turns with the motor, and what holds it back; all as the shaft of the motor feels it.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Load {
     /// In g·cm².
@@ -120,9 +120,30 @@ pub struct Load {
     /// What the holding brake holds, in mN·m; 0 is none.
     #[serde(rename = "brake_mnm")]
     pub brake: u32,
+    /// From the order to open the brake until it lets go.
+    #[serde(rename = "brake_release_ms", deserialize_with = "milliseconds")]
+    pub brake_release: Duration,
+    /// From the order to close the brake, or from when it loses its power, until it holds.
+    #[serde(rename = "brake_engage_ms", deserialize_with = "milliseconds")]
+    pub brake_engage: Duration,
     /// How far an end stop gives way under 1 N·m, in steps of the axis.
     #[serde(skip)]
     pub compliance: u32,
+}
+
+impl Default for Load {
+    fn default() -> Self {
+        Self {
+            inertia: 0,
+            friction: 0,
+            drag: 0,
+            torque: 0,
+            brake: 0,
+            brake_release: Duration::from_ticks(0),
+            brake_engage: Duration::from_ticks(0),
+            compliance: 0,
+        }
+    }
 }
 
 /// A winding that warms up as a body of one temperature does.

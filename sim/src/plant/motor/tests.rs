@@ -310,7 +310,7 @@ proptest! {
     ) {
         let data = MotorData {
             detent_torque: detent,
-            load: Load { inertia, friction, drag, torque, compliance, brake: 0 },
+            load: Load { inertia, friction, drag, torque, compliance, ..Load::default() },
             ..MotorData::default()
         };
         data.check().unwrap();
