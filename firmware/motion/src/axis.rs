@@ -9,12 +9,14 @@
 //!
 //! Every pulse is accounted for: [`Axis::committed_position`] is always the sum of the pulses handed to the sink.
 
+mod averaged;
 mod leg;
 mod line;
 mod trace;
 
+use crate::average::Average;
 use crate::clock::{Clock, Ticks};
-use crate::fixed::{Exact, Position, State, Velocity};
+use crate::fixed::{Position, State, Velocity};
 use crate::path::{FollowError, Manner, Path};
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
@@ -73,6 +75,9 @@ pub struct Axis {
     ramps: Ramps,
     /// The set-points that are followed; in their place the plan stands still.
     path: Option<Path>,
+    /// The mean of the plan, if it is that which is followed.
+    average: Average,
+    is_averaged: bool,
     /// What the last way of a velocity that is followed had beyond 2⁻³² steps, in 2⁻⁵⁶ of them.
     carry: u32,
     train: Train,
@@ -99,6 +104,8 @@ impl Axis {
             plan: Plan::at_rest(0, 0),
             ramps: Ramps::Linear,
             path: None,
+            average: Average::new(),
+            is_averaged: false,
             carry: 0,
             train: Train::new(config.timing, config.segment, 0, 0),
             segment: config.segment,
@@ -373,9 +380,11 @@ impl Axis {
     /// Where the motion ends, in whole steps: the target, or where a stop comes to rest. For a velocity that is kept, the position
     /// at the commit horizon.
     pub fn target(&self) -> i64 {
-        self.state_at(self.end().unwrap_or(self.horizon))
-            .position
-            .whole_steps()
+        let rest = match (&self.path, self.plan.end()) {
+            (None, Some(end)) => self.plan.state_at(end),
+            _ => self.state_at(self.end().unwrap_or(self.horizon)),
+        };
+        rest.position.whole_steps()
     }
 
     /// The highest velocity that driver and clock allow, a whole number of steps/s. Limits above it are cut to it.
@@ -392,8 +401,9 @@ impl Axis {
         }
         self.leg = None;
         let grace = Ticks::from(self.train.segment()) << 1;
-        let mut path = Path::new(horizon, self.plan.state_at(horizon), grace);
+        let mut path = Path::new(horizon, self.state_at(horizon), grace);
         path.go_on(horizon, end, to, manner)?;
+        self.is_averaged = false;
         self.path = Some(path);
         Ok(())
     }
@@ -403,16 +413,10 @@ impl Axis {
         self.exact_at(t).rounded()
     }
 
-    fn exact_at(&self, t: Ticks) -> Exact {
-        match &self.path {
-            None => self.plan.exact_at(t),
-            Some(path) => path.exact_at(t),
-        }
-    }
-
-    /// The tick from which the axis stands; `None` if it never does.
+    /// The tick from which the axis stands; `None` if it never does, or as long as it follows the mean of a plan.
     fn end(&self) -> Option<Ticks> {
         match &self.path {
+            None if self.is_averaged => None,
             None => self.plan.end(),
             Some(path) => Some(path.rest()),
         }
@@ -452,6 +456,7 @@ impl Axis {
     fn compose(&mut self) {
         let on_leg = match &mut self.leg {
             Some(leg) => leg.go_on(self.horizon, &self.train),
+            None if self.is_averaged => self.averaged_chord(),
             None => None,
         };
         let next = on_leg.or_else(|| self.chord_on_line());
@@ -475,6 +480,7 @@ impl Axis {
     #[inline(never)]
     fn next_chord(&mut self) -> Option<(Chord, State)> {
         self.leg = None;
+        self.average_on();
         let begin = self.horizon;
         let from = self.state_at(begin);
         if self.end().is_some_and(|end| end <= begin) && self.train.due(from.position) == 0 {
@@ -483,7 +489,16 @@ impl Axis {
             self.go_to(closed, self.state_at(closed));
             return None;
         }
+        let mut averaged = None;
         let (corner, longest) = match &self.path {
+            None if self.is_averaged => {
+                let phase = self.average.phase();
+                averaged = Some(phase);
+                (
+                    Some(self.average.until()),
+                    self.average.longest_chord(&phase),
+                )
+            }
             None => (self.plan.next_corner(begin), self.plan.longest_chord(begin)),
             Some(path) => (path.next_corner(begin), path.longest_chord(begin)),
         };
@@ -507,11 +522,12 @@ impl Axis {
         }
         if self.path.is_none()
             && end < corner
-            && let Some(phase) = self.plan.phase_at(begin)
+            && let Some(phase) = averaged.as_ref().or_else(|| self.plan.phase_at(begin))
             && phase.is_parabola()
         {
             self.leg = Some(Leg::new(phase, end, corner, longest));
         }
+        self.end_average(end);
         Some((Chord::between((begin, from), (length, to)), to))
     }
 
@@ -521,6 +537,7 @@ impl Axis {
         self.leg = None;
         self.plan = Plan::at_rest(self.committed.into(), self.horizon);
         self.path = None;
+        self.is_averaged = false;
         self.moving = false;
     }
 
@@ -532,26 +549,6 @@ impl Axis {
         self.settle();
         let standing = self.plan.state_at(self.horizon);
         self.trace.restart(self.horizon, standing);
-    }
-
-    fn redirect(&mut self, goal: Goal, limits: Limits) -> Result<(), PlanError> {
-        let limits = Limits {
-            velocity: limits.velocity.min(self.max_velocity()),
-            ..limits
-        };
-        let (clock, horizon) = (self.clock, self.horizon);
-        self.leg = None;
-        match &self.path {
-            None => self.plan.redirect(clock, horizon, goal, limits, self.ramps),
-            Some(path) => {
-                let from = path.exact_at(horizon);
-                let from = (from, 0);
-                self.plan
-                    .make(clock, horizon, from, goal, limits, self.ramps)?;
-                self.path = None;
-                Ok(())
-            }
-        }
     }
 
     fn demand_of(&self, state: State) -> Demand {

@@ -31,6 +31,11 @@ impl Position {
         self.0.wrapping_add(1 << 31) >> 32
     }
 
+    /// The position nearest to one in Q96 steps.
+    pub(crate) const fn nearest(exact: i128) -> Self {
+        Self((exact.wrapping_add(1 << 63) >> 64) as i64)
+    }
+
     /// Rounds Q96 steps towards zero, which treats both directions alike.
     pub(crate) const fn from_exact(exact: i128) -> Self {
         let magnitude = (exact.unsigned_abs() >> 64) as i64;

@@ -27,6 +27,7 @@
 extern crate std;
 
 pub mod advanced_timer;
+mod average;
 pub mod axis;
 pub mod clock;
 mod crossings;

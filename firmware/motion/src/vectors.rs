@@ -43,6 +43,8 @@ pub(crate) struct Smooth {
     pub(crate) jerk: u32,
     /// That of the fastest move there is.
     pub(crate) duration: f64,
+    /// That of the linear move and a window of acceleration by jerk behind it.
+    pub(crate) averaged: f64,
     pub(crate) peak: f64,
     pub(crate) peak_acceleration: f64,
 }
@@ -120,6 +122,7 @@ pub(crate) fn smooth_moves() -> Vec<Smooth> {
             acceleration: whole(&v["a"]),
             jerk: whole(&v["j"]),
             duration: real(&v["T_opt"]),
+            averaged: real(&v["T_box"]),
             peak: real(&v["vpeak"]),
             peak_acceleration: real(&v["apeak"]),
         })

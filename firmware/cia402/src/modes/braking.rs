@@ -81,7 +81,8 @@ pub(super) fn held_between(
     let room = beyond(motor.committed_position()).saturating_add(1);
     let room = room.min(0).unsigned_abs();
     let speed = velocity.unsigned_abs();
-    if asked.ramps == Ramps::Linear && way(speed, asked.deceleration, asked.ramps) < room {
+    let accelerations = (0, asked.deceleration);
+    if asked.ramps == Ramps::Linear && way(speed, accelerations, asked.ramps) < room {
         return as_asked;
     }
     // sin² braking is finished as it was begun, and so would the stop be that is tried out. Anything else leaves it at its own jerk.
@@ -136,8 +137,9 @@ const fn rounded_up(velocity: Speed) -> u64 {
     (velocity.bits() >> 32).saturating_add((velocity.bits() as u32 != 0) as u64)
 }
 
-/// What the jerk adds to the time of a ramp, as a velocity: d²/j; and the deceleration that counts. In steps/s and steps/s².
-fn rounding(deceleration: u32, ramps: Ramps) -> (u64, u64) {
+/// What the jerk adds to the time of a ramp, as a velocity: d²/j, or d · (a + d)/j where that is the window of a mean; and the deceleration that
+/// counts. In steps/s and steps/s².
+fn rounding((acceleration, deceleration): (u32, u32), ramps: Ramps) -> (u64, u64) {
     let deceleration = u64::from(deceleration);
     match ramps {
         // A sin² ramp from a steady velocity goes as far as a linear one.
@@ -149,14 +151,19 @@ fn rounding(deceleration: u32, ramps: Ramps) -> (u64, u64) {
             let velocity = square.checked_div(jerk).unwrap_or(0).saturating_add(1);
             (velocity, deceleration)
         }
+        Ramps::MovingAverage(jerk) => {
+            let change = u64::from(acceleration).saturating_add(deceleration);
+            let square = deceleration.saturating_mul(change);
+            (square.div_ceil(jerk.max(1).into()), deceleration)
+        }
     }
 }
 
-/// The way to stop from a velocity, in steps.
-pub(super) fn way(velocity: Speed, deceleration: u32, ramps: Ramps) -> u64 {
+/// The way to stop from a velocity with these accelerations, up and down, in steps.
+pub(super) fn way(velocity: Speed, accelerations: (u32, u32), ramps: Ramps) -> u64 {
     // A way too long is on the safe side.
     let velocity = rounded_up(velocity);
-    let (rounding, deceleration) = rounding(deceleration, ramps);
+    let (rounding, deceleration) = rounding(accelerations, ramps);
     velocity
         .saturating_mul(velocity.saturating_add(rounding))
         .checked_div(deceleration.saturating_mul(2))
@@ -165,8 +172,8 @@ pub(super) fn way(velocity: Speed, deceleration: u32, ramps: Ramps) -> u64 {
 
 /// The velocity with which the motor may pass a target and still stop within so many steps behind it, a whole number of steps/s. The next command
 /// comes a few control ticks after the target has been passed, so four milliseconds at this velocity are kept in reserve.
-pub(super) fn stoppable(deceleration: u32, ramps: Ramps, steps: u64) -> Speed {
-    let (rounding, deceleration) = rounding(deceleration, ramps);
+pub(super) fn stoppable(accelerations: (u32, u32), ramps: Ramps, steps: u64) -> Speed {
+    let (rounding, deceleration) = rounding(accelerations, ramps);
     // v² + v·d²/j = 2·d·steps
     let velocity = |steps: u64| {
         let square = rounding.saturating_mul(rounding);
@@ -185,7 +192,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// The way of a ramp to rest, by the formulas.
-    fn exact(velocity: f64, deceleration: f64, ramps: Ramps) -> f64 {
+    fn exact(velocity: f64, (acceleration, deceleration): (f64, f64), ramps: Ramps) -> f64 {
         match ramps {
             Ramps::JerkLimited(jerk) => {
                 let jerk = f64::from(jerk);
@@ -195,6 +202,11 @@ mod tests {
                     velocity * (velocity / jerk).sqrt()
                 }
             }
+            // The plan is half a window ahead.
+            Ramps::MovingAverage(jerk) => {
+                let window = (acceleration + deceleration) / f64::from(jerk);
+                velocity / 2.0 * (velocity / deceleration + window)
+            }
             _ => velocity * velocity / 2.0 / deceleration,
         }
     }
@@ -203,17 +215,19 @@ mod tests {
         #[test]
         fn the_motor_stops_within_the_way(
             steps in 0u64..1 << 32,
-            deceleration in 1u32..100_000_000,
+            accelerations in (1u32..100_000_000, 1u32..100_000_000),
             ramps in prop_oneof![
                 Just(Ramps::Linear),
                 Just(Ramps::SinSquared),
                 (1u32..).prop_map(Ramps::JerkLimited),
+                (1u32..).prop_map(Ramps::MovingAverage),
             ],
         ) {
-            let velocity = stoppable(deceleration, ramps, steps);
-            let goes = exact(velocity.whole().into(), deceleration.into(), ramps);
+            let velocity = stoppable(accelerations, ramps, steps);
+            let (a, d) = accelerations;
+            let goes = exact(velocity.whole().into(), (a.into(), d.into()), ramps);
             prop_assert!(goes <= steps as f64, "{goes} steps of {steps}");
-            let said = way(velocity, deceleration, ramps);
+            let said = way(velocity, accelerations, ramps);
             prop_assert!(said as f64 + 1.0 >= goes, "{said} is less than {goes}");
         }
     }
@@ -223,7 +237,7 @@ mod tests {
         for (velocity, steps) in [(10_000_u32, 600), (1, 1), (4_000_000_000, 3), (7, u64::MAX)] {
             let deceleration = needed(velocity.into(), steps);
             assert!(
-                way(velocity.into(), deceleration, Ramps::Linear) <= steps
+                way(velocity.into(), (0, deceleration), Ramps::Linear) <= steps
                     || deceleration == u32::MAX,
                 "{velocity} steps/s, {steps} steps"
             );
@@ -234,7 +248,7 @@ mod tests {
 
     #[test]
     fn a_linear_stop_is_the_root_of_twice_the_ramp() {
-        assert_eq!(stoppable(50_000, Ramps::Linear, 1000), 9_797.into());
-        assert_eq!(way(10_000.into(), 50_000, Ramps::Linear), 1000);
+        assert_eq!(stoppable((0, 50_000), Ramps::Linear, 1000), 9_797.into());
+        assert_eq!(way(10_000.into(), (0, 50_000), Ramps::Linear), 1000);
     }
 }

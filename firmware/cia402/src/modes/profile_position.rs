@@ -535,7 +535,8 @@ fn longest_stop(context: &Context<'_>, set_point: &SetPoint) -> i64 {
         .asked
         .deceleration
         .min(context.configuration.max_deceleration);
-    let way = braking::way(velocity, deceleration, set_point.ramps);
+    let accelerations = (set_point.asked.acceleration, deceleration);
+    let way = braking::way(velocity, accelerations, set_point.ramps);
     i64::try_from(way).unwrap_or(i64::MAX).saturating_add(1)
 }
 

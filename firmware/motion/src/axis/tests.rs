@@ -1,5 +1,6 @@
 //! The axis, judged by a model of the timer that plays its records.
 
+mod averaged;
 mod behaviour;
 mod hours;
 mod random;

@@ -51,6 +51,9 @@ pub enum Ramps {
     SinSquared,
     /// With this jerk (60A4h) in steps/s³, at least 1: the double-S.
     JerkLimited(u32),
+    /// As the moving average of linear ramps, at this jerk (60A4h) in steps/s³, at least 1. The plan is that of linear ramps; the axis
+    /// takes the mean, and comes to rest a window later than the plan.
+    MovingAverage(u32),
 }
 
 /// What a motion is after.
@@ -270,7 +273,8 @@ impl Plan {
         ramps: Ramps,
     ) -> Result<(), PlanError> {
         let mut pull = 0;
-        if ramps != Ramps::Linear && self.jerk.is_some() && at < self.end {
+        let is_smooth = matches!(ramps, Ramps::SinSquared | Ramps::JerkLimited(_));
+        if is_smooth && self.jerk.is_some() && at < self.end {
             if self.does(at, goal, limits, ramps) {
                 return Ok(());
             }
@@ -309,7 +313,8 @@ impl Plan {
         ramps: Ramps,
     ) -> Result<(), PlanError> {
         let jerk = match ramps {
-            Ramps::Linear => None,
+            Ramps::MovingAverage(0) => return Err(PlanError::ZeroJerk),
+            Ramps::Linear | Ramps::MovingAverage(_) => None,
             Ramps::SinSquared if pull != 0 => self.jerk,
             Ramps::SinSquared => Some(sine_jerk(clock, from, limits)),
             Ramps::JerkLimited(0) => return Err(PlanError::ZeroJerk),

@@ -52,6 +52,18 @@ impl Phase {
         lead: 0,
     };
 
+    /// A parabola that begins in a state, with half of an acceleration, Q96 steps per tick².
+    pub(crate) const fn parabola(start: Ticks, from: Exact, half_acceleration: i128) -> Self {
+        Self {
+            start,
+            anchor: start,
+            position: from.position,
+            velocity: from.velocity,
+            half_acceleration,
+            ..Self::NONE
+        }
+    }
+
     /// The first tick of this phase.
     pub const fn start(&self) -> Ticks {
         self.start
@@ -147,6 +159,11 @@ impl Phase {
     /// Whether it is one parabola, so that the longest chord is the same everywhere.
     pub(crate) const fn is_parabola(&self) -> bool {
         matches!(self.curve, Curve::Parabola)
+    }
+
+    /// Whether its velocity stays.
+    pub(crate) const fn is_line(&self) -> bool {
+        self.is_parabola() && self.half_acceleration == 0
     }
 
     /// The longest chord from tick `t`, in ticks, that stays within a quarter of a step of the curve: ½a·len²/4 ≤ ¼.

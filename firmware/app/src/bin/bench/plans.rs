@@ -5,7 +5,10 @@
 
 use core::hint::black_box;
 
-use motion::{Clock, Goal, Limits, Plan, Position, Ramps, SignedSpeed, State, Ticks, Velocity};
+use motion::{
+    Axis, AxisConfig, Clock, DriverTiming, Goal, Limits, Plan, Position, PulseSink, Ramps, Record,
+    SignedSpeed, State, Ticks, Velocity,
+};
 
 use crate::{count, row};
 
@@ -40,6 +43,7 @@ pub fn run() {
     reference();
     linear();
     smooth();
+    averaged();
     dearest();
 }
 
@@ -107,6 +111,74 @@ fn smooth() {
             row(name, cost);
         }
     }
+}
+
+/// The moving average, of the moves that are known. The axis chooses its window, so it is the axis that is told.
+fn averaged() {
+    let target = |axis: &mut Axis, steps| axis.move_to(steps, usual()).unwrap();
+    let costs = [
+        ordered(None, 0, |axis| target(axis, 100_000)),
+        ordered(Some(100_000), RAMP, |axis| target(axis, 120_000)),
+        ordered(Some(100_000), RAMP, |axis| target(axis, -2_000)),
+        ordered(None, 0, |axis| {
+            axis.ramp_to(100_000.into(), usual()).unwrap()
+        }),
+        ordered(Some(100_000), RAMP, |axis| axis.stop(500_000).unwrap()),
+        ordered(Some(200_000), CRUISE, |axis| axis.stop(500_000).unwrap()),
+    ];
+    let names = [
+        "motion: plan with moving average, from rest",
+        "motion: plan with moving average, in a ramp, further",
+        "motion: plan with moving average, in a ramp, back",
+        "motion: plan with moving average, a velocity, from rest",
+        "motion: plan with moving average, a stop, in a ramp",
+        "motion: plan with moving average, a stop, cruising",
+    ];
+    for (name, cost) in names.into_iter().zip(costs) {
+        row(name, cost);
+    }
+}
+
+/// Takes all records and plays them at once.
+struct Gone;
+
+impl PulseSink for Gone {
+    fn push(&mut self, _record: Record) -> Result<(), Record> {
+        Ok(())
+    }
+
+    fn pending(&self) -> Ticks {
+        0
+    }
+
+    fn free(&self) -> usize {
+        64
+    }
+}
+
+/// What an order costs an axis at rest, or so many ticks after it has left for a target.
+fn ordered(first: Option<i64>, after: Ticks, order: impl FnOnce(&mut Axis)) -> u32 {
+    let mut axis = Axis::new(AxisConfig {
+        clock: Clock::new(HZ).unwrap(),
+        segment: HZ / 4_000,
+        timing: DriverTiming {
+            pulse_high: 9,
+            pulse_low: 9,
+            direction_setup: 2,
+            direction_hold: 2,
+        },
+    });
+    axis.set_ramps(Ramps::MovingAverage(5_000_000));
+    if let Some(target) = first {
+        axis.move_to(target, usual()).unwrap();
+        while axis.played(0) < after {
+            // It never has anything left to play, and says so.
+            let _ = axis.advance(&mut Gone);
+        }
+    }
+    let (cost, ()) = count(|| order(black_box(&mut axis)));
+    assert!(!axis.is_at_rest());
+    cost
 }
 
 /// The dearest of very many.

@@ -6,7 +6,9 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use motion::advanced_timer::{Output, Register, Registers, Ring, SLOTS, WORDS};
 use motion::step_interrupt::{self, Edge, StepTimer};
-use motion::{Axis, AxisConfig, Clock, Direction, DriverTiming, Limits, PulseSink, Record, Ticks};
+use motion::{
+    Axis, AxisConfig, Clock, Direction, DriverTiming, Limits, PulseSink, Ramps, Record, Ticks,
+};
 
 use crate::{count, row};
 
@@ -69,14 +71,26 @@ fn limits(velocity: u32) -> Limits {
 
 /// All workloads.
 pub fn run() {
-    let accelerating = segment(400_000, 800);
-    let slow = segment(100_000, 2_000);
-    let fast = segment(1_000_000, 8_500);
+    let accelerating = segment(400_000, 800, Ramps::Linear);
+    let slow = segment(100_000, 2_000, Ramps::Linear);
+    let fast = segment(1_000_000, 8_500, Ramps::Linear);
+    // A window of 100 ms: a sample in each segment.
+    let average = Ramps::MovingAverage(10_000_000);
+    let meaning = segment(400_000, 1_000, average);
+    let steady = segment(100_000, 2_000, average);
     row(
         "steps: segment of 250 µs, accelerating at 100 kHz",
         accelerating,
     );
+    row(
+        "steps: segment of 250 µs, moving average, accelerating at 100 kHz",
+        meaning,
+    );
     row("steps: segment of 250 µs, cruising at 100 kHz", slow);
+    row(
+        "steps: segment of 250 µs, moving average, cruising at 100 kHz",
+        steady,
+    );
     row("steps: segment of 250 µs, cruising at 1 MHz", fast);
     row(
         "steps: segment and ring of the timer, cruising at 1 MHz",
@@ -127,8 +141,9 @@ fn thousandths(instructions: u32) -> u32 {
 }
 
 /// One refill of a segment, so many refills after the start.
-fn segment(velocity: u32, refills: u32) -> u32 {
+fn segment(velocity: u32, refills: u32, ramps: Ramps) -> u32 {
     let mut axis = axis();
+    axis.set_ramps(ramps);
     let mut sink = Played::default();
     axis.ramp_to(velocity.cast_signed().into(), limits(velocity))
         .unwrap();

@@ -43,6 +43,7 @@ fn any_ramps() -> Ramps {
     match any() {
         0 => Ramps::Linear,
         1 => Ramps::SinSquared,
+        2 => Ramps::MovingAverage(any()),
         _ => Ramps::JerkLimited(any()),
     }
 }

@@ -118,15 +118,20 @@ impl SetPoint {
         let end = if direction == 0 {
             Speed::ZERO
         } else {
-            braking::stoppable(self.limits.deceleration, self.ramps, room)
+            braking::stoppable(self.accelerations(), self.ramps, room)
         };
         self.limited.profile |= end < self.end_velocity;
         self.end_velocity = self.end_velocity.min(end);
     }
 
+    /// Up and down, in steps/s².
+    const fn accelerations(&self) -> (u32, u32) {
+        (self.limits.acceleration, self.limits.deceleration)
+    }
+
     /// Raises the velocity at the target to that with which the motor can still stop at `next`, so many steps behind it.
     pub(super) fn blend(&mut self, next: &Self, room: u64) {
-        let end = braking::stoppable(next.limits.deceleration, next.ramps, room);
+        let end = braking::stoppable(next.accelerations(), next.ramps, room);
         self.end_velocity = self.end_velocity.max(end.min(self.limits.velocity));
     }
 

@@ -104,7 +104,7 @@ fn four_segments_of_a_smooth_motion_are_committed() {
             assert!(sink.pending() >= 4 * segment);
             assert!(sink.pending() <= 5 * segment + 100);
             let played = sink.ticks - sink.pending();
-            let planned = sink.plans[0].state_at(played);
+            let planned = sink.curves[0].state_at(played);
             let demand = axis.demand(sink.pending());
             assert!((demand.position - planned.position.whole_steps()).abs() <= 1);
             let velocity = planned.velocity.speed(axis.clock);
@@ -385,7 +385,7 @@ fn the_demand_is_what_is_being_played() {
         axis.advance(&mut sink).unwrap();
         let played = sink.ticks - sink.pending();
         let demand = axis.demand(sink.pending());
-        let planned = sink.plans[0].state_at(played);
+        let planned = sink.curves[0].state_at(played);
         assert!((demand.position - planned.position.whole_steps()).abs() <= 1);
         let velocity = planned.velocity.speed(axis.clock);
         // Between two points of the trace the velocity is a straight line; at corners it is cut.

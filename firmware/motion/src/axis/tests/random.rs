@@ -2,7 +2,7 @@
 
 use super::{FAST, Replay, SLOW, axis};
 use crate::axis::{AdvanceError, Axis};
-use crate::{Limits, PulseSink};
+use crate::{Limits, PulseSink, Ramps};
 use proptest::prelude::*;
 
 #[derive(Debug, Clone)]
@@ -10,6 +10,8 @@ enum Command {
     MoveTo(i32, Limits),
     RampTo(i32, Limits),
     Stop(u32),
+    /// Ramps for what comes from now on.
+    Choose(Ramps),
     Abort,
     /// Control ticks of a quarter segment each.
     Advance(u16),
@@ -31,12 +33,24 @@ fn limits() -> impl Strategy<Value = Limits> {
     })
 }
 
+fn ramps() -> impl Strategy<Value = Ramps> {
+    let jerk =
+        || (20u32..32, any::<u16>()).prop_map(|(bits, noise)| (1 << bits) + u32::from(noise));
+    prop_oneof![
+        Just(Ramps::Linear),
+        Just(Ramps::SinSquared),
+        jerk().prop_map(Ramps::JerkLimited),
+        jerk().prop_map(Ramps::MovingAverage),
+    ]
+}
+
 fn command() -> impl Strategy<Value = Command> {
     prop_oneof![
         4 => (-100_000i32..100_000, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
         2 => (-50i32..50, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
         2 => (-400_000i32..400_000, limits()).prop_map(|(velocity, limits)| Command::RampTo(velocity, limits)),
         2 => (0u32..50_000_000).prop_map(Command::Stop),
+        2 => ramps().prop_map(Command::Choose),
         1 => Just(Command::Abort),
         8 => (1u16..300).prop_map(Command::Advance),
         1 => Just(Command::Starve),
@@ -55,18 +69,23 @@ fn advance(axis: &mut Axis, sink: &mut Replay, starved: bool) {
     sink.account(axis);
 }
 
-fn play(commands: &[Command], timing: crate::DriverTiming, capacity: usize) {
+fn play(ramps: Ramps, commands: &[Command], timing: crate::DriverTiming, capacity: usize) {
     let (mut axis, mut sink) = axis(timing);
     sink.capacity = capacity;
     // A small sink delays commands, never pulses of the stream, so the plan is followed all the same.
     sink.tolerance = 1.0;
     let quarter = u64::from(axis.train.segment() / 4);
     let mut starved = false;
+    axis.set_ramps(ramps);
     for command in commands {
         let moved = match *command {
             Command::MoveTo(target, limits) => axis.move_to(target.into(), limits),
             Command::RampTo(velocity, limits) => axis.ramp_to(velocity.into(), limits),
             Command::Stop(deceleration) => axis.stop(deceleration),
+            Command::Choose(ramps) => {
+                axis.set_ramps(ramps);
+                Ok(())
+            }
             Command::Abort => {
                 assert_eq!(axis.abort(), axis.committed_position());
                 assert!(axis.is_at_rest());
@@ -92,6 +111,7 @@ fn play(commands: &[Command], timing: crate::DriverTiming, capacity: usize) {
             sink.follow(&axis);
         }
     }
+    axis.set_ramps(ramps);
     axis.stop(400_000_000).unwrap();
     sink.follow(&axis);
     while !axis.is_at_rest() {
@@ -125,7 +145,8 @@ proptest! {
         commands in proptest::collection::vec(command(), 1..40),
         fast: bool,
         capacity in prop_oneof![Just(256usize), 2usize..16],
+        ramps in ramps(),
     ) {
-        play(&commands, if fast { FAST } else { SLOW }, capacity);
+        play(ramps, &commands, if fast { FAST } else { SLOW }, capacity);
     }
 }

@@ -1,9 +1,52 @@
 //! The judge: plays records as a timer does, counts pulses and ticks, and checks every rule of the driver's inputs.
 
 use crate::axis::Axis;
-use crate::{Direction, DriverTiming, Plan, Position, PulseSink, Record, Ticks};
+use crate::plan::phase::Phase;
+use crate::{Direction, DriverTiming, Plan, Position, PulseSink, Record, State, Ticks};
 use std::collections::VecDeque;
 use std::vec::Vec;
+
+/// What the axis follows from a tick on.
+#[derive(Debug)]
+pub(super) enum Curve {
+    Plan(Plan),
+    /// The mean of a plan: phases, and the tick from which the plan is followed.
+    Mean(Vec<Phase>, Ticks, Plan),
+}
+
+impl Curve {
+    /// What an axis follows from now on. A plan that is to be kept for long has few phases, and so has its mean.
+    fn of(axis: &Axis) -> Self {
+        if !axis.is_averaged {
+            return Self::Plan(axis.plan);
+        }
+        let mut average = axis.average.clone();
+        let mut phases: Vec<_> = [average.phase()].into();
+        while average.until() < Ticks::MAX && !average.is_over() {
+            average.go_on(&axis.plan);
+            phases.push(average.phase());
+        }
+        Self::Mean(phases, average.until(), axis.plan)
+    }
+
+    fn start(&self) -> Ticks {
+        match self {
+            Self::Plan(plan) => plan.start(),
+            Self::Mean(phases, ..) => phases[0].start(),
+        }
+    }
+
+    pub(super) fn state_at(&self, t: Ticks) -> State {
+        match self {
+            Self::Plan(plan) => plan.state_at(t),
+            Self::Mean(_, end, plan) if t >= *end => plan.state_at(t),
+            Self::Mean(phases, ..) => {
+                let behind = phases.partition_point(|phase| phase.start() <= t);
+                phases[behind - 1].at(t).rounded()
+            }
+        }
+    }
+}
 
 #[derive(Debug)]
 pub(super) struct Replay {
@@ -22,8 +65,8 @@ pub(super) struct Replay {
     last_pulse: Option<Ticks>,
     turned: Option<Ticks>,
     direction: Option<Direction>,
-    /// The plans that the axis followed; pulses are compared with them.
-    pub(super) plans: Vec<Plan>,
+    /// What the axis followed; pulses are compared with it.
+    pub(super) curves: Vec<Curve>,
     /// The steps allowed between pulses and plan, and the most there were.
     pub(super) tolerance: f64,
     pub(super) worst: f64,
@@ -46,16 +89,16 @@ impl Replay {
             last_pulse: None,
             turned: None,
             direction: None,
-            plans: Vec::new(),
+            curves: Vec::new(),
             tolerance: 1.0,
             worst: 0.0,
             sparse: false,
         }
     }
 
-    /// The plan that the axis follows from now on.
+    /// Pulses are compared with what the axis follows from now on.
     pub(super) fn follow(&mut self, axis: &Axis) {
-        self.plans.push(axis.plan);
+        self.curves.push(Curve::of(axis));
     }
 
     /// The sum of the pulses is the committed position, at any moment.
@@ -160,10 +203,10 @@ impl Replay {
         let sign = i64::from(direction.sign());
         self.position += sign;
         self.pulses += 1;
-        let Some(plan) = self.plans.iter().rev().find(|plan| plan.start() <= at) else {
+        let Some(curve) = self.curves.iter().rev().find(|curve| curve.start() <= at) else {
             return;
         };
-        let planned = plan.state_at(at).position;
+        let planned = curve.state_at(at).position;
         // Before and after the pulse, both within the tolerance.
         for steps in [self.position - sign, self.position] {
             let difference = Position::from_steps(steps)

@@ -1,0 +1,456 @@
+//! The moving average of a plan: ramps of limited jerk, whatever the plan does.
+//!
+//! A plan of linear ramps, cheap to make and to change, runs ahead; the axis is where the mean of its positions over a *window* of time is.
+//! Where the plan changes its acceleration at once, the mean does so evenly over the window: at a jerk of (a + d) / window at most, whatever comes
+//! after whatever. Velocity and acceleration are means too, so no limit of the plan is exceeded, nor is the span of its positions. The price is
+//! time: the mean comes to rest one window behind the plan.
+//!
+//! The plan is looked at on a grid. Between two samples its position counts as a straight line, so that the mean is a parabola
+//! from one point of the grid to the next, and both position and velocity join. A sample added and one taken away make the next
+//! one. Everything that is carried on is an integer, so that the mean of a plan at rest is exactly where the plan is.
+//!
+//! Where the plan has kept its velocity all over the window, the mean is that line, half a window late; it is followed as it is, until the plan
+//! comes to a corner. What was before a window begins is such a line, too, and takes no memory.
+
+use crate::clock::{Clock, Ticks};
+use crate::divide::{by_digit, quotient};
+use crate::fixed::{Exact, Position, State, Velocity};
+use crate::plan::phase::{Phase, product};
+use crate::plan::{Limits, Plan};
+
+/// Samples that are kept: 4 KiB.
+const SAMPLES: usize = 512;
+
+/// Over how much time a mean is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Window {
+    /// Intervals of the grid, at most [`SAMPLES`].
+    count: u16,
+    /// Ticks from one sample to the next.
+    grid: u32,
+    /// The longest chord in that time, so that chords are of one length.
+    share: u32,
+}
+
+impl Window {
+    /// The longest one, in ticks: 6.4 s at 168 MHz.
+    const LONGEST: u32 = 1 << 30;
+
+    /// In which the acceleration changes by `change` steps/s² at `jerk` steps/s³ or less. At least a segment of so many ticks.
+    pub(crate) fn new(clock: Clock, change: u64, jerk: u32, segment: u32) -> Self {
+        let ticks = change.saturating_mul(clock.hz().into());
+        let (ticks, over) = by_digit(ticks, jerk.max(1));
+        let ticks = ticks.saturating_add(u64::from(over > 0));
+        Self::of(ticks.min(Self::LONGEST.into()) as u32, segment)
+    }
+
+    /// One that takes so many ticks, or a few more: at most [`SAMPLES`] of them. At least a segment.
+    pub(crate) fn of(ticks: u32, segment: u32) -> Self {
+        let segment = segment.max(1);
+        let ticks = ticks.max(segment);
+        let count = ticks.div_ceil(segment).min(SAMPLES as u32);
+        let grid = ticks.div_ceil(count.max(1));
+        let chords = grid.div_ceil(segment).max(1);
+        Self {
+            count: count as u16,
+            grid,
+            share: grid.div_ceil(chords),
+        }
+    }
+
+    /// In ticks.
+    pub(crate) fn ticks(&self) -> u32 {
+        u32::from(self.count).wrapping_mul(self.grid)
+    }
+
+    /// Limits for which the longest window is long enough, whatever comes after whatever: with a very low jerk the accelerations are less than
+    /// what is allowed, and the jerk is kept.
+    pub(crate) fn within(clock: Clock, limits: Limits, jerk: u32) -> Limits {
+        let most = u64::from(jerk).wrapping_mul((Self::LONGEST / 2).into());
+        let (most, _) = by_digit(most, clock.hz());
+        let most = u32::try_from(most).unwrap_or(u32::MAX).max(1);
+        Limits {
+            acceleration: limits.acceleration.min(most),
+            deceleration: limits.deceleration.min(most),
+            ..limits
+        }
+    }
+}
+
+/// Where the mean is, and what it is made of.
+#[derive(Debug, Clone)]
+pub(crate) struct Average {
+    window: Window,
+    /// ⌊2⁶⁴ / window⌋; 2⁶⁴ / 2·count, rounded up.
+    per_window: u64,
+    per_count: u64,
+    /// Positions of the plan, Q32 steps, round and round; the oldest is at `place`.
+    ring: [i64; SAMPLES],
+    place: u16,
+    /// Samples that are still older than the ring: the next one, and how far from one to the next.
+    before: u16,
+    old: i64,
+    stride: i64,
+    /// From the oldest sample to the newest, Q32 steps.
+    spread: i64,
+    /// What the mean has left over, in parts of 2⁻³² steps of which 2·count are one.
+    left: i64,
+    /// Where the plan was looked at last, and how it goes on.
+    walk: Walk,
+    /// So many intervals of the grid has the plan kept the velocity `pace`, Q96, or stood.
+    straight: u16,
+    pace: i128,
+    stands: bool,
+    /// The mean from tick `start` to tick `until`, up to which the plan has been looked at.
+    start: Ticks,
+    until: Ticks,
+    from: State,
+    to: State,
+    /// If it is the plan's own line, half a window late: where that begins.
+    line: Option<Exact>,
+}
+
+/// A plan that is walked along in intervals of the grid, as long as it is one parabola. Q96 steps.
+#[derive(Debug, Clone)]
+struct Walk {
+    /// The next corner.
+    until: Ticks,
+    position: i128,
+    /// What the position grows by in the next interval, and what that grows by.
+    way: i128,
+    growth: i128,
+}
+
+impl Walk {
+    /// Nothing is known of the plan.
+    const NONE: Self = Self {
+        until: 0,
+        position: 0,
+        way: 0,
+        growth: 0,
+    };
+}
+
+impl Average {
+    pub(crate) const fn new() -> Self {
+        Self {
+            window: Window {
+                count: 1,
+                grid: 1,
+                share: 1,
+            },
+            per_window: u64::MAX,
+            per_count: u64::MAX,
+            ring: [0; SAMPLES],
+            place: 0,
+            before: 0,
+            old: 0,
+            stride: 0,
+            spread: 0,
+            left: 0,
+            walk: Walk::NONE,
+            straight: 0,
+            pace: 0,
+            stands: false,
+            start: 0,
+            until: 0,
+            from: State {
+                position: Position::from_bits(0),
+                velocity: Velocity::ZERO,
+            },
+            to: State {
+                position: Position::from_bits(0),
+                velocity: Velocity::ZERO,
+            },
+            line: None,
+        }
+    }
+
+    /// Where the plan is for a mean that is at `mean` and has kept its velocity so far.
+    pub(crate) fn ahead(window: Window, mean: Exact) -> Exact {
+        let way = mean.velocity.wrapping_mul(window.ticks().into());
+        Exact {
+            position: mean.position.wrapping_add(way >> 1),
+            ..mean
+        }
+    }
+
+    /// Begins at tick `at`, where the plan is in `state` and has kept its velocity for a window's time.
+    pub(crate) fn begin(&mut self, window: Window, at: Ticks, state: Exact) {
+        let inverse = |divisor: u32| by_digit(u64::MAX, divisor).0;
+        self.window = window;
+        self.per_window = inverse(window.ticks());
+        self.per_count = inverse(u32::from(window.count).wrapping_mul(2)).saturating_add(1);
+        self.anchor(at, state);
+    }
+
+    /// The same with the window that there is.
+    fn anchor(&mut self, at: Ticks, state: Exact) {
+        let count = i64::from(self.window.count);
+        let newest = sample(state.position);
+        let stride = product(state.velocity, self.window.grid);
+        self.stride = (stride.wrapping_add(1 << 63) >> 64) as i64;
+        self.spread = self.stride.wrapping_mul(count);
+        self.before = self.window.count;
+        self.old = newest.wrapping_sub(self.spread).wrapping_add(self.stride);
+        self.place = 0;
+        // The mean is half a window behind.
+        let mean = newest.wrapping_sub(self.spread >> 1);
+        self.left = count.wrapping_mul(self.spread & 1).wrapping_neg();
+        self.walk.until = 0;
+        self.straight = self.window.count;
+        self.pace = state.velocity;
+        self.stands = false;
+        self.start = at;
+        self.until = at;
+        self.to = self.state(mean);
+        self.from = self.to;
+        self.line = None;
+    }
+
+    /// The plan's own line has been followed up to tick `at`. A corner lies up to a tick before, so the velocity may not be the plan's.
+    fn anchor_to(&mut self, plan: &Plan, at: Ticks) {
+        let state = Exact {
+            velocity: self.pace,
+            ..plan.exact_at(at)
+        };
+        self.anchor(at, state);
+    }
+
+    /// The plan has been changed, to begin at [`Average::joint`].
+    pub(crate) fn rejoin(&mut self, plan: &Plan) {
+        self.walk.until = 0;
+        self.stands = false;
+        if self.line.is_some() {
+            self.anchor_to(plan, plan.start());
+        }
+    }
+
+    /// The tick at which the plan may be changed, if the mean is at `horizon`: up to there it has been looked at.
+    pub(crate) const fn joint(&self, horizon: Ticks) -> Ticks {
+        if self.line.is_some() {
+            horizon
+        } else {
+            self.until
+        }
+    }
+
+    /// Up to which tick the mean is known.
+    pub(crate) const fn until(&self) -> Ticks {
+        self.until
+    }
+
+    /// Whether the plan has stood all over the window, so that the mean stands where the plan does.
+    pub(crate) const fn is_over(&self) -> bool {
+        self.stands && self.straight >= self.window.count
+    }
+
+    /// The curve of the mean.
+    pub(crate) fn phase(&self) -> Phase {
+        if let Some(line) = self.line {
+            return Phase::parabola(self.start, line, 0);
+        }
+        let change = self
+            .to
+            .velocity
+            .bits()
+            .wrapping_sub(self.from.velocity.bits());
+        // Q56, of which 2⁹⁶ are 2⁴⁰; a grid is shorter than 2³⁰ ticks.
+        let magnitude = u128::from(change.unsigned_abs()) << 39;
+        let half = quotient(magnitude, 0, self.window.grid.into()).cast_signed();
+        let half = if change < 0 {
+            half.wrapping_neg()
+        } else {
+            half
+        };
+        Phase::parabola(self.start, self.from.into(), half)
+    }
+
+    /// Up to tick `until`, if one chord is as good as the curve: within a quarter of a step.
+    pub(crate) fn chord(&self) -> Option<(State, u32, State)> {
+        let change = self
+            .to
+            .velocity
+            .bits()
+            .wrapping_sub(self.from.velocity.bits());
+        // Steps per tick, Q32: change · grid / 8.
+        let change = change.unsigned_abs() >> 24;
+        let bend = change.wrapping_mul(self.window.grid.into());
+        let is_flat = change >> 32 == 0 && bend <= 2 << 32;
+        let is_one = self.line.is_none() && self.window.share == self.window.grid && is_flat;
+        is_one.then_some((self.from, self.window.grid, self.to))
+    }
+
+    /// The longest chord in so curved a phase of the mean, in ticks.
+    pub(crate) fn longest_chord(&self, phase: &Phase) -> u64 {
+        let longest = phase.longest_chord(self.start);
+        if self.line.is_some() {
+            longest
+        } else {
+            longest.min(self.window.share.into())
+        }
+    }
+
+    /// The mean at tick `t`, from `start` to `until`.
+    pub(crate) fn exact_at(&self, t: Ticks) -> Exact {
+        if self.line.is_some() {
+            self.phase().at(t.min(self.until))
+        } else if t >= self.until {
+            self.to.into()
+        } else if t <= self.start {
+            self.from.into()
+        } else {
+            self.phase().at(t)
+        }
+    }
+
+    /// Goes on behind `until`.
+    pub(crate) fn go_on(&mut self, plan: &Plan) {
+        let at = self.until;
+        if self.line.is_some() {
+            self.anchor_to(plan, at);
+        }
+        if self.straight < self.window.count || !self.follow(plan, at) {
+            self.look(plan, at);
+        }
+    }
+
+    /// The plan has kept its velocity all over the window: its own line is followed if it goes on for longer than one interval.
+    #[inline(never)]
+    fn follow(&mut self, plan: &Plan, at: Ticks) -> bool {
+        let Some(line) = plan.phase_at(at) else {
+            return false;
+        };
+        let from = line.at(at);
+        let corner = plan.next_corner(at).unwrap_or(Ticks::MAX);
+        let is_long = corner.saturating_sub(at) > self.window.grid.into();
+        if !is_long || !line.is_line() || from.velocity != self.pace {
+            return false;
+        }
+        let late = product(self.pace, self.window.ticks()) >> 1;
+        self.start = at;
+        self.until = corner;
+        self.line = Some(Exact {
+            position: from.position.wrapping_sub(late),
+            ..from
+        });
+        true
+    }
+
+    /// Takes another sample of the plan, and goes to the mean with it.
+    fn look(&mut self, plan: &Plan, at: Ticks) {
+        let next = at.saturating_add(self.window.grid.into());
+        if next < self.walk.until {
+            let walk = &mut self.walk;
+            walk.position = walk.position.wrapping_add(walk.way);
+            if walk.growth == 0 {
+                self.straight = self.straight.saturating_add(1);
+            } else {
+                walk.way = walk.way.wrapping_add(walk.growth);
+                self.straight = 0;
+            }
+        } else {
+            self.walk_anew(plan, at, next);
+        }
+        let newest = sample(self.walk.position);
+
+        let mut oldest = newest;
+        if let Some(room) = self.ring.get_mut(usize::from(self.place)) {
+            oldest = core::mem::replace(room, newest);
+        }
+        self.place = self.place.wrapping_add(1);
+        if self.place >= self.window.count {
+            self.place = 0;
+        }
+        if self.before > 0 {
+            self.before = self.before.wrapping_sub(1);
+            oldest = self.old;
+            self.old = oldest.wrapping_add(self.stride);
+        }
+
+        let spread = newest.wrapping_sub(oldest);
+        // The sum of the samples grows by half of what the spread was and half of what it is.
+        let sum = self.left.wrapping_add(self.spread).wrapping_add(spread);
+        let way = signed(sum, |sum| (wide(sum, self.per_count) >> 64) as u64);
+        let twice = i64::from(self.window.count) << 1;
+        self.left = sum.wrapping_sub(way.wrapping_mul(twice));
+        self.spread = spread;
+        self.start = at;
+        self.until = next;
+        self.from = self.to;
+        self.to = self.state(self.to.position.bits().wrapping_add(way));
+    }
+
+    /// Looks at the plan at tick `next`, behind a corner or a change of it, and whether it has kept its velocity since tick `at`.
+    #[inline(never)]
+    fn walk_anew(&mut self, plan: &Plan, at: Ticks, next: Ticks) {
+        let ahead = plan.exact_at(next);
+        let end = plan.end().unwrap_or(Ticks::MAX);
+        let rest = plan.exact_at(end).position;
+        // An end that is rounded up may be a tick behind the sample that is at the target already.
+        let stands = end <= next
+            || end.wrapping_sub(next) < self.window.grid.into()
+                && sample(ahead.position) == sample(rest);
+        let (keeps, pace, half) = if stands {
+            (self.stands || end <= at, 0, 0)
+        } else {
+            let phase = plan.phase_at(next);
+            let half = phase.map_or(0, Phase::half_acceleration);
+            let is_one = phase.is_some_and(|phase| phase.start() <= at);
+            let keeps = is_one && half == 0 && ahead.velocity == self.pace;
+            (keeps, ahead.velocity, half)
+        };
+        self.straight = if keeps {
+            self.straight.saturating_add(1)
+        } else {
+            0
+        };
+        self.stands = stands;
+        self.pace = pace;
+        let grid = self.window.grid;
+        let gain = product(half, grid);
+        self.walk = Walk {
+            until: if stands {
+                Ticks::MAX
+            } else {
+                plan.next_corner(next).unwrap_or(Ticks::MAX)
+            },
+            position: if stands { rest } else { ahead.position },
+            way: product(pace.wrapping_add(gain), grid),
+            growth: product(gain, grid).wrapping_mul(2),
+        };
+    }
+
+    /// A mean at this position.
+    fn state(&self, position: i64) -> State {
+        let velocity = signed(self.spread, |way| (wide(way, self.per_window) >> 40) as u64);
+        State {
+            position: Position::from_bits(position),
+            velocity: Velocity::from_bits(velocity),
+        }
+    }
+}
+
+/// A position, Q32 steps, to the nearest.
+const fn sample(position: i128) -> i64 {
+    Position::nearest(position).bits()
+}
+
+#[inline]
+fn wide(value: u64, factor: u64) -> u128 {
+    u128::from(value).wrapping_mul(factor.into())
+}
+
+/// The same for both directions.
+#[inline]
+fn signed(value: i64, of: impl Fn(u64) -> u64) -> i64 {
+    let magnitude = of(value.unsigned_abs()).cast_signed();
+    if value < 0 {
+        magnitude.wrapping_neg()
+    } else {
+        magnitude
+    }
+}
+
+#[cfg(test)]
+mod tests;

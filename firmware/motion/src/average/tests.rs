@@ -1,0 +1,254 @@
+//! The mean against one that is worked out from the plans themselves.
+
+use super::{Average, SAMPLES, Window, sample};
+use crate::fixed::Exact;
+use crate::plan::phase::Phase;
+use crate::{Clock, Goal, Limits, Plan, Ramps, State, Ticks};
+use proptest::prelude::*;
+use std::vec::Vec;
+
+const HZ: u32 = 168_000_000;
+const SEGMENT: u32 = HZ / 4000;
+
+fn clock() -> Clock {
+    Clock::new(HZ).unwrap()
+}
+
+/// In steps, from a position in the middle of the span.
+fn steps(position: i128) -> f64 {
+    (position >> 48) as f64 / 2f64.powi(48)
+}
+
+/// Steps/s from steps per tick.
+fn per_second(velocity: i128) -> f64 {
+    velocity as f64 / 2f64.powi(96) * f64::from(HZ)
+}
+
+/// A mean, its curve so far, and the plans that it was made of.
+struct Course {
+    window: Window,
+    begin: Ticks,
+    average: Average,
+    plans: Vec<(Ticks, Plan)>,
+    pieces: Vec<(Ticks, Phase)>,
+}
+
+impl Course {
+    /// Begins in a state of the plan, and before it in a line.
+    fn new(window: Window, begin: Ticks, goal: Goal, limits: Limits, velocity: i32) -> Self {
+        let from = State {
+            velocity: crate::Velocity::from_speed(clock(), velocity.into()),
+            ..State::default()
+        };
+        let ahead = Average::ahead(window, from.into());
+        let mut plan = Plan::at_rest(0, begin);
+        let _ = plan.make(clock(), begin, (ahead, 0), goal, limits, Ramps::Linear);
+        let mut average = Average::new();
+        average.begin(window, begin, ahead);
+        Self {
+            window,
+            begin,
+            average,
+            plans: [(begin, plan)].into(),
+            pieces: Vec::new(),
+        }
+    }
+
+    /// Goes on until tick `t` at least, or until it is over.
+    fn run(&mut self, t: Ticks) {
+        while self.average.until() < t && !self.average.is_over() {
+            self.average.go_on(&self.plans.last().unwrap().1);
+            self.pieces
+                .push((self.average.until(), self.average.phase()));
+        }
+    }
+
+    /// Another plan, in place of the last one.
+    fn redirect(&mut self, horizon: Ticks, goal: Goal, limits: Limits) {
+        let joint = self.average.joint(horizon);
+        let mut plan = self.plans.last().unwrap().1;
+        if plan
+            .redirect(clock(), joint, goal, limits, Ramps::Linear)
+            .is_ok()
+        {
+            self.average.rejoin(&plan);
+            self.plans.push((joint, plan));
+            if let Some(last) = self.pieces.last_mut() {
+                last.0 = last.0.min(joint);
+            }
+        }
+    }
+
+    fn planned(&self, t: Ticks) -> f64 {
+        if t < self.begin {
+            let first = self.plans[0].1.exact_at(self.begin);
+            let back = (self.begin - t) as f64;
+            return steps(first.position) - back * first.velocity as f64 / 2f64.powi(96);
+        }
+        let plan = self.plans.iter().rev().find(|plan| plan.0 <= t).unwrap();
+        steps(plan.1.exact_at(t).position)
+    }
+
+    /// The mean of the plans over the window before tick `t`.
+    fn mean(&self, t: Ticks) -> f64 {
+        let ticks = u64::from(self.window.ticks());
+        let parts = 2000;
+        let at = |part: u64| {
+            // Before tick 0 there is a line, too.
+            self.planned((t + ticks * part / parts).saturating_sub(ticks))
+        };
+        let inner: f64 = (1..parts).map(at).sum();
+        (inner + (at(0) + at(parts)) / 2.0) / parts as f64
+    }
+
+    fn at(&self, t: Ticks) -> Exact {
+        let piece = self.pieces.iter().find(|piece| t < piece.0);
+        piece.map_or(self.average.exact_at(t), |piece| piece.1.at(t))
+    }
+}
+
+fn limits() -> impl Strategy<Value = Limits> {
+    (1u32..400_000, 17u32..25, 16u32..25).prop_map(|(velocity, a, d)| Limits {
+        velocity: velocity.into(),
+        acceleration: 1 << a,
+        deceleration: 3 << d,
+    })
+}
+
+fn goal() -> impl Strategy<Value = Goal> {
+    prop_oneof![
+        3 => (-100_000i64..100_000).prop_map(Goal::Rest),
+        1 => (-20i64..20).prop_map(Goal::Rest),
+        1 => (-100_000i64..100_000, 0u32..50_000).prop_map(|(target, end)| Goal::Pass(target, end.into())),
+        2 => (-300_000i32..300_000).prop_map(|velocity| Goal::Velocity(velocity.into())),
+        1 => Just(Goal::Velocity(0.into())),
+    ]
+}
+
+fn window() -> impl Strategy<Value = Window> {
+    prop_oneof![
+        (1u32..2 * SEGMENT).prop_map(|ticks| Window::of(ticks, SEGMENT)),
+        (SEGMENT..600 * SEGMENT).prop_map(|ticks| Window::of(ticks, SEGMENT)),
+        (500 * SEGMENT..6000 * SEGMENT).prop_map(|ticks| Window::of(ticks, SEGMENT)),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Invariant 12 and what else makes a mean, whatever happens in what order.
+    #[test]
+    fn whatever_is_planned_its_mean_is_followed_at_limited_jerk(
+        window in window(),
+        orders in prop::collection::vec((goal(), limits(), 0u64..HZ.into()), 1..8),
+        velocity in prop_oneof![Just(0), -300_000i32..300_000],
+    ) {
+        let begin = 1 << 40;
+        let (first, limits, _) = orders[0];
+        let mut course = Course::new(window, begin, first, limits, velocity);
+        let mut now = begin;
+        for ((_, _, wait), (goal, limits, _)) in orders.iter().zip(&orders[1..]) {
+            now += wait;
+            course.run(now);
+            course.redirect(now, *goal, *limits);
+        }
+        let stop = Limits { velocity: 1.into(), acceleration: 1, deceleration: 1 << 20 };
+        let now = now + u64::from(HZ);
+        course.run(now);
+        course.redirect(now, Goal::Velocity(0.into()), stop);
+        course.run(Ticks::MAX);
+
+        // In its end it is where the last plan is, to the last bit of a position, one window later than that.
+        let (joint, plan) = *course.plans.last().unwrap();
+        let end = plan.end().unwrap();
+        prop_assert!(course.average.is_over());
+        let there = course.average.exact_at(course.average.until());
+        prop_assert_eq!(there, Exact { position: i128::from(sample(plan.exact_at(end).position)) << 64, velocity: 0 });
+        let late = course.average.until() - end.max(joint);
+        let grid = u64::from(window.grid);
+        prop_assert!(end <= joint || late + grid > window.ticks().into());
+        prop_assert!(late < u64::from(window.ticks()) + grid, "{late} ticks behind the plan");
+
+        let hardest = orders.iter().map(|(_, limits, _)| f64::from(limits.acceleration.max(limits.deceleration)));
+        let hardest = hardest.fold(f64::from(stop.deceleration), f64::max);
+        let fastest = orders.iter().map(|(_, limits, _)| limits.velocity.whole()).max().unwrap();
+        let fastest = f64::from(fastest.max(velocity.unsigned_abs()));
+        let seconds = f64::from(window.ticks()) / f64::from(HZ);
+        let grid = f64::from(window.grid) / f64::from(HZ);
+        // Of positions in 2⁻³² steps.
+        let noise = 2f64.powi(-30) / grid / seconds;
+        let mut before: Option<(Ticks, Phase)> = None;
+        for (until, phase) in &course.pieces {
+            let acceleration = per_second(phase.pull(phase.start())) * f64::from(HZ);
+            prop_assert!(acceleration.abs() <= hardest * 1.000_001 + noise);
+            prop_assert!(per_second(phase.at(phase.start()).velocity).abs() <= fastest * 1.000_001 + 1e-3);
+            if let Some((_, last)) = before {
+                // It joins in position and velocity.
+                let (here, there) = (phase.at(phase.start()), last.at(phase.start()));
+                let apart = steps(here.position) - steps(there.position);
+                prop_assert!(apart.abs() < 1e-4, "{apart} steps apart");
+                let apart = per_second(here.velocity) - per_second(there.velocity);
+                prop_assert!(apart.abs() < 1e-3 + noise * grid, "{apart} steps/s apart");
+                let was = per_second(last.pull(last.start())) * f64::from(HZ);
+                let jerk = (acceleration - was).abs() / grid;
+                let most = 2.0 * hardest / seconds;
+                prop_assert!(jerk <= most * 1.000_001 + 2.0 * noise / grid, "{jerk} steps/s³ instead of {most}");
+            }
+            before = Some((*until, *phase));
+        }
+        // Between two samples the plan is taken as straight, and a mean of so many points is not quite the mean.
+        let slack = hardest * grid * grid / 4.0 + hardest * (seconds / 2000.0).powi(2) + fastest * 2.0 / f64::from(HZ) + 1e-4;
+        let last = course.average.until();
+        for part in 0..20 {
+            let t = begin + (last - begin) * part / 20;
+            let off = steps(course.at(t).position) - course.mean(t);
+            prop_assert!(off.abs() <= slack, "{off} steps off at {t}, {slack} allowed");
+        }
+    }
+
+    #[test]
+    fn windows_are_no_shorter_than_the_jerk_asks(
+        hz in Clock::SLOWEST..=Clock::FASTEST,
+        segment in 1u32..1 << 28,
+        accelerations in (any::<u32>(), any::<u32>()),
+        jerk in 1u32..,
+    ) {
+        let clock = Clock::new(hz).unwrap();
+        let limits = Limits { velocity: 1.into(), acceleration: accelerations.0, deceleration: accelerations.1 };
+        let cut = Window::within(clock, limits, jerk);
+        let change = u64::from(cut.acceleration) + u64::from(cut.deceleration);
+        let window = Window::new(clock, change, jerk, segment);
+        let (ticks, least) = (u64::from(window.ticks()), u64::from(segment));
+        prop_assert!(u128::from(ticks) * u128::from(jerk) >= u128::from(change) * u128::from(hz));
+        prop_assert!(ticks >= least);
+        prop_assert!(ticks < (1 << 30) + SAMPLES as u64);
+        prop_assert!(usize::from(window.count) <= SAMPLES && window.share <= segment && window.share <= window.grid);
+        // And hardly longer, and nothing is cut without need.
+        let exact = (u128::from(change) * u128::from(hz)).div_ceil(jerk.into());
+        prop_assert!(u128::from(ticks) < exact.max(segment.into()) + SAMPLES as u128);
+        let needed = (u128::from(limits.acceleration.max(limits.deceleration)) * 2 * u128::from(hz)).div_ceil(jerk.into());
+        prop_assert!(cut == limits || needed > 1 << 30);
+    }
+}
+
+#[test]
+fn a_creeping_plan_is_followed_to_the_tick() {
+    // One step in an hour, and a window of 100 ms.
+    let slow = crate::Speed::from_bits((1 << 32) / 3600);
+    let limits = Limits {
+        velocity: slow,
+        acceleration: 1,
+        deceleration: 1,
+    };
+    let goal = Goal::Velocity(crate::SignedSpeed::from_bits(slow.bits() as i64));
+    let window = Window::of(400 * SEGMENT, SEGMENT);
+    let mut course = Course::new(window, 0, goal, limits, 0);
+    course.run(u64::from(HZ));
+    let (until, line) = *course.pieces.last().unwrap();
+    assert_eq!(until, Ticks::MAX);
+    assert!(course.pieces.len() <= 403, "{}", course.pieces.len());
+    let plan = course.plans[0].1;
+    let hour = 3600 * u64::from(HZ);
+    let half = u64::from(window.ticks()) / 2;
+    assert_eq!(line.at(hour), plan.exact_at(hour - half));
+}

@@ -1,0 +1,132 @@
+//! How an axis leaves for another goal, and how it follows the mean of its plan.
+
+use super::Axis;
+use crate::average::{Average, Window};
+use crate::clock::Ticks;
+use crate::fixed::{Exact, State};
+use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
+use crate::train::Chord;
+
+impl Axis {
+    /// Plans another motion, from where the axis is at the commit horizon. On an error the motion goes on as it was.
+    pub(super) fn redirect(&mut self, goal: Goal, limits: Limits) -> Result<(), PlanError> {
+        let limits = Limits {
+            velocity: limits.velocity.min(self.max_velocity()),
+            ..limits
+        };
+        let (clock, horizon, ramps) = (self.clock, self.horizon, self.ramps);
+        self.leg = None;
+        if let Ramps::MovingAverage(jerk) = ramps {
+            return self.redirect_averaged(goal, limits, jerk);
+        }
+        if self.path.is_none() && !self.is_averaged {
+            return self.plan.redirect(clock, horizon, goal, limits, ramps);
+        }
+        // A jerk-limited ramp can go on with the acceleration of the mean.
+        let pull = match ramps {
+            Ramps::JerkLimited(_) if self.is_averaged => self.average.phase().pull(horizon),
+            _ => 0,
+        };
+        let from = (self.exact_at(horizon), pull);
+        self.plan.make(clock, horizon, from, goal, limits, ramps)?;
+        self.path = None;
+        self.is_averaged = false;
+        Ok(())
+    }
+
+    /// The window is chosen where the mean begins, and stays until the axis is at rest. From rest to rest it is as short as the jerk allows if
+    /// the two ramps are further apart than that; otherwise one acceleration may come behind the other at once.
+    fn redirect_averaged(
+        &mut self,
+        goal: Goal,
+        limits: Limits,
+        jerk: u32,
+    ) -> Result<(), PlanError> {
+        let (clock, horizon, ramps) = (self.clock, self.horizon, self.ramps);
+        if self.is_averaged {
+            let joint = self.average.joint(horizon);
+            self.plan.redirect(clock, joint, goal, limits, ramps)?;
+            self.average.rejoin(&self.plan);
+            return Ok(());
+        }
+        let limits = Window::within(clock, limits, jerk);
+        let segment = self.train.segment();
+        let window = |change: u64| Window::new(clock, change, jerk, segment);
+        let (a, d) = (limits.acceleration.into(), limits.deceleration.into());
+        let long = || window(u64::wrapping_add(a, d));
+        let mean = self.exact_at(horizon);
+        if mean.velocity != 0 {
+            let window = long();
+            let ahead = Average::ahead(window, mean);
+            let from = (ahead, 0);
+            self.plan.make(clock, horizon, from, goal, limits, ramps)?;
+            self.average.begin(window, horizon, ahead);
+            self.is_averaged = true;
+        } else {
+            let from = (mean, 0);
+            self.plan.make(clock, horizon, from, goal, limits, ramps)?;
+            // Nothing need be waited for where nothing moves.
+            self.is_averaged = self.plan.end().is_none_or(|end| end > horizon);
+            if self.is_averaged {
+                let cruise = match goal {
+                    Goal::Rest(_) => cruise(&self.plan),
+                    Goal::Pass(..) | Goal::Velocity(_) => 0,
+                };
+                let short = Some(window(a.max(d))).filter(|short| cruise >= short.ticks().into());
+                let window = short.unwrap_or_else(long);
+                self.average.begin(window, horizon, mean);
+            }
+        }
+        self.path = None;
+        Ok(())
+    }
+
+    /// Where the axis is between here and the next corner, and the mean is known up to there.
+    pub(super) fn average_on(&mut self) {
+        if self.is_averaged && self.average.until() <= self.horizon {
+            self.average.go_on(&self.plan);
+        }
+    }
+
+    /// The horizon goes to tick `end`. If the mean stands from there on, it is where the plan stands, and the plan is followed.
+    #[inline]
+    pub(super) fn end_average(&mut self, end: Ticks) {
+        if self.is_averaged && self.average.is_over() && self.average.until() <= end {
+            self.is_averaged = false;
+        }
+    }
+
+    /// The next chord of a mean, if that is one from this sample to the next: so it is unless the window is very long.
+    #[inline(never)]
+    pub(super) fn averaged_chord(&mut self) -> Option<(Chord, State)> {
+        let begin = self.horizon;
+        if self.average.until() > begin {
+            return None;
+        }
+        self.average.go_on(&self.plan);
+        let (from, length, to) = self.average.chord()?;
+        if self.train.chord(from.velocity, length) < length {
+            return None;
+        }
+        self.end_average(self.average.until());
+        Some((Chord::between((begin, from), (length, to)), to))
+    }
+
+    /// Where plan, path or mean are at tick `t`.
+    pub(super) fn exact_at(&self, t: Ticks) -> Exact {
+        match &self.path {
+            Some(path) => path.exact_at(t),
+            None if self.is_averaged => self.average.exact_at(t),
+            None => self.plan.exact_at(t),
+        }
+    }
+}
+
+/// How long a plan from rest to rest keeps its velocity between its two ramps, in ticks.
+fn cruise(plan: &Plan) -> Ticks {
+    let line = plan.phases().iter().find(|phase| phase.is_line());
+    line.map_or(0, |line| {
+        let end = plan.next_corner(line.start()).unwrap_or(line.start());
+        end.saturating_sub(line.start())
+    })
+}
