@@ -4,51 +4,118 @@
 //! the quotient has are worked out, and there is one copy of the code.
 
 /// ⌊numerator · 2^(32 · digits) / divisor⌋ modulo 2¹²⁸, for a divisor of at most 96 bits; 0 for any other.
-#[inline(never)]
 pub fn quotient(numerator: u128, digits: u32, divisor: u128) -> u128 {
-    // The divisor's leading bit becomes bit 95, so that its leading digit makes good estimates.
-    let Some(shift) = divisor.leading_zeros().checked_sub(32) else {
-        return 0;
-    };
-    if divisor == 0 || numerator == 0 {
-        return 0;
-    }
-    let divisor = divisor << (shift & 127);
-    let top = (divisor >> 64) as u32;
+    Divisor::new(divisor).quotient(numerator, digits)
+}
 
-    // The numerator is shifted alike. What lies above the digits of the quotient is the first remainder, and less than the divisor.
-    let above = numerator.leading_zeros();
-    let bits = shift.wrapping_add(33).saturating_sub(above);
-    let whole = bits.div_ceil(32);
-    let (mut remainder, mut rest): (u128, u64) = if whole == 0 {
-        (numerator << (shift & 127), 0)
-    } else {
-        // 64 to 95 bits.
-        let width = bits.wrapping_add(95).wrapping_sub(whole << 5);
-        let aligned = numerator << (above & 127);
-        (
-            aligned >> (128u32.wrapping_sub(width) & 127),
-            (aligned as u64) << (width & 31),
-        )
-    };
+/// What a division needs of its divisor. Made once for several divisions.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Divisor {
+    /// The divisor, shifted up until the leading bit of 96 is set.
+    high: u32,
+    rest: u64,
+    /// ⌊(2⁶⁴ − 1) / high⌋ − 2³²
+    reciprocal: u32,
+    /// How far its leading digit was shifted up within itself.
+    shift: u32,
+    /// How many digits it has: 1 to 3. None if it cannot divide.
+    length: u32,
+}
 
-    let mut result = 0;
-    for _ in 0..whole.wrapping_add(digits) {
-        remainder = (remainder << 32) | u128::from(rest >> 32);
-        rest <<= 32;
-        let mut digit = estimate((remainder >> 64) as u64, top);
-        let (left, mut short) = remainder.overflowing_sub(times(divisor, digit));
-        remainder = left;
-        // The estimate is never too small, and too large by at most two.
-        while short {
-            digit = digit.wrapping_sub(1);
-            let (left, positive) = remainder.overflowing_add(divisor);
-            remainder = left;
-            short = !positive;
+impl Divisor {
+    /// For a divisor of at most 96 bits; the quotient by any other, and by 0, is 0.
+    #[inline(never)]
+    pub(crate) fn new(divisor: u128) -> Self {
+        let [low, middle, top] = [0, 32, 64].map(|below| (divisor >> below) as u32);
+        let ([high, middle, low], length) = match (top, middle) {
+            (0, 0) => ([low, 0, 0], 1),
+            (0, _) => ([middle, low, 0], 2),
+            _ => ([top, middle, low], 3),
+        };
+        let is_divisor = high != 0 && divisor >> 96 == 0;
+        let shift = high.leading_zeros() & 31;
+        let high = pair(high, middle, shift);
+        Self {
+            high,
+            rest: u64::from(pair(middle, low, shift)) << 32 | u64::from(low << shift),
+            reciprocal: estimate(u64::from(!high) << 32 | u64::from(u32::MAX), high),
+            shift,
+            length: if is_divisor { length } else { 0 },
         }
-        result = (result << 32) | u128::from(digit);
     }
-    result
+
+    /// ⌊numerator · 2^(32 · digits) / self⌋ modulo 2¹²⁸.
+    #[inline(never)]
+    pub(crate) fn quotient(&self, numerator: u128, digits: u32) -> u128 {
+        if self.length == 0 {
+            return 0;
+        }
+        // The numerator is shifted as the divisor was. What its three leading digits are then is the first remainder, and less than the divisor.
+        let [a, b, c, d] = [0, 32, 64, 96].map(|below| (numerator >> below) as u32);
+        let shift = self.shift & 31;
+        let mut first = pair(0, d, shift);
+        let mut second = u64::from(pair(d, c, shift)) << 32 | u64::from(pair(c, b, shift));
+        let mut rest = u64::from(pair(b, a, shift)) << 32 | u64::from(a << shift);
+        let mut left = 5u32.wrapping_sub(self.length).wrapping_add(digits);
+        // Digits in front that are 0.
+        while left != 0 && first == 0 && ((second >> 32) as u32) < self.high {
+            first = (second >> 32) as u32;
+            (second, rest) = (second << 32 | rest >> 32, rest << 32);
+            left = left.wrapping_sub(1);
+        }
+        let mut result: u128 = 0;
+        while left != 0 {
+            let mut digit = self.digit(first, (second >> 32) as u32);
+            // Remainder and next digit, less the product.
+            let low = (self.rest as u32 as u64).wrapping_mul(digit.into());
+            let middle = (self.rest >> 32)
+                .wrapping_mul(digit.into())
+                .wrapping_add(low >> 32);
+            let top = u64::from(self.high)
+                .wrapping_mul(digit.into())
+                .wrapping_add(middle >> 32);
+            let below = middle << 32 | u64::from(low as u32);
+            let (mut lower, borrow) = (second << 32 | rest >> 32).overflowing_sub(below);
+            let upper = (u64::from(first) << 32 | second >> 32).wrapping_sub(top);
+            let mut upper = upper.wrapping_sub(borrow.into());
+            rest <<= 32;
+            // The estimate is never too small, and too large by at most two.
+            while upper >> 63 != 0 {
+                digit = digit.wrapping_sub(1);
+                let (sum, carry) = lower.overflowing_add(self.rest);
+                lower = sum;
+                upper = upper
+                    .wrapping_add(self.high.into())
+                    .wrapping_add(carry.into());
+            }
+            (first, second) = (upper as u32, lower);
+            result = result << 32 | u128::from(digit);
+            left = left.wrapping_sub(1);
+        }
+        result
+    }
+
+    /// ⌊(first · 2³² + next) / high⌋, or the largest digit if that is less.
+    #[inline]
+    fn digit(&self, first: u32, next: u32) -> u32 {
+        if first >= self.high {
+            return u32::MAX;
+        }
+        // Möller and Granlund, "Improved division by invariant integers".
+        let guess = u64::from(self.reciprocal)
+            .wrapping_mul(first.into())
+            .wrapping_add(u64::from(first) << 32 | u64::from(next));
+        let mut digit = ((guess >> 32) as u32).wrapping_add(1);
+        let mut left = next.wrapping_sub(digit.wrapping_mul(self.high));
+        if left > guess as u32 {
+            digit = digit.wrapping_sub(1);
+            left = left.wrapping_add(self.high);
+        }
+        if left >= self.high {
+            digit = digit.wrapping_add(1);
+        }
+        digit
+    }
 }
 
 /// ⌊numerator / divisor⌋ and the remainder. A divisor of 0 gives 0 and 0.
@@ -86,17 +153,11 @@ pub(crate) fn fraction(numerator: u64, divisor: u32) -> u128 {
     (u128::from(whole) << 64) | u128::from(behind)
 }
 
-/// A number of 96 bits times a digit.
-fn times(number: u128, digit: u32) -> u128 {
-    let digit = u64::from(digit);
-    let low = u64::from(number as u32).wrapping_mul(digit);
-    let middle = u64::from((number >> 32) as u32)
-        .wrapping_mul(digit)
-        .wrapping_add(low >> 32);
-    let high = u64::from((number >> 64) as u32)
-        .wrapping_mul(digit)
-        .wrapping_add(middle >> 32);
-    (u128::from(high) << 64) | u128::from((middle << 32) | (low & u64::from(u32::MAX)))
+/// The upper digit of two that are shifted up by less than a digit.
+#[inline]
+const fn pair(upper: u32, lower: u32, shift: u32) -> u32 {
+    let shift = shift & 31;
+    upper << shift | (lower >> 1) >> (31u32.wrapping_sub(shift) & 31)
 }
 
 /// numerator / divisor, or the largest digit if that is less. The divisor's leading bit is set.

@@ -38,6 +38,7 @@ pub mod homing;
 mod path;
 pub mod plan;
 pub mod record;
+mod root;
 pub mod speed;
 pub mod step_interrupt;
 mod train;

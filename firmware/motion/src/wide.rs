@@ -1,5 +1,7 @@
 //! 256-bit products: two Q96 numbers multiply to Q192, and no bit may fall off before it is known to be small.
 
+use crate::root::root;
+
 /// An unsigned 256-bit number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Wide {
@@ -74,7 +76,7 @@ impl Wide {
         let (mantissa, exponent) = self.leading();
         // An even exponent, so that its root is a shift.
         let odd = exponent & 1;
-        let root = u128::from((mantissa >> odd).isqrt());
+        let root = u128::from(root(mantissa >> odd));
         root << ((exponent.wrapping_add(odd) / 2) & 127)
     }
 }

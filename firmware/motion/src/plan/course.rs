@@ -93,7 +93,7 @@ impl<'a> Course<'a> {
             Some(sine) => Shape {
                 position: target,
                 velocity: 0,
-                half_acceleration: sine.half_peak(),
+                half_acceleration: half_peak(rising),
                 curve: Curve::Sine(sine),
             },
             None => Shape {
@@ -173,7 +173,7 @@ impl<'a> Course<'a> {
     ) -> Shape {
         self.mark_ramp(self.elapsed);
         let (half_acceleration, curve) = match self.sine(half_acceleration, time) {
-            Some(sine) => (sine.half_peak(), Curve::Sine(sine)),
+            Some(sine) => (half_peak(half_acceleration), Curve::Sine(sine)),
             None => (half_acceleration, Curve::Parabola),
         };
         Shape {
@@ -200,7 +200,7 @@ impl<'a> Course<'a> {
     }
 
     /// Adds a phase that is anchored at its beginning.
-    #[inline(never)]
+    #[inline]
     pub(super) fn append(&mut self, curve: &Shape, time: Offset, way: i128) {
         self.push(curve, self.elapsed, self.elapsed);
         self.elapsed = self.elapsed.saturating_add(time);
@@ -219,7 +219,20 @@ impl<'a> Course<'a> {
         }
         let place = usize::from(plan.count).wrapping_sub(1);
         if let Some(place) = plan.phases.get_mut(place) {
-            *place = curve.phase(plan.start, start, anchor, self.origin, self.reverse);
+            curve.write(
+                place,
+                (plan.start, start),
+                anchor,
+                self.origin,
+                self.reverse,
+            );
         }
     }
+}
+
+/// The greatest acceleration of a sin² ramp, from that of the linear one in its place, both halved: π/2 times as much, and a little more
+/// rather than less.
+pub(super) const fn half_peak(half_acceleration: i128) -> i128 {
+    let half = half_acceleration.unsigned_abs().cast_signed();
+    (half.wrapping_mul(13) >> 3).wrapping_add(1)
 }

@@ -3,11 +3,13 @@
 //! Braking to an end velocity at the target is the beginning of braking to rest further on: as far on as it takes to brake from the
 //! end velocity. So such a move is planned as one to that point, and left at the target.
 
-use super::phase::{Curve, Offset, Shape, ramp_time, ramp_way};
+use super::course::half_peak;
+use super::phase::{Curve, Offset, Shape, Slope, ramp_way};
 use super::{Course, Limits, Plan, PlanError};
 use crate::clock::{Clock, Fine, Ticks};
-use crate::divide::quotient;
+use crate::divide::{estimate, quotient};
 use crate::fixed::Exact;
+use crate::root::root;
 use crate::speed::Speed;
 use crate::wide::Wide;
 
@@ -35,8 +37,9 @@ pub(super) fn plan(
     let target_behind = if gap == 0 { from.velocity < 0 } else { is_back };
     let approaching = speed != 0 && (from.velocity < 0) == target_behind;
 
-    let half_deceleration = clock.half_acceleration(limits.deceleration);
-    let stop_time = ramp_time(speed, half_deceleration);
+    let deceleration = Slope::new(clock, limits.deceleration);
+    let half_deceleration = deceleration.half;
+    let stop_time = deceleration.time(speed);
     // Half of speed · time, which bounds the stopping distance well enough to refuse what would leave the span.
     let bits = 256u32
         .wrapping_sub(speed.leading_zeros())
@@ -51,13 +54,13 @@ pub(super) fn plan(
     let end = if end_velocity == Speed::ZERO || gap == 0 {
         End::REST
     } else {
-        End::new(clock, end_velocity.min(limits.velocity), half_deceleration)
+        End::new(clock, end_velocity.min(limits.velocity), &deceleration)
     };
     let way = gap.checked_add(end.way).ok_or(PlanError::OutOfRange)?;
     let route = Route {
         clock,
         limits,
-        half_deceleration,
+        deceleration,
         end,
     };
     let goal = gap.cast_signed();
@@ -72,7 +75,9 @@ pub(super) fn plan(
         } else if (is_exact || is_short) && route.end.speed != 0 {
             // Too fast for the end velocity: it comes about behind the target.
             let mut course = Course::new(plan, start, from, target_behind);
-            let time = ramp_time(speed.saturating_sub(route.end.speed), half_deceleration);
+            let time = route
+                .deceleration
+                .time(speed.saturating_sub(route.end.speed));
             course.brake(speed, half_deceleration, time);
             course.never_end(route.end.speed);
         } else if is_short {
@@ -131,13 +136,13 @@ impl End {
         way: 0,
     };
 
-    fn new(clock: Clock, velocity: Speed, half_deceleration: Fine) -> Self {
+    fn new(clock: Clock, velocity: Speed, deceleration: &Slope) -> Self {
         let speed = clock.speed(velocity);
-        let time = ramp_time(speed, half_deceleration);
+        let time = deceleration.time(speed);
         Self {
             speed,
             time,
-            way: ramp_way(speed, half_deceleration, time, true),
+            way: ramp_way(speed, deceleration.half, time, true),
         }
     }
 }
@@ -146,7 +151,7 @@ impl End {
 struct Route {
     clock: Clock,
     limits: Limits,
-    half_deceleration: Fine,
+    deceleration: Slope,
     end: End,
 }
 
@@ -159,36 +164,43 @@ impl Route {
             return;
         }
         let top = self.clock.speed(self.limits.velocity);
-        let half_acceleration = self.clock.half_acceleration(self.limits.acceleration);
+        let half_deceleration = self.deceleration.half;
+        let is_alike = self.limits.acceleration == self.limits.deceleration;
+        let acceleration = if is_alike {
+            self.deceleration
+        } else {
+            Slope::new(self.clock, self.limits.acceleration)
+        };
+        let half_acceleration = acceleration.half;
         if speed > top {
-            let time = ramp_time(speed.wrapping_sub(top), self.half_deceleration);
-            way = way.saturating_sub(course.brake(speed, self.half_deceleration, time));
+            let time = self.deceleration.time(speed.wrapping_sub(top));
+            way = way.saturating_sub(course.brake(speed, half_deceleration, time));
             speed = top;
         }
         let peak = self.peak(half_acceleration, speed, way).min(top).max(speed);
         if peak < self.end.speed {
             // The way is too short for the end velocity: it comes about behind the target.
-            let time = ramp_time(self.end.speed.wrapping_sub(speed), half_acceleration);
+            let time = acceleration.time(self.end.speed.wrapping_sub(speed));
             course.accelerate(speed, half_acceleration, time);
             course.never_end(self.end.speed);
             return;
         }
         let mut stop_time = None;
         if peak > speed {
-            let time = ramp_time(peak.wrapping_sub(speed), half_acceleration);
+            let time = acceleration.time(peak.wrapping_sub(speed));
             // The same ramp up and down is worked out once.
-            if speed == 0 && half_acceleration == self.half_deceleration {
+            if speed == 0 && is_alike {
                 stop_time = Some(time);
             }
             way = way.saturating_sub(course.accelerate(speed, half_acceleration, time));
         }
-        let stop_time = stop_time.unwrap_or_else(|| ramp_time(peak, self.half_deceleration));
-        way = way.saturating_sub(ramp_way(peak, self.half_deceleration, stop_time, true));
+        let stop_time = stop_time.unwrap_or_else(|| self.deceleration.time(peak));
+        way = way.saturating_sub(ramp_way(peak, half_deceleration, stop_time, true));
         course.cruise(peak, cruise_time(way, peak), way);
         if self.end.speed == 0 {
-            course.land(target, self.half_deceleration, stop_time);
+            course.land(target, half_deceleration, stop_time);
         } else {
-            course.pass(target, &self.end, self.half_deceleration, stop_time);
+            course.pass(target, &self.end, half_deceleration, stop_time);
         }
     }
 
@@ -203,32 +215,42 @@ impl Route {
             square = square.plus(Wide::product(speed, speed));
         }
         let (mantissa, exponent) = square.leading();
-        let acceleration = u128::from(self.limits.acceleration);
-        let deceleration = u128::from(self.limits.deceleration);
-        let share = if acceleration == deceleration {
-            // Half of it; most moves are like that, and a division is dear.
-            u128::from(mantissa) << 30
+        let (share, below) = if self.limits.acceleration == self.limits.deceleration {
+            // Most moves are like that.
+            (mantissa, 1)
         } else {
-            // 64 + 32 + 31 bits: no overflow.
-            quotient(
-                u128::from(mantissa).wrapping_mul(deceleration) << 31,
-                0,
-                acceleration.wrapping_add(deceleration),
+            let above = mantissa.leading_zeros();
+            let (digit, below) = part_of_sum(self.limits.deceleration, self.limits.acceleration);
+            let product = u128::from(mantissa << (above & 63)).wrapping_mul(digit.into());
+            (
+                (product >> 32) as u64,
+                below.wrapping_add(above).wrapping_sub(32),
             )
         };
-        // share · 2^(exponent − 31), brought to 64 bits and an even exponent, so that its root is a shift.
-        let mut shift = 64u32.saturating_sub(share.leading_zeros());
-        if (shift ^ exponent) & 1 == 0 {
-            shift = shift.wrapping_add(1);
-        }
-        let root = Fine::from(((share >> (shift & 127)) as u64).isqrt());
-        let half_exponent = exponent.wrapping_add(shift).cast_signed().wrapping_sub(31) / 2;
-        if half_exponent < 0 {
-            root >> (half_exponent.unsigned_abs() & 127)
+        // share · 2^(exponent − below): an even exponent, so that its root is a shift.
+        let exponent = exponent.wrapping_sub(below);
+        let odd = exponent & 1;
+        let speed = Fine::from(root(share >> odd));
+        let half = exponent.wrapping_add(odd).cast_signed() / 2;
+        if half < 0 {
+            speed >> (half.unsigned_abs() & 127)
         } else {
-            root << (half_exponent.unsigned_abs() & 127)
+            speed << (half.unsigned_abs() & 127)
         }
     }
+}
+
+/// part/(part + rest) as digit / 2ⁿ, rounded down, with a digit of 31 or 32 bits. `part` is not 0.
+fn part_of_sum(part: u32, rest: u32) -> (u32, u32) {
+    let above = part.leading_zeros();
+    let sum = u64::from(part).wrapping_add(rest.into());
+    // The divisor is rounded up, so that the quotient is rounded down.
+    let (divisor, shift) = match u32::try_from(sum) {
+        Ok(sum) => (sum << (sum.leading_zeros() & 31), sum.leading_zeros()),
+        Err(_) => ((sum.wrapping_add(1) >> 1) as u32, u32::MAX),
+    };
+    let digit = estimate(u64::from(part << (above & 31)) << 31, divisor);
+    (digit, above.wrapping_add(31).wrapping_sub(shift))
 }
 
 impl Course<'_> {
@@ -243,7 +265,7 @@ impl Course<'_> {
             let shape = Shape {
                 position: target,
                 velocity: end.speed.cast_signed(),
-                half_acceleration: sine.half_peak(),
+                half_acceleration: half_peak(rising),
                 curve: Curve::Sine(sine),
             };
             self.push(&shape, begin, self.elapsed);

@@ -5,8 +5,8 @@
 //! long the phase; a cruise that never ends needs no new anchor. The coefficient of a cubic is Q128: over the time that a jerk lasts, its
 //! rounding does not show.
 
-use crate::clock::{Clock, Ticks};
-use crate::divide::quotient;
+use crate::clock::{Clock, Fine, Ticks};
+use crate::divide::Divisor;
 use crate::fixed::Exact;
 use crate::wide::Wide;
 
@@ -223,63 +223,57 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// The phase that begins at tick `begin` and whose coefficients hold at `anchor`, which counts from tick `start`.
+    /// Writes the phase that begins at tick `begin` and whose coefficients hold at `anchor`, which counts from tick `start`.
     ///
-    /// `origin` is the position at `start`; `reverse` turns the frame round.
+    /// `origin` is the position at `start`; `reverse` turns the frame round. Each coefficient is finished before the next: there are more
+    /// of them than registers.
     #[inline(always)]
-    pub(crate) fn phase(
+    pub(crate) fn write(
         &self,
-        start: Ticks,
-        begin: Ticks,
+        phase: &mut Phase,
+        (start, begin): (Ticks, Ticks),
         anchor: Offset,
         origin: i128,
         reverse: bool,
-    ) -> Phase {
+    ) {
+        phase.start = begin;
+        phase.anchor = start.saturating_add(whole_ticks(anchor));
+        // All ones in the other direction: then the complement and one more.
+        let mask = if reverse { -1 } else { 0 };
+        let turn = |value: i128| (value ^ mask).wrapping_sub(mask);
+        let place = |position: i128| origin.wrapping_add(turn(position));
         // Move the coefficients from the anchor down to the whole tick before it.
         let fraction = anchor as u32;
-        let mut half_acceleration = self.half_acceleration;
-        let (position, velocity) = match self.curve {
-            Curve::Sine(_) => {
-                let back = part(self.velocity, fraction);
-                (self.position.wrapping_sub(back), self.velocity)
-            }
+        phase.lead = fraction;
+        match self.curve {
             Curve::Parabola => {
+                phase.curve = Curve::Parabola;
+                phase.half_acceleration = turn(self.half_acceleration);
+                // v − 2hφ and x − vφ + hφ²
                 let once = part(self.half_acceleration, fraction);
-                let back = part(self.velocity.wrapping_sub(once), fraction);
-                (
-                    self.position.wrapping_sub(back),
-                    self.velocity.wrapping_sub(once.wrapping_mul(2)),
-                )
+                let velocity = self.velocity.wrapping_sub(once);
+                phase.velocity = turn(velocity.wrapping_sub(once));
+                phase.position = place(self.position.wrapping_sub(part(velocity, fraction)));
             }
             Curve::Cubic(sixth_jerk) => {
+                phase.curve = Curve::Cubic(turn(sixth_jerk));
+                // h − 3cφ, v − 2hφ + 3cφ² and x − vφ + hφ² − cφ³
                 let bend = part(sixth_jerk, fraction) >> 32;
-                half_acceleration = half_acceleration.wrapping_sub(bend.wrapping_mul(3));
-                // v − 2hφ + 3cφ² and x − vφ + hφ² − cφ³
-                let h = self.half_acceleration;
-                let once = part(h.wrapping_sub(bend), fraction);
-                let back = part(self.velocity.wrapping_sub(once), fraction);
-                let less = h.wrapping_mul(2).wrapping_sub(bend.wrapping_mul(3));
-                let less = part(less, fraction);
-                (
-                    self.position.wrapping_sub(back),
-                    self.velocity.wrapping_sub(less),
-                )
+                let first = self.half_acceleration.wrapping_sub(bend);
+                let last = first.wrapping_sub(bend.wrapping_mul(2));
+                phase.half_acceleration = turn(last);
+                let velocity = self.velocity.wrapping_sub(part(first, fraction));
+                let second = first.wrapping_sub(bend);
+                phase.velocity = turn(velocity.wrapping_sub(part(second, fraction)));
+                phase.position = place(self.position.wrapping_sub(part(velocity, fraction)));
             }
-        };
-        let turn = |value: i128| if reverse { value.wrapping_neg() } else { value };
-        Phase {
-            start: begin,
-            anchor: start.saturating_add(whole_ticks(anchor)),
-            position: origin.wrapping_add(turn(position)),
-            velocity: turn(velocity),
-            half_acceleration: turn(half_acceleration),
-            curve: match self.curve {
-                Curve::Parabola => Curve::Parabola,
-                Curve::Cubic(sixth_jerk) => Curve::Cubic(turn(sixth_jerk)),
-                Curve::Sine(sine) if reverse => Curve::Sine(sine.reversed()),
-                Curve::Sine(sine) => Curve::Sine(sine),
-            },
-            lead: fraction,
+            Curve::Sine(sine) => {
+                phase.curve = Curve::Sine(if reverse { sine.reversed() } else { sine });
+                phase.half_acceleration = turn(self.half_acceleration);
+                phase.velocity = turn(self.velocity);
+                let back = part(self.velocity, fraction);
+                phase.position = place(self.position.wrapping_sub(back));
+            }
         }
     }
 }
@@ -294,22 +288,31 @@ fn whole(value: i128) -> i128 {
     }
 }
 
-/// ⌊value · fraction / 2³²⌋, for a value of at most 127 bits.
+/// ⌊value · fraction / 2³²⌋.
+#[inline]
 fn part(value: i128, fraction: u32) -> i128 {
-    if value == 0 || fraction == 0 {
-        return 0;
+    let below = u64::from(value as u32).wrapping_mul(fraction.into()) >> 32;
+    product(value >> 32, fraction).wrapping_add(below.into())
+}
+
+/// ⌊value · time⌋ modulo 2¹²⁸. Nearly all ramps take less than 2³² ticks, 25 s at 168 MHz, and then it is two short products.
+#[inline]
+pub(crate) fn over_time(value: i128, time: Offset) -> i128 {
+    let way = part(value, time as u32).wrapping_add(product(value, (time >> 32) as u32));
+    if time >> 64 == 0 {
+        return way;
     }
-    let high = (value >> 32).wrapping_mul(fraction.into());
-    let low = u64::from(value as u32).wrapping_mul(fraction.into()) >> 32;
-    high.wrapping_add(low.into())
+    way.wrapping_add(product(value, (time >> 64) as u32) << 32)
+        .wrapping_add(product(value, (time >> 96) as u32) << 64)
 }
 
 /// An offset rounded up to whole ticks. The slowest speeds take longer than ticks can count; that is for ever.
 pub(crate) fn ticks_up(offset: Offset) -> Ticks {
-    whole_ticks(offset.saturating_add(u128::from(u32::MAX)))
+    whole_ticks(offset).saturating_add(u64::from(offset as u32 != 0))
 }
 
 /// The same rounded down.
+#[inline]
 fn whole_ticks(offset: Offset) -> Ticks {
     if offset >> 96 == 0 {
         (offset >> 32) as u64
@@ -318,23 +321,43 @@ fn whole_ticks(offset: Offset) -> Ticks {
     }
 }
 
-/// How long it takes to change speed by `change` at twice `half_acceleration`, as an [`Offset`].
-pub(crate) fn ramp_time(change: u128, half_acceleration: u128) -> Offset {
-    // Speeds have at most 96 bits, so the shift loses nothing. The clock's range keeps accelerations above zero.
-    quotient(change << 31, 0, half_acceleration)
+/// A constant acceleration. Made once for all ramps at it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slope {
+    /// Half of it, Q96 steps per tick².
+    pub(crate) half: Fine,
+    divisor: Divisor,
+}
+
+impl Slope {
+    /// From steps/s², at least 1: the clock's range keeps it above zero.
+    pub(crate) fn new(clock: Clock, steps_per_second_squared: u32) -> Self {
+        let half = clock.half_acceleration(steps_per_second_squared);
+        Self {
+            half,
+            divisor: Divisor::new(half),
+        }
+    }
+
+    /// How long it takes to change speed by `change`.
+    #[inline]
+    pub(crate) fn time(&self, change: Fine) -> Offset {
+        // Speeds have at most 96 bits, so the shift loses nothing.
+        self.divisor.quotient(change << 31, 0)
+    }
 }
 
 /// The way of a ramp that lasts `time` and starts at `speed`: growing, or with `braking` falling. Modulo 2³² steps.
 #[inline(never)]
-pub(crate) fn ramp_way(speed: u128, half_acceleration: u128, time: Offset, braking: bool) -> u128 {
+pub(crate) fn ramp_way(speed: Fine, half_acceleration: Fine, time: Offset, braking: bool) -> u128 {
     if time == 0 {
         return 0;
     }
-    let half_gain = half_acceleration.wrapping_mul(time) >> 32;
+    let half_gain = over_time(half_acceleration.cast_signed(), time).cast_unsigned();
     let mean = if braking {
         speed.saturating_sub(half_gain)
     } else {
         speed.wrapping_add(half_gain)
     };
-    Wide::product(mean, time).shifted_wrapping(32)
+    over_time(mean.cast_signed(), time).cast_unsigned()
 }

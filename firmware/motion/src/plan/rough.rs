@@ -6,6 +6,7 @@
 use core::cmp::Ordering;
 
 use crate::divide::estimate;
+use crate::root::root;
 
 /// mantissa · 2^exponent. The leading bit of the mantissa is set, unless the number is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,9 +108,8 @@ impl Rough {
 
     pub(super) fn root(self) -> Self {
         let shift = if self.exponent & 1 == 0 { 32 } else { 31 };
-        let root = (u64::from(self.mantissa) << shift).isqrt();
         Self {
-            mantissa: root as u32,
+            mantissa: root(u64::from(self.mantissa) << shift),
             exponent: self.exponent.wrapping_sub(shift) >> 1,
         }
     }

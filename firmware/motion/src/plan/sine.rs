@@ -8,6 +8,7 @@
 
 use crate::divide::quotient;
 use crate::plan::phase::Offset;
+use crate::root::root;
 use crate::wide::Wide;
 
 /// π²ᵏ/(2·(2k+1)!) for k from 1 on, Q64: f(s) = s·(c₁u − c₂u² + c₃u³ − …) with u = s².
@@ -90,20 +91,12 @@ impl Sine {
         let risen = speed(self.part(away));
         // π/2·sin(π·s) = π·√(r·(1 − r)), with r = sin²(π·s/2).
         let square = u128::from(risen).wrapping_mul(risen.wrapping_neg().into()) >> 64;
-        let sine = u128::from((square as u64).isqrt());
+        let sine = u128::from(root(square as u64));
         let mean = quotient(self.change.unsigned_abs(), 1, self.time);
         // π in Q29.
         let acceleration =
             Wide::product(mean, sine.wrapping_mul(1_686_629_713)).shifted_wrapping(61);
         with_sign(acceleration, (self.change < 0) != (away < 0))
-    }
-
-    /// The greatest acceleration of the ramp, halved, Q96 steps per tick²; a little more rather than less.
-    pub(super) fn half_peak(&self) -> i128 {
-        let mean = quotient(self.change.unsigned_abs(), 1, self.time);
-        (mean.saturating_mul(13) >> 4)
-            .saturating_add(1)
-            .cast_signed()
     }
 
     /// How much of the ramp's time that is, Q64.
@@ -155,6 +148,7 @@ fn times(a: u64, b: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::{HALF, Sine, speed, way};
+    use crate::plan::course::half_peak;
     use core::f64::consts::PI;
     use proptest::prelude::*;
 
@@ -192,7 +186,9 @@ mod tests {
             let at = i128::from(part) << 32;
             let slope = sine.at(at + (8 << 32)).1 - sine.at(at - (8 << 32)).1;
             let slope = slope as f64 / 16.0;
-            let peak = sine.half_peak() as f64 * 2.0;
+            // That of the linear ramp, halved.
+            let half = change >> 21;
+            let peak = half_peak(half) as f64 * 2.0;
             prop_assert!((sine.acceleration(at) as f64 - slope).abs() < 1e-4 * peak);
             prop_assert!(slope <= peak);
             prop_assert_eq!(sine.acceleration(-at), -sine.acceleration(at));

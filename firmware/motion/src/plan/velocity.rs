@@ -1,6 +1,6 @@
 //! Profile velocity: a ramp to another velocity, and the stop.
 
-use super::phase::{ramp_time, ramp_way};
+use super::phase::{Slope, ramp_way};
 use super::{Course, Limits, Plan, PlanError};
 use crate::clock::{Clock, Ticks};
 use crate::fixed::Exact;
@@ -18,17 +18,14 @@ pub(super) fn plan(
     if limits.deceleration == 0 {
         return Err(PlanError::ZeroDeceleration);
     }
-    let half_deceleration = clock.half_acceleration(limits.deceleration);
+    let deceleration = Slope::new(clock, limits.deceleration);
+    let half_deceleration = deceleration.half;
     let speed = from.velocity.unsigned_abs();
 
     if velocity == SignedSpeed::ZERO {
         let mut course = Course::new(plan, start, from, from.velocity < 0);
         if speed != 0 {
-            course.brake(
-                speed,
-                half_deceleration,
-                ramp_time(speed, half_deceleration),
-            );
+            course.brake(speed, half_deceleration, deceleration.time(speed));
         }
         let stop = course.travelled;
         course.rest_at(stop);
@@ -41,26 +38,23 @@ pub(super) fn plan(
         return Err(PlanError::ZeroAcceleration);
     }
     let goal = clock.speed(velocity.unsigned_abs().min(limits.velocity));
-    let half_acceleration = clock.half_acceleration(limits.acceleration);
 
     let reverse = velocity.bits() < 0;
     let mut course = Course::new(plan, start, from, reverse);
     let mut speed = speed;
     if speed != 0 && (from.velocity < 0) != reverse {
-        let time = ramp_time(speed, half_deceleration);
+        let time = deceleration.time(speed);
         let way = ramp_way(speed, half_deceleration, time, true);
         course.turn_back(speed, half_deceleration, time, way);
         speed = 0;
     }
     if speed > goal {
-        course.brake(
-            speed,
-            half_deceleration,
-            ramp_time(speed.wrapping_sub(goal), half_deceleration),
-        );
+        let time = deceleration.time(speed.wrapping_sub(goal));
+        course.brake(speed, half_deceleration, time);
     } else if speed < goal {
-        let time = ramp_time(goal.wrapping_sub(speed), half_acceleration);
-        course.accelerate(speed, half_acceleration, time);
+        let acceleration = Slope::new(clock, limits.acceleration);
+        let time = acceleration.time(goal.wrapping_sub(speed));
+        course.accelerate(speed, acceleration.half, time);
     }
     course.never_end(goal);
     Ok(())

@@ -1,0 +1,74 @@
+//! The root of an integer, exactly; begun in floating point, which this processor has in hardware.
+
+/// ⌊√square⌋.
+///
+/// The leading bits give a root of some twenty bits, and one step of Newton's method in integers the others.
+pub(crate) fn root(square: u64) -> u32 {
+    // An even shift, so that the root is shifted back by half of it.
+    let above = square.leading_zeros() & 62;
+    let high = square << above;
+    let lead = ((high >> 32) as u32) as f32;
+    // 1/√lead, to three parts in a thousand; three steps make it as good as it gets.
+    let mut reciprocal = f32::from_bits(0x5F37_59DF_u32.wrapping_sub(lead.to_bits() >> 1));
+    for _ in 0..3 {
+        reciprocal *= 1.5 - (lead * 0.5 * reciprocal) * reciprocal;
+    }
+    // √high = 2¹⁶·√lead; what does not fit is the largest number.
+    let rough = (lead * reciprocal * 65_536.0) as u32;
+    let left = beyond(high, rough);
+    let step = ((left >> 16) as i32 as f32 * reciprocal * 0.5) as i32;
+    // Now it is the root, or next to it.
+    let mut root = rough.saturating_add_signed(step);
+    let mut left = beyond(high, root);
+    while left < 0 {
+        left = left.wrapping_add(i64::from(root) << 1).wrapping_sub(1);
+        root = root.wrapping_sub(1);
+    }
+    while left > i64::from(root) << 1 {
+        left = left.wrapping_sub(i64::from(root) << 1).wrapping_sub(1);
+        root = root.wrapping_add(1);
+    }
+    root >> (above >> 1)
+}
+
+/// What a square has more than that of a root that is near.
+const fn beyond(square: u64, root: u32) -> i64 {
+    let root = root as u64;
+    square.wrapping_sub(root.wrapping_mul(root)).cast_signed()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::root;
+
+    fn check(square: u64) {
+        assert_eq!(u64::from(root(square)), square.isqrt(), "of {square}");
+    }
+
+    #[test]
+    fn roots_at_the_ends_are_exact() {
+        for bits in 0..64 {
+            for less in 0..3 {
+                check((1_u64 << bits).wrapping_sub(less));
+                check((1_u64 << bits).wrapping_add(less));
+            }
+        }
+        check(u64::MAX);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn a_root_is_that_of_the_language(square: u64, shift in 0u32..64) {
+            check(square >> shift);
+        }
+
+        #[test]
+        fn a_square_has_its_root(side: u32, less in 0u64..2) {
+            check((u64::from(side) * u64::from(side)).saturating_sub(less));
+        }
+    }
+}
