@@ -121,9 +121,24 @@ impl NetworkClock {
         }
     }
 
-    /// Whether there is, or may soon be, a mode that goes by the slots.
-    pub(crate) const fn set_used(&mut self, is_used: bool) {
+    /// Whether there is, or may soon be, a mode that goes by the slots. Without one, only SYNC is a beat. Returns whether there
+    /// is no beat any more because of that.
+    pub(crate) fn set_used(&mut self, is_used: bool) -> bool {
         self.is_used = is_used;
+        let is_over = !is_used && !self.is_synced && self.lock.is_running();
+        if is_over {
+            self.begin_anew();
+        }
+        is_over
+    }
+
+    /// Another loop, with the counts of this one.
+    fn begin_anew(&mut self) {
+        let (missed, rejected) = (self.lock.missed(), self.lock.rejected());
+        self.lock = Lock::new();
+        self.lock.carry_on(missed, rejected);
+        self.spacing = Spacing::NONE;
+        self.early = None;
     }
 
     pub(crate) const fn lock(&self) -> &Lock {
@@ -147,13 +162,12 @@ impl NetworkClock {
         (interpolation, cycle): (Fine, Fine),
         slots: &mut Slots,
     ) {
+        if !beat.is_sync && !self.is_used {
+            return;
+        }
         if beat.is_sync != self.is_synced {
             self.is_synced = beat.is_sync;
-            let (missed, rejected) = (self.lock.missed(), self.lock.rejected());
-            self.lock = Lock::new();
-            self.lock.carry_on(missed, rejected);
-            self.spacing = Spacing::NONE;
-            self.early = None;
+            self.begin_anew();
         }
         let heard = self.lock.hear(fine(beat.at), [interpolation, cycle]);
         if heard == Heard::OutOfTurn {
@@ -172,14 +186,17 @@ impl NetworkClock {
         }
     }
 
-    /// Lets time pass.
-    pub(crate) fn pass(&mut self, now: Fine, slots: &mut Slots) {
+    /// Lets time pass. Returns whether a beat should have come, and has not.
+    pub(crate) fn pass(&mut self, now: Fine, slots: &mut Slots) -> bool {
+        let mut has_missed = false;
         while !slots.is_full() && self.lock.misses(now) {
+            has_missed = true;
             self.step();
             if self.since >= self.share {
                 self.slot(slots);
             }
         }
+        has_missed
     }
 
     /// A SYNC was, or should have been.

@@ -134,14 +134,18 @@ impl Lock {
             return self.measure(stamp, before.unsigned_abs(), expected);
         }
         let since = span(self.at, stamp);
-        let periods = self.periods(since);
-        if periods == 0 {
-            self.reject();
-            return Heard::OutOfTurn;
+        let mut due = self.period;
+        let mut periods = 1;
+        if since.wrapping_sub(due.cast_signed()).unsigned_abs() >= due / 2 {
+            periods = self.periods(since);
+            if periods == 0 {
+                self.reject();
+                return Heard::OutOfTurn;
+            }
+            self.missed = self.missed.saturating_add(periods.wrapping_sub(1));
+            due = due.wrapping_mul(periods.into());
         }
-        self.missed = self.missed.saturating_add(periods.wrapping_sub(1));
         self.silent = 0;
-        let due = self.period.wrapping_mul(periods.into());
         let error = since.wrapping_sub(due.cast_signed());
         self.at = self.at.wrapping_add(due);
         let window = self.window();
@@ -160,7 +164,8 @@ impl Lock {
             return false;
         }
         let next = self.at.wrapping_add(self.period);
-        if span(next.wrapping_add(patience(self.period)), now) < 0 {
+        let late = span(next, now);
+        if late < LEAST_PATIENCE || late < patience(self.period).cast_signed() {
             return false;
         }
         self.at = next;
@@ -220,7 +225,8 @@ impl Lock {
         if self.good < SETTLED {
             return self.period / 2;
         }
-        let likely = self.jitter.saturating_mul(4).saturating_add(SLACK);
+        // Jitter is a second at most.
+        let likely = self.jitter.wrapping_mul(4).wrapping_add(SLACK);
         let most = self.period / 4;
         if likely < most { likely } else { most }
     }
@@ -230,20 +236,20 @@ impl Lock {
         // Mean of the last sixteen, nearly.
         self.jitter = self
             .jitter
-            .saturating_sub(self.jitter >> 4)
-            .saturating_add(error >> 4);
+            .wrapping_sub(self.jitter >> 4)
+            .wrapping_add(error >> 4);
     }
 
     fn correct(&mut self, error: i64, periods: u32) {
-        let shift = match self.good {
-            0..=7 => 1,
-            8..=15 => 2,
-            16..=31 => 3,
-            32..=63 => 4,
-            _ => 5,
+        // Shifts by constants: those of 64 bits by others are dear.
+        let (shift, gain) = match self.good {
+            0..=7 => (error >> 1, error >> 3),
+            8..=15 => (error >> 2, error >> 5),
+            16..=31 => (error >> 3, error >> 7),
+            32..=63 => (error >> 4, error >> 9),
+            _ => (error >> 5, error >> 11),
         };
-        self.at = self.at.wrapping_add_signed(error >> shift);
-        let gain = error >> (2 * shift + 1);
+        self.at = self.at.wrapping_add_signed(shift);
         let gain = match periods {
             1 => gain,
             _ => gain.checked_div(periods.into()).unwrap_or(0),
@@ -261,6 +267,9 @@ impl Lock {
         self.trouble = self.trouble.saturating_add(2);
     }
 }
+
+/// Every beat is waited for so long, a quarter of a millisecond.
+const LEAST_PATIENCE: i64 = (SHORTEST / 2).cast_signed();
 
 /// How long after its moment a beat is waited for. Half a period, but of short periods less than a control tick, so that there is time to
 /// bridge what is missing.

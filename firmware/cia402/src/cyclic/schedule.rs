@@ -9,6 +9,7 @@
 
 use canopen::{Duration, Instant};
 use heapless::Deque;
+use motion::by_digit;
 
 use super::lock::Lock;
 use super::{Fine, POINT, fine, span};
@@ -19,8 +20,9 @@ pub(crate) struct Schedule {
     nominal: Fine,
     /// When the next tick is due.
     due: Fine,
-    /// From one tick to the next, as it is now.
+    /// From one tick to the next, as it is now, and the period that it was shared out of.
     tick: Fine,
+    period: Fine,
     /// When the motor will be at set-points, the next one first.
     aims: Deque<Fine, AIMS>,
 }
@@ -36,6 +38,7 @@ impl Schedule {
             nominal,
             due: 0,
             tick: nominal,
+            period: nominal,
             aims: Deque::new(),
         }
     }
@@ -72,7 +75,10 @@ impl Schedule {
 
     /// From this tick to the next, towards the moments of `lock`.
     fn in_step(&mut self, lock: &Lock) -> Fine {
-        self.tick = self.even(lock.period());
+        if self.period != lock.period() {
+            self.period = lock.period();
+            self.tick = self.even(self.period);
+        }
         // The tick of the grid that is nearest to where the next tick would be.
         let wanted = self.due.wrapping_add(self.tick);
         let tick = self.tick.cast_signed();
@@ -103,21 +109,26 @@ impl Schedule {
         if least < self.nominal {
             return period;
         }
-        let ticks = least
-            .checked_div(self.nominal)
-            .unwrap_or(0)
-            .saturating_add(1);
-        period.checked_div(ticks).unwrap_or(self.nominal)
+        // A nominal tick has 32 bits, and there are no more of them in a period.
+        let by = |time: Fine, by: Fine| by_digit(time, by as u32).0;
+        let ticks = by(least, self.nominal).saturating_add(1);
+        by(period, ticks)
     }
 }
 
-/// How far off the nearest tick of a grid is. In step, it is near already.
+/// How far off the nearest tick of a grid is.
 fn nearest(off: i64, tick: i64) -> i64 {
     let half = tick / 2;
     if -half < off && off <= half {
         return off;
     }
-    let off = off.checked_rem_euclid(tick).unwrap_or(0);
+    // A tick has 32 bits.
+    let rest = i64::from(by_digit(off.unsigned_abs(), tick as u32).1);
+    let off = if off < 0 && rest != 0 {
+        tick - rest
+    } else {
+        rest
+    };
     if off > half { off - tick } else { off }
 }
 

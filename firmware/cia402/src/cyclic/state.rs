@@ -27,6 +27,11 @@ pub(crate) struct Cyclic {
     pub(crate) has_lost: bool,
     /// How often that was.
     pub(crate) lost: u32,
+    /// What the clock of the network shows, and whether SYNC comes with another period than is set up. Worked out when something has
+    /// come, or has not come in time.
+    shown: SyncStatus,
+    differs: bool,
+    is_new: bool,
 }
 
 impl Cyclic {
@@ -41,6 +46,9 @@ impl Cyclic {
             buffer: Buffer::new(),
             has_lost: false,
             lost: 0,
+            shown: SyncStatus::NONE,
+            differs: false,
+            is_new: true,
         }
     }
 
@@ -56,7 +64,8 @@ impl Cyclic {
     ) {
         self.slots.clear();
         // The mode may become another in this tick.
-        self.clock.set_used(mode.is_cyclic() || wanted.is_cyclic());
+        let begins_anew = self.clock.set_used(mode.is_cyclic() || wanted.is_cyclic());
+        self.is_new |= begins_anew || waiting.beats > 0 || waiting.is_configured;
         let has_records = mode == Mode::InterpolatedPosition;
         if !has_records {
             self.rhythm.stop();
@@ -99,8 +108,10 @@ impl Cyclic {
 
     /// Lets time pass. `configuration` is what was taken with the beats of this tick.
     pub(crate) fn pass(&mut self, now: Fine, configuration: &CyclicConfiguration) {
-        self.clock.pass(now, &mut self.slots);
-        self.pipeline.expect(self.clock.period());
+        self.is_new |= self.clock.pass(now, &mut self.slots);
+        if core::mem::take(&mut self.is_new) {
+            self.look_at_clock(configuration);
+        }
         if self.rhythm.is_running() {
             self.slots.clear();
             let waits = self.buffer.len();
@@ -119,20 +130,33 @@ impl Cyclic {
         (is_in_step && lock.is_running()).then(|| self.schedule.next(now, lock))
     }
 
-    /// Whether SYNC comes with another period than is set up.
-    pub(crate) fn differs(&self, configuration: &CyclicConfiguration) -> bool {
+    /// The beat, or what is set up, is not what it was.
+    #[inline(never)]
+    fn look_at_clock(&mut self, configuration: &CyclicConfiguration) {
+        let period = self.clock.period();
+        self.pipeline.expect(period);
         let (interpolation, cycle) = configuration.periods();
-        self.clock.differs(interpolation, cycle)
+        self.differs = self.clock.differs(interpolation, cycle);
+        let latency = self.pipeline.latency(period) >> POINT;
+        self.shown = SyncStatus {
+            latency: u32::try_from(latency).unwrap_or(u32::MAX),
+            ..self.clock.status()
+        };
+    }
+
+    /// Whether SYNC comes with another period than is set up.
+    pub(crate) const fn differs(&self) -> bool {
+        self.differs
     }
 
     /// 2050h and 60C4h:4.
+    #[inline]
     pub(crate) fn status(&self) -> SyncStatus {
-        let latency = self.pipeline.latency(self.clock.period()) >> POINT;
         SyncStatus {
             lost_set_points: self.lost,
-            latency: u32::try_from(latency).unwrap_or(u32::MAX),
-            buffered: u16::try_from(self.buffer.len()).unwrap_or(u16::MAX),
-            ..self.clock.status()
+            // Records are fewer than 16 bits count.
+            buffered: self.buffer.len() as u16,
+            ..self.shown
         }
     }
 }

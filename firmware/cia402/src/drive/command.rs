@@ -86,9 +86,8 @@ impl Drive {
     /// already.
     pub(super) fn set_points_lost(&mut self) -> Option<Reaction> {
         let cyclic = &self.configuration.cyclic;
-        self.faults.beat_differs(
-            self.modes.active().is_cyclic() && self.power && self.cyclic.differs(cyclic),
-        );
+        self.faults
+            .beat_differs(self.cyclic.differs() && self.modes.active().is_cyclic() && self.power);
         if !core::mem::take(&mut self.cyclic.has_lost) {
             return None;
         }
