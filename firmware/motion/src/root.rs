@@ -8,11 +8,7 @@ pub(crate) fn root(square: u64) -> u32 {
     let above = square.leading_zeros() & 62;
     let high = square << above;
     let lead = ((high >> 32) as u32) as f32;
-    // 1/√lead, to three parts in a thousand; three steps make it as good as it gets.
-    let mut reciprocal = f32::from_bits(0x5F37_59DF_u32.wrapping_sub(lead.to_bits() >> 1));
-    for _ in 0..3 {
-        reciprocal *= 1.5 - (lead * 0.5 * reciprocal) * reciprocal;
-    }
+    let reciprocal = reciprocal_root(lead);
     // √high = 2¹⁶·√lead; what does not fit is the largest number.
     let rough = (lead * reciprocal * 65_536.0) as u32;
     let left = beyond(high, rough);
@@ -29,6 +25,16 @@ pub(crate) fn root(square: u64) -> u32 {
         root = root.wrapping_add(1);
     }
     root >> (above >> 1)
+}
+
+/// 1/√square, to some twenty-two bits; for 0, a large number.
+pub(crate) fn reciprocal_root(square: f32) -> f32 {
+    // Half of the exponent, the other way round: right to three parts in a hundred. Three steps of Newton's method do the rest.
+    let mut guess = f32::from_bits(0x5F37_59DF_u32.wrapping_sub(square.to_bits() >> 1));
+    for _ in 0..3 {
+        guess *= 1.5 - (square * 0.5 * guess) * guess;
+    }
+    guess
 }
 
 /// What a square has more than that of a root that is near.

@@ -7,7 +7,7 @@
 
 use super::jerk_limited::Rules;
 use super::ramp::{Jerk, Piece, coasting, steady_way};
-use super::rough::Rough;
+use super::rough::{Kind, Rough};
 use crate::clock::Fine;
 
 /// Looking with rough numbers takes some six steps, and with exact ones two. This bounds both; where a few exact steps do not come to
@@ -15,6 +15,12 @@ use crate::clock::Fine;
 const MOST_ROUGH: u32 = 24;
 const MOST_STRAIGHT: u32 = 4;
 const MOST_EXACT: u32 = 24;
+
+/// So small a step is within what rough numbers can tell.
+const ROUGH_BITS: u32 = 18;
+
+/// A part of a way of which rough numbers are sure: 2⁻¹⁶.
+const DOUBT: Rough = Rough::power(-16);
 
 /// The beginning of a motion: the velocity of the ramp without acceleration that stands for it, and how far the motion is ahead of that.
 struct Entrance {
@@ -105,10 +111,9 @@ struct Moves<'a> {
 
 impl<'a> Moves<'a> {
     fn new(rules: &'a Rules, entrance: Entrance, end: i128, way: u128) -> Self {
-        let one = Rough::of(1, 0);
         let limit = |most: Fine| {
-            let most = Rough::of(most, 96);
-            (most, one.over(most))
+            let most = Rough::of(most, Kind::Acceleration);
+            (most, Rough::ONE.over(most))
         };
         let goal = if entrance.way < 0 {
             way.saturating_add(entrance.way.unsigned_abs())
@@ -117,7 +122,7 @@ impl<'a> Moves<'a> {
         };
         Self {
             rough: RoughRules {
-                jerk: Rough::of(rules.jerk.whole(), 128),
+                jerk: Rough::of(rules.jerk.whole(), Kind::Jerk),
                 first: limit(entrance.most),
                 last: limit(rules.deceleration),
             },
@@ -125,7 +130,7 @@ impl<'a> Moves<'a> {
             entrance,
             end,
             way,
-            goal: Rough::of(goal, 96),
+            goal: Rough::of(goal, Kind::Way),
         }
     }
 
@@ -147,11 +152,12 @@ impl<'a> Moves<'a> {
     /// The same in rough numbers and without the constant, and how much longer it gets with the velocity: 0 where it does not.
     fn rough_span(&self, cruise: i128) -> (Rough, Rough) {
         let ramp = |from: i128, (most, slowness): (Rough, Rough)| {
-            let gain = Rough::of(cruise.abs_diff(from), 96);
-            let mean = Rough::of(cruise.saturating_add(from).max(0).unsigned_abs(), 97);
+            let gain = Rough::of(cruise.abs_diff(from), Kind::Velocity);
+            let sum = cruise.saturating_add(from).max(0).unsigned_abs();
+            let mean = Rough::of(sum, Kind::Velocity).halved();
             let peak = self.rough.jerk.times(gain).root();
             let (time, growth) = if peak < most {
-                let growth = Rough::of(1, 0).over(peak);
+                let growth = Rough::ONE.over(peak);
                 (gain.times(growth).doubled(), growth)
             } else {
                 let entry = most.over(self.rough.jerk);
@@ -178,7 +184,7 @@ impl<'a> Moves<'a> {
     /// Whether both ramps fit into the way.
     fn fit(&self, cruise: i128) -> bool {
         let (span, _) = self.rough_span(cruise);
-        let doubt = Rough::of(self.goal.fixed(96) >> 16, 96);
+        let doubt = self.goal.times(DOUBT);
         if span.distance(self.goal) > doubt && self.goal > Rough::ZERO {
             return span < self.goal;
         }
@@ -192,7 +198,7 @@ impl<'a> Moves<'a> {
         for _ in 0..MOST_ROUGH {
             let (span, grows) = self.rough_span(cruise);
             slope = grows;
-            let step = span.distance(self.goal).over(slope).fixed(96);
+            let step = span.distance(self.goal).over(slope).fixed(Kind::Velocity);
             let step = i128::try_from(step).unwrap_or(i128::MAX);
             let next = if span <= self.goal {
                 low = cruise;
@@ -203,14 +209,14 @@ impl<'a> Moves<'a> {
             };
             let is_steep = slope > Rough::ZERO;
             let is_within = is_steep && low < next && next < high;
-            if is_steep && step <= cruise >> 26 {
+            if is_steep && step <= cruise >> ROUGH_BITS {
                 if is_within {
                     cruise = next;
                 }
                 break;
             }
             cruise = if is_within { next } else { low.midpoint(high) };
-            if high.wrapping_sub(low) <= cruise >> 28 {
+            if high.wrapping_sub(low) <= cruise >> (ROUGH_BITS + 2) {
                 break;
             }
         }
@@ -223,9 +229,9 @@ impl<'a> Moves<'a> {
         let (most, _) = self.rough_span(high);
         let part = self.goal.distance(least).over(most.distance(least)).root();
         let room = high.wrapping_sub(low).unsigned_abs();
-        let ahead = Rough::of(room, 96)
+        let ahead = Rough::of(room, Kind::Velocity)
             .times(part)
-            .fixed(96)
+            .fixed(Kind::Velocity)
             .min(room >> 1 | room >> 2);
         (low.wrapping_add(ahead.cast_signed()), slope)
     }
@@ -252,7 +258,9 @@ impl<'a> Moves<'a> {
             if high.wrapping_sub(low) <= 1 << 8 {
                 break;
             }
-            let step = Rough::of(lacks, 96).over(slope).fixed(96);
+            let step = Rough::of(lacks, Kind::Way)
+                .over(slope)
+                .fixed(Kind::Velocity);
             let step = i128::try_from(step).unwrap_or(i128::MAX);
             let next = if is_short {
                 cruise.saturating_add(step)

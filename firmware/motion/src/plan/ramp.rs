@@ -5,7 +5,7 @@
 //! nothing, or the limit, if that is less. It is rounded down, and the middle piece takes up what that leaves; so nothing
 //! has to be rounded twice.
 
-use super::phase::{Curve, Offset, Shape};
+use super::phase::{Curve, Offset, Shape, over_time};
 use crate::clock::Fine;
 use crate::divide::quotient;
 use crate::wide::Wide;
@@ -215,9 +215,15 @@ pub(super) fn steady_way(velocity: i128, end: i128, most: Fine, jerk: Jerk) -> i
 
 /// value · time, saturating.
 fn scaled(value: i128, time: Offset) -> i128 {
-    let product = Wide::product(value.unsigned_abs(), time).shifted(32);
-    let magnitude = product.and_then(|product| i128::try_from(product).ok());
-    let magnitude = magnitude.unwrap_or(i128::MAX);
+    let magnitude = value.unsigned_abs();
+    // Most times and velocities are so small that nothing is lost.
+    let magnitude = if time >> 64 == 0 && magnitude >> 95 == 0 {
+        over_time(magnitude.cast_signed(), time)
+    } else {
+        let product = Wide::product(magnitude, time).shifted(32);
+        let product = product.and_then(|product| i128::try_from(product).ok());
+        product.unwrap_or(i128::MAX)
+    };
     if value < 0 {
         magnitude.wrapping_neg()
     } else {

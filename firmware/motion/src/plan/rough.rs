@@ -1,159 +1,106 @@
-//! Rough numbers: 32 significant bits and an exponent, none negative.
+//! Rough numbers: of about 22 bits, in floating point, none negative.
 //!
-//! They are for guesses which exact numbers check afterwards: an operation takes a few dozen instructions where one with all bits takes
-//! hundreds. Results are rounded down.
+//! They are for guesses which exact numbers check afterwards: an operation is one instruction where one with all bits takes hundreds.
+//! So that nothing becomes too small for them, they count time in units of 2²⁴ ticks.
 
-use core::cmp::Ordering;
+use crate::root::reciprocal_root;
 
-use crate::divide::estimate;
-use crate::root::root;
-
-/// mantissa · 2^exponent. The leading bit of the mantissa is set, unless the number is 0.
+/// What a rough number is, and so how many bits an exact one has behind the point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Rough {
-    mantissa: u32,
-    exponent: i32,
+pub(super) enum Kind {
+    /// Steps, Q96.
+    Way,
+    /// Q96 steps per tick.
+    Velocity,
+    /// Q96 steps per tick².
+    Acceleration,
+    /// Q128 steps per tick³.
+    Jerk,
 }
 
-impl Rough {
-    pub(super) const ZERO: Self = Self {
-        mantissa: 0,
-        exponent: 0,
-    };
-
-    /// A number with so many bits behind the point.
-    pub(super) const fn of(value: u128, point: i32) -> Self {
-        if value == 0 {
-            return Self::ZERO;
-        }
-        let above = value.leading_zeros();
-        let mantissa = if above <= 96 {
-            (value >> (96u32.wrapping_sub(above) & 127)) as u32
-        } else {
-            (value as u32) << (above.wrapping_sub(96) & 31)
-        };
-        Self {
-            mantissa,
-            exponent: 96i32.wrapping_sub(above.cast_signed()).wrapping_sub(point),
+impl Kind {
+    const fn point(self) -> u32 {
+        match self {
+            Self::Way => 96,
+            Self::Velocity => 96 - 24,
+            Self::Acceleration => 96 - 48,
+            Self::Jerk => 128 - 72,
         }
     }
+}
 
-    /// With so many bits behind the point; what does not fit is the largest number.
-    pub(super) fn fixed(self, point: i32) -> u128 {
-        let mantissa = u128::from(self.mantissa);
-        let shift = self.exponent.wrapping_add(point);
-        match shift {
-            97.. if mantissa != 0 => u128::MAX,
-            0..=96 => mantissa << (shift & 127),
-            -31..=-1 => mantissa >> (shift.wrapping_neg() & 31),
+/// A rough number.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub(super) struct Rough(f32);
+
+impl Rough {
+    pub(super) const ZERO: Self = Self(0.0);
+    pub(super) const ONE: Self = Self(1.0);
+
+    /// 2 to the power of an exponent between −126 and 127.
+    pub(super) const fn power(exponent: i32) -> Self {
+        Self(f32::from_bits(
+            exponent.wrapping_add(127).cast_unsigned() << 23,
+        ))
+    }
+
+    pub(super) fn of(value: u128, kind: Kind) -> Self {
+        let digit = |below: u32| ((value >> below) as u32) as f32;
+        let wide = [96, 64, 32, 0]
+            .into_iter()
+            .fold(0.0, |sum, below| sum * 4_294_967_296.0 + digit(below));
+        Self(wide).times(Self::power(kind.point().cast_signed().wrapping_neg()))
+    }
+
+    /// The exact number, rounded down; what does not fit is the largest.
+    pub(super) fn fixed(self, kind: Kind) -> u128 {
+        let bits = self.0.to_bits();
+        let mantissa = u128::from(bits & 0x7F_FFFF | 0x80_0000);
+        let shift = (bits >> 23)
+            .wrapping_add(kind.point())
+            .wrapping_sub(127 + 23);
+        match shift.cast_signed() {
+            105.. => u128::MAX,
+            0..=104 => mantissa << (shift & 127),
+            -23..=-1 => mantissa >> (shift.wrapping_neg() & 31),
             _ => 0,
         }
     }
 
     pub(super) fn times(self, other: Self) -> Self {
-        let product = u64::from(self.mantissa).wrapping_mul(other.mantissa.into());
-        Self::normalised(product, self.exponent.wrapping_add(other.exponent))
+        Self(self.0 * other.0)
     }
 
     /// Twice as much.
-    pub(super) const fn doubled(self) -> Self {
-        Self {
-            mantissa: self.mantissa,
-            exponent: self.exponent.wrapping_add(1),
-        }
+    pub(super) fn doubled(self) -> Self {
+        Self(self.0 + self.0)
     }
 
     /// Half of it.
-    pub(super) const fn halved(self) -> Self {
-        Self {
-            mantissa: self.mantissa,
-            exponent: self.exponent.wrapping_sub(1),
-        }
+    pub(super) fn halved(self) -> Self {
+        Self(self.0 * 0.5)
     }
 
     /// The quotient; that by 0 is 0.
     pub(super) fn over(self, other: Self) -> Self {
-        if self.mantissa == 0 || other.mantissa == 0 {
-            return Self::ZERO;
-        }
-        // The quotient has 32 bits either way.
-        let shift = if self.mantissa >= other.mantissa {
-            31
+        if other.0 > 0.0 {
+            Self(self.0 / other.0)
         } else {
-            32
-        };
-        Self {
-            mantissa: estimate(u64::from(self.mantissa) << shift, other.mantissa),
-            exponent: self
-                .exponent
-                .wrapping_sub(other.exponent)
-                .wrapping_sub(shift),
+            Self::ZERO
         }
     }
 
     pub(super) fn plus(self, other: Self) -> Self {
-        let (large, small) = self.ordered(other);
-        let wide = u64::from(large.mantissa) << 31;
-        let sum = wide.wrapping_add(large.aligned(small));
-        Self::normalised(sum, large.exponent.wrapping_sub(31))
+        Self(self.0 + other.0)
     }
 
     /// How far apart they are.
     pub(super) fn distance(self, other: Self) -> Self {
-        let (large, small) = self.ordered(other);
-        let wide = u64::from(large.mantissa) << 31;
-        let difference = wide.wrapping_sub(large.aligned(small));
-        Self::normalised(difference, large.exponent.wrapping_sub(31))
+        Self((self.0 - other.0).abs())
     }
 
     pub(super) fn root(self) -> Self {
-        let shift = if self.exponent & 1 == 0 { 32 } else { 31 };
-        Self {
-            mantissa: root(u64::from(self.mantissa) << shift),
-            exponent: self.exponent.wrapping_sub(shift) >> 1,
-        }
-    }
-
-    /// The larger one first.
-    fn ordered(self, other: Self) -> (Self, Self) {
-        if self < other {
-            (other, self)
-        } else {
-            (self, other)
-        }
-    }
-
-    /// The mantissa of a number that is not larger, as 31 bits below this one has it.
-    fn aligned(self, smaller: Self) -> u64 {
-        let shift = self.exponent.wrapping_sub(smaller.exponent);
-        let wide = u64::from(smaller.mantissa) << 31;
-        if (0..64).contains(&shift) {
-            wide >> (shift & 63)
-        } else {
-            0
-        }
-    }
-
-    fn normalised(value: u64, exponent: i32) -> Self {
-        if value == 0 {
-            return Self::ZERO;
-        }
-        let above = value.leading_zeros();
-        Self {
-            mantissa: ((value << (above & 63)) >> 32) as u32,
-            exponent: exponent.wrapping_add(32).wrapping_sub(above.cast_signed()),
-        }
-    }
-}
-
-impl PartialOrd for Rough {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(match (self.mantissa, other.mantissa) {
-            (0, 0) => Ordering::Equal,
-            (0, _) => Ordering::Less,
-            (_, 0) => Ordering::Greater,
-            (one, two) => self.exponent.cmp(&other.exponent).then(one.cmp(&two)),
-        })
+        Self(self.0 * reciprocal_root(self.0))
     }
 }
 
@@ -161,61 +108,43 @@ impl PartialOrd for Rough {
 mod tests {
     use proptest::prelude::*;
 
-    use super::Rough;
+    use super::{Kind, Rough};
 
-    /// As a float, which has more bits.
-    fn float(number: Rough) -> f64 {
-        f64::from(number.mantissa) * 2f64.powi(number.exponent)
-    }
+    const KINDS: [Kind; 4] = [Kind::Way, Kind::Velocity, Kind::Acceleration, Kind::Jerk];
 
-    fn any_rough() -> impl Strategy<Value = Rough> {
-        (any::<u128>(), 0u32..128, 0i32..128)
-            .prop_map(|(value, shift, point)| Rough::of(value >> shift, point))
-    }
-
-    fn is_near(found: Rough, wanted: f64) -> bool {
-        (float(found) - wanted).abs() <= wanted * 2f64.powi(-30)
+    fn any_kind() -> impl Strategy<Value = Kind> {
+        (0..KINDS.len()).prop_map(|index| KINDS[index])
     }
 
     #[test]
     fn nothing_is_nothing() {
-        let (zero, one) = (Rough::ZERO, Rough::of(1, 0));
-        assert_eq!(zero.times(one), zero);
-        assert_eq!(one.over(zero), zero);
-        assert_eq!(zero.over(one), zero);
-        assert_eq!(one.distance(one), zero);
-        assert_eq!(zero.root().fixed(0), 0);
-        assert_eq!(zero.plus(one), one);
-        assert_eq!(zero.fixed(120), 0);
-        assert_eq!(Rough::of(u128::MAX, 0).fixed(40), u128::MAX);
-        assert!(zero < one);
+        let zero = Rough::ZERO;
+        assert_eq!(zero.times(Rough::ONE), zero);
+        assert_eq!(Rough::ONE.over(zero), zero);
+        assert_eq!(zero.root(), zero);
+        for kind in KINDS {
+            assert_eq!(Rough::of(0, kind), zero);
+            assert_eq!(zero.fixed(kind), 0);
+            assert_eq!(Rough::of(u128::MAX, kind).doubled().fixed(kind), u128::MAX);
+            assert!(zero < Rough::of(1, kind));
+        }
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(4096))]
 
         #[test]
-        fn operations_have_thirty_bits(a in any_rough(), b in any_rough()) {
-            let (x, y) = (float(a), float(b));
-            prop_assert!(is_near(a.times(b), x * y));
-            prop_assert!(is_near(a.plus(b), x + y));
-            prop_assert!(is_near(a.root(), x.sqrt()));
-            prop_assert!(is_near(a.doubled().halved(), x));
-            let larger = x.max(y);
-            let distance = float(a.distance(b));
-            prop_assert!((distance - (x - y).abs()).abs() <= larger * 2f64.powi(-30));
-            prop_assert_eq!(a < b, x < y);
-            if y != 0.0 {
-                prop_assert!(is_near(a.over(b), x / y));
-            }
+        fn an_exact_number_keeps_its_leading_bits(value: u128, shift in 1u32..128, kind in any_kind()) {
+            let value = value >> shift;
+            let back = Rough::of(value, kind).fixed(kind);
+            prop_assert!(back.abs_diff(value) <= value >> 21 | 1, "{back} of {value}");
         }
 
         #[test]
-        fn a_fixed_point_keeps_its_leading_bits(value: u128, shift in 0u32..128, point in 0i32..128) {
-            let value = value >> shift;
-            let back = Rough::of(value, point).fixed(point);
-            prop_assert!(back <= value);
-            prop_assert!(value - back <= value >> 31);
+        fn a_root_squared_is_the_number(value: u128, shift in 0u32..128, kind in any_kind()) {
+            let number = Rough::of(value >> shift, kind);
+            let square = number.root().times(number.root());
+            prop_assert!(square.distance(number) <= number.times(Rough(1e-6)));
         }
     }
 }
