@@ -14,8 +14,8 @@
 //!   of the mode, hands over nothing.
 //! - Halt (bit 8) stops on the ramp of 605Dh and keeps the target; releasing it goes on. Set-points are taken but not started.
 //! - A target outside 607Dh, or outside 32 bits, is cut to the limit; bit 11 shows it and bit 10 stays 0. The limits are off
-//!   while the minimum is not below the maximum. Where the motor is beyond a limit, a relative target further out leads nowhere, and one
-//!   the other way just as far as it says.
+//!   while the minimum is not below the maximum. Where the motor is beyond a limit, a target further out leads nowhere, and one the other
+//!   way just as far as it says.
 //! - A velocity above 607Fh, 6080h or what the pulses can reach, a ramp above 60C5h or 60C6h is cut (bit 11). A set-point
 //!   that cannot be carried out (6081h = 0) is taken and acknowledged, the motor stops or stays, bit 10 stays 0 and bit 11 is 1;
 //!   the next set-point replaces it at once.
@@ -216,12 +216,9 @@ impl ProfilePosition {
         let here = self.base(context, waits);
         let mut set_point = SetPoint::new(
             given,
-            self.wanted(given, context, waits, here),
+            (here, self.wanted(given, context, waits, here)),
             context.configuration.profile.ramps,
         );
-        if given.controlword & RELATIVE != 0 {
-            set_point.begins_at(here);
-        }
         set_point.pace(context);
         self.aim(&mut set_point, context, waits);
         set_point
@@ -239,6 +236,10 @@ impl ProfilePosition {
         };
         let reach = Motor::REACH.saturating_sub(stop.saturating_mul(4));
         let reach = (start.saturating_sub(reach), start.saturating_add(reach));
+        if waits {
+            // What a limit has left of the target before it.
+            set_point.begins_at(here);
+        }
         set_point.aim(context, here, reach);
     }
 

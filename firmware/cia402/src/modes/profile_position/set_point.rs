@@ -12,8 +12,8 @@ use crate::units::{Travel, Units};
 pub(super) struct SetPoint {
     /// The target that is asked for, in units of the user.
     wanted: i64,
-    /// Of a relative one, where it begins in units of the user: that may be beyond a software limit, and its way leads from there.
-    start: Option<i64>,
+    /// Where it begins in units of the user. From beyond a software limit it goes the way that it says, or nowhere.
+    start: i64,
     /// The target in units of the user.
     pub(super) user: i64,
     /// The same in increments.
@@ -48,8 +48,13 @@ impl Limited {
 }
 
 impl SetPoint {
-    /// The set-point that is asked for; not within any limits yet. `wanted` is its target in units of the user.
-    pub(super) const fn new(given: exchange::SetPoint, wanted: i64, ramps: Ramps) -> Self {
+    /// The set-point that is asked for; not within any limits yet. `wanted` is its target and `start`
+    /// where it begins, in units of the user.
+    pub(super) const fn new(
+        given: exchange::SetPoint,
+        (start, wanted): (i64, i64),
+        ramps: Ramps,
+    ) -> Self {
         let asked = Limits {
             velocity: given.profile_velocity,
             acceleration: given.profile_acceleration,
@@ -57,7 +62,7 @@ impl SetPoint {
         };
         Self {
             wanted,
-            start: None,
+            start,
             user: wanted,
             target: 0,
             asked,
@@ -70,9 +75,9 @@ impl SetPoint {
         }
     }
 
-    /// It is relative, and begins here, in units of the user. From beyond a software limit it then goes the way it says, or nowhere.
+    /// It begins here, in units of the user.
     pub(super) const fn begins_at(&mut self, start: i64) {
-        self.start = Some(start);
+        self.start = start;
     }
 
     /// Cuts velocities and ramps to 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach, and 6082h to 6081h.
@@ -91,10 +96,7 @@ impl SetPoint {
     ) {
         let units = &context.configuration.units;
         let (low, high) = context.travel.user;
-        let (low, high) = match self.start {
-            Some(start) => (low.min(start), high.max(start)),
-            None => (low, high),
-        };
+        let (low, high) = (low.min(self.start), high.max(self.start));
         let (least, most) = units.range().within_reach(here);
         let user = self.wanted.max(least).min(most).max(low).min(high);
         let far = units.position(user);

@@ -133,6 +133,8 @@ fn m57_a_cable_ends_after_two_turns() {
     assert!(rig.limited());
     // Written once more, they are where they were.
     rig.configuration.position_limits = (-720, 719);
+    assert_eq!(turn_to(&mut rig, 120, 2), 7_200, "no way back unasked");
+    assert_eq!(turn_to(&mut rig, 300, 1), 6_600);
     assert_eq!(turn_to(&mut rig, 120, 2), 7_190);
 }
 
