@@ -1,9 +1,9 @@
 //! The motion profile type 6086h: how the velocity changes.
 //!
 //! 0 is the trapezoid; 1 has sin² ramps, as long as those of the trapezoid; 3 limits the jerk to 60A4h:1: from rest to rest there is none
-//! faster. 2, the jerk-free ramp of CiA 402-2, is a jerk that does not jump; there is none here, and it is refused. It counts in profile
-//! position, profile velocity, the velocity mode and their halt, from the next set-point or target velocity on. Homing and stops at a limit
-//! switch have linear ramps.
+//! faster. 2, the jerk-free ramp of CiA 402-2, is the moving average of the trapezoid: it has the same jerk over the whole of a ramp, takes
+//! the processor a tenth of the work, and the motor is a window of (a + d) / j late. It counts in profile position, profile velocity, the
+//! velocity mode and their halt, from the next set-point or target velocity on. Homing and stops at a limit switch have linear ramps.
 //!
 //! A stop on the quick stop ramp (codes 2 to 4 and 6 to 8 of 605Ah, 2 to 4 of 605Dh and 605Eh) is linear too, as it is to be short;
 //! 20A0h = 1 keeps the profile there.
@@ -14,10 +14,12 @@ use crate::option_codes::StopRamp;
 
 /// What a motion profile type asks for, with this jerk in steps/s³; `None` if it is not supported.
 pub(crate) const fn ramps(code: i16, jerk: u32) -> Option<Ramps> {
+    let jerk = if jerk == 0 { 1 } else { jerk };
     match code {
         0 => Some(Ramps::Linear),
         1 => Some(Ramps::SinSquared),
-        3 => Some(Ramps::JerkLimited(if jerk == 0 { 1 } else { jerk })),
+        2 => Some(Ramps::MovingAverage(jerk)),
+        3 => Some(Ramps::JerkLimited(jerk)),
         _ => None,
     }
 }

@@ -63,7 +63,17 @@ pub(super) fn held_between(
         hardest: 0,
     };
     let velocity = motor.committed_velocity();
-    let reverse = velocity.bits() < 0;
+    // What runs ahead of a mean may have turned already.
+    let reverse = match asked.ramps {
+        Ramps::MovingAverage(_) if asked.deceleration > 0 && velocity != SignedSpeed::ZERO => {
+            let planned = motor.hardest();
+            motor.set_ramps(asked.ramps);
+            motor.stop(asked.deceleration);
+            motor.set_hardest(planned);
+            motor.destination() < motor.committed_position()
+        }
+        _ => velocity.bits() < 0,
+    };
     let end = if reverse { low } else { high };
     let is_open = end == Travel::NONE.increments.0 || end == Travel::NONE.increments.1;
     if velocity == SignedSpeed::ZERO || is_open || asked.deceleration == 0 {

@@ -230,6 +230,7 @@ fn m44_a_set_point_given_again_while_it_brakes_to_a_limit_is_not_limited() {
     for profile in [
         Ramps::Linear,
         Ramps::JerkLimited(2_000_000),
+        Ramps::MovingAverage(2_000_000),
         Ramps::SinSquared,
     ] {
         let mut rig = Rig::enabled();
@@ -292,7 +293,8 @@ fn any_order() -> impl Strategy<Value = Order> {
         prop::sample::select(std::vec![
             Ramps::Linear,
             Ramps::SinSquared,
-            Ramps::JerkLimited(5_000_000)
+            Ramps::JerkLimited(5_000_000),
+            Ramps::MovingAverage(5_000_000)
         ]),
         1usize..200,
     )
