@@ -40,6 +40,7 @@ mod option_codes;
 mod parameters;
 mod pdo;
 mod pdo_services;
+mod pending;
 mod profile_position;
 mod profile_velocity;
 mod pulse_timing;

@@ -65,14 +65,16 @@ impl Command {
 }
 
 /// What a master wrote to the controlword between two control ticks, frame by frame. A tick takes the last value; what must
-/// not be missed because it was overwritten is remembered here: every rising edge, the strongest command to stop, and that
-/// "shutdown" came first, so that a master that writes 6, 7 and Fh without waiting gets to operation enabled.
+/// not be missed because it was overwritten is remembered here: every rising edge, the strongest command to stop, that
+/// "shutdown" came first, so that a master that writes 6, 7 and Fh without waiting gets to operation enabled, and the command before
+/// a controlword with bit 7, which is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ControlwordHistory {
     last: u16,
     rising: u16,
     stop: Option<Command>,
     shutdown_first: bool,
+    command: Option<Command>,
 }
 
 /// What [`ControlwordHistory`] remembers.
@@ -84,6 +86,8 @@ pub struct Passed {
     pub stop: Option<Command>,
     /// "Shutdown" was written, and no command to stop after it.
     pub shutdown_first: bool,
+    /// The last command, where a controlword with bit 7 has taken its place.
+    pub command: Option<Command>,
 }
 
 impl ControlwordHistory {
@@ -94,6 +98,7 @@ impl ControlwordHistory {
             rising: 0,
             stop: None,
             shutdown_first: false,
+            command: None,
         }
     }
 
@@ -101,7 +106,11 @@ impl ControlwordHistory {
     pub const fn write(&mut self, controlword: u16) {
         self.rising |= controlword & !self.last;
         self.last = controlword;
-        match Command::decode(controlword) {
+        let command = Command::decode(controlword);
+        if command.is_some() {
+            self.command = command;
+        }
+        match command {
             Some(stop @ (Command::DisableVoltage | Command::QuickStop)) => {
                 self.shutdown_first = false;
                 if !matches!(self.stop, Some(Command::DisableVoltage)) {
@@ -121,6 +130,11 @@ impl ControlwordHistory {
             rising: self.rising,
             stop: self.stop,
             shutdown_first: self.shutdown_first,
+            command: if Command::decode(self.last).is_none() {
+                self.command
+            } else {
+                None
+            },
         };
         *self = Self::new(self.last);
         taken

@@ -37,6 +37,8 @@ pub struct Commands {
     /// "Shutdown" was written since the last tick took its copy, and no command to stop after it: whoever writes faster than
     /// the control tick still gets from switch on disabled to ready to switch on.
     pub shutdown_first: bool,
+    /// The command that was written since the last tick took its copy, where a controlword with bit 7, which is none, has taken its place.
+    pub overwritten: Option<Command>,
     /// The network lets the drive move: the node is neither stopped nor being reset.
     pub remote: bool,
     /// Why it does not: the error code of a network that was lost, to which 6007h applies; none while the device is being
@@ -105,6 +107,7 @@ impl Commands {
         rising: 0,
         stop: None,
         shutdown_first: false,
+        overwritten: None,
         remote: false,
         connection_error: None,
         restart: false,
@@ -134,6 +137,9 @@ impl Commands {
         self.touch_probes_off |= earlier.touch_probes_off;
         self.outputs_written |= earlier.outputs_written;
         self.shutdown_first |= earlier.shutdown_first && self.stop.is_none();
+        if Command::decode(self.controlword).is_none() && self.overwritten.is_none() {
+            self.overwritten = Command::decode(earlier.controlword).or(earlier.overwritten);
+        }
         if self.stop != Some(Command::DisableVoltage) {
             self.stop = earlier.stop.or(self.stop);
         }
@@ -143,7 +149,7 @@ impl Commands {
     /// Takes over all of other ones, field by field.
     #[inline]
     fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { controlword, rising, stop, shutdown_first, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point }, from => self);
+        copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point }, from => self);
     }
 
     /// Whether these ask for a stop that those of before did not: halt, a command that leaves operation enabled, or the network may command the drive no
@@ -165,6 +171,7 @@ impl Commands {
         self.rising = 0;
         self.stop = None;
         self.shutdown_first = false;
+        self.overwritten = None;
         self.touch_probes_off = 0;
         self.outputs_written = false;
         self.passed_set_point = None;

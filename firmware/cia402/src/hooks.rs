@@ -199,6 +199,7 @@ impl<A> Hooks<A> {
             rising: passed.rising,
             stop: passed.stop,
             shutdown_first: passed.shutdown_first,
+            overwritten: passed.command,
             remote: network == Network::Remote,
             connection_error: match network {
                 Network::Lost(code) => Some(code),

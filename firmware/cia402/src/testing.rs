@@ -198,6 +198,7 @@ impl Rig {
             rising: passed.rising,
             stop: passed.stop,
             shutdown_first: passed.shutdown_first,
+            overwritten: passed.command,
             ..self.commands
         });
     }

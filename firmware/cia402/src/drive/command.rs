@@ -20,15 +20,19 @@ impl Drive {
     }
 
     /// What the master has given: a command to stop that was overwritten since the last tick, else "shutdown" if a master in a
-    /// hurry has gone past it already, else the one that stands in the controlword.
+    /// hurry has gone past it already, else the one that stands in the controlword, or stood there before one with bit 7.
     fn given_command(&mut self) -> Option<Command> {
         let commands = &self.commands;
-        let standing = Command::decode(commands.controlword);
+        let standing = Command::decode(commands.controlword).or(commands.overwritten);
         let leads_up = matches!(standing, Some(Command::SwitchOn | Command::EnableOperation));
         let hurried =
             commands.remote && leads_up && (self.shutdown_first || commands.shutdown_first);
-        // It waits one tick at most: for the stop or the fault reset that came before it.
-        let resets = self.machine.state() == State::Fault && commands.rising & FAULT_RESET != 0;
+        // It waits for the stop or the fault reset that came before it; that may wait for the end of a reaction that is being shown.
+        let is_faulty = matches!(
+            self.machine.state(),
+            State::Fault | State::FaultReactionActive
+        );
+        let resets = is_faulty && (self.resets_early || commands.rising & FAULT_RESET != 0);
         self.shutdown_first = hurried && (commands.stop.is_some() || resets);
         if commands.stop.is_some() {
             commands.stop

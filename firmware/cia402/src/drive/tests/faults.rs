@@ -313,6 +313,39 @@ fn d10_a_reset_counts_while_the_reaction_goes_on_only_to_be_seen() {
 }
 
 #[test]
+fn d10_a_reset_and_the_way_up_in_a_hurry_count_while_the_reaction_goes_on_only_to_be_seen() {
+    for waits in [30, 49] {
+        let mut rig = cruising();
+        rig.exchange.watch(true);
+        rig.fault = Some(OVER_TEMPERATURE);
+        rig.tick();
+        rig.fault = None;
+        rig.ticks(waits);
+        assert_eq!(rig.state(), State::FaultReactionActive);
+        for controlword in [0x80, 0x06, 0x0F] {
+            rig.write(controlword);
+        }
+        rig.ticks(60);
+        assert_eq!(rig.state(), State::OperationEnabled, "{waits}");
+    }
+    // While the motor still slows down the reset is for nothing, and so is what comes with it.
+    let mut rig = cruising();
+    rig.exchange.watch(true);
+    rig.fault = Some(OVER_TEMPERATURE);
+    rig.tick();
+    rig.fault = None;
+    for controlword in [0x80, 0x06, 0x0F] {
+        rig.write(controlword);
+    }
+    rig.ticks(100);
+    assert_eq!(rig.state(), State::Fault);
+    rig.write(0x8F);
+    rig.write(0x0F);
+    rig.ticks(10);
+    assert_eq!(rig.state(), State::SwitchOnDisabled);
+}
+
+#[test]
 fn d10_a_reset_during_the_reaction_is_for_no_fault_that_follows() {
     let mut rig = cruising();
     rig.exchange.watch(true);

@@ -44,6 +44,35 @@ fn m05_a_controlword_with_bit_7_is_no_command_and_takes_none_back() {
 }
 
 #[test]
+fn m05_a_command_that_bit_7_overwrites_before_the_control_tick_is_obeyed() {
+    for (command, end) in [(0x07, State::SwitchedOn), (0x06, State::ReadyToSwitchOn)] {
+        let mut rig = turning(3);
+        rig.configuration.shutdown = Stop::on_leaving(1).unwrap();
+        let begin = rig.motor.position;
+        rig.write(command);
+        rig.write(0x80 | command);
+        let way = rig.rest() - begin;
+        assert!((500..540).contains(&way), "{command:X}h: {way}");
+        assert_eq!(rig.state(), end, "{command:X}h");
+    }
+    // The last one that is one, and only once.
+    let mut rig = turning(3);
+    rig.write(0x07);
+    rig.write(0x0F);
+    rig.write(0x8F);
+    rig.ticks(200);
+    assert_eq!((rig.state(), rig.speed()), (State::OperationEnabled, 10));
+    rig.write(0x00);
+    rig.tick();
+    rig.write(0x06);
+    rig.write(0x86);
+    rig.tick();
+    assert_eq!(rig.state(), State::ReadyToSwitchOn);
+    rig.ticks(20);
+    assert_eq!(rig.state(), State::ReadyToSwitchOn);
+}
+
+#[test]
 fn m05_enable_operation_takes_back_what_has_not_happened() {
     let mut rig = turning(3);
     rig.write(0x07);
