@@ -9,7 +9,7 @@ pub fn quotient(numerator: u128, digits: u32, divisor: u128) -> u128 {
 }
 
 /// What a division needs of its divisor. Made once for several divisions.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Divisor {
     /// The divisor, shifted up until the leading bit of 96 is set.
     high: u32,

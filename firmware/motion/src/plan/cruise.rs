@@ -138,7 +138,14 @@ impl<'a> Moves<'a> {
     fn span(&self, cruise: i128) -> u128 {
         let jerk = self.rules.jerk;
         let first = steady_way(self.entrance.velocity, cruise, self.entrance.most, jerk);
-        let last = steady_way(cruise, self.end, self.rules.deceleration, jerk).unsigned_abs();
+        let is_alike =
+            self.entrance.velocity == self.end && self.entrance.most == self.rules.deceleration;
+        let last = if is_alike {
+            first
+        } else {
+            steady_way(cruise, self.end, self.rules.deceleration, jerk)
+        };
+        let last = last.unsigned_abs();
         let (first, ahead) = (first.max(0).unsigned_abs(), self.entrance.way);
         if ahead < 0 {
             last.saturating_add(first)
@@ -328,9 +335,7 @@ mod tests {
                     acceleration,
                     deceleration,
                 };
-                let jerk = Jerk {
-                    sixth: clock.sixth_jerk(jerk),
-                };
+                let jerk = Jerk::new(clock.sixth_jerk(jerk));
                 Rules::new(clock, limits, jerk)
             },
         )

@@ -220,10 +220,20 @@ impl Rules {
         cruise: i128,
         end: i128,
     ) -> Route {
+        let first = self.ramp(velocity, acceleration, cruise);
+        let is_alike = velocity == 0
+            && acceleration == 0
+            && end == 0
+            && self.acceleration == self.deceleration;
+        let last = if is_alike {
+            first.back_to_rest(cruise)
+        } else {
+            self.ramp(cruise, 0, end)
+        };
         Route {
-            first: self.ramp(velocity, acceleration, cruise),
+            first,
             cruise,
-            last: self.ramp(cruise, 0, end),
+            last,
         }
     }
 

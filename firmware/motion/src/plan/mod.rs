@@ -322,9 +322,7 @@ impl Plan {
                 let sixth = clock.sixth_jerk(jerk);
                 // A ramp under way is left at no less than the jerk with which it was entered.
                 let entered = self.jerk.filter(|_| pull != 0).map_or(0, |jerk| jerk.sixth);
-                Some(Jerk {
-                    sixth: sixth.max(entered),
-                })
+                Some(Jerk::new(sixth.max(entered)))
             }
         };
         let is_sine = ramps == Ramps::SinSquared && pull == 0;
@@ -442,9 +440,7 @@ fn sine_jerk(clock: Clock, from: Exact, limits: Limits) -> Jerk {
     // any ramp.
     let square = ramp.wrapping_mul(ramp).saturating_mul(5);
     let jerk = quotient(square, 1, velocity.bits().into()).saturating_add(1);
-    Jerk {
-        sixth: clock.sixth_jerk(u32::try_from(jerk).unwrap_or(u32::MAX).max(1)),
-    }
+    Jerk::new(clock.sixth_jerk(u32::try_from(jerk).unwrap_or(u32::MAX).max(1)))
 }
 
 #[cfg(test)]

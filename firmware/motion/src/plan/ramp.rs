@@ -7,7 +7,7 @@
 
 use super::phase::{Curve, Offset, Shape, over_time};
 use crate::clock::Fine;
-use crate::divide::quotient;
+use crate::divide::{Divisor, quotient};
 use crate::wide::Wide;
 
 /// The jerk, as it is worked with.
@@ -15,9 +15,17 @@ use crate::wide::Wide;
 pub(crate) struct Jerk {
     /// A sixth of it, Q128 steps per tick³: the coefficient of a cubic. At most 93 bits.
     pub(crate) sixth: Fine,
+    divisor: Divisor,
 }
 
 impl Jerk {
+    pub(super) fn new(sixth: Fine) -> Self {
+        Self {
+            sixth,
+            divisor: Divisor::new(sixth.wrapping_mul(6)),
+        }
+    }
+
     /// All of it, Q128.
     pub(super) const fn whole(self) -> Fine {
         self.sixth.wrapping_mul(6)
@@ -25,7 +33,7 @@ impl Jerk {
 
     /// How long it takes to change the acceleration by this much, Q96.
     pub(super) fn time(self, change: Fine) -> Offset {
-        quotient(change, 2, self.whole())
+        self.divisor.quotient(change, 2)
     }
 }
 
@@ -102,14 +110,15 @@ impl Ramp {
     ) -> Self {
         let coasting = coasting(velocity, acceleration, jerk);
         if end < coasting {
-            return Self::upwards(
+            let mut ramp = Self::upwards(
                 velocity.wrapping_neg(),
                 acceleration.wrapping_neg(),
                 (end.wrapping_neg(), coasting.wrapping_neg()),
                 most,
                 jerk,
-            )
-            .mirrored();
+            );
+            ramp.mirror();
+            return ramp;
         }
         Self::upwards(velocity, acceleration, (end, coasting), most, jerk)
     }
@@ -150,7 +159,7 @@ impl Ramp {
             0
         };
         let falls = acceleration > peak;
-        let mut pieces = [
+        let pieces = [
             Piece {
                 time: entry,
                 velocity,
@@ -173,20 +182,41 @@ impl Ramp {
                 way: 0,
             },
         ];
-        let mut way = 0i128;
-        let mut time: Offset = 0;
-        for piece in &mut pieces {
+        let mut ramp = Self {
+            pieces,
+            time: 0,
+            way: 0,
+        };
+        for piece in &mut ramp.pieces {
             if piece.time != 0 {
                 piece.way = piece.goes();
-                way = way.saturating_add(piece.way);
-                time = time.saturating_add(piece.time);
+                ramp.way = ramp.way.saturating_add(piece.way);
+                ramp.time = ramp.time.saturating_add(piece.time);
             }
         }
-        Self { pieces, time, way }
+        ramp
+    }
+
+    /// The way back down to rest of a ramp from rest to the velocity `end`: it is the same backwards in time.
+    pub(super) fn back_to_rest(&self, end: i128) -> Self {
+        let [entry, hold, exit] = &self.pieces;
+        let falls = |piece: &Piece, velocity: i128, acceleration: i128| Piece {
+            velocity,
+            acceleration: acceleration.wrapping_neg(),
+            ..*piece
+        };
+        Self {
+            pieces: [
+                falls(exit, end, 0),
+                falls(hold, exit.velocity, hold.acceleration),
+                falls(entry, hold.velocity, exit.acceleration),
+            ],
+            ..*self
+        }
     }
 
     /// The same in the other direction of motion.
-    fn mirrored(mut self) -> Self {
+    fn mirror(&mut self) {
         for piece in &mut self.pieces {
             piece.velocity = piece.velocity.wrapping_neg();
             piece.acceleration = piece.acceleration.wrapping_neg();
@@ -194,7 +224,6 @@ impl Ramp {
             piece.way = piece.way.saturating_neg();
         }
         self.way = self.way.saturating_neg();
-        self
     }
 }
 
