@@ -226,6 +226,9 @@ impl Drive {
         self.cyclic.pass(fine(now), &self.configuration.cyclic);
         self.is_early = false;
         self.look_for_changes(waiting.is_configured, position);
+        if waiting.is_configured {
+            self.switches.look_anew();
+        }
         self.switches.observe(
             &inputs.digital,
             &self.configuration.inputs,

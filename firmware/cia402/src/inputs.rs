@@ -232,11 +232,32 @@ pub(crate) struct Switches {
     levels: u8,
     /// 60FDh.
     word: u32,
+    /// Nothing is under way: the same levels with the same configuration change nothing.
+    is_settled: bool,
 }
 
 impl Switches {
+    /// The configuration is perhaps another one.
+    pub(crate) const fn look_anew(&mut self) {
+        self.is_settled = false;
+    }
+
     /// Looks at the inputs. `count` is how the master counts; `elapsed` are the microseconds since the last tick.
     pub(crate) fn observe(
+        &mut self,
+        inputs: &DigitalInputs,
+        configuration: &InputConfiguration,
+        count: Count,
+        elapsed: u32,
+    ) {
+        if self.is_settled && inputs.levels == self.levels && inputs.changed == 0 {
+            return;
+        }
+        self.look_closely(inputs, configuration, count, elapsed);
+    }
+
+    #[inline(never)]
+    fn look_closely(
         &mut self,
         inputs: &DigitalInputs,
         configuration: &InputConfiguration,
@@ -272,6 +293,14 @@ impl Switches {
             | u32::from(self.positive_limit.state.active) << 1
             | u32::from(self.home.state.active) << 2
             | u32::from(inputs.levels & ALL) << 16;
+        let switches = [&self.negative_limit, &self.positive_limit, &self.home];
+        let masks = [
+            configuration.negative_limit,
+            configuration.positive_limit,
+            configuration.home,
+        ];
+        let is_still = |(switch, mask): (&Switch, u8)| switch.is_still(active & mask != 0);
+        self.is_settled = self.index.is_none() && switches.into_iter().zip(masks).all(is_still);
     }
 
     /// What the last tick has found at edges is not for a tick that does not look.
@@ -375,6 +404,14 @@ impl Switch {
         {
             self.follow(active, mask, protects, look);
         }
+    }
+
+    /// Whether the same level again changes nothing.
+    const fn is_still(&self, active: bool) -> bool {
+        self.state.active == active
+            && self.state.edge.is_none()
+            && self.edge.is_none()
+            && self.changing == 0
     }
 
     /// A change, or what looks like one.

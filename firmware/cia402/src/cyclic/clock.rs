@@ -187,7 +187,13 @@ impl NetworkClock {
     }
 
     /// Lets time pass. Returns whether a beat should have come, and has not.
+    #[inline]
     pub(crate) fn pass(&mut self, now: Fine, slots: &mut Slots) -> bool {
+        self.lock.may_miss(now) && self.pass_late(now, slots)
+    }
+
+    #[inline(never)]
+    fn pass_late(&mut self, now: Fine, slots: &mut Slots) -> bool {
         let mut has_missed = false;
         while !slots.is_full() && self.lock.misses(now) {
             has_missed = true;

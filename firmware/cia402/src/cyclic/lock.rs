@@ -158,14 +158,19 @@ impl Lock {
         Heard::InTurn
     }
 
+    /// Whether the next moment may have passed without its beat: false for certain.
+    #[inline]
+    pub(crate) const fn may_miss(&self, now: Fine) -> bool {
+        self.is_running && span(self.at.wrapping_add(self.period), now) >= LEAST_PATIENCE
+    }
+
     /// Lets time pass. True if the next moment has passed without its beat.
     pub(crate) fn misses(&mut self, now: Fine) -> bool {
         if !self.is_running {
             return false;
         }
         let next = self.at.wrapping_add(self.period);
-        let late = span(next, now);
-        if late < LEAST_PATIENCE || late < patience(self.period).cast_signed() {
+        if span(next, now) < patience(self.period).cast_signed() {
             return false;
         }
         self.at = next;

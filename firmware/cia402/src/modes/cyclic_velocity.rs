@@ -137,8 +137,14 @@ impl CyclicVelocity {
             }
             None => self.bridged = self.bridged.saturating_add(1),
         }
-        let end = slot.due(&context.pipeline, false);
         let is_at_rest = context.motor.is_at_rest();
+        if is_at_rest && self.velocity == SignedSpeed::ZERO && self.carried_out == SignedSpeed::ZERO
+        {
+            self.is_barred = false;
+            self.is_limited = false;
+            return;
+        }
+        let end = slot.due(&context.pipeline, false);
         let interval = if is_at_rest {
             slot.period
         } else {

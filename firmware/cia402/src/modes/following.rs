@@ -158,6 +158,15 @@ impl Following {
                 .max(here.saturating_sub(most))
                 .min(here.saturating_add(most))
         });
+        if let Some(goal) = goal
+            && self.stands_at(goal, here)
+            && context.motor.is_at_rest()
+        {
+            self.head_for(goal);
+            self.set_points.keep(whole(self.at));
+            self.is_limited = Some(goal) != target;
+            return Outcome::Followed;
+        }
         let Some(leg) = self.set_out(end, slot.period, context.motor) else {
             // What was given before the period changed lasts that long.
             if let Some(goal) = goal {
@@ -198,6 +207,17 @@ impl Following {
         self.give(knot, before, is_cubic && leg.is_in_step, context.motor);
         self.at = knot.at;
         Outcome::Followed
+    }
+
+    /// Whether the motor, which is `here`, has been at the set-points for long, and this is the same again. There is nothing to do then.
+    fn stands_at(&self, goal: i64, here: i64) -> bool {
+        goal == self.goal
+            && here == goal
+            && self.way == 0
+            && self.at == goal.wrapping_shl(POINT)
+            && self.set_points.stand()
+            && !self.is_catching_up
+            && self.waiting.is_none()
     }
 
     /// Begins where the motor stands.
@@ -297,7 +317,12 @@ impl Following {
         context: &Context<'_>,
     ) -> i64 {
         let asked = need;
-        let need = within_travel(self.at, need, context.travel);
+        let has_ends = context.travel.increments != Travel::NONE.increments;
+        let need = if has_ends {
+            within_travel(self.at, need, context.travel)
+        } else {
+            need
+        };
         let need = Self::unbarred(need, context);
         // A set-point beyond a limit stands still there.
         let pace = if need == asked { pace } else { 0 };
@@ -326,7 +351,11 @@ impl Following {
         } else {
             self.chase(need, pace, most, ramps(seconds, context))
         };
-        let way = self.before_limit(way, seconds, context);
+        let way = if has_ends {
+            self.before_limit(way, seconds, context)
+        } else {
+            way
+        };
         let way = Self::unbarred(way, context);
         // Out of a limit, too, the motor goes on with no jump.
         self.is_catching_up = !is_in_reach || way != asked;

@@ -40,6 +40,9 @@ pub(super) struct SetPoints {
     count: usize,
     /// Where the next one goes.
     next: usize,
+    /// The way to the last one, and how many in a row before it were the same.
+    way: i32,
+    alike: u8,
 }
 
 impl SetPoints {
@@ -48,6 +51,8 @@ impl SetPoints {
             kept: [0; KEPT],
             count: 0,
             next: 0,
+            way: 0,
+            alike: 0,
         }
     }
 
@@ -56,10 +61,18 @@ impl SetPoints {
         self.count = 0;
         self.keep(from);
         self.keep(to);
+        self.alike = 0;
     }
 
     /// The motor goes to this one.
     pub(super) fn keep(&mut self, at: i32) {
+        let way = at.wrapping_sub(self.before(1));
+        self.alike = if way == self.way {
+            self.alike.saturating_add(1)
+        } else {
+            0
+        };
+        self.way = way;
         if let Some(place) = self.kept.get_mut(self.next % KEPT) {
             *place = at;
         }
@@ -67,9 +80,22 @@ impl SetPoints {
         self.count = self.count.saturating_add(1).min(KEPT);
     }
 
+    /// Whether all of them are as far apart.
+    const fn are_even(&self) -> bool {
+        self.alike as usize >= KEPT
+    }
+
+    /// Whether all of them are the same.
+    pub(super) const fn stand(&self) -> bool {
+        self.are_even() && self.way == 0
+    }
+
     /// Whether `at`, one period behind the last set-point, keeps to the limits.
     pub(super) fn may_be_followed_by(&self, at: i32, most: Most) -> bool {
         let mut middle = self.before(1);
+        if self.are_even() && at.wrapping_sub(middle) == self.way {
+            return true;
+        }
         for doublings in 0..=LONGEST.ilog2() {
             let span = 2 << doublings;
             if span > self.count {
@@ -97,8 +123,7 @@ impl SetPoints {
 fn may_change(before: i32, way: i32, doublings: u32, most: Most) -> bool {
     // More than ways of 32 bits differ by; so nothing here is too large for its number.
     const ROOM: i64 = 1 << 50;
-    let (before, way) = (i64::from(before), i64::from(way));
-    let change = way.abs_diff(before).cast_signed() << super::POINT;
+    let change = i64::from(way.abs_diff(before)) << super::POINT;
     let rounding = most.rounding.min(ROOM);
     // So it is in a steady motion.
     if change <= rounding {
@@ -107,7 +132,7 @@ fn may_change(before: i32, way: i32, doublings: u32, most: Most) -> bool {
     let turns = (before < 0) != (way < 0) && before != 0 && way != 0;
     let gain = if turns {
         most.up.max(most.down)
-    } else if way.abs() > before.abs() {
+    } else if way.unsigned_abs() > before.unsigned_abs() {
         most.up
     } else {
         most.down
