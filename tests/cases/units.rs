@@ -48,6 +48,45 @@ fn m73_a_move_in_units_and_6063h_in_increments() {
 }
 
 #[test]
+fn m73_a_ramp_is_a_whole_number_of_steps_at_least_one() {
+    // In thousandths of a step/s²; 50 steps take twice the root of 50 by the ramp: 14.1 s, 10 s or 8.2 s, the last step a little less.
+    for (ramp, milliseconds) in [
+        (1, 13_000..14_300),
+        (400, 13_000..14_300),
+        (1_499, 13_000..14_300),
+        (1_500, 9_200..10_200),
+        (2_499, 9_200..10_200),
+        (2_500, 7_400..8_400),
+    ] {
+        let mut drive = DriveBench::started(4);
+        drive.write_u32(0x6097, 1, 1_000);
+        drive.write_u32(0x60C5, 0, u32::MAX);
+        drive.write_u32(0x60C6, 0, u32::MAX);
+        drive.write_u32(0x6083, 0, ramp);
+        drive.write_u32(0x6084, 0, ramp);
+        drive.enable();
+        drive.begin_move(50);
+        let mut time = 8;
+        while drive.position() < 50 && time < 20_000 {
+            drive.run_millis(10);
+            time += 10;
+        }
+        assert!(milliseconds.contains(&time), "{ramp}: {time} ms");
+        assert_eq!(drive.statusword() & INTERNAL_LIMIT, 0);
+        assert_eq!(
+            drive.read_u32(0x6083, 0),
+            ramp,
+            "it is kept as it was written"
+        );
+    }
+    // 0 is none.
+    let mut drive = DriveBench::started(4);
+    for index in [0x6083, 0x6084, 0x6085] {
+        refuses(&mut drive, index, 0, &[0; 4], 0x0609_0032);
+    }
+}
+
+#[test]
 fn m73_velocities_and_ramps_are_in_units() {
     let mut drive = thirds();
     drive.write_u32(0x6096, 1, 60);
