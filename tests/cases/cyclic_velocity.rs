@@ -1,6 +1,7 @@
 //! Cyclic synchronous velocity (mode 9): ramps, limits, and how it begins in motion; in virtual time.
 
 use canopen::Frame;
+use tests::DriveBench;
 use tests::drive::{FAULT, INTERNAL_LIMIT};
 
 use crate::cyclic_master::{FOLLOWS, Master, expedited, hardest};
@@ -109,4 +110,60 @@ fn m19_cyclic_velocity_in_motion_awaits_its_set_points_as_the_mode_before() {
     assert!(master.has(FOLLOWS));
     let velocity = master.drive.axis().actuals().velocity_demand;
     assert!((19_990..=20_010).contains(&velocity), "{velocity}");
+}
+
+#[test]
+fn m19_cyclic_velocity_takes_a_motor_over_that_turns_and_waits_for_its_first_set_point() {
+    // Profile velocity and profile position at 10,000 increments/s.
+    for mode in [1_u8, 3] {
+        let mut drive = DriveBench::started(4);
+        drive.write_u8(0x60C2, 1, 2);
+        drive.enable();
+        if mode == 3 {
+            drive.write_u8(0x6060, 0, 3);
+            drive.write_i32(0x60FF, 0, 10_000);
+        } else {
+            drive.begin_move(1_000_000);
+        }
+        drive.write_u32(0x60C5, 0, 100_000);
+        drive.write_u32(0x60C6, 0, 100_000);
+        drive.write_u8(0x2051, 2, 2);
+        drive.run_millis(300);
+        drive.record_motion();
+        let mut master = Master::on(drive, 2_000);
+        cycles(&mut master, 50);
+        // 60FFh of before is no set-point of this mode.
+        master.drive.queue("604: 2F 60 60 00 09");
+        cycles(&mut master, 50);
+        let velocity = master.drive.axis().actuals().velocity_demand;
+        assert!((9_990..=10_010).contains(&velocity), "{mode}: {velocity}");
+        command(&mut master, 5_000);
+        cycles(&mut master, 100);
+        assert!(master.has(FOLLOWS) && !master.has(INTERNAL_LIMIT));
+        let velocity = master.drive.axis().actuals().velocity_demand;
+        assert!((4_995..=5_005).contains(&velocity), "{mode}: {velocity}");
+        // From the one to the other on 60C6h.
+        let hardest = master.drive.greatest_acceleration();
+        assert!(hardest <= 110_000, "{mode}: {hardest}");
+        assert_eq!(master.drive.read_i8(0x6061, 0), 9);
+    }
+}
+
+#[test]
+fn m43_cyclic_velocity_entered_at_rest_stands_until_sync_brings_a_set_point() {
+    let mut drive = DriveBench::enabled(4);
+    drive.write_u8(0x2051, 2, 2);
+    drive.write_i32(0x60FF, 0, 10_000);
+    drive.run_millis(20);
+    let mut master = Master::on(drive, 1_000);
+    cycles(&mut master, 50);
+    master.drive.queue("604: 2F 60 60 00 09");
+    cycles(&mut master, 100);
+    assert_eq!(master.drive.position(), 0, "60FFh was written before");
+    assert!(!master.has(FOLLOWS));
+    command(&mut master, 1_000);
+    cycles(&mut master, 1_000);
+    assert!(master.has(FOLLOWS));
+    let way = master.drive.position();
+    assert!((950..=1_000).contains(&way), "{way}");
 }

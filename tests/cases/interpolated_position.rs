@@ -4,7 +4,7 @@ use canopen::{Duration, Frame};
 use tests::DriveBench;
 use tests::drive::{FAULT, OPERATION_ENABLED, QUICK_STOP_ACTIVE, SWITCH_ON_DISABLED};
 
-use crate::cyclic_master::{FOLLOWS, Master, expedited};
+use crate::cyclic_master::{FOLLOWS, Master, expedited, hardest};
 
 /// Writes a record by SDO, without waiting for the answer.
 fn record(drive: &mut DriveBench, position: i32) {
@@ -134,6 +134,83 @@ fn m68_records_under_halt_without_bit_4_are_not_kept() {
         let waits = master.drive.read_u16(0x60C4, 4);
         assert_eq!(waits, kept, "controlword {controlword:03X}h");
     }
+}
+
+/// The same, with an end: the last record comes three times more.
+fn ahead_with_an_end() -> Master {
+    let mut master = ahead();
+    for _ in 0..3 {
+        record(&mut master.drive, 29 * 20);
+        master.drive.drain(1);
+    }
+    master
+}
+
+#[test]
+fn m68_bit_4_stops_in_motion_on_the_ramp_of_605dh_and_enabled_again_the_records_go_on() {
+    // 6084h and 6085h, in increments/s²: 2,000 increments/s are left in 100 ms or in 10 ms.
+    for (option, ways) in [(1, 80..=125), (2, 5..=35)] {
+        for halt in [false, true] {
+            let mut master = ahead_with_an_end();
+            master.drive.write_u32(0x6084, 0, 20_000);
+            master.drive.write_u32(0x6085, 0, 200_000);
+            master.drive.write_i16(0x605D, 0, option);
+            let waiting = master.drive.read_u16(0x60C4, 4);
+            let begin = master.drive.position();
+            master.drive.command(if halt { 0x11F } else { 0x0F });
+            for _ in 0..15 {
+                master.sync(0);
+            }
+            let stands = master.drive.position();
+            let way = stands - begin;
+            assert!(ways.contains(&way), "605Dh = {option}: {way}");
+            assert!(!master.has(FOLLOWS));
+            assert_eq!(master.has(1 << 10), halt, "bit 10");
+            let left = master.drive.read_u16(0x60C4, 4);
+            assert!(left >= waiting - 1, "records stay: {left} of {waiting}");
+            // SYNC goes on, and no record is used up.
+            for _ in 0..10 {
+                master.sync(0);
+            }
+            assert_eq!(master.drive.position(), stands);
+            assert_eq!(master.drive.read_u16(0x60C4, 4), left);
+            // Enabled again: on the ramp to the next record, and through all of them to the last one.
+            master.shown.clear();
+            master.drive.command(0x1F);
+            for _ in 0..5 {
+                master.sync(0);
+            }
+            assert!(master.drive.read_u16(0x60C4, 4) < left);
+            for _ in 0..60 {
+                master.sync(0);
+            }
+            assert!(master.has(FOLLOWS));
+            assert_eq!(master.drive.position(), 29 * 20);
+            // 100,000 increments/s² change the way of 10 ms by 10, and pulses are whole. The records themselves end all at once.
+            let change = hardest(&master.shown[..15]);
+            assert!(change <= 12, "6083h: {change}");
+            assert!(OPERATION_ENABLED.is_shown_by(master.drive.statusword()));
+        }
+    }
+}
+
+#[test]
+fn m68_bit_4_that_falls_and_rises_between_two_records_loses_none() {
+    let mut master = ahead_with_an_end();
+    for _ in 0..5 {
+        master.drive.command(0x0F);
+        master.drive.run_millis(3);
+        master.drive.command(0x1F);
+        master.next_in(10_000);
+        for _ in 0..3 {
+            master.sync(0);
+        }
+    }
+    for _ in 0..60 {
+        master.sync(0);
+    }
+    assert_eq!(master.drive.position(), 29 * 20);
+    assert!(OPERATION_ENABLED.is_shown_by(master.drive.statusword()));
 }
 
 /// A drive in mode 7 with 60C2h = 10 ms and bit 4, which has never heard of SYNC.
