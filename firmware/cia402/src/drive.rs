@@ -528,7 +528,7 @@ impl Drive {
                     motor: &mut self.motor,
                     slots: &self.cyclic.slots,
                     buffer: &mut self.cyclic.buffer,
-                    pipeline: self.cyclic.pipeline,
+                    pipeline: &self.cyclic.pipeline,
                     is_early: self.is_early,
                     lost_set_points: &mut self.cyclic.has_lost,
                 });

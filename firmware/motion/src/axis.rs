@@ -344,7 +344,11 @@ impl Axis {
     #[inline]
     pub fn is_at_rest(&self) -> bool {
         // A leg ends at a corner at the latest, and the end is one.
-        self.leg.is_none() && self.has_ended()
+        let is_under_way = match &self.path {
+            Some(path) => path.rest() > self.horizon,
+            None => self.leg.is_some(),
+        };
+        !is_under_way && self.has_ended()
     }
 
     #[inline(never)]

@@ -12,7 +12,7 @@ const APART: u64 = 250;
 #[derive(Debug)]
 pub(crate) struct Timescale {
     /// Ticks in a microsecond, Q16.
-    pace: u64,
+    pace: u32,
     /// Microseconds in a tick, Q32.
     tick: u64,
     /// The axis' time less that of the microseconds, in ticks.
@@ -24,7 +24,8 @@ impl Timescale {
     /// For a step timer with this many ticks in a second.
     pub(crate) fn new(hz: u32) -> Self {
         Self {
-            pace: (u64::from(hz) << POINT) / 1_000_000,
+            // Less than 2³² / 15.
+            pace: ((u64::from(hz) << POINT) / 1_000_000) as u32,
             tick: (1_000_000_u64 << 32).checked_div(hz.into()).unwrap_or(0),
             ahead: 0,
             is_running: false,
@@ -40,7 +41,7 @@ impl Timescale {
     pub(crate) fn compare(&mut self, now: Fine, played: u64) {
         let measured = played.wrapping_sub(self.whole(now));
         let apart = measured.wrapping_sub(self.ahead).cast_signed();
-        let most = self.pace.wrapping_mul(APART) >> POINT;
+        let most = u64::from(self.pace).wrapping_mul(APART) >> POINT;
         self.ahead = if self.is_running && apart.unsigned_abs() <= most {
             self.ahead.wrapping_add_signed(apart >> 6)
         } else {
@@ -65,6 +66,8 @@ impl Timescale {
     }
 
     fn whole(&self, time: Fine) -> u64 {
-        (u128::from(time).wrapping_mul(self.pace.into()) >> (2 * POINT)) as u64
+        let pace = u64::from(self.pace);
+        let low = (time & u64::from(u32::MAX)).wrapping_mul(pace) >> (2 * POINT);
+        (time >> (2 * POINT)).wrapping_mul(pace).wrapping_add(low)
     }
 }

@@ -144,7 +144,7 @@ impl CyclicVelocity {
             self.is_limited = false;
             return;
         }
-        let end = slot.due(&context.pipeline, false);
+        let end = slot.due(context.pipeline, false);
         let interval = if is_at_rest {
             slot.period
         } else {

@@ -141,7 +141,7 @@ impl Following {
         context: &mut Context<'_>,
     ) -> Outcome {
         let is_cubic = context.configuration.cyclic.is_cubic;
-        let end = slot.due(&context.pipeline, is_cubic);
+        let end = slot.due(context.pipeline, is_cubic);
         if context.motor.is_at_rest() {
             if !self.is_active && target.is_none() {
                 return Outcome::Followed;

@@ -166,7 +166,7 @@ pub(crate) struct Context<'a> {
     /// The data records that wait.
     pub(crate) buffer: &'a mut Buffer,
     /// From a beat to the next, and the time it takes until pulses that are handed out now have left.
-    pub(crate) pipeline: Pipeline,
+    pub(crate) pipeline: &'a Pipeline,
     /// A regular tick follows in less than a period.
     pub(crate) is_early: bool,
     /// Too many set-points were missing.
