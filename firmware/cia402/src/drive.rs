@@ -248,7 +248,7 @@ impl Drive {
             self.change_state(now, inputs, command, displaced);
             self.move_brake(now);
             let blocked = self.blocked(inputs, position);
-            self.operate(now, position, elapsed, blocked, command)
+            self.operate(now, position, elapsed, blocked, command, pulses)
         };
         if self.state() != State::OperationEnabled || !self.modes.keeps_records() {
             self.cyclic.buffer.clear();
@@ -491,6 +491,7 @@ impl Drive {
         elapsed: u32,
         blocked: Option<bool>,
         command: Option<Command>,
+        pulses: &mut dyn PulseSink,
     ) -> u16 {
         let state = self.machine.state();
         if state != State::OperationEnabled && self.motor.standstill() {
@@ -526,6 +527,7 @@ impl Drive {
                     position,
                     is_brake_open,
                     motor: &mut self.motor,
+                    pulses,
                     slots: &self.cyclic.slots,
                     buffer: &mut self.cyclic.buffer,
                     pipeline: &self.cyclic.pipeline,

@@ -86,6 +86,8 @@ pub(crate) struct Motor {
     deceleration: u32,
     /// The hardest ramp on which it may end because it was planned so, in steps/s²; 0 at rest.
     hardest: u32,
+    /// [`Motor::prepare`] came too late.
+    is_late: bool,
 }
 
 impl Motor {
@@ -113,6 +115,7 @@ impl Motor {
             stops_early: false,
             deceleration: 0,
             hardest: 0,
+            is_late: false,
         }
     }
 
@@ -546,6 +549,20 @@ impl Motor {
         self.cut
     }
 
+    /// A motion is to be planned in place of the one under way, which takes the processor long if that is a smooth one: hands out pulses
+    /// for so long. What begins in this tick begins behind them.
+    pub(crate) fn prepare(&mut self, mut pulses: &mut dyn PulseSink) {
+        if self.at_rest {
+            return;
+        }
+        let result = self.axis.prepare(&mut Directed {
+            pulses: &mut pulses,
+            is_reversed: self.is_reversed,
+        });
+        self.is_late |= result == Err(AdvanceError::Underrun);
+        self.committed = self.near(self.axis.committed_position());
+    }
+
     /// Hands out the pulses of the next segments. False when they came too late and the motor had none for a moment; no
     /// pulse is lost by that.
     pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) -> bool {
@@ -560,7 +577,8 @@ impl Motor {
             self.planned_with(0);
             self.stopping_at_limit = None;
         }
-        result != Err(AdvanceError::Underrun)
+        let was_late = core::mem::take(&mut self.is_late);
+        !was_late && result != Err(AdvanceError::Underrun)
     }
 }
 

@@ -289,15 +289,33 @@ impl Axis {
         self.stand_at(steps as i32);
     }
 
-    /// Hands out records until the sink has two segments to play (four of a smooth motion), or the motion ends. To be called in every control tick.
+    /// Hands out records until the sink has two segments to play, or the motion ends. To be called in every control tick.
     ///
     /// # Errors
     /// [`AdvanceError`]: the sink is full, or ran empty.
     pub fn advance<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
+        self.advance_by(self.train.segment() << 1, sink)
+    }
+
+    /// As [`Axis::advance`], but four segments of a smooth motion: planning another one in its place takes the processor more than half a
+    /// millisecond at worst, and all that time no records are made. To be called before that.
+    ///
+    /// # Errors
+    /// [`AdvanceError`]: the sink is full, or ran empty.
+    pub fn prepare<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
+        if self.path.is_none() && self.plan.is_smooth() {
+            self.advance_by(self.train.segment() << 2, sink)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Hands out records until the sink has so many ticks to play.
+    fn advance_by<S: PulseSink>(&mut self, reserve: u32, sink: &mut S) -> Result<(), AdvanceError> {
         let pending = sink.pending();
         let starved = self.moving && pending == 0;
         let pending = u32::try_from(pending).unwrap_or(u32::MAX);
-        let missing = self.reserve().saturating_sub(pending);
+        let missing = reserve.saturating_sub(pending);
         let enough = self.handed.wrapping_add(missing.into());
         loop {
             self.hand_out(sink)?;
@@ -317,16 +335,6 @@ impl Axis {
             Err(AdvanceError::Underrun)
         } else {
             Ok(())
-        }
-    }
-
-    /// So many ticks are handed out ahead: two segments. A smooth motion has four, as planning another one takes the processor more than half a
-    /// millisecond at worst, and all that time no records are made.
-    const fn reserve(&self) -> u32 {
-        if self.path.is_none() && self.plan.is_smooth() {
-            self.train.segment() << 2
-        } else {
-            self.train.segment() << 1
         }
     }
 

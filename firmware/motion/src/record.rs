@@ -107,6 +107,24 @@ pub trait PulseSink {
     fn free(&self) -> usize;
 }
 
+impl<S: PulseSink + ?Sized> PulseSink for &mut S {
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        (**self).push(record)
+    }
+
+    fn push_all(&mut self, records: &[Record]) -> usize {
+        (**self).push_all(records)
+    }
+
+    fn pending(&self) -> Ticks {
+        (**self).pending()
+    }
+
+    fn free(&self) -> usize {
+        (**self).free()
+    }
+}
+
 /// What the stepper driver's inputs need, in ticks (from its datasheet). Larger values than a timer can do are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DriverTiming {

@@ -30,8 +30,8 @@ pub enum Profile {
     JerkLimited,
 }
 
-/// Steps/s³: [`super::STEEP`] within 5 ms.
-pub const JERK: u32 = 1_000_000_000;
+/// Steps/s³: [`super::STEEP`] within 2 ms. A ramp begins the more slowly the less it is.
+pub const JERK: u32 = 2_500_000_000;
 
 /// The longest reactions, in microseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

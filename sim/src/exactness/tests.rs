@@ -51,8 +51,11 @@ fn the_ceiling_is_that_of_the_driver() {
 fn a_stop_is_felt_within_a_millisecond_of_its_frame() {
     for (order, profile, phase, ramp) in [
         (Order::Halt, Profile::Linear, 0, 5_000_000),
+        (Order::Halt, Profile::SinSquared, 200, 5_000_000),
         (Order::QuickStop, Profile::Linear, 125, 4_960_000),
+        (Order::QuickStop, Profile::JerkLimited, 100, 5_000_000),
         (Order::DisableOperation, Profile::Linear, 150, 4_970_000),
+        (Order::DisableOperation, Profile::SinSquared, 25, 5_000_000),
     ] {
         let reaction = longest(order, profile, Duration::micros(phase), ramp).unwrap();
         let case = format!("{order:?}, {profile:?}: {reaction:?}");

@@ -52,7 +52,7 @@ impl Drive {
         self.change_state(now, inputs, command, displaced);
         self.move_brake(now);
         let blocked = self.blocked(inputs, position);
-        let mode_bits = self.operate(now, position, 0, blocked, command);
+        let mode_bits = self.operate(now, position, 0, blocked, command, pulses);
         self.hand_over((now, 0), inputs, mode_bits, false, pulses, exchange)
     }
 }

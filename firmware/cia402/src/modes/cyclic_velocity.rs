@@ -196,7 +196,7 @@ impl CyclicVelocity {
             ramps: Ramps::Linear,
             quick_stop,
         };
-        self.motion.follow(order, context.motor);
+        self.motion.follow(order, context);
         self.is_limited = is_cut || self.motion.is_limited(context.motor);
     }
 

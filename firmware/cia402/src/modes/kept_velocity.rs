@@ -11,6 +11,7 @@
 
 use motion::{Limits, Ramps, SignedSpeed};
 
+use super::Context;
 use super::braking::{self, Ramp};
 use crate::motor::Motor;
 use crate::units::Travel;
@@ -109,7 +110,8 @@ impl KeptVelocity {
 
     /// Carries out an order. Nothing is planned while it stays the same; what software limits bar is tried again, what a limit
     /// switch has ended is not, unless another velocity is asked for.
-    pub(super) fn follow(&mut self, order: Order, motor: &mut Motor) {
+    pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_>) {
+        let motor = &mut *context.motor;
         let is_new = if self.course == Course::AtSwitch {
             // A limit that is written cuts the velocity otherwise, but asks for no other.
             self.order.map(|before| before.asked) != Some(order.asked)
@@ -120,7 +122,10 @@ impl KeptVelocity {
         };
         if is_new {
             self.order = Some(order);
-            (self.course, self.held_back) = begin(order, motor);
+            if order.velocity != SignedSpeed::ZERO {
+                context.prepare();
+            }
+            (self.course, self.held_back) = begin(order, context.motor);
         } else if let Some(before) = &mut self.order {
             before.asked = order.asked;
         }

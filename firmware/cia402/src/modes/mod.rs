@@ -17,7 +17,7 @@ mod profile_velocity;
 mod velocity;
 
 use canopen::Instant;
-use motion::{Demand, Limits, Ramps, SignedSpeed, Speed};
+use motion::{Demand, Limits, PulseSink, Ramps, SignedSpeed, Speed};
 
 use crate::configuration::Configuration;
 use crate::controlword::HALT;
@@ -136,7 +136,6 @@ impl Mode {
 }
 
 /// What a mode sees, and the motor it moves, in one control tick.
-#[derive(Debug)]
 pub(crate) struct Context<'a> {
     pub(crate) now: Instant,
     /// The mode at work.
@@ -161,6 +160,8 @@ pub(crate) struct Context<'a> {
     pub(crate) frame: &'a mut Frame,
     pub(crate) is_brake_open: bool,
     pub(crate) motor: &'a mut Motor,
+    /// Where its pulses go.
+    pub(crate) pulses: &'a mut dyn PulseSink,
     /// The set-points of this tick, for the cyclic modes.
     pub(crate) slots: &'a [Slot],
     /// The data records that wait.
@@ -195,6 +196,11 @@ impl Context<'_> {
         let increments = units.position(target);
         self.frame.remember(target, increments);
         increments
+    }
+
+    /// A motion is to be planned that is no stop: see [`Motor::prepare`].
+    pub(crate) fn prepare(&mut self) {
+        self.motor.prepare(self.pulses);
     }
 
     /// Controlword bit 8.

@@ -153,6 +153,13 @@ impl ProfilePosition {
         if self.progress == Progress::UnderWay && !was_held && !self.starts_anew {
             self.look_for_the_end(context);
         }
+        let edge = context.commands.rising & NEW_SET_POINT != 0 && !self.begins;
+        self.begins = false;
+        let begins_next = self.next.is_some() && self.progress != Progress::UnderWay;
+        let may_plan = edge || begins_next || self.starts_anew || context.has_changed || was_held;
+        if may_plan && !self.held {
+            context.prepare();
+        }
         if context.has_changed {
             self.look_at_limits(context);
         }
@@ -164,8 +171,6 @@ impl ProfilePosition {
         {
             self.begin(next, context);
         }
-        let edge = context.commands.rising & NEW_SET_POINT != 0 && !self.begins;
-        self.begins = false;
         let taken = edge && self.take(context);
         match (was_held, self.held) {
             (false, true) => context.halt(),
@@ -396,7 +401,7 @@ impl ProfilePosition {
             ramps: set_point.ramps,
             quick_stop: context.deceleration(StopRamp::QuickStop),
         };
-        self.beyond.follow(order, context.motor);
+        self.beyond.follow(order, context);
     }
 
     /// The halt is over: the set-point under way goes on.

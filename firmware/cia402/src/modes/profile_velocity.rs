@@ -72,7 +72,7 @@ impl ProfileVelocity {
         };
         if !context.is_held() {
             self.held = false;
-            self.motion.follow(order, context.motor);
+            self.motion.follow(order, context);
         } else if !self.held {
             self.held = true;
             self.motion.forget();

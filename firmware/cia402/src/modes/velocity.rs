@@ -100,7 +100,7 @@ impl Velocity {
             ramps: context.configuration.profile.ramps,
             quick_stop: context.deceleration(StopRamp::QuickStop),
         };
-        self.motion.follow(order, context.motor);
+        self.motion.follow(order, context);
         let is_cut = self.is_cut || is_cut;
         self.bits(context, context.demand.velocity.is_like(self.asked), is_cut)
     }
