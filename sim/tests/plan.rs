@@ -130,6 +130,31 @@ fn sin2_takes_as_long_as_the_trapezoid() {
 }
 
 #[test]
+fn the_average_comes_to_rest_a_window_behind_the_trapezoid() {
+    // 100 ms where there is a cruise as long as that, 200 ms where one ramp follows the other.
+    for (distance, window) in [(100_000, 0.1), (-30_000, 0.2)] {
+        let move_by = format!("--distance {distance} --velocity 200000 --acceleration 500000");
+        let trapezoid = report(&move_by);
+        let average = report(&format!("{move_by} --profile average --jerk 5000000"));
+        let late = number(&average, "duration_s") - number(&trapezoid, "duration_s") - window;
+        assert!((-1e-6..4e-4).contains(&late), "{late} s");
+        assert_eq!(average["final_position"], distance);
+        assert_eq!(average["pulses"], i64::from(distance).abs());
+        assert!(number(&average, "max_position_error_steps") <= 0.1);
+        let phases = average["phases"].as_array().unwrap();
+        assert!((5..=9).contains(&phases.len()), "{phases:#?}");
+        let all: f64 = phases.iter().map(|phase| number(phase, "duration_s")).sum();
+        assert!((all - number(&average, "duration_s")).abs() < 1e-9);
+    }
+    let refused = "--distance 5 --velocity 9 --acceleration 9 --profile average";
+    assert_refused(refused, "needs --jerk");
+    assert_refused(
+        &format!("{refused} --jerk 9 --end-velocity 3"),
+        "ends at rest",
+    );
+}
+
+#[test]
 fn pulses_stay_close_to_the_plan_at_high_rates() {
     let half = report("--distance 500000 --velocity 500000 --acceleration 2000000");
     assert!(number(&half, "max_position_error_steps") <= 0.1);
@@ -310,7 +335,7 @@ fn what_cannot_be_is_refused_in_one_line() {
     );
     assert_refused(
         &format!("--distance 5 {limits} --profile sin2 --jerk 5"),
-        "for the profile `jerk` alone",
+        "for the profiles `jerk` and `average` alone",
     );
     assert_refused(&format!("--distance 5 {limits} --profile cubic"), "cubic");
     assert_refused(

@@ -431,6 +431,37 @@ impl Average {
     }
 }
 
+/// The mean of a plan from somewhere on, one curve after the other: what an axis with [`Ramps::MovingAverage`](crate::Ramps) follows if it is
+/// told nothing else. Behind the last one it stands, or keeps its velocity for ever.
+#[derive(Debug, Clone)]
+pub struct Mean {
+    average: Average,
+    plan: Plan,
+}
+
+impl Mean {
+    pub(crate) const fn new(average: Average, plan: Plan) -> Self {
+        Self { average, plan }
+    }
+
+    /// The first tick behind the last curve that was given; `Ticks::MAX` if that never ends.
+    pub const fn until(&self) -> Ticks {
+        self.average.until
+    }
+}
+
+impl Iterator for Mean {
+    type Item = Phase;
+
+    fn next(&mut self) -> Option<Phase> {
+        if self.average.until == Ticks::MAX || self.average.is_over() {
+            return None;
+        }
+        self.average.go_on(&self.plan);
+        Some(self.average.phase())
+    }
+}
+
 /// A position, Q32 steps, to the nearest.
 const fn sample(position: i128) -> i64 {
     Position::nearest(position).bits()

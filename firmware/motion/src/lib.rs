@@ -46,6 +46,7 @@ mod train;
 mod vectors;
 mod wide;
 
+pub use average::Mean;
 pub use axis::{AdvanceError, Axis, AxisConfig, Demand};
 pub use clock::{Clock, Ticks};
 pub use divide::{by_digit, quotient};

@@ -4,6 +4,7 @@
 //! the pulses is measured on them: how many there were, where they lead, and how far each is from where and when the plan has it.
 //! Units are steps and seconds.
 
+mod curve;
 mod decimal;
 mod pulses;
 mod report;
@@ -34,7 +35,7 @@ pub struct Arguments {
     /// Profile deceleration in steps/s², while the speed falls; without it as the acceleration
     #[arg(long, value_name = "STEPS/S²")]
     pub deceleration: Option<u32>,
-    /// Jerk in steps/s³, for the profile `jerk`
+    /// Jerk in steps/s³, for the profiles `jerk` and `average`
     #[arg(long, value_name = "STEPS/S³")]
     pub jerk: Option<u32>,
     /// How the velocity changes; with a jerk `jerk`, without one `trapezoid`
@@ -73,8 +74,10 @@ pub enum Profile {
     Trapezoid,
     /// sin² ramps, as long as the linear ones
     Sin2,
-    /// Limited jerk
+    /// Limited jerk: the fastest
     Jerk,
+    /// Moving average of the trapezoid, at limited jerk
+    Average,
 }
 
 /// Why there is nothing to show.

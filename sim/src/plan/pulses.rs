@@ -11,8 +11,9 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use motion::{Axis, Plan, PulseSink, Record, Ticks};
+use motion::{PulseSink, Record, Ticks};
 
+use super::curve::Curve;
 use super::request::Move;
 
 /// Runs of so many pulses are compared pulse by pulse.
@@ -69,7 +70,7 @@ pub(super) fn write(planned: &Move, path: &Path) -> io::Result<Played> {
 
 /// Plays the move up to its end.
 pub(super) fn play(planned: &Move, mut note: Option<Note<'_>>) -> io::Result<Played> {
-    let mut axis = Axis::on_plan(planned.axis, planned.plan);
+    let mut axis = planned.curve.axis.clone();
     let mut line = Line::default();
     let expected = planned.end.div_ceil(planned.axis.segment.into());
     let mut judge = Judge {
@@ -125,7 +126,7 @@ impl Judge<'_> {
             period,
             pulses,
         };
-        for pulse in run.worst(&self.planned.plan) {
+        for pulse in run.worst(&self.planned.curve) {
             self.compare(run.tick(pulse), origin + pulse as i64 * sign, sign);
         }
         if let Some(note) = note {
@@ -141,7 +142,7 @@ impl Judge<'_> {
 
     /// The pulse at `tick` leaves `position` in the direction of `sign`.
     fn compare(&mut self, tick: Ticks, position: i64, sign: i64) {
-        let plan = &self.planned.plan;
+        let plan = &self.planned.curve;
         let middle = (position << 32).wrapping_add(sign << 31);
         let state = plan.state_at(tick);
         let error = state.position.bits().wrapping_sub(middle).unsigned_abs();
@@ -169,7 +170,7 @@ impl Run {
     }
 
     /// The pulses one of which is the furthest from the plan.
-    fn worst(&self, plan: &Plan) -> Vec<u64> {
+    fn worst(&self, plan: &Curve) -> Vec<u64> {
         if self.pulses <= SHORT_RUN {
             return (0..self.pulses).collect();
         }
@@ -197,7 +198,7 @@ impl Run {
     }
 
     /// The first and the last pulse between two corners of the plan each; neighbours have a pulse in common.
-    fn between_corners(&self, plan: &Plan) -> Vec<(u64, u64)> {
+    fn between_corners(&self, plan: &Curve) -> Vec<(u64, u64)> {
         let last = self.pulses - 1;
         let mut parts = Vec::new();
         let mut from = 0;
@@ -233,7 +234,7 @@ fn change(from: u64, to: u64, what: impl Fn(u64) -> bool) -> Option<[u64; 2]> {
 }
 
 /// The tick nearest to `tick` at which the plan has come to `middle` in the direction of `sign`; within a few million ticks.
-fn crossing(plan: &Plan, tick: Ticks, middle: i64, sign: i64) -> Ticks {
+fn crossing(plan: &Curve, tick: Ticks, middle: i64, sign: i64) -> Ticks {
     let is_behind = |t: Ticks| {
         let way = plan.state_at(t).position.bits().wrapping_sub(middle);
         way.wrapping_mul(sign) >= 0
@@ -270,10 +271,10 @@ fn crossing(plan: &Plan, tick: Ticks, middle: i64, sign: i64) -> Ticks {
 
 #[cfg(test)]
 mod tests {
-    use motion::{Clock, Goal, Limits, Plan, Ramps, State, Ticks};
+    use motion::{AxisConfig, Clock, DriverTiming, Goal, Limits, Plan, Ramps, State, Ticks};
     use proptest::prelude::*;
 
-    use super::Run;
+    use super::{Curve, Run};
 
     proptest! {
         /// All of them are looked at here, one by one.
@@ -308,7 +309,9 @@ mod tests {
                 (least, most)
             };
             let every: Vec<u64> = (0..pulses).collect();
-            let (shown, all) = (worst(&run.worst(&plan)), worst(&every));
+            let timing = DriverTiming { pulse_high: 17, pulse_low: 17, direction_setup: 4, direction_hold: 4 };
+            let curve = Curve::of(AxisConfig { clock, segment: 42_000, timing }, plan);
+            let (shown, all) = (worst(&run.worst(&curve)), worst(&every));
             // Pulses next to the extreme one are as good but for rounding.
             prop_assert!(shown.0 - all.0 < 1e-6 && all.1 - shown.1 < 1e-6, "{shown:?} for {all:?}");
         }

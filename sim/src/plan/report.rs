@@ -49,8 +49,7 @@ impl Report {
     pub(super) fn of(planned: &Move, played: &Played) -> Self {
         let rate = f64::from(planned.clock.hz());
         let seconds = |ticks: Ticks| ticks as f64 / rate;
-        let starts: Vec<Ticks> = (planned.plan.phases().iter())
-            .map(|phase| phase.start())
+        let starts: Vec<Ticks> = (planned.curve.phases(planned.clock).into_iter())
             .filter(|start| *start < planned.end)
             .collect();
         let ends = starts.iter().skip(1).copied().chain([planned.end]);
@@ -58,17 +57,17 @@ impl Report {
             .map(|(&start, end)| Phase {
                 start_s: seconds(start),
                 duration_s: seconds(end - start),
-                velocity: velocity(planned, planned.plan.state_at(start)),
+                velocity: velocity(planned, planned.curve.state_at(start)),
                 acceleration: acceleration(planned, start),
             })
             .collect();
         // Between two corners the speed has no peak, but corners fall between two ticks.
-        let corners = starts
-            .iter()
-            .flat_map(|&start| [start.saturating_sub(1), start]);
+        let corners = (planned.curve.corners().into_iter())
+            .filter(|start| *start < planned.end)
+            .flat_map(|start| [start.saturating_sub(1), start]);
         let peak_velocity = corners
             .chain([planned.end])
-            .map(|tick| velocity(planned, planned.plan.state_at(tick)).abs())
+            .map(|tick| velocity(planned, planned.curve.state_at(tick)).abs())
             .fold(0.0, f64::max);
         Self {
             duration_s: seconds(planned.end),
@@ -128,11 +127,7 @@ fn velocity(planned: &Move, state: State) -> f64 {
 
 /// In steps/s², at a tick.
 fn acceleration(planned: &Move, tick: Ticks) -> f64 {
-    let phase = planned.plan.phases().iter().rev();
-    let phase = phase.into_iter().find(|phase| phase.start() <= tick);
-    phase.map_or(0.0, |phase| {
-        phase.acceleration_at(planned.clock, tick) as f64
-    })
+    planned.curve.acceleration_at(planned.clock, tick)
 }
 
 /// Writes position, velocity and acceleration over time as SVG.
@@ -142,8 +137,8 @@ pub(super) fn plot(planned: &Move, path: &Path) -> Result<(), String> {
     let mut ticks: Vec<Ticks> = (0..=POINTS)
         .map(|point| (u128::from(planned.end) * u128::from(point) / u128::from(POINTS)) as Ticks)
         .collect();
-    for phase in planned.plan.phases() {
-        ticks.extend([phase.start().saturating_sub(1), phase.start()]);
+    for start in planned.curve.phases(planned.clock) {
+        ticks.extend([start.saturating_sub(1), start]);
     }
     ticks.retain(|tick| *tick <= planned.end);
     ticks.sort_unstable();
@@ -155,7 +150,7 @@ pub(super) fn plot(planned: &Move, path: &Path) -> Result<(), String> {
             .collect()
     };
     let position = |tick| {
-        let bits = planned.plan.state_at(tick).position.bits();
+        let bits = planned.curve.state_at(tick).position.bits();
         bits as f64 / 2f64.powi(32) - planned.origin as f64
     };
     let last = planned.end.saturating_sub(1);
@@ -164,7 +159,7 @@ pub(super) fn plot(planned: &Move, path: &Path) -> Result<(), String> {
         Chart::new(
             "Velocity in steps/s",
             RED,
-            curve(&|tick| velocity(planned, planned.plan.state_at(tick))),
+            curve(&|tick| velocity(planned, planned.curve.state_at(tick))),
         ),
         Chart::new(
             "Acceleration in steps/s²",

@@ -1,10 +1,11 @@
 //! From the command line to a plan.
 
 use motion::{
-    AxisConfig, Clock, DriverTiming, Goal, Limits, Plan, Position, Ramps, Speed, State, Ticks,
-    Velocity,
+    Axis, AxisConfig, Clock, DriverTiming, Goal, Limits, Plan, Position, Ramps, Speed, State,
+    Ticks, Velocity,
 };
 
+use super::curve::Curve;
 use super::{Arguments, Profile, decimal};
 
 /// Shortest time of the step signal being high, and being low, in ns: what a fast driver chip needs.
@@ -19,7 +20,7 @@ const MOST_SEGMENTS: u64 = 10_000_000;
 /// A planned move.
 pub(super) struct Move {
     pub(super) clock: Clock,
-    pub(super) plan: Plan,
+    pub(super) curve: Curve,
     pub(super) axis: AxisConfig,
     /// Where it begins, in steps.
     pub(super) origin: i64,
@@ -81,9 +82,10 @@ impl Move {
             position: Position::from_steps(origin),
             velocity: Velocity::from_speed(clock, arguments.initial_velocity),
         };
-        let plan = Plan::new(clock, 0, from, goal, limits, ramps(arguments)?)
-            .map_err(|error| error.to_string())?;
-        let end = match plan.end() {
+        let ramps = ramps(arguments)?;
+        let plan =
+            Plan::new(clock, 0, from, goal, limits, ramps).map_err(|error| error.to_string())?;
+        let mut end = match plan.end() {
             // The clock counts no further.
             Some(end) if end >= Ticks::MAX - 1 => {
                 let years = Ticks::MAX / u64::from(clock.hz()) / 31_556_952;
@@ -102,18 +104,52 @@ impl Move {
             ));
         }
         let segment = (end / MOST_SEGMENTS).clamp(second / 4000, second.min(1 << 28));
+        let axis = AxisConfig {
+            clock,
+            segment: segment as u32,
+            timing,
+        };
+        let curve = if let Ramps::MovingAverage(_) = ramps {
+            let mut mover = Axis::on_plan(axis, standing(clock, from, arguments)?);
+            mover.set_ramps(ramps);
+            let moved = mover.move_to(target, limits);
+            moved.map_err(|error| error.to_string())?;
+            match mover.mean() {
+                Some(mean) => {
+                    let curve = Curve::averaged(mover, mean)?;
+                    end = curve.end();
+                    curve
+                }
+                None => Curve::of(axis, plan),
+            }
+        } else {
+            Curve::of(axis, plan)
+        };
         Ok(Self {
             clock,
-            plan,
-            axis: AxisConfig {
-                clock,
-                segment: segment as u32,
-                timing,
-            },
+            curve,
+            axis,
             origin,
             end,
         })
     }
+}
+
+/// Where a moving average begins: at rest, or at a velocity that has been kept.
+fn standing(clock: Clock, from: State, arguments: &Arguments) -> Result<Plan, String> {
+    if arguments.end_velocity != Speed::ZERO {
+        return Err("the profile `average` ends at rest".to_owned());
+    }
+    let velocity = arguments.initial_velocity;
+    if velocity.bits() == 0 {
+        return Ok(Plan::at_rest(from.position.whole_steps(), 0));
+    }
+    let limits = Limits {
+        velocity: velocity.unsigned_abs(),
+        acceleration: 1,
+        deceleration: 1,
+    };
+    Plan::velocity(clock, 0, from, velocity, limits).map_err(|error| error.to_string())
 }
 
 /// The ramps of the profile.
@@ -127,8 +163,10 @@ fn ramps(arguments: &Arguments) -> Result<Ramps, String> {
         (Profile::Trapezoid, None) => Ok(Ramps::Linear),
         (Profile::Sin2, None) => Ok(Ramps::SinSquared),
         (Profile::Jerk, Some(jerk)) => Ok(Ramps::JerkLimited(jerk)),
+        (Profile::Average, Some(jerk)) => Ok(Ramps::MovingAverage(jerk)),
         (Profile::Jerk, None) => Err("the profile `jerk` needs --jerk".to_owned()),
-        (_, Some(_)) => Err("--jerk is for the profile `jerk` alone".to_owned()),
+        (Profile::Average, None) => Err("the profile `average` needs --jerk".to_owned()),
+        (_, Some(_)) => Err("--jerk is for the profiles `jerk` and `average` alone".to_owned()),
     }
 }
 

@@ -1,13 +1,19 @@
 //! How an axis leaves for another goal, and how it follows the mean of its plan.
 
 use super::Axis;
-use crate::average::{Average, Window};
+use crate::average::{Average, Mean, Window};
 use crate::clock::Ticks;
 use crate::fixed::{Exact, State};
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::train::Chord;
 
 impl Axis {
+    /// What it goes on with if it follows the mean of a plan; `None` if it does not.
+    pub fn mean(&self) -> Option<Mean> {
+        self.is_averaged
+            .then(|| Mean::new(self.average.clone(), self.plan))
+    }
+
     /// Plans another motion, from where the axis is at the commit horizon. On an error the motion goes on as it was.
     pub(super) fn redirect(&mut self, goal: Goal, limits: Limits) -> Result<(), PlanError> {
         let limits = Limits {

@@ -7,7 +7,7 @@
 
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::Divisor;
-use crate::fixed::Exact;
+use crate::fixed::{Exact, State};
 use crate::wide::Wide;
 
 use super::sine::Sine;
@@ -99,6 +99,11 @@ impl Phase {
             }
             Curve::Sine(sine) => sine.acceleration(self.away(t)),
         }
+    }
+
+    /// The state at tick `t` of the phase.
+    pub fn state_at(&self, t: Ticks) -> State {
+        self.at(t).rounded()
     }
 
     /// The exact state at tick `t`.
