@@ -47,6 +47,28 @@ fn d05_and_m05_operation_ends_as_605bh_and_605ch_say() {
     }
 }
 
+/// Wherever between two control ticks the frame comes, the drive has obeyed when it is over. The ticks keep their beat.
+#[test]
+fn m07_a_command_to_stop_does_not_wait_for_the_control_tick() {
+    for (command, state) in [
+        (0x0B, QUICK_STOP_ACTIVE),
+        (0x06, READY_TO_SWITCH_ON),
+        (0x00, SWITCH_ON_DISABLED),
+    ] {
+        for behind in [0, 100, 200, 300, 400, 500, 600, 700] {
+            let mut drive = cruising();
+            drive.run_micros(behind);
+            let tick = drive.axis().actuals().at.ticks();
+            drive.command(command);
+            drive.run_micros(100);
+            assert!(state.is_shown_by(drive.statusword()), "{behind} us");
+            drive.run_millis(2);
+            let next = drive.axis().actuals().at.ticks();
+            assert_eq!((next - tick) % 1_000, 0, "{behind} us");
+        }
+    }
+}
+
 #[test]
 fn m07_every_quick_stop_option_has_its_ramp_and_its_end() {
     for (code, ramp, end) in [
