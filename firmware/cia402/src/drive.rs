@@ -121,6 +121,8 @@ pub struct Drive {
     power: bool,
     /// The motor stood at the end of the last tick: its position must now be the one its pulses lead to.
     settled: bool,
+    /// When the field has caught the rotor: from then on the motor may move.
+    caught: Instant,
     /// The restart that is asked for has been done.
     restarted: bool,
     /// "Shutdown" was written before the command that stands, and has not been carried out yet.
@@ -169,6 +171,7 @@ impl Drive {
             periphery: Periphery::new(),
             power: false,
             settled: false,
+            caught: Instant::from_ticks(0),
             restarted: false,
             shutdown_first: false,
             pending: None,
@@ -283,7 +286,9 @@ impl Drive {
             self.motor.set_reversed(is_reversed, inputs.position);
         }
         let position = self.motor.position_of(inputs.position);
-        let displaced = self.power
+        self.await_rotor(now, inputs);
+        let is_held = self.power && self.is_caught(now);
+        let displaced = is_held
             && self.settled
             && !self.motor.is_cut()
             && self.motor.is_displaced(position, inputs.slack);
@@ -295,7 +300,7 @@ impl Drive {
         if !self.power && self.motor.standstill() {
             self.motor.set_timing(self.configuration.pulse_timing);
         }
-        self.motor.observe(position, self.power, pulses);
+        self.motor.observe(position, is_held, pulses);
         self.motor.set_time(fine(now));
         (position, displaced)
     }

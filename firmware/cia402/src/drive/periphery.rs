@@ -7,6 +7,9 @@ use crate::periphery::News;
 use crate::periphery::digital_outputs::Shown;
 use crate::periphery::motor_current::Motion;
 
+/// A rotor that its field has caught swings for so long, in microseconds.
+const CATCH: u64 = 50_000;
+
 impl Drive {
     /// What the board has measured, and what the master wants of the outputs, at the start of a tick.
     pub(super) fn measure(&mut self, inputs: &Inputs, now: Instant, elapsed: u32, position: i64) {
@@ -41,9 +44,28 @@ impl Drive {
         self.fitted_brake.set(release, now);
     }
 
-    /// Whether the brake lets the motor move, and is to go on doing so.
+    /// Power that comes draws the rotor to the nearest place of its field, up to two full steps away. Where an encoder shows that, the
+    /// motor begins from where it has come to rest, and not before the brake has let go of it.
+    pub(super) fn await_rotor(&mut self, now: Instant, inputs: &Inputs) {
+        if !self.power {
+            let release = u64::from(self.configuration.brake.release).saturating_mul(1_000);
+            let wait = match inputs.slack {
+                0 => 0,
+                _ => release.saturating_add(CATCH),
+            };
+            self.caught = Instant::from_ticks(now.ticks().saturating_add(wait));
+        }
+    }
+
+    /// Whether the field holds the rotor.
+    pub(super) fn is_caught(&self, now: Instant) -> bool {
+        now >= self.caught
+    }
+
+    /// Whether the brake, and the rotor that is drawn to its field, let the motor move, and are to go on doing so.
     pub(super) fn is_brake_open(&self, now: Instant) -> bool {
-        self.periphery.outputs.brake() != Some(false)
+        self.is_caught(now)
+            && self.periphery.outputs.brake() != Some(false)
             && self.fitted_brake.is_open(self.configuration.brake, now)
     }
 
