@@ -46,7 +46,11 @@ impl Rules {
     }
 
     /// To rest, in whichever direction.
+    #[inline]
     fn stop(&self, velocity: i128, acceleration: i128) -> Ramp {
+        if velocity == 0 && acceleration == 0 {
+            return Ramp::default();
+        }
         Ramp::new(velocity, acceleration, 0, self.deceleration, self.jerk)
     }
 }
@@ -157,14 +161,15 @@ fn reach(
     let mut course = Course::new(plan, start, from, reverse);
     let forwards = velocity > 0 && coasting(velocity, acceleration, rules.jerk) >= 0;
     if (forwards || velocity == 0 && acceleration >= 0)
-        && let Some(route) = rules.route(velocity, acceleration, end, gap)
+        && let Some(cruise) = rules.fastest(velocity, acceleration, end, gap)
     {
+        let route = rules.over(velocity, acceleration, cruise, end);
         course.take(&route, gap, end, goal);
         return Ok(());
     }
     course.ramp(&rules.stop(velocity, acceleration));
-    match rules.route(0, 0, end, left) {
-        Some(route) => course.take(&route, left, end, goal),
+    match rules.fastest(0, 0, end, left) {
+        Some(cruise) => course.take(&rules.over(0, 0, cruise, end), left, end, goal),
         // The way is too short for the end velocity: it comes about behind the target.
         None => {
             course.ramp(&rules.ramp(0, 0, end));
@@ -213,6 +218,8 @@ impl Route {
 }
 
 impl Rules {
+    /// Inlined, as a route is large.
+    #[inline(always)]
     pub(super) fn over(
         &self,
         velocity: i128,
@@ -237,12 +244,11 @@ impl Rules {
         }
     }
 
-    /// The fastest way over `way`, from a state to the velocity `end`; `None` if the ramps are too long.
-    fn route(&self, velocity: i128, acceleration: i128, end: i128, way: u128) -> Option<Route> {
-        let cruise = self.cruise(velocity, acceleration, end, way)?;
-        let route = self.over(velocity, acceleration, cruise, end);
+    /// The velocity of the fastest way over `way`, from a state to the velocity `end`; `None` if the ramps are too long.
+    fn fastest(&self, velocity: i128, acceleration: i128, end: i128, way: u128) -> Option<i128> {
         // Both ways of adding up differ by their roundings at most, and the landing is anchored at the target.
-        (cruise > 0).then_some(route)
+        let cruise = self.cruise(velocity, acceleration, end, way)?;
+        (cruise > 0).then_some(cruise)
     }
 }
 

@@ -166,10 +166,12 @@ impl Route {
         let top = self.clock.speed(self.limits.velocity);
         let half_deceleration = self.deceleration.half;
         let is_alike = self.limits.acceleration == self.limits.deceleration;
+        let other;
         let acceleration = if is_alike {
-            self.deceleration
+            &self.deceleration
         } else {
-            Slope::new(self.clock, self.limits.acceleration)
+            other = Slope::new(self.clock, self.limits.acceleration);
+            &other
         };
         let half_acceleration = acceleration.half;
         if speed > top {

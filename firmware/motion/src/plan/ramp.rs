@@ -82,7 +82,7 @@ impl Piece {
 }
 
 /// A change of velocity.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Ramp {
     pub(super) pieces: [Piece; 3],
     pub(super) time: Offset,
