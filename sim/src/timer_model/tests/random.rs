@@ -1,6 +1,6 @@
 //! Any sequence of commands, with a processor that comes late or not at all: every pulse is accounted for.
 
-use motion::{DriverTiming, Limits};
+use motion::{DriverTiming, Limits, Ramps};
 use proptest::prelude::*;
 
 use super::super::rig::SEGMENT;
@@ -11,6 +11,8 @@ enum Command {
     MoveTo(i32, Limits),
     RampTo(i32, Limits),
     Stop(u32),
+    /// Ramps for what comes from now on: linear, or a mean at this jerk.
+    Choose(Option<u32>),
     Drop,
     /// Refills on time.
     Refill(u8),
@@ -32,6 +34,7 @@ fn command() -> impl Strategy<Value = Command> {
         2 => (-50..50i32, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
         2 => (-900_000..900_000i32, limits()).prop_map(|(velocity, limits)| Command::RampTo(velocity, limits)),
         2 => (1..50_000_000u32).prop_map(Command::Stop),
+        2 => prop::option::of(1 << 20..1_u32 << 31).prop_map(Command::Choose),
         1 => Just(Command::Drop),
         8 => any::<u8>().prop_map(Command::Refill),
         2 => (0..4 * SEGMENT).prop_map(Command::Late),
@@ -47,6 +50,11 @@ fn play(commands: &[Command], timing: DriverTiming, burst: u64) {
             Command::MoveTo(target, limits) => rig.axis.move_to(target.into(), limits),
             Command::RampTo(velocity, limits) => rig.axis.ramp_to(velocity.into(), limits),
             Command::Stop(deceleration) => rig.axis.stop(deceleration),
+            Command::Choose(jerk) => {
+                let ramps = jerk.map_or(Ramps::Linear, Ramps::MovingAverage);
+                rig.axis.set_ramps(ramps);
+                Ok(())
+            }
             Command::Drop => {
                 rig.output.drop_all();
                 rig.axis.abort();
