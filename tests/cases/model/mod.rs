@@ -237,10 +237,8 @@ impl Comparison {
         self.table.booted();
         self.mode_written = self.now;
         self.enter(self.table.state);
-        if self.table.options.abort_connection == 3 {
-            // The data sheet's values may be back.
-            self.drive.write_u8(0x2051, 2, 2);
-        }
+        // The data sheet's value may be back.
+        self.drive.write_u8(0x2051, 2, 2);
         self.settle();
         Ok(())
     }
