@@ -229,16 +229,14 @@ impl Drive {
         self.cyclic.pass(fine(now), &self.configuration.cyclic);
         self.is_early = false;
         self.look_for_changes(waiting.is_configured, position);
-        if waiting.is_configured {
-            self.switches.look_anew();
-        }
         self.switches.observe(
             &inputs.digital,
             &self.configuration.inputs,
             self.motor.count(position),
             elapsed,
         );
-        self.measure(inputs, now, elapsed, position);
+        self.measure(inputs, elapsed);
+        self.probe(inputs, now, position);
         self.monitor(now, position, inputs.slack == 0);
 
         let restart = self.commands.restart;
@@ -253,7 +251,7 @@ impl Drive {
             let blocked = self.blocked(inputs, position);
             self.operate(now, position, elapsed, blocked, command, pulses)
         };
-        if self.state() != State::OperationEnabled || !self.modes.keeps_records() {
+        if !self.keeps_records() {
             self.cyclic.buffer.clear();
         }
 
@@ -354,6 +352,10 @@ impl Drive {
 
     /// Works out anew what hangs on units and limits, if they or the home position may have changed.
     fn look_for_changes(&mut self, is_configured: bool, position: i64) {
+        if is_configured {
+            // An early tick does not look at them: the next regular one does.
+            self.switches.look_anew();
+        }
         self.has_changed =
             is_configured || self.limits.are_old(&self.frame, self.motor.is_referenced());
         if self.has_changed {
@@ -378,6 +380,11 @@ impl Drive {
         if !self.motor.advance(pulses) {
             self.faults.pulses_late(true);
         }
+    }
+
+    /// Whether data records may wait.
+    fn keeps_records(&self) -> bool {
+        self.state() == State::OperationEnabled && self.modes.keeps_records()
     }
 
     /// Compares what the motor does with what it should.

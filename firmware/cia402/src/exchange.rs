@@ -471,6 +471,11 @@ impl Exchange {
         self.records.push(record, self.configuration.cyclic.buffer);
     }
 
+    /// The data records that no tick has taken yet are not to be carried out.
+    pub(crate) fn forget_records(&mut self) {
+        self.records.clear();
+    }
+
     /// The oldest data record that no tick has taken yet.
     pub fn take_record(&mut self) -> Option<i32> {
         self.records.pop()

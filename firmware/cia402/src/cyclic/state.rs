@@ -52,6 +52,11 @@ impl Cyclic {
         }
     }
 
+    /// The configuration is perhaps another one.
+    pub(crate) const fn look_anew(&mut self) {
+        self.is_new = true;
+    }
+
     /// Takes what has come since the last tick: each piece under a lock of its own, and nothing is worked out there. Data records are left out
     /// if they are not to be taken.
     pub(crate) fn take<X: Share>(

@@ -2,7 +2,7 @@
 //! would wait for up to a period.
 //!
 //! It does what concerns the command and the motor: state machine, mode, plan, and what is published of them. Everything that goes by
-//! the regular beat is left to it: switches and their debouncing, edges of inputs, data records and set-points of the cyclic
+//! the regular beat is left to it: switches and their debouncing, edges of inputs and the touch probes, data records and set-points of the cyclic
 //! modes, the rhythm of the ticks, pulses for a motor that moves, the sixteen ticks of the actual velocity, samples of the scope. So no
 //! time is shortened and nothing is consumed twice. All other times are taken from the clock.
 
@@ -10,11 +10,11 @@ use canopen::Instant;
 use motion::PulseSink;
 
 use super::{Drive, Inputs, Outputs};
-use crate::exchange::Share;
+use crate::exchange::{Exchange, Share};
 use crate::inputs::DigitalInputs;
 
 impl Drive {
-    /// A tick as soon as a command to stop has come ([`Exchange::calls_early`](crate::Exchange::calls_early)); the regular ones come behind it as they would have
+    /// A tick as soon as a command to stop has come ([`Exchange::calls_early`]); the regular ones come behind it as they would have
     /// come. `now` and `inputs` are as for [`Drive::tick`], but the digital inputs are not looked at: their edges are for the
     /// regular tick.
     pub fn early_tick<S: PulseSink, X: Share>(
@@ -27,6 +27,7 @@ impl Drive {
         let waiting = exchange.lock(|exchange| exchange.take_early(&mut self.commands));
         if waiting.is_configured {
             exchange.lock(|exchange| exchange.take_configuration(&mut self.configuration));
+            self.cyclic.look_anew();
         }
         self.is_early = true;
         self.is_seen = waiting.is_seen;
@@ -43,7 +44,8 @@ impl Drive {
             ..*inputs
         };
         // What is only written once, to probes and outputs, is in the commands of this tick.
-        self.measure(inputs, now, 0, position);
+        self.measure(inputs, 0);
+        self.periphery.probes.follow_later(&self.commands);
         if self.power {
             let (demand, is_counted) = (self.motor.demand(), inputs.slack == 0);
             (self.observed).look_again(demand, position, is_counted);
@@ -53,6 +55,11 @@ impl Drive {
         self.move_brake(now);
         let blocked = self.blocked(inputs, position);
         let mode_bits = self.operate(now, position, 0, blocked, command, pulses);
+        if !self.keeps_records() {
+            // At the next regular tick they may be kept again, but none of those that came before the stop.
+            self.cyclic.buffer.clear();
+            exchange.lock(Exchange::forget_records);
+        }
         self.hand_over((now, 0), inputs, mode_bits, false, pulses, exchange)
     }
 }

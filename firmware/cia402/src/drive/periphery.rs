@@ -12,18 +12,22 @@ const CATCH: u64 = 50_000;
 
 impl Drive {
     /// What the board has measured, and what the master wants of the outputs, at the start of a tick.
-    pub(super) fn measure(&mut self, inputs: &Inputs, now: Instant, elapsed: u32, position: i64) {
-        self.periphery.measure(
+    pub(super) fn measure(&mut self, inputs: &Inputs, elapsed: u32) {
+        self.periphery.measure(elapsed, inputs, &self.configuration);
+        self.periphery
+            .outputs
+            .command(&self.commands, &self.configuration.outputs);
+    }
+
+    /// The touch probes look at the inputs: in regular ticks only, as these alone have the edges.
+    pub(super) fn probe(&mut self, inputs: &Inputs, now: Instant, position: i64) {
+        self.periphery.probes.observe(
             now,
-            elapsed,
-            inputs,
+            &inputs.digital,
             &self.commands,
             &self.configuration,
             self.motor.count(position),
         );
-        self.periphery
-            .outputs
-            .command(&self.commands, &self.configuration.outputs);
     }
 
     /// What is new for the device.

@@ -11,12 +11,8 @@ pub mod motor_current;
 pub mod power_stage;
 pub mod touch_probe;
 
-use canopen::Instant;
-
 use crate::configuration::Configuration;
 use crate::drive::Inputs;
-use crate::exchange::Commands;
-use crate::inputs::Count;
 
 use analogue_input::AnalogueInput;
 use digital_outputs::DigitalOutputs;
@@ -84,19 +80,9 @@ impl Periphery {
         }
     }
 
-    /// Looks at the inputs of a tick. `count` is how the master counts; `elapsed` are the microseconds since the last tick.
-    pub(crate) fn measure(
-        &mut self,
-        now: Instant,
-        elapsed: u32,
-        inputs: &Inputs,
-        commands: &Commands,
-        configuration: &Configuration,
-        count: Count,
-    ) {
+    /// Looks at the inputs of a tick, but for the edges. `elapsed` are the microseconds since the last tick.
+    pub(crate) fn measure(&mut self, elapsed: u32, inputs: &Inputs, configuration: &Configuration) {
         self.stage.observe(inputs, &configuration.power_stage);
-        self.probes
-            .observe(now, &inputs.digital, commands, configuration, count);
         if let Some(raw) = inputs.analogue {
             self.analogue.observe(raw, elapsed, &configuration.analogue);
         }

@@ -201,6 +201,8 @@ pub(crate) struct TouchProbes {
     /// 60B8h and 60D0h as the last tick found them.
     function: u16,
     sources: [Source; 2],
+    /// Bits 0 and 8 of 60B8h that were 0 in early ticks since.
+    off: u16,
     /// Bare levels in the last tick: another 2032h is no edge.
     levels: u8,
     inputs: [u8; 4],
@@ -213,6 +215,7 @@ impl TouchProbes {
             probes: [const { Probe::new() }; 2],
             function: 0,
             sources: [Source::Probe1, Source::Probe2],
+            off: 0,
             levels: 0,
             inputs: [0; 4],
             is_news: false,
@@ -238,6 +241,11 @@ impl TouchProbes {
             self.sample(now, inputs, before, &configuration.inputs, count);
         }
         self.follow(commands, configuration);
+    }
+
+    /// These commands are those of an early tick: they count from the next regular one on, behind the edges that it brings.
+    pub(crate) const fn follow_later(&mut self, commands: &Commands) {
+        self.off |= commands.touch_probes_off;
     }
 
     /// Positions have other numbers: those that are stored are news.
@@ -274,7 +282,7 @@ impl TouchProbes {
             configuration.inputs.inverted,
         ];
         let is_same = commands.touch_probe_function == self.function
-            && commands.touch_probes_off == 0
+            && commands.touch_probes_off | self.off == 0
             && configuration.touch_probe_sources == self.sources
             && given == self.inputs;
         if !is_same {
@@ -290,7 +298,8 @@ impl TouchProbes {
         self.sources = configuration.touch_probe_sources;
         let own = [Source::Probe1, Source::Probe2];
         let functions = self.function.to_le_bytes();
-        let off = commands.touch_probes_off.to_le_bytes();
+        let off = commands.touch_probes_off | core::mem::take(&mut self.off);
+        let off = off.to_le_bytes();
         let parts = functions
             .into_iter()
             .zip(off)

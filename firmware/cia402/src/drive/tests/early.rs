@@ -8,8 +8,9 @@ use motion::{PulseSink, Ramps, SignedSpeed};
 use crate::configuration::HomingConfiguration;
 use crate::cyclic::Beat;
 use crate::exchange::Actuals;
-use crate::inputs::InputConfiguration;
+use crate::inputs::{Edge, Edges, InputConfiguration};
 use crate::state_machine::State;
+use crate::statusword::WARNING;
 use crate::testing::Rig;
 
 /// A drive that cruises at 10 steps a tick.
@@ -120,6 +121,184 @@ fn d23_a_network_that_is_lost_stops_the_motor_at_once() {
     assert!(rig.exchange.calls_early());
     rig.early_tick_and_play(Duration::micros(700));
     assert_eq!(rig.state(), State::QuickStopActive);
+}
+
+#[test]
+fn d31_a_limit_switch_that_is_set_up_just_before_a_stop_is_seen() {
+    let mut rig = cruising();
+    rig.digital.levels = 4;
+    rig.ticks(10);
+    rig.tick_and_play(Duration::micros(600));
+    rig.configuration.inputs.positive_limit = 4;
+    rig.write(0x010F);
+    assert!(rig.exchange.calls_early());
+    rig.early_tick_and_play(Duration::micros(400));
+    rig.tick();
+    assert_eq!(rig.actuals().digital_inputs & 7, 2);
+    rig.write(0x0F);
+    rig.tick();
+    assert!(rig.limited());
+}
+
+#[test]
+fn what_is_set_up_of_the_beat_just_before_a_stop_is_seen() {
+    let mut rig = Rig::new();
+    rig.commands.mode = 8;
+    rig.configuration.cyclic.period = 1_000;
+    rig.enable();
+    for number in 0..100 {
+        beat(&mut rig, Some(5 * number));
+        rig.tick();
+    }
+    assert!(rig.actuals().is_moving && !rig.has(WARNING));
+    rig.tick_and_play(Duration::micros(600));
+    rig.configuration.cyclic.cycle = 2_000;
+    rig.write(0x010F);
+    assert!(rig.exchange.calls_early());
+    rig.early_tick_and_play(Duration::micros(400));
+    rig.tick();
+    assert!(rig.has(WARNING));
+}
+
+/// A drive that cruises with this 60B8h, and its probe 1 on input 4.
+fn probing(function: u16) -> Rig {
+    let mut rig = cruising();
+    rig.configuration.inputs.touch_probes = [8, 0];
+    rig.commands.touch_probe_function = function;
+    rig.post();
+    rig.ticks(2);
+    rig
+}
+
+/// 600 µs behind a tick another 60B8h comes with a halt, 300 µs before it an edge.
+fn edge_before_a_stop(rig: &mut Rig, function: u16) {
+    rig.tick_and_play(Duration::micros(300));
+    let edge = Edges::one(Edge {
+        position: i32::try_from(rig.motor.position).unwrap(),
+        time: 7,
+    });
+    rig.motor_plays(Duration::micros(300));
+    rig.commands.touch_probe_function = function;
+    rig.write(0x010F);
+    assert!(rig.exchange.calls_early());
+    rig.early_tick_and_play(Duration::micros(400));
+    rig.digital.levels = 8;
+    rig.digital.changed = 8;
+    rig.digital.captured[3].rose = Some(edge);
+    rig.tick();
+}
+
+#[test]
+fn m70_a_probe_switched_on_with_a_stop_samples_no_edge_from_before() {
+    let mut rig = probing(0);
+    edge_before_a_stop(&mut rig, 0x11);
+    let (latched, _) = rig.exchange.take_news();
+    assert_eq!((latched.status, latched.counters[0]), (1, 0));
+}
+
+#[test]
+fn m70_a_probe_switched_off_with_a_stop_keeps_the_edge_from_before() {
+    let mut rig = probing(0x11);
+    edge_before_a_stop(&mut rig, 0);
+    let (latched, _) = rig.exchange.take_news();
+    assert_eq!((latched.status, latched.counters[0]), (0, 1));
+    assert_eq!(latched.times[0], 7);
+}
+
+#[test]
+fn m70_a_probe_switched_off_and_on_with_a_stop_starts_anew() {
+    let mut rig = probing(0x11);
+    rig.digital.levels = 8;
+    rig.tick();
+    assert_eq!(rig.exchange.take_news().0.status, 3);
+    rig.tick_and_play(Duration::micros(600));
+    rig.commands.touch_probes_off = 1;
+    rig.write(0x010F);
+    rig.commands.touch_probes_off = 0;
+    rig.early_tick_and_play(Duration::micros(400));
+    rig.tick();
+    assert_eq!(rig.exchange.take_news().0.status, 1);
+    // Once.
+    rig.digital.levels = 0;
+    rig.tick();
+    rig.digital.levels = 8;
+    rig.ticks(2);
+    assert_eq!(rig.exchange.take_news().0.status, 3);
+}
+
+/// What a master does.
+type Act = fn(&mut Rig);
+
+/// A stop that forgets records, and what the master wants again before the next control tick.
+fn records_behind_a_stop(stop: Act, again: Act) -> Rig {
+    let mut rig = Rig::new();
+    rig.commands.mode = 7;
+    rig.configuration.cyclic.period = 1_000;
+    rig.enable();
+    rig.write(0x1F);
+    for number in 1..=30 {
+        rig.exchange.record(5 * number);
+        if number > 10 {
+            beat(&mut rig, None);
+        }
+        rig.tick();
+    }
+    assert!(rig.actuals().is_moving && rig.actuals().sync.buffered > 5);
+    rig.exchange.record(200);
+    beat(&mut rig, None);
+    rig.tick_and_play(Duration::micros(200));
+    rig.exchange.record(205);
+    rig.motor_plays(Duration::micros(100));
+    stop(&mut rig);
+    assert!(rig.exchange.calls_early());
+    rig.early_tick_and_play(Duration::micros(300));
+    again(&mut rig);
+    rig.motor_plays(Duration::micros(400));
+    rig
+}
+
+/// A SYNC, 250 µs behind the tick that was last.
+fn beat(rig: &mut Rig, position: Option<i32>) {
+    rig.exchange.beat(Beat {
+        at: rig.now() - Duration::micros(750),
+        is_sync: true,
+        position,
+        velocity: None,
+        position_offset: 0,
+        velocity_offset: SignedSpeed::ZERO,
+    });
+}
+
+#[test]
+fn m68_records_from_before_a_stop_that_forgets_them_are_not_carried_out() {
+    let stops: [(Act, Act); 2] = [
+        (|rig| rig.write(0x17), |rig| rig.write(0x1F)),
+        (
+            |rig| {
+                rig.commands.mode = 1;
+                rig.write(0x011F);
+            },
+            |rig| {
+                rig.commands.mode = 7;
+                rig.write(0x1F);
+            },
+        ),
+    ];
+    for (number, (stop, again)) in stops.into_iter().enumerate() {
+        let mut rig = records_behind_a_stop(stop, again);
+        rig.tick();
+        assert_eq!(rig.actuals().sync.buffered, 0, "{number}");
+        // What comes from now on is kept.
+        for _ in 0..5 {
+            rig.exchange.record(100);
+        }
+        rig.tick();
+        assert!(rig.actuals().sync.buffered > 2, "{number}");
+    }
+    // Halt alone forgets none.
+    let mut rig = records_behind_a_stop(|rig| rig.write(0x011F), |rig| rig.write(0x1F));
+    rig.tick();
+    assert!(rig.actuals().sync.buffered > 6);
 }
 
 /// What a master does in the tick with this number.
