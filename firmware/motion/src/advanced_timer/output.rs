@@ -5,7 +5,7 @@ use core::fmt;
 use super::count::Course;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
-use super::slots::{LONGEST_RUN, Remainder, Runs, Words, direction_of, level};
+use super::slots::{LONGEST_RUN, MOST_PERIODS, Place, Remainder, Words, direction_of, level};
 use crate::{PulseSink, Record, Ticks};
 
 /// Slots that are always silent: with the processor stopped they take 6.4 s at 168 MHz.
@@ -278,53 +278,60 @@ impl<'a, R: Registers> Output<'a, R> {
         }
     }
 
-    /// Takes records of short periods that go the same way as the one before, as long as there is room and they are in time: where pulses
-    /// are dense, nearly all are like that. Gives how many.
+    /// Takes records that go the same way as the one before, as long as there is room and they are in time: nearly all are like that.
+    /// Gives how many.
     #[inline(never)]
-    fn push_dense(&mut self, records: &[Record]) -> usize {
+    fn push_alike(&mut self, records: &[Record]) -> usize {
         if !self.running || !self.remainder.is_empty() {
             return 0;
         }
         let room = MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.silenced));
-        let mut most = room.min(self.in_time().max(0).cast_unsigned());
+        let most = room.min(self.in_time().max(0).cast_unsigned());
         let (direction, level) = (self.course.direction(), self.level);
-        let (mut slot, mut last) = (self.written, self.last);
-        let (mut request, mut end, mut pulses) = (self.request, self.end, self.pulses);
+        let mut place = Place {
+            slot: self.written,
+            most,
+            last: self.last,
+        };
+        let (mut ticks, mut pulses) = (0_u32, 0_u32);
         let mut taken = 0_usize;
         for record in records {
-            let repeat = u32::from(record.repeat);
-            let Some(mut runs) = Runs::of(record.period, repeat) else {
+            let (period, repeat) = (record.period, u32::from(record.repeat));
+            if record.direction != direction || place.most == 0 {
                 break;
+            }
+            let run = period.wrapping_mul(repeat);
+            // Most records are one run. Silence is one period.
+            let is_run = if record.width == 0 {
+                period <= LONGEST_RUN && repeat == 1
+            } else {
+                period <= LONGEST_RUN && run <= LONGEST_RUN && repeat <= MOST_PERIODS
             };
-            // Silence is one period.
-            let is_odd = record.width == 0 && repeat != 1;
-            if record.direction != direction || is_odd || runs.count > most {
+            if is_run {
+                let words = Words::run(period, repeat, record.width.into(), level);
+                self.ring.put(place.slot, words);
+                place.slot = place.slot.wrapping_add(1);
+                place.most = place.most.wrapping_sub(1);
+                place.last = run;
+            } else if !place.spread(self.ring, record, level) {
                 break;
             }
-            most = most.wrapping_sub(runs.count);
-            let mut left = runs.count;
-            loop {
-                // Most records are one run.
-                let repeat = if runs.count == 1 { repeat } else { runs.next() };
-                let words = Words::run(record.period, repeat, record.width.into(), level);
-                self.ring.set_level(slot.wrapping_add(1), level);
-                self.ring.put(slot, words);
-                slot = slot.wrapping_add(1);
-                request = request.wrapping_add(last);
-                last = words.ticks();
-                left = left.wrapping_sub(1);
-                if left == 0 {
-                    break;
-                }
-            }
-            end = end.wrapping_add(record.period.wrapping_mul(repeat));
+            ticks = ticks.wrapping_add(run);
             if record.width > 0 {
                 pulses = pulses.wrapping_add(repeat);
             }
             taken = taken.wrapping_add(1);
         }
-        (self.written, self.last) = (slot, last);
-        (self.request, self.end, self.pulses) = (request, end, pulses);
+        if taken > 0 {
+            // What follows must not turn back while it is silent.
+            self.ring.set_level(place.slot, level);
+            self.written = place.slot;
+            self.end = self.end.wrapping_add(ticks);
+            self.last = place.last;
+            // The DMA fetches the next slot when the last one begins.
+            self.request = self.end.wrapping_sub(place.last);
+            self.pulses = self.pulses.wrapping_add(pulses);
+        }
         taken
     }
 
@@ -442,13 +449,9 @@ impl<R: Registers> PulseSink for Output<'_, R> {
     fn push_all(&mut self, records: &[Record]) -> usize {
         let mut taken = 0;
         while let Some(record) = records.get(taken) {
-            let dense = if record.period <= LONGEST_RUN {
-                self.push_dense(records.get(taken..).unwrap_or_default())
-            } else {
-                0
-            };
-            taken = taken.wrapping_add(dense);
-            if dense == 0 {
+            let alike = self.push_alike(records.get(taken..).unwrap_or_default());
+            taken = taken.wrapping_add(alike);
+            if alike == 0 {
                 if self.push(*record).is_err() {
                     break;
                 }

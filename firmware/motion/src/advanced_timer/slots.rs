@@ -1,5 +1,6 @@
 //! From records to slots: what a timer of 16 bits with a repetition counter of 8 bits can do at a time.
 
+use super::ring::Ring;
 use crate::{Direction, Record};
 
 /// Longest period of a timer of 16 bits, in ticks. One less than it could be, so that a compare value above the reload value
@@ -112,6 +113,66 @@ impl Runs {
         }
         self.more = self.more.wrapping_sub(1);
         self.repeat.wrapping_add(1)
+    }
+}
+
+/// Where slots are written, one behind the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// The next slot, counted round the ring.
+    pub(super) slot: u32,
+    /// So many may be written.
+    pub(super) most: u32,
+    /// Ticks of the last one written.
+    pub(super) last: u32,
+}
+
+impl Place {
+    /// Writes a record that takes several slots, if they are not too many; whether it was written.
+    #[inline(never)]
+    pub(super) fn spread(&mut self, ring: &Ring, record: &Record, level: u32) -> bool {
+        let (period, repeat) = (record.period, u32::from(record.repeat));
+        let width = u32::from(record.width);
+        if period <= LONGEST_RUN && width > 0 {
+            let Some(mut runs) = Runs::of(period, repeat).filter(|runs| runs.count <= self.most)
+            else {
+                return false;
+            };
+            for _ in 0..runs.count {
+                self.put(ring, Words::run(period, runs.next(), width, level));
+            }
+            return true;
+        }
+        // Silence is one period.
+        let (period, repeat) = if width == 0 {
+            (period.saturating_mul(repeat), 1)
+        } else {
+            (period, repeat)
+        };
+        let parts = period.div_ceil(LONGEST_RUN);
+        if parts.saturating_mul(repeat) > self.most || width >= LONGEST_RUN / 2 {
+            return false;
+        }
+        // Parts of equal length: none is short, and the pulse has room in the first.
+        let part = period.checked_div(parts).unwrap_or(0);
+        let rest = part.wrapping_add(period.wrapping_sub(part.wrapping_mul(parts)));
+        for _ in 0..repeat {
+            let mut width = width;
+            for _ in 1..parts {
+                self.put(ring, Words::run(part, 1, width, level));
+                width = 0;
+            }
+            self.put(ring, Words::run(rest, 1, width, level));
+        }
+        true
+    }
+
+    #[inline]
+    fn put(&mut self, ring: &Ring, words: Words) {
+        ring.put(self.slot, words);
+        self.slot = self.slot.wrapping_add(1);
+        self.most = self.most.wrapping_sub(1);
+        self.last = words.ticks();
     }
 }
 

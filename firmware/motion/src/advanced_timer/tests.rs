@@ -5,7 +5,8 @@ use std::vec::Vec;
 use proptest::prelude::*;
 
 use super::count::Course;
-use super::slots::{LONGEST_PERIOD, LONGEST_RUN, MOST_PERIODS, Remainder, Runs, Words};
+use super::ring::Ring;
+use super::slots::{LONGEST_PERIOD, LONGEST_RUN, MOST_PERIODS, Place, Remainder, Runs, Words};
 use crate::Direction::{Forward, Reverse};
 use crate::Record;
 use crate::record::SHORTEST_RECORD;
@@ -85,6 +86,47 @@ fn runs_share_out_their_periods() {
                 "{periods} of {period}: {shares:?}"
             );
             assert_eq!(shares.iter().sum::<u32>(), periods);
+        }
+    }
+}
+
+proptest! {
+    /// Written at once it is the same pulses at the same ticks as part by part, and no slot beside its own is touched.
+    #[test]
+    fn slots_written_at_once_add_up_to_their_record(record in any_record(), first in 0u32..1_000, most in 0u32..192) {
+        let ring = Ring::new();
+        let mut place = Place { slot: first, most, last: 0 };
+        let is_written = place.spread(&ring, &record, LONGEST_PERIOD);
+        let number = place.slot - first;
+        prop_assert_eq!(place.most, most - number);
+        prop_assert_eq!(is_written, number > 0);
+        let silent = [0, LONGEST_PERIOD - 1, MOST_PERIODS - 1, 0, 0];
+        prop_assert_eq!(ring.words(place.slot), silent);
+        prop_assert_eq!(ring.words(first.wrapping_sub(1)), silent);
+        // What is left is a period more in some runs, or a tick for each part.
+        let more = if record.period <= LONGEST_RUN && record.width > 0 { record.period } else { 192 };
+        let (mut ticks, mut rises) = (0u64, Vec::new());
+        for slot in first..place.slot {
+            let [_, reload, repetitions, width, level] = ring.words(slot);
+            prop_assert!(reload < LONGEST_PERIOD && repetitions < MOST_PERIODS);
+            prop_assert_eq!(level, LONGEST_PERIOD);
+            let run = (reload + 1) * (repetitions + 1);
+            prop_assert!((SHORTEST_RECORD..=LONGEST_RUN + more).contains(&run), "{} of {:?}", run, record);
+            for _ in 0..=repetitions {
+                if width > 0 {
+                    prop_assert!(width == u32::from(record.width) && width <= reload);
+                    rises.push(ticks);
+                }
+                ticks += u64::from(reload) + 1;
+            }
+            place.last ^= if slot + 1 == first + number { run } else { 0 };
+        }
+        if is_written {
+            prop_assert_eq!(place.last, 0);
+            prop_assert_eq!(ticks, record.ticks());
+            let pulses = if record.width > 0 { record.repeat } else { 0 };
+            let expected: Vec<_> = (0..pulses).map(|pulse| u64::from(pulse) * u64::from(record.period)).collect();
+            prop_assert_eq!(rises, expected);
         }
     }
 }
