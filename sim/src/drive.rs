@@ -324,17 +324,23 @@ where
             });
         }
         self.end_tick(now);
+        self.heed_stop(now);
         outputs.next_tick
     }
 
-    /// A command to stop has come: a tick of its own. The next control tick comes when it would have come.
-    fn early_tick(&mut self, now: Instant) {
+    /// A command to stop that no tick has carried out yet has a tick of its own. The next control tick comes when it would have come.
+    /// Returns whether there was one.
+    fn heed_stop(&mut self, now: Instant) -> bool {
+        if !self.device.calls_early() || !self.exchange.calls_early() {
+            return false;
+        }
         let inputs = self.inputs();
         let outputs =
             self.drive
                 .early_tick(now, &inputs, self.plant.pulses_mut(), &mut self.exchange);
         self.carry_out(&outputs);
         self.end_tick(now);
+        true
     }
 
     /// What the board measures, but for the edges of the inputs.
@@ -418,17 +424,19 @@ where
         }
         self.device.receive(frame, now, &mut self.exchange);
         self.handle_events();
-        if self.device.calls_early() {
-            self.early_tick(now);
-        }
+        self.heed_stop(now);
     }
 
     fn poll(&mut self, now: Instant) -> Instant {
         self.run_until(now);
         let found = self.serve_detection(now);
-        let deadline = self.device.poll(now, &mut self.exchange).min(found);
+        let mut deadline = self.device.poll(now, &mut self.exchange);
         self.serve_store(now);
         self.handle_events();
+        if self.heed_stop(now) {
+            deadline = self.device.poll(now, &mut self.exchange);
+        }
+        let deadline = deadline.min(found);
         let switch = self.switch_bit_rate.map_or(deadline, |(at, _)| at);
         deadline.min(switch).min(self.next_tick)
     }
@@ -461,6 +469,7 @@ where
         self.run_until(now);
         self.device
             .controller_changed(state, now, &mut self.exchange);
+        self.heed_stop(now);
     }
 
     fn frames_lost(&mut self, count: u32, now: Instant) {

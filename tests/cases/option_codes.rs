@@ -1,5 +1,7 @@
 //! The option codes over the bus: how the motor comes to rest on each occasion, and in which state the drive ends.
 
+use canopen::ControllerState;
+use sim::bus::Station;
 use tests::DriveBench;
 use tests::drive::{
     FAULT, OPERATION_ENABLED, QUICK_STOP_ACTIVE, READY_TO_SWITCH_ON, SWITCH_ON_DISABLED,
@@ -65,6 +67,44 @@ fn m07_a_command_to_stop_does_not_wait_for_the_control_tick() {
             drive.run_millis(2);
             let next = drive.axis().actuals().at.ticks();
             assert_eq!((next - tick) % 1_000, 0, "{behind} us");
+        }
+    }
+}
+
+/// Nor does one that no frame brings: a heartbeat that stays away, a controller that goes bus-off. What comes later finds nothing to hurry for.
+#[test]
+fn d29_a_network_that_is_lost_stops_the_motor_before_the_control_tick() {
+    for by_heartbeat in [true, false] {
+        let mut drive = cruising();
+        drive.write_u32(0x1016, 1, 0x007F_0064);
+        let tick = drive.axis().actuals().at.ticks();
+        let rest = (drive.now().ticks() - tick) % 1_000;
+        drive.run_micros(1_400 - rest);
+        drive.send("77F [1] 05");
+        let off_beat = |drive: &mut DriveBench| (drive.axis().actuals().at.ticks() - tick) % 1_000;
+        assert_eq!(off_beat(&mut drive), 0);
+        let is_enabled = |drive: &mut DriveBench| {
+            OPERATION_ENABLED.is_shown_by(drive.axis().actuals().statusword)
+        };
+        if by_heartbeat {
+            drive.run_millis(95);
+            while is_enabled(&mut drive) {
+                drive.run_micros(50);
+            }
+        } else {
+            let now = drive.now();
+            drive
+                .axis()
+                .controller_changed(ControllerState::BusOff, now);
+        }
+        assert!(!is_enabled(&mut drive));
+        let behind = off_beat(&mut drive);
+        assert!((300..700).contains(&behind), "{behind} us behind a tick");
+        drive.run_micros(1_000);
+        for _ in 0..3 {
+            drive.send("77F [1] 05");
+            assert_eq!(off_beat(&mut drive), 0);
+            drive.run_micros(1_000);
         }
     }
 }

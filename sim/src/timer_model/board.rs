@@ -227,6 +227,15 @@ impl Board {
             self.output.drop_all();
         }
         self.device.poll(now, &mut self.exchange);
+        self.heed_stop(now);
+    }
+
+    /// A command to stop has come: an early tick is due.
+    fn heed_stop(&mut self, now: Instant) {
+        if self.device.calls_early() {
+            let late = self.lateness();
+            self.early.get_or_insert(now + late);
+        }
     }
 }
 
@@ -234,15 +243,13 @@ impl Station for Board {
     fn receive(&mut self, frame: &Frame, now: Instant) {
         self.run_until(now);
         self.device.receive(frame, now, &mut self.exchange);
-        if self.device.calls_early() {
-            let late = self.lateness();
-            self.early.get_or_insert(now + late);
-        }
+        self.heed_stop(now);
     }
 
     fn poll(&mut self, now: Instant) -> Instant {
         self.run_until(now);
         let deadline = self.device.poll(now, &mut self.exchange);
+        self.heed_stop(now);
         while self.device.event().is_some() {}
         let next = self.control.at().min(self.refill.at());
         deadline.min(next).min(self.early.unwrap_or(next))
