@@ -216,9 +216,7 @@ impl Drive {
         let cyclic = &self.configuration.cyclic;
         let mode = self.modes.active();
         let wanted = Mode::from_code(self.commands.mode).unwrap_or(mode);
-        let takes_records = Modes::takes_records(self.commands.controlword);
-        self.cyclic
-            .take(waiting, exchange, cyclic, (mode, wanted), takes_records);
+        self.cyclic.take(waiting, exchange, cyclic, (mode, wanted));
         self.is_seen = waiting.is_seen;
         let command = self.command();
         let elapsed = now

@@ -17,6 +17,7 @@ use crate::controlword::{Command, HALT, NEW_SET_POINT};
 use crate::copied::copy_fields;
 use crate::cyclic::{Beat, Buffer};
 use crate::faults::FaultNotice;
+use crate::modes::Modes;
 use crate::periphery::{Latched, Readings};
 use crate::recorder::{self, Orders, Status};
 use crate::state_machine::State;
@@ -466,9 +467,12 @@ impl Exchange {
         self.beats.pop_front()
     }
 
-    /// A data record of the interpolated position mode came. As many wait for a tick as 60C4h lets wait.
+    /// A data record of the interpolated position mode came, behind the commands that were posted with it: by these it is taken or not. As many
+    /// wait for a tick as 60C4h lets wait.
     pub fn record(&mut self, record: i32) {
-        self.records.push(record, self.configuration.cyclic.buffer);
+        if Modes::takes_records(self.commands.controlword) {
+            self.records.push(record, self.configuration.cyclic.buffer);
+        }
     }
 
     /// The data records that no tick has taken yet are not to be carried out.

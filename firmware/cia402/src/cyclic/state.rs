@@ -57,15 +57,13 @@ impl Cyclic {
         self.is_new = true;
     }
 
-    /// Takes what has come since the last tick: each piece under a lock of its own, and nothing is worked out there. Data records are left out
-    /// if they are not to be taken.
+    /// Takes what has come since the last tick: each piece under a lock of its own, and nothing is worked out there.
     pub(crate) fn take<X: Share>(
         &mut self,
         waiting: Waiting,
         exchange: &mut X,
         configuration: &CyclicConfiguration,
         (mode, wanted): (Mode, Mode),
-        takes_records: bool,
     ) {
         self.slots.clear();
         // The mode may become another in this tick.
@@ -78,13 +76,10 @@ impl Cyclic {
         if waiting.clears_records || !has_records {
             self.buffer.clear();
         }
-        let mut is_empty = takes_records && self.buffer.len() == 0;
+        let mut is_empty = waiting.records > 0 && self.buffer.len() == 0;
         for _ in 0..waiting.records {
             let record = exchange.lock(Exchange::take_record);
-            if has_records
-                && takes_records
-                && let Some(record) = record
-            {
+            if has_records && let Some(record) = record {
                 self.buffer.push(record, configuration.buffer);
             }
         }

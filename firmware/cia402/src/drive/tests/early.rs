@@ -301,6 +301,26 @@ fn m68_records_from_before_a_stop_that_forgets_them_are_not_carried_out() {
     assert!(rig.actuals().sync.buffered > 6);
 }
 
+#[test]
+fn m68_a_record_goes_by_the_controlword_that_it_finds() {
+    let buffered = |before, behind| {
+        let mut rig = Rig::new();
+        rig.commands.mode = 7;
+        rig.enable();
+        rig.write(before);
+        rig.tick();
+        rig.exchange.record(100);
+        rig.write(behind);
+        rig.tick();
+        rig.actuals().sync.buffered
+    };
+    // Halt while bit 4 is 0 takes none.
+    assert_eq!(buffered(0x0F, 0x010F), 1);
+    assert_eq!(buffered(0x010F, 0x0F), 0);
+    assert_eq!(buffered(0x0F, 0x0F), 1);
+    assert_eq!(buffered(0x010F, 0x010F), 0);
+}
+
 /// What a master does in the tick with this number.
 type Script = fn(&mut Rig, u64);
 
