@@ -15,6 +15,9 @@ pub(crate) type Fine = u128;
 /// Half a step per tick: a pulse takes at least one tick high and one tick low.
 pub(crate) const TOP_SPEED: Fine = 1 << 95;
 
+/// The highest sixth of a jerk, Q128 steps per tick³: all of it has the 96 bits that a divisor may have.
+pub(crate) const TOP_SIXTH_JERK: Fine = ((1 << 96) - 1) / 6;
+
 /// The rate of the step timer, with the reciprocals that turn limits per second into limits per tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Clock {
@@ -78,8 +81,8 @@ impl Clock {
             >> 29
     }
 
-    /// A sixth of a limit in steps/s³, as Q128 steps/tick³. Rounded down, so that the limit holds, but never to nothing; cut to 93 bits
-    /// (at 1 MHz 2.6·10⁸ steps/s³, at 84 MHz more than 32 bits hold).
+    /// A sixth of a limit in steps/s³, as Q128 steps/tick³. Rounded down, so that the limit holds, but never to nothing; cut to
+    /// [`TOP_SIXTH_JERK`] (at 1 MHz 2.3·10⁸ steps/s³, at 84 MHz more than 32 bits hold).
     ///
     /// A sixth, because that is the coefficient of a cubic.
     pub(crate) fn sixth_jerk(self, steps_per_second_cubed: u32) -> Fine {
@@ -89,6 +92,6 @@ impl Clock {
         let sixth = (u64::from(steps_per_second_cubed) << 32) / 6;
         Wide::product(second_cubed, sixth.into())
             .shifted_wrapping(56)
-            .clamp(1, (1 << 93) - 1)
+            .clamp(1, TOP_SIXTH_JERK)
     }
 }

@@ -111,7 +111,7 @@ impl<'a> Course<'a> {
     pub(super) fn ramp(&mut self, ramp: &Ramp) {
         self.mark_ramp(self.elapsed);
         for piece in ramp.pieces.iter().filter(|piece| piece.time != 0) {
-            self.append(&piece.shape(self.travelled), piece.time, piece.way);
+            self.append(&piece.shape(self.travelled), piece.time, piece.shift());
         }
     }
 
@@ -120,7 +120,7 @@ impl<'a> Course<'a> {
         self.mark_ramp(self.elapsed);
         let [first, second, last] = &ramp.pieces;
         for piece in [first, second].into_iter().filter(|piece| piece.time != 0) {
-            self.append(&piece.shape(self.travelled), piece.time, piece.way);
+            self.append(&piece.shape(self.travelled), piece.time, piece.shift());
         }
         if last.time != 0 {
             let begin = self.elapsed;

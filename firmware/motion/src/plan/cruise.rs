@@ -6,7 +6,7 @@
 //! velocity is rounded down: the cruise takes up what that leaves, a quarter of a tick at most.
 
 use super::jerk_limited::Rules;
-use super::ramp::{Jerk, Piece, coasting, steady_way};
+use super::ramp::{Jerk, LONGEST, Piece, coasting, steady_way};
 use super::rough::{Kind, Rough};
 use crate::clock::Fine;
 
@@ -21,6 +21,9 @@ const ROUGH_BITS: u32 = 18;
 
 /// A part of a way of which rough numbers are sure: 2⁻¹⁶.
 const DOUBT: Rough = Rough::power(-16);
+
+/// A way of 2³⁰ steps. Within a longer one a ramp may be so long that its way saturates, of which rough numbers know nothing.
+const LONG: Rough = Rough::power(30);
 
 /// The beginning of a motion: the velocity of the ramp without acceleration that stands for it, and how far the motion is ahead of that.
 struct Entrance {
@@ -134,7 +137,8 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// How far both ramps go with a velocity between them, exactly but for roundings.
+    /// How far both ramps go with a velocity between them, exactly but for roundings. A ramp whose way saturates fits into no way: the
+    /// velocity is then the greatest with ramps below 2³¹ steps.
     fn span(&self, cruise: i128) -> u128 {
         let jerk = self.rules.jerk;
         let first = steady_way(self.entrance.velocity, cruise, self.entrance.most, jerk);
@@ -145,6 +149,10 @@ impl<'a> Moves<'a> {
         } else {
             steady_way(cruise, self.end, self.rules.deceleration, jerk)
         };
+        let longest = first.saturating_add(self.entrance.way.max(0)).max(last);
+        if longest.max(0).unsigned_abs() >= LONGEST {
+            return u128::MAX;
+        }
         let last = last.unsigned_abs();
         let (first, ahead) = (first.max(0).unsigned_abs(), self.entrance.way);
         if ahead < 0 {
@@ -193,7 +201,12 @@ impl<'a> Moves<'a> {
         let (span, _) = self.rough_span(cruise);
         let doubt = self.goal.times(DOUBT);
         if span.distance(self.goal) > doubt && self.goal > Rough::ZERO {
-            return span < self.goal;
+            if span > self.goal {
+                return false;
+            }
+            if self.goal < LONG {
+                return true;
+            }
         }
         self.span(cruise) <= self.way
     }

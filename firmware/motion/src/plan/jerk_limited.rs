@@ -8,7 +8,7 @@
 
 use super::move_to::way_to;
 use super::phase::Offset;
-use super::ramp::{Jerk, Ramp, coasting};
+use super::ramp::{Jerk, LONGEST, Ramp, coasting};
 use super::{Course, Goal, Limits, Plan, PlanError};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
@@ -129,7 +129,7 @@ fn reach(
 ) -> Result<(), PlanError> {
     let (gap, is_behind) = way_to(target, from).ok_or(PlanError::OutOfRange)?;
     let stop = rules.stop(from.velocity, acceleration);
-    if stop.way.unsigned_abs() >= i128::MAX.unsigned_abs() {
+    if stop.way.unsigned_abs() >= LONGEST {
         return Err(PlanError::OutOfRange);
     }
     // What is still to go from where a stop would end.

@@ -21,7 +21,7 @@ mod velocity;
 
 use core::fmt;
 
-use crate::clock::{Clock, Ticks};
+use crate::clock::{Clock, TOP_SIXTH_JERK, Ticks};
 use crate::divide::quotient;
 use crate::fixed::{Exact, State};
 use crate::speed::{SignedSpeed, Speed};
@@ -436,11 +436,18 @@ fn sine_jerk(clock: Clock, from: Exact, limits: Limits) -> Jerk {
         velocity => velocity,
     };
     let ramp = u128::from(limits.acceleration.max(limits.deceleration));
-    // π²/2 = 4.93, and rounded up: with less a ramp that is left would go on beyond its velocity. What does not fit is faster than
-    // any ramp.
+    // π²/2 = 4.93, and rounded up: with less a ramp that is left would go on beyond its velocity. Of a short ramp it may have more
+    // than 32 bits: those below them are lost, which 5 for 4.93 makes up for.
     let square = ramp.wrapping_mul(ramp).saturating_mul(5);
     let jerk = quotient(square, 1, velocity.bits().into()).saturating_add(1);
-    Jerk::new(clock.sixth_jerk(u32::try_from(jerk).unwrap_or(u32::MAX).max(1)))
+    let above = 96u32.saturating_sub(jerk.leading_zeros());
+    let sixth = clock.sixth_jerk((jerk >> (above & 127)) as u32);
+    let room = TOP_SIXTH_JERK >> (above & 127);
+    Jerk::new(if sixth > room {
+        TOP_SIXTH_JERK
+    } else {
+        sixth << (above & 127)
+    })
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use crate::wide::Wide;
 /// The jerk, as it is worked with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Jerk {
-    /// A sixth of it, Q128 steps per tick³: the coefficient of a cubic. At most 93 bits.
+    /// A sixth of it, Q128 steps per tick³: the coefficient of a cubic. At most `TOP_SIXTH_JERK`.
     pub(crate) sixth: Fine,
     divisor: Divisor,
 }
@@ -36,6 +36,9 @@ impl Jerk {
         self.divisor.quotient(change, 2)
     }
 }
+
+/// Ways of 2³¹ steps and more saturate: from here on, a few steps below that, they count as if they had.
+pub(super) const LONGEST: u128 = (1 << 127) - (1 << 100);
 
 /// A stretch of constant jerk: what holds at its beginning, all Q96 but the jerk.
 #[derive(Debug, Clone, Copy, Default)]
@@ -72,12 +75,23 @@ impl Piece {
 
     /// How far it goes.
     pub(super) fn goes(&self) -> i128 {
+        scaled(self.mean_velocity(), self.time)
+    }
+
+    /// How far it moves the position: modulo 2³² steps where [`Piece::way`] is at its limit.
+    pub(super) fn shift(&self) -> i128 {
+        if self.way.unsigned_abs() < LONGEST {
+            return self.way;
+        }
+        let mean = self.mean_velocity();
+        let way = over_time(mean.unsigned_abs().cast_signed(), self.time);
+        if mean < 0 { way.wrapping_neg() } else { way }
+    }
+
+    fn mean_velocity(&self) -> i128 {
         let bend = scaled(self.sixth_jerk, self.time) >> 32;
         let half = (self.acceleration >> 1).saturating_add(bend);
-        scaled(
-            self.velocity.saturating_add(scaled(half, self.time)),
-            self.time,
-        )
+        self.velocity.saturating_add(scaled(half, self.time))
     }
 }
 

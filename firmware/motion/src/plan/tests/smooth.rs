@@ -106,6 +106,14 @@ proptest! {
             _ => 1e300,
         };
         let rate = f64::from(clock.hz());
+        // A sin² ramp is left at its own jerk, and that is cut to what the clock can represent: then the velocity goes on as long as the
+        // acceleration takes to go at that.
+        let most_jerk = rate.powi(3) / 2f64.powi(32);
+        let beyond = if ramps == Ramps::SinSquared && 5.0 * a.max(d).powi(2) / top > most_jerk {
+            most * most / 2.0 / most_jerk
+        } else {
+            0.0
+        };
         let mut plan = Plan::at_rest(0, 7);
         let mut at = 7;
         for (goal, cut) in orders {
@@ -124,7 +132,7 @@ proptest! {
             for pair in ticks.windows(2) {
                 let seconds = (pair[1] - pair[0]) as f64 / rate;
                 let (v, w) = (per_second(clock, plan.state_at(pair[0])), per_second(clock, plan.state_at(pair[1])));
-                prop_assert!(v.abs() <= top * (1.0 + 1e-6) + 1e-3, "{v} of {top}");
+                prop_assert!(v.abs() <= top * (1.0 + 1e-6) + 1e-3 + beyond, "{v} of {top}");
                 prop_assert!((w - v).abs() <= most * seconds * (1.0 + 1e-6) + 1e-3 + 1e-6 * top, "{v} to {w} in {seconds}");
                 let (p, q) = (acceleration(&plan, clock, pair[0]), acceleration(&plan, clock, pair[1]));
                 prop_assert!(p.abs() <= most + slack, "{p} of {most}");
@@ -391,6 +399,86 @@ proptest! {
         prop_assert!(plan.end().unwrap() as f64 <= average * (1.0 + 1e-6) + 7.0);
         let way = plan.state_at(Ticks::MAX).position.bits() - plan.state_at(0).position.bits();
         prop_assert_eq!(way, target << 32);
+    }
+}
+
+/// No phase begins elsewhere than where the one before it ends.
+fn assert_no_jump(plan: &Plan) {
+    let corners = plan.phases().iter().map(|phase| phase.start());
+    for corner in corners.chain(plan.end()).filter(|t| *t > plan.start()) {
+        let (a, b) = (plan.state_at(corner - 1), plan.state_at(corner));
+        let jump = b.position.bits().wrapping_sub(a.position.bits());
+        assert!(
+            jump.abs() <= 1 << 31,
+            "{} steps at {corner}",
+            jump as f64 / 2f64.powi(32)
+        );
+    }
+}
+
+#[test]
+fn i02_a_move_whose_braking_is_longer_than_half_the_span_lands_on_its_target() {
+    for hz in [1_000_000, 84_000_000] {
+        let clock = clock(hz);
+        let limits = Limits {
+            velocity: 315_566.into(),
+            acceleration: 206_533,
+            deceleration: 10,
+        };
+        let ramps = Ramps::JerkLimited(1_558_791_428);
+        let from = state(clock, -1_500_000_000, 0);
+        let goal = Goal::Rest(1_500_000_000);
+        let mut plan = Plan::new(clock, 0, from, goal, limits, ramps).unwrap();
+        assert_no_jump(&plan);
+        // Turned round at the greatest velocity, so that the way back is as long.
+        let at = u64::from(hz);
+        plan.redirect(clock, at, Goal::Rest(-1_500_000_000), limits, ramps)
+            .unwrap();
+        assert_no_jump(&plan);
+    }
+}
+
+#[test]
+fn i08_a_stop_and_a_ramp_longer_than_the_span_have_no_jump() {
+    let clock = clock(84_000_000);
+    let limits = Limits {
+        velocity: 1_091_046.into(),
+        acceleration: 10,
+        deceleration: 10,
+    };
+    let ramps = Ramps::JerkLimited(1_277_730_688);
+    for (now, then) in [
+        (1_091_046, 0),
+        (-1_091_046, 0),
+        (0, 1_091_046),
+        (0, -1_091_046),
+    ] {
+        let goal = Goal::Velocity(then.into());
+        let from = state(clock, 0, now);
+        let plan = Plan::new(clock, 0, from, goal, limits, ramps).unwrap();
+        assert_no_jump(&plan);
+    }
+}
+
+#[test]
+fn i01_a_short_sine_ramp_that_is_left_stays_within_its_velocity() {
+    let clock = clock(84_000_000);
+    let limits = Limits {
+        velocity: 1.into(),
+        acceleration: 89_253,
+        deceleration: 89_253,
+    };
+    for at in (0..=941).step_by(47) {
+        let mut plan = Plan::at_rest(0, 0);
+        for (at, goal) in [(0, 1), (at, 0)] {
+            let goal = Goal::Velocity(goal.into());
+            plan.redirect(clock, at, goal, limits, Ramps::SinSquared)
+                .unwrap();
+        }
+        for t in at..2_000 {
+            let now = per_second(clock, plan.state_at(t));
+            assert!((-1e-6..=1.0 + 1e-6).contains(&now), "{now} at {t}");
+        }
     }
 }
 
