@@ -136,7 +136,7 @@ impl Axis {
     }
 
     /// Moves to the absolute position `target`, in whole steps. At any moment and from any velocity. A target beyond −2³¹ ..= 2³¹−1 lies
-    /// behind the end of that span, where positions wrap: it is as far away as the numbers say, less than 2³² steps.
+    /// behind the end of that span, where positions wrap: it is as far from [`Axis::committed_position`] as the numbers say, less than 2³² steps.
     ///
     /// # Errors
     /// [`PlanError`]; the motion goes on as it was.

@@ -26,6 +26,7 @@ impl Axis {
             return self.redirect_averaged(goal, limits, jerk);
         }
         if self.path.is_none() && !self.is_averaged {
+            let goal = self.across(goal, &self.plan, horizon);
             return self.plan.redirect(clock, horizon, goal, limits, ramps);
         }
         // A jerk-limited ramp can go on with the acceleration of the mean.
@@ -33,11 +34,36 @@ impl Axis {
             Ramps::JerkLimited(_) if self.is_averaged => self.average.phase().pull(horizon),
             _ => 0,
         };
-        let from = (self.exact_at(horizon), pull);
+        let from = self.exact_at(horizon);
+        let goal = self.seen_from(goal, from);
+        let from = (from, pull);
         self.plan.make(clock, horizon, from, goal, limits, ramps)?;
         self.path = None;
         self.is_averaged = false;
         Ok(())
+    }
+
+    /// As [`Axis::seen_from`], from where a plan is at tick `at`.
+    fn across(&self, goal: Goal, plan: &Plan, at: Ticks) -> Goal {
+        if matches!(goal, Goal::Velocity(_)) {
+            goal
+        } else {
+            self.seen_from(goal, plan.exact_at(at))
+        }
+    }
+
+    /// A target is as far from the pulses handed out as its number says. What is planned begins ahead of these, by half a step or by half a
+    /// window's way and more, and may have wrapped before them, or they before it: the number for the same way from there.
+    fn seen_from(&self, goal: Goal, from: Exact) -> Goal {
+        let here = (from.position >> 96) as i32;
+        let ahead = here.wrapping_sub(self.committed);
+        let unwrapped = i64::from(self.committed).wrapping_add(ahead.into());
+        let shift = i64::from(here).wrapping_sub(unwrapped);
+        match goal {
+            Goal::Rest(target) => Goal::Rest(target.saturating_add(shift)),
+            Goal::Pass(target, end) => Goal::Pass(target.saturating_add(shift), end),
+            Goal::Velocity(_) => goal,
+        }
     }
 
     /// The window is chosen where the mean begins, and stays until the axis is at rest. From rest to rest it is as short as the jerk allows if
@@ -51,6 +77,7 @@ impl Axis {
         let (clock, horizon, ramps) = (self.clock, self.horizon, self.ramps);
         if self.is_averaged {
             let joint = self.average.joint(horizon);
+            let goal = self.across(goal, &self.plan, joint);
             self.plan.redirect(clock, joint, goal, limits, ramps)?;
             self.average.rejoin(&self.plan);
             return Ok(());
@@ -64,11 +91,13 @@ impl Axis {
         if mean.velocity != 0 {
             let window = long();
             let ahead = Average::ahead(window, mean);
+            let goal = self.seen_from(goal, ahead);
             let from = (ahead, 0);
             self.plan.make(clock, horizon, from, goal, limits, ramps)?;
             self.average.begin(window, horizon, ahead);
             self.is_averaged = true;
         } else {
+            let goal = self.seen_from(goal, mean);
             let from = (mean, 0);
             self.plan.make(clock, horizon, from, goal, limits, ramps)?;
             // Nothing need be waited for where nothing moves.
