@@ -507,6 +507,13 @@ impl Motor {
         self.axis.committed_velocity()
     }
 
+    /// The window of the mean that the motor follows (6086h = 2), in microseconds, rounded up; 0 if it follows none.
+    pub(crate) fn window(&self) -> u64 {
+        let ticks = u64::from(self.axis.window()).wrapping_mul(1_000_000);
+        let microseconds = ticks.checked_div(self.built.clock.hz().into());
+        microseconds.map_or(0, |whole| whole.saturating_add(1))
+    }
+
     /// Whether the motor is on the last ramp of its motion, or has come to rest.
     pub(crate) fn is_ending(&self) -> bool {
         self.axis.is_ending()

@@ -235,6 +235,11 @@ impl Average {
         }
     }
 
+    /// Over how much time the mean is taken.
+    pub(crate) const fn window(&self) -> Window {
+        self.window
+    }
+
     /// Up to which tick the mean is known.
     pub(crate) const fn until(&self) -> Ticks {
         self.until

@@ -147,10 +147,23 @@ const fn rounded_up(velocity: Speed) -> u64 {
     (velocity.bits() >> 32).saturating_add((velocity.bits() as u32 != 0) as u64)
 }
 
-/// What the jerk adds to the time of a ramp, as a velocity: d²/j, or d · (a + d)/j where that is the window of a mean; and the deceleration that
-/// counts. In steps/s and steps/s².
-fn rounding((acceleration, deceleration): (u32, u32), ramps: Ramps) -> (u64, u64) {
-    let deceleration = u64::from(deceleration);
+/// The longest window that a mean may have with these accelerations, up and down, in microseconds; 0 for other ramps.
+pub(super) fn window((acceleration, deceleration): (u32, u32), ramps: Ramps) -> u64 {
+    let Ramps::MovingAverage(jerk) = ramps else {
+        return 0;
+    };
+    let change = u64::from(acceleration).saturating_add(deceleration.into());
+    let change = change.saturating_mul(1_000_000);
+    change.div_ceil(jerk.max(1).into())
+}
+
+/// What the jerk adds to the time of a ramp, as a velocity: d²/j, or 2 · d · W where W, (a + d)/j, is the window of a mean, in force for at least so
+/// many microseconds; and the deceleration that counts. In steps/s and steps/s².
+///
+/// At a steady velocity the plan is v·W/2 ahead of the mean. But where it has just got to v, it may be v·W ahead: it has had v for that long at
+/// most.
+fn rounding(accelerations: (u32, u32), ramps: Ramps, window: u64) -> (u64, u64) {
+    let deceleration = u64::from(accelerations.1);
     match ramps {
         // A sin² ramp from a steady velocity goes as far as a linear one.
         Ramps::Linear | Ramps::SinSquared => (0, deceleration),
@@ -161,10 +174,11 @@ fn rounding((acceleration, deceleration): (u32, u32), ramps: Ramps) -> (u64, u64
             let velocity = square.checked_div(jerk).unwrap_or(0).saturating_add(1);
             (velocity, deceleration)
         }
-        Ramps::MovingAverage(jerk) => {
-            let change = u64::from(acceleration).saturating_add(deceleration);
-            let square = deceleration.saturating_mul(change);
-            (square.div_ceil(jerk.max(1).into()), deceleration)
+        Ramps::MovingAverage(_) => {
+            let window = window.max(self::window(accelerations, ramps));
+            let twice = deceleration.saturating_mul(2);
+            let velocity = twice.saturating_mul(window);
+            (velocity.div_ceil(1_000_000), deceleration)
         }
     }
 }
@@ -173,7 +187,7 @@ fn rounding((acceleration, deceleration): (u32, u32), ramps: Ramps) -> (u64, u64
 pub(super) fn way(velocity: Speed, accelerations: (u32, u32), ramps: Ramps) -> u64 {
     // A way too long is on the safe side.
     let velocity = rounded_up(velocity);
-    let (rounding, deceleration) = rounding(accelerations, ramps);
+    let (rounding, deceleration) = rounding(accelerations, ramps, 0);
     velocity
         .saturating_mul(velocity.saturating_add(rounding))
         .checked_div(deceleration.saturating_mul(2))
@@ -181,9 +195,10 @@ pub(super) fn way(velocity: Speed, accelerations: (u32, u32), ramps: Ramps) -> u
 }
 
 /// The velocity with which the motor may pass a target and still stop within so many steps behind it, a whole number of steps/s. The next command
-/// comes a few control ticks after the target has been passed, so four milliseconds at this velocity are kept in reserve.
-pub(super) fn stoppable(accelerations: (u32, u32), ramps: Ramps, steps: u64) -> Speed {
-    let (rounding, deceleration) = rounding(accelerations, ramps);
+/// comes a few control ticks after the target has been passed, so four milliseconds at this velocity are kept in reserve. A mean has a window of so
+/// many microseconds at least.
+pub(super) fn stoppable(accelerations: (u32, u32), ramps: Ramps, window: u64, steps: u64) -> Speed {
+    let (rounding, deceleration) = rounding(accelerations, ramps, window);
     // v² + v·d²/j = 2·d·steps
     let velocity = |steps: u64| {
         let square = rounding.saturating_mul(rounding);
@@ -212,10 +227,10 @@ mod tests {
                     velocity * (velocity / jerk).sqrt()
                 }
             }
-            // The plan is half a window ahead.
+            // The plan is a window ahead.
             Ramps::MovingAverage(jerk) => {
                 let window = (acceleration + deceleration) / f64::from(jerk);
-                velocity / 2.0 * (velocity / deceleration + window)
+                velocity / 2.0 * (velocity / deceleration + 2.0 * window)
             }
             _ => velocity * velocity / 2.0 / deceleration,
         }
@@ -233,7 +248,7 @@ mod tests {
                 (1u32..).prop_map(Ramps::MovingAverage),
             ],
         ) {
-            let velocity = stoppable(accelerations, ramps, steps);
+            let velocity = stoppable(accelerations, ramps, 0, steps);
             let (a, d) = accelerations;
             let goes = exact(velocity.whole().into(), (a.into(), d.into()), ramps);
             prop_assert!(goes <= steps as f64, "{goes} steps of {steps}");
@@ -258,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_linear_stop_is_the_root_of_twice_the_ramp() {
-        assert_eq!(stoppable((0, 50_000), Ramps::Linear, 1000), 9_797.into());
+        assert_eq!(stoppable((0, 50_000), Ramps::Linear, 0, 1000), 9_797.into());
         assert_eq!(way(10_000.into(), (0, 50_000), Ramps::Linear), 1000);
     }
 }

@@ -204,7 +204,7 @@ impl ProfilePosition {
             set_point.blends = controlword & CHANGE_ON_SET_POINT != 0;
             self.next = Some(set_point);
             if let Some(current) = self.current {
-                let blended = self.blended(current);
+                let blended = self.blended(current, context.motor);
                 if blended != current {
                     self.current = Some(blended);
                     self.starts_anew = true;
@@ -330,7 +330,7 @@ impl ProfilePosition {
     fn head_for(&mut self, set_point: &mut SetPoint, context: &mut Context<'_>) {
         let way = (set_point.target).saturating_sub(context.motor.committed_position());
         self.direction = way.signum();
-        set_point.end_within(context.travel, self.direction);
+        set_point.end_within(context.travel, self.direction, context.motor.window());
         self.target = set_point.target;
         self.user = Some(set_point.user);
         context.frame.remember(set_point.user, set_point.target);
@@ -338,11 +338,11 @@ impl ProfilePosition {
     }
 
     /// The set-point under way as it is left for the one that waits: with bit 9 without slowing down more than needed.
-    fn blended(&self, mut current: SetPoint) -> SetPoint {
+    fn blended(&self, mut current: SetPoint, motor: &Motor) -> SetPoint {
         if let Some(next) = self.next.filter(|next| next.blends) {
             let way = next.target.saturating_sub(current.target);
             if way.signum() == self.direction {
-                current.blend(&next, way.unsigned_abs());
+                current.blend(&next, way.unsigned_abs(), motor.window());
             }
         }
         current
@@ -366,7 +366,7 @@ impl ProfilePosition {
                     self.head_for(current, context);
                 }
             }
-            current.end_within(context.travel, self.direction);
+            current.end_within(context.travel, self.direction, context.motor.window());
         }
         if let Some(mut next) = self.next {
             next.pace(context);
@@ -376,7 +376,7 @@ impl ProfilePosition {
             self.next = Some(next);
         }
         if is_under_way {
-            current = current.map(|current| self.blended(current));
+            current = current.map(|current| self.blended(current, context.motor));
         }
         if current != before {
             self.current = current;

@@ -14,6 +14,15 @@ impl Axis {
             .then(|| Mean::new(self.average.clone(), self.plan))
     }
 
+    /// The window of the mean that it follows, in ticks; 0 if it follows none.
+    pub fn window(&self) -> u32 {
+        if self.is_averaged {
+            self.average.window().ticks()
+        } else {
+            0
+        }
+    }
+
     /// Plans another motion, from where the axis is at the commit horizon. On an error the motion goes on as it was.
     pub(super) fn redirect(&mut self, goal: Goal, limits: Limits) -> Result<(), PlanError> {
         let limits = Limits {

@@ -109,8 +109,9 @@ impl SetPoint {
         self.limited.target = self.user != self.wanted;
     }
 
-    /// Cuts the velocity at the target so that the motor can stop at the software limit behind it. `direction` is the sign of the way.
-    pub(super) fn end_within(&mut self, travel: Travel, direction: i64) {
+    /// Cuts the velocity at the target so that the motor can stop at the software limit behind it. `direction` is the sign of the way, and
+    /// `window` that of the mean in force, in microseconds.
+    pub(super) fn end_within(&mut self, travel: Travel, direction: i64, window: u64) {
         if self.end_velocity == Speed::ZERO {
             return;
         }
@@ -120,7 +121,7 @@ impl SetPoint {
         let end = if direction == 0 {
             Speed::ZERO
         } else {
-            braking::stoppable(self.accelerations(), self.ramps, room)
+            braking::stoppable(self.accelerations(), self.ramps, window, room)
         };
         self.limited.profile |= end < self.end_velocity;
         self.end_velocity = self.end_velocity.min(end);
@@ -131,9 +132,11 @@ impl SetPoint {
         (self.limits.acceleration, self.limits.deceleration)
     }
 
-    /// Raises the velocity at the target to that with which the motor can still stop at `next`, so many steps behind it.
-    pub(super) fn blend(&mut self, next: &Self, room: u64) {
-        let end = braking::stoppable(next.accelerations(), next.ramps, room);
+    /// Raises the velocity at the target to that with which the motor can still stop at `next`, so many steps behind it. It does so with
+    /// the window of this one, if that is a mean: of so many microseconds, unless it is still to be chosen.
+    pub(super) fn blend(&mut self, next: &Self, room: u64, window: u64) {
+        let window = window.max(braking::window(self.accelerations(), self.ramps));
+        let end = braking::stoppable(next.accelerations(), next.ramps, window, room);
         self.end_velocity = self.end_velocity.max(end.min(self.limits.velocity));
     }
 

@@ -2,6 +2,7 @@
 
 use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, RELATIVE};
 use crate::testing::Rig;
+use motion::Ramps;
 
 /// The slowest the motor gets until it has come to `position`, in steps per tick.
 fn slowest_until(rig: &mut Rig, position: i64) -> i64 {
@@ -141,4 +142,55 @@ fn m31_relative_set_points_count_from_what_60f2h_says() {
         };
         assert_eq!(rig.rest() + 7, i64::from(base) + 5_000, "60F2h = {option}");
     }
+}
+
+/// A drive that is to move fast, on the mean of its plans.
+fn averaged(acceleration: u32, jerk: u32) -> Rig {
+    let mut rig = Rig::enabled();
+    rig.configuration.profile.ramps = Ramps::MovingAverage(jerk);
+    rig.commands.profile_velocity = 100_000.into();
+    rig.commands.profile_acceleration = acceleration;
+    rig.commands.profile_deceleration = acceleration;
+    rig
+}
+
+#[test]
+fn an_end_velocity_of_a_mean_ends_at_the_software_limit_without_a_harder_ramp() {
+    for room in [200, 1_000, 5_000] {
+        let mut rig = averaged(500_000, 5_000_000);
+        rig.configuration.position_limits = (-1, 60_000 + room);
+        rig.commands.end_velocity = 100_000.into();
+        rig.set_point(60_000, 0);
+        rig.until("passed", |rig| rig.motor.position > 60_000);
+        let mut ways = std::vec::Vec::new();
+        while rig.actuals().is_moving {
+            let position = rig.motor.position;
+            rig.ticks(10);
+            ways.push(rig.motor.position - position);
+        }
+        assert_eq!(rig.motor.position, i64::from(60_000 + room));
+        // 5,000,000 steps/s³ bend a way of 10 ms by five steps; whole steps add up to four.
+        for way in ways.windows(3) {
+            let bend = way[2] - 2 * way[1] + way[0];
+            assert!(bend.abs() < 10, "{room}: {way:?}");
+        }
+    }
+}
+
+#[test]
+fn m30_a_mean_is_blended_with_the_window_that_it_has() {
+    let mut rig = averaged(1_000_000, 10_000_000);
+    rig.set_point(50_000, 0);
+    rig.ticks(100);
+    rig.commands.profile_acceleration = 100_000;
+    rig.commands.profile_deceleration = 100_000;
+    rig.set_point(60_000, CHANGE_ON_SET_POINT);
+    rig.tick();
+    rig.write(0x0F | CHANGE_ON_SET_POINT);
+    let mut farthest = 0;
+    while rig.actuals().is_moving {
+        rig.tick();
+        farthest = farthest.max(rig.motor.position);
+    }
+    assert_eq!((farthest, rig.motor.position), (60_000, 60_000));
 }
