@@ -224,6 +224,11 @@ impl Motor {
         self.ramps = ramps;
     }
 
+    /// Says with which acceleration, in steps/s², the next motion is to be planned, for the stops that are tried out before it.
+    pub(crate) const fn expect_acceleration(&mut self, acceleration: u32) {
+        self.axis.expect_acceleration(acceleration);
+    }
+
     /// Slows down because of a limit switch. Nothing gentler takes its place: no other stop, and no motion away from the switch.
     pub(crate) fn stop_at_limit(&mut self, deceleration: u32) {
         self.stop_no_gentler(deceleration, false);

@@ -108,6 +108,8 @@ pub(crate) struct Average {
     to: State,
     /// If it is the plan's own line, half a window late: where that begins.
     line: Option<Exact>,
+    /// Where it was when it began, as long as it has not gone on from there.
+    fresh: Option<Exact>,
 }
 
 /// A plan that is walked along in intervals of the grid, as long as it is one parabola. Q96 steps.
@@ -163,6 +165,7 @@ impl Average {
                 velocity: Velocity::ZERO,
             },
             line: None,
+            fresh: None,
         }
     }
 
@@ -175,13 +178,20 @@ impl Average {
         }
     }
 
-    /// Begins at tick `at`, where the plan is in `state` and has kept its velocity for a window's time.
-    pub(crate) fn begin(&mut self, window: Window, at: Ticks, state: Exact) {
+    /// Begins with a mean that is at `mean` at tick `at`, where the plan is [ahead](Self::ahead) of it and has kept its velocity for a
+    /// window's time.
+    pub(crate) fn begin(&mut self, window: Window, at: Ticks, mean: Exact) {
         let inverse = |divisor: u32| by_digit(u64::MAX, divisor).0;
         self.window = window;
         self.per_window = inverse(window.ticks());
         self.per_count = inverse(u32::from(window.count).wrapping_mul(2)).saturating_add(1);
-        self.anchor(at, state);
+        self.anchor(at, Self::ahead(window, mean));
+        self.fresh = Some(mean);
+    }
+
+    /// Where it was when it began, exactly, if it has not gone on from there: another window may take the place of the one it has.
+    pub(crate) const fn fresh(&self) -> Option<Exact> {
+        self.fresh
     }
 
     /// The same with the window that there is.
@@ -312,6 +322,7 @@ impl Average {
     /// Goes on behind `until`.
     pub(crate) fn go_on(&mut self, plan: &Plan) {
         let at = self.until;
+        self.fresh = None;
         if self.line.is_some() {
             self.anchor_to(plan, at);
         }

@@ -78,6 +78,8 @@ pub struct Axis {
     /// The mean of the plan, if it is that which is followed.
     average: Average,
     is_averaged: bool,
+    /// The acceleration of the last order that had one, in steps/s²: it may come behind a stop.
+    acceleration: u32,
     /// What the last way of a velocity that is followed had beyond 2⁻³² steps, in 2⁻⁵⁶ of them.
     carry: u32,
     train: Train,
@@ -106,6 +108,7 @@ impl Axis {
             path: None,
             average: Average::new(),
             is_averaged: false,
+            acceleration: 0,
             carry: 0,
             train: Train::new(config.timing, config.segment, 0, 0),
             segment: config.segment,
@@ -133,6 +136,12 @@ impl Axis {
     /// Says how the velocity is to change (6086h, 60A4h), from the next command on; linear ramps before.
     pub const fn set_ramps(&mut self, ramps: Ramps) {
         self.ramps = ramps;
+    }
+
+    /// Says with which acceleration, in steps/s², the motion may go on behind the next stop: a stop on a moving average is as long as that takes.
+    /// That of the last order if nothing is said.
+    pub const fn expect_acceleration(&mut self, acceleration: u32) {
+        self.acceleration = acceleration;
     }
 
     /// Moves to the absolute position `target`, in whole steps. At any moment and from any velocity. A target beyond −2³¹ ..= 2³¹−1 lies
@@ -416,6 +425,7 @@ impl Axis {
         let mut path = Path::new(horizon, self.state_at(horizon), grace);
         path.go_on(horizon, end, to, manner)?;
         self.is_averaged = false;
+        self.acceleration = 0;
         self.path = Some(path);
         Ok(())
     }
@@ -550,6 +560,7 @@ impl Axis {
         self.plan = Plan::at_rest(self.committed.into(), self.horizon);
         self.path = None;
         self.is_averaged = false;
+        self.acceleration = 0;
         self.moving = false;
     }
 

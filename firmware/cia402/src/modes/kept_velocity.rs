@@ -170,6 +170,7 @@ fn begin(order: Order, motor: &mut Motor) -> (Course, i64) {
         quick_stop,
     } = order;
     motor.set_ramps(ramps);
+    motor.expect_acceleration(limits.acceleration);
     if velocity == SignedSpeed::ZERO {
         stop(motor, limits.deceleration);
         return (Course::Free, 0);

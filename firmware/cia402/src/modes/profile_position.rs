@@ -427,6 +427,7 @@ impl ProfilePosition {
             deceleration: set_point.limits.deceleration,
             ramps: set_point.ramps,
         };
+        motor.expect_acceleration(set_point.limits.acceleration);
         let travel = context.travel.increments;
         let mut before = None;
         let target = Some(set_point.target).filter(|_| set_point.end_velocity == Speed::ZERO);

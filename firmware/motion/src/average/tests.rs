@@ -44,7 +44,7 @@ impl Course {
         let mut plan = Plan::at_rest(0, begin);
         let _ = plan.make(clock(), begin, (ahead, 0), goal, limits, Ramps::Linear);
         let mut average = Average::new();
-        average.begin(window, begin, ahead);
+        average.begin(window, begin, from.into());
         Self {
             window,
             begin,

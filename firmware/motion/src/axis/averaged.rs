@@ -29,11 +29,22 @@ impl Axis {
             velocity: limits.velocity.min(self.max_velocity()),
             ..limits
         };
-        let (clock, horizon, ramps) = (self.clock, self.horizon, self.ramps);
+        let ramps = self.ramps;
         self.leg = None;
-        if let Ramps::MovingAverage(jerk) = ramps {
-            return self.redirect_averaged(goal, limits, jerk);
+        let result = if let Ramps::MovingAverage(jerk) = ramps {
+            self.redirect_averaged(goal, limits, jerk)
+        } else {
+            self.redirect_plan(goal, limits)
+        };
+        if result.is_ok() && limits.acceleration > 0 {
+            self.acceleration = limits.acceleration;
         }
+        result
+    }
+
+    /// The plan itself is followed.
+    fn redirect_plan(&mut self, goal: Goal, limits: Limits) -> Result<(), PlanError> {
+        let (clock, horizon, ramps) = (self.clock, self.horizon, self.ramps);
         if self.path.is_none() && !self.is_averaged {
             let goal = self.across(goal, &self.plan, horizon);
             return self.plan.redirect(clock, horizon, goal, limits, ramps);
@@ -75,7 +86,8 @@ impl Axis {
         }
     }
 
-    /// The window is chosen where the mean begins, and stays until the axis is at rest. From rest to rest it is as short as the jerk allows if
+    /// The window is chosen where the mean begins, and stays until the axis is at rest; while nothing has come of it yet, another order chooses
+    /// it anew. From rest to rest it is as short as the jerk allows if
     /// the two ramps are further apart than that; otherwise one acceleration may come behind the other at once.
     fn redirect_averaged(
         &mut self,
@@ -84,26 +96,36 @@ impl Axis {
         jerk: u32,
     ) -> Result<(), PlanError> {
         let (clock, horizon, ramps) = (self.clock, self.horizon, self.ramps);
-        if self.is_averaged {
+        let limits = Window::within(clock, limits, jerk);
+        let fresh = self.average.fresh().filter(|_| self.is_averaged);
+        if self.is_averaged && fresh.is_none() {
             let joint = self.average.joint(horizon);
             let goal = self.across(goal, &self.plan, joint);
             self.plan.redirect(clock, joint, goal, limits, ramps)?;
             self.average.rejoin(&self.plan);
             return Ok(());
         }
-        let limits = Window::within(clock, limits, jerk);
         let segment = self.train.segment();
         let window = |change: u64| Window::new(clock, change, jerk, segment);
-        let (a, d) = (limits.acceleration.into(), limits.deceleration.into());
+        // A stop has no acceleration, but one may come behind it.
+        let expected = Limits {
+            acceleration: match limits.acceleration {
+                0 => self.acceleration,
+                acceleration => acceleration,
+            },
+            ..limits
+        };
+        let expected = Window::within(clock, expected, jerk);
+        let (a, d) = (expected.acceleration.into(), expected.deceleration.into());
         let long = || window(u64::wrapping_add(a, d));
-        let mean = self.exact_at(horizon);
+        let mean = fresh.unwrap_or_else(|| self.exact_at(horizon));
         if mean.velocity != 0 {
             let window = long();
             let ahead = Average::ahead(window, mean);
             let goal = self.seen_from(goal, ahead);
             let from = (ahead, 0);
             self.plan.make(clock, horizon, from, goal, limits, ramps)?;
-            self.average.begin(window, horizon, ahead);
+            self.average.begin(window, horizon, mean);
             self.is_averaged = true;
         } else {
             let goal = self.seen_from(goal, mean);

@@ -328,6 +328,85 @@ fn a_very_low_jerk_is_kept() {
     assert_eq!(phase.acceleration(axis.clock), 3195);
 }
 
+/// So it is after another order in motion.
+#[test]
+fn a_very_low_jerk_is_kept_by_the_next_order() {
+    let (mut axis, mut sink) = averaged();
+    axis.set_ramps(Ramps::MovingAverage(1000));
+    axis.move_to(1_000_000, T01).unwrap();
+    fly(&mut axis, &mut sink, 1000);
+    axis.move_to(900_000, T01).unwrap();
+    let hardest = |axis: &Axis| {
+        let phases = axis.plan.phases().iter();
+        phases
+            .map(|phase| phase.acceleration(axis.clock).abs())
+            .max()
+    };
+    assert_eq!(hardest(&axis), Some(3195));
+    axis.stop(T01.deceleration).unwrap();
+    assert_eq!(hardest(&axis), Some(3195));
+}
+
+/// Where the ramps become averages in motion, the window is that of the order that stays, whatever was tried before it.
+#[test]
+fn a_stop_that_is_tried_out_chooses_no_window() {
+    let limits = Limits {
+        acceleration: 5_000_000,
+        deceleration: 50_000,
+        ..T01
+    };
+    for first in [
+        Ramps::Linear,
+        Ramps::SinSquared,
+        Ramps::JerkLimited(JERK * 100),
+    ] {
+        let begin = |stops: u32| {
+            let (mut axis, mut sink) = axis(FAST);
+            axis.set_ramps(first);
+            axis.move_to(60_000, limits).unwrap();
+            fly(&mut axis, &mut sink, 10);
+            axis.set_ramps(Ramps::MovingAverage(JERK));
+            for _ in 0..stops {
+                axis.stop(1000).unwrap();
+            }
+            axis.move_to(200_000, limits).unwrap();
+            (axis, sink)
+        };
+        let (direct, _) = begin(0);
+        let (mut axis, mut sink) = begin(3);
+        assert_eq!(axis.average.window(), direct.average.window());
+        assert_eq!(axis.plan.end(), direct.plan.end());
+        sink.follow(&axis);
+        let end = axis.plan.end().unwrap();
+        run(&mut axis, &mut sink);
+        assert_eq!(sink.position, 200_000);
+        assert!((sink.ticks - end).abs_diff(ms(1010)) <= ms(1010) / 512);
+    }
+}
+
+/// A stop says nothing of the acceleration that comes back after it: that of the order before counts.
+#[test]
+fn a_stop_has_the_window_of_the_order_before_it() {
+    let limits = Limits {
+        acceleration: 5_000_000,
+        deceleration: 50_000,
+        ..T01
+    };
+    let (mut axis, mut sink) = axis(FAST);
+    axis.move_to(60_000, limits).unwrap();
+    fly(&mut axis, &mut sink, 10);
+    axis.set_ramps(Ramps::MovingAverage(JERK));
+    axis.stop(limits.deceleration).unwrap();
+    sink.follow(&axis);
+    fly(&mut axis, &mut sink, 50);
+    axis.move_to(60_000, limits).unwrap();
+    sink.follow(&axis);
+    let window = u64::from(axis.average.window().ticks());
+    assert!(window.abs_diff(ms(1010)) <= ms(1010) / 512);
+    run(&mut axis, &mut sink);
+    assert_eq!(sink.position, 60_000);
+}
+
 /// Across the end of the span of positions, where they wrap, the mean wraps, too.
 #[test]
 fn a_velocity_goes_on_across_the_end_of_the_span() {

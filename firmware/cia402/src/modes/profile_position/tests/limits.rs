@@ -248,6 +248,26 @@ fn m44_a_set_point_given_again_while_it_brakes_to_a_limit_is_not_limited() {
     }
 }
 
+/// The stop that is tried out has the window of the motion that comes after it.
+#[test]
+fn m44_an_average_that_begins_in_motion_stops_before_the_limit() {
+    let mut rig = Rig::enabled();
+    limit(&mut rig, -1, 6_000);
+    rig.commands.profile_acceleration = 50_000;
+    rig.commands.profile_deceleration = 50_000;
+    rig.set_point(6_000, 0);
+    // A linear ramp takes 1,000 steps, and half of a window of 101 ms 505 more.
+    rig.until("1,200 steps before it", |rig| rig.motor.position >= 4_800);
+    rig.configuration.profile.ramps = Ramps::MovingAverage(50_000_000);
+    rig.commands.profile_acceleration = 5_000_000;
+    rig.set_point(5_999, IMMEDIATELY);
+    rig.tick();
+    assert!(rig.limited(), "the ramp is not the one asked for");
+    let (farthest, end) = farthest(&mut rig);
+    assert!(farthest <= 6_000, "{farthest}");
+    assert_eq!(end, 5_999);
+}
+
 #[test]
 fn m30_an_end_velocity_that_is_cut_shows_in_bit_11() {
     // To 6081h, to 607Fh, and to what a software limit behind the target leaves.
