@@ -78,6 +78,8 @@ pub struct Axis {
     /// The mean of the plan, if it is that which is followed.
     average: Average,
     is_averaged: bool,
+    /// The jerk for which its window was chosen, in steps/s³.
+    mean_jerk: u32,
     /// The acceleration of the last order that had one, in steps/s²: it may come behind a stop.
     acceleration: u32,
     /// What the last way of a velocity that is followed had beyond 2⁻³² steps, in 2⁻⁵⁶ of them.
@@ -108,6 +110,7 @@ impl Axis {
             path: None,
             average: Average::new(),
             is_averaged: false,
+            mean_jerk: 0,
             acceleration: 0,
             carry: 0,
             train: Train::new(config.timing, config.segment, 0, 0),

@@ -50,9 +50,13 @@ impl Axis {
             return self.plan.redirect(clock, horizon, goal, limits, ramps);
         }
         // A jerk-limited ramp can go on with the acceleration of the mean.
-        let pull = match ramps {
-            Ramps::JerkLimited(_) if self.is_averaged => self.average.phase().pull(horizon),
-            _ => 0,
+        let (pull, ramps) = match ramps {
+            // It is left at no less than the jerk with which it was entered, or the velocity would go on beyond its limit.
+            Ramps::JerkLimited(jerk) if self.is_averaged && jerk > 0 => (
+                self.average.phase().pull(horizon),
+                Ramps::JerkLimited(jerk.max(self.mean_jerk)),
+            ),
+            _ => (0, ramps),
         };
         let from = self.exact_at(horizon);
         let goal = self.seen_from(goal, from);
@@ -143,6 +147,7 @@ impl Axis {
                 self.average.begin(window, horizon, mean);
             }
         }
+        self.mean_jerk = jerk;
         self.path = None;
         Ok(())
     }

@@ -262,6 +262,22 @@ fn ramps_change_in_motion_without_a_jump() {
     }
 }
 
+/// With a lower jerk the motor would go on to speed up for long: to more than a driver can follow.
+#[test]
+fn an_average_is_left_at_no_less_than_its_own_jerk() {
+    let (mut axis, mut sink) = averaged();
+    axis.move_to(60_000, T01).unwrap();
+    fly(&mut axis, &mut sink, 60);
+    axis.set_ramps(Ramps::JerkLimited(JERK / 100));
+    axis.stop(500_000).unwrap();
+    sink.follow(&axis);
+    while !axis.is_at_rest() {
+        axis.advance(&mut sink).unwrap();
+        assert!(axis.committed_velocity().unsigned_abs() <= T01.velocity);
+        sink.play(u64::from(axis.train.segment()) / 4);
+    }
+}
+
 /// A quick stop with linear ramps begins where the mean is, and takes no window.
 #[test]
 fn a_linear_stop_leaves_the_average() {
