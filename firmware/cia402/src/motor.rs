@@ -561,16 +561,17 @@ impl Motor {
         self.cut
     }
 
-    /// A motion is to be planned in place of the one under way, which takes the processor long if that is a smooth one: hands out pulses
-    /// for so long. What begins in this tick begins behind them.
-    pub(crate) fn prepare(&mut self, mut pulses: &mut dyn PulseSink) {
+    /// A motion with these ramps is to be planned in place of the one under way, which may take the processor long: hands out pulses for so
+    /// long. What begins in this tick begins behind them. See [`Axis::prepare`].
+    pub(crate) fn prepare(&mut self, ramps: Ramps, mut pulses: &mut dyn PulseSink) {
         if self.at_rest {
             return;
         }
-        let result = self.axis.prepare(&mut Directed {
+        let mut pulses = Directed {
             pulses: &mut pulses,
             is_reversed: self.is_reversed,
-        });
+        };
+        let result = self.axis.prepare(ramps, &mut pulses);
         self.is_late |= result == Err(AdvanceError::Underrun);
         self.committed = self.near(self.axis.committed_position());
     }

@@ -309,13 +309,18 @@ impl Axis {
         self.advance_by(self.train.segment() << 1, sink)
     }
 
-    /// As [`Axis::advance`], but four segments of a smooth motion: planning another one in its place takes the processor more than half a
-    /// millisecond at worst, and all that time no records are made. To be called before that.
+    /// As [`Axis::advance`], but four segments of a smooth motion, and of an average that jerk-limited `ramps` are to replace: planning that
+    /// takes the processor more than half a millisecond at worst, and all that time no records are made. To be called before that.
     ///
     /// # Errors
     /// [`AdvanceError`]: the sink is full, or ran empty.
-    pub fn prepare<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
-        if self.path.is_none() && self.plan.is_smooth() {
+    pub fn prepare<S: PulseSink>(
+        &mut self,
+        ramps: Ramps,
+        sink: &mut S,
+    ) -> Result<(), AdvanceError> {
+        let takes_over = self.is_averaged && matches!(ramps, Ramps::JerkLimited(_));
+        if self.path.is_none() && (self.plan.is_smooth() || takes_over) {
             self.advance_by(self.train.segment() << 2, sink)
         } else {
             Ok(())

@@ -200,7 +200,8 @@ impl Context<'_> {
 
     /// A motion is to be planned that is no stop: see [`Motor::prepare`].
     pub(crate) fn prepare(&mut self) {
-        self.motor.prepare(self.pulses);
+        self.motor
+            .prepare(self.configuration.profile.ramps, self.pulses);
     }
 
     /// Controlword bit 8.

@@ -103,7 +103,7 @@ fn four_segments_of_a_smooth_motion_are_committed_before_it_is_planned_anew() {
         for number in 0..800 {
             let is_prepared = number % 32 == 31;
             let (least, most) = if is_prepared {
-                axis.prepare(&mut sink).unwrap();
+                axis.prepare(ramps, &mut sink).unwrap();
                 (4, 5)
             } else {
                 (2, if number % 32 < 12 { 5 } else { 3 })
@@ -129,7 +129,8 @@ fn of_any_other_motion_no_more_is_handed_out_before_another() {
     command(&mut axis, &mut sink, 30_000, T01);
     axis.advance(&mut sink).unwrap();
     let pending = sink.pending();
-    axis.prepare(&mut sink).unwrap();
+    axis.prepare(Ramps::JerkLimited(20_000_000), &mut sink)
+        .unwrap();
     assert_eq!(sink.pending(), pending);
 }
 
