@@ -241,9 +241,7 @@ fn the_dearest_plan_makes_no_pause() {
         for _ in 0..8 {
             rig.refill(SEGMENT.into());
         }
-        rig.axis
-            .prepare(motion::Ramps::Linear, &mut rig.output)
-            .unwrap();
+        rig.axis.prepare(Ramps::Linear, &mut rig.output).unwrap();
         rig.model.run(busy);
         rig.axis.move_to(50_000 - 700 * replanned, limits).unwrap();
     }
