@@ -63,6 +63,13 @@ impl Window {
         u32::from(self.count).wrapping_mul(self.grid)
     }
 
+    /// The jerk where deceleration comes behind acceleration at once, in steps/s³.
+    pub(crate) fn jerk(&self, clock: Clock, acceleration: u32, deceleration: u32) -> u32 {
+        let change = u64::from(acceleration).saturating_add(deceleration.into());
+        let (jerk, _) = by_digit(change.saturating_mul(clock.hz().into()), self.ticks());
+        u32::try_from(jerk).unwrap_or(u32::MAX)
+    }
+
     /// Limits for which the longest window is long enough, whatever comes after whatever: with a very low jerk the accelerations are less than
     /// what is allowed, and the jerk is kept.
     pub(crate) fn within(clock: Clock, limits: Limits, jerk: u32) -> Limits {

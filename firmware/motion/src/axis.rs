@@ -78,7 +78,7 @@ pub struct Axis {
     /// The mean of the plan, if it is that which is followed.
     average: Average,
     is_averaged: bool,
-    /// The jerk for which its window was chosen, in steps/s³.
+    /// The jerk for which its window was chosen, or that of harder ramps since, in steps/s³.
     mean_jerk: u32,
     /// The acceleration of the last order that had one, in steps/s²: it may come behind a stop.
     acceleration: u32,

@@ -107,6 +107,10 @@ impl Axis {
             let goal = self.across(goal, &self.plan, joint);
             self.plan.redirect(clock, joint, goal, limits, ramps)?;
             self.average.rejoin(&self.plan);
+            // The window stays, so harder ramps have a higher jerk.
+            let window = self.average.window();
+            let jerk = window.jerk(clock, limits.acceleration, limits.deceleration);
+            self.mean_jerk = self.mean_jerk.max(jerk);
             return Ok(());
         }
         let segment = self.train.segment();

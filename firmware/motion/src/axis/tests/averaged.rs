@@ -301,6 +301,33 @@ fn an_average_is_left_at_no_less_than_its_own_jerk() {
     }
 }
 
+/// The window stays when the ramps become harder on the way, and the jerk does not.
+#[test]
+fn an_average_with_harder_ramps_is_left_at_their_jerk() {
+    let (mut axis, mut sink) = averaged();
+    axis.move_to(60_000, T01).unwrap();
+    fly(&mut axis, &mut sink, 4);
+    let hard = Limits {
+        acceleration: T01.acceleration * 100,
+        deceleration: T01.deceleration * 100,
+        ..T01
+    };
+    axis.move_to(50_000, hard).unwrap();
+    // In the midst of the ramp.
+    while axis.committed_velocity().unsigned_abs() < Speed::per_second(90_000) {
+        axis.advance(&mut sink).unwrap();
+        sink.play(u64::from(axis.train.segment()) / 4);
+    }
+    axis.set_ramps(Ramps::JerkLimited(JERK));
+    axis.stop(hard.deceleration).unwrap();
+    sink.follow(&axis);
+    while !axis.is_at_rest() {
+        axis.advance(&mut sink).unwrap();
+        assert!(axis.committed_velocity().unsigned_abs() <= T01.velocity);
+        sink.play(u64::from(axis.train.segment()) / 4);
+    }
+}
+
 /// A quick stop with linear ramps begins where the mean is, and takes no window.
 #[test]
 fn a_linear_stop_leaves_the_average() {
