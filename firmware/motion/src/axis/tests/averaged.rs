@@ -285,6 +285,17 @@ fn ramps_change_in_motion_without_a_jump() {
     }
 }
 
+/// Stops, and is never faster on the way than it may be.
+fn stop_within_velocity(axis: &mut Axis, sink: &mut Replay, deceleration: u32) {
+    axis.stop(deceleration).unwrap();
+    sink.follow(axis);
+    while !axis.is_at_rest() {
+        axis.advance(sink).unwrap();
+        assert!(axis.committed_velocity().unsigned_abs() <= T01.velocity);
+        sink.play(u64::from(axis.train.segment()) / 4);
+    }
+}
+
 /// With a lower jerk the motor would go on to speed up for long: to more than a driver can follow.
 #[test]
 fn an_average_is_left_at_no_less_than_its_own_jerk() {
@@ -292,13 +303,7 @@ fn an_average_is_left_at_no_less_than_its_own_jerk() {
     axis.move_to(60_000, T01).unwrap();
     fly(&mut axis, &mut sink, 60);
     axis.set_ramps(Ramps::JerkLimited(JERK / 100));
-    axis.stop(500_000).unwrap();
-    sink.follow(&axis);
-    while !axis.is_at_rest() {
-        axis.advance(&mut sink).unwrap();
-        assert!(axis.committed_velocity().unsigned_abs() <= T01.velocity);
-        sink.play(u64::from(axis.train.segment()) / 4);
-    }
+    stop_within_velocity(&mut axis, &mut sink, 500_000);
 }
 
 /// The window stays when the ramps become harder on the way, and the jerk does not.
@@ -319,13 +324,7 @@ fn an_average_with_harder_ramps_is_left_at_their_jerk() {
         sink.play(u64::from(axis.train.segment()) / 4);
     }
     axis.set_ramps(Ramps::JerkLimited(JERK));
-    axis.stop(hard.deceleration).unwrap();
-    sink.follow(&axis);
-    while !axis.is_at_rest() {
-        axis.advance(&mut sink).unwrap();
-        assert!(axis.committed_velocity().unsigned_abs() <= T01.velocity);
-        sink.play(u64::from(axis.train.segment()) / 4);
-    }
+    stop_within_velocity(&mut axis, &mut sink, hard.deceleration);
 }
 
 /// A quick stop with linear ramps begins where the mean is, and takes no window.
