@@ -121,7 +121,7 @@ fn averaged() {
         ordered(Some(100_000), RAMP, |axis| target(axis, 120_000)),
         ordered(Some(100_000), RAMP, |axis| target(axis, -2_000)),
         ordered(None, 0, |axis| {
-            axis.ramp_to(100_000.into(), usual()).unwrap()
+            axis.ramp_to(100_000.into(), usual()).unwrap();
         }),
         ordered(Some(100_000), RAMP, |axis| axis.stop(500_000).unwrap()),
         ordered(Some(200_000), CRUISE, |axis| axis.stop(500_000).unwrap()),
