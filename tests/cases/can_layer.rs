@@ -3,6 +3,7 @@
 use canopen::{Duration, Frame};
 use embedded_can::{ExtendedId, Frame as _, StandardId};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use tests::{Bench, DriveBench};
 
 #[test]
@@ -129,7 +130,7 @@ fn any_frame() -> impl Strategy<Value = Frame> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 48, ..ProptestConfig::default() }))]
 
     #[test]
     fn c06_random_frames_never_break_the_drive(traffic in prop::collection::vec((any_frame(), 0_u64..3_000), 1..150)) {

@@ -2,6 +2,7 @@
 
 use canopen::{Duration, Frame};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use tests::DriveBench;
 use tests::drive::OPERATION_ENABLED;
 
@@ -330,7 +331,7 @@ fn play(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 16, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 16, ..ProptestConfig::default() }))]
 
     /// As it comes, the driver takes a step every 2 µs. A period that jitter has made shorter by half a percent has to do.
     #[test]

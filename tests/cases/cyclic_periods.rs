@@ -2,6 +2,7 @@
 
 use canopen::Frame;
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use sim::drive::MotionSample;
 use tests::drive::{INTERNAL_LIMIT, OPERATION_ENABLED};
 
@@ -137,7 +138,7 @@ fn play(master: &mut Master, doings: &[Doing], mut target: i32) -> i32 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 12, ..ProptestConfig::default() }))]
 
     #[test]
     fn m62_whatever_comes_and_however_often_607fh_is_kept_and_the_motor_arrives(

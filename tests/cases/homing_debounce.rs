@@ -3,6 +3,7 @@
 
 use canopen::Duration;
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use sim::drive::Setup;
 use sim::plant::{Axis, Index, Switch, Track};
 use tests::DriveBench;
@@ -184,7 +185,7 @@ fn d25_an_edge_noticed_on_the_way_back_is_where_and_how_it_was_passed() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(60)))]
 
     #[test]
     fn d25_whatever_the_debounce_home_is_the_right_edge_or_an_error(

@@ -3,6 +3,7 @@
 use canopen::wire::cob_id;
 use canopen::{Duration, Frame};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use tests::watched::{Step, Watched};
 
 /// Requests to a server: mostly such as a client sends, in any order.
@@ -102,7 +103,7 @@ fn step() -> impl Strategy<Value = Step> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(400)))]
 
     #[test]
     fn c06_random_frames_at_random_times(steps in prop::collection::vec(step(), 1..300)) {

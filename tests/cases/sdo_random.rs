@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use canopen::Duration;
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use sim::bus::simulated::Interference;
 use tests::Bench;
 
@@ -56,7 +57,7 @@ fn value() -> impl Strategy<Value = Vec<u8>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 96, ..ProptestConfig::default() }))]
 
     #[test]
     fn b29_a_disturbed_download_is_whole_or_aborted(value in value(), pattern in interference(), peaceful in 0..6_usize) {

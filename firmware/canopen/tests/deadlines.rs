@@ -6,6 +6,7 @@ use canopen::cia301::emergency::Emergency;
 use canopen::{Duration, Frame, Instant};
 use device::Device;
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 /// The finest unit of all times of a device, in µs.
 const UNIT: u64 = 100;
@@ -164,7 +165,7 @@ fn happen(device: &mut Device, step: &Step) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(200)))]
 
     #[test]
     fn deadlines_and_marked_changes_miss_nothing(steps in prop::collection::vec(step(), 1..80)) {

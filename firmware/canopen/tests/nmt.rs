@@ -7,6 +7,7 @@ use canopen::{Event, Frame};
 use device::{Device, entries};
 use embedded_can::{ExtendedId, Frame as _};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 const BOOT_UP: &str = "704#00";
 
@@ -338,7 +339,7 @@ fn c05_frames_that_classic_can_cannot_carry_do_not_exist() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(64)))]
 
     #[test]
     fn n19_random_values_in_communication_objects_do_not_survive_a_reset(

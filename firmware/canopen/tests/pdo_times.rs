@@ -6,6 +6,7 @@ mod device;
 use canopen::Duration;
 use device::Device;
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 /// The object that TPDO 1 maps first, 32 bits.
 const VALUE: u16 = 0x2005;
@@ -132,7 +133,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 128, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 128, ..ProptestConfig::default() }))]
 
     #[test]
     fn p31_p32_events_keep_the_inhibit_time_and_the_event_timer(

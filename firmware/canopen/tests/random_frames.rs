@@ -7,6 +7,7 @@ use canopen::cia301::nmt::NmtState;
 use canopen::{Duration, Event, Frame};
 use device::Device;
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 /// What may happen to a device.
 #[derive(Clone, Debug)]
@@ -86,7 +87,7 @@ fn check(device: &mut Device, ledger: &mut Ledger, frame: &Frame) -> Result<(), 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(400)))]
 
     #[test]
     fn c06_random_frames_at_random_times(steps in prop::collection::vec(step(), 1..300)) {

@@ -191,6 +191,7 @@ fn half_digit(remainder: u32, next: u32, divisor: u32) -> (u32, u32) {
 mod tests {
     use super::{by_digit, fraction, quotient};
     use proptest::prelude::*;
+    use proptest::test_runner::contextualize_config;
 
     #[test]
     fn no_quotient_is_zero() {
@@ -214,7 +215,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(4096))]
+        #![proptest_config(contextualize_config(ProptestConfig::with_cases(4096)))]
 
         #[test]
         fn agrees_with_the_division_of_the_language(n: u128, d: u128, s in 0u32..128, u in 32u32..128) {

@@ -46,6 +46,7 @@ const fn beyond(square: u64, root: u32) -> i64 {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use proptest::test_runner::contextualize_config;
 
     use super::root;
 
@@ -65,7 +66,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(20_000))]
+        #![proptest_config(contextualize_config(ProptestConfig::with_cases(20_000)))]
 
         #[test]
         fn a_root_is_that_of_the_language(square: u64, shift in 0u32..64) {

@@ -6,6 +6,7 @@ mod table;
 
 use canopen::Duration;
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use tests::DriveBench;
 
 use table::{Network, State, Table};
@@ -368,7 +369,7 @@ impl Comparison {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 96, ..ProptestConfig::default() }))]
 
     #[test]
     fn d33_the_drive_follows_the_transition_table(

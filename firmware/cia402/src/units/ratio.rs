@@ -197,6 +197,7 @@ fn greatest_common_divisor(mut a: u32, mut b: u32) -> u32 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use proptest::test_runner::contextualize_config;
 
     fn exact(value: i64, numerator: u64, denominator: u64) -> i64 {
         let (n, d) = (i128::from(numerator), i128::from(denominator));
@@ -250,7 +251,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(2048))]
+        #![proptest_config(contextualize_config(ProptestConfig::with_cases(2048)))]
 
         #[test]
         fn m73_conversions_are_exact(

@@ -5,6 +5,7 @@ use crate::fixed::Exact;
 use crate::plan::phase::Phase;
 use crate::{Clock, Goal, Limits, Plan, Ramps, State, Ticks};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use std::vec::Vec;
 
 const HZ: u32 = 168_000_000;
@@ -134,7 +135,7 @@ fn window() -> impl Strategy<Value = Window> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() }))]
 
     /// Invariant 12 and what else makes a mean, whatever happens in what order.
     #[test]

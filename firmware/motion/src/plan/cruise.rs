@@ -333,6 +333,7 @@ impl Rules {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use proptest::test_runner::contextualize_config;
 
     use super::*;
     use crate::clock::Clock;
@@ -360,7 +361,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(4096))]
+        #![proptest_config(contextualize_config(ProptestConfig::with_cases(4096)))]
 
         /// The ramps fit into the way, and what they leave of it is over within a tick, or the velocity is the greatest allowed.
         #[test]

@@ -107,6 +107,7 @@ impl Rough {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use proptest::test_runner::contextualize_config;
 
     use super::{Kind, Rough};
 
@@ -131,7 +132,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(4096))]
+        #![proptest_config(contextualize_config(ProptestConfig::with_cases(4096)))]
 
         #[test]
         fn an_exact_number_keeps_its_leading_bits(value: u128, shift in 1u32..128, kind in any_kind()) {

@@ -3,6 +3,7 @@
 use std::vec::Vec;
 
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 use super::{MANY, Train};
 use crate::record::SHORTEST_RECORD;
@@ -49,7 +50,7 @@ fn a_few_dense_periods_make_no_run_that_is_too_short() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4096))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(4096)))]
 
     #[test]
     fn periods_in_a_chord_are_even_and_no_run_is_short(base in 34u32..200, gaps in 1u32..1_300, part in 0.0..1.0) {

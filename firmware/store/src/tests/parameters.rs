@@ -8,6 +8,7 @@ use canopen::cia301::parameters::{CHUNK, ParameterSet, ParameterSets, ParameterS
 use canopen::node::StoreError;
 use canopen::{BitRate, BitTiming, Configuration, NodeId};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 use super::Flash;
 use crate::Store;
@@ -296,7 +297,7 @@ fn r06_a_power_cut_is_survived_at_every_fill_of_the_sectors_including_those_that
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 64, ..ProptestConfig::default() }))]
 
     #[test]
     fn the_last_completed_save_wins_whatever_was_cut(

@@ -1,4 +1,5 @@
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 use super::*;
 
@@ -297,7 +298,7 @@ fn an_encoder_tells_what_it_can_resolve() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(64)))]
     #[test]
     fn without_drive_the_energy_never_grows(
         velocity in -3_000.0f64..3_000.0,

@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use motion::step_interrupt::{self, Edge, Shared, StepTimer};
 use motion::{Axis, AxisConfig, Clock, Direction, PulseSink, Record, Speed, Ticks};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 use super::slow::{HOURLY, limits};
 use super::{FAST, ring};
@@ -249,7 +250,7 @@ fn both_backends_play_a_step_in_an_hour_and_a_megahertz_alike() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() }))]
 
     #[test]
     fn both_backends_make_the_same_pulses_at_the_same_ticks(records in any_stream()) {

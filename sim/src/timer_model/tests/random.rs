@@ -2,6 +2,7 @@
 
 use motion::{DriverTiming, Limits, Ramps};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 use super::super::rig::SEGMENT;
 use super::{FAST, SLOW, rig};
@@ -90,7 +91,7 @@ fn play(commands: &[Command], timing: DriverTiming, burst: u64) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() }))]
 
     #[test]
     fn every_pulse_that_leaves_is_accounted_for(

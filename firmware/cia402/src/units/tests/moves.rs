@@ -1,6 +1,7 @@
 //! Profile position and profile velocity in units of the user.
 
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 use super::{Factors, NONE, Units, ratio, rig};
 use crate::testing::Rig;
@@ -151,7 +152,7 @@ fn i11_a_velocity_crosses_the_end_of_32_bits_of_units_without_a_jump() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(64)))]
 
     #[test]
     fn i07_m31_relative_moves_add_up_to_the_absolute_one(

@@ -2,6 +2,7 @@
 
 use motion::Speed;
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 use super::{NONE, ratio};
 use crate::units::{Factors, Units};
@@ -158,7 +159,7 @@ fn factors() -> impl Strategy<Value = Factors> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4096))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(4096)))]
 
     #[test]
     fn m73_positions_come_back(factors in factors(), user: i32) {

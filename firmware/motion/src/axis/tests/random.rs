@@ -4,6 +4,7 @@ use super::{FAST, Replay, SLOW, axis};
 use crate::axis::{AdvanceError, Axis};
 use crate::{Limits, PulseSink, Ramps};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 #[derive(Debug, Clone)]
 enum Command {
@@ -138,7 +139,7 @@ fn play(ramps: Ramps, commands: &[Command], timing: crate::DriverTiming, capacit
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() }))]
 
     #[test]
     fn every_pulse_is_accounted_for(

@@ -4,6 +4,7 @@ use super::{FAST, HZ};
 use crate::axis::{Axis, AxisConfig};
 use crate::{Clock, Limits, Plan, PulseSink, Record, SignedSpeed, Speed, State, Ticks};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use std::vec::Vec;
 
 /// One step in an hour, as near as it gets.
@@ -182,7 +183,7 @@ fn a_halt_within_the_gap_of_an_hour_is_felt_at_once() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(96)))]
 
     #[test]
     fn every_pulse_of_a_slow_velocity_is_at_its_tick(

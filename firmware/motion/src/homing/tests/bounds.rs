@@ -216,3 +216,16 @@ fn the_last_move_is_at_zero_speed_unless_it_is_set_otherwise() {
         assert!(speeds.contains(&fastest), "{fastest}");
     }
 }
+
+#[test]
+fn d25_an_edge_behind_a_limit_switch_is_an_error_of_the_limit_switch() {
+    // At search speed the motor comes to rest far behind the edge, but it is the limit switch that it meets first: nothing is too narrow.
+    for code in [9, 10, 25, 26] {
+        let mut bench = Bench::new(Track::with_home((11_000, 66_947)), 0);
+        bench.search_speed = 59_407;
+        bench.zero_speed = 500;
+        bench.acceleration = 50_000;
+        let found = bench.home(code, Settings::default());
+        assert_eq!(found, Err(Failure::Limit), "method {code}");
+    }
+}

@@ -4,6 +4,7 @@
 use super::{Goal, Limits, Plan, Ramps, amount, clock, corners, per_second, state, steps};
 use crate::{Clock, PlanError, Position, Speed, State, Ticks, Velocity};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use std::vec::Vec;
 
 /// Numbers of all magnitudes, from `least` to `most`.
@@ -132,7 +133,7 @@ fn ideal(distance: f64, v0: f64, limits: Limits) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() }))]
 
     /// Limits hold at all times, and the deceleration rules whenever the speed falls.
     #[test]

@@ -6,6 +6,7 @@ use super::properties::{
 use super::{Goal, Limits, Plan, Ramps, amount, clock, per_second, state, steps};
 use crate::{Clock, PlanError, Position, State, Ticks, Velocity};
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 use std::vec::Vec;
 
 fn smooth() -> impl Strategy<Value = Ramps> {
@@ -84,7 +85,7 @@ fn all_over(plan: &Plan, clock: Clock, count: u64) -> Vec<Ticks> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(contextualize_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() }))]
 
     /// Velocity, acceleration and jerk stay within their limits, and acceleration does not jump, for any sequence of goals at any ticks.
     #[test]

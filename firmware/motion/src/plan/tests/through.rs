@@ -110,7 +110,8 @@ proptest! {
         let start = state(clock, from, velocity);
         let plan = Plan::velocity(clock, 0, start, velocity.into(), limits).unwrap();
         let plan = plan.then_move_through(clock, 0, target, end.into(), limits).unwrap();
-        let kept = per_second(clock, plan.state_at(100 * u64::from(HZ)));
+        // The longest way takes 200 s, and as much again of braking from the wrong direction and coming back.
+        let kept = per_second(clock, plan.state_at(1_000 * u64::from(HZ)));
         let expected = f64::from(end.min(top)) * (target - from).signum() as f64;
         prop_assert!((kept - expected).abs() < 0.01, "{} instead of {}", kept, expected);
         let at = passing(&plan, target, target > from);

@@ -3,6 +3,7 @@
 use std::vec::Vec;
 
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 use super::client::{Client, Outcome, Task};
 use super::line::{Chance, Conditions, Line};
@@ -131,7 +132,7 @@ fn undisturbed(bus: &mut Bus, object: &Task, value: Option<Vec<u8>>) -> Vec<u8> 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(300)))]
 
     #[test]
     fn b29_what_is_written_is_read(

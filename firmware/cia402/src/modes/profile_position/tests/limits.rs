@@ -2,6 +2,7 @@
 
 use motion::Ramps;
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 use super::{HALT, IMMEDIATELY};
 use crate::controlword::CHANGE_ON_SET_POINT;
@@ -332,7 +333,7 @@ fn any_order() -> impl Strategy<Value = Order> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(128))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(128)))]
     /// However ramps, profiles, targets and velocities follow each other: no software limit is passed.
     #[test]
     fn m44_no_software_limit_is_passed(orders in prop::collection::vec(any_order(), 1..20)) {

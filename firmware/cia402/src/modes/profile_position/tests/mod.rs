@@ -11,6 +11,7 @@ mod target;
 mod velocity;
 
 use proptest::prelude::*;
+use proptest::test_runner::contextualize_config;
 
 use crate::testing::Rig;
 
@@ -43,7 +44,7 @@ fn any_move() -> impl Strategy<Value = Move> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(contextualize_config(ProptestConfig::with_cases(64)))]
     /// Whatever set-points came before: an acknowledged immediate one is where the motor ends, to the step.
     #[test]
     fn the_last_set_point_is_where_the_motor_ends(
