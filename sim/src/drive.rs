@@ -1,7 +1,7 @@
 //! The virtual drive: both halves of the firmware's drive and a simulated motor, on virtual time.
 //!
-//! It does what the tasks of the firmware do around the core: a control tick each millisecond, frames in and out, the
-//! parameter store, the switch of the bit rate. It is a [`Station`], so any bus can carry it.
+//! It does what the tasks of the firmware do around the core: a control tick each millisecond, a refill of the pulses each quarter of
+//! one, frames in and out, the parameter store, the switch of the bit rate. It is a [`Station`], so any bus can carry it.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -28,6 +28,12 @@ use crate::settings::{FactoryStore, Settings as FactorySettings};
 
 /// The period of the control tick.
 pub const CONTROL_TICK: Duration = Duration::from_ticks(1_000);
+
+/// Pulses are handed out so often in a control tick, by a timer of its own as on the board.
+const REFILLS: u32 = 4;
+
+/// From a refill to the next.
+const REFILL: Duration = Duration::from_ticks(CONTROL_TICK.ticks() / REFILLS as u64);
 
 /// Events that are kept until somebody takes them; older ones are forgotten.
 const EVENTS: usize = 64;
@@ -127,6 +133,7 @@ pub struct VirtualDrive<D: Dictionary, A = ()> {
     exchange: Exchange,
     plant: Plant,
     next_tick: Instant,
+    next_refill: Instant,
     bit_rate: BitRate,
     /// What this power-on has brought.
     bit_timing: BitTiming,
@@ -163,6 +170,7 @@ where
             exchange: Exchange::new(),
             plant,
             next_tick: Instant::from_ticks(0),
+            next_refill: Instant::from_ticks(0),
             bit_rate: bit_rate(&power_on),
             bit_timing: power_on.bit_timing.value,
             switch_bit_rate: None,
@@ -242,6 +250,7 @@ where
         self.plant.power_on(now);
         self.powered = true;
         self.next_tick = now;
+        self.next_refill = now + REFILL;
         match self.bit_timing {
             BitTiming::Fixed(_) => self.boot(now),
             BitTiming::Automatic => self.find_bit_rate(now),
@@ -281,18 +290,26 @@ where
         deadline
     }
 
-    /// Runs every control tick up to and including `now`.
+    /// Runs every control tick and every refill up to and including `now`.
     fn run_until(&mut self, now: Instant) {
         if !self.powered {
             self.power_on(now);
         }
-        while self.next_tick <= now {
-            let now = self.next_tick;
-            let next = self.control_tick(now);
-            // A tick takes time.
-            self.next_tick = next
-                .unwrap_or(now + CONTROL_TICK)
-                .max(now + CONTROL_TICK / 2);
+        loop {
+            if self.next_tick <= now && self.next_tick <= self.next_refill {
+                let now = self.next_tick;
+                let next = self.control_tick(now);
+                // A tick takes time.
+                self.next_tick = next
+                    .unwrap_or(now + CONTROL_TICK)
+                    .max(now + CONTROL_TICK / 2);
+            } else if self.next_refill <= now {
+                self.plant.advance(self.next_refill);
+                self.drive.refill(self.plant.pulses_mut());
+                self.next_refill += REFILL;
+            } else {
+                break;
+            }
         }
         self.plant.advance(now);
         match self.switch_bit_rate.take_if(|(at, _)| *at <= now) {
@@ -534,7 +551,7 @@ fn drive_config() -> DriveConfig {
     DriveConfig {
         axis: AxisConfig {
             clock: Clock::new(STEP_CLOCK_HZ).expect("84 MHz is a step clock"),
-            segment: 1_000 * MICROSECOND,
+            segment: REFILL.ticks() as u32 * MICROSECOND,
             timing: DriverTiming {
                 pulse_high: MICROSECOND,
                 pulse_low: MICROSECOND,
@@ -543,6 +560,6 @@ fn drive_config() -> DriveConfig {
             },
         },
         tick: CONTROL_TICK,
-        refills: 1,
+        refills: REFILLS,
     }
 }

@@ -176,9 +176,5 @@ pub(crate) fn expedited_sub(index: u16, sub: u8, value: i32) -> [u8; 8] {
 
 /// After how many cycles the motor is at a set-point.
 pub(crate) fn latency(cycle: u64) -> usize {
-    match cycle {
-        1_000 => 4,
-        2_000 | 2_500 => 3,
-        _ => 2,
-    }
+    if cycle < 1_500 { 3 } else { 2 }
 }

@@ -36,6 +36,8 @@ fn begins_afresh(mut master: Master) {
     let rest = master.drive.position();
     master.drive.enable();
     master.drive.command(0x1F);
+    // SYNC has kept its period meanwhile.
+    master.next_in(master.cycle_time());
     for _ in 0..20 {
         master.sync(0);
     }

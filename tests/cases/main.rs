@@ -45,6 +45,7 @@ mod profile_position;
 mod profile_velocity;
 mod pulse_timing;
 mod random_frames;
+mod reaction;
 mod ros2_canopen;
 mod ros2_driver;
 mod scope;

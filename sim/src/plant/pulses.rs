@@ -28,11 +28,18 @@ pub struct PulsePlayer {
     ticks: u64,
     pending: Ticks,
     position: i64,
+    /// Ticks of all calls of [`PulsePlayer::play`] before the present one, and with it.
+    began: Ticks,
+    ends: Ticks,
+    /// When each pulse left, if that is kept.
+    times: Option<Vec<Ticks>>,
 }
 
 impl PulsePlayer {
     /// Plays for so many ticks; time in which there is nothing to play passes too. Tells of the pulses that leave, in order.
     pub fn play(&mut self, span: Ticks, mut tell: impl FnMut(Pulses)) {
+        self.began = self.ends;
+        self.ends += span;
         let mut ticks = span;
         self.pending = self.pending.saturating_sub(ticks);
         while let Some(record) = self.queue.front().copied() {
@@ -77,6 +84,16 @@ impl PulsePlayer {
         self.position
     }
 
+    /// Keeps from now on when each pulse leaves; forgets what was kept before.
+    pub fn record(&mut self) {
+        self.times = Some(Vec::new());
+    }
+
+    /// When each pulse left since [`PulsePlayer::record`], in ticks since the power came.
+    pub fn recorded(&self) -> &[Ticks] {
+        self.times.as_deref().unwrap_or_default()
+    }
+
     /// Adds steps that no pulse made.
     pub fn displace(&mut self, steps: i64) {
         self.position += steps;
@@ -92,6 +109,10 @@ impl PulsePlayer {
                 period: record.period,
             });
             self.position += steps;
+            if let Some(times) = &mut self.times {
+                let first = self.began + at;
+                times.extend((0..pulses as u64).map(|n| first + n * u64::from(record.period)));
+            }
         }
     }
 }

@@ -318,10 +318,16 @@ proptest! {
         cuts in prop::collection::vec(0u64..50_000, 0..100),
     ) {
         let mut player = PulsePlayer::default();
+        player.record();
         let mut expected = 0;
+        let mut ends = 0;
+        let mut times = Vec::new();
         for (period, repeat, width, forward) in records {
             let direction = if forward { Forward } else { Reverse };
             player.push(record(period, repeat, width, direction)).unwrap();
+            let starts = (0..repeat).map(|n| ends + u64::from(n) * u64::from(period));
+            times.extend(starts.filter(|_| width > 0));
+            ends += u64::from(repeat) * u64::from(period);
             if width > 0 {
                 expected += i64::from(repeat) * if forward { 1 } else { -1 };
             }
@@ -333,6 +339,7 @@ proptest! {
         }
         player.play(player.pending(), |_| {});
         prop_assert_eq!(player.position(), expected);
+        prop_assert_eq!(player.recorded(), times);
         prop_assert_eq!(player.free(), PulsePlayer::default().free());
     }
 }
