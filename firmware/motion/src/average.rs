@@ -235,10 +235,11 @@ impl Average {
     }
 
     /// The plan has been changed, to begin at [`Average::joint`].
-    pub(crate) fn rejoin(&mut self, plan: &Plan) {
+    pub(crate) fn rejoin(&mut self, plan: &mut Plan) {
         self.walk.until = 0;
         self.stands = false;
         if self.line.is_some() {
+            plan.enter(plan.start());
             self.anchor_to(plan, plan.start());
         }
     }
@@ -418,8 +419,8 @@ impl Average {
             (self.stands || end <= at, 0, 0)
         } else {
             let phase = plan.phase_at(next);
-            let half = phase.map_or(0, Phase::half_acceleration);
-            let is_one = phase.is_some_and(|phase| phase.start() <= at);
+            let half = phase.as_ref().map_or(0, Phase::half_acceleration);
+            let is_one = phase.as_ref().is_some_and(|phase| phase.start() <= at);
             let keeps = is_one && half == 0 && ahead.velocity == self.pace;
             (keeps, ahead.velocity, half)
         };

@@ -512,6 +512,9 @@ impl Axis {
         self.leg = None;
         self.average_on();
         let begin = self.horizon;
+        if self.path.is_none() && !self.is_averaged {
+            self.plan.enter(begin);
+        }
         let from = self.state_at(begin);
         if self.end().is_some_and(|end| end <= begin) && self.train.due(from.position) == 0 {
             self.train.close(begin);
@@ -529,7 +532,7 @@ impl Axis {
                     self.average.longest_chord(&phase),
                 )
             }
-            None => (self.plan.next_corner(begin), self.plan.longest_chord(begin)),
+            None => self.plan.ahead(begin),
             Some(path) => (path.next_corner(begin), path.longest_chord(begin)),
         };
         let longest = u32::try_from(longest).unwrap_or(u32::MAX);
@@ -552,7 +555,7 @@ impl Axis {
         }
         if self.path.is_none()
             && end < corner
-            && let Some(phase) = averaged.as_ref().or_else(|| self.plan.phase_at(begin))
+            && let Some(phase) = averaged.as_ref().or_else(|| self.plan.entered(begin))
             && phase.is_parabola()
         {
             self.leg = Some(Leg::new(phase, end, corner, longest));

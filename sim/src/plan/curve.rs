@@ -13,8 +13,11 @@ pub(super) struct Curve {
     /// The axis at the first tick of the move.
     pub(super) axis: Axis,
     plan: Plan,
-    /// Of a moving average: its curves, and the tick from which the plan is followed.
-    mean: Option<(Vec<Phase>, Ticks)>,
+    /// Up to a tick it follows these, then it is where the plan is.
+    curves: Vec<Phase>,
+    until: Ticks,
+    /// They are those of the moving average of a plan.
+    is_mean: bool,
 }
 
 impl Curve {
@@ -23,7 +26,9 @@ impl Curve {
         Self {
             axis: Axis::on_plan(config, plan),
             plan,
-            mean: None,
+            curves: plan.phases().collect(),
+            until: plan.end().unwrap_or(Ticks::MAX),
+            is_mean: false,
         }
     }
 
@@ -38,7 +43,9 @@ impl Curve {
         Ok(Self {
             axis,
             plan: Plan::at_rest(rest, end),
-            mean: Some((curves, end)),
+            curves,
+            until: end,
+            is_mean: true,
         })
     }
 
@@ -48,47 +55,47 @@ impl Curve {
     }
 
     pub(super) fn state_at(&self, tick: Ticks) -> State {
-        match &self.mean {
-            Some((curves, end)) if tick < *end => {
-                curve(curves, tick).map_or_else(State::default, |phase| phase.state_at(tick))
-            }
-            _ => self.plan.state_at(tick),
-        }
+        let curve = self.curve(tick).filter(|_| tick < self.until);
+        curve.map_or_else(|| self.plan.state_at(tick), |phase| phase.state_at(tick))
     }
 
     /// The first ticks of all its curves.
     pub(super) fn corners(&self) -> Vec<Ticks> {
-        self.curves().iter().map(Phase::start).collect()
+        self.curves.iter().map(Phase::start).collect()
     }
 
     /// The first tick of the curve behind a tick; `None` on the last one.
     pub(super) fn next_corner(&self, after: Ticks) -> Option<Ticks> {
-        let Some((curves, end)) = &self.mean else {
+        if !self.is_mean {
             return self.plan.next_corner(after);
-        };
-        let behind = curves.partition_point(|phase| phase.start() <= after);
-        let next = curves.get(behind).map_or(*end, Phase::start);
+        }
+        let behind = self.behind(after);
+        let next = self.curves.get(behind).map_or(self.until, Phase::start);
         (next > after).then_some(next)
     }
 
-    fn curves(&self) -> &[Phase] {
-        match &self.mean {
-            Some((curves, _)) => curves,
-            None => self.plan.phases(),
-        }
+    /// How many curves begin at a tick or before it.
+    fn behind(&self, tick: Ticks) -> usize {
+        self.curves.partition_point(|phase| phase.start() <= tick)
+    }
+
+    /// The curve to which a tick belongs.
+    fn curve(&self, tick: Ticks) -> Option<&Phase> {
+        self.curves.get(self.behind(tick).checked_sub(1)?)
     }
 
     /// In steps/s², at a tick.
     pub(super) fn acceleration_at(&self, clock: Clock, tick: Ticks) -> f64 {
-        curve(self.curves(), tick).map_or(0.0, |phase| phase.acceleration_at(clock, tick) as f64)
+        self.curve(tick)
+            .map_or(0.0, |phase| phase.acceleration_at(clock, tick) as f64)
     }
 
     /// The first ticks of its phases: of constant acceleration or jerk; of a mean, where that begins or ends to grow or to fall.
     pub(super) fn phases(&self, clock: Clock) -> Vec<Ticks> {
-        let Some((curves, _)) = &self.mean else {
+        if !self.is_mean {
             return self.corners();
-        };
-        let accelerations: Vec<_> = (curves.iter())
+        }
+        let accelerations: Vec<_> = (self.curves.iter())
             .map(|phase| phase.acceleration(clock) as f64)
             .collect();
         let least = accelerations
@@ -97,7 +104,7 @@ impl Curve {
             * ROUNDING;
         let mut starts = Vec::new();
         let (mut before, mut trend) = (0.0, None);
-        for (phase, acceleration) in curves.iter().zip(accelerations) {
+        for (phase, acceleration) in self.curves.iter().zip(accelerations) {
             let change = acceleration - before;
             let now = if change.abs() <= least {
                 0.0
@@ -111,10 +118,4 @@ impl Curve {
         }
         starts
     }
-}
-
-/// The phase to which a tick belongs.
-fn curve(phases: &[Phase], tick: Ticks) -> Option<&Phase> {
-    let behind = phases.partition_point(|phase| phase.start() <= tick);
-    phases.get(behind.checked_sub(1)?)
 }

@@ -291,7 +291,7 @@ mod tests {
             let limits = Limits { velocity: velocity.into(), acceleration, deceleration };
             let plan = Plan::new(clock, 0, State::default(), Goal::Rest(way), limits, ramps).unwrap();
             // Around a corner, at nearly its speed.
-            let phases = plan.phases();
+            let phases: Vec<_> = plan.phases().collect();
             let corner = phases[corner % phases.len()].start();
             let there = plan.state_at(corner).velocity.bits().max(1 << 40) as f64 / 2f64.powi(56);
             let period = (1.0 / there / speed) as Ticks;

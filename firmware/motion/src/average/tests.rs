@@ -72,7 +72,7 @@ impl Course {
             .redirect(clock(), joint, goal, limits, Ramps::Linear)
             .is_ok()
         {
-            self.average.rejoin(&plan);
+            self.average.rejoin(&mut plan);
             self.plans.push((joint, plan));
             if let Some(last) = self.pieces.last_mut() {
                 last.0 = last.0.min(joint);

@@ -104,9 +104,10 @@ impl Axis {
         let fresh = self.average.fresh().filter(|_| self.is_averaged);
         if self.is_averaged && fresh.is_none() {
             let joint = self.average.joint(horizon);
+            self.plan.enter(joint);
             let goal = self.across(goal, &self.plan, joint);
             self.plan.redirect(clock, joint, goal, limits, ramps)?;
-            self.average.rejoin(&self.plan);
+            self.average.rejoin(&mut self.plan);
             // The window stays, so harder ramps have a higher jerk.
             let window = self.average.window();
             let jerk = window.jerk(clock, limits.acceleration, limits.deceleration);
@@ -143,7 +144,7 @@ impl Axis {
             self.is_averaged = self.plan.end().is_none_or(|end| end > horizon);
             if self.is_averaged {
                 let cruise = match goal {
-                    Goal::Rest(_) => cruise(&self.plan),
+                    Goal::Rest(_) => self.plan.cruise(),
                     Goal::Pass(..) | Goal::Velocity(_) => 0,
                 };
                 let short = Some(window(a.max(d))).filter(|short| cruise >= short.ticks().into());
@@ -195,13 +196,4 @@ impl Axis {
             None => self.plan.exact_at(t),
         }
     }
-}
-
-/// How long a plan from rest to rest keeps its velocity between its two ramps, in ticks.
-fn cruise(plan: &Plan) -> Ticks {
-    let line = plan.phases().iter().find(|phase| phase.is_line());
-    line.map_or(0, |line| {
-        let end = plan.next_corner(line.start()).unwrap_or(line.start());
-        end.saturating_sub(line.start())
-    })
 }

@@ -135,7 +135,7 @@ mod tests {
             let plan = Plan::move_to(clock, 77, State::default(), target, limits).unwrap();
             for phase in plan.phases() {
                 let mut t = phase.start();
-                let mut leg = Leg::new(phase, t, Ticks::MAX, u32::MAX);
+                let mut leg = Leg::new(&phase, t, Ticks::MAX, u32::MAX);
                 prop_assert_eq!(leg.state, phase.at(t).rounded());
                 for &(unusual, length) in &lengths {
                     let length = if unusual == 0 { length } else { usual };

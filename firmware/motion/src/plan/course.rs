@@ -1,9 +1,8 @@
 //! How phases become a plan: one behind the other, from where the axis is.
 
 use super::Plan;
-use super::phase::{Curve, Offset, Shape, ramp_way, ticks_up};
-use super::ramp::Ramp;
-use super::sine::Sine;
+use super::phase::{Bend, Draft, Frame, Offset, ramp_way, ticks_up};
+use super::ramp::{Piece, Ramp};
 use crate::clock::Ticks;
 use crate::fixed::Exact;
 
@@ -12,9 +11,9 @@ use crate::fixed::Exact;
 /// Working in this frame makes a mirrored motion the exact mirror image, bit by bit.
 pub(super) struct Course<'a> {
     plan: &'a mut Plan,
-    origin: i128,
-    reverse: bool,
-    pub(super) elapsed: Offset,
+    elapsed: Offset,
+    /// The first tick that is not before that.
+    tick: Ticks,
     pub(super) travelled: i128,
     /// Ramps are drawn as sin².
     is_sine: bool,
@@ -23,15 +22,19 @@ pub(super) struct Course<'a> {
 impl<'a> Course<'a> {
     /// Begins to write over `plan`: from now on nothing may fail.
     pub(super) fn new(plan: &'a mut Plan, start: Ticks, from: Exact, reverse: bool) -> Self {
-        plan.start = start;
+        plan.frame = Frame {
+            start,
+            origin: from.position,
+            reverse,
+        };
         plan.count = 0;
         plan.last_ramp = start;
+        plan.entered_until = 0;
         Self {
             is_sine: plan.is_sine,
             plan,
-            origin: from.position,
-            reverse,
             elapsed: 0,
+            tick: start,
             travelled: 0,
         }
     }
@@ -45,8 +48,8 @@ impl<'a> Course<'a> {
         way: u128,
     ) {
         let speed = speed.cast_signed().wrapping_neg();
-        let curve = self.changing(speed, half_deceleration.cast_signed(), time);
-        self.append(&curve, time, way.cast_signed().wrapping_neg());
+        self.change(speed, half_deceleration.cast_signed(), time);
+        self.go_on(time, way.cast_signed().wrapping_neg());
     }
 
     /// Brakes from `speed`, to less or to standstill. Returns the way.
@@ -54,8 +57,8 @@ impl<'a> Course<'a> {
     pub(super) fn brake(&mut self, speed: u128, half_deceleration: u128, time: Offset) -> u128 {
         let way = ramp_way(speed, half_deceleration, time, true);
         let falling = half_deceleration.cast_signed().wrapping_neg();
-        let curve = self.changing(speed.cast_signed(), falling, time);
-        self.append(&curve, time, way.cast_signed());
+        self.change(speed.cast_signed(), falling, time);
+        self.go_on(time, way.cast_signed());
         way
     }
 
@@ -67,172 +70,188 @@ impl<'a> Course<'a> {
         time: Offset,
     ) -> u128 {
         let way = ramp_way(speed, half_acceleration, time, false);
-        let curve = self.changing(speed.cast_signed(), half_acceleration.cast_signed(), time);
-        self.append(&curve, time, way.cast_signed());
+        self.change(speed.cast_signed(), half_acceleration.cast_signed(), time);
+        self.go_on(time, way.cast_signed());
         way
+    }
+
+    /// A linear ramp begins here, or the one that is drawn in its place.
+    fn change(&mut self, velocity: i128, half_acceleration: i128, time: Offset) {
+        self.mark_ramp();
+        let bend = self.bend(time);
+        self.add(Draft {
+            start: self.tick,
+            anchor: self.elapsed,
+            position: self.travelled,
+            velocity,
+            half_acceleration,
+            bend,
+        });
     }
 
     /// Keeps `speed` over `way`.
     pub(super) fn cruise(&mut self, speed: u128, time: Offset, way: u128) {
-        let shape = Shape {
+        self.add(Draft {
+            start: self.tick,
+            anchor: self.elapsed,
             position: self.travelled,
             velocity: speed.cast_signed(),
             half_acceleration: 0,
-            curve: Curve::Parabola,
-        };
-        self.append(&shape, time, way.cast_signed());
+            bend: Bend::None,
+        });
+        self.go_on(time, way.cast_signed());
     }
 
     /// Brakes to standstill exactly at `target`, in the frame.
     pub(super) fn land(mut self, target: i128, half_deceleration: u128, time: Offset) {
-        let begin = self.elapsed;
-        self.elapsed = begin.saturating_add(time);
-        self.mark_ramp(begin);
+        self.mark_ramp();
+        let start = self.tick;
+        self.go_on(time, 0);
+        let bend = self.bend(time);
         let rising = half_deceleration.cast_signed();
-        let shape = match self.sine(rising, time) {
-            Some(sine) => Shape {
-                position: target,
-                velocity: 0,
-                half_acceleration: half_peak(rising),
-                curve: Curve::Sine(sine),
+        self.add(Draft {
+            start,
+            anchor: self.elapsed,
+            position: target,
+            velocity: 0,
+            half_acceleration: match bend {
+                Bend::None => rising.wrapping_neg(),
+                _ => rising,
             },
-            None => Shape {
-                position: target,
+            bend,
+        });
+        self.rest_at(target);
+    }
+
+    /// Brakes from a speed that takes `time` to rest, passes `target` at a speed that takes `end_time` and `end_way`, and keeps that.
+    pub(super) fn pass(
+        mut self,
+        target: i128,
+        half_deceleration: u128,
+        time: Offset,
+        (end_speed, end_time, end_way): (u128, Offset, u128),
+    ) {
+        self.mark_ramp();
+        let start = self.tick;
+        let rest = self.elapsed.saturating_add(time);
+        let braking = time.saturating_sub(end_time);
+        self.go_on(braking, 0);
+        let rising = half_deceleration.cast_signed();
+        let draft = match self.bend(braking) {
+            Bend::None => Draft {
+                start,
+                anchor: rest,
+                position: target.wrapping_add(end_way.cast_signed()),
                 velocity: 0,
                 half_acceleration: rising.wrapping_neg(),
-                curve: Curve::Parabola,
+                bend: Bend::None,
+            },
+            bend => Draft {
+                start,
+                anchor: self.elapsed,
+                position: target,
+                velocity: end_speed.cast_signed(),
+                half_acceleration: rising,
+                bend,
             },
         };
-        self.push(&shape, begin, self.elapsed);
-        self.rest_at(target);
+        self.add(draft);
+        self.travelled = target;
+        self.never_end(end_speed);
     }
 
     /// Follows a jerk-limited ramp.
     pub(super) fn ramp(&mut self, ramp: &Ramp) {
-        self.mark_ramp(self.elapsed);
-        for piece in ramp.pieces.iter().filter(|piece| piece.time != 0) {
-            self.append(&piece.shape(self.travelled), piece.time, piece.shift());
+        self.mark_ramp();
+        ramp.pieces.iter().for_each(|piece| self.follow(piece));
+    }
+
+    fn follow(&mut self, piece: &Piece) {
+        if piece.time == 0 {
+            return;
         }
+        self.add(Draft {
+            start: self.tick,
+            anchor: self.elapsed,
+            position: self.travelled,
+            velocity: piece.velocity,
+            half_acceleration: piece.acceleration >> 1,
+            bend: match piece.sixth_jerk {
+                0 => Bend::None,
+                sixth_jerk => Bend::Jerk(sixth_jerk),
+            },
+        });
+        self.go_on(piece.time, piece.shift());
     }
 
     /// Follows a jerk-limited ramp to standstill exactly at `target`, in the frame: its last piece is anchored there.
     pub(super) fn land_on(mut self, ramp: &Ramp, target: i128) {
-        self.mark_ramp(self.elapsed);
+        self.mark_ramp();
         let [first, second, last] = &ramp.pieces;
-        for piece in [first, second].into_iter().filter(|piece| piece.time != 0) {
-            self.append(&piece.shape(self.travelled), piece.time, piece.shift());
-        }
+        self.follow(first);
+        self.follow(second);
         if last.time != 0 {
-            let begin = self.elapsed;
-            self.elapsed = begin.saturating_add(last.time);
-            let shape = Shape {
+            let start = self.tick;
+            self.go_on(last.time, 0);
+            self.add(Draft {
+                start,
+                anchor: self.elapsed,
                 position: target,
                 velocity: 0,
                 half_acceleration: 0,
-                curve: Curve::Cubic(last.sixth_jerk),
-            };
-            self.push(&shape, begin, self.elapsed);
+                bend: Bend::Jerk(last.sixth_jerk),
+            });
         }
         self.rest_at(target);
     }
 
     /// The last ramp begins, as far as is known.
-    pub(super) fn mark_ramp(&mut self, begin: Offset) {
-        self.plan.last_ramp = self.plan.start.saturating_add(ticks_up(begin));
+    fn mark_ramp(&mut self) {
+        self.plan.last_ramp = self.tick;
     }
 
     /// Ends the plan here, standing at `position` in the frame.
     pub(super) fn rest_at(self, position: i128) {
-        let end = self
-            .plan
-            .start
-            .saturating_add(ticks_up(self.elapsed))
-            .min(Ticks::MAX - 1);
-        let turned = if self.reverse {
-            position.wrapping_neg()
-        } else {
-            position
-        };
-        self.plan.end = end;
-        self.plan.rest = self.origin.wrapping_add(turned);
+        self.plan.end = self.tick.min(Ticks::MAX - 1);
+        self.plan.rest = self.plan.frame.place(position);
     }
 
     /// Keeps `speed` for ever.
     pub(super) fn never_end(mut self, speed: u128) {
         self.cruise(speed, 0, 0);
         self.plan.end = Ticks::MAX;
-        self.plan.rest = self.origin;
+        self.plan.rest = self.plan.frame.origin;
     }
 
-    /// A ramp that begins here.
-    pub(super) fn changing(
-        &mut self,
-        velocity: i128,
-        half_acceleration: i128,
-        time: Offset,
-    ) -> Shape {
-        self.mark_ramp(self.elapsed);
-        let (half_acceleration, curve) = match self.sine(half_acceleration, time) {
-            Some(sine) => (half_peak(half_acceleration), Curve::Sine(sine)),
-            None => (half_acceleration, Curve::Parabola),
-        };
-        Shape {
-            position: self.travelled,
-            velocity,
-            half_acceleration,
-            curve,
-        }
-    }
-
-    /// The sin² ramp that takes the place of a linear one, if ramps are sin².
-    pub(super) fn sine(&self, half_acceleration: i128, time: Offset) -> Option<Sine> {
-        if !self.is_sine || time == 0 {
-            return None;
-        }
-        let change = half_acceleration.unsigned_abs().wrapping_mul(time) >> 31;
-        let change = change.cast_signed();
-        let change = if half_acceleration < 0 {
-            change.wrapping_neg()
+    /// How a ramp is drawn that lasts so long.
+    fn bend(&self, time: Offset) -> Bend {
+        if self.is_sine && time != 0 {
+            Bend::Sine(time)
         } else {
-            change
-        };
-        Some(Sine::new(change, time))
+            Bend::None
+        }
     }
 
-    /// Adds a phase that is anchored at its beginning.
-    #[inline]
-    pub(super) fn append(&mut self, curve: &Shape, time: Offset, way: i128) {
-        self.push(curve, self.elapsed, self.elapsed);
+    /// What was added lasts so long and goes so far.
+    fn go_on(&mut self, time: Offset, way: i128) {
         self.elapsed = self.elapsed.saturating_add(time);
+        self.tick = self.plan.frame.start.saturating_add(ticks_up(self.elapsed));
         self.travelled = self.travelled.wrapping_add(way);
     }
 
-    #[inline(never)]
-    pub(super) fn push(&mut self, curve: &Shape, begin: Offset, anchor: Offset) {
+    /// Adds a phase.
+    #[inline]
+    fn add(&mut self, draft: Draft) {
         let plan = &mut *self.plan;
-        let start = plan.start.saturating_add(ticks_up(begin));
         // A phase that ended before its first tick came is written over.
         let last = usize::from(plan.count).checked_sub(1);
-        let last = last.and_then(|last| plan.phases.get(last));
-        if last.is_none_or(|last| last.start() != start) {
+        let last = last.and_then(|last| plan.drafts.get(last));
+        if last.is_none_or(|last| last.start != draft.start) {
             plan.count = plan.count.saturating_add(1);
         }
         let place = usize::from(plan.count).wrapping_sub(1);
-        if let Some(place) = plan.phases.get_mut(place) {
-            curve.write(
-                place,
-                (plan.start, start),
-                anchor,
-                self.origin,
-                self.reverse,
-            );
+        if let Some(place) = plan.drafts.get_mut(place) {
+            *place = draft;
         }
     }
-}
-
-/// The greatest acceleration of a sin² ramp, from that of the linear one in its place, both halved: π/2 times as much, and a little more
-/// rather than less.
-pub(super) const fn half_peak(half_acceleration: i128) -> i128 {
-    let half = half_acceleration.unsigned_abs().cast_signed();
-    (half.wrapping_mul(13) >> 3).wrapping_add(1)
 }

@@ -6,6 +6,9 @@
 //! was rounded on the way; and limits are rounded down, so that they are never exceeded. What that costs in speed is paid
 //! by the cruise.
 //!
+//! A plan keeps drafts of its phases, as they are found, and a phase is worked out when it is asked for. Whoever follows a plan enters each
+//! phase once; most plans are left before their last.
+//!
 //! After CiA 402-2, the profile deceleration (6084h) rules whenever the speed falls and the profile acceleration (6083h)
 //! whenever it grows, in either direction.
 
@@ -26,7 +29,7 @@ use crate::divide::quotient;
 use crate::fixed::{Exact, State};
 use crate::speed::{SignedSpeed, Speed};
 use course::Course;
-use phase::Phase;
+use phase::{Draft, Frame, Phase};
 use ramp::Jerk;
 
 /// What a motion may ask of the motor.
@@ -102,11 +105,14 @@ const MOST_PHASES: usize = 11;
 /// A motion in closed form.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan {
-    start: Ticks,
+    frame: Frame,
     /// `Ticks::MAX` if it never ends.
     end: Ticks,
-    phases: [Phase; MOST_PHASES],
+    drafts: [Draft; MOST_PHASES],
     count: u8,
+    /// The phase that was entered, and the first tick behind it; 0 if there is none.
+    entered: Phase,
+    entered_until: Ticks,
     /// The position from `end` on, Q96 steps.
     rest: i128,
     /// The first tick of the ramp to rest, or of the last ramp there is.
@@ -122,12 +128,19 @@ pub struct Plan {
 impl Plan {
     /// Standing at a whole step (modulo 2³²) from tick `start` on.
     pub const fn at_rest(position_steps: i64, start: Ticks) -> Self {
+        let rest = Exact::at_rest(position_steps).position;
         Self {
-            start,
+            frame: Frame {
+                start,
+                origin: rest,
+                reverse: false,
+            },
             end: start,
-            phases: [Phase::NONE; MOST_PHASES],
+            drafts: [Draft::NONE; MOST_PHASES],
             count: 0,
-            rest: Exact::at_rest(position_steps).position,
+            entered: Phase::NONE,
+            entered_until: 0,
+            rest,
             last_ramp: start,
             order: None,
             jerk: None,
@@ -272,13 +285,14 @@ impl Plan {
         limits: Limits,
         ramps: Ramps,
     ) -> Result<(), PlanError> {
+        self.enter(at);
         let mut pull = 0;
         let is_smooth = matches!(ramps, Ramps::SinSquared | Ramps::JerkLimited(_));
         if is_smooth && self.jerk.is_some() && at < self.end {
             if self.does(at, goal, limits, ramps) {
                 return Ok(());
             }
-            pull = self.phase_at(at).map_or(0, |phase| phase.pull(at));
+            pull = self.entered(at).map_or(0, |phase| phase.pull(at));
         }
         let from = self.exact_at(at);
         self.make(clock, at, (from, pull), goal, limits, ramps)
@@ -287,7 +301,7 @@ impl Plan {
     /// Whether there is nothing to change for a goal: it is what the plan is after; or sin² braking is under way to it, and that is
     /// as short as it can be.
     fn does(&self, at: Ticks, goal: Goal, limits: Limits, ramps: Ramps) -> bool {
-        if at < self.start {
+        if at < self.frame.start {
             return false;
         }
         if self.order == Some((goal, limits, ramps)) {
@@ -373,7 +387,7 @@ impl Plan {
 
     /// The first tick of the plan.
     pub const fn start(&self) -> Ticks {
-        self.start
+        self.frame.start
     }
 
     /// The tick from which the axis stands still; `None` if it never does.
@@ -386,31 +400,53 @@ impl Plan {
     }
 
     /// The phases in order; none if the axis stands.
-    pub fn phases(&self) -> &[Phase] {
-        self.phases
+    pub fn phases(&self) -> impl DoubleEndedIterator<Item = Phase> + ExactSizeIterator {
+        self.drafts().iter().map(|draft| draft.phase(&self.frame))
+    }
+
+    fn drafts(&self) -> &[Draft] {
+        self.drafts
             .get(..usize::from(self.count))
             .unwrap_or_default()
     }
 
     /// The next tick after `after` at which another phase begins or the plan ends; `None` if nothing changes any more.
     pub fn next_corner(&self, after: Ticks) -> Option<Ticks> {
-        self.phases()
+        self.drafts()
             .iter()
-            .map(Phase::start)
+            .map(|draft| draft.start)
             .chain(self.end())
             .find(|corner| *corner > after)
     }
 
-    /// The longest chord from tick `t` that stays within a quarter of a step of the phase there, in ticks.
-    pub(crate) fn longest_chord(&self, t: Ticks) -> u64 {
-        self.phase_at(t)
-            .map_or(u64::MAX, |phase| phase.longest_chord(t))
+    /// How long it keeps its velocity between its two ramps, if it is one from rest to rest; in ticks.
+    pub(crate) fn cruise(&self) -> Ticks {
+        let line = self.drafts().iter().find(|draft| draft.is_line());
+        line.map_or(0, |line| {
+            let end = self.next_corner(line.start).unwrap_or(line.start);
+            end.saturating_sub(line.start)
+        })
+    }
+
+    /// The next corner behind tick `t` of the phase that was entered, and the longest chord from there, in ticks.
+    #[inline]
+    pub(crate) fn ahead(&self, t: Ticks) -> (Option<Ticks>, u64) {
+        match self.entered(t) {
+            Some(phase) => (
+                Some(self.entered_until).filter(|until| *until < Ticks::MAX),
+                phase.longest_chord(t),
+            ),
+            None => (self.next_corner(t), u64::MAX),
+        }
     }
 
     pub(crate) fn exact_at(&self, t: Ticks) -> Exact {
-        let t = t.max(self.start);
-        match self.phase_at(t) {
-            Some(phase) => phase.at(t),
+        let t = t.max(self.frame.start);
+        if let Some(phase) = self.entered(t) {
+            return phase.at(t);
+        }
+        match draft_at(self.drafts(), self.end, t) {
+            Some((draft, _)) => draft.phase(&self.frame).at(t),
             None => Exact {
                 position: self.rest,
                 velocity: 0,
@@ -418,12 +454,43 @@ impl Plan {
         }
     }
 
-    pub(crate) fn phase_at(&self, t: Ticks) -> Option<&Phase> {
-        if t >= self.end {
-            return None;
-        }
-        self.phases().iter().rev().find(|phase| phase.start() <= t)
+    pub(crate) fn phase_at(&self, t: Ticks) -> Option<Phase> {
+        let (draft, _) = draft_at(self.drafts(), self.end, t)?;
+        Some(draft.phase(&self.frame))
     }
+
+    /// The phase at tick `t`, if it is the one that was entered.
+    #[inline]
+    pub(crate) fn entered(&self, t: Ticks) -> Option<&Phase> {
+        (t < self.entered_until && t >= self.entered.start()).then_some(&self.entered)
+    }
+
+    /// Enters the phase at tick `t`: it need not be worked out again while the axis is in it.
+    pub(crate) fn enter(&mut self, t: Ticks) {
+        if self.entered(t).is_some() {
+            return;
+        }
+        let drafts = self.drafts.get(..usize::from(self.count));
+        if let Some((draft, until)) = draft_at(drafts.unwrap_or_default(), self.end, t) {
+            draft.work_out(&self.frame, &mut self.entered);
+            self.entered_until = until;
+        }
+    }
+}
+
+/// The phase of a plan at tick `t`, and the first tick behind it.
+fn draft_at(drafts: &[Draft], end: Ticks, t: Ticks) -> Option<(&Draft, Ticks)> {
+    let mut until = end;
+    if t >= until {
+        return None;
+    }
+    for draft in drafts.iter().rev() {
+        if draft.start <= t {
+            return Some((draft, until));
+        }
+        until = draft.start;
+    }
+    None
 }
 
 /// The jerk at the ends of a sin² ramp between rest and the profile velocity v: Δv·π²/2T² = π²·a²/2v.

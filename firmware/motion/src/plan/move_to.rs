@@ -3,8 +3,7 @@
 //! Braking to an end velocity at the target is the beginning of braking to rest further on: as far on as it takes to brake from the
 //! end velocity. So such a move is planned as one to that point, and left at the target.
 
-use super::course::half_peak;
-use super::phase::{Curve, Offset, Shape, Slope, ramp_way};
+use super::phase::{Offset, Slope, ramp_way};
 use super::{Course, Limits, Plan, PlanError};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::{estimate, quotient};
@@ -202,7 +201,8 @@ impl Route {
         if self.end.speed == 0 {
             course.land(target, half_deceleration, stop_time);
         } else {
-            course.pass(target, &self.end, half_deceleration, stop_time);
+            let end = (self.end.speed, self.end.time, self.end.way);
+            course.pass(target, half_deceleration, stop_time, end);
         }
     }
 
@@ -253,36 +253,6 @@ fn part_of_sum(part: u32, rest: u32) -> (u32, u32) {
     };
     let digit = estimate(u64::from(part << (above & 31)) << 31, divisor);
     (digit, above.wrapping_add(31).wrapping_sub(shift))
-}
-
-impl Course<'_> {
-    /// Brakes from a speed that takes `stop_time` to rest, passes `target` with what is left, and keeps it.
-    fn pass(mut self, target: i128, end: &End, half_deceleration: Fine, stop_time: Offset) {
-        let begin = self.elapsed;
-        let rest = begin.saturating_add(stop_time);
-        self.elapsed = rest.saturating_sub(end.time).max(begin);
-        self.mark_ramp(begin);
-        let rising = half_deceleration.cast_signed();
-        if let Some(sine) = self.sine(rising, self.elapsed.saturating_sub(begin)) {
-            let shape = Shape {
-                position: target,
-                velocity: end.speed.cast_signed(),
-                half_acceleration: half_peak(rising),
-                curve: Curve::Sine(sine),
-            };
-            self.push(&shape, begin, self.elapsed);
-        } else {
-            let shape = Shape {
-                position: target.wrapping_add(end.way.cast_signed()),
-                velocity: 0,
-                half_acceleration: rising.wrapping_neg(),
-                curve: Curve::Parabola,
-            };
-            self.push(&shape, begin, rest);
-        }
-        self.travelled = target;
-        self.never_end(end.speed);
-    }
 }
 
 /// How long `way` takes at `speed`. The fraction of a tick survives however long it is.

@@ -218,69 +218,125 @@ pub(crate) fn product(value: i128, factor: u32) -> i128 {
     (u128::from(high) << 64 | u128::from(low)).cast_signed()
 }
 
-/// The curve of a phase in the frame of its plan: positions count from the plan's start, positive towards the target.
+/// From where a plan counts: its positions from an origin, positive in the direction of the motion; its times from a tick.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shape {
-    pub(crate) position: i128,
-    pub(crate) velocity: i128,
-    pub(crate) half_acceleration: i128,
-    pub(crate) curve: Curve,
+pub(super) struct Frame {
+    pub(super) start: Ticks,
+    /// Q96 steps.
+    pub(super) origin: i128,
+    /// The motion goes backwards.
+    pub(super) reverse: bool,
 }
 
-impl Shape {
-    /// Writes the phase that begins at tick `begin` and whose coefficients hold at `anchor`, which counts from tick `start`.
-    ///
-    /// `origin` is the position at `start`; `reverse` turns the frame round. Each coefficient is finished before the next: there are more
-    /// of them than registers.
-    #[inline(always)]
-    pub(crate) fn write(
-        &self,
-        phase: &mut Phase,
-        (start, begin): (Ticks, Ticks),
-        anchor: Offset,
-        origin: i128,
-        reverse: bool,
-    ) {
-        phase.start = begin;
-        phase.anchor = start.saturating_add(whole_ticks(anchor));
-        // All ones in the other direction: then the complement and one more.
-        let mask = if reverse { -1 } else { 0 };
-        let turn = |value: i128| (value ^ mask).wrapping_sub(mask);
-        let place = |position: i128| origin.wrapping_add(turn(position));
-        // Move the coefficients from the anchor down to the whole tick before it.
-        let fraction = anchor as u32;
-        phase.lead = fraction;
-        match self.curve {
-            Curve::Parabola => {
-                phase.curve = Curve::Parabola;
-                phase.half_acceleration = turn(self.half_acceleration);
-                // v − 2hφ and x − vφ + hφ²
-                let once = part(self.half_acceleration, fraction);
-                let velocity = self.velocity.wrapping_sub(once);
-                phase.velocity = turn(velocity.wrapping_sub(once));
-                phase.position = place(self.position.wrapping_sub(part(velocity, fraction)));
-            }
-            Curve::Cubic(sixth_jerk) => {
-                phase.curve = Curve::Cubic(turn(sixth_jerk));
-                // h − 3cφ, v − 2hφ + 3cφ² and x − vφ + hφ² − cφ³
-                let bend = part(sixth_jerk, fraction) >> 32;
-                let first = self.half_acceleration.wrapping_sub(bend);
-                let last = first.wrapping_sub(bend.wrapping_mul(2));
-                phase.half_acceleration = turn(last);
-                let velocity = self.velocity.wrapping_sub(part(first, fraction));
-                let second = first.wrapping_sub(bend);
-                phase.velocity = turn(velocity.wrapping_sub(part(second, fraction)));
-                phase.position = place(self.position.wrapping_sub(part(velocity, fraction)));
-            }
-            Curve::Sine(sine) => {
-                phase.curve = Curve::Sine(if reverse { sine.reversed() } else { sine });
-                phase.half_acceleration = turn(self.half_acceleration);
-                phase.velocity = turn(self.velocity);
-                let back = part(self.velocity, fraction);
-                phase.position = place(self.position.wrapping_sub(back));
-            }
+impl Frame {
+    fn turn(&self, value: i128) -> i128 {
+        if self.reverse {
+            value.wrapping_neg()
+        } else {
+            value
         }
     }
+
+    /// A position of the axis.
+    pub(super) fn place(&self, position: i128) -> i128 {
+        self.origin.wrapping_add(self.turn(position))
+    }
+}
+
+/// What the curve of a draft is beyond a parabola.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Bend {
+    /// Nothing.
+    None,
+    /// A sixth of the jerk, Q128 steps per tick³.
+    Jerk(i128),
+    /// The ramp is drawn as sin² and takes so long, which is not 0.
+    Sine(Offset),
+}
+
+/// A phase as a plan keeps it: in the frame, and as it is found, anchored between two ticks. Most of a plan may never be reached, and what
+/// is reached is entered once.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Draft {
+    /// The first tick that belongs to it.
+    pub(super) start: Ticks,
+    /// When position and velocity hold.
+    pub(super) anchor: Offset,
+    pub(super) position: i128,
+    pub(super) velocity: i128,
+    /// Of a sin² ramp: that of the linear one in its place.
+    pub(super) half_acceleration: i128,
+    pub(super) bend: Bend,
+}
+
+impl Draft {
+    pub(super) const NONE: Self = Self {
+        start: 0,
+        anchor: 0,
+        position: 0,
+        velocity: 0,
+        half_acceleration: 0,
+        bend: Bend::None,
+    };
+
+    /// Whether its velocity stays.
+    pub(super) const fn is_line(&self) -> bool {
+        matches!(self.bend, Bend::None) && self.half_acceleration == 0
+    }
+
+    /// The phase itself.
+    pub(super) fn phase(&self, frame: &Frame) -> Phase {
+        let mut phase = Phase::NONE;
+        self.work_out(frame, &mut phase);
+        phase
+    }
+
+    /// Writes the phase itself: brings the coefficients from the anchor down to the whole tick before it, and into the frame of the axis.
+    #[inline(never)]
+    pub(super) fn work_out(&self, frame: &Frame, phase: &mut Phase) {
+        let turn = |value| frame.turn(value);
+        let fraction = self.anchor as u32;
+        let half = self.half_acceleration;
+        phase.start = self.start;
+        phase.anchor = frame.start.saturating_add(whole_ticks(self.anchor));
+        phase.lead = fraction;
+        let back = match self.bend {
+            Bend::None => {
+                // v − 2hφ and x − vφ + hφ²
+                let once = part(half, fraction);
+                let mean = self.velocity.wrapping_sub(once);
+                phase.curve = Curve::Parabola;
+                phase.half_acceleration = turn(half);
+                phase.velocity = turn(mean.wrapping_sub(once));
+                mean
+            }
+            Bend::Jerk(sixth_jerk) => {
+                // h − 3cφ, v − 2hφ + 3cφ² and x − vφ + hφ² − cφ³
+                let bend = part(sixth_jerk, fraction) >> 32;
+                let first = half.wrapping_sub(bend);
+                let second = first.wrapping_sub(bend);
+                let mean = self.velocity.wrapping_sub(part(first, fraction));
+                phase.curve = Curve::Cubic(turn(sixth_jerk));
+                phase.half_acceleration = turn(second.wrapping_sub(bend));
+                phase.velocity = turn(mean.wrapping_sub(part(second, fraction)));
+                mean
+            }
+            Bend::Sine(time) => {
+                phase.curve = Curve::Sine(Sine::in_place_of(turn(half), time));
+                phase.half_acceleration = turn(half_peak(half));
+                phase.velocity = turn(self.velocity);
+                self.velocity
+            }
+        };
+        phase.position = frame.place(self.position.wrapping_sub(part(back, fraction)));
+    }
+}
+
+/// The greatest acceleration of a sin² ramp, from that of the linear one in its place, both halved: π/2 times as much, and a little more
+/// rather than less.
+pub(super) const fn half_peak(half_acceleration: i128) -> i128 {
+    let half = half_acceleration.unsigned_abs().cast_signed();
+    (half.wrapping_mul(13) >> 3).wrapping_add(1)
 }
 
 /// value / 2³² towards zero, which treats both directions alike.

@@ -5,7 +5,7 @@
 //! nothing, or the limit, if that is less. It is rounded down, and the middle piece takes up what that leaves; so nothing
 //! has to be rounded twice.
 
-use super::phase::{Curve, Offset, Shape, over_time};
+use super::phase::{Offset, over_time};
 use crate::clock::Fine;
 use crate::divide::{Divisor, quotient};
 use crate::wide::Wide;
@@ -53,19 +53,6 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// The curve of the piece that begins at a position in the frame.
-    pub(super) fn shape(&self, position: i128) -> Shape {
-        Shape {
-            position,
-            velocity: self.velocity,
-            half_acceleration: self.acceleration >> 1,
-            curve: match self.sixth_jerk {
-                0 => Curve::Parabola,
-                sixth_jerk => Curve::Cubic(sixth_jerk),
-            },
-        }
-    }
-
     /// The velocity at its end.
     pub(super) fn end_velocity(&self) -> i128 {
         let half = scaled(self.sixth_jerk.saturating_mul(3), self.time) >> 32;

@@ -56,7 +56,7 @@ pub(crate) struct Sine {
 
 impl Sine {
     /// A ramp that changes the velocity by `change` within `time`, which is not 0.
-    pub(super) fn new(change: i128, time: Offset) -> Self {
+    fn new(change: i128, time: Offset) -> Self {
         let way = Wide::product(change.unsigned_abs(), time).shifted_wrapping(64);
         Self {
             change,
@@ -65,13 +65,10 @@ impl Sine {
         }
     }
 
-    /// The ramp in the other direction of motion.
-    pub(super) fn reversed(self) -> Self {
-        Self {
-            change: self.change.wrapping_neg(),
-            time: self.time,
-            way: self.way.wrapping_neg(),
-        }
+    /// The ramp in the place of a linear one, of half of an acceleration.
+    pub(super) fn in_place_of(half_acceleration: i128, time: Offset) -> Self {
+        let change = half_acceleration.unsigned_abs().wrapping_mul(time) >> 31;
+        Self::new(with_sign(change, half_acceleration < 0), time)
     }
 
     /// What the ramp adds to position and velocity at `away` ticks (Q32) behind the anchor, or before it if that is negative: Q96.
@@ -148,7 +145,7 @@ fn times(a: u64, b: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::{HALF, Sine, speed, way};
-    use crate::plan::course::half_peak;
+    use crate::plan::phase::half_peak;
     use core::f64::consts::PI;
     use proptest::prelude::*;
 

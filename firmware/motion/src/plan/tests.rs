@@ -41,7 +41,7 @@ fn per_second(clock: Clock, state: State) -> f64 {
 /// The corners of a plan, its start and end among them, and the tick before each.
 fn corners(plan: &Plan) -> impl Iterator<Item = Ticks> {
     let ends = [plan.start()].into_iter().chain(plan.end());
-    ends.chain(plan.phases().iter().map(|phase| phase.start()))
+    ends.chain(plan.phases().map(|phase| phase.start()))
         .flat_map(|corner| [corner.saturating_sub(1), corner])
         .filter(|t| *t >= plan.start())
         .collect::<std::vec::Vec<_>>()

@@ -389,7 +389,7 @@ fn a_very_low_jerk_is_kept() {
     axis.set_ramps(Ramps::MovingAverage(1000));
     axis.move_to(100_000, T01).unwrap();
     // 2³⁰ ticks are 6.39 s, half of them for each ramp.
-    let phase = axis.plan.phases()[0];
+    let phase = axis.plan.phases().next().unwrap();
     assert_eq!(phase.acceleration(axis.clock), 3195);
 }
 
@@ -402,7 +402,7 @@ fn a_very_low_jerk_is_kept_by_the_next_order() {
     fly(&mut axis, &mut sink, 1000);
     axis.move_to(900_000, T01).unwrap();
     let hardest = |axis: &Axis| {
-        let phases = axis.plan.phases().iter();
+        let phases = axis.plan.phases();
         phases
             .map(|phase| phase.acceleration(axis.clock).abs())
             .max()

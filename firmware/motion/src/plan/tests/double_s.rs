@@ -25,7 +25,6 @@ fn check(id: &str) {
         assert_eq!(plan.state_at(end), state(clock, v.distance, 0), "{name}");
         let peak = plan
             .phases()
-            .iter()
             .map(|phase| per_second(clock, plan.state_at(phase.start())));
         let peak = peak.fold(0.0, f64::max);
         let per_tick = v.peak_acceleration / f64::from(hz);
@@ -35,7 +34,6 @@ fn check(id: &str) {
         );
         let greatest = plan
             .phases()
-            .iter()
             .map(|phase| phase.acceleration(clock))
             .max()
             .unwrap();

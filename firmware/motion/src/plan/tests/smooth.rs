@@ -30,7 +30,7 @@ fn acceleration(plan: &Plan, clock: Clock, t: Ticks) -> f64 {
     if plan.end().is_some_and(|end| t >= end) {
         return 0.0;
     }
-    let phase = plan.phases().iter().rev().find(|phase| phase.start() <= t);
+    let phase = plan.phases().rev().find(|phase| phase.start() <= t);
     phase.map_or(0.0, |phase| phase.acceleration_at(clock, t) as f64)
 }
 
@@ -405,7 +405,7 @@ proptest! {
 
 /// No phase begins elsewhere than where the one before it ends.
 fn assert_no_jump(plan: &Plan) {
-    let corners = plan.phases().iter().map(|phase| phase.start());
+    let corners = plan.phases().map(|phase| phase.start());
     for corner in corners.chain(plan.end()).filter(|t| *t > plan.start()) {
         let (a, b) = (plan.state_at(corner - 1), plan.state_at(corner));
         let jump = b.position.bits().wrapping_sub(a.position.bits());

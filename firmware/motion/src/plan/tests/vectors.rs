@@ -90,7 +90,7 @@ fn check_phases(name: &str, plan: &Plan, v: &Move, hz: u32) {
     let mut wanted = v.phases.clone();
     // Equal accelerations next to each other are one phase to the eye: braking, then speeding up the other way.
     let mut seconds_before = 0.0;
-    let found: std::vec::Vec<_> = plan.phases().iter().collect();
+    let found: std::vec::Vec<_> = plan.phases().collect();
     // Roundings may leave phases of a few ticks that the ideal does not have, and limits are rounded down.
     for phase in &found {
         let at = (phase.start() - plan.start()) as f64 / f64::from(hz);
@@ -238,7 +238,7 @@ fn r2_velocity_lowered_on_the_way() {
         ..T01
     };
     let second = first.then_move_to(clock, at, 100_000, slower).unwrap();
-    let cruise = second.phases().get(1).unwrap().start();
+    let cruise = second.phases().nth(1).unwrap().start();
     assert!((cruise - at).abs_diff(us(50_000)) <= 1);
     assert!((steps(second.state_at(cruise)) - 4_375.0).abs() < 1e-3);
     assert!(second.end().unwrap().abs_diff(us(4_000_000)) <= 2);
