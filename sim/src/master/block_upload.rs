@@ -3,8 +3,9 @@
 //! What is lost is asked for again: a gap ends what counts of a sub-block, and its acknowledgement names the last segment that came in
 //! order. What cannot be mended (a doubled sub-block, a wrong checksum) ends the transfer; the caller may begin anew.
 
-use canopen::{Duration, Frame};
+use canopen::Duration;
 
+use super::sdo::{ABORT, Object};
 use super::{Failure, Line, Master};
 
 /// Segments of a sub-block.
@@ -27,28 +28,23 @@ impl<L: Line> Master<L> {
     /// # Errors
     /// As [`Master::read`]; [`Failure::WrongValue`] if length or checksum are not what the device has told.
     pub fn read_by_blocks(&mut self, node: u8, index: u16, sub: u8) -> Result<Vec<u8>, Failure> {
-        let [low, high] = index.to_le_bytes();
-        let request = [0xA4, low, high, sub, BLOCK_SIZE, 0, 0, 0];
-        let first = self.sdo_request(node, request)?;
-        let (size, has_crc) = match first {
-            [command, l, h, s, size @ ..]
-                if command & 0xF9 == 0xC0 && [l, h, s] == [low, high, sub] =>
-            {
-                let size = (command & 0x02 != 0).then(|| u32::from_le_bytes(size));
-                (size, command & 0x04 != 0)
+        let object = Object::new(index, sub);
+        let request = object.request(0xA4, [BLOCK_SIZE, 0, 0, 0]);
+        let first = self.exchange(node, request, |answer| {
+            object.is_refused_by(answer) || answer[0] & 0xF9 == 0xC0 && object.is_named_by(answer)
+        });
+        if let Err(Failure::Unexpected { .. }) = first {
+            self.give_up(node, object, INVALID_COMMAND);
+        }
+        let [command, _, _, _, size @ ..] = match object.unless_aborted(first?) {
+            Err(Failure::Abort { code, .. }) if code == INVALID_COMMAND => {
+                return self.read(node, index, sub);
             }
-            [0x80, _, _, _, code @ ..] => {
-                return match u32::from_le_bytes(code) {
-                    INVALID_COMMAND => self.read(node, index, sub),
-                    code => Err(Failure::Abort { index, sub, code }),
-                };
-            }
-            other => {
-                self.give_up(node, [low, high, sub], INVALID_COMMAND);
-                return Err(self.unexpected(node, other, "the answer to a block upload"));
-            }
+            other => other?,
         };
-        let result = self.receive_blocks(node, (index, sub), size, has_crc);
+        let size = (command & 0x02 != 0).then(|| u32::from_le_bytes(size));
+        let has_crc = command & 0x04 != 0;
+        let result = self.receive_blocks(node, object, size, has_crc);
         if let Err(failure) = &result {
             let code = match failure {
                 Failure::Abort { .. } | Failure::LineDown(_) => return result,
@@ -56,7 +52,7 @@ impl<L: Line> Master<L> {
                 Failure::Unexpected { .. } => INVALID_COMMAND,
                 _ => TIMED_OUT,
             };
-            self.give_up(node, [low, high, sub], code);
+            self.give_up(node, object, code);
         }
         result
     }
@@ -64,7 +60,7 @@ impl<L: Line> Master<L> {
     fn receive_blocks(
         &mut self,
         node: u8,
-        (index, sub): (u16, u8),
+        object: Object,
         size: Option<u32>,
         has_crc: bool,
     ) -> Result<Vec<u8>, Failure> {
@@ -72,11 +68,11 @@ impl<L: Line> Master<L> {
         let mut bytes = Vec::new();
         let mut attempts = 0;
         loop {
-            let (received, is_last) = self.receive_sub_block(node, (index, sub), &mut bytes)?;
+            let (received, is_last) = self.receive_sub_block(node, object, &mut bytes)?;
             attempts = if received > 0 { 0 } else { attempts + 1 };
             if attempts > ATTEMPTS {
                 return Err(Failure::Timeout {
-                    expected: format!("segments of {index:04X}h:{sub:02X}"),
+                    expected: format!("segments of {object}"),
                     within: self.segment_time(),
                     at: self.now(),
                 });
@@ -89,12 +85,8 @@ impl<L: Line> Master<L> {
         loop {
             let [command, low, high, ..] = match self.next_sdo(node, self.answer_time())? {
                 // Segments that were doubled on the way.
-                [command, ..] if !matches!(command & 0xE3, 0xC1) && command != 0x80 => continue,
-                [0x80, _, _, _, code @ ..] => {
-                    let code = u32::from_le_bytes(code);
-                    return Err(Failure::Abort { index, sub, code });
-                }
-                end => end,
+                [command, ..] if !matches!(command & 0xE3, 0xC1) && command != ABORT => continue,
+                end => self.unless_aborted(node, object, end)?,
             };
             let unused = usize::from(command >> 2 & 0x07);
             bytes.truncate(bytes.len().saturating_sub(unused));
@@ -112,7 +104,7 @@ impl<L: Line> Master<L> {
     fn receive_sub_block(
         &mut self,
         node: u8,
-        (index, sub): (u16, u8),
+        object: Object,
         bytes: &mut Vec<u8>,
     ) -> Result<(u8, bool), Failure> {
         let mut received = 0;
@@ -126,10 +118,7 @@ impl<L: Line> Master<L> {
             patience = self.segment_time();
             let [command, data @ ..] = segment;
             let number = command & 0x7F;
-            if let [0x80, _, _, _, code @ ..] = segment {
-                let code = u32::from_le_bytes(code);
-                return Err(Failure::Abort { index, sub, code });
-            }
+            self.unless_aborted(node, object, segment)?;
             let is_next = number == received + 1;
             if is_next {
                 received = number;
@@ -161,17 +150,21 @@ impl<L: Line> Master<L> {
         })
     }
 
-    fn unexpected(&self, node: u8, answer: [u8; 8], expected: &str) -> Failure {
-        Failure::Unexpected {
-            expected: expected.to_owned(),
-            got: Frame::data_frame(0x580 + u16::from(node), &answer),
-            at: self.now(),
+    /// An abort ends this transfer, even if it refuses one of another client: the server had to drop this one for that.
+    fn unless_aborted(
+        &self,
+        node: u8,
+        object: Object,
+        answer: [u8; 8],
+    ) -> Result<[u8; 8], Failure> {
+        if answer[0] == ABORT && !object.is_refused_by(&answer) {
+            return Err(self.unexpected(node, answer));
         }
+        object.unless_aborted(answer)
     }
 
-    fn give_up(&mut self, node: u8, [low, high, sub]: [u8; 3], code: u32) {
-        let [a, b, c, d] = code.to_le_bytes();
-        self.send_sdo(node, [0x80, low, high, sub, a, b, c, d]);
+    fn give_up(&mut self, node: u8, object: Object, code: u32) {
+        self.send_sdo(node, object.request(ABORT, code.to_le_bytes()));
     }
 }
 

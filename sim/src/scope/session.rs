@@ -34,11 +34,17 @@ pub enum Before {
     Percent(u8),
 }
 
-/// How often the state is asked for while nothing happens.
+/// How long after a change of the state it is asked for again. While nothing happens, each pause is twice as long as the one before.
 const PAUSE: Duration = Duration::from_ticks(20_000);
 
+/// The longest pause. Another master that hears an answer of ours among its own may take it for one of these: the fewer the better.
+const LONGEST_PAUSE: Duration = Duration::from_ticks(500_000);
+
 /// How often a recording is fetched before it is given up.
-const ATTEMPTS: u32 = 5;
+const ATTEMPTS: u32 = 6;
+
+/// The pause before it is fetched for the second time; each later one is twice as long. Who disturbed it may be done by then.
+const BREATH: Duration = Duration::from_ticks(50_000);
 
 /// Orders of 20D0h:1.
 const STOP: u8 = 0;
@@ -183,8 +189,12 @@ impl<L: Line> Session<'_, L> {
         let before = self.number(BEFORE)?;
         let end = self.master.now() + request.patience;
         let mut is_triggered = false;
+        let (mut last, mut pause) = (None, PAUSE);
         loop {
             let state = self.number(STATE)?;
+            if last.replace(state) != Some(state) {
+                pause = PAUSE;
+            }
             if state == State::Full as u32 {
                 return Ok(());
             }
@@ -199,7 +209,11 @@ impl<L: Line> Session<'_, L> {
                 is_triggered = true;
             }
             self.mind(end, state, request)?;
-            self.master.wait(PAUSE)?;
+            // Nobody waits longer than told.
+            let left = end.checked_duration_since(self.master.now());
+            self.master
+                .wait(left.map_or(pause, |left| left.min(pause)))?;
+            pause = (pause * 2).min(LONGEST_PAUSE);
         }
     }
 
@@ -222,7 +236,7 @@ impl<L: Line> Session<'_, L> {
 
     /// The bytes of the recording. It stays in the drive, so a transfer that fails is begun anew.
     fn fetch(&mut self) -> Result<Vec<u8>, Problem> {
-        let mut attempt = 1;
+        let (mut attempt, mut breath) = (1, BREATH);
         loop {
             match (self.master).read_by_blocks(self.node.id, DATA.index, DATA.sub) {
                 Ok(bytes) => return Ok(bytes),
@@ -234,7 +248,11 @@ impl<L: Line> Session<'_, L> {
                         code: TIMED_OUT..=NO_MEMORY,
                         ..
                     },
-                ) if attempt < ATTEMPTS => attempt += 1,
+                ) if attempt < ATTEMPTS => {
+                    attempt += 1;
+                    self.master.wait(breath)?;
+                    breath *= 2;
+                }
                 Err(failure) => return Err(Problem::with_node(self.node.id, failure)),
             }
         }

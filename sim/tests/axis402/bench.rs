@@ -19,7 +19,12 @@ pub struct Bench {
 impl Bench {
     /// A master alone.
     pub fn new() -> Self {
-        let mut master = Master::new(Bus::new(BitRate::Kbit1000));
+        Self::on(Bus::new(BitRate::Kbit1000))
+    }
+
+    /// A master on a bus that others are on already.
+    pub fn on(bus: Bus) -> Self {
+        let mut master = Master::new(bus);
         master.set_answer_time(Duration::from_ticks(1_000_000));
         Self {
             master,

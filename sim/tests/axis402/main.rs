@@ -11,4 +11,5 @@ mod program;
 mod scanning;
 mod scope;
 mod scope_program;
+mod two_masters;
 mod vendors;

@@ -1,0 +1,160 @@
+//! Two masters ask one SDO server. Each hears the answers to the other, and takes none of them for its own.
+
+use canopen::time::NEVER;
+use canopen::{BitRate, Duration, Frame, Instant};
+use sim::Axis402;
+use sim::bus::Station;
+use sim::bus::simulated::{Bus, Handle};
+use sim::drive::Setup;
+use sim::master::Failure;
+use sim::scope::{Before, Recording, Request, Trigger, record};
+
+use crate::bench::Bench;
+
+const POSITION: u32 = 0x6064_0020;
+
+/// Reads the statusword, and switches between switch on disabled and ready to switch on.
+const COMMANDS: [[u8; 8]; 3] = [
+    [0x40, 0x41, 0x60, 0, 0, 0, 0, 0],
+    [0x2B, 0x40, 0x60, 0, 0x06, 0, 0, 0],
+    [0x2B, 0x40, 0x60, 0, 0x00, 0, 0, 0],
+];
+
+/// A master that asks node 4 again and again, so many times, and does not mind who else does.
+#[derive(Debug)]
+struct Other {
+    requests: &'static [[u8; 8]],
+    period: Duration,
+    next: Instant,
+    most: usize,
+    asked: usize,
+    due: bool,
+    answers: usize,
+}
+
+impl Other {
+    fn new(requests: &'static [[u8; 8]], period: u64) -> Self {
+        Self {
+            requests,
+            period: Duration::from_ticks(period),
+            next: Instant::from_ticks(0),
+            most: usize::MAX,
+            asked: 0,
+            due: false,
+            answers: 0,
+        }
+    }
+}
+
+impl Station for Other {
+    fn receive(&mut self, frame: &Frame, _now: Instant) {
+        let is_answer = |request: &[u8; 8]| frame.payload()[1..4] == request[1..4];
+        if frame.standard_id() == Some(0x584) && self.requests.iter().any(is_answer) {
+            self.answers += 1;
+        }
+    }
+
+    fn poll(&mut self, now: Instant) -> Instant {
+        if self.asked >= self.most {
+            return NEVER;
+        }
+        if now >= self.next {
+            self.next = now + self.period;
+            self.due = true;
+        }
+        self.next
+    }
+
+    fn transmit(&mut self) -> Option<Frame> {
+        if !std::mem::take(&mut self.due) {
+            return None;
+        }
+        let request = self.requests[self.asked % self.requests.len()];
+        self.asked += 1;
+        Some(Frame::data_frame(0x604, &request))
+    }
+}
+
+/// A drive of node-ID 4, and a master that sends these requests, and sends first where both masters want to.
+fn with_other(requests: &'static [[u8; 8]], period: u64) -> (Bench, Handle<Other>) {
+    let mut bus = Bus::new(BitRate::Kbit1000);
+    let other = bus.attach(Other::new(requests, period));
+    let mut bench = Bench::on(bus);
+    bench.attach(Axis402::new(Setup::with_node_id(1, 4)));
+    bench.master.run_for(Duration::from_ticks(10_000));
+    (bench, other)
+}
+
+/// The other one has been asking all the time, and had its answers but for those on their way.
+fn assert_served(bench: &Bench, other: Handle<Other>, least: usize) {
+    let other = bench.master.station(other);
+    assert!(other.asked >= least, "{other:?}");
+    assert!(other.answers + 3 >= other.asked, "{other:?}");
+}
+
+#[test]
+fn values_are_read_and_written_beside_another_master() {
+    // None is a multiple of the time of an exchange.
+    for period in [401, 733, 1_009] {
+        let (mut bench, other) = with_other(&COMMANDS, period);
+        for number in 1..=200_u32 {
+            assert_eq!(bench.master.write(4, 0x6083, 0, number), Ok(()), "{period}");
+            assert_eq!(bench.master.read(4, 0x6083, 0), Ok(number), "{period}");
+        }
+        assert_served(&bench, other, 100);
+    }
+}
+
+#[test]
+fn a_transfer_in_segments_is_begun_anew_when_another_master_has_ended_it() {
+    let (mut bench, _) = Bench::with_drives(&[4]);
+    let name = bench.master.read::<String>(4, 0x1008, 0).unwrap();
+    assert!(name.len() > 4, "{name}");
+    for period in [2_003, 3_001, 5_003] {
+        let (mut bench, other) = with_other(&COMMANDS, period);
+        for _ in 0..50 {
+            assert_eq!(bench.master.read(4, 0x1008, 0), Ok(name.clone()));
+        }
+        assert_served(&bench, other, 15);
+    }
+}
+
+#[test]
+fn a_refusal_of_somebody_elses_request_is_not_ours() {
+    // There is no 5000h.
+    let (mut bench, other) = with_other(&[[0x40, 0x00, 0x50, 0, 0, 0, 0, 0]], 433);
+    for _ in 0..200 {
+        assert_eq!(bench.master.read(4, 0x1018, 4), Ok(1_u32));
+    }
+    let missing = bench.master.read::<u32>(4, 0x5001, 0);
+    let refused = Failure::Abort {
+        index: 0x5001,
+        sub: 0,
+        code: 0x0602_0000,
+    };
+    assert_eq!(missing, Err(refused));
+    assert_served(&bench, other, 100);
+}
+
+#[test]
+fn the_scope_records_while_another_master_commands_the_drive() {
+    for period in [3_001, 7_001, 20_011] {
+        let (mut bench, other) = with_other(&COMMANDS, period);
+        // A recording of more than a sub-block needs a while without them.
+        bench.master.station_mut(other).most = 40;
+        let node = bench.meet(4);
+        let request = Request {
+            channels: Some(vec![POSITION]),
+            divider: Some(1),
+            samples: Some(400),
+            before: Some(Before::Percent(25)),
+            trigger: Trigger::parse("6041#0", &node.sheet).unwrap(),
+            patience: Duration::from_ticks(5_000_000),
+        };
+        let recording: Recording = bench
+            .run(|master, console| record(master, &node, &request, console))
+            .unwrap();
+        assert_eq!(recording.count() - recording.before, 300, "{period}");
+        assert_served(&bench, other, 20);
+    }
+}
