@@ -2,7 +2,7 @@
 
 use canopen::Frame;
 use tests::DriveBench;
-use tests::drive::{FAULT, INTERNAL_LIMIT};
+use tests::drive::{FAULT, INTERNAL_LIMIT, SWITCH_ON_DISABLED};
 
 use crate::cyclic_master::{FOLLOWS, Master, expedited, hardest};
 
@@ -166,4 +166,45 @@ fn m43_cyclic_velocity_entered_at_rest_stands_until_sync_brings_a_set_point() {
     assert!(master.has(FOLLOWS));
     let way = master.drive.position();
     assert!((950..=1_000).contains(&way), "{way}");
+}
+
+/// Writes of 607Ah and 60FFh without SYNC are the beat of the modes that go by one, and of no other: a master that changes a target now and
+/// then does not lock the drive to that, nor does what such a mode has begun outlive it.
+#[test]
+fn m65_writes_without_sync_are_a_beat_in_the_cyclic_modes_alone() {
+    /// The period of the beat (2050h:2), 0 for none, behind 40 writes 4 ms apart.
+    fn period_of_writes(drive: &mut DriveBench, index: u16) -> u32 {
+        for _ in 0..40 {
+            drive.send_frame(Frame::data_frame(0x604, &expedited(index, 0)));
+            drive.run_millis(4);
+        }
+        drive.drain(0);
+        drive.read_u32(0x2050, 2)
+    }
+    for (mode, index, cyclic) in [
+        (1, 0x607A, 8),
+        (3, 0x60FF, 9),
+        (2, 0x607A, 8),
+        (6, 0x60FF, 9),
+    ] {
+        let mut drive = DriveBench::started(4);
+        drive.write_u8(0x60C2, 1, 4);
+        for (mode, is_beat) in [(mode, false), (cyclic, true), (mode, false)] {
+            drive.write_u8(0x6060, 0, mode);
+            drive.enable();
+            let period = period_of_writes(&mut drive, index);
+            let case = format!("{index:X}h in mode {mode}: {period} ns");
+            if is_beat {
+                assert!(period.abs_diff(4_000_000) < 200_000, "{case}");
+            } else {
+                assert_eq!(period, 0, "{case}");
+            }
+            let tick = drive.axis().actuals().at;
+            drive.run_millis(1);
+            let beat = (drive.axis().actuals().at - tick).ticks();
+            assert!(is_beat || beat == 1_000, "the tick of mode {mode}: {beat}");
+            drive.command(0x00);
+            drive.reaches(SWITCH_ON_DISABLED, 100);
+        }
+    }
 }
