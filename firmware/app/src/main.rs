@@ -225,7 +225,7 @@ mod app {
         node::spawn().ok();
     }
 
-    #[task(binds = TIM7, priority = 3, shared = [control])]
+    #[task(binds = TIM3, priority = 3, shared = [control])]
     fn refill(cx: refill::Context) {
         cx.shared.control.refill();
     }

@@ -10,6 +10,7 @@
 mod inputs;
 mod parameter_file;
 mod pulses;
+mod refill_timer;
 mod semihosting;
 mod serial;
 mod step_timer;
@@ -23,7 +24,7 @@ use stm32f4xx_hal::pac;
 use motion::step_interrupt;
 
 use super::{user_memory, Board, Lights, Parts, Stage};
-use crate::control::TIMING;
+use crate::control::{RATE_HZ, TIMING};
 use crate::settings::Inputs;
 
 /// The emulated board.
@@ -36,7 +37,7 @@ impl Board for Qemu {
     const TICKS_PER_MICROSECOND: u32 = 1_000;
     const STEP_CLOCK_HZ: u32 = 1_000_000_000;
     const SYSTEM_TIMER_HZ: u32 = 168_000_000;
-    const REFILLS: u32 = 1;
+    const REFILLS: u32 = 4;
 
     type Pulses = pulses::InterruptPulses;
     type Steps = pulses::StepPlayer;
@@ -52,6 +53,7 @@ impl Board for Qemu {
         // SAFETY: the peripherals exist once, so this function is called once, and nobody else names the memory.
         let shared = unsafe { &mut *addr_of_mut!(STEPS) };
         let (queue, player) = step_interrupt::split(shared, timer, TIMING);
+        refill_timer::start(device.TIM3, Self::STEP_CLOCK_HZ / RATE_HZ / Self::REFILLS);
         Parts {
             pulses: pulses::InterruptPulses(queue),
             steps: pulses::StepPlayer {
@@ -83,7 +85,9 @@ impl Board for Qemu {
         inputs::levels()
     }
 
-    fn refill_done() {}
+    fn refill_done() {
+        refill_timer::done();
+    }
 
     fn idle() {
         // Not `wfi`: the emulator's clock keeps up with the host's only while instructions are executed.

@@ -20,7 +20,7 @@
 //! | PC6, PC7 | green light, red light, or one with two colours | high is on |
 //! | PC12 | light of the drive | high is on |
 //!
-//! Core 168 MHz, TIM1 168 MHz (step pulses), APB1 42 MHz (CAN), its timers 84 MHz (TIM2 counts steps, TIM5 time, TIM7 refills).
+//! Core 168 MHz, TIM1 168 MHz (step pulses), APB1 42 MHz (CAN), its timers 84 MHz (TIM2 counts steps, TIM3 refills, TIM5 time).
 
 mod bit_timing;
 mod can;
@@ -143,15 +143,15 @@ impl Board for Stm32f405 {
         );
 
         // The interrupt between control ticks.
-        pac::TIM7::enable(&mut rcc);
+        pac::TIM3::enable(&mut rcc);
         let period = TIMERS_HZ / (RATE_HZ * Self::REFILLS);
-        device.TIM7.psc().write(|w| w.psc().set(0));
+        device.TIM3.psc().write(|w| w.psc().set(0));
         device
-            .TIM7
+            .TIM3
             .arr()
             .write(|w| w.arr().set((period - 1) as u16));
-        device.TIM7.dier().write(|w| w.uie().set_bit());
-        device.TIM7.cr1().write(|w| w.cen().set_bit());
+        device.TIM3.dier().write(|w| w.uie().set_bit());
+        device.TIM3.cr1().write(|w| w.cen().set_bit());
 
         let inputs = [
             a.pa4.into_pull_down_input().erase(),
@@ -203,9 +203,9 @@ impl Board for Stm32f405 {
     }
 
     fn refill_done() {
-        // SAFETY: writing 0 to the flag of TIM7 clears it, reading it has no effect, and nothing else touches the timer once it runs.
+        // SAFETY: writing 0 to the flag of TIM3 clears it, reading it has no effect, and nothing else touches the timer once it runs.
         unsafe {
-            let timer = &*pac::TIM7::ptr();
+            let timer = &*pac::TIM3::ptr();
             timer.sr().write(|w| w.uif().clear_bit());
             // The write is through before the interrupt is left, or it would come once more.
             let _ = timer.sr().read();
