@@ -50,7 +50,8 @@ pub enum Ramps {
     #[default]
     Linear,
     /// As sin², within the time that the linear ramp takes and over the same way; the acceleration reaches π/2 times its limit. A
-    /// motion that begins within such a ramp is jerk-limited, at the jerk at which a ramp from rest to the profile velocity begins.
+    /// motion that begins within such a ramp is jerk-limited, at the jerk at which that ramp began, or at which one from rest to the profile
+    /// velocity begins if that is higher.
     SinSquared,
     /// With this jerk (60A4h) in steps/s³, at least 1: the double-S.
     JerkLimited(u32),
@@ -329,13 +330,14 @@ impl Plan {
         let jerk = match ramps {
             Ramps::MovingAverage(0) => return Err(PlanError::ZeroJerk),
             Ramps::Linear | Ramps::MovingAverage(_) => None,
-            Ramps::SinSquared if pull != 0 => self.jerk,
+            Ramps::SinSquared if pull != 0 => self.jerk.map(|jerk| self.entered(start, jerk)),
             Ramps::SinSquared => Some(sine_jerk(clock, from, limits)),
             Ramps::JerkLimited(0) => return Err(PlanError::ZeroJerk),
             Ramps::JerkLimited(jerk) => {
                 let sixth = clock.sixth_jerk(jerk);
                 // A ramp under way is left at no less than the jerk with which it was entered.
-                let entered = self.jerk.filter(|_| pull != 0).map_or(0, |jerk| jerk.sixth);
+                let entered = self.jerk.filter(|_| pull != 0);
+                let entered = entered.map_or(0, |jerk| self.entered(start, jerk).sixth);
                 Some(Jerk::new(sixth.max(entered)))
             }
         };
@@ -368,6 +370,17 @@ impl Plan {
         self.jerk = jerk;
         self.order = jerk.map(|_| (goal, limits, ramps));
         Ok(())
+    }
+
+    /// With which jerk the ramp at tick `at` was entered, if it is `jerk` that the plan was made with: that of a sin² ramp between two
+    /// velocities which lie closer together is higher.
+    fn entered(&self, at: Ticks, jerk: Jerk) -> Jerk {
+        let sixth = self.phase_at(at).map_or(0, Phase::sixth_jerk_of_sine);
+        if sixth > jerk.sixth {
+            Jerk::new(sixth)
+        } else {
+            jerk
+        }
     }
 
     /// Whether its ramps are not linear: another smooth plan in motion begins with the acceleration of this one.

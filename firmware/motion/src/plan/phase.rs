@@ -101,6 +101,14 @@ impl Phase {
         }
     }
 
+    /// A sixth of the jerk with which a sin² ramp begins, Q128 steps per tick³; 0 for any other phase.
+    pub(crate) fn sixth_jerk_of_sine(&self) -> Fine {
+        match &self.curve {
+            Curve::Sine(sine) => sine.sixth_jerk(),
+            Curve::Parabola | Curve::Cubic(_) => 0,
+        }
+    }
+
     /// The state at tick `t` of the phase.
     pub fn state_at(&self, t: Ticks) -> State {
         self.at(t).rounded()

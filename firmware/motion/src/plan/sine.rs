@@ -6,6 +6,7 @@
 //! The way is v₀·t + Δv·T·f(s) with f(s) = s/2 − sin(π·s)/2π, the integral of sin². Both are power series in s, summed in 64-bit
 //! integers: eleven terms are exact to the last bits.
 
+use crate::clock::{Fine, TOP_SIXTH_JERK};
 use crate::divide::quotient;
 use crate::plan::phase::Offset;
 use crate::root::root;
@@ -94,6 +95,22 @@ impl Sine {
         let acceleration =
             Wide::product(mean, sine.wrapping_mul(1_686_629_713)).shifted_wrapping(61);
         with_sign(acceleration, (self.change < 0) != (away < 0))
+    }
+
+    /// A sixth of the jerk with which it begins and ends, Δv·π²/2T², Q128 steps per tick³: the least at which it can be left without going
+    /// beyond its velocity. Rounded up, and cut to [`TOP_SIXTH_JERK`].
+    pub(super) fn sixth_jerk(&self) -> Fine {
+        let change = self.change.unsigned_abs();
+        let mean = quotient(change, 1, self.time);
+        if self.time.leading_zeros() > mean.leading_zeros().wrapping_add(62) {
+            // More than 126 bits.
+            return TOP_SIXTH_JERK;
+        }
+        let jerk = quotient(mean, 2, self.time).min(TOP_SIXTH_JERK << 1);
+        // π²/12 = 0.8225, and 27/32 = 0.8438.
+        (jerk.wrapping_mul(27) >> 5)
+            .wrapping_add(1)
+            .min(TOP_SIXTH_JERK)
     }
 
     /// How much of the ramp's time that is, Q64.

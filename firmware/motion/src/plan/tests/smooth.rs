@@ -118,6 +118,13 @@ proptest! {
         let mut plan = Plan::at_rest(0, 7);
         let mut at = 7;
         for (goal, cut) in orders {
+            // Of all magnitudes, as the limit is: most changes of velocity are shorter than that from rest to the limit.
+            let goal = match goal {
+                Goal::Velocity(velocity) if cut & 1 == 0 => {
+                    Goal::Velocity(((f64::from(velocity.whole()) * 1e-6 * top) as i32).into())
+                }
+                goal => goal,
+            };
             let (before, pull) = (plan.state_at(at), acceleration(&plan, clock, at));
             if plan.redirect(clock, at, goal, limits, ramps).is_err() {
                 continue;
@@ -502,6 +509,39 @@ fn i11_a_smooth_velocity_crosses_the_span_without_a_jump() {
             let now = plan.state_at(10 * hour + part * 16_800_000).position.bits();
             assert!((now.wrapping_sub(last) + (400_000i64 << 32)).abs() <= 1 << 10);
             last = now;
+        }
+    }
+}
+
+#[test]
+fn i01_a_sine_ramp_between_two_velocities_that_is_left_stays_within_its_velocity() {
+    let clock = clock(168_000_000);
+    let limits = Limits {
+        velocity: 100_000.into(),
+        acceleration: 500_000,
+        deceleration: 500_000,
+    };
+    for (from, to) in [(80_000, 100_000), (99_000, 100_000), (-20_000, 100_000)] {
+        for part in 1..16u64 {
+            let mut plan =
+                Plan::velocity(clock, 0, state(clock, 0, from), from.into(), limits).unwrap();
+            let mut order = |at, goal: i32| {
+                let goal = Goal::Velocity(goal.into());
+                plan.redirect(clock, at, goal, limits, Ramps::SinSquared)
+                    .unwrap();
+                plan
+            };
+            let ramp = order(0, to).phases().last().unwrap().start();
+            let at = ramp * part / 16;
+            let plan = order(at, 0);
+            let before = per_second(clock, plan.state_at(at));
+            for t in all_over(&plan, clock, 200) {
+                let now = per_second(clock, plan.state_at(t));
+                assert!(
+                    now <= 100_000.0 + 1e-3,
+                    "{now} after {before}, from {from} to {to}, left at {part}/16"
+                );
+            }
         }
     }
 }
