@@ -330,14 +330,14 @@ impl Plan {
         let jerk = match ramps {
             Ramps::MovingAverage(0) => return Err(PlanError::ZeroJerk),
             Ramps::Linear | Ramps::MovingAverage(_) => None,
-            Ramps::SinSquared if pull != 0 => self.jerk.map(|jerk| self.entered(start, jerk)),
+            Ramps::SinSquared if pull != 0 => self.jerk.map(|jerk| self.entry_jerk(start, jerk)),
             Ramps::SinSquared => Some(sine_jerk(clock, from, limits)),
             Ramps::JerkLimited(0) => return Err(PlanError::ZeroJerk),
             Ramps::JerkLimited(jerk) => {
                 let sixth = clock.sixth_jerk(jerk);
                 // A ramp under way is left at no less than the jerk with which it was entered.
                 let entered = self.jerk.filter(|_| pull != 0);
-                let entered = entered.map_or(0, |jerk| self.entered(start, jerk).sixth);
+                let entered = entered.map_or(0, |jerk| self.entry_jerk(start, jerk).sixth);
                 Some(Jerk::new(sixth.max(entered)))
             }
         };
@@ -374,8 +374,8 @@ impl Plan {
 
     /// With which jerk the ramp at tick `at` was entered, if it is `jerk` that the plan was made with: that of a sin² ramp between two
     /// velocities which lie closer together is higher.
-    fn entered(&self, at: Ticks, jerk: Jerk) -> Jerk {
-        let sixth = self.phase_at(at).map_or(0, Phase::sixth_jerk_of_sine);
+    fn entry_jerk(&self, at: Ticks, jerk: Jerk) -> Jerk {
+        let sixth = self.entered(at).map_or(0, Phase::sixth_jerk_of_sine);
         if sixth > jerk.sixth {
             Jerk::new(sixth)
         } else {
