@@ -13,18 +13,18 @@ impl Wide {
     /// a · b, exactly.
     #[inline(never)]
     pub(crate) fn product(a: u128, b: u128) -> Self {
-        let mask = u128::from(u64::MAX);
-        let (a1, a0) = (a >> 64, a & mask);
-        let (b1, b0) = (b >> 64, b & mask);
+        let half = |value: u128| u128::from(value as u64);
+        let (a1, a0) = (a >> 64, half(a));
+        let (b1, b0) = (b >> 64, half(b));
         let bottom = a0.wrapping_mul(b0);
+        // A product of halves and a half more are never more than two halves.
         let cross = a1.wrapping_mul(b0).wrapping_add(bottom >> 64);
-        let (middle, carry) = a0.wrapping_mul(b1).overflowing_add(cross);
+        let middle = a0.wrapping_mul(b1).wrapping_add(half(cross));
         Self {
-            high: a1
-                .wrapping_mul(b1)
-                .wrapping_add(middle >> 64)
-                .wrapping_add(u128::from(carry) << 64),
-            low: (middle << 64) | (bottom & mask),
+            high: (a1.wrapping_mul(b1))
+                .wrapping_add(cross >> 64)
+                .wrapping_add(middle >> 64),
+            low: (middle << 64) | half(bottom),
         }
     }
 

@@ -357,22 +357,26 @@ fn whole(value: i128) -> i128 {
     }
 }
 
-/// ⌊value · fraction / 2³²⌋.
+/// ⌊value · fraction / 2³²⌋ of a value of at most 96 bits.
 #[inline]
 fn part(value: i128, fraction: u32) -> i128 {
-    let below = u64::from(value as u32).wrapping_mul(fraction.into()) >> 32;
-    product(value >> 32, fraction).wrapping_add(below.into())
+    let low = u128::from(value as u64).wrapping_mul(fraction.into()) >> 32;
+    let high = i128::from((value >> 64) as i64).wrapping_mul(fraction.into()) << 32;
+    high.wrapping_add(low.cast_signed())
 }
 
-/// ⌊value · time⌋ modulo 2¹²⁸. Nearly all ramps take less than 2³² ticks, 25 s at 168 MHz, and then it is two short products.
-#[inline]
-pub(crate) fn over_time(value: i128, time: Offset) -> i128 {
-    let way = part(value, time as u32).wrapping_add(product(value, (time >> 32) as u32));
+/// ⌊value · time⌋ modulo 2¹²⁸.
+#[inline(always)]
+pub(crate) fn over_time(value: u128, time: Offset) -> u128 {
+    // Both in halves.
+    let low = u128::from(value as u64).wrapping_mul((time as u64).into()) >> 32;
+    let high = (value >> 64).wrapping_mul((time as u64).into()) << 32;
+    let way = low.wrapping_add(high);
+    // Nearly all ramps take less than 2³² ticks, 25 s at 168 MHz.
     if time >> 64 == 0 {
         return way;
     }
-    way.wrapping_add(product(value, (time >> 64) as u32) << 32)
-        .wrapping_add(product(value, (time >> 96) as u32) << 64)
+    way.wrapping_add(value.wrapping_mul(time >> 64) << 32)
 }
 
 /// An offset rounded up to whole ticks. The slowest speeds take longer than ticks can count; that is for ever.
@@ -422,11 +426,11 @@ pub(crate) fn ramp_way(speed: Fine, half_acceleration: Fine, time: Offset, braki
     if time == 0 {
         return 0;
     }
-    let half_gain = over_time(half_acceleration.cast_signed(), time).cast_unsigned();
+    let half_gain = over_time(half_acceleration, time);
     let mean = if braking {
         speed.saturating_sub(half_gain)
     } else {
         speed.wrapping_add(half_gain)
     };
-    over_time(mean.cast_signed(), time).cast_unsigned()
+    over_time(mean, time)
 }

@@ -71,7 +71,7 @@ impl Piece {
             return self.way;
         }
         let mean = self.mean_velocity();
-        let way = over_time(mean.unsigned_abs().cast_signed(), self.time);
+        let way = over_time(mean.unsigned_abs(), self.time).cast_signed();
         if mean < 0 { way.wrapping_neg() } else { way }
     }
 
@@ -248,7 +248,7 @@ fn scaled(value: i128, time: Offset) -> i128 {
     let magnitude = value.unsigned_abs();
     // Most times and velocities are so small that nothing is lost.
     let magnitude = if time >> 64 == 0 && magnitude >> 95 == 0 {
-        over_time(magnitude.cast_signed(), time)
+        over_time(magnitude, time).cast_signed()
     } else {
         let product = Wide::product(magnitude, time).shifted(32);
         let product = product.and_then(|product| i128::try_from(product).ok());
