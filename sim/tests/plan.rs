@@ -154,6 +154,111 @@ fn the_average_comes_to_rest_a_window_behind_the_trapezoid() {
     );
 }
 
+/// Kind, velocity at the end, acceleration at the start and at the end, and the greatest one, of each phase.
+fn phases(report: &Value) -> Vec<(&str, [f64; 4])> {
+    let phases = report["phases"].as_array().unwrap().iter();
+    let keys = [
+        "end_velocity",
+        "acceleration",
+        "end_acceleration",
+        "peak_acceleration",
+    ];
+    phases
+        .map(|phase| {
+            let kind = phase["kind"].as_str().unwrap();
+            (kind, keys.map(|key| number(phase, key)))
+        })
+        .collect()
+}
+
+fn assert_phases(report: &Value, expected: &[(&str, [f64; 4])]) {
+    let phases = phases(report);
+    let kinds = |phases: &[(&str, _)]| phases.iter().map(|phase| phase.0.to_owned()).collect();
+    let (is, should): (Vec<_>, Vec<_>) = (kinds(&phases), kinds(expected));
+    assert_eq!(is, should);
+    for ((kind, is), (_, should)) in phases.iter().zip(expected) {
+        for (is, should) in is.iter().zip(should) {
+            assert!((is - should).abs() <= 1.0, "{kind}: {is} is not {should}");
+        }
+    }
+}
+
+#[test]
+fn phases_tell_what_smooth_ramps_do() {
+    let (top, pull) = (100_000.0, 500_000.0);
+    let cruise = ("cruise", [top, 0.0, 0.0, 0.0]);
+    let move_by = "--distance 100000 --velocity 100000 --acceleration 500000";
+    let ramp = |to, pull| ("acceleration", [to, pull, pull, pull]);
+    assert_phases(
+        &report(move_by),
+        &[ramp(top, pull), cruise, ramp(0.0, -pull)],
+    );
+    // The acceleration of a sin² ramp begins and ends with 0, and is π/2 of the mean in the middle.
+    let peak = pull * std::f64::consts::FRAC_PI_2;
+    let ramp = |to, peak| ("sin2", [to, 0.0, 0.0, peak]);
+    assert_phases(
+        &report(&format!("{move_by} --profile sin2")),
+        &[ramp(top, peak), cruise, ramp(0.0, -peak)],
+    );
+    let growing = |to, pull| ("jerk", [to, 0.0, pull, pull]);
+    let kept = |to, pull| ("acceleration", [to, pull, pull, pull]);
+    let falling = |to, pull| ("jerk", [to, pull, 0.0, pull]);
+    assert_phases(
+        &report(&format!("{move_by} --jerk 5000000")),
+        &[
+            growing(25_000.0, pull),
+            kept(75_000.0, pull),
+            falling(top, pull),
+            cruise,
+            growing(75_000.0, -pull),
+            kept(25_000.0, -pull),
+            falling(0.0, -pull),
+        ],
+    );
+    // The mean changes its acceleration with each segment of 250 µs, a 400th part.
+    let average = report(&format!("{move_by} --jerk 5000000 --profile average"));
+    let kinds: Vec<_> = (phases(&average).iter())
+        .map(|phase| phase.0.to_owned())
+        .collect();
+    let expected = [
+        "jerk",
+        "acceleration",
+        "jerk",
+        "cruise",
+        "jerk",
+        "acceleration",
+        "jerk",
+    ];
+    assert_eq!(kinds, expected);
+    assert!((phases(&average)[3].1[0] - top).abs() < 1e-3);
+}
+
+#[test]
+fn text_tells_the_phases_that_can_be_seen() {
+    let move_by = "--distance -100000 --velocity 100000 --acceleration 500000";
+    let text = |arguments: &str| {
+        let output = run(&arguments.split_whitespace().collect::<Vec<_>>());
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let sine = text(&format!("{move_by} --profile sin2"));
+    let ramp = "0.000000000 to -100000.000000000 steps/s, sin², -785398.0 steps/s² at most\n";
+    assert!(sine.contains(ramp), "{sine}");
+    assert!(
+        sine.contains("-100000.000000000 steps/s, cruise\n"),
+        "{sine}"
+    );
+    let jerk = text(&format!("{move_by} --jerk 5000000"));
+    assert!(jerk.contains(" 0.0 to -500000.0 steps/s²\n"), "{jerk}");
+    // A triangle whose top falls between two ticks has a phase of one tick there.
+    let triangle = "--distance 20000 --velocity 100000 --acceleration 500000";
+    let phases = report(triangle)["phases"].as_array().unwrap().len();
+    let shown = text(triangle)
+        .lines()
+        .filter(|line| line.starts_with("from"))
+        .count();
+    assert_eq!((phases, shown), (3, 2));
+}
+
 #[test]
 fn pulses_stay_close_to_the_plan_at_high_rates() {
     let half = report("--distance 500000 --velocity 500000 --acceleration 2000000");
@@ -407,6 +512,17 @@ fn velocities_are_decimals() {
 fn what_is_no_decimal_velocity_is_refused() {
     assert_refused("--distance 1 --velocity 1e3 --acceleration 1", "1e3");
     assert_refused("--distance 1 --velocity 0.0 --acceleration 1", "zero");
+    for amount in [
+        "--velocity -5",
+        "--velocity 5 --end-velocity -4",
+        "--velocity -0.5",
+    ] {
+        assert_refused(
+            &format!("--distance -1 {amount} --acceleration 1"),
+            "give an amount: the direction is that of the distance",
+        );
+    }
+    assert_refused("--distance 1 --velocity 5 --acceleration -1", "-1 is not");
     assert_refused(
         "--distance 4000000000 --velocity 0.001 --acceleration 1",
         "years",

@@ -102,11 +102,16 @@ impl Curve {
             .iter()
             .fold(0.0_f64, |most, a| most.max(a.abs()))
             * ROUNDING;
+        let ends = self.curves.iter().skip(1).map(Phase::start);
+        let ends = ends.chain([self.until]);
         let mut starts = Vec::new();
-        let (mut before, mut trend) = (0.0, None);
-        for (phase, acceleration) in self.curves.iter().zip(accelerations) {
-            let change = acceleration - before;
-            let now = if change.abs() <= least {
+        let (mut before, mut trend, mut last) = (0.0, None, Ticks::MAX);
+        for ((phase, end), acceleration) in self.curves.iter().zip(ends).zip(accelerations) {
+            let change: f64 = acceleration - before;
+            let length = end.saturating_sub(phase.start());
+            // A cruise is one long curve between two ramps of many short ones.
+            let is_cruise = acceleration.abs() <= least && length / 2 > last;
+            let now = if change.abs() <= least || is_cruise {
                 0.0
             } else {
                 change.signum()
@@ -114,7 +119,7 @@ impl Curve {
             if trend != Some(now) {
                 starts.push(phase.start());
             }
-            (before, trend) = (acceleration, Some(now));
+            (before, trend, last) = (acceleration, Some(now), length);
         }
         starts
     }

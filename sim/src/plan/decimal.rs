@@ -7,6 +7,9 @@ const MOST_DIGITS: usize = 18;
 
 /// An amount, to the nearest 2⁻³² steps/s; what is not 0 stays more than that.
 pub(super) fn speed(text: &str) -> Result<Speed, String> {
+    if text.starts_with('-') {
+        return Err("give an amount: the direction is that of the distance".to_owned());
+    }
     let (whole, part) = text.split_once('.').unwrap_or((text, "0"));
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     if !is_number(whole) || !is_number(part) {

@@ -26,22 +26,22 @@ pub struct Arguments {
     /// How far to go, in steps; negative is backwards
     #[arg(long, value_name = "STEPS", allow_negative_numbers = true)]
     pub distance: i64,
-    /// Profile velocity in steps/s; a decimal such as 0.000278 counts to 2⁻³² steps/s, and so do the two below
-    #[arg(long, value_name = "STEPS/S", value_parser = decimal::speed)]
+    /// Profile velocity in steps/s, an amount. A decimal such as 0.000278 counts to 2⁻³² steps/s, here, in --initial-velocity and in --end-velocity
+    #[arg(long, value_name = "STEPS/S", value_parser = decimal::speed, allow_negative_numbers = true)]
     pub velocity: Speed,
-    /// Profile acceleration in steps/s², while the speed grows
-    #[arg(long, value_name = "STEPS/S²")]
+    /// Profile acceleration in steps/s², while the speed grows; a whole number
+    #[arg(long, value_name = "STEPS/S²", allow_negative_numbers = true)]
     pub acceleration: u32,
     /// Profile deceleration in steps/s², while the speed falls; without it as the acceleration
-    #[arg(long, value_name = "STEPS/S²")]
+    #[arg(long, value_name = "STEPS/S²", allow_negative_numbers = true)]
     pub deceleration: Option<u32>,
     /// Jerk in steps/s³, for the profiles `jerk` and `average`
-    #[arg(long, value_name = "STEPS/S³")]
+    #[arg(long, value_name = "STEPS/S³", allow_negative_numbers = true)]
     pub jerk: Option<u32>,
     /// How the velocity changes; with a jerk `jerk`, without one `trapezoid`
     #[arg(long, value_enum, value_name = "PROFILE")]
     pub profile: Option<Profile>,
-    /// The velocity at the start in steps/s
+    /// The velocity at the start in steps/s; negative is backwards
     #[arg(
         long,
         value_name = "STEPS/S",
@@ -50,8 +50,14 @@ pub struct Arguments {
         allow_negative_numbers = true
     )]
     pub initial_velocity: SignedSpeed,
-    /// The velocity at the target in steps/s, which is kept beyond
-    #[arg(long, value_name = "STEPS/S", value_parser = decimal::speed, default_value = "0")]
+    /// The velocity at the target in steps/s, an amount, which is kept beyond
+    #[arg(
+        long,
+        value_name = "STEPS/S",
+        value_parser = decimal::speed,
+        default_value = "0",
+        allow_negative_numbers = true
+    )]
     pub end_velocity: Speed,
     /// The clock of the step timer in Hz
     #[arg(long, value_name = "HZ", default_value_t = 168_000_000)]
@@ -59,7 +65,7 @@ pub struct Arguments {
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Write every pulse: its tick, and the position it leads to
+    /// Write every pulse: the tick at which it begins, and the position it leads to, both from the start
     #[arg(long, value_name = "FILE")]
     pub pulses: Option<PathBuf>,
     /// Write a picture of position, velocity and acceleration as SVG

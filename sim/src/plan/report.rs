@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use motion::{State, Ticks};
+use motion::{Ramps, State, Ticks};
 use plotters::style::{BLUE, GREEN, RED};
 use serde::Serialize;
 
@@ -17,6 +17,12 @@ const POINTS: u64 = 1000;
 /// The segments of the drive, in seconds, but for a tick.
 const DRIVE_SEGMENT: f64 = 250.5e-6;
 
+/// A phase of so many ticks is there to join its neighbours.
+const JOINT: Ticks = 2;
+
+/// Accelerations that differ by less than this part of them are the same.
+const ROUNDING: f64 = 1e-5;
+
 /// A stretch of the move.
 #[derive(Debug, Serialize)]
 struct Phase {
@@ -26,6 +32,84 @@ struct Phase {
     velocity: f64,
     /// At its start, in steps/s².
     acceleration: f64,
+    /// At its end, in steps/s.
+    end_velocity: f64,
+    /// At its end, in steps/s².
+    end_acceleration: f64,
+    /// The acceleration of the greatest amount, in steps/s².
+    peak_acceleration: f64,
+    kind: Kind,
+    #[serde(skip)]
+    ticks: Ticks,
+}
+
+/// What is the same all over a phase.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    /// The velocity.
+    Cruise,
+    /// The acceleration.
+    Acceleration,
+    /// The jerk.
+    Jerk,
+    /// Nothing: a sin² ramp, the acceleration of which is greatest in the middle.
+    Sin2,
+}
+
+impl Phase {
+    fn of(planned: &Move, start: Ticks, end: Ticks) -> Self {
+        let rate = f64::from(planned.clock.hz());
+        let [velocity, end_velocity] =
+            [start, end].map(|tick| velocity(planned, planned.curve.state_at(tick)));
+        let middle = start + (end - start) / 2;
+        let pulls = [start, middle, end.saturating_sub(1).max(start)];
+        let [first, half, last] = pulls.map(|tick| acceleration(planned, tick));
+        let larger = |peak: f64, pull: f64| if pull.abs() > peak.abs() { pull } else { peak };
+        let peak = [half, last].into_iter().fold(first, larger);
+        // A mean comes to its cruise but for a rounding.
+        let is_kept = (end_velocity - velocity).abs() <= velocity.abs() * 1e-9;
+        let kind = match planned.ramps {
+            _ if peak == 0.0 && is_kept => Kind::Cruise,
+            Ramps::Linear if peak == 0.0 => Kind::Cruise,
+            Ramps::Linear => Kind::Acceleration,
+            Ramps::SinSquared => Kind::Sin2,
+            // An acceleration below half a step/s² is shown as none, and it may be one that grows.
+            _ if peak != 0.0 && (last - first).abs() <= peak.abs() * ROUNDING => Kind::Acceleration,
+            Ramps::JerkLimited(_) | Ramps::MovingAverage(_) => Kind::Jerk,
+        };
+        Self {
+            start_s: start as f64 / rate,
+            duration_s: (end - start) as f64 / rate,
+            velocity,
+            acceleration: first,
+            end_velocity,
+            end_acceleration: last,
+            peak_acceleration: peak,
+            kind,
+            ticks: end - start,
+        }
+    }
+}
+
+impl fmt::Display for Phase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "from {:>14.9} s for {:>14.9} s: {:>17.9} to {:>17.9} steps/s, ",
+            self.start_s, self.duration_s, self.velocity, self.end_velocity
+        )?;
+        match self.kind {
+            Kind::Cruise => write!(f, "cruise"),
+            Kind::Acceleration => write!(f, "{:.1} steps/s²", self.acceleration),
+            Kind::Jerk => write!(
+                f,
+                "{:.1} to {:.1} steps/s²",
+                self.acceleration, self.end_acceleration
+            ),
+            Kind::Sin2 => write!(f, "sin², {:.1} steps/s² at most", self.peak_acceleration),
+        }
+    }
 }
 
 /// Everything that is told.
@@ -54,12 +138,7 @@ impl Report {
             .collect();
         let ends = starts.iter().skip(1).copied().chain([planned.end]);
         let phases: Vec<_> = (starts.iter().zip(ends))
-            .map(|(&start, end)| Phase {
-                start_s: seconds(start),
-                duration_s: seconds(end - start),
-                velocity: velocity(planned, planned.curve.state_at(start)),
-                acceleration: acceleration(planned, start),
-            })
+            .map(|(&start, end)| Phase::of(planned, start, end))
             .collect();
         // Between two corners the speed has no peak, but corners fall between two ticks.
         let corners = (planned.curve.corners().into_iter())
@@ -109,12 +188,9 @@ impl fmt::Display for Report {
                 self.segment_s
             )?;
         }
-        for phase in &self.phases {
-            writeln!(
-                f,
-                "from {:>14.9} s for {:>14.9} s: {:>17.9} steps/s, {:>14.1} steps/s²",
-                phase.start_s, phase.duration_s, phase.velocity, phase.acceleration
-            )?;
+        // What only joins its neighbours is nothing to look at.
+        for phase in self.phases.iter().filter(|phase| phase.ticks > JOINT) {
+            writeln!(f, "{phase}")?;
         }
         Ok(())
     }

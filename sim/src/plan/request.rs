@@ -22,6 +22,7 @@ pub(super) struct Move {
     pub(super) clock: Clock,
     pub(super) curve: Curve,
     pub(super) axis: AxisConfig,
+    pub(super) ramps: Ramps,
     /// Where it begins, in steps.
     pub(super) origin: i64,
     /// The tick at which the target is reached. The plan begins with tick 0.
@@ -129,6 +130,7 @@ impl Move {
             clock,
             curve,
             axis,
+            ramps,
             origin,
             end,
         })
