@@ -1,7 +1,5 @@
 //! 256-bit products: two Q96 numbers multiply to Q192, and no bit may fall off before it is known to be small.
 
-use crate::root::root;
-
 /// An unsigned 256-bit number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Wide {
@@ -69,15 +67,6 @@ impl Wide {
             let shift = 64u32.wrapping_sub(above);
             ((word >> (shift & 127)) as u64, shift.wrapping_add(base))
         }
-    }
-
-    /// The root of a number with an even number of bits behind the point: with half as many; 32 significant bits, rounded down.
-    pub(crate) fn root(self) -> u128 {
-        let (mantissa, exponent) = self.leading();
-        // An even exponent, so that its root is a shift.
-        let odd = exponent & 1;
-        let root = u128::from(root(mantissa >> odd));
-        root << ((exponent.wrapping_add(odd) / 2) & 127)
     }
 }
 

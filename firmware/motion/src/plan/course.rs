@@ -181,7 +181,7 @@ impl<'a> Course<'a> {
                 sixth_jerk => Bend::Jerk(sixth_jerk),
             },
         });
-        self.go_on(piece.time, piece.shift());
+        self.go_on(piece.time, piece.way);
     }
 
     /// Follows a jerk-limited ramp to standstill exactly at `target`, in the frame: its last piece is anchored there.

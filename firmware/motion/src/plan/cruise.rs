@@ -2,138 +2,184 @@
 //!
 //! A ramp that begins with an acceleration is part of one that begins without, or goes on from where the acceleration has gone to
 //! nothing; either way the length of the whole way is a constant and two ramps without acceleration at their ends. Its root is
-//! looked for with rough numbers by Newton's method, within bounds, and then brought to the last bits with exact ones. The
-//! velocity is rounded down: the cruise takes up what that leaves, a quarter of a tick at most.
+//! looked for with rough numbers by Newton's method, within bounds, and then brought to the last bits by one step with exact ones.
+//! The velocity is rounded down: the cruise takes up what that leaves.
 
 use super::jerk_limited::Rules;
-use super::ramp::{Jerk, LONGEST, Piece, coasting, steady_way};
+use super::ramp::{Lead, Limit, Motion, Ramp, steady_way};
 use super::rough::{Kind, Rough};
-use crate::clock::Fine;
 
-/// Looking with rough numbers takes some six steps, and with exact ones two. This bounds both; where a few exact steps do not come to
+/// Looking with rough numbers takes some four steps, and with exact ones one. This bounds both; where a few exact steps do not come to
 /// the end, the bounds are halved.
 const MOST_ROUGH: u32 = 24;
 const MOST_STRAIGHT: u32 = 4;
 const MOST_EXACT: u32 = 24;
 
-/// So small a step is within what rough numbers can tell.
-const ROUGH_BITS: u32 = 18;
+/// Behind so small a step, as a part of the velocity, the next one is within what rough numbers can tell; and behind an exact one
+/// the next is not needed.
+const SMALL: Rough = Rough::power(-13);
 
-/// A part of a way of which rough numbers are sure: 2⁻¹⁶.
+/// Bounds that lie no further apart, as a part of the velocity, are one.
+const CLOSE: Rough = Rough::power(-20);
+
+/// A part of a way of which rough numbers are sure.
 const DOUBT: Rough = Rough::power(-16);
+
+/// The same where a velocity is the difference of others.
+const GREAT_DOUBT: Rough = Rough::power(-10);
+
+/// How much of an exact step is left out, so that it does not go beyond the root: the slope is not known better.
+const SPARE: Rough = Rough::power(-12);
+
+/// A sixteenth of a tick.
+const AIM: Rough = Rough::power(-24 - 4);
 
 /// A way of 2³⁰ steps. Within a longer one a ramp may be so long that its way saturates, of which rough numbers know nothing.
 const LONG: Rough = Rough::power(30);
 
-/// The beginning of a motion: the velocity of the ramp without acceleration that stands for it, and how far the motion is ahead of that.
-struct Entrance {
-    velocity: i128,
-    way: i128,
-    /// The greatest acceleration of the ramp.
-    most: Fine,
+/// Ways of 2³¹ steps and more saturate: from here on, a few steps below that, they count as if they had.
+const LONGEST: i128 = i128::MAX - (1 << 100);
+
+/// How a move goes: a ramp to a velocity, and another one to the end.
+pub(super) struct Choice {
+    lead: Lead,
+    falls: bool,
+    pub(super) cruise: i128,
 }
 
-impl Entrance {
-    /// Of a ramp upwards, to a velocity that is not below that of coasting.
-    fn upwards(velocity: i128, acceleration: i128, most: Fine, jerk: Jerk) -> Self {
-        let (mut velocity, mut way, mut acceleration) = (velocity, 0, acceleration);
-        let sixth = jerk.sixth.cast_signed();
-        let limit = most.cast_signed();
-        if acceleration < 0 || acceleration > limit {
-            // First of all to no acceleration, or to the greatest.
-            let goes_to = if acceleration < 0 { 0 } else { limit };
-            let piece = Piece {
-                time: jerk.time(acceleration.abs_diff(goes_to)),
-                velocity,
-                acceleration,
-                sixth_jerk: if acceleration < 0 {
-                    sixth
-                } else {
-                    sixth.wrapping_neg()
-                },
-                way: 0,
-            };
-            way = piece.goes();
-            velocity = piece.end_velocity();
-            acceleration = goes_to;
-        }
-        if acceleration > 0 {
-            // As if it had begun earlier.
-            let time = jerk.time(acceleration.unsigned_abs());
-            let mut piece = Piece {
-                time,
-                velocity: 0,
-                acceleration: 0,
-                sixth_jerk: sixth,
-                way: 0,
-            };
-            piece.velocity = velocity.saturating_sub(piece.end_velocity());
-            way = way.saturating_sub(piece.goes());
-            velocity = piece.velocity;
-        }
-        Self {
-            velocity,
-            way,
-            most,
-        }
-    }
-
-    /// Of a ramp downwards.
-    fn downwards(velocity: i128, acceleration: i128, most: Fine, jerk: Jerk) -> Self {
-        let mirrored = Self::upwards(
-            velocity.wrapping_neg(),
-            acceleration.wrapping_neg(),
-            most,
-            jerk,
-        );
-        Self {
-            velocity: mirrored.velocity.wrapping_neg(),
-            way: mirrored.way.saturating_neg(),
-            most,
-        }
+impl Choice {
+    /// Both ramps.
+    #[inline(always)]
+    pub(super) fn ramps(&self, from: &Motion, end: i128, rules: &Rules<'_>) -> (Ramp, Ramp) {
+        let Self {
+            lead,
+            falls,
+            cruise,
+        } = self;
+        let limit = if *falls {
+            rules.deceleration
+        } else {
+            rules.acceleration
+        };
+        let first = Ramp::new((from, lead), *falls, *cruise, limit, rules.jerk);
+        let is_alike = from.is_rest() && end == 0 && limit.most == rules.deceleration.most;
+        let last = if is_alike {
+            first.back_to_rest(*cruise)
+        } else {
+            let from = Motion::steady(*cruise);
+            let lead = Lead::steady(*cruise);
+            Ramp::new((&from, &lead), true, end, rules.deceleration, rules.jerk)
+        };
+        (first, last)
     }
 }
 
-/// What rules the motion, in rough numbers: its jerk, and of each ramp the greatest acceleration and how long a change of velocity takes at it.
-struct RoughRules {
-    jerk: Rough,
-    first: (Rough, Rough),
-    last: (Rough, Rough),
+/// A ramp in rough numbers.
+struct Side {
+    /// The change of velocity, and the mean velocity, with the lowest cruise that comes into question.
+    gain: Rough,
+    mean: Rough,
+    /// The greatest acceleration, one by it, and how long it takes to come about.
+    limit: (Rough, Rough, Rough),
 }
 
-/// The moves with one entrance and one end.
+impl Side {
+    fn new(velocity: i128, least: i128, limit: &Limit) -> Self {
+        let gain = least.wrapping_sub(velocity).unsigned_abs();
+        let sum = least.wrapping_add(velocity);
+        let mean = Rough::of(sum.unsigned_abs(), Kind::Velocity).halved();
+        Self {
+            gain: Rough::of(gain, Kind::Velocity),
+            mean: if sum < 0 { mean.negated() } else { mean },
+            limit: limit.rough(),
+        }
+    }
+
+    /// Its way with a cruise that is faster by `more`, what its time and its mean velocity add to the slope of that, and which side of it
+    /// grows.
+    #[inline(always)]
+    fn way(&self, gain: Rough, more: Rough, jerk: Rough) -> (Rough, Rough, Rough) {
+        let (most, slowness, entry) = self.limit;
+        let mean = self.mean.plus(more.halved());
+        let square = jerk.times(gain);
+        let (half_time, growth) = if square < most.times(most) {
+            let growth = square.reciprocal_root();
+            (gain.times(growth), growth)
+        } else {
+            (gain.times(slowness).plus(entry).halved(), slowness)
+        };
+        (
+            mean.times(half_time).doubled(),
+            half_time,
+            mean.times(growth),
+        )
+    }
+}
+
+/// The moves with one lead and one end.
 struct Moves<'a> {
-    rules: &'a Rules,
-    entrance: Entrance,
+    rules: &'a Rules<'a>,
+    lead: &'a Lead,
+    falls: bool,
+    limit: &'a Limit,
     end: i128,
     way: u128,
-    rough: RoughRules,
-    /// The way that both ramps are to take, without the constant.
+    /// The lowest cruise that comes into question.
+    least: i128,
+    jerk: Rough,
+    first: Side,
+    last: Side,
+    /// The way that both ramps are to take, without the constant, and how much of it is in doubt.
     goal: Rough,
+    doubt: Rough,
+}
+
+/// What rough numbers tell of the ramps with one cruise: how far they go, and how much longer that gets with the velocity: 0 or less where
+/// it does not.
+#[derive(Clone, Copy)]
+struct Probe {
+    span: Rough,
+    slope: Rough,
 }
 
 impl<'a> Moves<'a> {
-    fn new(rules: &'a Rules, entrance: Entrance, end: i128, way: u128) -> Self {
-        let limit = |most: Fine| {
-            let most = Rough::of(most, Kind::Acceleration);
-            (most, Rough::ONE.over(most))
-        };
-        let goal = if entrance.way < 0 {
-            way.saturating_add(entrance.way.unsigned_abs())
+    fn new(
+        rules: &'a Rules<'a>,
+        (lead, falls): (&'a Lead, bool),
+        end: i128,
+        way: u128,
+        least: i128,
+    ) -> Self {
+        let limit = if falls {
+            rules.deceleration
         } else {
-            way.saturating_sub(entrance.way.unsigned_abs())
+            rules.acceleration
+        };
+        let ahead = lead.ahead.unsigned_abs();
+        let goal = if lead.ahead < 0 {
+            way.saturating_add(ahead)
+        } else {
+            way.saturating_sub(ahead)
+        };
+        let goal = Rough::of(goal, Kind::Way);
+        let sure = if lead.ahead > 0 {
+            Rough::of(way, Kind::Way).max(goal)
+        } else {
+            goal
         };
         Self {
-            rough: RoughRules {
-                jerk: Rough::of(rules.jerk.whole(), Kind::Jerk),
-                first: limit(entrance.most),
-                last: limit(rules.deceleration),
-            },
             rules,
-            entrance,
+            lead,
+            falls,
+            limit,
             end,
             way,
-            goal: Rough::of(goal, Kind::Way),
+            least,
+            jerk: rules.jerk.whole.rough(),
+            first: Side::new(lead.velocity, least, limit),
+            last: Side::new(end, least, rules.deceleration),
+            goal,
+            doubt: sure.times(if falls { GREAT_DOUBT } else { DOUBT }),
         }
     }
 
@@ -141,66 +187,50 @@ impl<'a> Moves<'a> {
     /// velocity is then the greatest with ramps below 2³¹ steps.
     fn span(&self, cruise: i128) -> u128 {
         let jerk = self.rules.jerk;
-        let first = steady_way(self.entrance.velocity, cruise, self.entrance.most, jerk);
+        let first = steady_way(self.lead.velocity, cruise, self.limit, jerk);
         let is_alike =
-            self.entrance.velocity == self.end && self.entrance.most == self.rules.deceleration;
+            self.lead.velocity == self.end && self.limit.most == self.rules.deceleration.most;
         let last = if is_alike {
             first
         } else {
             steady_way(cruise, self.end, self.rules.deceleration, jerk)
         };
-        let longest = first.saturating_add(self.entrance.way.max(0)).max(last);
-        if longest.max(0).unsigned_abs() >= LONGEST {
+        let first = first.saturating_add(self.lead.ahead);
+        if first.max(last) >= LONGEST {
             return u128::MAX;
         }
-        let last = last.unsigned_abs();
-        let (first, ahead) = (first.max(0).unsigned_abs(), self.entrance.way);
-        if ahead < 0 {
-            last.saturating_add(first)
-                .saturating_sub(ahead.unsigned_abs())
-        } else {
-            last.saturating_add(first)
-                .saturating_add(ahead.unsigned_abs())
+        if first < 0 {
+            return last.saturating_add(first).max(0).unsigned_abs();
         }
+        last.unsigned_abs().wrapping_add(first.unsigned_abs())
     }
 
-    /// The same in rough numbers and without the constant, and how much longer it gets with the velocity: 0 where it does not.
-    fn rough_span(&self, cruise: i128) -> (Rough, Rough) {
-        let ramp = |from: i128, (most, slowness): (Rough, Rough)| {
-            let gain = Rough::of(cruise.abs_diff(from), Kind::Velocity);
-            let sum = cruise.saturating_add(from).max(0).unsigned_abs();
-            let mean = Rough::of(sum, Kind::Velocity).halved();
-            let peak = self.rough.jerk.times(gain).root();
-            let (time, growth) = if peak < most {
-                let growth = Rough::ONE.over(peak);
-                (gain.times(growth).doubled(), growth)
-            } else {
-                let entry = most.over(self.rough.jerk);
-                (gain.times(slowness).plus(entry), slowness)
-            };
-            (mean.times(time), time.halved(), mean.times(growth))
-        };
-        let (first, last) = (
-            ramp(self.entrance.velocity, self.rough.first),
-            ramp(self.end, self.rough.last),
-        );
-        let mut slope = first.1.plus(last.1).plus(last.2);
-        if cruise >= self.entrance.velocity {
-            slope = slope.plus(first.2);
-        } else if slope > first.2 {
-            // The faster the cruise, the shorter is the ramp down to it.
-            slope = slope.distance(first.2);
+    /// With a cruise that is faster than the lowest by `more`.
+    #[inline(never)]
+    fn probe(&self, more: Rough) -> Probe {
+        let gain = if self.falls {
+            self.first.gain.minus(more).max(Rough::ZERO)
         } else {
-            slope = Rough::ZERO;
+            self.first.gain.plus(more)
+        };
+        let first = self.first.way(gain, more, self.jerk);
+        let last = self.last.way(self.last.gain.plus(more), more, self.jerk);
+        let slope = first.1.plus(last.1).plus(last.2);
+        Probe {
+            span: first.0.plus(last.0),
+            // The faster the cruise, the shorter is the ramp down to it.
+            slope: if self.falls {
+                slope.minus(first.2)
+            } else {
+                slope.plus(first.2)
+            },
         }
-        (first.0.plus(last.0), slope)
     }
 
     /// Whether both ramps fit into the way.
-    fn fit(&self, cruise: i128) -> bool {
-        let (span, _) = self.rough_span(cruise);
-        let doubt = self.goal.times(DOUBT);
-        if span.distance(self.goal) > doubt && self.goal > Rough::ZERO {
+    fn fit(&self, cruise: i128, probe: Probe) -> bool {
+        let span = probe.span;
+        if span.distance(self.goal) > self.doubt && self.goal > Rough::ZERO {
             if span > self.goal {
                 return false;
             }
@@ -211,122 +241,137 @@ impl<'a> Moves<'a> {
         self.span(cruise) <= self.way
     }
 
-    /// The greatest velocity for which they fit, rounded down. They do at `low`, and do not at `high`.
-    fn greatest(&self, mut low: i128, mut high: i128) -> i128 {
-        let bounds = (low, high);
-        let (mut cruise, mut slope) = self.guess(low, high);
+    /// The greatest velocity for which they fit, rounded down. They do at the lowest, and do not at `high`.
+    fn greatest(&self, low: Probe, high: i128, room: Rough, top: Probe) -> i128 {
+        // Far from the root the way grows with a power of the velocity between 1.5 and 2.
+        let (goal, mut below, mut above) = (self.goal, Rough::ZERO, room);
+        let part = goal.minus(low.span).over(top.span.minus(low.span));
+        let mut more = room.times(part.root().min(Rough::power(-1)));
+        let mut slope = low.slope;
         for _ in 0..MOST_ROUGH {
-            let (span, grows) = self.rough_span(cruise);
-            slope = grows;
-            let step = span.distance(self.goal).over(slope).fixed(Kind::Velocity);
-            let step = i128::try_from(step).unwrap_or(i128::MAX);
-            let next = if span <= self.goal {
-                low = cruise;
-                cruise.saturating_add(step)
+            let probe = self.probe(more);
+            slope = probe.slope;
+            let short = goal.minus(probe.span);
+            if short < Rough::ZERO {
+                above = more;
             } else {
-                high = cruise;
-                cruise.saturating_sub(step)
-            };
-            let is_steep = slope > Rough::ZERO;
-            let is_within = is_steep && low < next && next < high;
-            if is_steep && step <= cruise >> ROUGH_BITS {
-                if is_within {
-                    cruise = next;
-                }
-                break;
+                below = more;
             }
-            cruise = if is_within { next } else { low.midpoint(high) };
-            if high.wrapping_sub(low) <= cruise >> (ROUGH_BITS + 2) {
-                break;
+            let step = short.over(slope);
+            let next = more.plus(step);
+            if slope > Rough::ZERO && below < next && next < above {
+                more = next;
+                if step.magnitude() <= more.times(SMALL) {
+                    break;
+                }
+            } else {
+                more = below.plus(above).halved();
+                if above.minus(below) <= more.times(CLOSE) {
+                    break;
+                }
             }
         }
-        self.settle(bounds, cruise, slope)
+        self.settle(high, more, slope)
     }
 
-    /// Where to begin to look: far from the root the way grows with a power of the velocity between 1.5 and 2.
-    fn guess(&self, low: i128, high: i128) -> (i128, Rough) {
-        let (least, slope) = self.rough_span(low);
-        let (most, _) = self.rough_span(high);
-        let part = self.goal.distance(least).over(most.distance(least)).root();
-        let room = high.wrapping_sub(low).unsigned_abs();
-        let ahead = Rough::of(room, Kind::Velocity)
-            .times(part)
-            .fixed(Kind::Velocity)
-            .min(room >> 1 | room >> 2);
-        (low.wrapping_add(ahead.cast_signed()), slope)
-    }
-
-    /// From a good guess to the last bits: the cruise is over within a quarter of a tick.
-    fn settle(&self, (mut low, mut high): (i128, i128), guess: i128, slope: Rough) -> i128 {
-        let mut cruise = guess;
+    /// From a good guess to the last bits.
+    fn settle(&self, mut high: i128, more: Rough, slope: Rough) -> i128 {
+        let mut low = self.least;
+        let mut cruise = low.saturating_add(exact(more)).min(high);
         for tried in 0..MOST_EXACT {
             let span = self.span(cruise);
             let off = span.abs_diff(self.way);
             let is_short = span <= self.way;
-            // Aims at a sixteenth of a tick.
-            let aim = cruise.unsigned_abs() >> 4;
-            let lacks = if is_short {
+            if is_short {
                 low = cruise;
                 if off <= cruise.unsigned_abs() >> 2 {
                     break;
                 }
-                off.saturating_sub(aim)
             } else {
                 high = cruise;
-                off.saturating_add(aim)
-            };
+            }
             if high.wrapping_sub(low) <= 1 << 8 {
                 break;
             }
-            let step = Rough::of(lacks, Kind::Way)
-                .over(slope)
-                .fixed(Kind::Velocity);
-            let step = i128::try_from(step).unwrap_or(i128::MAX);
+            let off = Rough::of(off, Kind::Way);
+            let speed = Rough::of(cruise.unsigned_abs(), Kind::Velocity);
+            let spare = off.times(SPARE).plus(speed.times(AIM));
             let next = if is_short {
-                cruise.saturating_add(step)
+                let step = off.minus(spare).max(Rough::ZERO).over(slope);
+                cruise.saturating_add(exact(step))
             } else {
-                cruise.saturating_sub(step)
+                cruise.saturating_sub(exact(off.plus(spare).over(slope)))
             };
-            let is_within = tried < MOST_STRAIGHT && low < next && next < high;
+            let is_within =
+                slope > Rough::ZERO && tried < MOST_STRAIGHT && low < next && next < high;
+            if is_within && off <= slope.times(more).times(SMALL) {
+                return next;
+            }
             cruise = if is_within { next } else { low.midpoint(high) };
         }
         low
     }
 }
 
-impl Rules {
-    /// The greatest velocity between a ramp from a state and one to the velocity `end`, within `way`; `None` if there is none.
-    pub(super) fn cruise(
-        &self,
-        velocity: i128,
-        acceleration: i128,
-        end: i128,
-        way: u128,
-    ) -> Option<i128> {
-        let jerk = self.jerk;
-        let coasting = coasting(velocity, acceleration, jerk);
+/// A velocity with all bits, as far as it has them.
+fn exact(velocity: Rough) -> i128 {
+    i128::try_from(velocity.fixed(Kind::Velocity)).unwrap_or(i128::MAX)
+}
+
+impl Rules<'_> {
+    /// The greatest velocity between a ramp from a motion and one to the velocity `end`, within `way`; `None` if there is none.
+    pub(super) fn fastest(&self, from: &Motion, end: i128, way: u128) -> Option<Choice> {
+        let coasting = from.coasting();
         let mut most = self.top;
         if coasting <= self.top {
-            let rising = Entrance::upwards(velocity, acceleration, self.acceleration, jerk);
-            let moves = Moves::new(self, rising, end, way);
-            if moves.fit(self.top) {
-                return Some(self.top);
-            }
+            let lead = Lead::new(from, false, self.acceleration, self.jerk);
             let least = coasting.max(end);
-            if moves.fit(least) {
-                return Some(moves.greatest(least, self.top));
+            let chosen = self.chosen((&lead, false), end, way, (least, self.top), true);
+            if let Some(cruise) = chosen {
+                return Choice::new(lead, false, cruise);
             }
             if least == end {
                 return None;
             }
             most = least;
         }
-        let falling = Entrance::downwards(velocity, acceleration, self.deceleration, jerk);
-        let moves = Moves::new(self, falling, end, way);
-        if most == self.top && moves.fit(self.top) {
-            return Some(self.top);
+        let lead = Lead::new(from, true, self.deceleration, self.jerk);
+        let is_top = most == self.top;
+        let cruise = self.chosen((&lead, true), end, way, (end, most), is_top)?;
+        Choice::new(lead, true, cruise)
+    }
+
+    /// The same with one lead, between a velocity and another, which may fit only if it is the greatest there is.
+    #[inline(never)]
+    fn chosen(
+        &self,
+        lead: (&Lead, bool),
+        end: i128,
+        way: u128,
+        (least, most): (i128, i128),
+        is_top: bool,
+    ) -> Option<i128> {
+        let moves = Moves::new(self, lead, end, way, least);
+        let room = most.wrapping_sub(least).unsigned_abs();
+        let room = Rough::of(room, Kind::Velocity);
+        let high = moves.probe(room);
+        if is_top && moves.fit(most, high) {
+            return Some(most);
         }
-        moves.fit(end).then(|| moves.greatest(end, most))
+        let low = moves.probe(Rough::ZERO);
+        moves
+            .fit(least, low)
+            .then(|| moves.greatest(low, most, room, high))
+    }
+}
+
+impl Choice {
+    fn new(lead: Lead, falls: bool, cruise: i128) -> Option<Self> {
+        (cruise > 0).then_some(Self {
+            lead,
+            falls,
+            cruise,
+        })
     }
 }
 
@@ -337,20 +382,17 @@ mod tests {
 
     use super::*;
     use crate::clock::Clock;
-    use crate::plan::Limits;
+    use crate::plan::ramp::Jerk;
 
-    /// Limits that a drive may have, in steps and seconds.
-    fn rules() -> impl Strategy<Value = Rules> {
+    /// Limits that a drive may have, in steps and seconds: the velocity, the greatest acceleration and deceleration, the jerk.
+    fn rules() -> impl Strategy<Value = (i128, Limit, Limit, Jerk)> {
         (1u32..4_000_000, 1u32..50_000_000, 1u32..50_000_000, 1u32..).prop_map(
             |(velocity, acceleration, deceleration, jerk)| {
                 let clock = Clock::new(168_000_000).unwrap();
-                let limits = Limits {
-                    velocity: velocity.into(),
-                    acceleration,
-                    deceleration,
-                };
                 let jerk = Jerk::new(clock.sixth_jerk(jerk));
-                Rules::new(clock, limits, jerk)
+                let limit = |rate| Limit::new(clock.half_acceleration(rate) << 1, &jerk);
+                let top = clock.speed(velocity.into()).cast_signed();
+                (top, limit(acceleration), limit(deceleration), jerk)
             },
         )
     }
@@ -366,24 +408,27 @@ mod tests {
         /// The ramps fit into the way, and what they leave of it is over within a tick, or the velocity is the greatest allowed.
         #[test]
         fn the_velocity_found_is_the_greatest(
-            rules in rules(),
+            (top, acceleration, deceleration, jerk) in rules(),
             (speed, pull, end) in (0i128..1200, -1000i128..=1000, 0i128..=1000),
             way in (1u128 << 60)..,
             shift in 0u32..64,
         ) {
+            let rules = Rules { top, acceleration: &acceleration, deceleration: &deceleration, jerk: &jerk };
             let way = way >> shift;
             let velocity = part(rules.top, speed);
             let limit = if pull < 0 { rules.deceleration } else { rules.acceleration };
-            let acceleration = part(limit.cast_signed(), pull) * pull.signum();
+            let from = Motion::new(velocity, part(limit.most, pull) * pull.signum(), &jerk);
             let end = part(rules.top, end);
-            if coasting(velocity, acceleration, rules.jerk) < 0 {
+            if from.coasting() < 0 {
                 return Ok(());
             }
-            let Some(cruise) = rules.cruise(velocity, acceleration, end, way) else {
+            let Some(choice) = rules.fastest(&from, end, way) else {
                 return Ok(());
             };
+            let cruise = choice.cruise;
             prop_assert!(end <= cruise && cruise <= rules.top);
-            let ways = rules.over(velocity, acceleration, cruise, end).way();
+            let (first, last) = choice.ramps(&from, end, &rules);
+            let ways = first.way().unsigned_abs() + last.way().unsigned_abs();
             let rounded = (ways >> 40) + (1 << 40);
             prop_assert!(ways <= way + rounded, "{ways} of {way}");
             let left = way.saturating_sub(ways);

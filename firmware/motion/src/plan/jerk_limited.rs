@@ -6,53 +6,48 @@
 //! A motion that has to turn round comes to rest first. A ramp that is under way is left at the same jerk: its acceleration goes to
 //! nothing, or on to that of the next ramp.
 
+use super::cruise::Choice;
 use super::move_to::way_to;
+use super::number::Number;
 use super::phase::Offset;
-use super::ramp::{Jerk, LONGEST, Ramp, coasting};
+use super::ramp::{Jerk, Lead, Limit, Motion, Ramp};
+use super::rough::{Kind, Rough};
 use super::{Course, Goal, Limits, Plan, PlanError};
-use crate::clock::{Clock, Fine, Ticks};
-use crate::divide::quotient;
+use crate::clock::{Clock, Ticks};
 use crate::fixed::Exact;
 use crate::speed::{SignedSpeed, Speed};
 
 /// What rules the motion, all per tick.
 #[derive(Debug)]
-pub(super) struct Rules {
+pub(super) struct Rules<'a> {
     pub(super) top: i128,
-    pub(super) acceleration: Fine,
-    pub(super) deceleration: Fine,
-    pub(super) jerk: Jerk,
+    pub(super) acceleration: &'a Limit,
+    pub(super) deceleration: &'a Limit,
+    pub(super) jerk: &'a Jerk,
 }
 
-impl Rules {
-    pub(super) fn new(clock: Clock, limits: Limits, jerk: Jerk) -> Self {
-        Self {
-            top: clock.speed(limits.velocity).cast_signed(),
-            acceleration: clock.half_acceleration(limits.acceleration) << 1,
-            deceleration: clock.half_acceleration(limits.deceleration) << 1,
-            jerk,
-        }
-    }
-
-    /// From a velocity that is not negative, with an acceleration, to another one.
-    fn ramp(&self, velocity: i128, acceleration: i128, end: i128) -> Ramp {
-        let slows = end == 0 || end < coasting(velocity, acceleration, self.jerk);
-        let most = if slows {
+impl Rules<'_> {
+    /// From a velocity that is not negative to another one.
+    fn ramp(&self, from: &Motion, end: i128) -> Ramp {
+        let falls = end < from.coasting();
+        let limit = if falls || end == 0 {
             self.deceleration
         } else {
             self.acceleration
         };
-        Ramp::new(velocity, acceleration, end, most, self.jerk)
+        let lead = Lead::new(from, falls, limit, self.jerk);
+        Ramp::new((from, &lead), falls, end, limit, self.jerk)
     }
+}
 
-    /// To rest, in whichever direction.
-    #[inline]
-    fn stop(&self, velocity: i128, acceleration: i128) -> Ramp {
-        if velocity == 0 && acceleration == 0 {
-            return Ramp::default();
-        }
-        Ramp::new(velocity, acceleration, 0, self.deceleration, self.jerk)
+/// To rest, in whichever direction.
+fn stopping(from: &Motion, limit: &Limit, jerk: &Jerk) -> Ramp {
+    if from.is_rest() {
+        return Ramp::default();
     }
+    let falls = from.coasting() > 0;
+    let lead = Lead::new(from, falls, limit, jerk);
+    Ramp::new((from, &lead), falls, 0, limit, jerk)
 }
 
 /// Plans the motion in a frame in which the way still to go is positive.
@@ -63,7 +58,7 @@ pub(super) fn plan(
     from: (Exact, i128),
     goal: Goal,
     limits: Limits,
-    jerk: Jerk,
+    jerk: &Jerk,
 ) -> Result<(), PlanError> {
     let is_stop = goal == Goal::Velocity(SignedSpeed::ZERO);
     if limits.velocity == Speed::ZERO && !is_stop {
@@ -75,10 +70,27 @@ pub(super) fn plan(
     if limits.deceleration == 0 {
         return Err(PlanError::ZeroDeceleration);
     }
-    let rules = Rules::new(clock, limits, jerk);
+    let limit = |rate: u32| Limit::new(clock.half_acceleration(rate) << 1, jerk);
+    let deceleration = &limit(limits.deceleration);
+    if is_stop {
+        stop(plan, start, from, deceleration, jerk);
+        return Ok(());
+    }
+    let other;
+    let acceleration = if limits.acceleration == limits.deceleration {
+        deceleration
+    } else {
+        other = limit(limits.acceleration);
+        &other
+    };
+    let rules = Rules {
+        top: clock.speed(limits.velocity).cast_signed(),
+        acceleration,
+        deceleration,
+        jerk,
+    };
     let speed = |velocity: Speed| clock.speed(velocity.min(limits.velocity)).cast_signed();
     match goal {
-        Goal::Velocity(SignedSpeed::ZERO) => stop(plan, start, from, &rules),
         Goal::Velocity(velocity) => {
             let end = speed(velocity.unsigned_abs());
             keep(plan, start, from, velocity.bits() < 0, end, &rules);
@@ -91,10 +103,27 @@ pub(super) fn plan(
     Ok(())
 }
 
+/// A motion as it is in a frame that may be turned round.
+fn seen(velocity: i128, acceleration: i128, reverse: bool, jerk: &Jerk) -> Motion {
+    if reverse {
+        Motion::new(velocity.wrapping_neg(), acceleration.wrapping_neg(), jerk)
+    } else {
+        Motion::new(velocity, acceleration, jerk)
+    }
+}
+
 /// Comes to rest, wherever that is.
-fn stop(plan: &mut Plan, start: Ticks, (from, acceleration): (Exact, i128), rules: &Rules) {
-    let mut course = Course::new(plan, start, from, false);
-    course.ramp(&rules.stop(from.velocity, acceleration));
+fn stop(
+    plan: &mut Plan,
+    start: Ticks,
+    (from, acceleration): (Exact, i128),
+    limit: &Limit,
+    jerk: &Jerk,
+) {
+    let reverse = from.velocity < 0;
+    let motion = seen(from.velocity, acceleration, reverse, jerk);
+    let mut course = Course::new(plan, start, from, reverse);
+    course.ramp(&stopping(&motion, limit, jerk));
     let rest = course.travelled;
     course.rest_at(rest);
 }
@@ -106,16 +135,15 @@ fn keep(
     (from, acceleration): (Exact, i128),
     reverse: bool,
     end: i128,
-    rules: &Rules,
+    rules: &Rules<'_>,
 ) {
-    let turn = |value: i128| if reverse { value.wrapping_neg() } else { value };
-    let (mut velocity, mut acceleration) = (turn(from.velocity), turn(acceleration));
+    let mut motion = seen(from.velocity, acceleration, reverse, rules.jerk);
     let mut course = Course::new(plan, start, from, reverse);
-    if velocity < 0 {
-        course.ramp(&rules.stop(velocity, acceleration));
-        (velocity, acceleration) = (0, 0);
+    if motion.velocity < 0 {
+        course.ramp(&stopping(&motion, rules.deceleration, rules.jerk));
+        motion = Motion::REST;
     }
-    course.ramp(&rules.ramp(velocity, acceleration, end));
+    course.ramp(&rules.ramp(&motion, end));
     course.never_end(end.unsigned_abs());
 }
 
@@ -125,54 +153,69 @@ fn reach(
     start: Ticks,
     (from, acceleration): (Exact, i128),
     (target, end): (i64, i128),
-    rules: &Rules,
+    rules: &Rules<'_>,
 ) -> Result<(), PlanError> {
-    let (gap, is_behind) = way_to(target, from).ok_or(PlanError::OutOfRange)?;
-    let stop = rules.stop(from.velocity, acceleration);
-    if stop.way.unsigned_abs() >= LONGEST {
+    // In a frame in which the target lies ahead.
+    let (gap, reverse) = way_to(target, from).ok_or(PlanError::OutOfRange)?;
+    let goal = gap.cast_signed();
+    let motion = seen(from.velocity, acceleration, reverse, rules.jerk);
+    let forwards = if motion.velocity == 0 {
+        motion.acceleration >= 0
+    } else {
+        motion.velocity > 0 && motion.coasting() >= 0
+    };
+    let room = Room::new(&motion, gap, rules);
+    if room.sign == Sign::Ahead
+        && forwards
+        && let Some(choice) = rules.fastest(&motion, end, gap)
+    {
+        let course = Course::new(plan, start, from, reverse);
+        course.take(&motion, &choice, (gap, end, goal), rules);
+        return Ok(());
+    }
+    if room.is_out_of_range {
         return Err(PlanError::OutOfRange);
     }
-    // What is still to go from where a stop would end.
-    let (rest_is_behind, left) = beyond(is_behind, gap, stop.way).ok_or(PlanError::OutOfRange)?;
-    if left <= indistinct(stop.time) && (end == 0 || gap == 0) {
-        let reverse = stop.way < 0;
-        let goal = if is_behind == reverse {
-            gap.cast_signed()
-        } else {
-            gap.cast_signed().wrapping_neg()
-        };
-        let course = Course::new(plan, start, from, reverse);
-        let ramp = if reverse {
-            rules.stop(from.velocity.wrapping_neg(), acceleration.wrapping_neg())
-        } else {
-            stop
-        };
-        course.land_on(&ramp, goal);
-        return Ok(());
+    // If a stop ends behind the target, in a frame in which the way back is positive.
+    let is_sure = room.sign != Sign::Unknown;
+    let mut is_beyond = room.sign == Sign::Behind;
+    let turned;
+    let mut seen = &motion;
+    if is_beyond {
+        turned = motion.mirrored();
+        seen = &turned;
     }
-    let reverse = rest_is_behind;
-    let turn = |value: i128| if reverse { value.wrapping_neg() } else { value };
-    let (velocity, acceleration) = (turn(from.velocity), turn(acceleration));
-    let goal = if is_behind == reverse {
-        gap.cast_signed()
+    let mut stop = stopping(seen, rules.deceleration, rules.jerk);
+    let way = if is_beyond {
+        stop.way().wrapping_neg()
     } else {
-        gap.cast_signed().wrapping_neg()
+        stop.way()
     };
-    let mut course = Course::new(plan, start, from, reverse);
-    let forwards = velocity > 0 && coasting(velocity, acceleration, rules.jerk) >= 0;
-    if (forwards || velocity == 0 && acceleration >= 0)
-        && let Some(cruise) = rules.fastest(velocity, acceleration, end, gap)
-    {
-        let route = rules.over(velocity, acceleration, cruise, end);
-        course.take(&route, gap, end, goal);
+    // What is still to go from where a stop would end.
+    let (is_behind, left) = beyond(gap, way).ok_or(PlanError::OutOfRange)?;
+    if left <= indistinct(stop.time()) && (end == 0 || gap == 0) {
+        let goal = if is_beyond { goal.wrapping_neg() } else { goal };
+        Course::new(plan, start, from, reverse != is_beyond).land_on(&stop, goal);
         return Ok(());
     }
-    course.ramp(&rules.stop(velocity, acceleration));
-    match rules.fastest(0, 0, end, left) {
-        Some(cruise) => course.take(&rules.over(0, 0, cruise, end), left, end, goal),
+    if !is_sure {
+        if is_behind {
+            is_beyond = true;
+            stop = stopping(&motion.mirrored(), rules.deceleration, rules.jerk);
+        } else if forwards && let Some(choice) = rules.fastest(&motion, end, gap) {
+            let course = Course::new(plan, start, from, reverse);
+            course.take(&motion, &choice, (gap, end, goal), rules);
+            return Ok(());
+        }
+    }
+    let goal = if is_beyond { goal.wrapping_neg() } else { goal };
+    let mut course = Course::new(plan, start, from, reverse != is_beyond);
+    course.ramp(&stop);
+    match rules.fastest(&Motion::REST, end, left) {
+        Some(choice) => course.take(&Motion::REST, &choice, (left, end, goal), rules),
         // The way is too short for the end velocity: it comes about behind the target.
         None => {
-            course.ramp(&rules.ramp(0, 0, end));
+            course.ramp(&rules.ramp(&Motion::REST, end));
             course.never_end(end.unsigned_abs());
         }
     }
@@ -180,16 +223,15 @@ fn reach(
 }
 
 /// Where the target lies from the end of `way`: whether it is behind there, and how far.
-fn beyond(is_behind: bool, gap: u128, way: i128) -> Option<(bool, u128)> {
-    let is_away = (way < 0) != is_behind;
-    let way = way.unsigned_abs();
-    if is_away {
-        return Some((is_behind, gap.checked_add(way)?));
+fn beyond(gap: u128, way: i128) -> Option<(bool, u128)> {
+    let length = way.unsigned_abs();
+    if way < 0 {
+        return Some((false, gap.checked_add(length)?));
     }
-    Some(if gap >= way {
-        (is_behind, gap.wrapping_sub(way))
+    Some(if gap >= length {
+        (false, gap.wrapping_sub(length))
     } else {
-        (!is_behind, way.wrapping_sub(gap))
+        (true, length.wrapping_sub(gap))
     })
 }
 
@@ -199,70 +241,102 @@ fn indistinct(stop_time: Offset) -> u128 {
     ((stop_time >> 32) << 44).saturating_add(1 << 68)
 }
 
-/// Two ramps with a cruise between them.
-pub(super) struct Route {
-    pub(super) first: Ramp,
-    pub(super) cruise: i128,
-    pub(super) last: Ramp,
+/// Where a target lies from the end of a stop, as far as rough numbers tell.
+#[derive(PartialEq, Eq)]
+enum Sign {
+    Ahead,
+    Behind,
+    Unknown,
 }
 
-impl Route {
-    /// How far both ramps go.
-    pub(super) fn way(&self) -> u128 {
-        let (first, last) = (self.first.way, self.last.way);
-        if first < 0 {
-            return last.saturating_add(first).max(0).unsigned_abs();
+/// What rough numbers tell of a stop.
+struct Room {
+    sign: Sign,
+    /// It ends 2³¹ steps away, or so nearly.
+    is_out_of_range: bool,
+}
+
+/// A part of a way of which rough numbers are sure, however much of it cancels out: 2⁻¹².
+const DOUBT: Rough = Rough::power(-12);
+
+/// A way of 2³¹ steps, less what is in doubt.
+const SPAN: Rough = Rough::power(31);
+
+impl Room {
+    fn new(motion: &Motion, gap: u128, rules: &Rules<'_>) -> Self {
+        if motion.is_rest() {
+            return Self {
+                sign: if gap > indistinct(0) {
+                    Sign::Ahead
+                } else {
+                    Sign::Unknown
+                },
+                is_out_of_range: false,
+            };
         }
-        first.unsigned_abs().saturating_add(last.unsigned_abs())
-    }
-}
-
-impl Rules {
-    /// Inlined, as a route is large.
-    #[inline(always)]
-    pub(super) fn over(
-        &self,
-        velocity: i128,
-        acceleration: i128,
-        cruise: i128,
-        end: i128,
-    ) -> Route {
-        let first = self.ramp(velocity, acceleration, cruise);
-        let is_alike = velocity == 0
-            && acceleration == 0
-            && end == 0
-            && self.acceleration == self.deceleration;
-        let last = if is_alike {
-            first.back_to_rest(cruise)
-        } else {
-            self.ramp(cruise, 0, end)
+        let (most, slowness, entry) = rules.deceleration.rough();
+        let turned = |value: Rough, negative: bool| {
+            if negative { value.negated() } else { value }
         };
-        Route {
-            first,
-            cruise,
-            last,
+        let falls = motion.coasting() > 0;
+        let time = turned(motion.time.rough(), falls);
+        let change = turned(motion.change.rough(), falls);
+        let velocity = Number::of(motion.velocity, Kind::Velocity).rough();
+        let start = velocity.minus(change);
+        // As `Lead::new` and `steady_way` have it.
+        let gain = start.magnitude();
+        let square = rules.jerk.whole.rough().times(gain);
+        let steady = if square < most.times(most) {
+            gain.times(square.reciprocal_root()).doubled()
+        } else {
+            gain.times(slowness).plus(entry)
+        };
+        let whole = start.halved().times(steady);
+        let before = time.times(start.plus(change.times(Rough::THIRD)));
+        let way = whole.minus(before);
+        let parts = whole.magnitude().plus(before.magnitude());
+        let room = Rough::of(gap, Kind::Way).minus(way);
+        Self {
+            // Beyond the limit the formulas are others.
+            sign: if time > entry || room.magnitude() <= parts.times(DOUBT) {
+                Sign::Unknown
+            } else if room > Rough::ZERO {
+                Sign::Ahead
+            } else {
+                Sign::Behind
+            },
+            is_out_of_range: way.magnitude() >= SPAN.minus(SPAN.times(DOUBT)),
         }
-    }
-
-    /// The velocity of the fastest way over `way`, from a state to the velocity `end`; `None` if the ramps are too long.
-    fn fastest(&self, velocity: i128, acceleration: i128, end: i128, way: u128) -> Option<i128> {
-        // Both ways of adding up differ by their roundings at most, and the landing is anchored at the target.
-        let cruise = self.cruise(velocity, acceleration, end, way)?;
-        (cruise > 0).then_some(cruise)
     }
 }
 
 impl Course<'_> {
-    /// Follows a route over `way`, to `goal` in the frame, where `end` is left of the velocity.
-    fn take(mut self, route: &Route, way: u128, end: i128, goal: i128) {
-        self.ramp(&route.first);
-        let left = way.saturating_sub(route.way());
-        let cruise = route.cruise.unsigned_abs();
-        self.cruise(cruise, quotient(left, 1, cruise), left);
+    /// Follows what has been chosen over `way`, to `goal` in the frame, where `end` is left of the velocity.
+    fn take(
+        mut self,
+        from: &Motion,
+        choice: &Choice,
+        (way, end, goal): (u128, i128, i128),
+        rules: &Rules<'_>,
+    ) {
+        let (first, last) = choice.ramps(from, end, rules);
+        self.ramp(&first);
+        let ways = first.way().wrapping_add(last.way());
+        let left = way.wrapping_sub(ways.cast_unsigned());
+        // The ramps may be longer than the way by what is rounded.
+        let left = if left > way { 0 } else { left };
+        let speed = Number::of(choice.cruise, Kind::Velocity);
+        let time = Number::of((left >> 1).cast_signed(), Kind::Way)
+            .times(speed.reciprocal())
+            .doubled()
+            .fixed(Kind::Time)
+            .max(0)
+            .cast_unsigned();
+        self.cruise(choice.cruise.unsigned_abs(), time, left);
         if end == 0 {
-            self.land_on(&route.last, goal);
+            self.land_on(&last, goal);
         } else {
-            self.ramp(&route.last);
+            self.ramp(&last);
             self.travelled = goal;
             self.never_end(end.unsigned_abs());
         }

@@ -16,6 +16,7 @@ mod course;
 mod cruise;
 mod jerk_limited;
 mod move_to;
+mod number;
 pub(crate) mod phase;
 mod ramp;
 mod rough;
@@ -344,7 +345,7 @@ impl Plan {
         let is_sine = ramps == Ramps::SinSquared && pull == 0;
         match jerk {
             Some(jerk) if !is_sine => {
-                jerk_limited::plan(self, clock, start, (from, pull), goal, limits, jerk)?;
+                jerk_limited::plan(self, clock, start, (from, pull), goal, limits, &jerk)?;
             }
             _ => {
                 let was_sine = self.is_sine;

@@ -1,44 +1,273 @@
 //! The jerk-limited ramp: from any velocity and acceleration to a velocity that is kept.
 //!
-//! The acceleration goes at the jerk j to a greatest value, stays there, and goes at j to nothing: at most three pieces. From
-//! (v₀, a₀) to v₁ the greatest acceleration is √(j·Δ + a₀²) where Δ is the change that is left once a₀ has gone to
-//! nothing, or the limit, if that is less. It is rounded down, and the middle piece takes up what that leaves; so nothing
-//! has to be rounded twice.
+//! The acceleration goes at the jerk j to a greatest value, stays there, and goes at j to nothing: at most three pieces. A ramp
+//! that begins with no acceleration and gains Δ takes T = √(Δ/j) in each direction; or, if that were beyond the limit A,
+//! T = A/j, and stays at A for Δ/A − T. Its way is its mean velocity times its time.
+//!
+//! A ramp that begins with an acceleration a is the rest of one that began without, a/j earlier and a²/2j away from the velocity of
+//! now: its [`Lead`]. If a is in the other direction, it begins as much later instead, and the same formulas hold.
 
-use super::phase::{Offset, over_time};
+use super::number::Number;
+use super::phase::Offset;
+use super::rough::{Kind, Rough};
 use crate::clock::Fine;
-use crate::divide::{Divisor, quotient};
-use crate::wide::Wide;
 
 /// The jerk, as it is worked with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Jerk {
     /// A sixth of it, Q128 steps per tick³: the coefficient of a cubic. At most `TOP_SIXTH_JERK`.
     pub(crate) sixth: Fine,
-    divisor: Divisor,
+    pub(super) whole: Number,
+    pub(super) inverse: Number,
 }
 
 impl Jerk {
     pub(super) fn new(sixth: Fine) -> Self {
+        let whole = Number::of(sixth.wrapping_mul(6).cast_signed(), Kind::Jerk);
         Self {
             sixth,
-            divisor: Divisor::new(sixth.wrapping_mul(6)),
+            whole,
+            inverse: whole.reciprocal(),
         }
-    }
-
-    /// All of it, Q128.
-    pub(super) const fn whole(self) -> Fine {
-        self.sixth.wrapping_mul(6)
-    }
-
-    /// How long it takes to change the acceleration by this much, Q96.
-    pub(super) fn time(self, change: Fine) -> Offset {
-        self.divisor.quotient(change, 2)
     }
 }
 
-/// Ways of 2³¹ steps and more saturate: from here on, a few steps below that, they count as if they had.
-pub(super) const LONGEST: u128 = (1 << 127) - (1 << 100);
+/// The greatest acceleration of a ramp.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limit {
+    /// Q96 steps per tick².
+    pub(super) most: i128,
+    number: Number,
+    /// How long it takes to come about.
+    pub(super) entry: Number,
+}
+
+impl Limit {
+    pub(super) fn new(most: Fine, jerk: &Jerk) -> Self {
+        let most = most.cast_signed();
+        let number = Number::of(most, Kind::Acceleration);
+        Self {
+            most,
+            number,
+            entry: number.times(jerk.inverse),
+        }
+    }
+
+    /// In rough numbers: the acceleration, one by it, and how long it takes to come about.
+    pub(super) fn rough(&self) -> (Rough, Rough, Rough) {
+        let most = self.number.rough();
+        (most, Rough::ONE.over(most), self.entry.rough())
+    }
+}
+
+/// How a ramp changes the velocity that begins and ends with no acceleration.
+struct Steady {
+    /// How long the acceleration grows, and falls.
+    entry: Number,
+    /// How long it stays at the limit; none if it does not get there.
+    hold: Option<Number>,
+}
+
+/// What is so near to the limit is looked at with all bits.
+const NEAR: Rough = Rough::power(-16);
+
+impl Steady {
+    fn new(gain: Number, limit: &Limit, jerk: &Jerk) -> Self {
+        let square = gain.times(jerk.inverse);
+        let most = limit.entry.rough();
+        let most = most.times(most);
+        if square.rough() >= most.minus(most.times(NEAR)) {
+            let hold = gain.times(limit.number.reciprocal()).minus(limit.entry);
+            if hold.is_positive() {
+                return Self {
+                    entry: limit.entry,
+                    hold: Some(hold),
+                };
+            }
+        }
+        Self {
+            entry: square.root(),
+            hold: None,
+        }
+    }
+}
+
+/// How far a ramp goes that begins and ends with no acceleration, Q96 steps, saturating. What [`Ramp::new`] would find, without its pieces.
+pub(super) fn steady_way(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> i128 {
+    let gain = end.wrapping_sub(velocity).unsigned_abs().cast_signed();
+    let steady = Steady::new(Number::of(gain, Kind::Velocity), limit, jerk);
+    let time = match steady.hold {
+        None => steady.entry,
+        Some(hold) => steady.entry.plus(hold.halved()),
+    };
+    let sum = Number::of(velocity.wrapping_add(end), Kind::Velocity);
+    sum.times(time).bounded(Kind::Way)
+}
+
+/// A velocity with an acceleration.
+#[derive(Debug)]
+pub(super) struct Motion {
+    pub(super) velocity: i128,
+    pub(super) acceleration: i128,
+    /// The acceleration, as a number.
+    pull: Number,
+    /// How long it takes to go to nothing; negative, if it is.
+    pub(super) time: Number,
+    /// What the velocity gains or loses meanwhile.
+    pub(super) change: Number,
+    /// The same, Q96.
+    exact_change: i128,
+}
+
+impl Motion {
+    pub(super) const REST: Self = Self {
+        velocity: 0,
+        acceleration: 0,
+        pull: Number::ZERO,
+        time: Number::ZERO,
+        change: Number::ZERO,
+        exact_change: 0,
+    };
+
+    /// One without acceleration.
+    pub(super) const fn steady(velocity: i128) -> Self {
+        Self {
+            velocity,
+            ..Self::REST
+        }
+    }
+
+    pub(super) fn new(velocity: i128, acceleration: i128, jerk: &Jerk) -> Self {
+        if acceleration == 0 {
+            return Self::steady(velocity);
+        }
+        let pull = Number::of(acceleration, Kind::Acceleration);
+        let time = pull.times(jerk.inverse);
+        let change = pull.times(time).halved();
+        Self {
+            velocity,
+            acceleration,
+            pull,
+            time,
+            change,
+            exact_change: change.fixed(Kind::Velocity),
+        }
+    }
+
+    /// The same in the other direction.
+    pub(super) const fn mirrored(&self) -> Self {
+        Self {
+            velocity: self.velocity.wrapping_neg(),
+            acceleration: self.acceleration.wrapping_neg(),
+            pull: self.pull.negated(),
+            time: self.time.negated(),
+            change: self.change,
+            exact_change: self.exact_change,
+        }
+    }
+
+    pub(super) const fn is_rest(&self) -> bool {
+        self.velocity == 0 && self.acceleration == 0
+    }
+
+    /// The velocity that is left when the acceleration has gone to nothing by the shortest way.
+    pub(super) const fn coasting(&self) -> i128 {
+        if self.acceleration < 0 {
+            self.velocity.wrapping_sub(self.exact_change)
+        } else {
+            self.velocity.wrapping_add(self.exact_change)
+        }
+    }
+}
+
+/// The ramp without acceleration at its beginning whose rest another one is.
+#[derive(Debug)]
+pub(super) struct Lead {
+    /// The velocity at its beginning.
+    pub(super) velocity: i128,
+    speed: Number,
+    /// How far the motion is ahead of its beginning, Q96 steps.
+    pub(super) ahead: i128,
+    /// How long ago that is, Q32; negative, if it is still to come.
+    ago: i128,
+    /// The acceleration is beyond the limit: first of all it falls to that.
+    is_easing: bool,
+}
+
+impl Lead {
+    /// Of a ramp upwards or downwards. `limit` is its greatest acceleration.
+    pub(super) fn new(from: &Motion, falls: bool, limit: &Limit, jerk: &Jerk) -> Self {
+        let velocity = from.velocity;
+        if from.acceleration == 0 {
+            return Self::steady(velocity);
+        }
+        let turned = |value: Number| if falls { value.negated() } else { value };
+        let (time, change) = (turned(from.time), turned(from.change));
+        if time.is_positive() {
+            let over = time.minus(limit.entry);
+            if over.is_positive() {
+                return Self::easing(from, falls, limit, over, jerk);
+            }
+        }
+        let exact_change = if falls {
+            from.exact_change.wrapping_neg()
+        } else {
+            from.exact_change
+        };
+        let velocity = velocity.wrapping_sub(exact_change);
+        let speed = Number::of(velocity, Kind::Velocity);
+        let way = time.times(speed).fixed(Kind::Way);
+        let bend = time.times(change).times(Number::THIRD).fixed(Kind::Way);
+        Self {
+            velocity,
+            speed,
+            ahead: way.wrapping_add(bend).wrapping_neg(),
+            ago: time.fixed(Kind::Time),
+            is_easing: false,
+        }
+    }
+
+    /// Of a ramp that begins with no acceleration.
+    pub(super) fn steady(velocity: i128) -> Self {
+        Self {
+            velocity,
+            speed: Number::of(velocity, Kind::Velocity),
+            ahead: 0,
+            ago: 0,
+            is_easing: false,
+        }
+    }
+
+    /// The acceleration falls to the limit, which takes `over`; from there on it is a ramp that has been at its limit from the beginning.
+    #[inline(never)]
+    fn easing(from: &Motion, falls: bool, limit: &Limit, over: Number, jerk: &Jerk) -> Self {
+        let turned = |value: Number| if falls { value.negated() } else { value };
+        let rise = turned(limit.number.times(limit.entry).halved());
+        let velocity = from.velocity.wrapping_add(
+            turned(from.change)
+                .minus(rise.doubled())
+                .fixed(Kind::Velocity),
+        );
+        let speed = Number::of(velocity, Kind::Velocity);
+        // v·t + a·t²/2 − j·t³/6
+        let mean = turned(jerk.whole)
+            .times(over)
+            .times(Number::THIRD)
+            .negated()
+            .plus(from.pull)
+            .times(over)
+            .halved()
+            .plus(Number::of(from.velocity, Kind::Velocity));
+        let before = speed.plus(rise.times(Number::THIRD)).times(limit.entry);
+        Self {
+            velocity,
+            speed,
+            ahead: mean.times(over).minus(before).fixed(Kind::Way),
+            ago: limit.entry.minus(over).fixed(Kind::Time),
+            is_easing: true,
+        }
+    }
+}
 
 /// A stretch of constant jerk: what holds at its beginning, all Q96 but the jerk.
 #[derive(Debug, Clone, Copy, Default)]
@@ -48,154 +277,97 @@ pub(super) struct Piece {
     pub(super) acceleration: i128,
     /// A sixth of the jerk, Q128.
     pub(super) sixth_jerk: i128,
-    /// How far it goes, Q96 steps; saturates.
+    /// How far it goes, Q96 steps; modulo 2³² steps.
     pub(super) way: i128,
-}
-
-impl Piece {
-    /// The velocity at its end.
-    pub(super) fn end_velocity(&self) -> i128 {
-        let half = scaled(self.sixth_jerk.saturating_mul(3), self.time) >> 32;
-        let mean = self.acceleration.saturating_add(half);
-        self.velocity.saturating_add(scaled(mean, self.time))
-    }
-
-    /// How far it goes.
-    pub(super) fn goes(&self) -> i128 {
-        scaled(self.mean_velocity(), self.time)
-    }
-
-    /// How far it moves the position: modulo 2³² steps where [`Piece::way`] is at its limit.
-    pub(super) fn shift(&self) -> i128 {
-        if self.way.unsigned_abs() < LONGEST {
-            return self.way;
-        }
-        let mean = self.mean_velocity();
-        let way = over_time(mean.unsigned_abs(), self.time).cast_signed();
-        if mean < 0 { way.wrapping_neg() } else { way }
-    }
-
-    fn mean_velocity(&self) -> i128 {
-        let bend = scaled(self.sixth_jerk, self.time) >> 32;
-        let half = (self.acceleration >> 1).saturating_add(bend);
-        self.velocity.saturating_add(scaled(half, self.time))
-    }
 }
 
 /// A change of velocity.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Ramp {
     pub(super) pieces: [Piece; 3],
-    pub(super) time: Offset,
-    /// Q96 steps; saturates.
-    pub(super) way: i128,
-}
-
-/// The velocity that is left when the acceleration has gone to nothing by the shortest way.
-pub(super) fn coasting(velocity: i128, acceleration: i128, jerk: Jerk) -> i128 {
-    if acceleration == 0 {
-        return velocity;
-    }
-    let time = jerk.time(acceleration.unsigned_abs());
-    velocity.saturating_add(scaled(acceleration, time) >> 1)
 }
 
 impl Ramp {
-    /// From `velocity` with `acceleration` to the velocity `end`, with at most the acceleration `most`; all Q96.
+    /// From a motion and its lead in the direction of the ramp, upwards or downwards, to the velocity `end`.
+    #[inline(never)]
     pub(super) fn new(
-        velocity: i128,
-        acceleration: i128,
+        (from, lead): (&Motion, &Lead),
+        falls: bool,
         end: i128,
-        most: Fine,
-        jerk: Jerk,
+        limit: &Limit,
+        jerk: &Jerk,
     ) -> Self {
-        let coasting = coasting(velocity, acceleration, jerk);
-        if end < coasting {
-            let mut ramp = Self::upwards(
-                velocity.wrapping_neg(),
-                acceleration.wrapping_neg(),
-                (end.wrapping_neg(), coasting.wrapping_neg()),
-                most,
-                jerk,
-            );
-            ramp.mirror();
-            return ramp;
+        let turned = |value: i128| if falls { value.wrapping_neg() } else { value };
+        let gain = turned(end.wrapping_sub(lead.velocity)).max(0);
+        let gained = Number::of(gain, Kind::Velocity);
+        let Steady { entry, hold } = Steady::new(gained, limit, jerk);
+        let (peak, half, rise) = if hold.is_some() {
+            let half = limit.number.times(entry).halved();
+            (limit.most, half, half.fixed(Kind::Velocity))
+        } else {
+            let peak = entry.times(jerk.whole).fixed(Kind::Acceleration);
+            (peak, gained.halved(), gain >> 1)
+        };
+        let bend = half.times(entry).times(Number::THIRD).fixed(Kind::Way);
+        let (peak, rise, bend) = (turned(peak), turned(rise), turned(bend));
+        let sixth = turned(jerk.sixth.cast_signed());
+        let (risen, leaving) = (lead.velocity.wrapping_add(rise), end.wrapping_sub(rise));
+
+        let mut ways = (bend.wrapping_add(lead.ahead), bend.wrapping_neg());
+        if lead.velocity != 0 {
+            let steady = entry.times(lead.speed).fixed(Kind::Way);
+            ways.0 = ways.0.wrapping_add(steady);
         }
-        Self::upwards(velocity, acceleration, (end, coasting), most, jerk)
+        if end != 0 {
+            let speed = Number::of(end, Kind::Velocity);
+            ways.1 = ways.1.wrapping_add(entry.times(speed).fixed(Kind::Way));
+        }
+        let exit = entry.fixed(Kind::Time);
+        let hold = hold.map_or((0, 0), |hold| {
+            let sum = Number::of(risen.wrapping_add(leaving), Kind::Velocity);
+            let way = sum.times(hold).halved().fixed(Kind::Way);
+            (hold.fixed(Kind::Time), way)
+        });
+        let time = |time: i128| time.max(0).cast_unsigned();
+        Self {
+            pieces: [
+                Piece {
+                    time: time(exit.wrapping_sub(lead.ago)),
+                    velocity: from.velocity,
+                    acceleration: from.acceleration,
+                    sixth_jerk: if lead.is_easing {
+                        sixth.wrapping_neg()
+                    } else {
+                        sixth
+                    },
+                    way: ways.0,
+                },
+                Piece {
+                    time: time(hold.0),
+                    velocity: risen,
+                    acceleration: peak,
+                    sixth_jerk: 0,
+                    way: hold.1,
+                },
+                Piece {
+                    time: time(exit),
+                    velocity: leaving,
+                    acceleration: peak,
+                    sixth_jerk: sixth.wrapping_neg(),
+                    way: ways.1,
+                },
+            ],
+        }
     }
 
-    /// To a velocity that is not below that of coasting.
-    fn upwards(
-        velocity: i128,
-        acceleration: i128,
-        (end, coasting): (i128, i128),
-        most: Fine,
-        jerk: Jerk,
-    ) -> Self {
-        let gain = end.wrapping_sub(coasting).unsigned_abs();
-        let mut square = Wide::product(jerk.whole(), gain);
-        if acceleration > 0 {
-            // Q224 as the product is.
-            let shifted = acceleration.unsigned_abs() << 16;
-            square = square.plus(Wide::product(shifted, shifted));
-        }
-        let peak = (square.root() >> 16).min(most).cast_signed();
-        let sixth = jerk.sixth.cast_signed();
+    /// How long it takes.
+    pub(super) fn time(&self) -> Offset {
+        (self.pieces.iter()).fold(0, |sum, piece| sum.wrapping_add(piece.time))
+    }
 
-        let entry = jerk.time(peak.abs_diff(acceleration));
-        let exit = if acceleration == 0 {
-            entry
-        } else {
-            jerk.time(peak.unsigned_abs())
-        };
-        let risen = velocity.saturating_add(scaled(acceleration.saturating_add(peak), entry) >> 1);
-        let leaving = end.saturating_sub(scaled(peak, exit) >> 1);
-        let hold = if leaving > risen && peak > 0 {
-            quotient(
-                leaving.wrapping_sub(risen).unsigned_abs(),
-                1,
-                peak.unsigned_abs(),
-            )
-        } else {
-            0
-        };
-        let falls = acceleration > peak;
-        let pieces = [
-            Piece {
-                time: entry,
-                velocity,
-                acceleration,
-                sixth_jerk: if falls { sixth.wrapping_neg() } else { sixth },
-                way: 0,
-            },
-            Piece {
-                time: hold,
-                velocity: risen,
-                acceleration: peak,
-                sixth_jerk: 0,
-                way: 0,
-            },
-            Piece {
-                time: exit,
-                velocity: leaving,
-                acceleration: peak,
-                sixth_jerk: sixth.wrapping_neg(),
-                way: 0,
-            },
-        ];
-        let mut ramp = Self {
-            pieces,
-            time: 0,
-            way: 0,
-        };
-        for piece in &mut ramp.pieces {
-            if piece.time != 0 {
-                piece.way = piece.goes();
-                ramp.way = ramp.way.saturating_add(piece.way);
-                ramp.time = ramp.time.saturating_add(piece.time);
-            }
-        }
-        ramp
+    /// How far it goes, Q96 steps; modulo 2³² steps.
+    pub(super) fn way(&self) -> i128 {
+        (self.pieces.iter()).fold(0, |sum, piece| sum.wrapping_add(piece.way))
     }
 
     /// The way back down to rest of a ramp from rest to the velocity `end`: it is the same backwards in time.
@@ -212,51 +384,6 @@ impl Ramp {
                 falls(hold, exit.velocity, hold.acceleration),
                 falls(entry, hold.velocity, exit.acceleration),
             ],
-            ..*self
         }
-    }
-
-    /// The same in the other direction of motion.
-    fn mirror(&mut self) {
-        for piece in &mut self.pieces {
-            piece.velocity = piece.velocity.wrapping_neg();
-            piece.acceleration = piece.acceleration.wrapping_neg();
-            piece.sixth_jerk = piece.sixth_jerk.wrapping_neg();
-            piece.way = piece.way.saturating_neg();
-        }
-        self.way = self.way.saturating_neg();
-    }
-}
-
-/// How far a ramp goes that begins and ends with no acceleration, Q96 steps, saturating: half of both velocities over its time. What
-/// [`Ramp::new`] would find, without its pieces.
-pub(super) fn steady_way(velocity: i128, end: i128, most: Fine, jerk: Jerk) -> i128 {
-    let gain = end.wrapping_sub(velocity).unsigned_abs();
-    let peak = (Wide::product(jerk.whole(), gain).root() >> 16).min(most);
-    if peak == 0 {
-        return 0;
-    }
-    // What the acceleration gains while it comes and goes is as much as it would gain in half of that time.
-    let entry = jerk.time(peak);
-    let time = entry.saturating_add(quotient(gain, 1, peak));
-    let least = entry.saturating_mul(2);
-    scaled((velocity >> 1).saturating_add(end >> 1), time.max(least))
-}
-
-/// value · time, saturating.
-fn scaled(value: i128, time: Offset) -> i128 {
-    let magnitude = value.unsigned_abs();
-    // Most times and velocities are so small that nothing is lost.
-    let magnitude = if time >> 64 == 0 && magnitude >> 95 == 0 {
-        over_time(magnitude, time).cast_signed()
-    } else {
-        let product = Wide::product(magnitude, time).shifted(32);
-        let product = product.and_then(|product| i128::try_from(product).ok());
-        product.unwrap_or(i128::MAX)
-    };
-    if value < 0 {
-        magnitude.wrapping_neg()
-    } else {
-        magnitude
     }
 }

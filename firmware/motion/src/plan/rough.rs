@@ -16,15 +16,18 @@ pub(super) enum Kind {
     Acceleration,
     /// Q128 steps per tick³.
     Jerk,
+    /// Q32 ticks.
+    Time,
 }
 
 impl Kind {
-    const fn point(self) -> u32 {
+    pub(super) const fn point(self) -> u32 {
         match self {
             Self::Way => 96,
             Self::Velocity => 96 - 24,
             Self::Acceleration => 96 - 48,
             Self::Jerk => 128 - 72,
+            Self::Time => 32 + 24,
         }
     }
 }
@@ -36,12 +39,18 @@ pub(super) struct Rough(f32);
 impl Rough {
     pub(super) const ZERO: Self = Self(0.0);
     pub(super) const ONE: Self = Self(1.0);
+    pub(super) const THIRD: Self = Self(1.0 / 3.0);
 
     /// 2 to the power of an exponent between −126 and 127.
     pub(super) const fn power(exponent: i32) -> Self {
         Self(f32::from_bits(
             exponent.wrapping_add(127).cast_unsigned() << 23,
         ))
+    }
+
+    /// number · 2^exponent; what is too small or too large for an exponent counts as the last one.
+    pub(super) fn scaled(number: f32, exponent: i32) -> Self {
+        Self(number * Self::power(exponent.clamp(-126, 127)).0)
     }
 
     pub(super) fn of(value: u128, kind: Kind) -> Self {
@@ -92,6 +101,34 @@ impl Rough {
 
     pub(super) fn plus(self, other: Self) -> Self {
         Self(self.0 + other.0)
+    }
+
+    pub(super) fn minus(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+
+    pub(super) fn negated(self) -> Self {
+        Self(-self.0)
+    }
+
+    /// Without its sign.
+    pub(super) fn magnitude(self) -> Self {
+        Self(self.0.abs())
+    }
+
+    /// The smaller one.
+    pub(super) fn min(self, other: Self) -> Self {
+        if other.0 < self.0 { other } else { self }
+    }
+
+    /// The greater one.
+    pub(super) fn max(self, other: Self) -> Self {
+        if self.0 < other.0 { other } else { self }
+    }
+
+    /// 1/√self; of 0, a large number.
+    pub(super) fn reciprocal_root(self) -> Self {
+        Self(reciprocal_root(self.0))
     }
 
     /// How far apart they are.
