@@ -5,7 +5,7 @@ use core::fmt;
 use super::count::Course;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
-use super::slots::{LONGEST_RUN, MOST_PERIODS, Place, Remainder, Words, direction_of, level};
+use super::slots::{Place, Remainder, Words, direction_of, level};
 use crate::{PulseSink, Record, Ticks};
 
 /// Slots that are always silent: with the processor stopped they take 6.4 s at 168 MHz.
@@ -24,7 +24,7 @@ const LEAD_IN: u32 = 1 << 12;
 const BURST_POLLS: u32 = 64;
 
 /// Ticks after which the DMA has surely come to another slot of a train: the longest run has 65,535.
-const PATIENCE: u32 = 96 << 10;
+const PATIENCE: u32 = 80 << 10;
 
 /// A slot is written only if the DMA comes to it 2¹¹ ticks later, or more: writing one takes less, however many interrupts come in
 /// between.
@@ -127,8 +127,7 @@ impl<'a, R: Registers> Output<'a, R> {
         if newly != 0 {
             self.fetched = self.fetched.wrapping_add(newly);
             self.moved = self.registers.now();
-            let [.., level] = self.ring.words(self.fetched.wrapping_sub(1));
-            self.fetched_level = level;
+            self.fetched_level = self.ring.level(self.fetched.wrapping_sub(1));
         }
         self.silence(self.fetched);
         if self.has_ended(0) {
@@ -278,54 +277,37 @@ impl<'a, R: Registers> Output<'a, R> {
         }
     }
 
-    /// Takes records that go the same way as the one before, as long as there is room and they are in time: nearly all are like that.
-    /// Gives how many.
+    /// Takes records that go the same way as the one before, as long as there is room up to the end of the memory and they are in time:
+    /// nearly all are like that. Gives how many.
     #[inline(never)]
     fn push_alike(&mut self, records: &[Record]) -> usize {
         if !self.running || !self.remainder.is_empty() {
             return 0;
         }
         let room = MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.silenced));
-        let most = room.min(self.in_time().max(0).cast_unsigned());
-        let (direction, level) = (self.course.direction(), self.level);
-        let mut place = Place {
-            slot: self.written,
-            most,
-            last: self.last,
-        };
+        let most = room.min(self.in_time().max(0).cast_unsigned()) as usize;
+        let slots = self.ring.from(self.written);
+        let slots = slots.get(..most).unwrap_or(slots);
+        let direction = self.course.direction();
+        let mut place = Place::new(slots, self.level);
         let (mut ticks, mut pulses) = (0_u32, 0_u32);
         let mut taken = 0_usize;
         for record in records {
-            let (period, repeat) = (record.period, u32::from(record.repeat));
-            if record.direction != direction || place.most == 0 {
+            if record.direction != direction || !place.put(record) {
                 break;
             }
-            let run = period.wrapping_mul(repeat);
-            // Most records are one run. Silence is one period.
-            let is_run = if record.width == 0 {
-                period <= LONGEST_RUN && repeat == 1
-            } else {
-                period <= LONGEST_RUN && run <= LONGEST_RUN && repeat <= MOST_PERIODS
-            };
-            if is_run {
-                let words = Words::run(period, repeat, record.width.into(), level);
-                self.ring.put(place.slot, words);
-                place.slot = place.slot.wrapping_add(1);
-                place.most = place.most.wrapping_sub(1);
-                place.last = run;
-            } else if !place.spread(self.ring, record, level) {
-                break;
-            }
-            ticks = ticks.wrapping_add(run);
+            let repeat = u32::from(record.repeat);
+            ticks = ticks.wrapping_add(record.period.wrapping_mul(repeat));
             if record.width > 0 {
                 pulses = pulses.wrapping_add(repeat);
             }
             taken = taken.wrapping_add(1);
         }
         if taken > 0 {
+            let number = slots.len().wrapping_sub(place.left()) as u32;
+            self.written = self.written.wrapping_add(number);
             // What follows must not turn back while it is silent.
-            self.ring.set_level(place.slot, level);
-            self.written = place.slot;
+            self.ring.set_level(self.written, self.level);
             self.end = self.end.wrapping_add(ticks);
             self.last = place.last;
             // The DMA fetches the next slot when the last one begins.

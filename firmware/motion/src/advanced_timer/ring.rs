@@ -15,12 +15,15 @@ pub const WORDS: usize = 5;
 
 const _: () = assert!(SLOTS.is_power_of_two());
 
+/// What a burst writes.
+pub(super) type Slot = [AtomicU32; WORDS];
+
 /// The slots. The processor writes them and the DMA reads them; each word is whole at all times, and which slots are whose is
 /// for [`super::Output`] to know.
 #[derive(Debug)]
 #[repr(transparent)]
 pub struct Ring {
-    slots: [[AtomicU32; WORDS]; SLOTS],
+    slots: [Slot; SLOTS],
 }
 
 impl Ring {
@@ -31,7 +34,7 @@ impl Ring {
         }
     }
 
-    const fn silent_slot() -> [AtomicU32; WORDS] {
+    const fn silent_slot() -> Slot {
         let [reload, repetitions, width, level] = Words::silent(0).0;
         [
             AtomicU32::new(0),
@@ -53,17 +56,26 @@ impl Ring {
         words
     }
 
+    /// The level of the direction signal of a slot, counted round the ring.
+    #[inline]
+    pub(super) fn level(&self, slot: u32) -> u32 {
+        match self.slots.get(slot as usize % SLOTS) {
+            Some([.., cell]) => cell.load(Ordering::Relaxed),
+            None => 0,
+        }
+    }
+
+    /// The slots from one on, counted round the ring, up to the end of the memory.
+    #[inline]
+    pub(super) fn from(&self, slot: u32) -> &[Slot] {
+        self.slots.get(slot as usize % SLOTS..).unwrap_or_default()
+    }
+
     /// Writes a slot, counted round the ring.
     #[inline]
     pub(super) fn put(&self, slot: u32, words: Words) {
-        let [reload, repetitions, width, level] = words.0;
-        if let Some([_, slot @ ..]) = self.slots.get(slot as usize % SLOTS) {
-            let [reload_cell, repetitions_cell, width_cell, level_cell] = slot;
-            level_cell.store(level, Ordering::Relaxed);
-            repetitions_cell.store(repetitions, Ordering::Relaxed);
-            reload_cell.store(reload, Ordering::Relaxed);
-            // The pulse last: should the DMA come in between, against all care, there is none.
-            width_cell.store(width, Ordering::Relaxed);
+        if let Some(slot) = self.slots.get(slot as usize % SLOTS) {
+            fill(slot, words);
         }
     }
 
@@ -74,6 +86,20 @@ impl Ring {
             cell.store(level, Ordering::Relaxed);
         }
     }
+}
+
+/// Writes a slot.
+#[inline]
+pub(super) fn fill(
+    [_, reload_cell, repetitions_cell, width_cell, level_cell]: &Slot,
+    words: Words,
+) {
+    let [reload, repetitions, width, level] = words.0;
+    level_cell.store(level, Ordering::Relaxed);
+    repetitions_cell.store(repetitions, Ordering::Relaxed);
+    reload_cell.store(reload, Ordering::Relaxed);
+    // The pulse last: should the DMA come in between, against all care, there is none.
+    width_cell.store(width, Ordering::Relaxed);
 }
 
 impl Default for Ring {

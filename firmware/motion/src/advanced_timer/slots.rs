@@ -1,6 +1,8 @@
 //! From records to slots: what a timer of 16 bits with a repetition counter of 8 bits can do at a time.
 
-use super::ring::Ring;
+use core::slice::Iter;
+
+use super::ring::{Slot, fill};
 use crate::{Direction, Record};
 
 /// Longest period of a timer of 16 bits, in ticks. One less than it could be, so that a compare value above the reload value
@@ -117,29 +119,69 @@ impl Runs {
 }
 
 /// Where slots are written, one behind the other.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    /// The next slot, counted round the ring.
-    pub(super) slot: u32,
-    /// So many may be written.
-    pub(super) most: u32,
+#[derive(Debug)]
+pub(super) struct Place<'a> {
+    /// Those that may be written.
+    slots: Iter<'a, Slot>,
+    /// The level of the direction signal in all of them.
+    level: u32,
     /// Ticks of the last one written.
     pub(super) last: u32,
 }
 
-impl Place {
-    /// Writes a record that takes several slots, if they are not too many; whether it was written.
-    #[inline(never)]
-    pub(super) fn spread(&mut self, ring: &Ring, record: &Record, level: u32) -> bool {
+impl<'a> Place<'a> {
+    pub(super) fn new(slots: &'a [Slot], level: u32) -> Self {
+        Self {
+            slots: slots.iter(),
+            level,
+            last: 0,
+        }
+    }
+
+    /// So many are left.
+    pub(super) fn left(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Writes a record; whether there was room for all of it.
+    #[inline]
+    pub(super) fn put(&mut self, record: &Record) -> bool {
         let (period, repeat) = (record.period, u32::from(record.repeat));
+        let run = period.wrapping_mul(repeat);
+        // Most records are one run. Silence is one period.
+        if period > LONGEST_RUN || run > LONGEST_RUN || repeat > MOST_PERIODS {
+            return self.spread(record);
+        }
         let width = u32::from(record.width);
+        let (period, repeat) = if width == 0 {
+            (run, 1)
+        } else {
+            (period, repeat)
+        };
+        let Some(slot) = self.slots.next() else {
+            return false;
+        };
+        fill(slot, Words::run(period, repeat, width, self.level));
+        self.last = run;
+        true
+    }
+
+    /// The same for a record that takes several.
+    #[inline(never)]
+    fn spread(&mut self, record: &Record) -> bool {
+        let (period, repeat) = (record.period, u32::from(record.repeat));
+        let (width, level) = (u32::from(record.width), self.level);
         if period <= LONGEST_RUN && width > 0 {
-            let Some(mut runs) = Runs::of(period, repeat).filter(|runs| runs.count <= self.most)
-            else {
+            let Some(mut runs) = Runs::of(period, repeat) else {
                 return false;
             };
-            for _ in 0..runs.count {
-                self.put(ring, Words::run(period, runs.next(), width, level));
+            let Some(slots) = self.take(runs.count) else {
+                return false;
+            };
+            // Those with one more come first.
+            self.last = period.wrapping_mul(runs.repeat);
+            for slot in slots {
+                fill(slot, Words::run(period, runs.next(), width, level));
             }
             return true;
         }
@@ -150,29 +192,36 @@ impl Place {
             (period, repeat)
         };
         let parts = period.div_ceil(LONGEST_RUN);
-        if parts.saturating_mul(repeat) > self.most || width >= LONGEST_RUN / 2 {
+        if width >= LONGEST_RUN / 2 {
             return false;
         }
+        let Some(slots) = self.take(parts.saturating_mul(repeat)) else {
+            return false;
+        };
         // Parts of equal length: none is short, and the pulse has room in the first.
         let part = period.checked_div(parts).unwrap_or(0);
         let rest = part.wrapping_add(period.wrapping_sub(part.wrapping_mul(parts)));
-        for _ in 0..repeat {
-            let mut width = width;
-            for _ in 1..parts {
-                self.put(ring, Words::run(part, 1, width, level));
-                width = 0;
+        self.last = rest;
+        let (mut left, mut high) = (parts, width);
+        for slot in slots {
+            left = left.wrapping_sub(1);
+            if left > 0 {
+                fill(slot, Words::run(part, 1, high, level));
+                high = 0;
+            } else {
+                fill(slot, Words::run(rest, 1, high, level));
+                (left, high) = (parts, width);
             }
-            self.put(ring, Words::run(rest, 1, width, level));
         }
         true
     }
 
+    /// The next so many, if there are.
     #[inline]
-    fn put(&mut self, ring: &Ring, words: Words) {
-        ring.put(self.slot, words);
-        self.slot = self.slot.wrapping_add(1);
-        self.most = self.most.wrapping_sub(1);
-        self.last = words.ticks();
+    fn take(&mut self, number: u32) -> Option<&'a [Slot]> {
+        let (taken, left) = self.slots.as_slice().split_at_checked(number as usize)?;
+        self.slots = left.iter();
+        Some(taken)
     }
 }
 
