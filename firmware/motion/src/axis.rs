@@ -12,6 +12,7 @@
 mod averaged;
 mod leg;
 mod line;
+mod steady;
 mod trace;
 
 use crate::average::Average;
@@ -341,7 +342,7 @@ impl Axis {
             }
             if self.train.can_flush(self.horizon, enough) {
                 self.train.flush(self.horizon);
-            } else {
+            } else if !self.go_straight_on(enough) {
                 self.compose();
             }
         }

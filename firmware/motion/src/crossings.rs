@@ -8,8 +8,6 @@ use crate::divide::estimate;
 pub(crate) struct Crossings {
     /// The chord's length in ticks.
     length: u32,
-    /// The way that takes so long, Q32 steps.
-    way: u64,
     /// How far ways are shifted so that 32 bits hold them and the chord's has no leading zeros: down, or up if it is less than a
     /// step.
     down: u32,
@@ -19,24 +17,11 @@ pub(crate) struct Crossings {
 }
 
 impl Crossings {
-    /// Those of no chord.
-    pub(crate) const NONE: Self = Self {
-        length: 0,
-        way: 0,
-        down: 0,
-        up: 0,
-        pace: 0,
-    };
-
     /// Those of a chord of so many ticks that goes `way`, Q32 steps, less than 2³¹ of them.
     pub(crate) fn new(length: u32, way: u64) -> Self {
-        // Where there are 32 bits to spare, one unit more changes nothing, and holds for the next chord of a cruise, too, which rounding
-        // has made longer by that.
-        let way = way.wrapping_add(u64::from(way >> 32 != 0));
         let above = (way >> 32) as u32;
         let mut crossings = Self {
             length,
-            way,
             down: 32_u32.wrapping_sub(above.leading_zeros()),
             up: 0,
             pace: 0,
@@ -47,12 +32,6 @@ impl Crossings {
         let leading = crossings.shifted(way);
         crossings.pace = estimate(u64::from(length) << 32, leading);
         crossings
-    }
-
-    /// Whether these are the crossings of a chord of so many ticks that goes `way`, but for two units of it.
-    #[inline]
-    pub(crate) const fn fits(&self, length: u32, way: u64) -> bool {
-        self.length == length && self.way.wrapping_sub(way) <= 2
     }
 
     /// 32 bits of a way, which is not longer than the chord's.

@@ -7,6 +7,8 @@
 //! How many steps are due is always the difference between the position and the steps made. A pulse that the driver's timing
 //! delays is made later, and never lost.
 
+mod steady;
+
 use crate::clock::Ticks;
 use crate::crossings::Crossings;
 use crate::fixed::{Position, State, Velocity};
@@ -88,9 +90,7 @@ pub(crate) struct Train {
     pen: Ticks,
     /// The step of the pulse with which the open period begins, 1 or −1; 0 if it is silent.
     open_step: i32,
-    /// The crossings of the last chord, if it was steady and had many pulses, and if its last pulse is where it belongs: so the open
-    /// period is as long as the next one if the next chord is like it.
-    crossings: Crossings,
+    /// Whether the last chord was steady and its last pulse is where it belongs.
     even: bool,
     /// Records made, and how many.
     made: [Record; MOST_RECORDS],
@@ -124,7 +124,6 @@ impl Train {
             direction: None,
             pen,
             open_step: 0,
-            crossings: Crossings::NONE,
             even: false,
             made: [Record::NONE; MOST_RECORDS],
             count: 0,
@@ -225,47 +224,8 @@ impl Train {
     }
 
     /// Makes the records of a chord. Those before must have been handed out.
-    #[inline]
-    pub(crate) fn draw(&mut self, chord: &Chord) {
-        if !chord.steady || !self.even || !self.go_on(chord) {
-            self.draw_anew(chord);
-        }
-    }
-
-    /// Goes on as in the chord before if this one is like it: the open period is one of the same length. Not if that would be too
-    /// fast for the driver.
-    #[inline]
-    fn go_on(&mut self, chord: &Chord) -> bool {
-        let Some(direction) = self.direction.filter(|_| self.has_pulse()) else {
-            return false;
-        };
-        // Ways and steps as if they went forward.
-        let turn = |value: i64| match direction {
-            Direction::Forward => value,
-            Direction::Reverse => value.wrapping_neg(),
-        };
-        let way = turn(chord.to.bits().wrapping_sub(chord.from.bits()));
-        if !self.crossings.fits(chord.length, way.cast_unsigned()) {
-            return false;
-        }
-        let pulses = self.due(chord.to).wrapping_mul(direction.sign());
-        let pulses = pulses.cast_unsigned();
-        let last = self.crossings.after(self.lead(chord, turn, pulses));
-        let span = last.wrapping_add(self.open_at(chord.begin).cast_unsigned());
-        let fastest = u64::from(pulses).wrapping_mul(self.shortest.into());
-        if !(MANY..=LONGEST_RUN).contains(&pulses) || u64::from(span) < fastest {
-            return false;
-        }
-        self.space(pulses, span, chord.speeding_up, direction);
-        let made = pulses.cast_signed().wrapping_mul(direction.sign());
-        self.steps = self.steps.wrapping_add(made);
-        self.even = self.is_at(chord, last);
-        true
-    }
-
-    /// The same for any chord.
     #[inline(never)]
-    fn draw_anew(&mut self, chord: &Chord) {
+    pub(crate) fn draw(&mut self, chord: &Chord) {
         self.even = false;
         let way = chord.to.bits().wrapping_sub(chord.from.bits());
         let due = self.due(chord.to);
@@ -288,7 +248,6 @@ impl Train {
             let made = self.run(chord, direction, pulses, (first, last));
             if chord.steady && made == pulses && self.is_at(chord, last) {
                 self.even = true;
-                self.crossings = crossings;
             }
         }
         self.keep_short(direction, chord);

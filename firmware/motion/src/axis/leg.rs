@@ -1,6 +1,7 @@
 //! A stretch of the plan that is one parabola, walked along in chords.
 
 use crate::clock::Ticks;
+use crate::divide::estimate;
 use crate::fixed::{Exact, State, Velocity};
 use crate::plan::phase::{Phase, product};
 use crate::train::{Chord, Train};
@@ -21,6 +22,8 @@ pub(super) struct Leg {
     bends: bool,
     /// Steady, and so slow that a tick is less than the positions of a chord tell.
     creeps: bool,
+    /// Steady: the ticks for a step, Q32; 0 as long as nobody has asked.
+    pace: u64,
     /// The chord that was gone last, in ticks; 0 for none.
     length: u32,
     /// What position and velocity grew by, and what that of the position grows by with every chord; all of them Q96.
@@ -51,6 +54,7 @@ impl Leg {
             half_acceleration,
             bends,
             creeps: !bends && Velocity::from_exact(exact.velocity).creeps(),
+            pace: 0,
             length: 0,
             way: 0,
             gain: 0,
@@ -87,6 +91,28 @@ impl Leg {
         Some((chord, self.state))
     }
 
+    /// Where it is if its velocity stays, the ticks for a step, Q32, less than 2³¹, and those from `begin`, the commit horizon, to the next
+    /// corner.
+    #[inline]
+    pub(super) fn steady(&mut self, begin: Ticks) -> Option<(State, u64, Ticks)> {
+        if self.bends || self.creeps {
+            return None;
+        }
+        if self.pace == 0 {
+            self.pace = pace(self.exact.velocity)?;
+        }
+        Some((self.state, self.pace, self.until.wrapping_sub(begin)))
+    }
+
+    /// Goes on for so many ticks at the velocity that stays. Gives the state there.
+    #[inline]
+    pub(super) fn coast(&mut self, ticks: u32) -> State {
+        let way = product(self.exact.velocity, ticks);
+        self.exact.position = self.exact.position.wrapping_add(way);
+        self.state.position = self.exact.rounded_position();
+        self.state
+    }
+
     #[inline]
     fn walk(&mut self, length: u32) {
         if length != self.length {
@@ -112,6 +138,18 @@ impl Leg {
         self.gain = half.wrapping_mul(2);
         self.growth = product(self.gain, length);
     }
+}
+
+/// Ticks for a step, Q32, at a velocity, Q96 steps per tick; `None` if they are 2³⁰ or more.
+#[inline(never)]
+fn pace(velocity: i128) -> Option<u64> {
+    let speed = velocity.unsigned_abs();
+    let up = speed.leading_zeros();
+    if !(33..=61).contains(&up) {
+        return None;
+    }
+    let leading = (speed.wrapping_shl(up) >> 96) as u32;
+    Some(u64::from(estimate(1 << 63, leading)) << (up.wrapping_sub(31) & 31))
 }
 
 #[cfg(test)]

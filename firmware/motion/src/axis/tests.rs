@@ -6,6 +6,7 @@ mod hours;
 mod random;
 mod replay;
 mod slow;
+mod steady;
 mod vectors;
 
 use super::{Axis, AxisConfig};

@@ -140,9 +140,10 @@ impl Replay {
             record.period >= shortest,
             "{record:?} is shorter than {shortest}"
         );
+        // A run may begin with the last pulse before its chord, and one of a velocity that stays end with the first behind it.
+        let period = u64::from(record.period);
         assert!(
-            // A run may begin with the last pulse before its chord, where chords have eight pulses or more.
-            record.ticks() <= self.segment + self.segment / 4,
+            period <= self.segment && record.ticks() <= self.segment + 2 * period,
             "{record:?} is longer than a segment"
         );
         let silent = record.width == 0;

@@ -1,0 +1,26 @@
+//! Along a velocity that stays, from pulse to pulse: what most of the time is spent with.
+
+use super::Axis;
+use crate::clock::Ticks;
+
+impl Axis {
+    /// Makes the records of a stretch of a velocity that stays, if the last chord was of it; whether it was.
+    #[inline]
+    pub(super) fn go_straight_on(&mut self, enough: Ticks) -> bool {
+        let (begin, train) = (self.horizon, &mut self.train);
+        let Some(leg) = self.leg.as_mut().filter(|_| train.is_even()) else {
+            return false;
+        };
+        let Some((from, pace, left)) = leg.steady(begin) else {
+            return false;
+        };
+        let longest = train.chord(from.velocity, u32::MAX);
+        let wanted = enough.saturating_sub(begin).min(longest.into()) as u32;
+        let Some(length) = train.go_on(begin, from.position, pace, wanted, left) else {
+            return false;
+        };
+        let state = leg.coast(length);
+        self.go_to(begin.wrapping_add(length.into()), state);
+        true
+    }
+}

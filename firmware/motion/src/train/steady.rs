@@ -1,0 +1,114 @@
+//! Pulses of a velocity that stays: from one pulse to another, with no chord to be looked at.
+
+use super::{LONGEST_RUN, Train};
+use crate::clock::Ticks;
+use crate::fixed::Position;
+use crate::record::{Direction, SHORTEST_RECORD};
+
+/// How far before its tick the last pulse may have been made, in steps, Q32: at the highest rates it is a few ticks of not many.
+const EARLY: i64 = 1 << 30;
+
+/// A run may be longer by so many ticks than it should be, where it would be too short for a record otherwise.
+const STRETCHED: u32 = 2 * SHORTEST_RECORD;
+
+impl Train {
+    /// Whether the last chord was steady, with its last pulse where it belongs: [`Train::go_on`] can take over.
+    #[inline]
+    pub(crate) const fn is_even(&self) -> bool {
+        self.even
+    }
+
+    /// Goes on as in the chord before, which was steady, from tick `begin`, where the axis is at `from`, with a step in `pace` ticks, Q32, less
+    /// than 2³¹: up to the first pulse `wanted` ticks later or more, or where pulses are more than a segment apart, with silence for so many.
+    /// Gives the ticks that it took, less than `left`; `None`, and nothing is made, if that is too few or the driver needs a longer period.
+    ///
+    /// The ticks are counted from where the axis is, so nothing that is rounded adds up.
+    #[inline]
+    pub(crate) fn go_on(
+        &mut self,
+        begin: Ticks,
+        from: Position,
+        pace: u64,
+        wanted: u32,
+        left: Ticks,
+    ) -> Option<u32> {
+        let direction = self.direction?;
+        // As if it went forward: the way since the middle before the last step made, and the ticks for it, Q32.
+        let ahead = from.bits().wrapping_sub(i64::from(self.steps) << 32);
+        let beyond = match direction {
+            Direction::Forward => ahead,
+            Direction::Reverse => ahead.wrapping_neg(),
+        };
+        let beyond = beyond.wrapping_add(1 << 31);
+        if !(-EARLY..1 << 32).contains(&beyond) {
+            return None;
+        }
+        let (whole, part) = ((pace >> 32) as u32, pace as u32);
+        let way = u64::from(beyond as u32);
+        let mut since = way
+            .wrapping_mul(whole.into())
+            .wrapping_add(way.wrapping_mul(part.into()) >> 32);
+        if beyond < 0 {
+            since = since.wrapping_sub(pace);
+        }
+        let first = pace.wrapping_sub(since);
+        let next = (first >> 32) as u32;
+        let open = self.open_at(begin).cast_unsigned();
+        if next > self.segment.wrapping_add(self.least.wrapping_mul(2)) {
+            return self.wait_on(open, wanted, left, direction);
+        }
+        // One at a time where they are more than a segment apart.
+        let more = match wanted.checked_sub(next) {
+            Some(wanted) if whole <= self.segment => wanted.checked_div(whole)?.wrapping_add(1),
+            _ => 0,
+        };
+        let gaps = u64::from(more).wrapping_mul(pace);
+        let length = (first.wrapping_add(gaps) >> 32) as u32;
+        let span = open.wrapping_add(length);
+        let pulses = more.wrapping_add(1);
+        let fastest = u64::from(pulses).wrapping_mul(self.shortest.into());
+        if Ticks::from(length.max(wanted).wrapping_add(STRETCHED)) >= left
+            || pulses > LONGEST_RUN
+            || u64::from(span) < fastest
+        {
+            return None;
+        }
+        if more == 0 || !self.has_pulse() {
+            let gaps = (gaps >> 32) as u32;
+            let silence = span.wrapping_sub(gaps);
+            if silence < self.least {
+                return None;
+            }
+            self.silence(silence, direction);
+            self.open_step = direction.sign();
+            if more > 0 {
+                self.space(more, gaps, true, direction);
+            } else if wanted > next.wrapping_add(self.least) {
+                // More than a segment to the next one, so there is silence behind it.
+                let most = whole.saturating_sub(self.least.wrapping_mul(2));
+                self.silence(wanted.wrapping_sub(next).min(most), direction);
+            }
+        } else {
+            self.space(pulses, span, true, direction);
+        }
+        let made = pulses.cast_signed().wrapping_mul(direction.sign());
+        self.steps = self.steps.wrapping_add(made);
+        Some((self.pen as u32).wrapping_sub(begin as u32))
+    }
+
+    /// Silence while no pulse is due for more than a segment.
+    fn wait_on(
+        &mut self,
+        open: u32,
+        wanted: u32,
+        left: Ticks,
+        direction: Direction,
+    ) -> Option<u32> {
+        let length = wanted.min(self.segment).max(self.least);
+        if Ticks::from(length) >= left {
+            return None;
+        }
+        self.silence(open.wrapping_add(length), direction);
+        Some(length)
+    }
+}
