@@ -76,6 +76,7 @@ const DATA: Address = Address::new(0x20D3, 0);
 /// Records and fetches. A person hears of it when the recorder waits.
 ///
 /// # Errors
+/// [`Problem::Usage`] if the samples do not fit into the drive, or all of them would be older than the trigger;
 /// [`Problem::Failed`] if the node does not answer, has no scope or refuses, or the trigger does not come in time;
 /// [`Problem::Stopped`] by a person. The recorder is stopped then.
 pub fn record<L: Line>(
@@ -87,6 +88,7 @@ pub fn record<L: Line>(
     let mut session = Session { master, node };
     session.stop()?;
     session.set_up(request)?;
+    session.check()?;
     let result = session.wait(request, console);
     if result.is_err() {
         // It may be the node that is gone; what went wrong first is told.
@@ -96,6 +98,24 @@ pub fn record<L: Line>(
     let bytes = session.fetch()?;
     Recording::read(&bytes, &node.sheet)
         .map_err(|why| Problem::Failed(format!("node {}: {why}", node.id)))
+}
+
+/// The samples of a recording.
+struct Room {
+    /// 20D0h:5: how many are asked for, 0 for all that there is room for.
+    asked: u16,
+    /// How many the memory has room for; `None` without channels.
+    fit: Option<u16>,
+}
+
+impl Room {
+    /// How many there will be.
+    fn samples(&self) -> u16 {
+        match self.asked {
+            0 => self.fit.unwrap_or(0),
+            asked => asked,
+        }
+    }
 }
 
 struct Session<'a, L: Line> {
@@ -135,7 +155,8 @@ impl<L: Line> Session<'_, L> {
             let samples = match before {
                 Before::Samples(samples) => samples,
                 Before::Percent(percent) => {
-                    (u32::from(self.room()?) * u32::from(percent) / 100) as u16
+                    let room = self.room()?.samples();
+                    (u32::from(room) * u32::from(percent) / 100) as u16
                 }
             };
             self.write(BEFORE, &samples.to_le_bytes())?;
@@ -163,17 +184,39 @@ impl<L: Line> Session<'_, L> {
         }
     }
 
-    /// How many samples the recording will have.
-    fn room(&mut self) -> Result<u16, Problem> {
-        let samples = self.number(SAMPLES)?;
+    /// How many samples are asked for, and how many can be.
+    fn room(&mut self) -> Result<Room, Problem> {
+        let asked = self.number(SAMPLES)?;
         let mut bits = 0;
         for sub in 1..=CHANNELS as u8 {
             bits += self.number(channel(sub))? & 0xFF;
         }
         let words = self.number(MEMORY)? / 4;
-        let fits = words.checked_div(bits.div_ceil(32)).unwrap_or(0);
-        let room = if samples == 0 { fits } else { samples };
-        Ok(u16::try_from(room).unwrap_or(u16::MAX))
+        let u16_of = |number| u16::try_from(number).unwrap_or(u16::MAX);
+        Ok(Room {
+            asked: u16_of(asked),
+            fit: words.checked_div(bits.div_ceil(32)).map(u16_of),
+        })
+    }
+
+    /// What the drive would refuse with a code alone.
+    fn check(&mut self) -> Result<(), Problem> {
+        let room = self.room()?;
+        let before = self.number(BEFORE)?;
+        match room.fit {
+            None => Err(Problem::Usage(
+                "no channel records anything: name up to eight objects with --channels".to_owned(),
+            )),
+            Some(fit) if room.asked > fit => Err(Problem::Usage(format!(
+                "{} samples are too many: {fit} samples of these channels fit",
+                room.asked
+            ))),
+            Some(_) if before >= room.samples().into() => Err(Problem::Usage(format!(
+                "{before} samples older than the trigger are too many: --pre must be below the samples, which are {}",
+                room.samples()
+            ))),
+            Some(_) => Ok(()),
+        }
     }
 
     /// Arms, and waits until there is a recording.
@@ -213,7 +256,12 @@ impl<L: Line> Session<'_, L> {
             let left = end.checked_duration_since(self.master.now());
             self.master
                 .wait(left.map_or(pause, |left| left.min(pause)))?;
-            pause = (pause * 2).min(LONGEST_PAUSE);
+            // A trigger that is an order shall not be late.
+            pause = if is_now {
+                PAUSE
+            } else {
+                (pause * 2).min(LONGEST_PAUSE)
+            };
         }
     }
 

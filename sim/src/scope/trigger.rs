@@ -51,8 +51,8 @@ impl Trigger {
             // A bit that is not there never changes, and nobody would be told.
             let bits = (object & 0xFF).min(32);
             let bit = bit.trim().parse().ok().filter(|bit| *bit < bits);
-            let bit: u32 =
-                bit.ok_or_else(|| format!("the bits of this value are 0 to {}", bits - 1))?;
+            let bit: u32 = bit
+                .ok_or_else(|| format!("`{text}`: the bits of this value are 0 to {}", bits - 1))?;
             return Ok(Self::Edge {
                 object,
                 edge,
@@ -66,8 +66,11 @@ impl Trigger {
             ('~', Edge::Either),
         ] {
             if let Some((object, level)) = text.split_once(sign) {
-                let level = level.trim().parse();
-                let level = level.map_err(|error| format!("the level of the trigger: {error}"))?;
+                let level = level.trim();
+                let level = level.parse().map_err(|_| {
+                    let (least, most) = (i32::MIN, i32::MAX);
+                    format!("`{level}` in `{text}` is no level: a whole number, {least} to {most}")
+                })?;
                 within_range(object, level, sheet)?;
                 return Ok(Self::Edge {
                     object: mapping(object, sheet)?,

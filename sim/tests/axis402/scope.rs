@@ -212,11 +212,48 @@ fn what_cannot_be_is_told_in_words() {
         line.starts_with("node 4 refuses 20D1h:01 with 06040041h"),
         "{line}"
     );
-    let (line, _) = refused(Request {
-        samples: Some(60_000),
+    // 20,480 bytes; 10 bytes a sample are three words.
+    let usage = |line: &str| (line.to_owned(), 2);
+    assert_eq!(
+        refused(Request {
+            samples: Some(60_000),
+            ..request(Trigger::Now)
+        }),
+        usage("60000 samples are too many: 1706 samples of these channels fit")
+    );
+    assert_eq!(
+        refused(Request {
+            before: Some(Before::Samples(200)),
+            ..request(Trigger::Now)
+        }),
+        usage(
+            "200 samples older than the trigger are too many: --pre must be below the samples, which are 200"
+        )
+    );
+    assert_eq!(
+        refused(Request {
+            samples: Some(0),
+            before: Some(Before::Samples(1_706)),
+            ..request(Trigger::Now)
+        }),
+        usage(
+            "1706 samples older than the trigger are too many: --pre must be below the samples, which are 1706"
+        )
+    );
+    assert_eq!(
+        refused(Request {
+            channels: Some(Vec::new()),
+            ..request(Trigger::Now)
+        }),
+        usage("no channel records anything: name up to eight objects with --channels")
+    );
+    let just = Request {
+        samples: Some(1_706),
+        before: Some(Before::Samples(1_705)),
         ..request(Trigger::Now)
-    });
-    assert!(line.contains("refuses 20D0h:01 with 05040005h"), "{line}");
+    };
+    let recording = bench.run(|master, console| record(master, &node, &just, console));
+    assert_eq!(recording.unwrap().count(), 1_706);
     // The recorder was stopped: it can be set up again.
     let mut all = request(Trigger::Now);
     all.before = Some(Before::Samples(3));
@@ -265,6 +302,10 @@ fn triggers_are_read_as_a_person_writes_them() {
     ] {
         assert!(Trigger::parse(text, &sheet).is_err(), "{text}");
     }
+    assert_eq!(
+        Trigger::parse("6064>abc", &sheet).unwrap_err(),
+        "`abc` in `6064>abc` is no level: a whole number, -2147483648 to 2147483647"
+    );
 }
 
 #[test]

@@ -115,12 +115,18 @@ fn mistakes_are_one_line_and_an_exit_code() {
         2,
     );
     refused(&["--trigger", "soon"], "`soon` is no trigger", 2);
+    refused(
+        &["--samples", "60000", "--channels", "6064"],
+        "60000 samples are too many: 5120 samples of these channels fit",
+        2,
+    );
+    refused(&["--trigger", "6064>abc"], "`abc` in `6064>abc`", 2);
     refused(&["--pre", "100%"], "a number of samples, or 0% to 99%", 2);
     refused(&["--divider", "0"], "0", 2);
     refused(
         &["--samples", "5", "--pre", "5"],
-        "refuses 20D0h:01 with 06040043h",
-        1,
+        "--pre must be below the samples, which are 5",
+        2,
     );
     refused(
         &["--samples", "5", "--csv", "/no/such/folder/a.csv"],
