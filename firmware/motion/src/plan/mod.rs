@@ -52,7 +52,7 @@ pub enum Ramps {
     Linear,
     /// As sin², within the time that the linear ramp takes and over the same way; the acceleration reaches π/2 times its limit. A
     /// motion that begins within such a ramp is jerk-limited, at the jerk at which that ramp began, or at which one from rest to the profile
-    /// velocity begins if that is higher.
+    /// velocity begins if that is higher; with harder limits than before, at theirs.
     SinSquared,
     /// With this jerk (60A4h) in steps/s³, at least 1: the double-S.
     JerkLimited(u32),
@@ -301,7 +301,7 @@ impl Plan {
     }
 
     /// Whether there is nothing to change for a goal: it is what the plan is after; or sin² braking is under way to it, and that is
-    /// as short as it can be.
+    /// as short as it can be: but a stop that is harder than that braking is obeyed.
     fn does(&self, at: Ticks, goal: Goal, limits: Limits, ramps: Ramps) -> bool {
         if at < self.frame.start {
             return false;
@@ -313,7 +313,12 @@ impl Plan {
         let to_rest = match goal {
             Goal::Rest(target) => Exact::at_rest(target).position == self.rest,
             Goal::Pass(..) => false,
-            Goal::Velocity(velocity) => velocity == SignedSpeed::ZERO,
+            Goal::Velocity(velocity) => {
+                let is_harder = self
+                    .order
+                    .is_none_or(|(_, before, _)| limits.deceleration > before.deceleration);
+                velocity == SignedSpeed::ZERO && !is_harder
+            }
         };
         is_braking && to_rest && self.end != Ticks::MAX && limits.deceleration != 0
     }
@@ -331,7 +336,7 @@ impl Plan {
         let jerk = match ramps {
             Ramps::MovingAverage(0) => return Err(PlanError::ZeroJerk),
             Ramps::Linear | Ramps::MovingAverage(_) => None,
-            Ramps::SinSquared if pull != 0 => self.jerk.map(|jerk| self.entry_jerk(start, jerk)),
+            Ramps::SinSquared if pull != 0 => self.leaving_jerk(clock, start, from, limits),
             Ramps::SinSquared => Some(sine_jerk(clock, from, limits)),
             Ramps::JerkLimited(0) => return Err(PlanError::ZeroJerk),
             Ramps::JerkLimited(jerk) => {
@@ -382,6 +387,25 @@ impl Plan {
         } else {
             jerk
         }
+    }
+
+    /// The jerk with which a ramp under way is left for sin² ones: no less than that with which it was entered, and where the new limits are
+    /// harder, theirs. A quick stop must not last as long as the gentle ramp that it ends.
+    fn leaving_jerk(&self, clock: Clock, at: Ticks, from: Exact, limits: Limits) -> Option<Jerk> {
+        let hardest = |limits: Limits| limits.acceleration.max(limits.deceleration);
+        let entered = self.entry_jerk(at, self.jerk?);
+        let is_harder = self
+            .order
+            .is_none_or(|(_, before, _)| hardest(limits) > hardest(before));
+        if !is_harder {
+            return Some(entered);
+        }
+        let jerk = sine_jerk(clock, from, limits);
+        Some(if jerk.sixth > entered.sixth {
+            jerk
+        } else {
+            entered
+        })
     }
 
     /// Whether its ramps are not linear: another smooth plan in motion begins with the acceleration of this one.
