@@ -1,7 +1,7 @@
 //! Pulses too many or too few: none, whatever is asked for.
 
 use motion::advanced_timer::Ring;
-use motion::{Limits, PlanError};
+use motion::{Limits, PlanError, Ramps};
 
 use super::{FAST, Numbers, STEEP};
 use crate::timer_model::Judge;
@@ -53,8 +53,8 @@ pub fn long_moves(pulses: u64) -> Counted {
     counted(&rig, error)
 }
 
-/// So many sequences of six commands each, at any moment and from any velocity: moves, velocities, stops, power off; and now and then
-/// the processor stands still for up to 5 ms.
+/// So many sequences of six commands each, at any moment and from any velocity: moves, velocities, stops, power off, with ramps of every
+/// form, changed in motion too; and now and then the processor stands still for up to 5 ms.
 ///
 /// # Panics
 /// If a motion does not end, or the pins do what no driver bears.
@@ -76,7 +76,7 @@ pub fn sequences(number: u64) -> Counted {
             }
         }
         rig.axis.stop(200_000_000).expect("a stop that can be");
-        rig.finish(10_000);
+        rig.finish(40_000);
         error = error.max(off(&mut rig));
         // Now and then back to where the count began.
         if sequence % 64 == 0 {
@@ -97,6 +97,16 @@ fn command(rig: &mut Rig<'_>, numbers: &mut Numbers) -> Result<(), PlanError> {
         acceleration: 1 << (14 + numbers.below(13)),
         deceleration: 1 << (14 + numbers.below(13)),
     };
+    if numbers.below(3) == 0 {
+        // A jerk at which every ramp is over within seconds.
+        let jerk = 1 << (26 + numbers.below(6));
+        rig.axis.set_ramps(match numbers.below(5) {
+            0 | 1 => Ramps::Linear,
+            2 => Ramps::SinSquared,
+            3 => Ramps::JerkLimited(jerk),
+            _ => Ramps::MovingAverage(jerk),
+        });
+    }
     match numbers.below(8) {
         0..=2 => {
             let target = numbers.below(8_000) as i64 - 4_000;

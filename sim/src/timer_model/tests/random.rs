@@ -12,8 +12,8 @@ enum Command {
     MoveTo(i32, Limits),
     RampTo(i32, Limits),
     Stop(u32),
-    /// Ramps for what comes from now on: linear, or a mean at this jerk.
-    Choose(Option<u32>),
+    /// Ramps for what comes from now on.
+    Choose(Ramps),
     Drop,
     /// Refills on time.
     Refill(u8),
@@ -29,13 +29,23 @@ fn limits() -> impl Strategy<Value = Limits> {
     })
 }
 
+fn ramps() -> impl Strategy<Value = Ramps> {
+    let jerk = 1 << 20..1_u32 << 31;
+    prop_oneof![
+        Just(Ramps::Linear),
+        Just(Ramps::SinSquared),
+        jerk.clone().prop_map(Ramps::JerkLimited),
+        jerk.prop_map(Ramps::MovingAverage),
+    ]
+}
+
 fn command() -> impl Strategy<Value = Command> {
     prop_oneof![
         3 => (-20_000..20_000i32, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
         2 => (-50..50i32, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
         2 => (-900_000..900_000i32, limits()).prop_map(|(velocity, limits)| Command::RampTo(velocity, limits)),
         2 => (1..50_000_000u32).prop_map(Command::Stop),
-        2 => prop::option::of(1 << 20..1_u32 << 31).prop_map(Command::Choose),
+        2 => ramps().prop_map(Command::Choose),
         1 => Just(Command::Drop),
         8 => any::<u8>().prop_map(Command::Refill),
         2 => (0..4 * SEGMENT).prop_map(Command::Late),
@@ -51,8 +61,7 @@ fn play(commands: &[Command], timing: DriverTiming, burst: u64) {
             Command::MoveTo(target, limits) => rig.axis.move_to(target.into(), limits),
             Command::RampTo(velocity, limits) => rig.axis.ramp_to(velocity.into(), limits),
             Command::Stop(deceleration) => rig.axis.stop(deceleration),
-            Command::Choose(jerk) => {
-                let ramps = jerk.map_or(Ramps::Linear, Ramps::MovingAverage);
+            Command::Choose(ramps) => {
                 rig.axis.set_ramps(ramps);
                 Ok(())
             }
