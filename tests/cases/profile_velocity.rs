@@ -1,5 +1,6 @@
 //! Profile velocity over the bus.
 
+use embedded_can::Frame as _;
 use tests::DriveBench;
 use tests::drive::{INTERNAL_LIMIT, QUICK_STOP_ACTIVE, SWITCH_ON_DISABLED, TARGET_REACHED};
 
@@ -202,4 +203,65 @@ fn m19_between_profile_position_and_profile_velocity_in_motion() {
     drive.run_millis(200);
     assert_eq!(drive.position(), stopped);
     assert!(drive.greatest_acceleration() <= 110_000);
+}
+
+/// The count wraps from 2³¹ − 1 to −2³¹ and back: the motor does not notice, and neither does who reads the velocity.
+#[test]
+fn m41_a_velocity_goes_on_across_the_end_of_the_count() {
+    for direction in [1_i64, -1] {
+        let mut drive = DriveBench::started(4);
+        let begin = if direction > 0 {
+            i64::from(i32::MAX) - 2_000
+        } else {
+            i64::from(i32::MIN) + 2_000
+        };
+        // Turned there by hand.
+        drive.axis().plant_mut().displace(begin);
+        drive.run_millis(5);
+        assert_eq!(i64::from(drive.read_i32(0x6064, 0)), begin);
+        drive.map_pdo(0x1801, &[0x6064_0020, 0x606C_0020], 1);
+        drive.start();
+        drive.write_u8(0x6060, 0, 3);
+        drive.enable();
+        drive.write_i32(0x60FF, 0, 10_000 * direction as i32);
+        // 500 steps of ramp, and a thousand at 10,000 steps/s: the other thousand and as many behind the end follow.
+        drive.run_millis(200);
+        drive.drain(5);
+        let mut last: Option<i32> = None;
+        let mut wrapped = 0;
+        for _ in 0..250 {
+            drive.send("080 [0]");
+            let frame = drive.drain_until("284: xx xx xx xx xx xx xx xx", 5);
+            let number = |bytes: &[u8]| i32::from_le_bytes(bytes.try_into().unwrap());
+            let (position, velocity) = (number(&frame.data()[..4]), number(&frame.data()[4..]));
+            assert_eq!(velocity, 10_000 * direction as i32, "at {position}");
+            // The answer takes most of a millisecond.
+            let read = drive.read_i32(0x6064, 0);
+            let ahead = (drive.position() as i32).wrapping_sub(read);
+            assert!(
+                (0..=20).contains(&(i64::from(ahead) * direction)),
+                "{ahead}"
+            );
+            if let Some(last) = last {
+                let way = i64::from(position.wrapping_sub(last)) * direction;
+                assert!((0..=60).contains(&way), "{way} steps from {last}");
+                wrapped += u32::from(position.signum() != last.signum());
+            }
+            last = Some(position);
+            drive.run_millis(1);
+        }
+        assert_eq!(wrapped, 1);
+        drive.write_i32(0x60FF, 0, 0);
+        drive.run_millis(200);
+        assert_ne!(drive.statusword() & SPEED_ZERO, 0);
+        let way = (drive.position() - begin) * direction;
+        assert!(way > 4_000, "{way}");
+        for index in [0x6062, 0x6063, 0x6064] {
+            assert_eq!(
+                drive.read_i32(index, 0),
+                drive.position() as i32,
+                "{index:04X}h"
+            );
+        }
+    }
 }
