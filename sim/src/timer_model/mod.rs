@@ -8,6 +8,7 @@
 //! It is no model of what software cannot see (synchronisation of the internal trigger, arbitration of the buses).
 
 pub mod board;
+mod counter;
 mod judge;
 pub mod rig;
 #[cfg(test)]
@@ -19,6 +20,7 @@ use std::rc::Rc;
 
 use motion::advanced_timer::{Register, Registers, Ring, SLOTS, WORDS, bits};
 
+use counter::Counter;
 pub use judge::Judge;
 
 /// Words of the ring.
@@ -67,14 +69,15 @@ impl<'a> TimerModel<'a> {
         machine.cut_off();
     }
 
-    /// What a capture channel of the counter (1 to 4) has caught of an edge at its pin at this moment: the filter tells it some ticks later.
+    /// An edge at the pin of a capture channel of the counter (1 to 4), so many ticks from now. It is captured when the channel's filter lets
+    /// it through, some ticks later.
     ///
     /// # Panics
     /// If the channel is not set up to capture edges of its pin.
-    pub fn capture(&self, channel: u32) -> u32 {
-        let filter = self.0.borrow().filter_of(channel);
-        self.run(filter);
-        self.0.borrow().count
+    pub fn edge_at_channel(&self, channel: u32, ticks: u64) {
+        let mut machine = self.0.borrow_mut();
+        let at = machine.now + ticks + machine.filter_of(channel);
+        machine.counter.expect_edge(at, channel as usize - 1);
     }
 
     /// Whether the timer stands where channel 1 would be high.
@@ -99,7 +102,7 @@ impl Registers for TimerModel<'_> {
     }
 
     fn read(&self, register: Register) -> u32 {
-        self.0.borrow().read(register)
+        self.0.borrow_mut().read(register)
     }
 
     fn now(&self) -> u32 {
@@ -133,7 +136,7 @@ struct Machine<'a> {
     burst_ticks: u64,
     is_stalled: bool,
     is_break_active: bool,
-    count: u32,
+    counter: Counter,
 }
 
 impl fmt::Debug for Machine<'_> {
@@ -164,7 +167,7 @@ impl<'a> Machine<'a> {
             burst_ticks: 60,
             is_stalled: false,
             is_break_active: false,
-            count: 0,
+            counter: Counter::default(),
         }
     }
 
@@ -231,7 +234,8 @@ impl<'a> Machine<'a> {
                     self.burst = None;
                 }
             }
-            Register::CounterCnt => self.count = value,
+            Register::CounterCnt => self.counter.count = value,
+            Register::CounterSr => self.counter.clear(value),
             Register::Sr => {
                 self.registers[register as usize] &= value;
                 self.cut_off();
@@ -244,11 +248,17 @@ impl<'a> Machine<'a> {
         }
     }
 
-    fn read(&self, register: Register) -> u32 {
+    fn read(&mut self, register: Register) -> u32 {
+        let [prescaler, reload, repetitions, width, level] = self.preload;
         match register {
             Register::StreamNdtr => self.left,
-            Register::CounterCnt => self.count,
-            _ => self.register(register),
+            // Of what is preloaded the manual shows no more than that.
+            Register::Psc => prescaler,
+            Register::Arr => reload,
+            Register::Rcr => repetitions,
+            Register::Ccr1 => width,
+            Register::Ccr2 => level,
+            _ => (self.counter.read(register)).unwrap_or_else(|| self.register(register)),
         }
     }
 
@@ -302,6 +312,14 @@ impl<'a> Machine<'a> {
     }
 
     fn run_until(&mut self, until: u64) {
+        while let Some(edge) = self.counter.next_edge().filter(|edge| *edge <= until) {
+            self.play_until(edge);
+            self.counter.capture(edge);
+        }
+        self.play_until(until);
+    }
+
+    fn play_until(&mut self, until: u64) {
         while self.counts() {
             let end = self.began + self.period() * self.repeat();
             if let Some(burst) = self.burst
@@ -409,7 +427,7 @@ impl<'a> Machine<'a> {
             && self.register(Register::Cr2) == bits::TRGO_OC1REF
             && self.register(Register::CounterSmcr) == bits::COUNT_TIM1
         {
-            self.count = self.count.wrapping_add(edges as u32);
+            self.counter.count = self.counter.count.wrapping_add(edges as u32);
         }
     }
 }

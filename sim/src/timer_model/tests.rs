@@ -1,5 +1,6 @@
 //! The advanced timer's output, judged by its pins.
 
+mod capture;
 mod differential;
 mod random;
 mod slow;
@@ -459,34 +460,6 @@ fn a_step_a_minute_needs_no_other_mode() {
     let log = judge.log.as_ref().unwrap();
     assert_eq!(log.len(), 2);
     assert_eq!(log[1].0 - log[0].0, minute);
-}
-
-#[test]
-fn a_captured_count_is_a_position() {
-    let mut rig = rig(FAST);
-    let sharp = Limits {
-        velocity: 100_000.into(),
-        acceleration: 50_000_000,
-        deceleration: 50_000_000,
-    };
-    rig.axis.move_to(500, sharp).unwrap();
-    for _ in 0..10 {
-        rig.refill(SEGMENT.into());
-    }
-    let at_the_pins = rig.model.judge().position;
-    let captured = [1, 2, 4].map(|channel| rig.model.capture(channel));
-    let [captured, ..] = captured;
-    let there = rig.output.position_at(captured);
-    assert!(there > 100);
-    // The filters are faster than a step.
-    assert!(
-        (0..=1).contains(&(there - at_the_pins)),
-        "{there} and {at_the_pins}"
-    );
-    rig.axis.move_to(-500, sharp).unwrap();
-    rig.finish(1_000);
-    assert_eq!(rig.output.position_at(captured), there);
-    assert_eq!(rig.output.position(), -500);
 }
 
 #[test]

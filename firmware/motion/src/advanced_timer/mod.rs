@@ -22,6 +22,7 @@
 //! - The position comes from the counter. It is right after a cut in the middle of a train, too.
 
 mod count;
+mod interrupts;
 mod output;
 mod registers;
 mod ring;
@@ -29,6 +30,7 @@ mod slots;
 #[cfg(test)]
 mod tests;
 
+pub use interrupts::{CaptureChannel, count_at_edge};
 pub use output::Output;
 pub use registers::{Register, Registers, bits};
 pub use ring::{Ring, SLOTS, WORDS};

@@ -162,8 +162,10 @@ impl<'a, R: Registers> Output<'a, R> {
         }
     }
 
-    /// Pulses that left since the start, forward less reverse: the position in steps.
+    /// Pulses that left since the start, forward less reverse: the position in steps. To be called in every control tick.
     pub fn position(&mut self) -> i64 {
+        // Captured at an edge whose interrupt is over ([`count_at_edge`](super::count_at_edge)).
+        self.registers.write(Register::CounterSr, 0);
         let count = self.registers.read(Register::CounterCnt);
         self.course.go_on(count);
         self.course.position_at(count)

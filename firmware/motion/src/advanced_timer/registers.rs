@@ -49,6 +49,14 @@ pub enum Register {
     CounterCcer,
     /// TIM2_CNT: pulses that left, 32 bits.
     CounterCnt,
+    /// TIM2_SR: what was captured; a flag is cleared by writing 0 to it, or by reading what was captured.
+    CounterSr,
+    /// TIM2_CCR1: the count at an edge of channel 1.
+    CounterCcr1,
+    /// TIM2_CCR2: the same of channel 2.
+    CounterCcr2,
+    /// TIM2_CCR4: the same of channel 4.
+    CounterCcr4,
 }
 
 /// A timer with its DMA stream, and the timer that counts its pulses.
@@ -56,7 +64,7 @@ pub trait Registers {
     /// Writes a register.
     fn write(&mut self, register: Register, value: u32);
 
-    /// Reads a register.
+    /// Reads a register. It has no effect but in a capture register of the counter, where it clears the flag.
     fn read(&self, register: Register) -> u32;
 
     /// A free-running count in ticks of TIM1's clock, from the same oscillator; wraps after 32 bits.
@@ -107,6 +115,12 @@ pub mod bits {
     pub const COUNT_TIM1: u32 = 0b111;
     /// CCMR of a capture pair: both channels are inputs of their own pins, with a filter of 8 samples (ICF = 3).
     pub const CAPTURE_PAIR: u32 = 0b01 | 3 << 4 | 0b01 << 8 | 3 << 12;
+    /// SR of the counter: channel 1 has captured (CC1IF); the flags of the others follow.
+    pub const CC1IF: u32 = 1 << 1;
+    /// SR of the counter: channel 2 has captured.
+    pub const CC2IF: u32 = 1 << 2;
+    /// SR of the counter: channel 4 has captured.
+    pub const CC4IF: u32 = 1 << 4;
     /// CCER: four channels capture both edges (CCxE, CCxP, CCxNP).
     pub const CAPTURE_BOTH_EDGES: u32 = 0xBBBB;
 }

@@ -65,7 +65,7 @@ impl Board for Stm32f405 {
     const SYSTEM_TIMER_HZ: u32 = CORE_HZ;
 
     type Pulses = pulse_timer::TimerPulses;
-    type Steps = pulse_timer::Captures;
+    type Steps = pulse_timer::Interrupts;
     type Receiver = can::Receiver;
     type Bus = can::Controller;
     type Stage = stage::StepStage;
@@ -126,18 +126,20 @@ impl Board for Stm32f405 {
             .DBGMCU
             .apb2_fz()
             .modify(|_, w| w.dbg_tim1_stop().set_bit());
-        let pulse_timer = pulse_timer::PulseTimer::new(
+        let (pulses, steps) = pulse_timer::start(
             (device.TIM1, device.TIM2, device.DMA2),
             (
-                // At the lowest speed of a pin a pulse of 100 ns would hardly leave.
-                b.pb13.into_alternate().speed(Speed::VeryHigh),
-                b.pb14.into_alternate().speed(Speed::VeryHigh),
-                b.pb12.into_alternate().internal_resistor(Pull::Up),
-            ),
-            (
-                a.pa0.into_alternate().internal_resistor(Pull::Down),
-                a.pa1.into_alternate().internal_resistor(Pull::Down),
-                b.pb11.into_alternate().internal_resistor(Pull::Down),
+                (
+                    // At the lowest speed of a pin a pulse of 100 ns would hardly leave.
+                    b.pb13.into_alternate().speed(Speed::VeryHigh),
+                    b.pb14.into_alternate().speed(Speed::VeryHigh),
+                    b.pb12.into_alternate().internal_resistor(Pull::Up),
+                ),
+                (
+                    a.pa0.into_alternate().internal_resistor(Pull::Down),
+                    a.pa1.into_alternate().internal_resistor(Pull::Down),
+                    b.pb11.into_alternate().internal_resistor(Pull::Down),
+                ),
             ),
             &mut rcc,
         );
@@ -178,8 +180,8 @@ impl Board for Stm32f405 {
 
         let controller = device.CAN1.can((b.pb9, b.pb8), &mut rcc);
         Parts {
-            pulses: pulse_timer::TimerPulses::new(pulse_timer),
-            steps: pulse_timer::Captures,
+            pulses,
+            steps,
             receiver: can::Receiver,
             bus: can::Controller::new(controller),
             stage,

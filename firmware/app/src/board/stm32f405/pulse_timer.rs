@@ -8,7 +8,7 @@
 use core::ptr::addr_of;
 
 use cia402::faults::{EXTERNAL, PULSES_STOPPED};
-use motion::advanced_timer::{Output, Register, Registers, Ring};
+use motion::advanced_timer::{count_at_edge, CaptureChannel, Output, Register, Registers, Ring};
 use motion::{PulseSink, Record, Ticks};
 use stm32f4xx_hal::gpio::{Alternate, PA0, PA1, PB11, PB12, PB13, PB14};
 use stm32f4xx_hal::pac;
@@ -36,6 +36,7 @@ mod offset {
     pub const RCR: usize = 0x30;
     pub const CCR1: usize = 0x34;
     pub const CCR2: usize = 0x38;
+    pub const CCR4: usize = 0x40;
     pub const BDTR: usize = 0x44;
     pub const DCR: usize = 0x48;
     pub const DMAR: usize = 0x4C;
@@ -53,37 +54,42 @@ pub type PulsePins = (PB13<Alternate<1>>, PB14<Alternate<1>>, PB12<Alternate<1>>
 /// The pins that capture the count of steps.
 pub type CapturePins = (PA0<Alternate<1>>, PA1<Alternate<1>>, PB11<Alternate<1>>);
 
-/// The peripherals. Whoever has this has TIM1, TIM2 and DMA2 for itself.
-pub struct PulseTimer {
-    _timers: (pac::TIM1, pac::TIM2, pac::DMA2),
-    _pins: (PulsePins, CapturePins),
+/// The registers of TIM1, TIM2 and stream 5 of DMA2. [`start`] makes one for the control tick and one for the interrupts above it, from
+/// the peripherals themselves: nobody else has them.
+pub struct Timers(());
+
+/// Gives the peripherals their clocks, and the stream its addresses: pulses for the control tick, and what the interrupts ask of them.
+pub fn start(
+    peripherals: (pac::TIM1, pac::TIM2, pac::DMA2),
+    pins: (PulsePins, CapturePins),
+    rcc: &mut Rcc,
+) -> (TimerPulses, Interrupts) {
+    let (timers, interrupts) = Timers::new(peripherals, pins, rcc);
+    (
+        TimerPulses(Output::new(timers, &RING)),
+        Interrupts(interrupts),
+    )
 }
 
-impl PulseTimer {
-    /// Gives the peripherals their clocks, and the stream its addresses.
-    pub fn new(
-        (tim1, tim2, dma2): (pac::TIM1, pac::TIM2, pac::DMA2),
-        pins: PulsePins,
-        captures: CapturePins,
+impl Timers {
+    fn new(
+        (_tim1, _tim2, _dma2): (pac::TIM1, pac::TIM2, pac::DMA2),
+        _pins: (PulsePins, CapturePins),
         rcc: &mut Rcc,
-    ) -> Self {
+    ) -> (Self, Self) {
         pac::TIM1::enable(rcc);
         pac::TIM2::enable(rcc);
         pac::DMA2::enable(rcc);
-        let timer = Self {
-            _timers: (tim1, tim2, dma2),
-            _pins: (pins, captures),
-        };
         let stream = pac::DMA2::ptr() as usize;
         let from = addr_of!(RING) as usize;
         let to = pac::TIM1::ptr() as usize + offset::DMAR;
-        // SAFETY: both are registers of DMA2, which this value owns, and the stream is off. It will read the ring, which lives for
+        // SAFETY: both are registers of DMA2, which this function was given for good, and the stream is off. It will read the ring, which lives for
         // ever and is made of atomics, and write TIM1_DMAR alone.
         unsafe {
             ((stream + offset::S5PAR) as *mut u32).write_volatile(to as u32);
             ((stream + offset::S5M0AR) as *mut u32).write_volatile(from as u32);
         }
-        timer
+        (Self(()), Self(()))
     }
 
     /// Where a register lies.
@@ -115,22 +121,26 @@ impl PulseTimer {
             Register::CounterCcmr2 => tim2 + offset::CCMR2,
             Register::CounterCcer => tim2 + offset::CCER,
             Register::CounterCnt => tim2 + offset::CNT,
+            Register::CounterSr => tim2 + offset::SR,
+            Register::CounterCcr1 => tim2 + offset::CCR1,
+            Register::CounterCcr2 => tim2 + offset::CCR2,
+            Register::CounterCcr4 => tim2 + offset::CCR4,
         };
         address as *mut u32
     }
 }
 
-impl Registers for PulseTimer {
+impl Registers for Timers {
     #[inline(always)]
     fn write(&mut self, register: Register, value: u32) {
-        // SAFETY: the address is that of a register of 32 bits of a peripheral that this value owns. None of them changes memory
-        // but by the stream, whose addresses only `new` writes.
+        // SAFETY: the address is that of a register of 32 bits of a peripheral that is for this type alone. None of them changes memory
+        // but by the stream, whose addresses only `new` writes. A word is written whole, so two priorities may write.
         unsafe { Self::address(register).write_volatile(value) }
     }
 
     #[inline(always)]
     fn read(&self, register: Register) -> u32 {
-        // SAFETY: as in `write`; reading one of these registers has no effect.
+        // SAFETY: as in `write`; reading one of these registers has no effect but on the flag of a capture.
         unsafe { Self::address(register).read_volatile() }
     }
 
@@ -143,14 +153,7 @@ impl Registers for PulseTimer {
 }
 
 /// Pulses for the control tick.
-pub struct TimerPulses(Output<'static, PulseTimer>);
-
-impl TimerPulses {
-    /// The timer stands still. There is one [`PulseTimer`], so this is called once and the ring has one owner.
-    pub fn new(timer: PulseTimer) -> Self {
-        Self(Output::new(timer, &RING))
-    }
-}
+pub struct TimerPulses(Output<'static, Timers>);
 
 impl PulseSink for TimerPulses {
     #[inline(always)]
@@ -201,23 +204,20 @@ impl Pulses for TimerPulses {
     }
 }
 
-/// What the input interrupt may ask of TIM2.
-pub struct Captures;
+/// What the interrupt of the inputs asks of the timers.
+pub struct Interrupts(Timers);
 
-impl Steps for Captures {
+impl Steps for Interrupts {
     fn on_interrupt(&mut self) {}
 
     fn count(&mut self, input: usize) -> u32 {
-        // SAFETY: reading status and counter of TIM2 has no effect. Reading a capture register clears its flag, which nobody but
-        // the input interrupt looks at.
-        let timer = unsafe { &*pac::TIM2::ptr() };
-        let status = timer.sr().read();
-        match input {
-            0 if status.cc1if().bit_is_set() => timer.ccr(0).read().bits(),
-            1 if status.cc2if().bit_is_set() => timer.ccr(1).read().bits(),
-            2 if status.cc4if().bit_is_set() => timer.ccr(3).read().bits(),
-            // What is not wired to a channel has no capture, and the counter is read a microsecond late.
-            _ => timer.cnt().read().bits(),
-        }
+        // What is not wired to a channel has no capture, and the counter is read a microsecond late.
+        let channel = match input {
+            0 => Some(CaptureChannel::One),
+            1 => Some(CaptureChannel::Two),
+            2 => Some(CaptureChannel::Four),
+            _ => None,
+        };
+        count_at_edge(&self.0, channel)
     }
 }
