@@ -288,16 +288,16 @@ impl Plan {
         ramps: Ramps,
     ) -> Result<(), PlanError> {
         self.enter(at);
-        let mut pull = 0;
         let is_smooth = matches!(ramps, Ramps::SinSquared | Ramps::JerkLimited(_));
-        if is_smooth && self.jerk.is_some() && at < self.end {
-            if self.does(at, goal, limits, ramps) {
-                return Ok(());
-            }
-            pull = self.entered(at).map_or(0, |phase| phase.pull(at));
+        let goes_on = is_smooth && self.jerk.is_some();
+        if goes_on && at < self.end && self.does(at, goal, limits, ramps) {
+            return Ok(());
         }
-        let from = self.exact_at(at);
-        self.make(clock, at, (from, pull), goal, limits, ramps)
+        let from = match self.entered(at) {
+            Some(phase) if goes_on => phase.motion_at(at),
+            _ => (self.exact_at(at), 0),
+        };
+        self.make(clock, at, from, goal, limits, ramps)
     }
 
     /// Whether there is nothing to change for a goal: it is what the plan is after; or sin² braking is under way to it, and that is

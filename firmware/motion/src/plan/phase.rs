@@ -93,7 +93,7 @@ impl Phase {
         match &self.curve {
             Curve::Parabola => self.half_acceleration.wrapping_mul(2),
             Curve::Cubic(sixth_jerk) => {
-                let bend = whole(sixth_jerk.wrapping_mul(self.since_anchor(t)));
+                let bend = whole(times(*sixth_jerk, self.since_anchor(t)));
                 let half = self.half_acceleration.wrapping_add(bend.wrapping_mul(3));
                 half.wrapping_mul(2)
             }
@@ -130,27 +130,37 @@ impl Phase {
         }
     }
 
+    /// The exact state at tick `t`, and the acceleration there, Q96 steps per tick².
+    pub(crate) fn motion_at(&self, t: Ticks) -> (Exact, i128) {
+        let Curve::Sine(sine) = &self.curve else {
+            return (self.at(t), self.pull(t));
+        };
+        let (way, change, pull) = sine.at_with_acceleration(self.away(t));
+        let n = self.since_anchor(t);
+        (self.moved(times(self.velocity, n), way, change), pull)
+    }
+
     fn at_on_curve(&self, t: Ticks, n: i128) -> Exact {
-        let (way, half_gain, change) = match &self.curve {
+        match &self.curve {
             Curve::Cubic(sixth_jerk) => {
-                let bend = whole(sixth_jerk.wrapping_mul(n));
+                let bend = whole(times(*sixth_jerk, n));
                 let half = self.half_acceleration.wrapping_add(bend);
-                let change = half.wrapping_mul(2).wrapping_add(bend).wrapping_mul(n);
-                (0, half.wrapping_mul(n), change)
+                let mean = self.velocity.wrapping_add(times(half, n));
+                let rise = half.wrapping_mul(2).wrapping_add(bend);
+                self.moved(times(mean, n), 0, times(rise, n))
             }
             Curve::Sine(sine) => {
                 let (way, change) = sine.at(self.away(t));
-                (way, 0, change)
+                self.moved(times(self.velocity, n), way, change)
             }
-            Curve::Parabola => (0, 0, 0),
-        };
+            Curve::Parabola => self.moved(0, 0, 0),
+        }
+    }
+
+    /// So far from the anchor, and further.
+    fn moved(&self, way: i128, further: i128, change: i128) -> Exact {
         Exact {
-            position: self
-                .velocity
-                .wrapping_add(half_gain)
-                .wrapping_mul(n)
-                .wrapping_add(way)
-                .wrapping_add(self.position),
+            position: self.position.wrapping_add(way).wrapping_add(further),
             velocity: self.velocity.wrapping_add(change),
         }
     }
@@ -330,7 +340,7 @@ impl Draft {
                 mean
             }
             Bend::Sine(time) => {
-                phase.curve = Curve::Sine(Sine::in_place_of(turn(half), time));
+                phase.curve = Curve::Sine(Sine::new(turn(half), time));
                 phase.half_acceleration = turn(half_peak(half));
                 phase.velocity = turn(self.velocity);
                 self.velocity

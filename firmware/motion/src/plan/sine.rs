@@ -47,66 +47,90 @@ const HALF: u64 = 1 << 63;
 /// A change of velocity, as it is seen from that end of the ramp at which the phase is anchored.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sine {
+    /// The acceleration of the linear ramp in its place, Q96 steps per tick².
+    mean: i128,
     /// From the velocity at the anchor to that at the other end, Q96 steps per tick.
     change: i128,
     /// How long it takes.
     time: Offset,
+    /// How many bits that has: n. And 2ⁿ⁺⁶³ by it, rounded down.
+    bits: u32,
+    inverse: u64,
     /// The change times the time, Q64 steps.
     way: i128,
 }
 
 impl Sine {
-    /// A ramp that changes the velocity by `change` within `time`, which is not 0.
-    fn new(change: i128, time: Offset) -> Self {
-        let way = Wide::product(change.unsigned_abs(), time).shifted_wrapping(64);
-        Self {
-            change,
-            time,
-            way: with_sign(way, change < 0),
-        }
-    }
-
-    /// The ramp in the place of a linear one, of half of an acceleration.
-    pub(super) fn in_place_of(half_acceleration: i128, time: Offset) -> Self {
+    /// The ramp in the place of a linear one, of half of an acceleration, that takes `time`, which is not 0.
+    pub(super) fn new(half_acceleration: i128, time: Offset) -> Self {
+        let falls = half_acceleration < 0;
         let change = half_acceleration.unsigned_abs().wrapping_mul(time) >> 31;
-        Self::new(with_sign(change, half_acceleration < 0), time)
+        let way = Wide::product(change, time).shifted_wrapping(64);
+        let bits = 128u32.wrapping_sub(time.leading_zeros());
+        let exponent = bits.wrapping_add(63);
+        let digits = exponent.saturating_sub(96) >> 5;
+        let one = 1u128 << (exponent.wrapping_sub(digits << 5) & 127);
+        Self {
+            mean: half_acceleration.wrapping_mul(2),
+            change: with_sign(change, falls),
+            time,
+            bits,
+            inverse: u64::try_from(quotient(one, digits, time)).unwrap_or(u64::MAX),
+            way: with_sign(way, falls),
+        }
     }
 
     /// What the ramp adds to position and velocity at `away` ticks (Q32) behind the anchor, or before it if that is negative: Q96.
     pub(super) fn at(&self, away: i128) -> (i128, i128) {
         let s = self.part(away);
-        let way = Wide::product(self.way.unsigned_abs(), way(s).into()).shifted_wrapping(32);
-        let change =
-            Wide::product(self.change.unsigned_abs(), speed(s).into()).shifted_wrapping(64);
+        self.moved(s, speed(s), away < 0)
+    }
+
+    /// The same, and the acceleration there, Q96 steps per tick².
+    pub(super) fn at_with_acceleration(&self, away: i128) -> (i128, i128, i128) {
+        let s = self.part(away);
+        let risen = speed(s);
+        let (way, change) = self.moved(s, risen, away < 0);
+        (way, change, self.pull(risen, away < 0))
+    }
+
+    /// The acceleration there.
+    pub(super) fn acceleration(&self, away: i128) -> i128 {
+        self.pull(speed(self.part(away)), away < 0)
+    }
+
+    /// Way and change of velocity up to a part of the ramp's time, at which so much of the change has come about.
+    fn moved(&self, s: u64, risen: u64, before: bool) -> (i128, i128) {
+        let (way_low, way_high) = halves(self.way.unsigned_abs(), way(s));
+        let (low, high) = halves(self.change.unsigned_abs(), risen);
         (
-            with_sign(way, (self.way < 0) != (away < 0)),
-            with_sign(change, self.change < 0),
+            with_sign(
+                (way_high << 32).wrapping_add(way_low >> 32),
+                (self.way < 0) != before,
+            ),
+            with_sign(high.wrapping_add(low >> 64), self.change < 0),
         )
     }
 
-    /// The acceleration there, Q96 steps per tick².
-    pub(super) fn acceleration(&self, away: i128) -> i128 {
-        let risen = speed(self.part(away));
+    /// The acceleration where so much of the change has come about.
+    fn pull(&self, risen: u64, before: bool) -> i128 {
         // π/2·sin(π·s) = π·√(r·(1 − r)), with r = sin²(π·s/2).
         let square = u128::from(risen).wrapping_mul(risen.wrapping_neg().into()) >> 64;
         let sine = u128::from(root(square as u64));
-        let mean = quotient(self.change.unsigned_abs(), 1, self.time);
         // π in Q29.
-        let acceleration =
-            Wide::product(mean, sine.wrapping_mul(1_686_629_713)).shifted_wrapping(61);
-        with_sign(acceleration, (self.change < 0) != (away < 0))
+        let part = sine.wrapping_mul(1_686_629_713) as u64;
+        let (low, high) = halves(self.mean.unsigned_abs(), part);
+        let acceleration = (high << 3).wrapping_add(low >> 61);
+        with_sign(acceleration, (self.mean < 0) != before)
     }
 
     /// A sixth of the jerk with which it begins and ends, Δv·π²/2T², Q128 steps per tick³: the least at which it can be left without going
     /// beyond its velocity. Rounded up, and cut to [`TOP_SIXTH_JERK`].
     pub(super) fn sixth_jerk(&self) -> Fine {
-        let change = self.change.unsigned_abs();
-        let mean = quotient(change, 1, self.time);
-        if self.time.leading_zeros() > mean.leading_zeros().wrapping_add(62) {
-            // More than 126 bits.
-            return TOP_SIXTH_JERK;
-        }
-        let jerk = quotient(mean, 2, self.time).min(TOP_SIXTH_JERK << 1);
+        let jerk = Wide::product(self.mean.unsigned_abs(), self.inverse.into());
+        // It is 0 if the time cannot be told.
+        let jerk = jerk.shifted(self.bits.wrapping_sub(1).max(1));
+        let jerk = jerk.map_or(TOP_SIXTH_JERK << 1, |jerk| jerk.min(TOP_SIXTH_JERK << 1));
         // π²/12 = 0.8225, and 27/32 = 0.8438.
         (jerk.wrapping_mul(27) >> 5)
             .wrapping_add(1)
@@ -115,9 +139,22 @@ impl Sine {
 
     /// How much of the ramp's time that is, Q64.
     fn part(&self, away: i128) -> u64 {
-        let part = quotient(away.unsigned_abs().min(self.time), 2, self.time);
-        u64::try_from(part).unwrap_or(u64::MAX)
+        let away = away.unsigned_abs().min(self.time);
+        let below = self.bits.saturating_sub(64);
+        let away = (away >> (below & 127)) as u64;
+        let part = u128::from(away).wrapping_mul(self.inverse.into());
+        let shift = self.bits.wrapping_sub(below).wrapping_sub(1) & 63;
+        u64::try_from(part >> shift).unwrap_or(u64::MAX)
     }
+}
+
+/// The products of both halves of a number with a factor.
+fn halves(number: u128, factor: u64) -> (u128, u128) {
+    let factor = u128::from(factor);
+    (
+        u128::from(number as u64).wrapping_mul(factor),
+        (number >> 64).wrapping_mul(factor),
+    )
 }
 
 fn with_sign(magnitude: u128, negative: bool) -> i128 {
@@ -196,12 +233,12 @@ mod tests {
         #[test]
         fn the_acceleration_is_the_slope_of_the_velocity(part in 1u32..1 << 20, change in 1i128 << 70..1i128 << 90) {
             let ticks = 1i128 << 20;
-            let sine = Sine::new(change, (ticks << 32).cast_unsigned());
+            let half = change >> 21;
+            let sine = Sine::new(half, (ticks << 32).cast_unsigned());
             let at = i128::from(part) << 32;
             let slope = sine.at(at + (8 << 32)).1 - sine.at(at - (8 << 32)).1;
             let slope = slope as f64 / 16.0;
             // That of the linear ramp, halved.
-            let half = change >> 21;
             let peak = half_peak(half) as f64 * 2.0;
             prop_assert!((sine.acceleration(at) as f64 - slope).abs() < 1e-4 * peak);
             prop_assert!(slope <= peak);
