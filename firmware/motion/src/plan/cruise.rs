@@ -48,29 +48,27 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    /// Both ramps.
-    #[inline(always)]
-    pub(super) fn ramps(&self, from: &Motion, end: i128, rules: &Rules<'_>) -> (Ramp, Ramp) {
-        let Self {
-            lead,
-            falls,
-            cruise,
-        } = self;
-        let limit = if *falls {
+    /// The ramp to the velocity between them.
+    pub(super) fn first(&self, from: &Motion, rules: &Rules<'_>) -> Ramp {
+        let limit = if self.falls {
             rules.deceleration
         } else {
             rules.acceleration
         };
-        let first = Ramp::new((from, lead), *falls, *cruise, limit, rules.jerk);
-        let is_alike = from.is_rest() && end == 0 && limit.most == rules.deceleration.most;
-        let last = if is_alike {
-            first.back_to_rest(*cruise)
-        } else {
-            let from = Motion::steady(*cruise);
-            let lead = Lead::steady(*cruise);
-            Ramp::new((&from, &lead), true, end, rules.deceleration, rules.jerk)
-        };
-        (first, last)
+        Ramp::new(
+            (from, &self.lead),
+            self.falls,
+            self.cruise,
+            limit,
+            rules.jerk,
+        )
+    }
+
+    /// The ramp to the velocity `end`.
+    pub(super) fn last(&self, end: i128, rules: &Rules<'_>) -> Ramp {
+        let from = Motion::steady(self.cruise);
+        let lead = Lead::steady(self.cruise);
+        Ramp::new((&from, &lead), true, end, rules.deceleration, rules.jerk)
     }
 }
 
@@ -427,7 +425,7 @@ mod tests {
             };
             let cruise = choice.cruise;
             prop_assert!(end <= cruise && cruise <= rules.top);
-            let (first, last) = choice.ramps(&from, end, &rules);
+            let (first, last) = (choice.first(&from, &rules), choice.last(end, &rules));
             let ways = first.way().unsigned_abs() + last.way().unsigned_abs();
             let rounded = (ways >> 40) + (1 << 40);
             prop_assert!(ways <= way + rounded, "{ways} of {way}");

@@ -319,9 +319,20 @@ impl Course<'_> {
         (way, end, goal): (u128, i128, i128),
         rules: &Rules<'_>,
     ) {
-        let (first, last) = choice.ramps(from, end, rules);
+        let mut first = choice.first(from, rules);
         self.ramp(&first);
-        let ways = first.way().wrapping_add(last.way());
+        let mut ways = first.way();
+        let other;
+        let is_alike = rules.acceleration.most == rules.deceleration.most;
+        let last = if is_alike && from.is_rest() && end == 0 {
+            first.turn_back(choice.cruise);
+            ways = ways.wrapping_mul(2);
+            &first
+        } else {
+            other = choice.last(end, rules);
+            ways = ways.wrapping_add(other.way());
+            &other
+        };
         let left = way.wrapping_sub(ways.cast_unsigned());
         // The ramps may be longer than the way by what is rounded.
         let left = if left > way { 0 } else { left };
@@ -334,9 +345,9 @@ impl Course<'_> {
             .cast_unsigned();
         self.cruise(choice.cruise.unsigned_abs(), time, left);
         if end == 0 {
-            self.land_on(&last, goal);
+            self.land_on(last, goal);
         } else {
-            self.ramp(&last);
+            self.ramp(last);
             self.travelled = goal;
             self.never_end(end.unsigned_abs());
         }

@@ -370,20 +370,15 @@ impl Ramp {
         (self.pieces.iter()).fold(0, |sum, piece| sum.wrapping_add(piece.way))
     }
 
-    /// The way back down to rest of a ramp from rest to the velocity `end`: it is the same backwards in time.
-    pub(super) fn back_to_rest(&self, end: i128) -> Self {
-        let [entry, hold, exit] = &self.pieces;
-        let falls = |piece: &Piece, velocity: i128, acceleration: i128| Piece {
-            velocity,
-            acceleration: acceleration.wrapping_neg(),
-            ..*piece
-        };
-        Self {
-            pieces: [
-                falls(exit, end, 0),
-                falls(hold, exit.velocity, hold.acceleration),
-                falls(entry, hold.velocity, exit.acceleration),
-            ],
-        }
+    /// Turns a ramp from rest to the velocity `end` into the way back down to rest: it is the same backwards in time.
+    pub(super) fn turn_back(&mut self, end: i128) {
+        let [entry, hold, exit] = &mut self.pieces;
+        core::mem::swap(&mut entry.time, &mut exit.time);
+        core::mem::swap(&mut entry.sixth_jerk, &mut exit.sixth_jerk);
+        core::mem::swap(&mut entry.way, &mut exit.way);
+        entry.velocity = end;
+        core::mem::swap(&mut hold.velocity, &mut exit.velocity);
+        hold.acceleration = hold.acceleration.wrapping_neg();
+        exit.acceleration = exit.acceleration.wrapping_neg();
     }
 }
