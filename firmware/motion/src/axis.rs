@@ -2,7 +2,8 @@
 //!
 //! The axis keeps a time of its own, in ticks of the step timer, which runs while it moves. Up to the *commit horizon* the
 //! plan has become records; these are sent and stay. A new command plans from the state at the horizon, which is at most some three
-//! segments ahead of the motor, so it takes effect there, whatever the axis was doing.
+//! segments ahead of the motor, and four when a motion takes the place of a smooth one, so it takes effect there, whatever the axis
+//! was doing.
 //!
 //! In place of a plan the axis can follow a path of set-points ([`Axis::follow`]), each with its tick of that time: on that tick it
 //! is exactly there. Any other order ends the path and begins where it has led to.
