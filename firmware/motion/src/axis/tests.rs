@@ -3,6 +3,7 @@
 mod averaged;
 mod behaviour;
 mod hours;
+mod lines;
 mod random;
 mod replay;
 mod slow;

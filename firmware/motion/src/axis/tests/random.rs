@@ -1,6 +1,6 @@
 //! Any sequence of commands, at any moments: every pulse is accounted for.
 
-use super::{FAST, Replay, SLOW, axis};
+use super::{FAST, HZ, Replay, SLOW, axis};
 use crate::axis::{AdvanceError, Axis};
 use crate::{Limits, PulseSink, Ramps};
 use proptest::prelude::*;
@@ -70,11 +70,21 @@ fn advance(axis: &mut Axis, sink: &mut Replay, starved: bool) {
     sink.account(axis);
 }
 
+/// Steps between pulses and plan at most. A pulse is half a step off on either side; a chord bends a quarter of a step away from its phase; the
+/// period before eight pulses or more may be one of theirs if it is as long but for an eighth; and pulses, n in T ticks as two runs, stand
+/// n²/(4·T) away from their even places. What is left is roundings at the highest rate of the driver, where nothing is caught up.
+fn tolerance(axis: &Axis) -> f64 {
+    let segment = f64::from(axis.train.segment());
+    let fastest = axis.max_velocity().whole().min(1_000_000);
+    let pulses = f64::from(fastest) * segment / f64::from(HZ);
+    0.5 + 0.25 + 0.125 + pulses.powi(2) / 4.0 / segment + 0.01
+}
+
 fn play(ramps: Ramps, commands: &[Command], timing: crate::DriverTiming, capacity: usize) {
     let (mut axis, mut sink) = axis(timing);
     sink.capacity = capacity;
     // A small sink delays commands, never pulses of the stream, so the plan is followed all the same.
-    sink.tolerance = 1.0;
+    sink.tolerance = tolerance(&axis);
     let quarter = u64::from(axis.train.segment() / 4);
     let mut starved = false;
     axis.set_ramps(ramps);
