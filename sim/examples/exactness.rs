@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("position error at 500 kHz, thousandths of a step", 500_000),
         ("position error at 1 MHz, thousandths of a step", 1_000_000),
     ] {
-        let steps = position::greatest_error(velocity, STEEP);
+        let steps = position::greatest_error(velocity, STEEP, motion::Ramps::Linear);
         row(name, (steps * 1_000.0).ceil() as u64);
     }
 

@@ -18,6 +18,9 @@ pub struct Counted {
     pub underruns: u64,
 }
 
+/// Of long moves in steps/s³: a twentieth of a second until a ramp is at [`STEEP`].
+const JERK: u32 = 20 * STEEP;
+
 fn limits(velocity: u32, ramp: u32) -> Limits {
     Limits {
         velocity: velocity.into(),
@@ -26,7 +29,7 @@ fn limits(velocity: u32, ramp: u32) -> Limits {
     }
 }
 
-/// Moves of four million steps to and fro at up to a million steps/s, until there have been so many pulses.
+/// Moves of four million steps to and fro at up to a million steps/s, with each kind of ramps in turn, until there have been so many pulses.
 ///
 /// # Panics
 /// If a motion does not end, or the pins do what no driver bears.
@@ -34,7 +37,16 @@ pub fn long_moves(pulses: u64) -> Counted {
     let ring = Ring::new();
     let mut rig = Rig::new(&ring, FAST, Judge::new(FAST));
     let (mut target, mut forth, mut error) = (0_i64, true, 0);
+    let mut ramps = [
+        Ramps::Linear,
+        Ramps::SinSquared,
+        Ramps::JerkLimited(JERK),
+        Ramps::MovingAverage(JERK),
+    ]
+    .into_iter()
+    .cycle();
     while rig.model.judge().pulses < pulses {
+        rig.axis.set_ramps(ramps.next().unwrap_or_default());
         let way: i64 = if forth { 4_000_037 } else { -3_999_949 };
         target += way;
         forth = !forth;

@@ -1,6 +1,7 @@
 //! The figures are within their goals.
 
 use canopen::Duration;
+use motion::Ramps;
 
 use super::count::{Counted, long_moves, sequences};
 use super::reaction::{Order, Profile, longest};
@@ -8,8 +9,9 @@ use super::{duration, position, rate};
 
 #[test]
 fn no_pulse_is_too_many_or_too_few() {
-    let moves = long_moves(4_000_000);
-    assert!(moves.pulses >= 4_000_000);
+    // Four moves, one with each kind of ramps.
+    let moves = long_moves(13_000_000);
+    assert!(moves.pulses >= 13_000_000);
     assert_eq!((moves.error, moves.underruns), (0, 0));
     let Counted { pulses, error, .. } = sequences(40);
     assert!(pulses > 1_000);
@@ -27,9 +29,20 @@ fn moves_end_on_the_tick() {
 
 #[test]
 fn pulses_leave_where_the_plan_has_them() {
-    for (velocity, goal) in [(100_000, 0.1), (500_000, 0.1), (1_000_000, 0.5)] {
-        let error = position::greatest_error(velocity, super::STEEP);
-        assert!(0.0 < error && error <= goal, "{velocity}: {error}");
+    let jerk = 1_000_000_000;
+    for ramps in [
+        Ramps::Linear,
+        Ramps::SinSquared,
+        Ramps::JerkLimited(jerk),
+        Ramps::MovingAverage(jerk),
+    ] {
+        for (velocity, goal) in [(100_000, 0.1), (500_000, 0.1), (1_000_000, 0.5)] {
+            let error = position::greatest_error(velocity, super::STEEP, ramps);
+            assert!(
+                0.0 < error && error <= goal,
+                "{ramps:?} {velocity}: {error}"
+            );
+        }
     }
 }
 

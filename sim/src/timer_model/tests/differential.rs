@@ -3,10 +3,11 @@
 use std::cell::RefCell;
 
 use motion::step_interrupt::{self, Edge, Shared, StepTimer};
-use motion::{Axis, AxisConfig, Clock, Direction, PulseSink, Record, Speed, Ticks};
+use motion::{Axis, AxisConfig, Clock, Direction, Limits, PulseSink, Record, Speed, Ticks};
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 
+use super::random::ramps;
 use super::slow::{HOURLY, limits};
 use super::{FAST, ring};
 use crate::timer_model::rig::{HZ, SEGMENT};
@@ -193,6 +194,32 @@ struct Kept {
     pending: Ticks,
 }
 
+impl Kept {
+    /// So many refills, each a segment behind the other.
+    fn play(&mut self, axis: &mut Axis, refills: u32) {
+        for _ in 0..refills {
+            axis.advance(self).unwrap();
+            self.pending = self.pending.saturating_sub(SEGMENT.into());
+        }
+    }
+
+    /// All there is until the axis rests.
+    fn play_out(&mut self, axis: &mut Axis) {
+        while !axis.is_at_rest() {
+            self.pending = 0;
+            let _ = axis.advance(self);
+        }
+    }
+}
+
+fn still() -> Axis {
+    Axis::new(AxisConfig {
+        clock: Clock::new(HZ).unwrap(),
+        segment: SEGMENT,
+        timing: FAST,
+    })
+}
+
 impl PulseSink for Kept {
     fn push(&mut self, record: Record) -> Result<(), Record> {
         self.pending += record.ticks();
@@ -211,11 +238,7 @@ impl PulseSink for Kept {
 
 #[test]
 fn both_backends_play_a_step_in_an_hour_and_a_megahertz_alike() {
-    let mut axis = Axis::new(AxisConfig {
-        clock: Clock::new(HZ).unwrap(),
-        segment: SEGMENT,
-        timing: FAST,
-    });
+    let mut axis = still();
     let mut kept = Kept::default();
     let fast = Speed::per_second(1_000_000);
     let orders = [
@@ -227,16 +250,10 @@ fn both_backends_play_a_step_in_an_hour_and_a_megahertz_alike() {
     ];
     for (speed, reverse, refills) in orders {
         axis.ramp_to(speed.signed(reverse), limits(speed)).unwrap();
-        for _ in 0..refills {
-            axis.advance(&mut kept).unwrap();
-            kept.pending = kept.pending.saturating_sub(SEGMENT.into());
-        }
+        kept.play(&mut axis, refills);
     }
     axis.stop(1_000_000).unwrap();
-    while !axis.is_at_rest() {
-        kept.pending = 0;
-        let _ = axis.advance(&mut kept);
-    }
+    kept.play_out(&mut axis);
     let by_timer = from_the_first(by_timer(&kept.records));
     assert!(by_timer.len() > 15_000);
     assert_eq!(
@@ -251,6 +268,27 @@ fn both_backends_play_a_step_in_an_hour_and_a_megahertz_alike() {
 
 proptest! {
     #![proptest_config(contextualize_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() }))]
+
+    /// What an axis makes of velocities and stops, with every kind of ramps.
+    #[test]
+    fn both_backends_play_every_kind_of_ramps_alike(
+        orders in prop::collection::vec((ramps(25), -400_000..400_000i32, 18..27u32, 1..80u32), 1..8),
+    ) {
+        let mut axis = still();
+        let mut kept = Kept::default();
+        for (ramps, velocity, acceleration, refills) in orders {
+            axis.set_ramps(ramps);
+            let limits = Limits { acceleration: 1 << acceleration, deceleration: 1 << acceleration, velocity: 400_000.into() };
+            // A velocity that is refused leaves the motion as it was.
+            let _ = axis.ramp_to(velocity.into(), limits);
+            kept.play(&mut axis, refills);
+        }
+        axis.stop(100_000_000).unwrap();
+        kept.play_out(&mut axis);
+        let by_timer = from_the_first(by_timer(&kept.records));
+        prop_assert_eq!(&from_the_first(by_interrupts::<false>(&kept.records)), &by_timer);
+        prop_assert_eq!(&from_the_first(by_interrupts::<true>(&kept.records)), &by_timer);
+    }
 
     #[test]
     fn both_backends_make_the_same_pulses_at_the_same_ticks(records in any_stream()) {

@@ -29,8 +29,9 @@ fn limits() -> impl Strategy<Value = Limits> {
     })
 }
 
-fn ramps() -> impl Strategy<Value = Ramps> {
-    let jerk = 1 << 20..1_u32 << 31;
+/// Of every kind, at no less than a jerk of 2^`least` steps/s³.
+pub(super) fn ramps(least: u32) -> impl Strategy<Value = Ramps> {
+    let jerk = 1 << least..1_u32 << 31;
     prop_oneof![
         Just(Ramps::Linear),
         Just(Ramps::SinSquared),
@@ -45,7 +46,7 @@ fn command() -> impl Strategy<Value = Command> {
         2 => (-50..50i32, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
         2 => (-900_000..900_000i32, limits()).prop_map(|(velocity, limits)| Command::RampTo(velocity, limits)),
         2 => (1..50_000_000u32).prop_map(Command::Stop),
-        2 => ramps().prop_map(Command::Choose),
+        2 => ramps(20).prop_map(Command::Choose),
         1 => Just(Command::Drop),
         8 => any::<u8>().prop_map(Command::Refill),
         2 => (0..4 * SEGMENT).prop_map(Command::Late),
