@@ -17,6 +17,13 @@ use crate::divide::{by_digit, quotient};
 use crate::fixed::{Exact, Position, State, Velocity};
 use crate::plan::phase::{Phase, product};
 use crate::plan::{Limits, Plan};
+use crate::train::Chord;
+
+/// The greatest number by whose parts is divided.
+const MOST: u64 = u64::MAX >> 1;
+
+/// Samples that are taken of a parabola before it is looked at again.
+const MOST_WALKED: u32 = 1 << 16;
 
 /// Samples that are kept: 4 KiB.
 const SAMPLES: usize = 512;
@@ -88,33 +95,37 @@ impl Window {
 #[derive(Debug, Clone)]
 pub(crate) struct Average {
     window: Window,
-    /// ⌊2⁶⁴ / window⌋; 2⁶⁴ / 2·count, rounded up.
+    /// ⌊2⁶³ / window⌋ and ⌊2⁶³ / count⌋.
     per_window: u64,
     per_count: u64,
+    /// As much as the velocity may change in an interval of the grid that is gone in one chord, Q24; 0 if none is.
+    flat: u32,
     /// Positions of the plan, Q32 steps, round and round; the oldest is at `place`.
     ring: [i64; SAMPLES],
-    place: u16,
+    place: u32,
     /// Samples that are still older than the ring: the next one, and how far from one to the next.
-    before: u16,
+    before: u32,
     old: i64,
     stride: i64,
     /// From the oldest sample to the newest, Q32 steps.
     spread: i64,
     /// What the mean has left over, in parts of 2⁻³² steps of which 2·count are one.
-    left: i64,
+    left: i32,
     /// Where the plan was looked at last, and how it goes on.
     walk: Walk,
-    /// So many intervals of the grid has the plan kept the velocity `pace`, Q96, or stood.
-    straight: u16,
+    /// So many intervals of the grid will the plan have kept the velocity `pace`, Q96, or stood, at the end of the walk.
+    straight: u32,
     pace: i128,
     stands: bool,
-    /// The mean from tick `start` to tick `until`, up to which the plan has been looked at.
-    start: Ticks,
+    /// Where the mean is at tick `until`, up to which the plan has been looked at, and what position and velocity grew by since the sample before.
     until: Ticks,
-    from: State,
     to: State,
-    /// If it is the plan's own line, half a window late: where that begins.
-    line: Option<Exact>,
+    /// How long ago the sample before was: an interval of the grid, or nothing where the mean begins.
+    since: u32,
+    way: i64,
+    gain: i64,
+    /// If it is the plan's own line, half a window late: where that begins, and when.
+    line: Option<(Ticks, Exact)>,
     /// Where it was when it began, as long as it has not gone on from there.
     fresh: Option<Exact>,
 }
@@ -122,8 +133,9 @@ pub(crate) struct Average {
 /// A plan that is walked along in intervals of the grid, as long as it is one parabola. Q96 steps.
 #[derive(Debug, Clone)]
 struct Walk {
-    /// The next corner.
-    until: Ticks,
+    /// So many intervals it leads on.
+    left: u32,
+    /// More by half of what a sample can tell.
     position: i128,
     /// What the position grows by in the next interval, and what that grows by.
     way: i128,
@@ -133,11 +145,17 @@ struct Walk {
 impl Walk {
     /// Nothing is known of the plan.
     const NONE: Self = Self {
-        until: 0,
+        left: 0,
         position: 0,
         way: 0,
         growth: 0,
     };
+
+    /// Where it has come to, Q32 steps to the nearest.
+    #[inline]
+    const fn sample(&self) -> i64 {
+        (self.position >> 64) as i64
+    }
 }
 
 impl Average {
@@ -148,8 +166,9 @@ impl Average {
                 grid: 1,
                 share: 1,
             },
-            per_window: u64::MAX,
-            per_count: u64::MAX,
+            per_window: MOST,
+            per_count: MOST,
+            flat: 0,
             ring: [0; SAMPLES],
             place: 0,
             before: 0,
@@ -161,16 +180,14 @@ impl Average {
             straight: 0,
             pace: 0,
             stands: false,
-            start: 0,
             until: 0,
-            from: State {
-                position: Position::from_bits(0),
-                velocity: Velocity::ZERO,
-            },
             to: State {
                 position: Position::from_bits(0),
                 velocity: Velocity::ZERO,
             },
+            since: 0,
+            way: 0,
+            gain: 0,
             line: None,
             fresh: None,
         }
@@ -188,10 +205,16 @@ impl Average {
     /// Begins with a mean that is at `mean` at tick `at`, where the plan is [ahead](Self::ahead) of it and has kept its velocity for a
     /// window's time.
     pub(crate) fn begin(&mut self, window: Window, at: Ticks, mean: Exact) {
-        let inverse = |divisor: u32| by_digit(u64::MAX, divisor).0;
+        let per = |number: u64, divisor: u32| by_digit(number, divisor).0;
         self.window = window;
-        self.per_window = inverse(window.ticks());
-        self.per_count = inverse(u32::from(window.count).wrapping_mul(2)).saturating_add(1);
+        self.per_window = per(MOST, window.ticks());
+        self.per_count = per(MOST, window.count.into());
+        // Off by change · grid / 8, which is to be a quarter of a step at most.
+        self.flat = if window.share == window.grid {
+            (2_u32 << 24).checked_div(window.grid).unwrap_or(0)
+        } else {
+            0
+        };
         self.anchor(at, Self::ahead(window, mean));
         self.fresh = Some(mean);
     }
@@ -208,20 +231,20 @@ impl Average {
         let stride = product(state.velocity, self.window.grid);
         self.stride = (stride.wrapping_add(1 << 63) >> 64) as i64;
         self.spread = self.stride.wrapping_mul(count);
-        self.before = self.window.count;
+        self.before = self.window.count.into();
         self.old = newest.wrapping_sub(self.spread).wrapping_add(self.stride);
         self.place = 0;
         // The mean is half a window behind.
         let mean = newest.wrapping_sub(self.spread >> 1);
-        self.left = count.wrapping_mul(self.spread & 1).wrapping_neg();
-        self.walk.until = 0;
-        self.straight = self.window.count;
+        self.left = (count.wrapping_mul(self.spread & 1) as i32).wrapping_neg();
+        self.walk = Walk::NONE;
+        self.straight = self.window.count.into();
         self.pace = state.velocity;
         self.stands = false;
-        self.start = at;
         self.until = at;
-        self.to = self.state(mean);
-        self.from = self.to;
+        self.to.position = Position::from_bits(mean);
+        self.to.velocity = Velocity::from_bits(rate(self.spread, self.per_window));
+        (self.since, self.way, self.gain) = (0, 0, 0);
         self.line = None;
     }
 
@@ -236,7 +259,8 @@ impl Average {
 
     /// The plan has been changed, to begin at [`Average::joint`].
     pub(crate) fn rejoin(&mut self, plan: &mut Plan) {
-        self.walk.until = 0;
+        self.straight = self.straight();
+        self.walk = Walk::NONE;
         self.stands = false;
         if self.line.is_some() {
             plan.enter(plan.start());
@@ -264,49 +288,67 @@ impl Average {
     }
 
     /// Whether the plan has stood all over the window, so that the mean stands where the plan does.
-    pub(crate) const fn is_over(&self) -> bool {
-        self.stands && self.straight >= self.window.count
+    pub(crate) fn is_over(&self) -> bool {
+        self.stands && self.is_straight()
+    }
+
+    /// So many intervals of the grid has the plan kept its velocity.
+    const fn straight(&self) -> u32 {
+        self.straight.saturating_sub(self.walk.left)
+    }
+
+    /// Whether it has all over the window.
+    fn is_straight(&self) -> bool {
+        self.straight() >= self.window.count.into()
     }
 
     /// The curve of the mean.
     pub(crate) fn phase(&self) -> Phase {
-        if let Some(line) = self.line {
-            return Phase::parabola(self.start, line, 0);
+        if let Some((start, line)) = self.line {
+            return Phase::parabola(start, line, 0);
         }
-        let change = self
-            .to
-            .velocity
-            .bits()
-            .wrapping_sub(self.from.velocity.bits());
         // Q56, of which 2⁹⁶ are 2⁴⁰; a grid is shorter than 2³⁰ ticks.
-        let magnitude = u128::from(change.unsigned_abs()) << 39;
+        let magnitude = u128::from(self.gain.unsigned_abs()) << 39;
         let half = quotient(magnitude, 0, self.window.grid.into()).cast_signed();
-        let half = if change < 0 {
+        let half = if self.gain < 0 {
             half.wrapping_neg()
         } else {
             half
         };
-        Phase::parabola(self.start, self.from.into(), half)
+        let velocity = self.to.velocity.bits().wrapping_sub(self.gain);
+        let from = State {
+            position: Position::from_bits(self.to.position.bits().wrapping_sub(self.way)),
+            velocity: Velocity::from_bits(velocity),
+        };
+        let start = self.until.saturating_sub(self.since.into());
+        Phase::parabola(start, from.into(), half)
     }
 
-    /// Up to tick `until`, if one chord is as good as the curve: within a quarter of a step.
-    pub(crate) fn chord(&self) -> Option<(State, u32, State)> {
-        let change = self
-            .to
-            .velocity
-            .bits()
-            .wrapping_sub(self.from.velocity.bits());
-        // Steps per tick, Q32: change · grid / 8.
-        let change = change.unsigned_abs() >> 24;
-        let bend = change.wrapping_mul(self.window.grid.into());
-        let is_flat = change >> 32 == 0 && bend <= 2 << 32;
-        let is_one = self.line.is_none() && self.window.share == self.window.grid && is_flat;
-        is_one.then_some((self.from, self.window.grid, self.to))
+    /// The next chord of the mean, from tick `begin` to the next sample, if there nothing of the plan has to be looked for, and one chord is as good
+    /// as the curve, within a quarter of a step. And the state at its end.
+    #[inline]
+    pub(crate) fn chord(&mut self, begin: Ticks) -> Option<(Chord, State)> {
+        // Not far from there.
+        if self.walk.left == 0 || self.until as u32 != begin as u32 {
+            return None;
+        }
+        self.step();
+        let from = self.to.position.bits().wrapping_sub(self.way);
+        let chord = Chord {
+            begin,
+            length: self.window.grid,
+            from: Position::from_bits(from),
+            to: self.to.position,
+            speeding_up: (self.gain ^ self.to.velocity.bits()) >= 0,
+            steady: self.gain == 0,
+        };
+        let change = ((self.gain >> 32) as u32).wrapping_add(self.flat);
+        (change < self.flat << 1).then_some((chord, self.to))
     }
 
     /// The longest chord in so curved a phase of the mean, in ticks.
     pub(crate) fn longest_chord(&self, phase: &Phase) -> u64 {
-        let longest = phase.longest_chord(self.start);
+        let longest = phase.longest_chord(phase.start());
         if self.line.is_some() {
             longest
         } else {
@@ -314,28 +356,43 @@ impl Average {
         }
     }
 
-    /// The mean at tick `t`, from `start` to `until`.
+    /// The mean at tick `t`, from where its curve begins up to `until`.
     pub(crate) fn exact_at(&self, t: Ticks) -> Exact {
-        if self.line.is_some() {
+        if t < self.until || self.line.is_some() {
             self.phase().at(t.min(self.until))
-        } else if t >= self.until {
-            self.to.into()
-        } else if t <= self.start {
-            self.from.into()
         } else {
-            self.phase().at(t)
+            self.to.into()
         }
     }
 
+    /// Goes on to the next sample, where the plan is the parabola that it was.
+    #[inline]
+    fn step(&mut self) {
+        let walk = &mut self.walk;
+        walk.left = walk.left.wrapping_sub(1);
+        walk.position = walk.position.wrapping_add(walk.way);
+        walk.way = walk.way.wrapping_add(walk.growth);
+        self.take();
+    }
+
     /// Goes on behind `until`.
+    #[inline(never)]
     pub(crate) fn go_on(&mut self, plan: &Plan) {
         let at = self.until;
         self.fresh = None;
         if self.line.is_some() {
             self.anchor_to(plan, at);
         }
-        if self.straight < self.window.count || !self.follow(plan, at) {
-            self.look(plan, at);
+        if self.is_straight() && self.follow(plan, at) {
+            return;
+        }
+        self.look(plan, at);
+        self.take();
+        self.since = self.window.grid;
+        if self.is_over() {
+            // But for what was left over it is there.
+            self.to.position = Position::from_bits(self.walk.sample());
+            self.left = 0;
         }
     }
 
@@ -352,38 +409,27 @@ impl Average {
             return false;
         }
         let late = product(self.pace, self.window.ticks()) >> 1;
-        self.start = at;
+        self.straight = self.straight();
+        self.walk = Walk::NONE;
         self.until = corner;
-        self.line = Some(Exact {
+        let line = Exact {
             position: from.position.wrapping_sub(late),
             ..from
-        });
+        };
+        self.line = Some((at, line));
         true
     }
 
-    /// Takes another sample of the plan, and goes to the mean with it.
-    fn look(&mut self, plan: &Plan, at: Ticks) {
-        let next = at.saturating_add(self.window.grid.into());
-        if next < self.walk.until {
-            let walk = &mut self.walk;
-            walk.position = walk.position.wrapping_add(walk.way);
-            if walk.growth == 0 {
-                self.straight = self.straight.saturating_add(1);
-            } else {
-                walk.way = walk.way.wrapping_add(walk.growth);
-                self.straight = 0;
-            }
-        } else {
-            self.walk_anew(plan, at, next);
-        }
-        let newest = sample(self.walk.position);
-
+    /// Goes to the mean with the sample of the plan that has been walked to.
+    #[inline(always)]
+    fn take(&mut self) {
+        let newest = self.walk.sample();
         let mut oldest = newest;
-        if let Some(room) = self.ring.get_mut(usize::from(self.place)) {
+        if let Some(room) = self.ring.get_mut(self.place as usize % SAMPLES) {
             oldest = core::mem::replace(room, newest);
         }
         self.place = self.place.wrapping_add(1);
-        if self.place >= self.window.count {
+        if self.place >= self.window.count.into() {
             self.place = 0;
         }
         if self.before > 0 {
@@ -394,20 +440,26 @@ impl Average {
 
         let spread = newest.wrapping_sub(oldest);
         // The sum of the samples grows by half of what the spread was and half of what it is.
-        let sum = self.left.wrapping_add(self.spread).wrapping_add(spread);
-        let way = signed(sum, |sum| (wide(sum, self.per_count) >> 64) as u64);
-        let twice = i64::from(self.window.count) << 1;
-        self.left = sum.wrapping_sub(way.wrapping_mul(twice));
+        let sum = self.spread.wrapping_add(spread);
+        let sum = sum.wrapping_add(self.left.into());
+        let way = part(sum, self.per_count);
+        let shared = (way as u32).wrapping_mul(self.window.count.into()) << 1;
+        // Next to nothing, so that 32 bits hold it.
+        self.left = (sum as u32).wrapping_sub(shared).cast_signed();
         self.spread = spread;
-        self.start = at;
-        self.until = next;
-        self.from = self.to;
-        self.to = self.state(self.to.position.bits().wrapping_add(way));
+        self.way = way;
+        let position = self.to.position.bits().wrapping_add(way);
+        let velocity = rate(spread, self.per_window);
+        self.gain = velocity.wrapping_sub(self.to.velocity.bits());
+        self.to.position = Position::from_bits(position);
+        self.to.velocity = Velocity::from_bits(velocity);
+        self.until = self.until.wrapping_add(self.window.grid.into());
     }
 
-    /// Looks at the plan at tick `next`, behind a corner or a change of it, and whether it has kept its velocity since tick `at`.
-    #[inline(never)]
-    fn walk_anew(&mut self, plan: &Plan, at: Ticks, next: Ticks) {
+    /// Looks at the plan an interval behind tick `at`, whether it has kept its velocity since then, and how far it can be walked along.
+    fn look(&mut self, plan: &Plan, at: Ticks) {
+        let straight = self.straight();
+        let next = at.saturating_add(self.window.grid.into());
         let ahead = plan.exact_at(next);
         let end = plan.end().unwrap_or(Ticks::MAX);
         let rest = plan.exact_at(end).position;
@@ -424,34 +476,33 @@ impl Average {
             let keeps = is_one && half == 0 && ahead.velocity == self.pace;
             (keeps, ahead.velocity, half)
         };
-        self.straight = if keeps {
-            self.straight.saturating_add(1)
-        } else {
-            0
-        };
+        self.straight = if keeps { straight.saturating_add(1) } else { 0 };
         self.stands = stands;
         self.pace = pace;
         let grid = self.window.grid;
         let gain = product(half, grid);
-        self.walk = Walk {
-            until: if stands {
-                Ticks::MAX
-            } else {
-                plan.next_corner(next).unwrap_or(Ticks::MAX)
-            },
-            position: if stands { rest } else { ahead.position },
-            way: product(pace.wrapping_add(gain), grid),
-            growth: product(gain, grid).wrapping_mul(2),
+        let growth = product(gain, grid).wrapping_mul(2);
+        let corner = if stands {
+            Ticks::MAX
+        } else {
+            plan.next_corner(next).unwrap_or(Ticks::MAX)
         };
-    }
-
-    /// A mean at this position.
-    fn state(&self, position: i64) -> State {
-        let velocity = signed(self.spread, |way| (wide(way, self.per_window) >> 40) as u64);
-        State {
-            position: Position::from_bits(position),
-            velocity: Velocity::from_bits(velocity),
+        let before = corner.wrapping_sub(next).wrapping_sub(1);
+        let (intervals, _) = by_digit(before, grid);
+        let mut left = intervals.min(MOST_WALKED.into()) as u32;
+        if growth == 0 {
+            // When it has kept its velocity all over the window that must be seen.
+            let count = u32::from(self.window.count).wrapping_sub(1);
+            left = left.min(count.saturating_sub(self.straight));
+            self.straight = self.straight.saturating_add(left);
         }
+        let position = if stands { rest } else { ahead.position };
+        self.walk = Walk {
+            left,
+            position: position.wrapping_add(1 << 63),
+            way: product(pace.wrapping_add(gain), grid),
+            growth,
+        };
     }
 }
 
@@ -491,20 +542,28 @@ const fn sample(position: i128) -> i64 {
     Position::nearest(position).bits()
 }
 
+/// value · factor / 2⁶⁴, less 5 at most, for a factor below 2⁶³.
 #[inline]
-fn wide(value: u64, factor: u64) -> u128 {
-    u128::from(value).wrapping_mul(factor.into())
+fn part(value: i64, factor: u64) -> i64 {
+    let (above, below) = ((value >> 32) as i32, value as u32);
+    let (high, low) = ((factor >> 32) as i32, factor as u32);
+    let product = |a: i32, b: i32| i64::from(a).wrapping_mul(b.into());
+    // Half of the products in the middle: so they have a sign of their own.
+    let middle = product(above, (low >> 1) as i32).wrapping_add(product((below >> 1) as i32, high));
+    product(above, high).wrapping_add(middle >> 31)
 }
 
-/// The same for both directions.
+/// ⌊value · factor / 2³⁹⌋, as far as 57 bits hold it, for a factor below 2⁶³.
 #[inline]
-fn signed(value: i64, of: impl Fn(u64) -> u64) -> i64 {
-    let magnitude = of(value.unsigned_abs()).cast_signed();
-    if value < 0 {
-        magnitude.wrapping_neg()
-    } else {
-        magnitude
-    }
+fn rate(value: i64, factor: u64) -> i64 {
+    let (above, below) = ((value >> 32) as i32, value as u32);
+    let (high, low) = ((factor >> 32) as u32, factor as u32);
+    let product = |a: u32, b: u32| u64::from(a).wrapping_mul(b.into());
+    let lowest = product(below, low) >> 32;
+    let middle = product(below, high).wrapping_add(lowest).cast_signed();
+    let crossed = i64::from(above).wrapping_mul(low.into());
+    let highest = i64::from(above.wrapping_mul(high.cast_signed())) << 32;
+    highest.wrapping_add(crossed).wrapping_add(middle) >> 7
 }
 
 #[cfg(test)]

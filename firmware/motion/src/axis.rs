@@ -375,7 +375,7 @@ impl Axis {
             Some(path) => path.rest() > self.horizon,
             None => self.leg.is_some(),
         };
-        !is_under_way && self.has_ended()
+        !is_under_way && !self.is_averaged && self.has_ended()
     }
 
     #[inline(never)]
@@ -488,8 +488,12 @@ impl Axis {
     fn compose(&mut self) {
         let on_leg = match &mut self.leg {
             Some(leg) => leg.go_on(self.horizon, &self.train),
-            None if self.is_averaged => self.averaged_chord(),
-            None => None,
+            None => {
+                if self.is_averaged && self.go_on_average() {
+                    return;
+                }
+                None
+            }
         };
         let next = on_leg.or_else(|| self.chord_on_line());
         let Some((chord, to)) = next.or_else(|| self.next_chord()) else {

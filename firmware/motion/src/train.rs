@@ -92,6 +92,8 @@ pub(crate) struct Train {
     open_step: i32,
     /// Whether the last chord was steady and its last pulse is where it belongs.
     even: bool,
+    /// The period of the last run; 0 if its last pulse is not where it belongs.
+    period: u32,
     /// Records made, and how many.
     made: [Record; MOST_RECORDS],
     count: u8,
@@ -118,13 +120,15 @@ impl Train {
             setup,
             segment,
             longest,
-            easy: square.isqrt() as u32,
+            // Velocities are less than a step per tick.
+            easy: square.isqrt().min(1 << 24) as u32,
             least_chord: longest.min(segment / CHORDS_PER_SEGMENT),
             steps,
             direction: None,
             pen,
             open_step: 0,
             even: false,
+            period: 0,
             made: [Record::NONE; MOST_RECORDS],
             count: 0,
         }
@@ -136,6 +140,7 @@ impl Train {
         self.pen = pen;
         self.open_step = 0;
         self.even = false;
+        self.period = 0;
         self.direction = None;
         self.count = 0;
     }
@@ -162,6 +167,18 @@ impl Train {
             self.shorter_chord(speed)
         };
         most.min(longest).max(self.least_chord)
+    }
+
+    /// The longest chord, in ticks.
+    pub(crate) const fn longest(&self) -> u32 {
+        self.longest
+    }
+
+    /// Whether a chord at `velocity` may be the longest.
+    #[inline]
+    pub(crate) const fn is_easy(&self, velocity: Velocity) -> bool {
+        let speed = (velocity.bits() >> 32) as u32;
+        speed.wrapping_add(self.easy) < self.easy << 1
     }
 
     /// Divisions are dear, and this one is seldom needed.
@@ -243,11 +260,18 @@ impl Train {
                 Direction::Forward => value,
                 Direction::Reverse => value.wrapping_neg(),
             };
-            let first = crossings.after(self.lead(chord, turn, 1));
             let last = crossings.after(self.lead(chord, turn, pulses));
-            let made = self.run(chord, direction, pulses, (first, last));
-            if chord.steady && made == pulses && self.is_at(chord, last) {
-                self.even = true;
+            let joins = self.join(chord, direction, pulses, last);
+            let made = if joins {
+                pulses
+            } else {
+                let first = crossings.after(self.lead(chord, turn, 1));
+                self.run(chord, direction, pulses, (first, last))
+            };
+            if made == pulses && self.is_at(chord, last) {
+                self.even = chord.steady;
+            } else {
+                self.period = 0;
             }
         }
         self.keep_short(direction, chord);
@@ -296,6 +320,25 @@ impl Train {
             let direction = self.direction.unwrap_or(Direction::Forward);
             self.silence(open.max(least), direction);
         }
+    }
+
+    /// So many periods up to the last pulse, at `last`, where the run before has ended with a pulse that is where it belongs, and its periods were as
+    /// long but for an eighth: then so is the open one. Whether that is so.
+    #[inline]
+    fn join(&mut self, chord: &Chord, direction: Direction, pulses: u32, last: u32) -> bool {
+        let span = last.wrapping_add(self.open_at(chord.begin).cast_unsigned());
+        let alike = u64::from(self.period).wrapping_mul(pulses.into());
+        let joins = alike.abs_diff(span.into()) <= u64::from(span >> 3)
+            && self.has_pulse()
+            && self.direction == Some(direction)
+            && (MANY..=LONGEST_RUN).contains(&pulses)
+            && u64::from(span) >= u64::from(pulses).wrapping_mul(self.shortest.into());
+        if joins {
+            self.space(pulses, span, chord.speeding_up, direction);
+            let steps = pulses.cast_signed().wrapping_mul(direction.sign());
+            self.steps = self.steps.wrapping_add(steps);
+        }
+        joins
     }
 
     /// `pulses` evenly spaced pulses, from `first` to `last`, in ticks from the chord's beginning; as many of them as fit in the chord.
@@ -350,6 +393,7 @@ impl Train {
     /// some periods. A run would be too short for a record only at the highest rates; its few ticks are left to the open period.
     fn space(&mut self, gaps: u32, span: u32, speeding_up: bool, direction: Direction) {
         let base = span.checked_div(gaps).unwrap_or(0);
+        self.period = base;
         let longer = span.wrapping_sub(base.wrapping_mul(gaps));
         let long = (base.wrapping_add(1), longer);
         let short = (base, gaps.wrapping_sub(longer));

@@ -58,7 +58,12 @@ impl Course {
     /// Goes on until tick `t` at least, or until it is over.
     fn run(&mut self, t: Ticks) {
         while self.average.until() < t && !self.average.is_over() {
-            self.average.go_on(&self.plans.last().unwrap().1);
+            let until = self.average.until();
+            // As the axis does it.
+            let _ = self.average.chord(until);
+            if self.average.until() == until {
+                self.average.go_on(&self.plans.last().unwrap().1);
+            }
             self.pieces
                 .push((self.average.until(), self.average.phase()));
         }

@@ -3,9 +3,8 @@
 use super::Axis;
 use crate::average::{Average, Mean, Window};
 use crate::clock::Ticks;
-use crate::fixed::{Exact, State};
+use crate::fixed::Exact;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
-use crate::train::Chord;
 
 impl Axis {
     /// What it goes on with if it follows the mean of a plan; `None` if it does not.
@@ -114,7 +113,7 @@ impl Axis {
             self.mean_jerk = self.mean_jerk.max(jerk);
             return Ok(());
         }
-        let segment = self.train.segment();
+        let segment = self.train.longest();
         let window = |change: u64| Window::new(clock, change, jerk, segment);
         // A stop has no acceleration, but one may come behind it.
         let expected = Limits {
@@ -172,20 +171,19 @@ impl Axis {
         }
     }
 
-    /// The next chord of a mean, if that is one from this sample to the next: so it is unless the window is very long.
+    /// Makes the records of the next chord of a mean, if that is one from this sample to the next: so it is unless the window is very long. Whether
+    /// it did.
     #[inline(never)]
-    pub(super) fn averaged_chord(&mut self) -> Option<(Chord, State)> {
-        let begin = self.horizon;
-        if self.average.until() > begin {
-            return None;
+    pub(super) fn go_on_average(&mut self) -> bool {
+        let Some((chord, to)) = self.average.chord(self.horizon) else {
+            return false;
+        };
+        let is_easy = self.train.is_easy(to.velocity);
+        if is_easy {
+            self.train.draw(&chord);
+            self.go_to(chord.begin.wrapping_add(chord.length.into()), to);
         }
-        self.average.go_on(&self.plan);
-        let (from, length, to) = self.average.chord()?;
-        if self.train.chord(from.velocity, length) < length {
-            return None;
-        }
-        self.end_average(self.average.until());
-        Some((Chord::between((begin, from), (length, to)), to))
+        is_easy
     }
 
     /// Where plan, path or mean are at tick `t`.
