@@ -4,10 +4,16 @@ use std::sync::Arc;
 
 use super::Problem;
 use crate::data_sheet::{Address, DataSheet};
-use crate::master::{Failure, Line, Master};
+use crate::master::{Failure, Line, Master, SdoChannel};
 
 /// The abort code of a client that waited in vain (CiA 301).
 const TIMED_OUT: u32 = 0x0504_0000;
+
+/// The abort code for an object that is not there.
+const NO_OBJECT: u32 = 0x0602_0000;
+
+/// The identifiers of the first SDO server; those of the others follow.
+const SDO_SERVERS: u16 = 0x1200;
 
 /// A node that a command is about.
 #[derive(Clone, Debug)]
@@ -54,6 +60,43 @@ impl Node {
         })
     }
 
+    /// From now on the node is read and written through its SDO server of this number, 1 being the default one.
+    ///
+    /// # Errors
+    /// [`Problem::Failed`] if it has no such server, or it is not in use.
+    pub fn use_sdo_server<L: Line>(
+        &self,
+        master: &mut Master<L>,
+        number: u8,
+    ) -> Result<(), Problem> {
+        let index = SDO_SERVERS + u16::from(number.saturating_sub(1));
+        let mut identifiers = [0; 2];
+        for (sub, identifier) in (1..).zip(&mut identifiers) {
+            let cob_id = self.upload(master, Address::new(index, sub));
+            let cob_id = cob_id.map_err(|failure| match failure {
+                Failure::Abort { code, .. } if code == NO_OBJECT => Problem::Failed(format!(
+                    "node {} has no SDO server {number}: {index:04X}h is missing",
+                    self.id
+                )),
+                other => Problem::with_node(self.id, other),
+            })?;
+            let cob_id = u32::from_le_bytes(cob_id.try_into().unwrap_or_default());
+            // Bit 31: not in use. Bit 29: an identifier of 29 bits, which no master here sends.
+            *identifier = match u16::try_from(cob_id) {
+                Ok(identifier) if identifier != 0 => identifier,
+                _ => {
+                    return Err(Problem::Failed(format!(
+                        "node {}: SDO server {number} has no identifiers; {index:04X}h:01 and :02 take two that no other device uses",
+                        self.id
+                    )));
+                }
+            };
+        }
+        let [request, answer] = identifiers;
+        master.set_sdo_channel(self.id, SdoChannel { request, answer });
+        Ok(())
+    }
+
     /// Reads a value as it travels. A node that is silent is told that nobody waits any longer.
     ///
     /// # Errors
@@ -91,10 +134,7 @@ impl Node {
             result,
             Err(Failure::Timeout { .. } | Failure::Unexpected { .. })
         ) {
-            let [low, high] = address.index.to_le_bytes();
-            let [a, b, c, d] = TIMED_OUT.to_le_bytes();
-            let abort = [0x80, low, high, address.sub, a, b, c, d];
-            master.send_data(0x600 + u16::from(self.id), &abort);
+            master.abort_sdo(self.id, address.index, address.sub, TIMED_OUT);
         }
         result
     }

@@ -137,12 +137,12 @@ impl<L: Line> Master<L> {
     }
 
     fn send_sdo(&mut self, node: u8, request: [u8; 8]) {
-        self.send_data(0x600 + u16::from(node), &request);
+        self.send_data(self.channel(node).request, &request);
     }
 
     /// The next frame of the node's SDO server.
     fn next_sdo(&mut self, node: u8, within: Duration) -> Result<[u8; 8], Failure> {
-        let answer_id = 0x580 + u16::from(node);
+        let answer_id = self.channel(node).answer;
         self.wait_for(&format!("an SDO answer {answer_id:03X}"), within, |frame| {
             (frame.standard_id() == Some(answer_id))
                 .then(|| frame.full_payload().copied())

@@ -15,6 +15,8 @@ mod port;
 mod real;
 mod sdo;
 
+use std::collections::BTreeMap;
+
 use canopen::{Duration, Frame, Instant};
 
 pub use failure::Failure;
@@ -24,7 +26,7 @@ pub use lss::Identity;
 pub use pdo::{MappedObject, PdoSetup};
 pub use port::Port;
 pub use real::Real;
-pub use sdo::Value;
+pub use sdo::{SdoChannel, Value};
 
 /// How long an answer may take by default.
 pub const ANSWER_TIME: Duration = Duration::from_ticks(100_000);
@@ -54,6 +56,8 @@ pub struct Master<L = Simulated> {
     line: L,
     answer_time: Duration,
     scan_time: Duration,
+    /// Of the nodes that are not asked on the default channel.
+    sdo_channels: BTreeMap<u8, SdoChannel>,
 }
 
 impl<L: Line> Master<L> {
@@ -63,6 +67,7 @@ impl<L: Line> Master<L> {
             line,
             answer_time: ANSWER_TIME,
             scan_time: SCAN_TIME,
+            sdo_channels: BTreeMap::new(),
         }
     }
 

@@ -1,4 +1,4 @@
-//! The SDO client: expedited and segmented transfers on the default channel (600h and 580h + node-ID).
+//! The SDO client: expedited and segmented transfers, on the default channel (600h and 580h + node-ID) unless another server is chosen.
 //!
 //! The channel is meant for one client (CiA 301, 7.2.4.1), and people have more: a tool beside the master of the machine. Each hears the
 //! answers to all. Those that begin or refuse a transfer name its object, so this client passes by what is for others. A transfer in
@@ -52,7 +52,36 @@ impl Value for Vec<u8> {
     }
 }
 
+/// The identifiers of an SDO server.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SdoChannel {
+    /// Of the client's frames.
+    pub request: u16,
+    /// Of the server's.
+    pub answer: u16,
+}
+
 impl<L: Line> Master<L> {
+    /// From now on this node is read and written through another of its servers.
+    pub fn set_sdo_channel(&mut self, node: u8, channel: SdoChannel) {
+        self.sdo_channels.insert(node, channel);
+    }
+
+    /// The channel of a node.
+    pub(super) fn channel(&self, node: u8) -> SdoChannel {
+        let default = SdoChannel {
+            request: 0x600 + u16::from(node),
+            answer: 0x580 + u16::from(node),
+        };
+        self.sdo_channels.get(&node).copied().unwrap_or(default)
+    }
+
+    /// Tells the server of a node that its transfer is over (CiA 301, 7.2.4.3.17).
+    pub fn abort_sdo(&mut self, node: u8, index: u16, sub: u8, code: u32) {
+        let abort = Object::new(index, sub).request(ABORT, code.to_le_bytes());
+        self.send_data(self.channel(node).request, &abort);
+    }
+
     /// Reads an object.
     ///
     /// # Errors
@@ -94,12 +123,15 @@ impl<L: Line> Master<L> {
         request: [u8; 8],
         is_own: impl Fn(&[u8; 8]) -> bool,
     ) -> Result<[u8; 8], Failure> {
-        let answer_id = 0x580 + u16::from(node);
+        let SdoChannel {
+            request: request_id,
+            answer: answer_id,
+        } = self.channel(node);
         let expected = format!("an SDO answer {answer_id:03X}");
         let answer = |frame: &Frame| (frame.standard_id() == Some(answer_id)).then_some(*frame);
         // Answers nobody waited for would be taken for this one's.
         while self.line.inbox().take_from(0, answer).is_some() {}
-        self.send_data(0x600 + u16::from(node), &request);
+        self.send_data(request_id, &request);
         let end = self.now() + self.answer_time;
         let mut stranger = None;
         loop {
@@ -238,7 +270,7 @@ impl<L: Line> Master<L> {
         let of_other = |answer: &[u8; 8]| {
             answer[0] >= 0x40 && !object.is_named_by(answer) && !object.is_refused_by(answer)
         };
-        let answer_id = 0x580 + u16::from(node);
+        let answer_id = self.channel(node).answer;
         let displaced = (self.line.inbox()).take_from(0, |frame| {
             let answer = frame.full_payload().copied().filter(of_other);
             answer.filter(|_| frame.standard_id() == Some(answer_id))
@@ -257,7 +289,7 @@ impl<L: Line> Master<L> {
     pub(super) fn unexpected(&self, node: u8, answer: [u8; 8]) -> Failure {
         Failure::Unexpected {
             expected: "the answer to this SDO request".to_owned(),
-            got: Frame::data_frame(0x580 + u16::from(node), &answer),
+            got: Frame::data_frame(self.channel(node).answer, &answer),
             at: self.now(),
         }
     }

@@ -17,6 +17,9 @@ pub struct Arguments {
     /// The node-ID of the drive
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=127))]
     pub(crate) node: u8,
+    /// Through which SDO server of the drive, where another master uses the first; 1200h + N - 1 has its identifiers
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=128))]
+    pub(crate) sdo_server: Option<u8>,
     #[command(flatten)]
     pub(crate) sheet: Sheet,
     /// Up to eight objects, by index or by name; by default what the drive has in 20D1h

@@ -46,6 +46,9 @@ pub fn show<L: Line>(
     let sheet = read_sheet(&arguments.sheet, console)?;
     let node = Node::meet(master, arguments.node, sheet)?;
     let request = arguments.request(&node.sheet).map_err(Problem::Usage)?;
+    if let Some(number) = arguments.sdo_server {
+        node.use_sdo_server(master, number)?;
+    }
     let recording = record(master, &node, &request, console)?;
     Report::new(node.id, &recording).give(arguments, console)
 }

@@ -136,6 +136,35 @@ fn mistakes_are_one_line_and_an_exit_code() {
 }
 
 #[test]
+fn a_second_server_is_given_identifiers_and_used() {
+    let served = Served::start(Setup::with_node_id(1, 4));
+    let small = [
+        "--sdo-server",
+        "2",
+        "--channels",
+        "6041",
+        "--samples",
+        "30",
+        "--json",
+    ];
+    let output = scope(&served, &small);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        error(&output).contains("SDO server 2 has no identifiers"),
+        "{}",
+        error(&output)
+    );
+    let address = served.address.to_string();
+    for (object, identifier) in [("1201:1", "0x680"), ("1201:2", "0x681")] {
+        let mut write = Command::new(env!("CARGO_BIN_EXE_axis402"));
+        write.args(["od", "write", "4", object, identifier, "--slcan", &address]);
+        assert!(write.status().unwrap().success());
+    }
+    let output = scope(&served, &small);
+    assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+}
+
+#[test]
 fn without_a_bus_there_is_nothing_to_ask() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sim"));
     let output = command.args(["scope", "--node", "4"]).output().unwrap();

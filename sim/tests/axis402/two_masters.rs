@@ -9,7 +9,7 @@ use sim::drive::Setup;
 use sim::master::Failure;
 use sim::scope::{Before, Recording, Request, Trigger, record};
 
-use crate::bench::Bench;
+use crate::bench::{Bench, refusal};
 
 const POSITION: u32 = 0x6064_0020;
 
@@ -30,6 +30,8 @@ struct Other {
     asked: usize,
     due: bool,
     answers: usize,
+    /// Answers that another master had asked for.
+    strange: usize,
 }
 
 impl Other {
@@ -42,6 +44,7 @@ impl Other {
             asked: 0,
             due: false,
             answers: 0,
+            strange: 0,
         }
     }
 }
@@ -49,8 +52,13 @@ impl Other {
 impl Station for Other {
     fn receive(&mut self, frame: &Frame, _now: Instant) {
         let is_answer = |request: &[u8; 8]| frame.payload()[1..4] == request[1..4];
-        if frame.standard_id() == Some(0x584) && self.requests.iter().any(is_answer) {
+        if frame.standard_id() != Some(0x584) {
+            return;
+        }
+        if self.requests.iter().any(is_answer) {
             self.answers += 1;
+        } else {
+            self.strange += 1;
         }
     }
 
@@ -157,4 +165,39 @@ fn the_scope_records_while_another_master_commands_the_drive() {
         assert_eq!(recording.count() - recording.before, 300, "{period}");
         assert_served(&bench, other, 20);
     }
+}
+
+/// All of its memory, and no request for it meets one of the other master.
+#[test]
+fn a_server_of_its_own_keeps_the_scope_apart() {
+    let (mut bench, other) = with_other(&COMMANDS, 1_501);
+    let node = bench.meet(4);
+    let refused = refusal(bench.run(|master, _| node.use_sdo_server(master, 2)));
+    let why = "node 4: SDO server 2 has no identifiers; 1201h:01 and :02 take two that no other device uses";
+    assert_eq!(refused, (why.to_owned(), 1));
+    let refused = refusal(bench.run(|master, _| node.use_sdo_server(master, 9)));
+    assert_eq!(
+        refused,
+        ("node 4 has no SDO server 9: 1208h is missing".to_owned(), 1)
+    );
+    bench.master.write(4, 0x1201, 1, 0x680_u32).unwrap();
+    bench.master.write(4, 0x1201, 2, 0x681_u32).unwrap();
+    bench
+        .run(|master, _| node.use_sdo_server(master, 2))
+        .unwrap();
+    let strange = bench.master.station(other).strange;
+    let request = Request {
+        channels: Some(vec![POSITION]),
+        divider: Some(1),
+        samples: Some(0),
+        before: Some(Before::Percent(0)),
+        trigger: Trigger::parse("6041#0", &node.sheet).unwrap(),
+        patience: Duration::from_ticks(20_000_000),
+    };
+    let recording: Recording = bench
+        .run(|master, console| record(master, &node, &request, console))
+        .unwrap();
+    assert_eq!(recording.count(), 5_120);
+    assert_served(&bench, other, 3_000);
+    assert_eq!(bench.master.station(other).strange, strange);
 }
