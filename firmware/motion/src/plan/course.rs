@@ -1,7 +1,7 @@
 //! How phases become a plan: one behind the other, from where the axis is.
 
 use super::Plan;
-use super::phase::{Bend, Draft, Frame, Offset, ramp_way, ticks_up};
+use super::phase::{Bend, Draft, Frame, Instant, Offset, ramp_way};
 use super::ramp::{Piece, Ramp};
 use crate::clock::Ticks;
 use crate::fixed::Exact;
@@ -11,8 +11,8 @@ use crate::fixed::Exact;
 /// Working in this frame makes a mirrored motion the exact mirror image, bit by bit.
 pub(super) struct Course<'a> {
     plan: &'a mut Plan,
-    elapsed: Offset,
-    /// The first tick that is not before that.
+    /// When the next phase begins, and its first tick.
+    now: Instant,
     tick: Ticks,
     pub(super) travelled: i128,
     /// Ramps are drawn as sin².
@@ -33,7 +33,7 @@ impl<'a> Course<'a> {
         Self {
             is_sine: plan.is_sine,
             plan,
-            elapsed: 0,
+            now: Instant::from(start),
             tick: start,
             travelled: 0,
         }
@@ -79,47 +79,52 @@ impl<'a> Course<'a> {
     fn change(&mut self, velocity: i128, half_acceleration: i128, time: Offset) {
         self.mark_ramp();
         let bend = self.bend(time);
-        self.add(Draft {
-            start: self.tick,
-            anchor: self.elapsed,
-            position: self.travelled,
-            velocity,
-            half_acceleration,
-            bend,
-        });
+        if let Some(draft) = next(self.plan) {
+            *draft = Draft {
+                start: self.tick,
+                anchor: self.now,
+                position: self.travelled,
+                velocity,
+                half_acceleration,
+                bend,
+            };
+        }
     }
 
     /// Keeps `speed` over `way`.
     pub(super) fn cruise(&mut self, speed: u128, time: Offset, way: u128) {
-        self.add(Draft {
-            start: self.tick,
-            anchor: self.elapsed,
-            position: self.travelled,
-            velocity: speed.cast_signed(),
-            half_acceleration: 0,
-            bend: Bend::None,
-        });
+        if let Some(draft) = next(self.plan) {
+            *draft = Draft {
+                start: self.tick,
+                anchor: self.now,
+                position: self.travelled,
+                velocity: speed.cast_signed(),
+                half_acceleration: 0,
+                bend: Bend::None,
+            };
+        }
         self.go_on(time, way.cast_signed());
     }
 
     /// Brakes to standstill exactly at `target`, in the frame.
     pub(super) fn land(mut self, target: i128, half_deceleration: u128, time: Offset) {
         self.mark_ramp();
-        let start = self.tick;
-        self.go_on(time, 0);
         let bend = self.bend(time);
         let rising = half_deceleration.cast_signed();
-        self.add(Draft {
-            start,
-            anchor: self.elapsed,
-            position: target,
-            velocity: 0,
-            half_acceleration: match bend {
-                Bend::None => rising.wrapping_neg(),
-                _ => rising,
-            },
-            bend,
-        });
+        if let Some(draft) = next(self.plan) {
+            *draft = Draft {
+                start: self.tick,
+                anchor: self.now.after(time),
+                position: target,
+                velocity: 0,
+                half_acceleration: match bend {
+                    Bend::None => rising.wrapping_neg(),
+                    _ => rising,
+                },
+                bend,
+            };
+        }
+        self.go_on(time, 0);
         self.rest_at(target);
     }
 
@@ -132,30 +137,30 @@ impl<'a> Course<'a> {
         (end_speed, end_time, end_way): (u128, Offset, u128),
     ) {
         self.mark_ramp();
-        let start = self.tick;
-        let rest = self.elapsed.saturating_add(time);
         let braking = time.saturating_sub(end_time);
-        self.go_on(braking, 0);
+        let bend = self.bend(braking);
         let rising = half_deceleration.cast_signed();
-        let draft = match self.bend(braking) {
-            Bend::None => Draft {
-                start,
-                anchor: rest,
-                position: target.wrapping_add(end_way.cast_signed()),
-                velocity: 0,
-                half_acceleration: rising.wrapping_neg(),
-                bend: Bend::None,
-            },
-            bend => Draft {
-                start,
-                anchor: self.elapsed,
-                position: target,
-                velocity: end_speed.cast_signed(),
-                half_acceleration: rising,
-                bend,
-            },
-        };
-        self.add(draft);
+        if let Some(draft) = next(self.plan) {
+            *draft = match bend {
+                Bend::None => Draft {
+                    start: self.tick,
+                    anchor: self.now.after(time),
+                    position: target.wrapping_add(end_way.cast_signed()),
+                    velocity: 0,
+                    half_acceleration: rising.wrapping_neg(),
+                    bend,
+                },
+                _ => Draft {
+                    start: self.tick,
+                    anchor: self.now.after(braking),
+                    position: target,
+                    velocity: end_speed.cast_signed(),
+                    half_acceleration: rising,
+                    bend,
+                },
+            };
+        }
+        self.go_on(braking, 0);
         self.travelled = target;
         self.never_end(end_speed);
     }
@@ -170,17 +175,19 @@ impl<'a> Course<'a> {
         if piece.time == 0 {
             return;
         }
-        self.add(Draft {
-            start: self.tick,
-            anchor: self.elapsed,
-            position: self.travelled,
-            velocity: piece.velocity,
-            half_acceleration: piece.acceleration >> 1,
-            bend: match piece.sixth_jerk {
-                0 => Bend::None,
-                sixth_jerk => Bend::Jerk(sixth_jerk),
-            },
-        });
+        if let Some(draft) = next(self.plan) {
+            *draft = Draft {
+                start: self.tick,
+                anchor: self.now,
+                position: self.travelled,
+                velocity: piece.velocity,
+                half_acceleration: piece.acceleration >> 1,
+                bend: match piece.sixth_jerk {
+                    0 => Bend::None,
+                    sixth_jerk => Bend::Jerk(sixth_jerk),
+                },
+            };
+        }
         self.go_on(piece.time, piece.way);
     }
 
@@ -191,16 +198,17 @@ impl<'a> Course<'a> {
         self.follow(first);
         self.follow(second);
         if last.time != 0 {
-            let start = self.tick;
+            if let Some(draft) = next(self.plan) {
+                *draft = Draft {
+                    start: self.tick,
+                    anchor: self.now.after(last.time),
+                    position: target,
+                    velocity: 0,
+                    half_acceleration: 0,
+                    bend: Bend::Jerk(last.sixth_jerk),
+                };
+            }
             self.go_on(last.time, 0);
-            self.add(Draft {
-                start,
-                anchor: self.elapsed,
-                position: target,
-                velocity: 0,
-                half_acceleration: 0,
-                bend: Bend::Jerk(last.sixth_jerk),
-            });
         }
         self.rest_at(target);
     }
@@ -219,6 +227,7 @@ impl<'a> Course<'a> {
     /// Keeps `speed` for ever.
     pub(super) fn never_end(mut self, speed: u128) {
         self.cruise(speed, 0, 0);
+        self.plan.count = self.plan.count.wrapping_add(1);
         self.plan.end = Ticks::MAX;
         self.plan.rest = self.plan.frame.origin;
     }
@@ -232,26 +241,20 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// What was added lasts so long and goes so far.
+    /// The phase lasts so long and goes so far. If it has ended before its first tick comes, the next one is written over it.
     fn go_on(&mut self, time: Offset, way: i128) {
-        self.elapsed = self.elapsed.saturating_add(time);
-        self.tick = self.plan.frame.start.saturating_add(ticks_up(self.elapsed));
+        self.now = self.now.after(time);
+        let tick = self.now.tick_up();
+        if tick != self.tick {
+            self.plan.count = self.plan.count.wrapping_add(1);
+            self.tick = tick;
+        }
         self.travelled = self.travelled.wrapping_add(way);
     }
+}
 
-    /// Adds a phase.
-    #[inline]
-    fn add(&mut self, draft: Draft) {
-        let plan = &mut *self.plan;
-        // A phase that ended before its first tick came is written over.
-        let last = usize::from(plan.count).checked_sub(1);
-        let last = last.and_then(|last| plan.drafts.get(last));
-        if last.is_none_or(|last| last.start != draft.start) {
-            plan.count = plan.count.saturating_add(1);
-        }
-        let place = usize::from(plan.count).wrapping_sub(1);
-        if let Some(place) = plan.drafts.get_mut(place) {
-            *place = draft;
-        }
-    }
+/// Where the next phase is written.
+#[inline]
+fn next(plan: &mut Plan) -> Option<&mut Draft> {
+    plan.drafts.get_mut(usize::from(plan.count))
 }

@@ -12,8 +12,45 @@ use crate::wide::Wide;
 
 use super::sine::Sine;
 
-/// Time from a plan's start in ticks, Q32: corners fall between ticks.
+/// A time in ticks, Q32: corners fall between ticks.
 pub(crate) type Offset = u128;
+
+/// When that is: ticks as the axis counts them, Q32; 96 bits. What is later than ticks can count is never.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Instant(u128);
+
+impl Instant {
+    /// A tick.
+    pub(super) const fn from(tick: Ticks) -> Self {
+        Self((tick as u128) << 32)
+    }
+
+    #[inline]
+    pub(super) fn after(self, time: Offset) -> Self {
+        let sum = self.0.wrapping_add(time);
+        if (sum | time) >> 96 == 0 {
+            Self(sum)
+        } else {
+            Self::from(Ticks::MAX)
+        }
+    }
+
+    /// The last tick that is not behind it.
+    const fn tick(self) -> Ticks {
+        (self.0 >> 32) as u64
+    }
+
+    /// The first tick that is not before it.
+    pub(super) fn tick_up(self) -> Ticks {
+        let is_behind = self.fraction() != 0;
+        self.tick().saturating_add(is_behind.into())
+    }
+
+    /// How far it is behind the tick before it, Q32.
+    const fn fraction(self) -> u32 {
+        self.0 as u32
+    }
+}
 
 /// What a phase is beyond a parabola.
 #[derive(Debug, Clone, Copy)]
@@ -279,7 +316,7 @@ pub(super) struct Draft {
     /// The first tick that belongs to it.
     pub(super) start: Ticks,
     /// When position and velocity hold.
-    pub(super) anchor: Offset,
+    pub(super) anchor: Instant,
     pub(super) position: i128,
     pub(super) velocity: i128,
     /// Of a sin² ramp: that of the linear one in its place.
@@ -290,7 +327,7 @@ pub(super) struct Draft {
 impl Draft {
     pub(super) const NONE: Self = Self {
         start: 0,
-        anchor: 0,
+        anchor: Instant::from(0),
         position: 0,
         velocity: 0,
         half_acceleration: 0,
@@ -313,10 +350,10 @@ impl Draft {
     #[inline(never)]
     pub(super) fn work_out(&self, frame: &Frame, phase: &mut Phase) {
         let turn = |value| frame.turn(value);
-        let fraction = self.anchor as u32;
+        let fraction = self.anchor.fraction();
         let half = self.half_acceleration;
         phase.start = self.start;
-        phase.anchor = frame.start.saturating_add(whole_ticks(self.anchor));
+        phase.anchor = self.anchor.tick();
         phase.lead = fraction;
         let back = match self.bend {
             Bend::None => {
@@ -387,21 +424,6 @@ pub(crate) fn over_time(value: u128, time: Offset) -> u128 {
         return way;
     }
     way.wrapping_add(value.wrapping_mul(time >> 64) << 32)
-}
-
-/// An offset rounded up to whole ticks. The slowest speeds take longer than ticks can count; that is for ever.
-pub(crate) fn ticks_up(offset: Offset) -> Ticks {
-    whole_ticks(offset).saturating_add(u64::from(offset as u32 != 0))
-}
-
-/// The same rounded down.
-#[inline]
-fn whole_ticks(offset: Offset) -> Ticks {
-    if offset >> 96 == 0 {
-        (offset >> 32) as u64
-    } else {
-        Ticks::MAX
-    }
 }
 
 /// A constant acceleration. Made once for all ramps at it.
