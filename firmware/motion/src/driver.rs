@@ -3,6 +3,10 @@
 use crate::clock::Clock;
 use crate::record::DriverTiming;
 
+/// The step signal is high and low for so many nanoseconds at least. No driver needs less; and the timer that counts the pulses, at
+/// half the clock of the one that makes them, would miss levels of two or three ticks.
+const SHORTEST_PULSE: u32 = 100;
+
 /// The times of a driver in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Nanoseconds {
@@ -17,15 +21,16 @@ pub struct Nanoseconds {
 }
 
 impl Nanoseconds {
-    /// In ticks of a clock, rounded up, and cut to what [`DriverTiming`] can be.
+    /// In ticks of a clock, rounded up, and brought into the range of [`DriverTiming`]. The step signal is high and low for 100 ns at
+    /// least.
     pub fn in_ticks(self, clock: Clock) -> DriverTiming {
         let ticks = |nanoseconds: u32| {
             let product = u64::from(nanoseconds).wrapping_mul(clock.hz().into());
             u32::try_from(product.div_ceil(1_000_000_000)).unwrap_or(u32::MAX)
         };
         DriverTiming {
-            pulse_high: ticks(self.pulse_high),
-            pulse_low: ticks(self.pulse_low),
+            pulse_high: ticks(self.pulse_high.max(SHORTEST_PULSE)),
+            pulse_low: ticks(self.pulse_low.max(SHORTEST_PULSE)),
             direction_setup: ticks(self.direction_setup),
             direction_hold: ticks(self.direction_hold),
         }
@@ -113,6 +118,19 @@ mod tests {
             (timing.direction_setup, timing.direction_hold),
             (1 << 24, 0)
         );
+    }
+
+    #[test]
+    fn a_pulse_that_the_counter_would_miss_is_made_longer() {
+        let none = Nanoseconds {
+            pulse_high: 0,
+            pulse_low: 7,
+            direction_setup: 0,
+            direction_hold: 0,
+        };
+        let timing = none.in_ticks(Clock::new(168_000_000).unwrap());
+        assert_eq!((timing.pulse_high, timing.pulse_low), (17, 17));
+        assert_eq!((timing.direction_setup, timing.direction_hold), (0, 0));
     }
 
     #[test]

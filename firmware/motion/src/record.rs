@@ -128,7 +128,8 @@ impl<S: PulseSink + ?Sized> PulseSink for &mut S {
 /// What the stepper driver's inputs need, in ticks (from its datasheet). Larger values than a timer can do are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DriverTiming {
-    /// Shortest time of the step signal being high: 1 ..= 32767.
+    /// Shortest time of the step signal being high: 1 ..= 32767. The advanced timer's counter sees 4 or more, and so it does for
+    /// `pulse_low`; [`Nanoseconds`](crate::Nanoseconds) never give less.
     pub pulse_high: u32,
     /// Shortest time of the step signal being low, at least 1. Take more where records need time to be loaded:
     /// no record is shorter than `pulse_high + pulse_low`.
