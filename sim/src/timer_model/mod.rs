@@ -10,6 +10,7 @@
 pub mod board;
 mod counter;
 mod judge;
+mod processor;
 pub mod rig;
 #[cfg(test)]
 mod tests;
@@ -22,9 +23,13 @@ use motion::advanced_timer::{Register, Registers, Ring, SLOTS, WORDS, bits};
 
 use counter::Counter;
 pub use judge::Judge;
+use processor::Processor;
 
 /// Words of the ring.
 const ALL_WORDS: u32 = (SLOTS * WORDS) as u32;
+
+/// The counter runs at half the clock of TIM1, and sees a level of OC1REF that lasts for two of its ticks.
+const SEEN: u32 = 4;
 
 /// What a run is made from: PSC, ARR, RCR, CCR1, CCR2.
 type Preloaded = [u32; WORDS];
@@ -54,6 +59,21 @@ impl<'a> TimerModel<'a> {
     /// From now on a burst takes so many ticks from its request.
     pub fn set_burst(&self, ticks: u64) {
         self.0.borrow_mut().burst_ticks = ticks;
+    }
+
+    /// From now on the processor takes so many ticks for each access to a register.
+    pub fn set_access(&self, ticks: u64) {
+        self.0.borrow_mut().processor.access = ticks;
+    }
+
+    /// The next write to this register is followed by an interrupt of so many ticks.
+    pub fn interrupt_behind(&self, register: Register, ticks: u64) {
+        self.0.borrow_mut().processor.behind = Some((register, ticks));
+    }
+
+    /// From now on about one access in `seldom` is followed by an interrupt, of up to so many ticks.
+    pub fn set_interrupts(&self, seldom: u64, longest: u64) {
+        self.0.borrow_mut().processor.interrupts = Some((seldom, longest));
     }
 
     /// The stream no longer serves requests, or does so again.
@@ -98,15 +118,22 @@ impl<'a> TimerModel<'a> {
 
 impl Registers for TimerModel<'_> {
     fn write(&mut self, register: Register, value: u32) {
-        self.0.borrow_mut().write(register, value);
+        let mut machine = self.0.borrow_mut();
+        machine.spend(None);
+        machine.write(register, value);
+        machine.spend(Some(register));
     }
 
     fn read(&self, register: Register) -> u32 {
-        self.0.borrow_mut().read(register)
+        let mut machine = self.0.borrow_mut();
+        machine.spend(None);
+        machine.read(register)
     }
 
     fn now(&self) -> u32 {
-        self.0.borrow().now as u32
+        let mut machine = self.0.borrow_mut();
+        machine.spend(None);
+        machine.now as u32
     }
 }
 
@@ -121,7 +148,7 @@ struct Machine<'a> {
     judge: Judge,
     now: u64,
     /// Registers without a life of their own, by [`Register`].
-    registers: [u32; 32],
+    registers: [u32; 40],
     preload: Preloaded,
     /// The run under way: what acts, when it began, and its pulses that have risen.
     active: Preloaded,
@@ -137,6 +164,7 @@ struct Machine<'a> {
     is_stalled: bool,
     is_break_active: bool,
     counter: Counter,
+    processor: Processor,
 }
 
 impl fmt::Debug for Machine<'_> {
@@ -155,7 +183,7 @@ impl<'a> Machine<'a> {
             ring,
             judge,
             now: 0,
-            registers: [0; 32],
+            registers: [0; 40],
             preload: [0, 0xFFFF, 0, 0, 0],
             active: [0, 0xFFFF, 0, 0, 0],
             began: 0,
@@ -168,11 +196,68 @@ impl<'a> Machine<'a> {
             is_stalled: false,
             is_break_active: false,
             counter: Counter::default(),
+            processor: Processor::default(),
         }
+        .found_in_use()
+    }
+
+    /// A boot loader has left what it needed: its successor relies on nothing that it has not written.
+    fn found_in_use(mut self) -> Self {
+        for (register, value) in [
+            (Register::Smcr, 0b111),
+            (Register::StreamFcr, 0b10_0111),
+            (Register::CounterDier, 1),
+            (Register::CounterPsc, 83),
+            (Register::CounterArr, 0xFFFF),
+        ] {
+            self.registers[register as usize] = value;
+        }
+        self
     }
 
     fn register(&self, register: Register) -> u32 {
         self.registers[register as usize]
+    }
+
+    /// The processor is busy: with an access, or with what it does behind a write to a register.
+    fn spend(&mut self, written: Option<Register>) {
+        let ticks = match written {
+            Some(register) => self.processor.behind(register),
+            None => self.processor.access(),
+        };
+        if ticks > 0 {
+            self.run_until(self.now + ticks);
+        }
+    }
+
+    /// Holds every register that a train relies on against the manual, when a train begins.
+    fn check_set_up(&self) {
+        for (register, value) in [
+            // RM0090, 17.4: PWM mode 1 with preload on both channels, TRGO = OC1REF, OC1N and OC2N, burst of 5 words from PSC (28h / 4).
+            (Register::Ccmr1, 0x6868),
+            (Register::Cr2, 0x40),
+            (Register::Smcr, 0),
+            (Register::Dier, 0x100),
+            (Register::Ccer, 0x44),
+            (Register::Dcr, 0x040A),
+            // RM0090, 10.5: channel 6, very high, words, MINC, CIRC, memory to peripheral, on; direct mode.
+            (Register::StreamCr, 0x0C03_5541),
+            (Register::StreamFcr, 0),
+            // RM0090, 18.4: TIM2 counts ITR0, which is TIM1, in 32 bits; every channel captures both edges of its own pin.
+            (Register::CounterCr1, 1),
+            (Register::CounterSmcr, 0x07),
+            (Register::CounterDier, 0),
+            (Register::CounterCcmr1, 0x3131),
+            (Register::CounterCcmr2, 0x3131),
+            (Register::CounterCcer, 0xBBBB),
+            (Register::CounterPsc, 0),
+            (Register::CounterArr, u32::MAX),
+        ] {
+            let found = self.register(register);
+            assert_eq!(found, value, "{register:?} is {found:#X}");
+        }
+        // The break is on, low is active, and outputs that are off are driven low.
+        assert_eq!(self.register(Register::Bdtr) & !bits::MOE, 0x1C00);
     }
 
     fn write(&mut self, register: Register, value: u32) {
@@ -207,6 +292,7 @@ impl<'a> Machine<'a> {
                 assert_eq!(value & bits::ARPE, bits::ARPE, "ARR is preloaded");
                 if self.counts() && !was_running {
                     assert_eq!(self.stood, 0, "the counter was not generated anew");
+                    self.check_set_up();
                     self.began = self.now;
                     self.risen = 0;
                 } else if was_running && !self.counts() {
@@ -403,6 +489,11 @@ impl<'a> Machine<'a> {
             return;
         }
         assert!(width <= reload, "a pulse that does not fall");
+        let low = reload + 1 - width;
+        assert!(
+            width >= SEEN && low >= SEEN,
+            "the counter sees no pulse of {width} ticks, {low} ticks behind another"
+        );
         let period = self.period();
         let due = ((time - self.began) / period + 1).min(self.repeat());
         let fresh = due - self.risen;

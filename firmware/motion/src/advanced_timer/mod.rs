@@ -26,6 +26,7 @@ mod interrupts;
 mod output;
 mod registers;
 mod ring;
+mod set_up;
 mod slots;
 #[cfg(test)]
 mod tests;

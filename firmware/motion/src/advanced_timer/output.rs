@@ -5,6 +5,7 @@ use core::fmt;
 use super::count::Course;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
+use super::set_up;
 use super::slots::{Place, Remainder, Words, direction_of, level};
 use crate::{PulseSink, Record, Ticks};
 
@@ -74,28 +75,8 @@ impl<'a, R: Registers> Output<'a, R> {
     /// Sets up timers and stream. Both timers stand still, the outputs are low; the clocks of the peripherals are on, and the
     /// stream has its addresses.
     pub fn new(mut registers: R, ring: &'a Ring) -> Self {
-        use Register as Reg;
-        for (register, value) in [
-            (Reg::StreamCr, 0),
-            (Reg::Cr1, bits::URS | bits::ARPE),
-            (Reg::Cr2, bits::TRGO_OC1REF),
-            (Reg::Dier, 0),
-            (Reg::Psc, 0),
-            (Reg::Ccr1, 0),
-            (Reg::Ccr2, 0),
-            (Reg::Ccmr1, bits::CHANNEL_1_LOW | bits::CHANNEL_2_PWM),
-            (Reg::Ccer, bits::OUTPUTS),
-            (Reg::Dcr, bits::BURST_FROM_PSC),
-            (Reg::Bdtr, bits::BREAK | bits::MOE),
-            (Reg::CounterSmcr, bits::COUNT_TIM1),
-            (Reg::CounterCcmr1, bits::CAPTURE_PAIR),
-            (Reg::CounterCcmr2, bits::CAPTURE_PAIR),
-            (Reg::CounterCcer, bits::CAPTURE_BOTH_EDGES),
-            (Reg::CounterCnt, 0),
-            (Reg::CounterCr1, bits::CEN),
-        ] {
-            registers.write(register, value);
-        }
+        set_up::timer(&mut registers);
+        set_up::counter(&mut registers);
         Self {
             registers,
             ring,
@@ -343,12 +324,14 @@ impl<'a, R: Registers> Output<'a, R> {
             (Reg::Egr, bits::UG),
             (Reg::Ccmr1, bits::CHANNEL_1_PWM | bits::CHANNEL_2_PWM),
             (Reg::Dier, bits::UDE),
-            (Reg::Cr1, bits::URS | bits::ARPE | bits::CEN),
         ] {
             self.registers.write(register, value);
         }
-        // The first slot is fetched when the second silence begins.
+        // An interrupt between this and the next may make what follows earlier than the timer is, never later.
         self.moved = self.registers.now();
+        self.registers
+            .write(Reg::Cr1, bits::URS | bits::ARPE | bits::CEN);
+        // The first slot is fetched when the second silence begins.
         self.request = self.moved.wrapping_add(LEAD_IN);
         self.last = LEAD_IN;
         let began = self.request.wrapping_add(LEAD_IN);

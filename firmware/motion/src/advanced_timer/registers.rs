@@ -7,6 +7,8 @@ pub enum Register {
     Cr1,
     /// TIM1_CR2: control register 2; what TIM1 shows to TIM2.
     Cr2,
+    /// TIM1_SMCR: slave mode; none.
+    Smcr,
     /// TIM1_DIER: DMA and interrupt enable.
     Dier,
     /// TIM1_SR: status; a flag is cleared by writing 0 to it.
@@ -33,6 +35,8 @@ pub enum Register {
     Dcr,
     /// DMA2_S5CR: the stream. Its addresses (DMA2_S5PAR: TIM1_DMAR; DMA2_S5M0AR: the ring) are for the board to write.
     StreamCr,
+    /// DMA2_S5FCR: the FIFO of the stream; 0 is direct mode.
+    StreamFcr,
     /// DMA2_S5NDTR: words left in this round.
     StreamNdtr,
     /// DMA2_HIFCR: clears the flags of the stream.
@@ -47,6 +51,14 @@ pub enum Register {
     CounterCcmr2,
     /// TIM2_CCER: edges that capture.
     CounterCcer,
+    /// TIM2_DIER: its interrupts and DMA requests; none.
+    CounterDier,
+    /// TIM2_EGR: event generation.
+    CounterEgr,
+    /// TIM2_PSC: prescaler, preloaded.
+    CounterPsc,
+    /// TIM2_ARR: where it begins anew, 32 bits.
+    CounterArr,
     /// TIM2_CNT: pulses that left, 32 bits.
     CounterCnt,
     /// TIM2_SR: what was captured; a flag is cleared by writing 0 to it, or by reading what was captured.

@@ -4,7 +4,7 @@ use motion::{DriverTiming, Limits, Ramps};
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 
-use super::super::rig::SEGMENT;
+use super::super::rig::{HZ, SEGMENT};
 use super::{FAST, SLOW, rig};
 
 #[derive(Clone, Debug)]
@@ -54,9 +54,11 @@ fn command() -> impl Strategy<Value = Command> {
     ]
 }
 
-fn play(commands: &[Command], timing: DriverTiming, burst: u64) {
+fn play(commands: &[Command], timing: DriverTiming, burst: u64, access: u64) {
     let mut rig = rig(timing);
     rig.model.set_burst(burst);
+    rig.model.set_access(access);
+    rig.model.set_interrupts(50, u64::from(HZ) / 100_000);
     for command in commands {
         let _ = match *command {
             Command::MoveTo(target, limits) => rig.axis.move_to(target.into(), limits),
@@ -108,7 +110,8 @@ proptest! {
         commands in prop::collection::vec(command(), 1..25),
         fast: bool,
         burst in 5..84u64,
+        access in 0..8u64,
     ) {
-        play(&commands, if fast { FAST } else { SLOW }, burst);
+        play(&commands, if fast { FAST } else { SLOW }, burst, access);
     }
 }

@@ -37,7 +37,7 @@ use defmt_rtt as _;
 use stm32f4xx_hal::gpio::{Output, Pull, Speed, PC12, PC6, PC7};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::{Config, Enable};
+use stm32f4xx_hal::rcc::{Config, Enable, Reset};
 use stm32f4xx_hal::signature::Uid;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
@@ -119,13 +119,18 @@ impl Board for Stm32f405 {
         );
 
         pac::TIM5::enable(&mut rcc);
+        pac::TIM5::reset(&mut rcc);
         device.TIM5.cr1().write(|w| w.cen().set_bit());
 
-        // A debugger that stops the core stops the pulses too.
+        // A debugger that stops the core stops the pulses too, and the time by which they would be late.
         device
             .DBGMCU
             .apb2_fz()
             .modify(|_, w| w.dbg_tim1_stop().set_bit());
+        device
+            .DBGMCU
+            .apb1_fz()
+            .modify(|_, w| w.dbg_tim3_stop().set_bit().dbg_tim5_stop().set_bit());
         let (pulses, steps) = pulse_timer::start(
             (device.TIM1, device.TIM2, device.DMA2),
             (
@@ -146,6 +151,7 @@ impl Board for Stm32f405 {
 
         // The interrupt between control ticks.
         pac::TIM3::enable(&mut rcc);
+        pac::TIM3::reset(&mut rcc);
         let period = TIMERS_HZ / (RATE_HZ * Self::REFILLS);
         device.TIM3.psc().write(|w| w.psc().set(0));
         device

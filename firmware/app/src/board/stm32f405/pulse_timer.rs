@@ -12,7 +12,7 @@ use motion::advanced_timer::{count_at_edge, CaptureChannel, Output, Register, Re
 use motion::{PulseSink, Record, Ticks};
 use stm32f4xx_hal::gpio::{Alternate, PA0, PA1, PB11, PB12, PB13, PB14};
 use stm32f4xx_hal::pac;
-use stm32f4xx_hal::rcc::{Enable, Rcc};
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use crate::board::{Pulses, Steps};
 
@@ -46,6 +46,7 @@ mod offset {
     pub const S5NDTR: usize = 0x8C;
     pub const S5PAR: usize = 0x90;
     pub const S5M0AR: usize = 0x94;
+    pub const S5FCR: usize = 0x9C;
 }
 
 /// The pins of the pulses: step, direction, and the break input.
@@ -77,9 +78,13 @@ impl Timers {
         _pins: (PulsePins, CapturePins),
         rcc: &mut Rcc,
     ) -> (Self, Self) {
+        // Entered without a reset of the chip, by a boot loader or a debugger, a timer may run and a stream may be on.
         pac::TIM1::enable(rcc);
+        pac::TIM1::reset(rcc);
         pac::TIM2::enable(rcc);
+        pac::TIM2::reset(rcc);
         pac::DMA2::enable(rcc);
+        pac::DMA2::reset(rcc);
         let stream = pac::DMA2::ptr() as usize;
         let from = addr_of!(RING) as usize;
         let to = pac::TIM1::ptr() as usize + offset::DMAR;
@@ -100,6 +105,7 @@ impl Timers {
         let address = match register {
             Register::Cr1 => tim1 + offset::CR1,
             Register::Cr2 => tim1 + offset::CR2,
+            Register::Smcr => tim1 + offset::SMCR,
             Register::Dier => tim1 + offset::DIER,
             Register::Sr => tim1 + offset::SR,
             Register::Egr => tim1 + offset::EGR,
@@ -113,6 +119,7 @@ impl Timers {
             Register::Bdtr => tim1 + offset::BDTR,
             Register::Dcr => tim1 + offset::DCR,
             Register::StreamCr => dma2 + offset::S5CR,
+            Register::StreamFcr => dma2 + offset::S5FCR,
             Register::StreamNdtr => dma2 + offset::S5NDTR,
             Register::StreamFlags => dma2 + offset::HIFCR,
             Register::CounterCr1 => tim2 + offset::CR1,
@@ -120,6 +127,10 @@ impl Timers {
             Register::CounterCcmr1 => tim2 + offset::CCMR1,
             Register::CounterCcmr2 => tim2 + offset::CCMR2,
             Register::CounterCcer => tim2 + offset::CCER,
+            Register::CounterDier => tim2 + offset::DIER,
+            Register::CounterEgr => tim2 + offset::EGR,
+            Register::CounterPsc => tim2 + offset::PSC,
+            Register::CounterArr => tim2 + offset::ARR,
             Register::CounterCnt => tim2 + offset::CNT,
             Register::CounterSr => tim2 + offset::SR,
             Register::CounterCcr1 => tim2 + offset::CCR1,
