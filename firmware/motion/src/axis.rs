@@ -311,24 +311,6 @@ impl Axis {
         self.advance_by(self.train.segment() << 1, sink)
     }
 
-    /// As [`Axis::advance`], but four segments of a smooth motion, and of an average that jerk-limited `ramps` are to replace: planning that
-    /// takes the processor more than half a millisecond at worst, and all that time no records are made. To be called before that.
-    ///
-    /// # Errors
-    /// [`AdvanceError`]: the sink is full, or ran empty.
-    pub fn prepare<S: PulseSink>(
-        &mut self,
-        ramps: Ramps,
-        sink: &mut S,
-    ) -> Result<(), AdvanceError> {
-        let takes_over = self.is_averaged && matches!(ramps, Ramps::JerkLimited(_));
-        if self.path.is_none() && (self.plan.is_smooth() || takes_over) {
-            self.advance_by(self.train.segment() << 2, sink)
-        } else {
-            Ok(())
-        }
-    }
-
     /// Hands out records until the sink has so many ticks to play.
     fn advance_by<S: PulseSink>(&mut self, reserve: u32, sink: &mut S) -> Result<(), AdvanceError> {
         let pending = sink.pending();

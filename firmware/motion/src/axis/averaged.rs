@@ -1,10 +1,11 @@
 //! How an axis leaves for another goal, and how it follows the mean of its plan.
 
-use super::Axis;
+use super::{AdvanceError, Axis};
 use crate::average::{Average, Mean, Window};
 use crate::clock::Ticks;
 use crate::fixed::Exact;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
+use crate::record::PulseSink;
 
 impl Axis {
     /// What it goes on with if it follows the mean of a plan; `None` if it does not.
@@ -20,6 +21,30 @@ impl Axis {
         } else {
             0
         }
+    }
+
+    /// As [`Axis::advance`], but four segments if a plan with these `ramps` may be a dear one: where a smooth motion is under way, or ramps of
+    /// limited jerk take the place of whatever it is. Such a plan takes the processor up to 0.3 ms, and all that time no records are made. To be
+    /// called before it. Of set-points that are followed no more is handed out than has come.
+    ///
+    /// # Errors
+    /// [`AdvanceError`]: the sink is full, or ran empty.
+    pub fn prepare<S: PulseSink>(
+        &mut self,
+        ramps: Ramps,
+        sink: &mut S,
+    ) -> Result<(), AdvanceError> {
+        let becomes_jerk_limited = matches!(ramps, Ramps::JerkLimited(_));
+        let is_smooth = self.path.is_none() && self.plan.is_smooth();
+        if !becomes_jerk_limited && !is_smooth {
+            return Ok(());
+        }
+        let mut reserve = self.train.segment() << 2;
+        if let Some(path) = &self.path {
+            let known = path.end().0.saturating_sub(self.played(sink.pending()));
+            reserve = u32::try_from(known).map_or(reserve, |known| reserve.min(known));
+        }
+        self.advance_by(reserve, sink)
     }
 
     /// Plans another motion, from where the axis is at the commit horizon. On an error the motion goes on as it was.

@@ -4,6 +4,7 @@ mod averaged;
 mod behaviour;
 mod hours;
 mod lines;
+mod prepare;
 mod random;
 mod replay;
 mod slow;

@@ -4,24 +4,24 @@ use super::{FAST, HZ, Replay, SLOW, axis, run};
 use crate::axis::{AdvanceError, Axis};
 use crate::{Limits, Plan, PlanError, PulseSink, Ramps, Speed};
 
-const T01: Limits = Limits {
+pub(super) const T01: Limits = Limits {
     velocity: Speed::per_second(100_000),
     acceleration: 500_000,
     deceleration: 500_000,
 };
 
 /// Ticks of so many milliseconds.
-fn ms(milliseconds: u64) -> u64 {
+pub(super) fn ms(milliseconds: u64) -> u64 {
     milliseconds * u64::from(HZ) / 1000
 }
 
-fn command(axis: &mut Axis, sink: &mut Replay, target: i64, limits: Limits) {
+pub(super) fn command(axis: &mut Axis, sink: &mut Replay, target: i64, limits: Limits) {
     axis.move_to(target, limits).unwrap();
     sink.follow(axis);
 }
 
 /// Runs for some time and leaves what is pending in the sink.
-fn fly(axis: &mut Axis, sink: &mut Replay, ticks: u64) {
+pub(super) fn fly(axis: &mut Axis, sink: &mut Replay, ticks: u64) {
     let until = sink.ticks - sink.pending() + ticks;
     while sink.ticks - sink.pending() < until && !axis.is_at_rest() {
         axis.advance(sink).unwrap();
@@ -89,49 +89,6 @@ fn two_segments_are_committed_and_little_more() {
             sink.play(segment / 4);
         }
     }
-}
-
-/// Planning a smooth motion anew takes long: so much more is handed out before, and the demand still is what is being played. Otherwise it is as
-/// of any motion: a stop is to be felt.
-#[test]
-fn four_segments_of_a_smooth_motion_are_committed_before_it_is_planned_anew() {
-    for ramps in [Ramps::SinSquared, Ramps::JerkLimited(20_000_000)] {
-        let (mut axis, mut sink) = axis(FAST);
-        let segment = u64::from(axis.train.segment());
-        axis.set_ramps(ramps);
-        command(&mut axis, &mut sink, 30_000, T01);
-        for number in 0..800 {
-            let is_prepared = number % 32 == 31;
-            let (least, most) = if is_prepared {
-                axis.prepare(ramps, &mut sink).unwrap();
-                (4, 5)
-            } else {
-                (2, if number % 32 < 12 { 5 } else { 3 })
-            };
-            axis.advance(&mut sink).unwrap();
-            assert!(sink.pending() >= least * segment);
-            assert!(sink.pending() <= most * segment + 100);
-            let played = sink.ticks - sink.pending();
-            let planned = sink.curves[0].state_at(played);
-            let demand = axis.demand(sink.pending());
-            assert!((demand.position - planned.position.whole_steps()).abs() <= 1);
-            let velocity = planned.velocity.speed(axis.clock);
-            assert!(demand.velocity.abs_diff(velocity) <= 70.into());
-            sink.play(segment / 4);
-        }
-    }
-}
-
-/// Nothing takes long where ramps are linear, or set-points are followed.
-#[test]
-fn of_any_other_motion_no_more_is_handed_out_before_another() {
-    let (mut axis, mut sink) = axis(FAST);
-    command(&mut axis, &mut sink, 30_000, T01);
-    axis.advance(&mut sink).unwrap();
-    let pending = sink.pending();
-    axis.prepare(Ramps::JerkLimited(20_000_000), &mut sink)
-        .unwrap();
-    assert_eq!(sink.pending(), pending);
 }
 
 #[test]
