@@ -320,12 +320,18 @@ impl Axis {
         let enough = self.handed.wrapping_add(missing.into());
         loop {
             self.hand_out(sink)?;
-            if self.handed >= enough || self.is_at_rest() {
+            if self.handed >= enough {
+                break;
+            }
+            if self.go_straight_on(enough) {
+                continue;
+            }
+            if self.is_at_rest() {
                 break;
             }
             if self.train.can_flush(self.horizon, enough) {
                 self.train.flush(self.horizon);
-            } else if !self.go_straight_on(enough) {
+            } else {
                 self.compose();
             }
         }

@@ -14,12 +14,9 @@ use crate::crossings::Crossings;
 use crate::fixed::{Position, State, Velocity};
 use crate::record::{Direction, DriverTiming, Record, SHORTEST_RECORD};
 
-/// Records that one chord can make at most: three for the open period, one more at a change of direction, two runs for each share and
-/// one more, and one for a long silence.
-const MOST_RECORDS: usize = 6 + 2 * MOST_SHARES as usize;
-
-/// Shares of a chord at most: it has two kinds of period, and each share has its part of both.
-const MOST_SHARES: u32 = 7;
+/// Records that one chord can make at most: three for the open period, one more at a change of direction, three runs, and one for a long
+/// silence.
+const MOST_RECORDS: usize = 9;
 
 /// The pulses of a run are counted in 16 bits.
 const LONGEST_RUN: u32 = u16::MAX as u32;
@@ -32,8 +29,11 @@ const CHORDS_PER_SEGMENT: u32 = 32;
 /// From so many pulses in a chord on, the open period before it is as long as the periods in it.
 const MANY: u32 = 8;
 
-/// With the most shares, pulses are off by length · v² / (8 · shares) steps; here 5/7, times 8 · 7, for v in Q24.
-const MOST_BEND: u64 = 40 << 48;
+/// A microsecond at 168 MHz, in ticks: faster pulses may be off by that, but for an eighth.
+const CROWDED: u32 = 168;
+
+/// Pulses of a chord at most: in three runs they are off by an eighth of that in ticks.
+const MOST_PULSES: u32 = 8 * CROWDED;
 
 /// A stretch of the plan, taken as a straight line.
 #[derive(Debug, Clone, Copy)]
@@ -111,7 +111,6 @@ impl Train {
         let turn = hold.saturating_add(setup);
         let segment = segment.min(1 << 28).max(turn.saturating_mul(2));
         let longest = segment.min(shortest.saturating_mul(LONGEST_RUN));
-        let square = MOST_BEND.checked_div(longest.into()).unwrap_or(0);
         Self {
             width: timing.pulse_high as u16,
             shortest,
@@ -120,8 +119,10 @@ impl Train {
             setup,
             segment,
             longest,
-            // Velocities are less than a step per tick.
-            easy: square.isqrt().min(1 << 24) as u32,
+            easy: (MOST_PULSES << 20)
+                .checked_div(longest >> 4)
+                .unwrap_or(u32::MAX)
+                .min(1 << 24),
             least_chord: longest.min(segment / CHORDS_PER_SEGMENT),
             steps,
             direction: None,
@@ -155,9 +156,8 @@ impl Train {
         self.segment
     }
 
-    /// How long a chord from `velocity` on is if the plan allows `longest`, in ticks: so that no run has more pulses than a record can
-    /// count, and that evenly spaced pulses stay within three quarters of a step of the chord. It is a segment of 250 µs where the plan allows
-    /// it, up to 4.9 MHz on a timer of 168 MHz.
+    /// How long a chord from `velocity` on is if the plan allows `longest`, in ticks: so that it has no more than [`MOST_PULSES`]. It is a
+    /// segment of 250 µs where the plan allows it, up to 5 MHz.
     #[inline]
     pub(crate) fn chord(&self, velocity: Velocity, longest: u32) -> u32 {
         let speed = (velocity.bits().unsigned_abs() >> 32) as u32;
@@ -184,10 +184,8 @@ impl Train {
     /// Divisions are dear, and this one is seldom needed.
     #[cold]
     fn shorter_chord(&self, speed: u32) -> u32 {
-        let speed = u64::from(speed);
-        let length = MOST_BEND.checked_div(speed.wrapping_mul(speed));
-        // Less than the longest, so 32 bits hold it.
-        length.map_or(self.longest, |length| length as u32)
+        let length = (MOST_PULSES << 20).checked_div(speed >> 4);
+        length.map_or(self.longest, |length| length.min(self.longest))
     }
 
     /// The tick up to which there are records.
@@ -411,74 +409,38 @@ impl Train {
             self.make(period, gaps, true, direction);
             return;
         }
-        if gaps.wrapping_mul(gaps) > span >> 2 {
-            let shares = shares(more.1, fewer.1, span, base);
-            if shares > 0 {
-                self.interleave(more, fewer, shares, direction);
-                return;
-            }
-        }
-        // The pulses are off by gaps² / (4 · span) steps at most, a sixteenth as a rule.
-        let [one, other] = if speeding_up {
-            [long, short]
+        // The pulses of two runs are off by more · fewer / gaps ticks at most. Where that is too much, the fewer periods stand in the middle of
+        // the others: so pulses are ahead in one half and behind in the other, and half as far.
+        let enough = if base < CROWDED {
+            gaps.wrapping_mul(CROWDED - (CROWDED >> 3))
         } else {
-            [short, long]
+            // A sixteenth of a step.
+            span >> 4
         };
-        for (period, repeat) in [one, other] {
-            self.keep(Record {
-                period,
-                repeat: repeat as u16,
-                width: self.width,
-                direction,
-            });
-        }
+        let outer = more.1 >> 1;
+        let is_crowded = more.1.wrapping_mul(fewer.1) > enough;
+        let (first, second) = if is_crowded && base.wrapping_mul(outer) >= SHORTEST_RECORD {
+            self.put(more.0, outer, direction);
+            (fewer, (more.0, more.1.wrapping_sub(outer)))
+        } else if speeding_up {
+            (long, short)
+        } else {
+            (short, long)
+        };
+        self.put(first.0, first.1, direction);
+        self.put(second.0, second.1, direction);
         self.pen = self.pen.wrapping_add(span.into());
     }
 
-    /// Crowded pulses: in each share the fewer periods in the middle of the others, so that pulses are ahead in one half of it and behind in
-    /// the other.
-    #[inline(never)]
-    fn interleave(
-        &mut self,
-        more: (u32, u32),
-        fewer: (u32, u32),
-        shares: u32,
-        direction: Direction,
-    ) {
-        let part = |number: u32, of: u32, parts: u32| {
-            let share = number.wrapping_mul(of).checked_div(parts);
-            share.unwrap_or(0)
-        };
-        let (width, first) = (self.width, usize::from(self.count));
-        let mut room = self.made.iter_mut().skip(first);
-        let mut put = |period: u32, repeat: u32| {
-            let room = room.next();
-            debug_assert!(room.is_some(), "{NO_ROOM}");
-            if let Some(room) = room {
-                *room = Record {
-                    period,
-                    repeat: repeat as u16,
-                    width,
-                    direction,
-                };
-            }
-        };
-        let (mut outer, mut inner) = (0, 0);
-        for share in 0..shares {
-            let half = share.wrapping_mul(2).wrapping_add(1);
-            let until = part(more.1, half, shares.wrapping_mul(2));
-            put(more.0, until.wrapping_sub(outer));
-            outer = until;
-            let until = part(fewer.1, share.wrapping_add(1), shares);
-            put(fewer.0, until.wrapping_sub(inner));
-            inner = until;
-        }
-        put(more.0, more.1.wrapping_sub(outer));
-        let runs = shares.wrapping_mul(2).wrapping_add(1);
-        self.count = self.count.wrapping_add(runs as u8);
-        let span = more.0.wrapping_mul(more.1);
-        let span = span.wrapping_add(fewer.0.wrapping_mul(fewer.1));
-        self.pen = self.pen.wrapping_add(span.into());
+    /// A run of pulses; the pen follows.
+    #[inline]
+    fn put(&mut self, period: u32, repeat: u32, direction: Direction) {
+        self.keep(Record {
+            period,
+            repeat: repeat as u16,
+            width: self.width,
+            direction,
+        });
     }
 
     /// Ticks from the pen to the earliest pulse in `direction`.
@@ -572,19 +534,6 @@ impl Train {
             self.count = self.count.wrapping_add(1);
         }
     }
-}
-
-/// In how many shares two kinds of period are mixed, of base and base + 1 ticks, `span` in all: pulses are off by
-/// more · fewer / (2 · shares · span) steps, which is to be less than 3/4. 0 where a run would be too short for a record.
-fn shares(more: u32, fewer: u32, span: u32, base: u32) -> u32 {
-    // A run has 16 bits of periods.
-    let wanted = (more.wrapping_mul(fewer) / 3).wrapping_mul(2);
-    let wanted = wanted.checked_div(span).unwrap_or(0);
-    let wanted = wanted.wrapping_add(1).min(MOST_SHARES);
-    // The outermost runs have half of a share, and may have lost a period in rounding.
-    let least = base.wrapping_add(SHORTEST_RECORD).wrapping_mul(2);
-    let most = base.wrapping_mul(fewer).checked_div(least).unwrap_or(0);
-    wanted.min(most)
 }
 
 /// Whether the open period, up to the first of so many pulses, is as long as those between them, which take `span` ticks, but for an

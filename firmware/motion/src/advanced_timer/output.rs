@@ -287,8 +287,7 @@ impl<'a, R: Registers> Output<'a, R> {
             taken = taken.wrapping_add(1);
         }
         if taken > 0 {
-            let number = slots.len().wrapping_sub(place.left()) as u32;
-            self.written = self.written.wrapping_add(number);
+            self.written = self.written.wrapping_add(place.written() as u32);
             // What follows must not turn back while it is silent.
             self.ring.set_level(self.written, self.level);
             self.end = self.end.wrapping_add(ticks);

@@ -1,7 +1,5 @@
 //! From records to slots: what a timer of 16 bits with a repetition counter of 8 bits can do at a time.
 
-use core::slice::Iter;
-
 use super::ring::{Slot, fill};
 use crate::{Direction, Record};
 
@@ -72,8 +70,7 @@ pub(super) const fn direction_of(level: u32) -> Direction {
 /// A record in equal runs: a short one at the end might be over before the burst behind it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Runs {
-    /// How many there are, the periods of each, and how many have one more.
-    pub(super) count: u32,
+    /// The periods of each, and how many have one more.
     repeat: u32,
     more: u32,
 }
@@ -89,7 +86,6 @@ impl Runs {
         let run = period.wrapping_mul(periods);
         if run <= LONGEST_RUN && periods <= MOST_PERIODS {
             return Some(Self {
-                count: 1,
                 repeat: periods,
                 more: 0,
             });
@@ -100,11 +96,7 @@ impl Runs {
             .max(periods.div_ceil(MOST_PERIODS));
         let repeat = periods.checked_div(count).unwrap_or(0);
         let more = periods.wrapping_sub(repeat.wrapping_mul(count));
-        Some(Self {
-            count,
-            repeat,
-            more,
-        })
+        Some(Self { repeat, more })
     }
 
     /// The periods of the next run.
@@ -121,8 +113,9 @@ impl Runs {
 /// Where slots are written, one behind the other.
 #[derive(Debug)]
 pub(super) struct Place<'a> {
-    /// Those that may be written.
-    slots: Iter<'a, Slot>,
+    /// Those that may be written, and how many have been.
+    slots: &'a [Slot],
+    written: usize,
     /// The level of the direction signal in all of them.
     level: u32,
     /// Ticks of the last one written.
@@ -130,61 +123,85 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    pub(super) fn new(slots: &'a [Slot], level: u32) -> Self {
+    pub(super) const fn new(slots: &'a [Slot], level: u32) -> Self {
         Self {
-            slots: slots.iter(),
+            slots,
+            written: 0,
             level,
             last: 0,
         }
     }
 
-    /// So many are left.
-    pub(super) fn left(&self) -> usize {
-        self.slots.len()
+    /// So many have been written.
+    pub(super) const fn written(&self) -> usize {
+        self.written
     }
 
-    /// Writes a record; whether there was room for all of it.
+    /// Writes a record, in equal runs; whether there was room for all of it.
     #[inline]
     pub(super) fn put(&mut self, record: &Record) -> bool {
         let (period, repeat) = (record.period, u32::from(record.repeat));
-        let run = period.wrapping_mul(repeat);
-        // Most records are one run. Silence is one period.
-        if period > LONGEST_RUN || run > LONGEST_RUN || repeat > MOST_PERIODS {
-            return self.spread(record);
-        }
         let width = u32::from(record.width);
-        let (period, repeat) = if width == 0 {
-            (run, 1)
-        } else {
-            (period, repeat)
-        };
-        let Some(slot) = self.slots.next() else {
+        // Silence is one period.
+        if period > LONGEST_RUN || (width == 0 && repeat != 1) {
+            return self.put_long(record);
+        }
+        // The product fits: a period has 15 bits, and there are 16 bits of them.
+        let ticks = period.wrapping_mul(repeat);
+        if ticks > LONGEST_RUN || repeat > MOST_PERIODS {
+            return self.put_runs(period, repeat, width);
+        }
+        let Some(slot) = self.slots.get(self.written) else {
             return false;
         };
+        self.written = self.written.wrapping_add(1);
+        self.last = ticks;
         fill(slot, Words::run(period, repeat, width, self.level));
-        self.last = run;
         true
     }
 
-    /// The same for a record that takes several.
+    /// The same for pulses that take several.
     #[inline(never)]
-    fn spread(&mut self, record: &Record) -> bool {
+    fn put_runs(&mut self, period: u32, repeat: u32, width: u32) -> bool {
+        // Never more runs than periods.
+        let runs = period
+            .wrapping_mul(repeat)
+            .div_ceil(LONGEST_RUN)
+            .max(repeat.div_ceil(MOST_PERIODS));
+        let end = self.written.wrapping_add(runs as usize);
+        let Some(slots) = self.slots.get(self.written..end) else {
+            return false;
+        };
+        self.written = end;
+        let (mut left, mut runs, level) = (repeat, runs, self.level);
+        let mut repeat = repeat;
+        for slot in slots {
+            repeat = left.checked_div(runs).unwrap_or(left);
+            fill(slot, Words::run(period, repeat, width, level));
+            left = left.wrapping_sub(repeat);
+            runs = runs.wrapping_sub(1);
+        }
+        self.last = period.wrapping_mul(repeat);
+        true
+    }
+
+    fn has_room(&self, number: u32) -> bool {
+        number as usize <= self.slots.len().wrapping_sub(self.written)
+    }
+
+    #[inline]
+    fn write(&mut self, words: Words) {
+        if let Some(slot) = self.slots.get(self.written) {
+            fill(slot, words);
+        }
+        self.written = self.written.wrapping_add(1);
+    }
+
+    /// The same for periods that take several slots each.
+    #[inline(never)]
+    fn put_long(&mut self, record: &Record) -> bool {
         let (period, repeat) = (record.period, u32::from(record.repeat));
         let (width, level) = (u32::from(record.width), self.level);
-        if period <= LONGEST_RUN && width > 0 {
-            let Some(mut runs) = Runs::of(period, repeat) else {
-                return false;
-            };
-            let Some(slots) = self.take(runs.count) else {
-                return false;
-            };
-            // Those with one more come first.
-            self.last = period.wrapping_mul(runs.repeat);
-            for slot in slots {
-                fill(slot, Words::run(period, runs.next(), width, level));
-            }
-            return true;
-        }
         // Silence is one period.
         let (period, repeat) = if width == 0 {
             (period.saturating_mul(repeat), 1)
@@ -192,36 +209,22 @@ impl<'a> Place<'a> {
             (period, repeat)
         };
         let parts = period.div_ceil(LONGEST_RUN);
-        if width >= LONGEST_RUN / 2 {
+        if width >= LONGEST_RUN / 2 || !self.has_room(parts.saturating_mul(repeat)) {
             return false;
         }
-        let Some(slots) = self.take(parts.saturating_mul(repeat)) else {
-            return false;
-        };
         // Parts of equal length: none is short, and the pulse has room in the first.
         let part = period.checked_div(parts).unwrap_or(0);
         let rest = part.wrapping_add(period.wrapping_sub(part.wrapping_mul(parts)));
-        self.last = rest;
-        let (mut left, mut high) = (parts, width);
-        for slot in slots {
-            left = left.wrapping_sub(1);
-            if left > 0 {
-                fill(slot, Words::run(part, 1, high, level));
-                high = 0;
-            } else {
-                fill(slot, Words::run(rest, 1, high, level));
-                (left, high) = (parts, width);
+        for _ in 0..repeat {
+            let mut width = width;
+            for _ in 1..parts {
+                self.write(Words::run(part, 1, width, level));
+                width = 0;
             }
+            self.write(Words::run(rest, 1, width, level));
         }
+        self.last = rest;
         true
-    }
-
-    /// The next so many, if there are.
-    #[inline]
-    fn take(&mut self, number: u32) -> Option<&'a [Slot]> {
-        let (taken, left) = self.slots.as_slice().split_at_checked(number as usize)?;
-        self.slots = left.iter();
-        Some(taken)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::clock::Ticks;
 use crate::divide::estimate;
-use crate::fixed::{Exact, State, Velocity};
+use crate::fixed::{Exact, Position, State, Velocity};
 use crate::plan::phase::{Phase, product};
 use crate::train::{Chord, Train};
 
@@ -24,6 +24,8 @@ pub(super) struct Leg {
     creeps: bool,
     /// Steady: the ticks for a step, Q32; 0 as long as nobody has asked.
     pace: u64,
+    /// The longest chord at that.
+    pub(super) reach: u32,
     /// The chord that was gone last, in ticks; 0 for none.
     length: u32,
     /// What position and velocity grew by, and what that of the position grows by with every chord; all of them Q96.
@@ -55,6 +57,7 @@ impl Leg {
             bends,
             creeps: !bends && Velocity::from_exact(exact.velocity).creeps(),
             pace: 0,
+            reach: 0,
             length: 0,
             way: 0,
             gain: 0,
@@ -94,14 +97,19 @@ impl Leg {
     /// Where it is if its velocity stays, the ticks for a step, Q32, less than 2³¹, and those from `begin`, the commit horizon, to the next
     /// corner.
     #[inline]
-    pub(super) fn steady(&mut self, begin: Ticks) -> Option<(State, u64, Ticks)> {
-        if self.bends || self.creeps {
-            return None;
-        }
+    pub(super) fn steady(&mut self, begin: Ticks, train: &Train) -> Option<(Position, u64, Ticks)> {
         if self.pace == 0 {
+            if self.bends || self.creeps {
+                return None;
+            }
             self.pace = pace(self.exact.velocity)?;
+            self.reach = train.chord(self.state.velocity, u32::MAX);
         }
-        Some((self.state, self.pace, self.until.wrapping_sub(begin)))
+        Some((
+            self.state.position,
+            self.pace,
+            self.until.wrapping_sub(begin),
+        ))
     }
 
     /// Goes on for so many ticks at the velocity that stays. Gives the state there.

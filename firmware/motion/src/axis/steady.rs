@@ -11,12 +11,12 @@ impl Axis {
         let Some(leg) = self.leg.as_mut().filter(|_| train.is_even()) else {
             return false;
         };
-        let Some((from, pace, left)) = leg.steady(begin) else {
+        let Some((from, pace, left)) = leg.steady(begin, train) else {
             return false;
         };
-        let longest = train.chord(from.velocity, u32::MAX);
-        let wanted = enough.saturating_sub(begin).min(longest.into()) as u32;
-        let Some(length) = train.go_on(begin, from.position, pace, wanted, left) else {
+        // Less than 2³².
+        let wanted = enough.saturating_sub(begin).min(leg.reach.into()) as u32;
+        let Some(length) = train.go_on(begin, from, pace, wanted, left) else {
             return false;
         };
         let state = leg.coast(length);

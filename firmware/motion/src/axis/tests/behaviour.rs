@@ -411,10 +411,10 @@ fn pulses_are_in_the_middle_between_steps() {
 }
 
 #[test]
-fn four_million_steps_per_second_stay_within_a_step_and_its_rounding() {
+fn four_million_steps_per_second_stay_within_a_microsecond_and_their_rounding() {
     let (mut axis, mut sink) = axis(FAST);
-    // Whole steps are half a step off in any case.
-    sink.tolerance = 1.5;
+    // Whole steps are half a step off in any case, and a ramp by a quarter from its chords.
+    sink.tolerance = 4.75;
     let limits = Limits {
         velocity: 4_000_000.into(),
         acceleration: 20_000_000,
