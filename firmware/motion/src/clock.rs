@@ -4,7 +4,6 @@
 //! about wrap-around.
 
 use crate::speed::Speed;
-use crate::wide::Wide;
 
 /// Ticks of the step timer, counted from when the axis was made.
 pub type Ticks = u64;
@@ -26,6 +25,8 @@ pub struct Clock {
     second: u128,
     /// ⌊2¹²⁴ / hz²⌋: 28 bits more, so that even the slowest ramp keeps its precision
     second_squared: u128,
+    /// ⌊2¹⁵⁶ / 6·hz³⌋: for a sixth of a jerk, also with 28 bits more
+    sixth_second_cubed: u128,
 }
 
 impl Clock {
@@ -40,18 +41,23 @@ impl Clock {
             return None;
         }
         let rate = hz as u128;
-        // Neither divisor is zero here; `checked_div` says so without a panic path.
-        match (
+        // No divisor is zero here; `checked_div` says so without a panic path.
+        let (Some(second), Some(second_squared)) = (
             (1u128 << 96).checked_div(rate),
             (1u128 << 124).checked_div(rate * rate),
-        ) {
-            (Some(second), Some(second_squared)) => Some(Self {
-                hz,
-                second,
-                second_squared,
-            }),
-            _ => None,
-        }
+        ) else {
+            return None;
+        };
+        // The slowest timer makes it 117 bits.
+        let Some(sixth_second_cubed) = (second_squared << 32).checked_div(6 * rate) else {
+            return None;
+        };
+        Some(Self {
+            hz,
+            second,
+            second_squared,
+            sixth_second_cubed,
+        })
     }
 
     /// Ticks per second.
@@ -86,12 +92,10 @@ impl Clock {
     ///
     /// A sixth, because that is the coefficient of a cubic.
     pub(crate) fn sixth_jerk(self, steps_per_second_cubed: u32) -> Fine {
-        // Q152: 93 bits at most.
-        let second_cubed = Wide::product(self.second_squared, self.second).shifted_wrapping(68);
-        // A sixth of the limit, Q32.
-        let sixth = (u64::from(steps_per_second_cubed) << 32) / 6;
-        Wide::product(second_cubed, sixth.into())
-            .shifted_wrapping(56)
+        (self
+            .sixth_second_cubed
+            .wrapping_mul(steps_per_second_cubed.into())
+            >> 28)
             .clamp(1, TOP_SIXTH_JERK)
     }
 }

@@ -6,7 +6,7 @@
 //! The velocity is rounded down: the cruise takes up what that leaves.
 
 use super::jerk_limited::Rules;
-use super::ramp::{Lead, Limit, Motion, Ramp, steady_way};
+use super::ramp::{Lead, Limit, Motion, RoughLimit, steady_way};
 use super::rough::{Kind, Rough};
 
 /// Looking with rough numbers takes some four steps, and with exact ones one. This bounds both; where a few exact steps do not come to
@@ -40,45 +40,12 @@ const LONG: Rough = Rough::power(30);
 /// Ways of 2³¹ steps and more saturate: from here on, a few steps below that, they count as if they had.
 const LONGEST: i128 = i128::MAX - (1 << 100);
 
-/// How a move goes: a ramp to a velocity, and another one to the end.
-pub(super) struct Choice {
-    lead: Lead,
-    falls: bool,
-    pub(super) cruise: i128,
-}
-
-impl Choice {
-    /// The ramp to the velocity between them.
-    pub(super) fn first(&self, from: &Motion, rules: &Rules<'_>) -> Ramp {
-        let limit = if self.falls {
-            rules.deceleration
-        } else {
-            rules.acceleration
-        };
-        Ramp::new(
-            (from, &self.lead),
-            self.falls,
-            self.cruise,
-            limit,
-            rules.jerk,
-        )
-    }
-
-    /// The ramp to the velocity `end`.
-    pub(super) fn last(&self, end: i128, rules: &Rules<'_>) -> Ramp {
-        let from = Motion::steady(self.cruise);
-        let lead = Lead::steady(self.cruise);
-        Ramp::new((&from, &lead), true, end, rules.deceleration, rules.jerk)
-    }
-}
-
 /// A ramp in rough numbers.
 struct Side {
     /// The change of velocity, and the mean velocity, with the lowest cruise that comes into question.
     gain: Rough,
     mean: Rough,
-    /// The greatest acceleration, one by it, and how long it takes to come about.
-    limit: (Rough, Rough, Rough),
+    limit: RoughLimit,
 }
 
 impl Side {
@@ -89,7 +56,7 @@ impl Side {
         Self {
             gain: Rough::of(gain, Kind::Velocity),
             mean: if sum < 0 { mean.negated() } else { mean },
-            limit: limit.rough(),
+            limit: limit.rough,
         }
     }
 
@@ -97,10 +64,14 @@ impl Side {
     /// grows.
     #[inline(always)]
     fn way(&self, gain: Rough, more: Rough, jerk: Rough) -> (Rough, Rough, Rough) {
-        let (most, slowness, entry) = self.limit;
+        let RoughLimit {
+            square: limit,
+            slowness,
+            entry,
+        } = self.limit;
         let mean = self.mean.plus(more.halved());
         let square = jerk.times(gain);
-        let (half_time, growth) = if square < most.times(most) {
+        let (half_time, growth) = if square < limit {
             let growth = square.reciprocal_root();
             (gain.times(growth), growth)
         } else {
@@ -118,7 +89,6 @@ impl Side {
 struct Moves<'a> {
     rules: &'a Rules<'a>,
     lead: &'a Lead,
-    falls: bool,
     limit: &'a Limit,
     end: i128,
     way: u128,
@@ -141,14 +111,8 @@ struct Probe {
 }
 
 impl<'a> Moves<'a> {
-    fn new(
-        rules: &'a Rules<'a>,
-        (lead, falls): (&'a Lead, bool),
-        end: i128,
-        way: u128,
-        least: i128,
-    ) -> Self {
-        let limit = if falls {
+    fn new(rules: &'a Rules<'a>, lead: &'a Lead, end: i128, way: u128, least: i128) -> Self {
+        let limit = if lead.falls {
             rules.deceleration
         } else {
             rules.acceleration
@@ -168,16 +132,15 @@ impl<'a> Moves<'a> {
         Self {
             rules,
             lead,
-            falls,
             limit,
             end,
             way,
             least,
-            jerk: rules.jerk.whole.rough(),
+            jerk: rules.jerk.rough,
             first: Side::new(lead.velocity, least, limit),
             last: Side::new(end, least, rules.deceleration),
             goal,
-            doubt: sure.times(if falls { GREAT_DOUBT } else { DOUBT }),
+            doubt: sure.times(if lead.falls { GREAT_DOUBT } else { DOUBT }),
         }
     }
 
@@ -206,7 +169,7 @@ impl<'a> Moves<'a> {
     /// With a cruise that is faster than the lowest by `more`.
     #[inline(never)]
     fn probe(&self, more: Rough) -> Probe {
-        let gain = if self.falls {
+        let gain = if self.lead.falls {
             self.first.gain.minus(more).max(Rough::ZERO)
         } else {
             self.first.gain.plus(more)
@@ -217,7 +180,7 @@ impl<'a> Moves<'a> {
         Probe {
             span: first.0.plus(last.0),
             // The faster the cruise, the shorter is the ramp down to it.
-            slope: if self.falls {
+            slope: if self.lead.falls {
                 slope.minus(first.2)
             } else {
                 slope.plus(first.2)
@@ -317,33 +280,37 @@ fn exact(velocity: Rough) -> i128 {
 }
 
 impl Rules<'_> {
-    /// The greatest velocity between a ramp from a motion and one to the velocity `end`, within `way`; `None` if there is none.
-    pub(super) fn fastest(&self, from: &Motion, end: i128, way: u128) -> Option<Choice> {
+    /// The greatest velocity between a ramp from a motion and one to the velocity `end`, within `way`; `None` if there is none. `lead`
+    /// becomes that of the first ramp.
+    pub(super) fn fastest(
+        &self,
+        from: &Motion,
+        end: i128,
+        way: u128,
+        lead: &mut Lead,
+    ) -> Option<i128> {
         let coasting = from.coasting();
         let mut most = self.top;
         if coasting <= self.top {
-            let lead = Lead::new(from, false, self.acceleration, self.jerk);
+            *lead = Lead::new(from, false, self.acceleration, self.jerk);
             let least = coasting.max(end);
-            let chosen = self.chosen((&lead, false), end, way, (least, self.top), true);
-            if let Some(cruise) = chosen {
-                return Choice::new(lead, false, cruise);
-            }
-            if least == end {
-                return None;
+            let cruise = self.chosen(lead, end, way, (least, self.top), true);
+            if cruise.is_some() || least == end {
+                return cruise.filter(|cruise| *cruise > 0);
             }
             most = least;
         }
-        let lead = Lead::new(from, true, self.deceleration, self.jerk);
+        *lead = Lead::new(from, true, self.deceleration, self.jerk);
         let is_top = most == self.top;
-        let cruise = self.chosen((&lead, true), end, way, (end, most), is_top)?;
-        Choice::new(lead, true, cruise)
+        let cruise = self.chosen(lead, end, way, (end, most), is_top);
+        cruise.filter(|cruise| *cruise > 0)
     }
 
     /// The same with one lead, between a velocity and another, which may fit only if it is the greatest there is.
     #[inline(never)]
     fn chosen(
         &self,
-        lead: (&Lead, bool),
+        lead: &Lead,
         end: i128,
         way: u128,
         (least, most): (i128, i128),
@@ -363,16 +330,6 @@ impl Rules<'_> {
     }
 }
 
-impl Choice {
-    fn new(lead: Lead, falls: bool, cruise: i128) -> Option<Self> {
-        (cruise > 0).then_some(Self {
-            lead,
-            falls,
-            cruise,
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -380,7 +337,7 @@ mod tests {
 
     use super::*;
     use crate::clock::Clock;
-    use crate::plan::ramp::Jerk;
+    use crate::plan::ramp::{Jerk, Ramp};
 
     /// Limits that a drive may have, in steps and seconds: the velocity, the greatest acceleration and deceleration, the jerk.
     fn rules() -> impl Strategy<Value = (i128, Limit, Limit, Jerk)> {
@@ -420,12 +377,15 @@ mod tests {
             if from.coasting() < 0 {
                 return Ok(());
             }
-            let Some(choice) = rules.fastest(&from, end, way) else {
+            let mut lead = Lead::steady(0, false);
+            let Some(cruise) = rules.fastest(&from, end, way, &mut lead) else {
                 return Ok(());
             };
-            let cruise = choice.cruise;
             prop_assert!(end <= cruise && cruise <= rules.top);
-            let (first, last) = (choice.first(&from, &rules), choice.last(end, &rules));
+            let limit = if lead.falls { rules.deceleration } else { rules.acceleration };
+            let first = Ramp::new((&from, &lead), cruise, limit, &jerk);
+            let lead = Lead::steady(cruise, true);
+            let last = Ramp::new((&Motion::steady(cruise), &lead), end, rules.deceleration, &jerk);
             let ways = first.way().unsigned_abs() + last.way().unsigned_abs();
             let rounded = (ways >> 40) + (1 << 40);
             prop_assert!(ways <= way + rounded, "{ways} of {way}");

@@ -6,11 +6,10 @@
 //! A motion that has to turn round comes to rest first. A ramp that is under way is left at the same jerk: its acceleration goes to
 //! nothing, or on to that of the next ramp.
 
-use super::cruise::Choice;
 use super::move_to::way_to;
 use super::number::Number;
 use super::phase::Offset;
-use super::ramp::{Jerk, Lead, Limit, Motion, Ramp};
+use super::ramp::{Jerk, Lead, Limit, Motion, Ramp, RoughLimit};
 use super::rough::{Kind, Rough};
 use super::{Course, Goal, Limits, Plan, PlanError};
 use crate::clock::{Clock, Ticks};
@@ -36,7 +35,7 @@ impl Rules<'_> {
             self.acceleration
         };
         let lead = Lead::new(from, falls, limit, self.jerk);
-        Ramp::new((from, &lead), falls, end, limit, self.jerk)
+        Ramp::new((from, &lead), end, limit, self.jerk)
     }
 }
 
@@ -47,7 +46,7 @@ fn stopping(from: &Motion, limit: &Limit, jerk: &Jerk) -> Ramp {
     }
     let falls = from.coasting() > 0;
     let lead = Lead::new(from, falls, limit, jerk);
-    Ramp::new((from, &lead), falls, 0, limit, jerk)
+    Ramp::new((from, &lead), 0, limit, jerk)
 }
 
 /// Plans the motion in a frame in which the way still to go is positive.
@@ -165,12 +164,13 @@ fn reach(
         motion.velocity > 0 && motion.coasting() >= 0
     };
     let room = Room::new(&motion, gap, rules);
+    let mut lead = Lead::steady(0, false);
     if room.sign == Sign::Ahead
         && forwards
-        && let Some(choice) = rules.fastest(&motion, end, gap)
+        && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead)
     {
         let course = Course::new(plan, start, from, reverse);
-        course.take(&motion, &choice, (gap, end, goal), rules);
+        course.take((&motion, &lead), cruise, (gap, end, goal), rules);
         return Ok(());
     }
     if room.is_out_of_range {
@@ -202,17 +202,17 @@ fn reach(
         if is_behind {
             is_beyond = true;
             stop = stopping(&motion.mirrored(), rules.deceleration, rules.jerk);
-        } else if forwards && let Some(choice) = rules.fastest(&motion, end, gap) {
+        } else if forwards && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead) {
             let course = Course::new(plan, start, from, reverse);
-            course.take(&motion, &choice, (gap, end, goal), rules);
+            course.take((&motion, &lead), cruise, (gap, end, goal), rules);
             return Ok(());
         }
     }
     let goal = if is_beyond { goal.wrapping_neg() } else { goal };
     let mut course = Course::new(plan, start, from, reverse != is_beyond);
     course.ramp(&stop);
-    match rules.fastest(&Motion::REST, end, left) {
-        Some(choice) => course.take(&Motion::REST, &choice, (left, end, goal), rules),
+    match rules.fastest(&Motion::REST, end, left, &mut lead) {
+        Some(cruise) => course.take((&Motion::REST, &lead), cruise, (left, end, goal), rules),
         // The way is too short for the end velocity: it comes about behind the target.
         None => {
             course.ramp(&rules.ramp(&Motion::REST, end));
@@ -274,7 +274,11 @@ impl Room {
                 is_out_of_range: false,
             };
         }
-        let (most, slowness, entry) = rules.deceleration.rough();
+        let RoughLimit {
+            square: limit,
+            slowness,
+            entry,
+        } = rules.deceleration.rough;
         let turned = |value: Rough, negative: bool| {
             if negative { value.negated() } else { value }
         };
@@ -285,8 +289,8 @@ impl Room {
         let start = velocity.minus(change);
         // As `Lead::new` and `steady_way` have it.
         let gain = start.magnitude();
-        let square = rules.jerk.whole.rough().times(gain);
-        let steady = if square < most.times(most) {
+        let square = rules.jerk.rough.times(gain);
+        let steady = if square < limit {
             gain.times(square.reciprocal_root()).doubled()
         } else {
             gain.times(slowness).plus(entry)
@@ -311,43 +315,44 @@ impl Room {
 }
 
 impl Course<'_> {
-    /// Follows what has been chosen over `way`, to `goal` in the frame, where `end` is left of the velocity.
+    /// Follows a ramp to the velocity `cruise`, and another one to `end`, over `way`, to `goal` in the frame.
     fn take(
         mut self,
-        from: &Motion,
-        choice: &Choice,
+        (from, lead): (&Motion, &Lead),
+        cruise: i128,
         (way, end, goal): (u128, i128, i128),
         rules: &Rules<'_>,
     ) {
-        let mut first = choice.first(from, rules);
-        self.ramp(&first);
-        let mut ways = first.way();
-        let other;
-        let is_alike = rules.acceleration.most == rules.deceleration.most;
-        let last = if is_alike && from.is_rest() && end == 0 {
-            first.turn_back(choice.cruise);
-            ways = ways.wrapping_mul(2);
-            &first
+        let limit = if lead.falls {
+            rules.deceleration
         } else {
-            other = choice.last(end, rules);
-            ways = ways.wrapping_add(other.way());
-            &other
+            rules.acceleration
         };
+        let first = Ramp::new((from, lead), cruise, limit, rules.jerk);
+        let last = if from.is_rest() && end == 0 && limit.most == rules.deceleration.most {
+            first.back_to_rest(cruise)
+        } else {
+            let lead = Lead::steady(cruise, true);
+            let from = Motion::steady(cruise);
+            Ramp::new((&from, &lead), end, rules.deceleration, rules.jerk)
+        };
+        self.ramp(&first);
+        let ways = first.way().wrapping_add(last.way());
         let left = way.wrapping_sub(ways.cast_unsigned());
         // The ramps may be longer than the way by what is rounded.
         let left = if left > way { 0 } else { left };
-        let speed = Number::of(choice.cruise, Kind::Velocity);
+        let speed = Number::of(cruise, Kind::Velocity);
         let time = Number::of((left >> 1).cast_signed(), Kind::Way)
             .times(speed.reciprocal())
             .doubled()
             .fixed(Kind::Time)
             .max(0)
             .cast_unsigned();
-        self.cruise(choice.cruise.unsigned_abs(), time, left);
+        self.cruise(cruise.unsigned_abs(), time, left);
         if end == 0 {
-            self.land_on(last, goal);
+            self.land_on(&last, goal);
         } else {
-            self.ramp(last);
+            self.ramp(&last);
             self.travelled = goal;
             self.never_end(end.unsigned_abs());
         }

@@ -99,11 +99,6 @@ impl Number {
         Rough::scaled(lead, self.exponent.wrapping_add(31))
     }
 
-    /// Whether it is not negative.
-    pub(super) const fn is_positive(self) -> bool {
-        self.mantissa >= 0
-    }
-
     pub(super) const fn negated(self) -> Self {
         Self {
             mantissa: self.mantissa.wrapping_neg(),

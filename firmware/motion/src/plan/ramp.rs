@@ -7,18 +7,22 @@
 //! A ramp that begins with an acceleration a is the rest of one that began without, a/j earlier and a²/2j away from the velocity of
 //! now: its [`Lead`]. If a is in the other direction, it begins as much later instead, and the same formulas hold.
 
+use core::cell::Cell;
+
 use super::number::Number;
 use super::phase::Offset;
 use super::rough::{Kind, Rough};
 use crate::clock::Fine;
 
 /// The jerk, as it is worked with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Jerk {
     /// A sixth of it, Q128 steps per tick³: the coefficient of a cubic. At most `TOP_SIXTH_JERK`.
     pub(crate) sixth: Fine,
-    pub(super) whole: Number,
-    pub(super) inverse: Number,
+    whole: Number,
+    inverse: Number,
+    /// All of it.
+    pub(super) rough: Rough,
 }
 
 impl Jerk {
@@ -28,35 +32,66 @@ impl Jerk {
             sixth,
             whole,
             inverse: whole.reciprocal(),
+            rough: whole.rough(),
         }
     }
 }
 
 /// The greatest acceleration of a ramp.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Limit {
     /// Q96 steps per tick².
     pub(super) most: i128,
     number: Number,
     /// How long it takes to come about.
-    pub(super) entry: Number,
+    entry: Number,
+    /// What the velocity gains meanwhile, and the same in Q96.
+    half: Number,
+    rise: i128,
+    /// One by it, if it was asked for.
+    inverse: Cell<Number>,
+    pub(super) rough: RoughLimit,
+}
+
+/// The same in rough numbers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RoughLimit {
+    pub(super) square: Rough,
+    /// One by the acceleration.
+    pub(super) slowness: Rough,
+    pub(super) entry: Rough,
 }
 
 impl Limit {
     pub(super) fn new(most: Fine, jerk: &Jerk) -> Self {
         let most = most.cast_signed();
         let number = Number::of(most, Kind::Acceleration);
+        let entry = number.times(jerk.inverse);
+        let half = number.times(entry).halved();
+        let rough = number.rough();
         Self {
             most,
             number,
-            entry: number.times(jerk.inverse),
+            entry,
+            half,
+            rise: half.fixed(Kind::Velocity),
+            inverse: Cell::new(Number::ZERO),
+            rough: RoughLimit {
+                square: rough.times(rough),
+                slowness: Rough::ONE.over(rough),
+                entry: entry.rough(),
+            },
         }
     }
 
-    /// In rough numbers: the acceleration, one by it, and how long it takes to come about.
-    pub(super) fn rough(&self) -> (Rough, Rough, Rough) {
-        let most = self.number.rough();
-        (most, Rough::ONE.over(most), self.entry.rough())
+    fn inverse(&self) -> Number {
+        let known = self.inverse.get();
+        if known != Number::ZERO {
+            return known;
+        }
+        let inverse = self.number.reciprocal();
+        self.inverse.set(inverse);
+        inverse
     }
 }
 
@@ -68,23 +103,17 @@ struct Steady {
     hold: Option<Number>,
 }
 
-/// What is so near to the limit is looked at with all bits.
-const NEAR: Rough = Rough::power(-16);
-
 impl Steady {
-    fn new(gain: Number, limit: &Limit, jerk: &Jerk) -> Self {
-        let square = gain.times(jerk.inverse);
-        let most = limit.entry.rough();
-        let most = most.times(most);
-        if square.rough() >= most.minus(most.times(NEAR)) {
-            let hold = gain.times(limit.number.reciprocal()).minus(limit.entry);
-            if hold.is_positive() {
-                return Self {
-                    entry: limit.entry,
-                    hold: Some(hold),
-                };
-            }
+    #[inline(always)]
+    fn new(gain: i128, limit: &Limit, jerk: &Jerk) -> Self {
+        let held = gain.wrapping_sub(limit.rise).wrapping_sub(limit.rise);
+        if held >= 0 {
+            return Self {
+                entry: limit.entry,
+                hold: Some(Number::of(held, Kind::Velocity).times(limit.inverse())),
+            };
         }
+        let square = Number::of(gain, Kind::Velocity).times(jerk.inverse);
         Self {
             entry: square.root(),
             hold: None,
@@ -93,9 +122,10 @@ impl Steady {
 }
 
 /// How far a ramp goes that begins and ends with no acceleration, Q96 steps, saturating. What [`Ramp::new`] would find, without its pieces.
+#[inline(never)]
 pub(super) fn steady_way(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> i128 {
     let gain = end.wrapping_sub(velocity).unsigned_abs().cast_signed();
-    let steady = Steady::new(Number::of(gain, Kind::Velocity), limit, jerk);
+    let steady = Steady::new(gain, limit, jerk);
     let time = match steady.hold {
         None => steady.entry,
         Some(hold) => steady.entry.plus(hold.halved()),
@@ -190,6 +220,8 @@ pub(super) struct Lead {
     pub(super) ahead: i128,
     /// How long ago that is, Q32; negative, if it is still to come.
     ago: i128,
+    /// The ramp goes downwards.
+    pub(super) falls: bool,
     /// The acceleration is beyond the limit: first of all it falls to that.
     is_easing: bool,
 }
@@ -199,16 +231,18 @@ impl Lead {
     pub(super) fn new(from: &Motion, falls: bool, limit: &Limit, jerk: &Jerk) -> Self {
         let velocity = from.velocity;
         if from.acceleration == 0 {
-            return Self::steady(velocity);
+            return Self::steady(velocity, falls);
+        }
+        let pull = if falls {
+            from.acceleration.wrapping_neg()
+        } else {
+            from.acceleration
+        };
+        if pull > limit.most {
+            return Self::easing(from, falls, limit, jerk);
         }
         let turned = |value: Number| if falls { value.negated() } else { value };
         let (time, change) = (turned(from.time), turned(from.change));
-        if time.is_positive() {
-            let over = time.minus(limit.entry);
-            if over.is_positive() {
-                return Self::easing(from, falls, limit, over, jerk);
-            }
-        }
         let exact_change = if falls {
             from.exact_change.wrapping_neg()
         } else {
@@ -223,26 +257,29 @@ impl Lead {
             speed,
             ahead: way.wrapping_add(bend).wrapping_neg(),
             ago: time.fixed(Kind::Time),
+            falls,
             is_easing: false,
         }
     }
 
     /// Of a ramp that begins with no acceleration.
-    pub(super) fn steady(velocity: i128) -> Self {
+    pub(super) fn steady(velocity: i128, falls: bool) -> Self {
         Self {
             velocity,
             speed: Number::of(velocity, Kind::Velocity),
             ahead: 0,
             ago: 0,
+            falls,
             is_easing: false,
         }
     }
 
-    /// The acceleration falls to the limit, which takes `over`; from there on it is a ramp that has been at its limit from the beginning.
+    /// The acceleration falls to the limit; from there on it is a ramp that has been at its limit from the beginning.
     #[inline(never)]
-    fn easing(from: &Motion, falls: bool, limit: &Limit, over: Number, jerk: &Jerk) -> Self {
+    fn easing(from: &Motion, falls: bool, limit: &Limit, jerk: &Jerk) -> Self {
         let turned = |value: Number| if falls { value.negated() } else { value };
-        let rise = turned(limit.number.times(limit.entry).halved());
+        let over = turned(from.time).minus(limit.entry);
+        let rise = turned(limit.half);
         let velocity = from.velocity.wrapping_add(
             turned(from.change)
                 .minus(rise.doubled())
@@ -264,6 +301,7 @@ impl Lead {
             speed,
             ahead: mean.times(over).minus(before).fixed(Kind::Way),
             ago: limit.entry.minus(over).fixed(Kind::Time),
+            falls,
             is_easing: true,
         }
     }
@@ -288,25 +326,29 @@ pub(super) struct Ramp {
 }
 
 impl Ramp {
-    /// From a motion and its lead in the direction of the ramp, upwards or downwards, to the velocity `end`.
+    /// From a motion and its lead to the velocity `end`.
     #[inline(never)]
     pub(super) fn new(
         (from, lead): (&Motion, &Lead),
-        falls: bool,
         end: i128,
         limit: &Limit,
         jerk: &Jerk,
     ) -> Self {
-        let turned = |value: i128| if falls { value.wrapping_neg() } else { value };
+        let turned = |value: i128| {
+            if lead.falls {
+                value.wrapping_neg()
+            } else {
+                value
+            }
+        };
         let gain = turned(end.wrapping_sub(lead.velocity)).max(0);
-        let gained = Number::of(gain, Kind::Velocity);
-        let Steady { entry, hold } = Steady::new(gained, limit, jerk);
+        let Steady { entry, hold } = Steady::new(gain, limit, jerk);
         let (peak, half, rise) = if hold.is_some() {
-            let half = limit.number.times(entry).halved();
-            (limit.most, half, half.fixed(Kind::Velocity))
+            (limit.most, limit.half, limit.rise)
         } else {
-            let peak = entry.times(jerk.whole).fixed(Kind::Acceleration);
-            (peak, gained.halved(), gain >> 1)
+            let peak = entry.times(jerk.whole);
+            let half = peak.times(entry).halved();
+            (peak.fixed(Kind::Acceleration), half, gain >> 1)
         };
         let bend = half.times(entry).times(Number::THIRD).fixed(Kind::Way);
         let (peak, rise, bend) = (turned(peak), turned(rise), turned(bend));
