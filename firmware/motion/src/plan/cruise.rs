@@ -220,16 +220,21 @@ impl<'a> Moves<'a> {
             }
             let step = short.over(slope);
             let next = more.plus(step);
-            if slope > Rough::ZERO && below < next && next < above {
-                more = next;
-                if step.magnitude() <= more.times(SMALL) {
-                    break;
+            let is_straight = slope > Rough::ZERO;
+            let is_within = is_straight && below < next && next < above;
+            if is_straight && step.magnitude() <= more.times(SMALL) {
+                if is_within {
+                    more = next;
                 }
+                break;
+            }
+            more = if is_within {
+                next
             } else {
-                more = below.plus(above).halved();
-                if above.minus(below) <= more.times(CLOSE) {
-                    break;
-                }
+                below.plus(above).halved()
+            };
+            if above.minus(below) <= more.times(CLOSE) {
+                break;
             }
         }
         self.settle(high, more, slope)

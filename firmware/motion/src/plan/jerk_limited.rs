@@ -165,7 +165,7 @@ fn reach(
     };
     let room = Room::new(&motion, gap, rules);
     let mut lead = Lead::steady(0, false);
-    if room.sign == Sign::Ahead
+    if room.is_ample
         && forwards
         && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead)
     {
@@ -176,39 +176,29 @@ fn reach(
     if room.is_out_of_range {
         return Err(PlanError::OutOfRange);
     }
-    // If a stop ends behind the target, in a frame in which the way back is positive.
-    let is_sure = room.sign != Sign::Unknown;
-    let mut is_beyond = room.sign == Sign::Behind;
-    let turned;
-    let mut seen = &motion;
-    if is_beyond {
-        turned = motion.mirrored();
-        seen = &turned;
-    }
-    let mut stop = stopping(seen, rules.deceleration, rules.jerk);
-    let way = if is_beyond {
-        stop.way().wrapping_neg()
-    } else {
-        stop.way()
-    };
+    let mut stop = stopping(&motion, rules.deceleration, rules.jerk);
     // What is still to go from where a stop would end.
-    let (is_behind, left) = beyond(gap, way).ok_or(PlanError::OutOfRange)?;
+    let (is_beyond, left) = beyond(gap, stop.way()).ok_or(PlanError::OutOfRange)?;
     if left <= indistinct(stop.time()) && (end == 0 || gap == 0) {
-        let goal = if is_beyond { goal.wrapping_neg() } else { goal };
-        Course::new(plan, start, from, reverse != is_beyond).land_on(&stop, goal);
+        Course::new(plan, start, from, reverse).land_on(&stop, goal);
         return Ok(());
     }
-    if !is_sure {
-        if is_behind {
-            is_beyond = true;
-            stop = stopping(&motion.mirrored(), rules.deceleration, rules.jerk);
-        } else if forwards && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead) {
-            let course = Course::new(plan, start, from, reverse);
-            course.take((&motion, &lead), cruise, (gap, end, goal), rules);
-            return Ok(());
-        }
+    if room.is_unknown
+        && !is_beyond
+        && forwards
+        && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead)
+    {
+        let course = Course::new(plan, start, from, reverse);
+        course.take((&motion, &lead), cruise, (gap, end, goal), rules);
+        return Ok(());
     }
-    let goal = if is_beyond { goal.wrapping_neg() } else { goal };
+    // Behind the target, in a frame in which the way back is positive.
+    let goal = if is_beyond {
+        stop.mirror();
+        goal.wrapping_neg()
+    } else {
+        goal
+    };
     let mut course = Course::new(plan, start, from, reverse != is_beyond);
     course.ramp(&stop);
     match rules.fastest(&Motion::REST, end, left, &mut lead) {
@@ -241,17 +231,12 @@ fn indistinct(stop_time: Offset) -> u128 {
     ((stop_time >> 32) << 44).saturating_add(1 << 68)
 }
 
-/// Where a target lies from the end of a stop, as far as rough numbers tell.
-#[derive(PartialEq, Eq)]
-enum Sign {
-    Ahead,
-    Behind,
-    Unknown,
-}
-
 /// What rough numbers tell of a stop.
 struct Room {
-    sign: Sign,
+    /// It ends before the target, without doubt.
+    is_ample: bool,
+    /// Nor is it certain that it ends behind it.
+    is_unknown: bool,
     /// It ends 2³¹ steps away, or so nearly.
     is_out_of_range: bool,
 }
@@ -266,11 +251,8 @@ impl Room {
     fn new(motion: &Motion, gap: u128, rules: &Rules<'_>) -> Self {
         if motion.is_rest() {
             return Self {
-                sign: if gap > indistinct(0) {
-                    Sign::Ahead
-                } else {
-                    Sign::Unknown
-                },
+                is_ample: gap > indistinct(0),
+                is_unknown: false,
                 is_out_of_range: false,
             };
         }
@@ -300,15 +282,11 @@ impl Room {
         let way = whole.minus(before);
         let parts = whole.magnitude().plus(before.magnitude());
         let room = Rough::of(gap, Kind::Way).minus(way);
+        // Beyond the limit the formulas are others.
+        let is_unknown = time > entry || room.magnitude() <= parts.times(DOUBT);
         Self {
-            // Beyond the limit the formulas are others.
-            sign: if time > entry || room.magnitude() <= parts.times(DOUBT) {
-                Sign::Unknown
-            } else if room > Rough::ZERO {
-                Sign::Ahead
-            } else {
-                Sign::Behind
-            },
+            is_ample: !is_unknown && room > Rough::ZERO,
+            is_unknown,
             is_out_of_range: way.magnitude() >= SPAN.minus(SPAN.times(DOUBT)),
         }
     }

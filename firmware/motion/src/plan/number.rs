@@ -215,9 +215,12 @@ impl Number {
 /// The product of two mantissas, 62 bits lower. The lowest bits, which would add less than one, are left out.
 #[inline]
 fn fraction(one: i64, other: i64) -> i64 {
+    // In digits of 32 and 31 bits, as the processor multiplies them.
     let split = |mantissa: i64| {
-        let low = mantissa as u32 & 0x7FFF_FFFF;
-        (i64::from((mantissa >> 31) as i32), i64::from(low))
+        let low = mantissa as u32;
+        let high = ((mantissa >> 32) as u32) << 1 | low >> 31;
+        let low = (low & 0x7FFF_FFFF).cast_signed();
+        (i64::from(high.cast_signed()), i64::from(low))
     };
     let ((high, low), (other_high, other_low)) = (split(one), split(other));
     let cross = high

@@ -184,18 +184,6 @@ impl Motion {
         }
     }
 
-    /// The same in the other direction.
-    pub(super) const fn mirrored(&self) -> Self {
-        Self {
-            velocity: self.velocity.wrapping_neg(),
-            acceleration: self.acceleration.wrapping_neg(),
-            pull: self.pull.negated(),
-            time: self.time.negated(),
-            change: self.change,
-            exact_change: self.exact_change,
-        }
-    }
-
     pub(super) const fn is_rest(&self) -> bool {
         self.velocity == 0 && self.acceleration == 0
     }
@@ -399,6 +387,16 @@ impl Ramp {
                     way: ways.1,
                 },
             ],
+        }
+    }
+
+    /// Turns it into the same in the other direction of motion.
+    pub(super) fn mirror(&mut self) {
+        for piece in &mut self.pieces {
+            piece.velocity = piece.velocity.wrapping_neg();
+            piece.acceleration = piece.acceleration.wrapping_neg();
+            piece.sixth_jerk = piece.sixth_jerk.wrapping_neg();
+            piece.way = piece.way.wrapping_neg();
         }
     }
 

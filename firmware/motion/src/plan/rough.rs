@@ -54,11 +54,18 @@ impl Rough {
     }
 
     pub(super) fn of(value: u128, kind: Kind) -> Self {
-        let digit = |below: u32| ((value >> below) as u32) as f32;
-        let wide = [96, 64, 32, 0]
-            .into_iter()
-            .fold(0.0, |sum, below| sum * 4_294_967_296.0 + digit(below));
-        Self(wide).times(Self::power(kind.point().cast_signed().wrapping_neg()))
+        // Of four digits the first that is not zero, and the next.
+        let [a, b, c, d] = [0, 32, 64, 96].map(|below| (value >> below) as u32);
+        let (high, low, below) = if d != 0 {
+            (d, c, 64)
+        } else if c != 0 {
+            (c, b, 32)
+        } else {
+            (b, a, 0)
+        };
+        let lead = high as f32 * 4_294_967_296.0 + low as f32;
+        let below: i32 = below;
+        Self(lead).times(Self::power(below.wrapping_sub(kind.point().cast_signed())))
     }
 
     /// The exact number, rounded down; what does not fit is the largest.
