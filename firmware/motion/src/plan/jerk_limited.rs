@@ -306,16 +306,21 @@ impl Course<'_> {
         } else {
             rules.acceleration
         };
-        let first = Ramp::new((from, lead), cruise, limit, rules.jerk);
+        let mut first = Ramp::new((from, lead), cruise, limit, rules.jerk);
+        self.ramp(&first);
+        let mut ways = first.way();
+        let other;
         let last = if from.is_rest() && end == 0 && limit.most == rules.deceleration.most {
-            first.back_to_rest(cruise)
+            first.turn_back(cruise);
+            ways = ways.wrapping_mul(2);
+            &first
         } else {
             let lead = Lead::steady(cruise, true);
             let from = Motion::steady(cruise);
-            Ramp::new((&from, &lead), end, rules.deceleration, rules.jerk)
+            other = Ramp::new((&from, &lead), end, rules.deceleration, rules.jerk);
+            ways = ways.wrapping_add(other.way());
+            &other
         };
-        self.ramp(&first);
-        let ways = first.way().wrapping_add(last.way());
         let left = way.wrapping_sub(ways.cast_unsigned());
         // The ramps may be longer than the way by what is rounded.
         let left = if left > way { 0 } else { left };
@@ -328,9 +333,9 @@ impl Course<'_> {
             .cast_unsigned();
         self.cruise(cruise.unsigned_abs(), time, left);
         if end == 0 {
-            self.land_on(&last, goal);
+            self.land_on(last, goal);
         } else {
-            self.ramp(&last);
+            self.ramp(last);
             self.travelled = goal;
             self.never_end(end.unsigned_abs());
         }
