@@ -2,8 +2,9 @@
 //!
 //! It takes the register writes of [`motion::advanced_timer`] and plays them on virtual time, with the semantics of the reference
 //! manual RM0090 that matter: PSC, ARR, RCR, CCR1 and CCR2 are preloaded, so what is written during a run acts in the next one;
-//! a run is RCR + 1 periods of ARR + 1 ticks; every update event but a generated one asks for a DMA burst, which takes a while and reads
-//! its first word long before. A [`Judge`] watches the pins.
+//! a run is RCR + 1 periods of ARR + 1 ticks; every update event but a generated one asks for a DMA burst, which comes word by word and reads
+//! each word when the one before it is written, the first long before. What the manual leaves open of a burst that is cut short is
+//! taken at its worst: it goes on with the next train. Accesses to registers take time. A [`Judge`] watches the pins.
 //!
 //! It is no model of what software cannot see (synchronisation of the internal trigger, arbitration of the buses).
 
@@ -12,6 +13,7 @@ mod counter;
 mod judge;
 mod processor;
 pub mod rig;
+mod stream;
 #[cfg(test)]
 mod tests;
 
@@ -19,17 +21,28 @@ use std::cell::{Ref, RefCell, RefMut};
 use std::fmt;
 use std::rc::Rc;
 
-use motion::advanced_timer::{Register, Registers, Ring, SLOTS, WORDS, bits};
+use motion::advanced_timer::{Register, Registers, Ring, WORDS, bits};
 
 use counter::Counter;
 pub use judge::Judge;
 use processor::Processor;
-
-/// Words of the ring.
-const ALL_WORDS: u32 = (SLOTS * WORDS) as u32;
+use stream::Stream;
 
 /// The counter runs at half the clock of TIM1, and sees a level of OC1REF that lasts for two of its ticks.
 const SEEN: u32 = 4;
+
+/// Registers that a reset of TIM1 clears, beside those that are preloaded.
+const TIM1: [Register; 9] = [
+    Register::Cr1,
+    Register::Cr2,
+    Register::Smcr,
+    Register::Dier,
+    Register::Sr,
+    Register::Ccmr1,
+    Register::Ccer,
+    Register::Bdtr,
+    Register::Dcr,
+];
 
 /// What a run is made from: PSC, ARR, RCR, CCR1, CCR2.
 type Preloaded = [u32; WORDS];
@@ -58,7 +71,7 @@ impl<'a> TimerModel<'a> {
 
     /// From now on a burst takes so many ticks from its request.
     pub fn set_burst(&self, ticks: u64) {
-        self.0.borrow_mut().burst_ticks = ticks;
+        self.0.borrow_mut().stream.burst_ticks = ticks;
     }
 
     /// From now on the processor takes so many ticks for each access to a register.
@@ -78,7 +91,21 @@ impl<'a> TimerModel<'a> {
 
     /// The stream no longer serves requests, or does so again.
     pub fn stall_stream(&self, is_stalled: bool) {
-        self.0.borrow_mut().is_stalled = is_stalled;
+        let mut machine = self.0.borrow_mut();
+        let now = machine.now;
+        machine.stream.stall(is_stalled, now);
+    }
+
+    /// A transfer error: the stream is switched off by hardware.
+    pub fn fail_stream(&self) {
+        let mut machine = self.0.borrow_mut();
+        machine.registers[Register::StreamCr as usize] &= !bits::STREAM_ON;
+        machine.switch_stream();
+    }
+
+    /// Words that the stream has left in this round, without taking a look at a register.
+    pub fn words_left(&self) -> u32 {
+        self.0.borrow().stream.left
     }
 
     /// The level of the break input. While it is active the outputs are cut off by hardware, and software can neither let them go on nor
@@ -135,12 +162,10 @@ impl Registers for TimerModel<'_> {
         machine.spend(None);
         machine.now as u32
     }
-}
 
-/// A burst that was asked for and has not arrived.
-#[derive(Clone, Copy, Debug)]
-struct Burst {
-    done: u64,
+    fn reset(&mut self) {
+        self.0.borrow_mut().reset();
+    }
 }
 
 struct Machine<'a> {
@@ -156,12 +181,7 @@ struct Machine<'a> {
     risen: u64,
     /// What the counter shows while it stands.
     stood: u64,
-    /// Words left in this round, and the first word of the next slot, which is fetched ahead.
-    left: u32,
-    fetched_ahead: u32,
-    burst: Option<Burst>,
-    burst_ticks: u64,
-    is_stalled: bool,
+    stream: Stream,
     is_break_active: bool,
     counter: Counter,
     processor: Processor,
@@ -172,7 +192,7 @@ impl fmt::Debug for Machine<'_> {
         f.debug_struct("Machine")
             .field("now", &self.now)
             .field("active", &self.active)
-            .field("left", &self.left)
+            .field("stream", &self.stream)
             .finish_non_exhaustive()
     }
 }
@@ -189,11 +209,7 @@ impl<'a> Machine<'a> {
             began: 0,
             risen: 0,
             stood: 0,
-            left: 0,
-            fetched_ahead: 0,
-            burst: None,
-            burst_ticks: 60,
-            is_stalled: false,
+            stream: Stream::new(),
             is_break_active: false,
             counter: Counter::default(),
             processor: Processor::default(),
@@ -301,24 +317,15 @@ impl<'a> Machine<'a> {
             }
             Register::StreamNdtr => {
                 assert!(!self.streams(), "NDTR is written while the stream is on");
-                self.left = value;
+                self.stream.left = value;
             }
             Register::StreamCr => {
-                let was_on = self.streams();
                 self.registers[register as usize] = value;
-                if self.streams() && !was_on {
-                    assert_eq!(self.left, ALL_WORDS);
-                    assert_eq!(self.register(Register::Dcr), bits::BURST_FROM_PSC);
-                    [self.fetched_ahead, ..] = self.ring.words(0);
-                    self.burst = None;
-                }
-                if !self.streams() {
-                    assert!(
-                        self.register(Register::Dier) & bits::UDE == 0,
-                        "a request could be left for the next train"
-                    );
-                    self.burst = None;
-                }
+                assert!(
+                    self.streams() || self.register(Register::Dier) & bits::UDE == 0,
+                    "a request could be left for the next train"
+                );
+                self.switch_stream();
             }
             Register::CounterCnt => self.counter.count = value,
             Register::CounterSr => self.counter.clear(value),
@@ -337,7 +344,7 @@ impl<'a> Machine<'a> {
     fn read(&mut self, register: Register) -> u32 {
         let [prescaler, reload, repetitions, width, level] = self.preload;
         match register {
-            Register::StreamNdtr => self.left,
+            Register::StreamNdtr => self.stream.left,
             // Of what is preloaded the manual shows no more than that.
             Register::Psc => prescaler,
             Register::Arr => reload,
@@ -346,6 +353,22 @@ impl<'a> Machine<'a> {
             Register::Ccr2 => level,
             _ => (self.counter.read(register)).unwrap_or_else(|| self.register(register)),
         }
+    }
+
+    fn switch_stream(&mut self) {
+        self.stream.switch(self.streams(), self.ring, self.now);
+    }
+
+    /// TIM1 after a reset: nothing is driven, nothing is wanted.
+    fn reset(&mut self) {
+        for register in TIM1 {
+            self.registers[register as usize] = 0;
+        }
+        self.judge.cut(self.now);
+        self.preload = [0, 0xFFFF, 0, 0, 0];
+        self.active = self.preload;
+        self.stood = 0;
+        self.stream.forget();
     }
 
     /// An active break input cuts the outputs off, if it is switched on.
@@ -406,35 +429,32 @@ impl<'a> Machine<'a> {
     }
 
     fn play_until(&mut self, until: u64) {
-        while self.counts() {
+        loop {
             let end = self.began + self.period() * self.repeat();
-            if let Some(burst) = self.burst
-                && burst.done <= end.min(until)
-            {
-                self.now = burst.done;
-                self.rise_up_to(burst.done);
-                self.arrive();
+            let end = self.counts().then_some(end);
+            let next = end.unwrap_or(until).min(until);
+            if let Some(due) = self.stream.due().filter(|due| *due <= next) {
+                self.now = due;
+                self.rise_up_to(due);
+                let (place, word) = self.stream.deliver(self.ring, due);
+                self.preload[place] = word;
                 continue;
             }
-            if end > until {
+            let Some(end) = end.filter(|end| *end <= until) else {
                 break;
-            }
+            };
             self.rise_up_to(end - 1);
             self.now = end;
             assert!(
-                self.burst.is_none(),
+                !self.stream.is_busy(),
                 "the run that ends at {end} was shorter than the DMA burst for the next one"
             );
             self.update();
-            if self.streams() && !self.is_stalled && self.register(Register::Dier) & bits::UDE != 0
-            {
-                let done = self.now + self.burst_ticks;
-                self.burst = Some(Burst { done });
+            if self.register(Register::Dier) & bits::UDE != 0 {
+                self.stream.request(end);
             }
         }
-        if self.counts() {
-            self.rise_up_to(until);
-        }
+        self.rise_up_to(until);
         self.now = until;
     }
 
@@ -468,24 +488,10 @@ impl<'a> Machine<'a> {
         !self.counts() && self.stood < width.into()
     }
 
-    /// A burst ends: its words are preloaded, and the first of the next slot is fetched.
-    fn arrive(&mut self) {
-        self.burst = None;
-        let slot = (ALL_WORDS - self.left) / WORDS as u32;
-        let words = self.ring.words(slot);
-        self.preload = words;
-        self.preload[0] = self.fetched_ahead;
-        self.left -= WORDS as u32;
-        if self.left == 0 {
-            self.left = ALL_WORDS;
-        }
-        [self.fetched_ahead, ..] = self.ring.words(slot + 1);
-    }
-
     /// The pulses of the run under way that rise up to a time.
     fn rise_up_to(&mut self, time: u64) {
         let [_, reload, _, width, _] = self.active;
-        if width == 0 || !self.makes_pulses() || time < self.began {
+        if width == 0 || !self.counts() || !self.makes_pulses() || time < self.began {
             return;
         }
         assert!(width <= reload, "a pulse that does not fall");

@@ -2,7 +2,7 @@
 
 use motion::advanced_timer::Register;
 
-/// How long it takes. As it is made nothing takes any time.
+/// How long it takes.
 #[derive(Debug)]
 pub(super) struct Processor {
     /// Ticks of an access to a register.
@@ -18,7 +18,7 @@ pub(super) struct Processor {
 impl Default for Processor {
     fn default() -> Self {
         Self {
-            access: 0,
+            access: 2,
             behind: None,
             interrupts: None,
             random: 0x9E37_79B9_7F4A_7C15,

@@ -3,6 +3,7 @@
 mod capture;
 mod differential;
 mod interrupted;
+mod leftovers;
 mod random;
 mod slow;
 

@@ -7,6 +7,7 @@ use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
 use super::set_up;
 use super::slots::{Place, Remainder, Words, direction_of, level};
+use crate::record::SHORTEST_RECORD;
 use crate::{PulseSink, Record, Ticks};
 
 /// Slots that are always silent: with the processor stopped they take 6.4 s at 168 MHz.
@@ -21,8 +22,11 @@ const ALL_WORDS: u32 = (SLOTS * WORDS) as u32;
 /// Half of the silence before a train, in ticks: time to write the first slots in.
 const LEAD_IN: u32 = 1 << 12;
 
-/// Looks at the stream until it has surely come to the end of a burst.
-const BURST_POLLS: u32 = 64;
+/// Ticks after which a burst has surely come to its end, wherever it was.
+const TWO_BURSTS: u32 = 2 * SHORTEST_RECORD;
+
+/// Looks at a clock or a register that change in less time.
+const MOST_POLLS: u32 = 200;
 
 /// Ticks after which the DMA has surely come to another slot of a train: the longest run has 65,535.
 const PATIENCE: u32 = 80 << 10;
@@ -104,7 +108,9 @@ impl<'a, R: Registers> Output<'a, R> {
             return;
         }
         let newly = self.newly_fetched();
-        let is_stuck = newly == 0 && self.is_overdue();
+        // A transfer error has switched the stream off, or it does not come on.
+        let is_on = self.registers.read(Register::StreamCr) & bits::STREAM_ON != 0;
+        let is_stuck = !is_on || newly == 0 && self.is_overdue();
         if newly != 0 {
             self.fetched = self.fetched.wrapping_add(newly);
             self.moved = self.registers.now();
@@ -198,6 +204,10 @@ impl<'a, R: Registers> Output<'a, R> {
     /// Lets the outputs go on after a break or a failure, at rest. As long as the break input is active it has no effect on the break.
     pub fn mend(&mut self) {
         if !self.running {
+            if self.failed {
+                // Nobody knows what the stream has left undone.
+                self.reset();
+            }
             self.failed = false;
             self.registers.write(Register::Sr, !bits::BIF);
             self.registers
@@ -310,6 +320,27 @@ impl<'a, R: Registers> Output<'a, R> {
     #[cold]
     fn start(&mut self, direction: u32) {
         use Register as Reg;
+        self.prepare(direction);
+        if self.registers.read(Reg::StreamNdtr) != ALL_WORDS {
+            // There was something left of an earlier burst, and the words of this train would come to the wrong registers.
+            self.reset();
+            self.prepare(direction);
+        }
+        // An interrupt between this and the next may make what follows earlier than the timer is, never later.
+        self.moved = self.registers.now();
+        self.registers
+            .write(Reg::Cr1, bits::URS | bits::ARPE | bits::CEN);
+        // The first slot is fetched when the second silence begins.
+        self.request = self.moved.wrapping_add(LEAD_IN);
+        self.last = LEAD_IN;
+        let began = self.request.wrapping_add(LEAD_IN);
+        self.end = began.wrapping_add(self.remainder.ticks());
+        self.running = true;
+    }
+
+    /// All that a train needs but CEN.
+    fn prepare(&mut self, direction: u32) {
+        use Register as Reg;
         for (register, value) in [
             (Reg::Dcr, bits::BURST_FROM_PSC),
             (Reg::StreamFlags, bits::STREAM_5_FLAGS),
@@ -326,33 +357,29 @@ impl<'a, R: Registers> Output<'a, R> {
         ] {
             self.registers.write(register, value);
         }
-        // An interrupt between this and the next may make what follows earlier than the timer is, never later.
-        self.moved = self.registers.now();
-        self.registers
-            .write(Reg::Cr1, bits::URS | bits::ARPE | bits::CEN);
-        // The first slot is fetched when the second silence begins.
-        self.request = self.moved.wrapping_add(LEAD_IN);
-        self.last = LEAD_IN;
-        let began = self.request.wrapping_add(LEAD_IN);
-        self.end = began.wrapping_add(self.remainder.ticks());
-        self.running = true;
+    }
+
+    /// TIM1 anew. Its outputs are not driven for a moment, so this is for what cannot be helped otherwise.
+    #[cold]
+    fn reset(&mut self) {
+        self.registers.reset();
+        set_up::timer(&mut self.registers);
     }
 
     /// Ends a train: timer and stream stand still, and the ring is silent.
     #[cold]
     fn stop(&mut self) {
         self.registers.write(Register::Cr1, bits::URS | bits::ARPE);
-        // A burst that is under way comes to its end.
-        for _ in 0..BURST_POLLS {
-            let left = self.registers.read(Register::StreamNdtr);
-            if left.is_multiple_of(WORDS as u32) {
+        // An update event just now may have asked for a burst that has not begun, and the words that are left do not tell.
+        let stopped = self.registers.now();
+        for _ in 0..MOST_POLLS {
+            if self.registers.now().wrapping_sub(stopped) >= TWO_BURSTS {
                 break;
             }
         }
-        // A request that came meanwhile must not be left for the next train.
         self.registers.write(Register::Dier, 0);
         self.registers.write(Register::StreamCr, bits::STREAM);
-        for _ in 0..BURST_POLLS {
+        for _ in 0..MOST_POLLS {
             if self.registers.read(Register::StreamCr) & bits::STREAM_ON == 0 {
                 break;
             }

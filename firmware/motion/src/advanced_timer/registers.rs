@@ -81,6 +81,10 @@ pub trait Registers {
 
     /// A free-running count in ticks of TIM1's clock, from the same oscillator; wraps after 32 bits.
     fn now(&self) -> u32;
+
+    /// Resets TIM1, so that nothing is left of a burst that it wants; its registers have what they have after a reset, and its pins are not driven
+    /// until they are written.
+    fn reset(&mut self);
 }
 
 /// Bits of these registers.

@@ -158,10 +158,11 @@ fn segment(velocity: u32, refills: u32, ramps: Ramps) -> u32 {
     count
 }
 
-/// What the registers of [`Still`] show: the time, the words left in the round of the stream, and when the timer was started.
+/// What the registers of [`Still`] show: the time, the words left in the round of the stream, when the timer was started, and whether the stream is on.
 static NOW: AtomicU32 = AtomicU32::new(0);
 static LEFT: AtomicU32 = AtomicU32::new(ALL);
 static STARTED: AtomicU32 = AtomicU32::new(0);
+static STREAM: AtomicU32 = AtomicU32::new(0);
 static RING: Ring = Ring::new();
 const ALL: u32 = (SLOTS * WORDS) as u32;
 
@@ -170,10 +171,12 @@ struct Still;
 
 impl Registers for Still {
     #[inline(always)]
-    fn write(&mut self, register: Register, _value: u32) {
-        if register == Register::Egr {
-            STARTED.store(self.now(), Ordering::Relaxed);
-            LEFT.store(ALL, Ordering::Relaxed);
+    fn write(&mut self, register: Register, value: u32) {
+        match register {
+            Register::Egr => STARTED.store(self.now(), Ordering::Relaxed),
+            Register::StreamNdtr => LEFT.store(value, Ordering::Relaxed),
+            Register::StreamCr => STREAM.store(value, Ordering::Relaxed),
+            _ => {}
         }
     }
 
@@ -181,6 +184,7 @@ impl Registers for Still {
     fn read(&self, register: Register) -> u32 {
         match register {
             Register::StreamNdtr => LEFT.load(Ordering::Relaxed),
+            Register::StreamCr => STREAM.load(Ordering::Relaxed),
             _ => 0,
         }
     }
@@ -189,6 +193,8 @@ impl Registers for Still {
     fn now(&self) -> u32 {
         NOW.load(Ordering::Relaxed)
     }
+
+    fn reset(&mut self) {}
 }
 
 #[inline(never)]

@@ -220,6 +220,10 @@ impl Registers for AnyRegisters {
     fn now(&self) -> u32 {
         any()
     }
+
+    fn reset(&mut self) {
+        look(any());
+    }
 }
 
 #[inline(never)]

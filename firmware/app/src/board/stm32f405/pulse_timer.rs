@@ -161,6 +161,11 @@ impl Registers for Timers {
         let half = unsafe { (*pac::TIM5::ptr()).cnt().read().bits() };
         half.wrapping_mul(2)
     }
+
+    fn reset(&mut self) {
+        // SAFETY: TIM1 is for this type alone. Nobody else writes the register of resets once the board is set up.
+        unsafe { pac::TIM1::reset_unchecked() }
+    }
 }
 
 /// Pulses for the control tick.
