@@ -9,7 +9,6 @@
 use crate::clock::{Fine, TOP_SIXTH_JERK};
 use crate::divide::quotient;
 use crate::plan::phase::Offset;
-use crate::root::root;
 use crate::wide::Wide;
 
 /// π²ᵏ/(2·(2k+1)!) for k from 1 on, Q64: f(s) = s·(c₁u − c₂u² + c₃u³ − …) with u = s².
@@ -43,6 +42,9 @@ const SPEED: [u64; 11] = [
 ];
 
 const HALF: u64 = 1 << 63;
+
+/// π²/2, Q61; rounded down.
+const HALF_PI_SQUARED: u64 = 11_378_879_155_978_302_162;
 
 /// A change of velocity, as it is seen from that end of the ramp at which the phase is anchored.
 #[derive(Debug, Clone, Copy)]
@@ -83,25 +85,26 @@ impl Sine {
     /// What the ramp adds to position and velocity at `away` ticks (Q32) behind the anchor, or before it if that is negative: Q96.
     pub(super) fn at(&self, away: i128) -> (i128, i128) {
         let s = self.part(away);
-        self.moved(s, speed(s), away < 0)
+        self.moved(way(s), speed(s), away < 0)
     }
 
     /// The same, and the acceleration there, Q96 steps per tick².
     pub(super) fn at_with_acceleration(&self, away: i128) -> (i128, i128, i128) {
         let s = self.part(away);
-        let risen = speed(s);
-        let (way, change) = self.moved(s, risen, away < 0);
-        (way, change, self.pull(risen, away < 0))
+        let gone = way(s);
+        let (way, change) = self.moved(gone, speed(s), away < 0);
+        (way, change, self.pull(s, gone, away < 0))
     }
 
     /// The acceleration there.
     pub(super) fn acceleration(&self, away: i128) -> i128 {
-        self.pull(speed(self.part(away)), away < 0)
+        let s = self.part(away);
+        self.pull(s, way(s), away < 0)
     }
 
-    /// Way and change of velocity up to a part of the ramp's time, at which so much of the change has come about.
-    fn moved(&self, s: u64, risen: u64, before: bool) -> (i128, i128) {
-        let (way_low, way_high) = halves(self.way.unsigned_abs(), way(s));
+    /// Way and change of velocity where f(s) and sin² are these.
+    fn moved(&self, gone: u64, risen: u64, before: bool) -> (i128, i128) {
+        let (way_low, way_high) = halves(self.way.unsigned_abs(), gone);
         let (low, high) = halves(self.change.unsigned_abs(), risen);
         (
             with_sign(
@@ -112,14 +115,11 @@ impl Sine {
         )
     }
 
-    /// The acceleration where so much of the change has come about.
-    fn pull(&self, risen: u64, before: bool) -> i128 {
-        // π/2·sin(π·s) = π·√(r·(1 − r)), with r = sin²(π·s/2).
-        let square = u128::from(risen).wrapping_mul(risen.wrapping_neg().into()) >> 64;
-        let sine = u128::from(root(square as u64));
-        // π in Q29.
-        let part = sine.wrapping_mul(1_686_629_713) as u64;
-        let (low, high) = halves(self.mean.unsigned_abs(), part);
+    /// The acceleration at a part of the ramp's time where f(s) is this.
+    fn pull(&self, s: u64, gone: u64, before: bool) -> i128 {
+        // π/2·sin(π·s) = π²/2·(s − 2·f(s)), Q61.
+        let bent = s.wrapping_sub(gone.wrapping_mul(2));
+        let (low, high) = halves(self.mean.unsigned_abs(), times(bent, HALF_PI_SQUARED));
         let acceleration = (high << 3).wrapping_add(low >> 61);
         with_sign(acceleration, (self.mean < 0) != before)
     }
