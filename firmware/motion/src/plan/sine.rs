@@ -11,35 +11,36 @@ use crate::divide::quotient;
 use crate::plan::phase::Offset;
 use crate::wide::Wide;
 
+/// The coefficients of a series in u. The last ones, which count for less, are 12 bits shorter: a product of theirs is a short one.
+type Series = ([u64; 7], [u32; 4]);
+
 /// π²ᵏ/(2·(2k+1)!) for k from 1 on, Q64: f(s) = s·(c₁u − c₂u² + c₃u³ − …) with u = s².
-const WAY: [u64; 11] = [
-    15_171_838_874_637_736_216,
-    7_487_002_386_487_161_160,
-    1_759_375_040_586_671_831,
-    241_171_328_385_291_462,
-    21_638_778_218_618_542,
-    1_369_013_979_106_885,
-    64_341_078_063_553,
-    2_334_635_982_452,
-    67_374_074_758,
-    1_583_227_297,
-    30_881_081,
-];
+const WAY: Series = (
+    [
+        15_171_838_874_637_736_216,
+        7_487_002_386_487_161_160,
+        1_759_375_040_586_671_831,
+        241_171_328_385_291_462,
+        21_638_778_218_618_542,
+        1_369_013_979_106_885,
+        64_341_078_063_553,
+    ],
+    [569_979_488, 16_448_749, 386_530, 7_539],
+);
 
 /// π²ᵏ/(2·(2k)!) for k from 1 on, Q61: sin²(π·s/2) = d₁u − d₂u² + d₃u³ − …
-const SPEED: [u64; 11] = [
-    5_689_439_577_989_151_081,
-    4_679_376_491_554_475_725,
-    1_539_453_160_513_337_852,
-    271_317_744_433_452_895,
-    29_753_320_050_600_495,
-    2_224_647_716_048_689,
-    120_639_521_369_162,
-    4_961_101_462_710,
-    160_013_427_551,
-    4_155_971_655,
-    88_783_109,
-];
+const SPEED: Series = (
+    [
+        5_689_439_577_989_151_081,
+        4_679_376_491_554_475_725,
+        1_539_453_160_513_337_852,
+        271_317_744_433_452_895,
+        29_753_320_050_600_495,
+        2_224_647_716_048_689,
+        120_639_521_369_162,
+    ],
+    [1_211_206_412, 39_065_778, 1_014_642, 21_676],
+);
 
 const HALF: u64 = 1 << 63;
 
@@ -186,9 +187,15 @@ fn speed(s: u64) -> u64 {
     times(square, series(&SPEED, square)) << 3
 }
 
-/// c₁ − c₂u + c₃u² − …
-fn series(coefficients: &[u64], u: u64) -> u64 {
-    (coefficients.iter().rev()).fold(0, |sum, c| c.wrapping_sub(times(u, sum)))
+/// c₁ − c₂u + c₃u² − …, for u up to a quarter.
+fn series((coefficients, last): &Series, u: u64) -> u64 {
+    let short = u64::from((u >> 32) as u32);
+    let rest = last.iter().rev().fold(0, |sum, c| {
+        let part = short.wrapping_mul(u64::from(sum)) >> 32;
+        c.wrapping_sub(part as u32)
+    });
+    let rest = u64::from(rest) << 12;
+    (coefficients.iter().rev()).fold(rest, |sum, c| c.wrapping_sub(times(u, sum)))
 }
 
 /// The product of two fractions.
