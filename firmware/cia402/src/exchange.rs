@@ -535,6 +535,7 @@ mod tests {
     #[test]
     fn m68_a_buffer_that_is_filled_between_two_ticks_keeps_every_record() {
         let mut exchange = Exchange::new();
+        exchange.commands.controlword = 0x0F;
         for record in 1..=40 {
             exchange.record(record);
         }

@@ -319,6 +319,9 @@ fn m68_a_record_goes_by_the_controlword_that_it_finds() {
     assert_eq!(buffered(0x010F, 0x0F), 0);
     assert_eq!(buffered(0x0F, 0x0F), 1);
     assert_eq!(buffered(0x010F, 0x010F), 0);
+    // Neither does a command to leave, even if it is taken back before the tick that comes behind the record.
+    assert_eq!(buffered(0x17, 0x1F), 0);
+    assert_eq!(buffered(0x07, 0x0F), 0);
 }
 
 /// What a master does in the tick with this number.
