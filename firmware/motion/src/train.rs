@@ -90,7 +90,7 @@ pub(crate) struct Train {
     pen: Ticks,
     /// The step of the pulse with which the open period begins, 1 or −1; 0 if it is silent.
     open_step: i32,
-    /// Whether the last chord was steady and its last pulse is where it belongs.
+    /// Whether the last chord was steady and has all its pulses.
     even: bool,
     /// The period of the last run; 0 if its last pulse is not where it belongs.
     period: u32,
@@ -266,9 +266,8 @@ impl Train {
                 let first = crossings.after(self.lead(chord, turn, 1));
                 self.run(chord, direction, pulses, (first, last))
             };
-            if made == pulses && self.is_at(chord, last) {
-                self.even = chord.steady;
-            } else {
+            self.even = chord.steady && made == pulses;
+            if made != pulses || !self.is_at(chord, last) {
                 self.period = 0;
             }
         }

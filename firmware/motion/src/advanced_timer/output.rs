@@ -123,7 +123,7 @@ impl<'a, R: Registers> Output<'a, R> {
             self.go_on(left);
         } else if is_stuck {
             self.give_up();
-        } else {
+        } else if !self.remainder.is_empty() {
             self.fill(0);
         }
     }

@@ -148,40 +148,52 @@ impl<'a> Place<'a> {
         }
         // The product fits: a period has 15 bits, and there are 16 bits of them.
         let ticks = period.wrapping_mul(repeat);
+        let mut last = repeat;
         if ticks > LONGEST_RUN || repeat > MOST_PERIODS {
-            return self.put_runs(period, repeat, width);
+            if ticks > 2 * LONGEST_RUN || repeat > 2 * MOST_PERIODS {
+                return self.put_runs(period, repeat, width);
+            }
+            // Half of them first. Each run has a period at least, as none is longer than a run.
+            let first = repeat >> 1;
+            if !self.has_room(2) {
+                return false;
+            }
+            self.write(Words::run(period, first, width, self.level));
+            last = repeat.wrapping_sub(first);
         }
         let Some(slot) = self.slots.get(self.written) else {
             return false;
         };
         self.written = self.written.wrapping_add(1);
-        self.last = ticks;
-        fill(slot, Words::run(period, repeat, width, self.level));
+        self.last = period.wrapping_mul(last);
+        fill(slot, Words::run(period, last, width, self.level));
         true
     }
 
-    /// The same for pulses that take several.
+    /// The same for pulses that take more.
     #[inline(never)]
     fn put_runs(&mut self, period: u32, repeat: u32, width: u32) -> bool {
         // Never more runs than periods.
-        let runs = period
+        let mut runs = period
             .wrapping_mul(repeat)
             .div_ceil(LONGEST_RUN)
             .max(repeat.div_ceil(MOST_PERIODS));
-        let end = self.written.wrapping_add(runs as usize);
-        let Some(slots) = self.slots.get(self.written..end) else {
+        if !self.has_room(runs) {
             return false;
-        };
-        self.written = end;
-        let (mut left, mut runs, level) = (repeat, runs, self.level);
-        let mut repeat = repeat;
-        for slot in slots {
-            repeat = left.checked_div(runs).unwrap_or(left);
-            fill(slot, Words::run(period, repeat, width, level));
-            left = left.wrapping_sub(repeat);
-            runs = runs.wrapping_sub(1);
         }
-        self.last = period.wrapping_mul(repeat);
+        let (slots, level, mut place, mut left) = (self.slots, self.level, self.written, repeat);
+        let mut run = 0;
+        while let Some(share) = left.checked_div(runs)
+            && let Some(slot) = slots.get(place)
+        {
+            fill(slot, Words::run(period, share, width, level));
+            left = left.wrapping_sub(share);
+            runs = runs.wrapping_sub(1);
+            place = place.wrapping_add(1);
+            run = share;
+        }
+        self.written = place;
+        self.last = period.wrapping_mul(run);
         true
     }
 

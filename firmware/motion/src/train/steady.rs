@@ -12,7 +12,7 @@ const EARLY: i64 = 1 << 30;
 const STRETCHED: u32 = 2 * SHORTEST_RECORD;
 
 impl Train {
-    /// Whether the last chord was steady, with its last pulse where it belongs: [`Train::go_on`] can take over.
+    /// Whether the last chord was steady and has all its pulses: [`Train::go_on`] can take over.
     #[inline]
     pub(crate) const fn is_even(&self) -> bool {
         self.even
@@ -40,7 +40,9 @@ impl Train {
             Direction::Reverse => ahead.wrapping_neg(),
         };
         let beyond = beyond.wrapping_add(1 << 31);
-        if !(-EARLY..1 << 32).contains(&beyond) {
+        // Less than a step, or a little before its beginning.
+        let is_before = beyond < 0;
+        if (beyond >> 32) as i32 != 0 && !(is_before && beyond >= -EARLY) {
             return None;
         }
         let (whole, part) = ((pace >> 32) as u32, pace as u32);
@@ -48,7 +50,7 @@ impl Train {
         let mut since = way
             .wrapping_mul(whole.into())
             .wrapping_add(way.wrapping_mul(part.into()) >> 32);
-        if beyond < 0 {
+        if is_before {
             since = since.wrapping_sub(pace);
         }
         let first = pace.wrapping_sub(since);
@@ -64,15 +66,17 @@ impl Train {
         };
         let gaps = u64::from(more).wrapping_mul(pace);
         let length = (first.wrapping_add(gaps) >> 32) as u32;
-        let span = open.wrapping_add(length);
         let pulses = more.wrapping_add(1);
+        // At the driver's highest rate it may be a tick more than is left.
         let fastest = u64::from(pulses).wrapping_mul(self.shortest.into());
+        let span = u64::from(open.wrapping_add(length));
         if Ticks::from(length.max(wanted).wrapping_add(STRETCHED)) >= left
             || pulses > LONGEST_RUN
-            || u64::from(span) < fastest
+            || span.wrapping_add(SHORTEST_RECORD.into()) < fastest
         {
             return None;
         }
+        let span = span.max(fastest) as u32;
         if more == 0 || !self.has_pulse() {
             let gaps = (gaps >> 32) as u32;
             let silence = span.wrapping_sub(gaps);
