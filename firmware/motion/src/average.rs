@@ -335,12 +335,12 @@ impl Average {
         self.step();
         let from = self.to.position.bits().wrapping_sub(self.way);
         let chord = Chord {
-            begin,
+            begin: self.until.wrapping_sub(self.window.grid.into()),
             length: self.window.grid,
             from: Position::from_bits(from),
             to: self.to.position,
             speeding_up: (self.gain ^ self.to.velocity.bits()) >= 0,
-            steady: self.gain == 0,
+            steady: false,
         };
         let change = ((self.gain >> 32) as u32).wrapping_add(self.flat);
         (change < self.flat << 1).then_some((chord, self.to))
@@ -544,7 +544,7 @@ const fn sample(position: i128) -> i64 {
 
 /// value · factor / 2⁶⁴, less 5 at most, for a factor below 2⁶³.
 #[inline]
-fn part(value: i64, factor: u64) -> i64 {
+pub(crate) fn part(value: i64, factor: u64) -> i64 {
     let (above, below) = ((value >> 32) as i32, value as u32);
     let (high, low) = ((factor >> 32) as i32, factor as u32);
     let product = |a: i32, b: i32| i64::from(a).wrapping_mul(b.into());

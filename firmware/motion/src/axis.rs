@@ -11,6 +11,7 @@
 //! Every pulse is accounted for: [`Axis::committed_position`] is always the sum of the pulses handed to the sink.
 
 mod averaged;
+mod bow;
 mod leg;
 mod line;
 mod steady;
@@ -18,12 +19,13 @@ mod trace;
 
 use crate::average::Average;
 use crate::clock::{Clock, Ticks};
-use crate::fixed::{Position, State, Velocity};
-use crate::path::{FollowError, Manner, Path};
+use crate::fixed::State;
+use crate::path::Path;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::speed::{SignedSpeed, Speed};
 use crate::train::{Chord, Train};
+use bow::Bow;
 use leg::Leg;
 use trace::Trace;
 
@@ -99,6 +101,8 @@ pub struct Axis {
     moving: bool,
     /// Where the plan is one parabola from the horizon on; `None` elsewhere, at its corners and until the next chord finds it.
     leg: Option<Leg>,
+    /// The same where its acceleration changes.
+    bow: Bow,
     trace: Trace,
 }
 
@@ -122,6 +126,7 @@ impl Axis {
             committed: 0,
             moving: false,
             leg: None,
+            bow: Bow::NONE,
             trace: Trace::new(),
         };
         axis.stand_at(0);
@@ -192,89 +197,6 @@ impl Axis {
                 deceleration,
             },
         )
-    }
-
-    /// Follows set-points: goes in a straight line from the one before, or from where the axis is at the commit horizon, and is at `to`
-    /// at tick `end` of its time. To stay somewhere for a while, follow the position where the axis is.
-    ///
-    /// Behind the last set-point the axis goes on at its velocity for two segments, then it stands; so a set-point that
-    /// is late by that much makes no pause.
-    ///
-    /// # Errors
-    /// [`FollowError`]; the motion goes on as it was.
-    pub fn follow(&mut self, end: Ticks, to: Position) -> Result<(), FollowError> {
-        self.go_on(end, to, Manner::Straight)
-    }
-
-    /// As [`Axis::follow`], on a cubic that begins with the velocity that the axis has there and ends with `velocity`.
-    ///
-    /// # Errors
-    /// [`FollowError`]; the motion goes on as it was.
-    pub fn follow_smoothly(
-        &mut self,
-        end: Ticks,
-        to: Position,
-        velocity: Velocity,
-    ) -> Result<(), FollowError> {
-        self.go_on(end, to, Manner::Bent(velocity))
-    }
-
-    /// Changes the velocity evenly to `velocity` (cut to [`Axis::max_velocity`]) until tick `end` of the axis' time; on
-    /// behind that as with [`Axis::follow`].
-    ///
-    /// # Errors
-    /// [`FollowError`]; the motion goes on as it was.
-    pub fn follow_velocity(
-        &mut self,
-        end: Ticks,
-        velocity: SignedSpeed,
-    ) -> Result<(), FollowError> {
-        let velocity = Velocity::from_speed(self.clock, velocity.within(self.max_velocity()));
-        let (start, from) = self.course_end();
-        let length = end.saturating_sub(start);
-        let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
-        let both = i128::from(from.velocity.bits()).wrapping_add(velocity.bits().into());
-        // Twice the way in Q56: what a position cannot hold of it is kept for the next one, or slow velocities would drift.
-        let way = both.wrapping_mul(length.into());
-        let way = way.wrapping_add(self.carry.into());
-        let to = from.position.bits().wrapping_add((way >> 25) as i64);
-        let manner = if from.velocity == velocity {
-            Manner::Steady(velocity)
-        } else {
-            Manner::Bent(velocity)
-        };
-        self.go_on(end, Position::from_bits(to), manner)?;
-        self.carry = way as u32 & 0x1FF_FFFF;
-        Ok(())
-    }
-
-    /// Whether set-points are followed, or were until the axis came to rest.
-    pub const fn is_following(&self) -> bool {
-        self.path.is_some()
-    }
-
-    /// Whether the last set-point is passed in motion, and the axis stands at once, with no ramp, within so many ticks behind the commit
-    /// horizon if no other set-point comes.
-    pub fn is_running_out(&self, ticks: Ticks) -> bool {
-        self.path.as_ref().is_some_and(|path| {
-            let rest = path.rest();
-            path.ends_in_motion()
-                && self.horizon < rest
-                && rest <= self.horizon.saturating_add(ticks)
-        })
-    }
-
-    /// What [`Axis::course_end`] will be in whole steps and steps/s.
-    pub fn course_end_demand(&self) -> Demand {
-        self.demand_of(self.course_end().1)
-    }
-
-    /// Where the next set-point is gone to from, and at which tick: the last set-point, or the commit horizon if that is later.
-    pub fn course_end(&self) -> (Ticks, State) {
-        match &self.path {
-            Some(path) if path.end().0 >= self.horizon => path.end(),
-            _ => (self.horizon, self.state_at(self.horizon)),
-        }
     }
 
     /// The tick of the axis' time that is being played now, if the sink still has `pending` ticks to play. It stands
@@ -358,12 +280,12 @@ impl Axis {
     /// Whether the motion has ended and all its records have been handed out. The sink may still be playing them.
     #[inline]
     pub fn is_at_rest(&self) -> bool {
-        // A leg ends at a corner at the latest, and the end is one.
+        // A leg and a bow end at a corner at the latest, and the end is one.
         let is_under_way = match &self.path {
             Some(path) => path.rest() > self.horizon,
-            None => self.leg.is_some(),
+            None => self.leg.is_some() || self.is_averaged || self.bow.is_left(),
         };
-        !is_under_way && !self.is_averaged && self.has_ended()
+        !is_under_way && self.has_ended()
     }
 
     #[inline(never)]
@@ -410,22 +332,6 @@ impl Axis {
     pub fn max_velocity(&self) -> Speed {
         let hz = self.clock.hz().checked_div(self.train.shortest_period());
         hz.map_or(Speed::ZERO, Speed::per_second)
-    }
-
-    fn go_on(&mut self, end: Ticks, to: Position, manner: Manner) -> Result<(), FollowError> {
-        let horizon = self.horizon;
-        if let Some(path) = &mut self.path {
-            // The line that the axis is on stays as it is.
-            return path.go_on(horizon, end, to, manner);
-        }
-        self.leg = None;
-        let grace = Ticks::from(self.train.segment()) << 1;
-        let mut path = Path::new(horizon, self.state_at(horizon), grace);
-        path.go_on(horizon, end, to, manner)?;
-        self.is_averaged = false;
-        self.acceleration = 0;
-        self.path = Some(path);
-        Ok(())
     }
 
     /// Where the plan or the path is at tick `t`.
@@ -477,7 +383,12 @@ impl Axis {
         let on_leg = match &mut self.leg {
             Some(leg) => leg.go_on(self.horizon, &self.train),
             None => {
-                if self.is_averaged && self.go_on_average() {
+                let is_done = if self.is_averaged {
+                    self.go_on_average()
+                } else {
+                    self.bow.is_left() && self.go_on_bow()
+                };
+                if is_done {
                     return;
                 }
                 None
@@ -503,7 +414,7 @@ impl Axis {
     /// is open.
     #[inline(never)]
     fn next_chord(&mut self) -> Option<(Chord, State)> {
-        self.leg = None;
+        self.leave();
         self.average_on();
         let begin = self.horizon;
         if self.path.is_none() && !self.is_averaged {
@@ -550,18 +461,28 @@ impl Axis {
         if self.path.is_none()
             && end < corner
             && let Some(phase) = averaged.as_ref().or_else(|| self.plan.entered(begin))
-            && phase.is_parabola()
         {
-            self.leg = Some(Leg::new(phase, end, corner, longest));
+            if phase.is_parabola() {
+                self.leg = Some(Leg::new(phase, end, corner, longest));
+            } else if length == self.train.chord(to.velocity, longest) && !to.velocity.creeps() {
+                self.bow = Bow::new(phase, end, corner, length).unwrap_or(Bow::NONE);
+            }
         }
         self.end_average(end);
         Some((Chord::between((begin, from), (length, to)), to))
     }
 
+    /// Nothing is known any more of how the plan goes on.
+    #[inline]
+    const fn leave(&mut self) {
+        self.leg = None;
+        self.bow = Bow::NONE;
+    }
+
     /// The motion has ended: from now on the axis stands on the whole step that the pulses have reached.
     #[inline(never)]
     fn settle(&mut self) {
-        self.leg = None;
+        self.leave();
         self.plan = Plan::at_rest(self.committed.into(), self.horizon);
         self.path = None;
         self.is_averaged = false;

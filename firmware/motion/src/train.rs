@@ -319,25 +319,6 @@ impl Train {
         }
     }
 
-    /// So many periods up to the last pulse, at `last`, where the run before has ended with a pulse that is where it belongs, and its periods were as
-    /// long but for an eighth: then so is the open one. Whether that is so.
-    #[inline]
-    fn join(&mut self, chord: &Chord, direction: Direction, pulses: u32, last: u32) -> bool {
-        let span = last.wrapping_add(self.open_at(chord.begin).cast_unsigned());
-        let alike = u64::from(self.period).wrapping_mul(pulses.into());
-        let joins = alike.abs_diff(span.into()) <= u64::from(span >> 3)
-            && self.has_pulse()
-            && self.direction == Some(direction)
-            && (MANY..=LONGEST_RUN).contains(&pulses)
-            && u64::from(span) >= u64::from(pulses).wrapping_mul(self.shortest.into());
-        if joins {
-            self.space(pulses, span, chord.speeding_up, direction);
-            let steps = pulses.cast_signed().wrapping_mul(direction.sign());
-            self.steps = self.steps.wrapping_add(steps);
-        }
-        joins
-    }
-
     /// `pulses` evenly spaced pulses, from `first` to `last`, in ticks from the chord's beginning; as many of them as fit in the chord.
     /// Gives how many were made.
     fn run(

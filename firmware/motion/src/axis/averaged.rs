@@ -54,7 +54,7 @@ impl Axis {
             ..limits
         };
         let ramps = self.ramps;
-        self.leg = None;
+        self.leave();
         let result = if let Ramps::MovingAverage(jerk) = ramps {
             self.redirect_averaged(goal, limits, jerk)
         } else {
@@ -203,12 +203,12 @@ impl Axis {
         let Some((chord, to)) = self.average.chord(self.horizon) else {
             return false;
         };
-        let is_easy = self.train.is_easy(to.velocity);
-        if is_easy {
-            self.train.draw(&chord);
-            self.go_to(chord.begin.wrapping_add(chord.length.into()), to);
+        if !self.train.is_easy(to.velocity) {
+            return false;
         }
-        is_easy
+        self.train.draw(&chord);
+        self.go_to(self.average.until(), to);
+        true
     }
 
     /// Where plan, path or mean are at tick `t`.

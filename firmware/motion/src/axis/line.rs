@@ -1,12 +1,113 @@
-//! Along a path, from one straight line to the next: what a cyclic mode does in each of its periods.
+//! Along a path of set-points, from one straight line to the next: what a cyclic mode does in each of its periods.
 
-use super::Axis;
 use super::leg::Leg;
+use super::{Axis, Demand};
 use crate::clock::Ticks;
-use crate::fixed::{State, Velocity};
+use crate::fixed::{Position, State, Velocity};
+use crate::path::{FollowError, Manner, Path};
+use crate::speed::SignedSpeed;
 use crate::train::Chord;
 
 impl Axis {
+    /// Follows set-points: goes in a straight line from the one before, or from where the axis is at the commit horizon, and is at `to`
+    /// at tick `end` of its time. To stay somewhere for a while, follow the position where the axis is.
+    ///
+    /// Behind the last set-point the axis goes on at its velocity for two segments, then it stands; so a set-point that
+    /// is late by that much makes no pause.
+    ///
+    /// # Errors
+    /// [`FollowError`]; the motion goes on as it was.
+    pub fn follow(&mut self, end: Ticks, to: Position) -> Result<(), FollowError> {
+        self.go_on(end, to, Manner::Straight)
+    }
+
+    /// As [`Axis::follow`], on a cubic that begins with the velocity that the axis has there and ends with `velocity`.
+    ///
+    /// # Errors
+    /// [`FollowError`]; the motion goes on as it was.
+    pub fn follow_smoothly(
+        &mut self,
+        end: Ticks,
+        to: Position,
+        velocity: Velocity,
+    ) -> Result<(), FollowError> {
+        self.go_on(end, to, Manner::Bent(velocity))
+    }
+
+    /// Changes the velocity evenly to `velocity` (cut to [`Axis::max_velocity`]) until tick `end` of the axis' time; on
+    /// behind that as with [`Axis::follow`].
+    ///
+    /// # Errors
+    /// [`FollowError`]; the motion goes on as it was.
+    pub fn follow_velocity(
+        &mut self,
+        end: Ticks,
+        velocity: SignedSpeed,
+    ) -> Result<(), FollowError> {
+        let velocity = Velocity::from_speed(self.clock, velocity.within(self.max_velocity()));
+        let (start, from) = self.course_end();
+        let length = end.saturating_sub(start);
+        let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
+        let both = i128::from(from.velocity.bits()).wrapping_add(velocity.bits().into());
+        // Twice the way in Q56: what a position cannot hold of it is kept for the next one, or slow velocities would drift.
+        let way = both.wrapping_mul(length.into());
+        let way = way.wrapping_add(self.carry.into());
+        let to = from.position.bits().wrapping_add((way >> 25) as i64);
+        let manner = if from.velocity == velocity {
+            Manner::Steady(velocity)
+        } else {
+            Manner::Bent(velocity)
+        };
+        self.go_on(end, Position::from_bits(to), manner)?;
+        self.carry = way as u32 & 0x1FF_FFFF;
+        Ok(())
+    }
+
+    /// Whether set-points are followed, or were until the axis came to rest.
+    pub const fn is_following(&self) -> bool {
+        self.path.is_some()
+    }
+
+    /// Whether the last set-point is passed in motion, and the axis stands at once, with no ramp, within so many ticks behind the commit
+    /// horizon if no other set-point comes.
+    pub fn is_running_out(&self, ticks: Ticks) -> bool {
+        self.path.as_ref().is_some_and(|path| {
+            let rest = path.rest();
+            path.ends_in_motion()
+                && self.horizon < rest
+                && rest <= self.horizon.saturating_add(ticks)
+        })
+    }
+
+    /// What [`Axis::course_end`] will be in whole steps and steps/s.
+    pub fn course_end_demand(&self) -> Demand {
+        self.demand_of(self.course_end().1)
+    }
+
+    /// Where the next set-point is gone to from, and at which tick: the last set-point, or the commit horizon if that is later.
+    pub fn course_end(&self) -> (Ticks, State) {
+        match &self.path {
+            Some(path) if path.end().0 >= self.horizon => path.end(),
+            _ => (self.horizon, self.state_at(self.horizon)),
+        }
+    }
+
+    fn go_on(&mut self, end: Ticks, to: Position, manner: Manner) -> Result<(), FollowError> {
+        let horizon = self.horizon;
+        if let Some(path) = &mut self.path {
+            // The line that the axis is on stays as it is.
+            return path.go_on(horizon, end, to, manner);
+        }
+        self.leave();
+        let grace = Ticks::from(self.train.segment()) << 1;
+        let mut path = Path::new(horizon, self.state_at(horizon), grace);
+        path.go_on(horizon, end, to, manner)?;
+        self.is_averaged = false;
+        self.acceleration = 0;
+        self.path = Some(path);
+        Ok(())
+    }
+
     /// The next chord, and the state at its end, if the axis is on a straight line of a path. None on a cubic, behind the last set-point, on
     /// a plan, and where it goes so slowly that the tick of a pulse must be looked for.
     #[inline(never)]

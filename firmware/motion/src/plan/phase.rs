@@ -216,6 +216,15 @@ impl Phase {
         self.half_acceleration
     }
 
+    /// By which part of it, Q64, less than a half, what a chord of so many ticks grows by bends back from chord to chord: 0 where the jerk is constant;
+    /// `None` for so long a chord of a sin² ramp that it is not worked out.
+    pub(crate) fn bend(&self, length: u32) -> Option<u64> {
+        match &self.curve {
+            Curve::Sine(sine) => sine.bend(length),
+            Curve::Parabola | Curve::Cubic(_) => Some(0),
+        }
+    }
+
     /// Whether it is one parabola, so that the longest chord is the same everywhere.
     pub(crate) const fn is_parabola(&self) -> bool {
         matches!(self.curve, Curve::Parabola)

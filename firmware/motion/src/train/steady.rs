@@ -1,6 +1,6 @@
 //! Pulses of a velocity that stays: from one pulse to another, with no chord to be looked at.
 
-use super::{LONGEST_RUN, Train};
+use super::{Chord, LONGEST_RUN, MANY, Train};
 use crate::clock::Ticks;
 use crate::fixed::Position;
 use crate::record::{Direction, SHORTEST_RECORD};
@@ -98,6 +98,31 @@ impl Train {
         let made = pulses.cast_signed().wrapping_mul(direction.sign());
         self.steps = self.steps.wrapping_add(made);
         Some((self.pen as u32).wrapping_sub(begin as u32))
+    }
+
+    /// So many periods up to the last pulse, at `last`, where the run before has ended with a pulse that is where it belongs, and its periods were as
+    /// long but for an eighth: then so is the open one. Whether that is so.
+    #[inline]
+    pub(super) fn join(
+        &mut self,
+        chord: &Chord,
+        direction: Direction,
+        pulses: u32,
+        last: u32,
+    ) -> bool {
+        let span = last.wrapping_add(self.open_at(chord.begin).cast_unsigned());
+        let alike = u64::from(self.period).wrapping_mul(pulses.into());
+        let joins = alike.abs_diff(span.into()) <= u64::from(span >> 3)
+            && self.has_pulse()
+            && self.direction == Some(direction)
+            && (MANY..=LONGEST_RUN).contains(&pulses)
+            && u64::from(span) >= u64::from(pulses).wrapping_mul(self.shortest.into());
+        if joins {
+            self.space(pulses, span, chord.speeding_up, direction);
+            let steps = pulses.cast_signed().wrapping_mul(direction.sign());
+            self.steps = self.steps.wrapping_add(steps);
+        }
+        joins
     }
 
     /// Silence while no pulse is due for more than a segment.
