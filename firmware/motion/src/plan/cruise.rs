@@ -95,6 +95,7 @@ struct Moves<'a> {
     /// The lowest cruise that comes into question.
     least: i128,
     jerk: Rough,
+    is_from_rest: bool,
     first: Side,
     last: Side,
     /// The way that both ramps are to take, without the constant, and how much of it is in doubt.
@@ -108,6 +109,13 @@ struct Moves<'a> {
 struct Probe {
     span: Rough,
     slope: Rough,
+}
+
+impl Probe {
+    const NOTHING: Self = Self {
+        span: Rough::ZERO,
+        slope: Rough::ZERO,
+    };
 }
 
 impl<'a> Moves<'a> {
@@ -137,6 +145,7 @@ impl<'a> Moves<'a> {
             way,
             least,
             jerk: rules.jerk.rough,
+            is_from_rest: lead.velocity == 0 && end == 0 && least == 0,
             first: Side::new(lead.velocity, least, limit),
             last: Side::new(end, least, rules.deceleration),
             goal,
@@ -202,12 +211,33 @@ impl<'a> Moves<'a> {
         self.span(cruise) <= self.way
     }
 
+    /// The velocity of a move from rest to rest, if neither ramp comes to its limit, or both do.
+    fn guess_from_rest(&self) -> Rough {
+        // v³ = j·way²/4
+        let short = self.goal.times(self.goal).times(self.jerk);
+        let velocity = short.halved().halved().cube_root();
+        let (first, last) = (self.first.limit, self.last.limit);
+        if velocity.times(self.jerk) <= first.square.max(last.square) {
+            return velocity;
+        }
+        // v² · (1/a + 1/d)/2 + v · (a + d)/2j = way
+        let slow = first.slowness.plus(last.slowness);
+        let half = first.entry.plus(last.entry).halved();
+        let square = half.times(half).plus(slow.times(self.goal).doubled());
+        square.root().minus(half).over(slow)
+    }
+
     /// The greatest velocity for which they fit, rounded down. They do at the lowest, and do not at `high`.
     fn greatest(&self, low: Probe, high: i128, room: Rough, top: Probe) -> i128 {
-        // Far from the root the way grows with a power of the velocity between 1.5 and 2.
         let (goal, mut below, mut above) = (self.goal, Rough::ZERO, room);
-        let part = goal.minus(low.span).over(top.span.minus(low.span));
-        let mut more = room.times(part.root().min(Rough::power(-1)));
+        let guess = if self.is_from_rest {
+            self.guess_from_rest()
+        } else {
+            // Far from the root the way grows with a power of the velocity between 1.5 and 2.
+            let part = goal.minus(low.span).over(top.span.minus(low.span));
+            room.times(part.root())
+        };
+        let mut more = guess.min(room.halved().plus(room.halved().halved()));
         let mut slope = low.slope;
         for _ in 0..MOST_ROUGH {
             let probe = self.probe(more);
@@ -327,6 +357,10 @@ impl Rules<'_> {
         let high = moves.probe(room);
         if is_top && moves.fit(most, high) {
             return Some(most);
+        }
+        // Without a cruise there are no ramps.
+        if moves.is_from_rest && lead.ahead == 0 {
+            return Some(moves.greatest(Probe::NOTHING, most, room, high));
         }
         let low = moves.probe(Rough::ZERO);
         moves

@@ -344,7 +344,9 @@ impl Plan {
                 // A ramp under way is left at no less than the jerk with which it was entered.
                 let entered = self.jerk.filter(|_| pull != 0);
                 let entered = entered.map_or(0, |jerk| self.entry_jerk(start, jerk).sixth);
-                Some(Jerk::new(sixth.max(entered)))
+                let sixth = sixth.max(entered);
+                let known = self.jerk.filter(|jerk| jerk.sixth == sixth);
+                Some(known.unwrap_or_else(|| Jerk::new(sixth)))
             }
         };
         let is_sine = ramps == Ramps::SinSquared && pull == 0;

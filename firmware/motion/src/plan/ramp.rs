@@ -84,6 +84,7 @@ impl Limit {
         }
     }
 
+    #[inline]
     fn inverse(&self) -> Number {
         let known = self.inverse.get();
         if known != Number::ZERO {
