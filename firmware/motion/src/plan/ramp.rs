@@ -48,8 +48,10 @@ pub(super) struct Limit {
     /// What the velocity gains meanwhile, and the same in Q96.
     half: Number,
     rise: i128,
-    /// One by it, if it was asked for.
+    /// One by it, if it was asked for; and then also the entry in Q32 ticks, and how far what is gained in it goes, Q96 steps.
     inverse: Cell<Number>,
+    exact_entry: Cell<i128>,
+    bend: Cell<i128>,
     pub(super) rough: RoughLimit,
 }
 
@@ -76,6 +78,8 @@ impl Limit {
             half,
             rise: half.fixed(Kind::Velocity),
             inverse: Cell::new(Number::ZERO),
+            exact_entry: Cell::new(0),
+            bend: Cell::new(0),
             rough: RoughLimit {
                 square: rough.times(rough),
                 slowness: Rough::ONE.over(rough),
@@ -92,6 +96,9 @@ impl Limit {
         }
         let inverse = self.number.reciprocal();
         self.inverse.set(inverse);
+        self.exact_entry.set(self.entry.fixed(Kind::Time));
+        let bend = self.half.times(self.entry).times(Number::THIRD);
+        self.bend.set(bend.fixed(Kind::Way));
         inverse
     }
 }
@@ -218,17 +225,38 @@ pub(super) struct Lead {
 impl Lead {
     /// Of a ramp upwards or downwards. `limit` is its greatest acceleration.
     pub(super) fn new(from: &Motion, falls: bool, limit: &Limit, jerk: &Jerk) -> Self {
-        let velocity = from.velocity;
-        if from.acceleration == 0 {
-            return Self::steady(velocity, falls);
+        let mut lead = Self::steady(from.velocity, falls);
+        if from.acceleration != 0 {
+            lead.come_from(from, limit, jerk);
         }
+        lead
+    }
+
+    /// Becomes another one, as [`Lead::new`] would have it: it is large, and copies of it are dear.
+    pub(super) fn renew(&mut self, from: &Motion, falls: bool, limit: &Limit, jerk: &Jerk) {
+        self.velocity = from.velocity;
+        self.speed = Number::of(from.velocity, Kind::Velocity);
+        self.ahead = 0;
+        self.ago = 0;
+        self.falls = falls;
+        self.is_easing = false;
+        if from.acceleration != 0 {
+            self.come_from(from, limit, jerk);
+        }
+    }
+
+    /// The same of one that begins with an acceleration.
+    #[inline(never)]
+    fn come_from(&mut self, from: &Motion, limit: &Limit, jerk: &Jerk) {
+        let falls = self.falls;
         let pull = if falls {
             from.acceleration.wrapping_neg()
         } else {
             from.acceleration
         };
         if pull > limit.most {
-            return Self::easing(from, falls, limit, jerk);
+            self.ease(from, limit, jerk);
+            return;
         }
         let turned = |value: Number| if falls { value.negated() } else { value };
         let (time, change) = (turned(from.time), turned(from.change));
@@ -237,18 +265,12 @@ impl Lead {
         } else {
             from.exact_change
         };
-        let velocity = velocity.wrapping_sub(exact_change);
-        let speed = Number::of(velocity, Kind::Velocity);
-        let way = time.times(speed).fixed(Kind::Way);
+        self.velocity = from.velocity.wrapping_sub(exact_change);
+        self.speed = Number::of(self.velocity, Kind::Velocity);
+        let way = time.times(self.speed).fixed(Kind::Way);
         let bend = time.times(change).times(Number::THIRD).fixed(Kind::Way);
-        Self {
-            velocity,
-            speed,
-            ahead: way.wrapping_add(bend).wrapping_neg(),
-            ago: time.fixed(Kind::Time),
-            falls,
-            is_easing: false,
-        }
+        self.ahead = way.wrapping_add(bend).wrapping_neg();
+        self.ago = time.fixed(Kind::Time);
     }
 
     /// Of a ramp that begins with no acceleration.
@@ -265,16 +287,17 @@ impl Lead {
 
     /// The acceleration falls to the limit; from there on it is a ramp that has been at its limit from the beginning.
     #[inline(never)]
-    fn easing(from: &Motion, falls: bool, limit: &Limit, jerk: &Jerk) -> Self {
+    fn ease(&mut self, from: &Motion, limit: &Limit, jerk: &Jerk) {
+        let falls = self.falls;
         let turned = |value: Number| if falls { value.negated() } else { value };
         let over = turned(from.time).minus(limit.entry);
         let rise = turned(limit.half);
-        let velocity = from.velocity.wrapping_add(
+        self.velocity = from.velocity.wrapping_add(
             turned(from.change)
                 .minus(rise.doubled())
                 .fixed(Kind::Velocity),
         );
-        let speed = Number::of(velocity, Kind::Velocity);
+        self.speed = Number::of(self.velocity, Kind::Velocity);
         // v·t + a·t²/2 − j·t³/6
         let mean = turned(jerk.whole)
             .times(over)
@@ -284,15 +307,12 @@ impl Lead {
             .times(over)
             .halved()
             .plus(Number::of(from.velocity, Kind::Velocity));
-        let before = speed.plus(rise.times(Number::THIRD)).times(limit.entry);
-        Self {
-            velocity,
-            speed,
-            ahead: mean.times(over).minus(before).fixed(Kind::Way),
-            ago: limit.entry.minus(over).fixed(Kind::Time),
-            falls,
-            is_easing: true,
-        }
+        let before = (self.speed)
+            .plus(rise.times(Number::THIRD))
+            .times(limit.entry);
+        self.ahead = mean.times(over).minus(before).fixed(Kind::Way);
+        self.ago = limit.entry.minus(over).fixed(Kind::Time);
+        self.is_easing = true;
     }
 }
 
@@ -332,14 +352,23 @@ impl Ramp {
         };
         let gain = turned(end.wrapping_sub(lead.velocity)).max(0);
         let Steady { entry, hold } = Steady::new(gain, limit, jerk);
-        let (peak, half, rise) = if hold.is_some() {
-            (limit.most, limit.half, limit.rise)
+        let (peak, exit, rise, bend) = if hold.is_some() {
+            (
+                limit.most,
+                limit.exact_entry.get(),
+                limit.rise,
+                limit.bend.get(),
+            )
         } else {
             let peak = entry.times(jerk.whole);
-            let half = peak.times(entry).halved();
-            (peak.fixed(Kind::Acceleration), half, gain >> 1)
+            let bend = peak.times(entry).halved().times(entry).times(Number::THIRD);
+            (
+                peak.fixed(Kind::Acceleration),
+                entry.fixed(Kind::Time),
+                gain >> 1,
+                bend.fixed(Kind::Way),
+            )
         };
-        let bend = half.times(entry).times(Number::THIRD).fixed(Kind::Way);
         let (peak, rise, bend) = (turned(peak), turned(rise), turned(bend));
         let sixth = turned(jerk.sixth.cast_signed());
         let (risen, leaving) = (lead.velocity.wrapping_add(rise), end.wrapping_sub(rise));
@@ -353,17 +382,15 @@ impl Ramp {
             let speed = Number::of(end, Kind::Velocity);
             ways.1 = ways.1.wrapping_add(entry.times(speed).fixed(Kind::Way));
         }
-        let exit = entry.fixed(Kind::Time);
         let hold = hold.map_or((0, 0), |hold| {
             let sum = Number::of(risen.wrapping_add(leaving), Kind::Velocity);
             let way = sum.times(hold).halved().fixed(Kind::Way);
             (hold.fixed(Kind::Time), way)
         });
-        let time = |time: i128| time.max(0).cast_unsigned();
         Self {
             pieces: [
                 Piece {
-                    time: time(exit.wrapping_sub(lead.ago)),
+                    time: exit.wrapping_sub(lead.ago).max(0).cast_unsigned(),
                     velocity: from.velocity,
                     acceleration: from.acceleration,
                     sixth_jerk: if lead.is_easing {
@@ -374,14 +401,14 @@ impl Ramp {
                     way: ways.0,
                 },
                 Piece {
-                    time: time(hold.0),
+                    time: hold.0.cast_unsigned(),
                     velocity: risen,
                     acceleration: peak,
                     sixth_jerk: 0,
                     way: hold.1,
                 },
                 Piece {
-                    time: time(exit),
+                    time: exit.cast_unsigned(),
                     velocity: leaving,
                     acceleration: peak,
                     sixth_jerk: sixth.wrapping_neg(),
