@@ -3,6 +3,7 @@
 //! | task | priority | raised by | does |
 //! |---|---|---|---|
 //! | `step` | 5 | step timer | step pulses, counted, where the timer needs help with each |
+//! | `pulses_broken` | 5 | break input of the step timer | stops the timer whose pulses no longer leave |
 //! | `first_input`, `inputs` | 5 | an edge of a digital input | captures the position |
 //! | `can_received`, `serial` | 4 | CAN controller | stamps frames and queues them |
 //! | `can_sent`, `can_error` | 4 | CAN controller | room for the next frame; errors |
@@ -158,6 +159,11 @@ mod app {
     #[task(binds = TIM2, priority = 5, shared = [step])]
     fn step(cx: step::Context) {
         cx.shared.step.0.on_interrupt();
+    }
+
+    #[task(binds = TIM1_BRK_TIM9, priority = 5, shared = [step])]
+    fn pulses_broken(cx: pulses_broken::Context) {
+        cx.shared.step.0.on_break();
     }
 
     #[task(binds = EXTI4, priority = 5, shared = [step])]

@@ -116,6 +116,13 @@ impl<'a> TimerModel<'a> {
         machine.cut_off();
     }
 
+    /// Whether the break interrupts.
+    pub fn is_break_interrupt(&self) -> bool {
+        let machine = self.0.borrow();
+        machine.register(Register::Dier) & bits::BIE != 0
+            && machine.register(Register::Sr) & bits::BIF != 0
+    }
+
     /// An edge at the pin of a capture channel of the counter (1 to 4), so many ticks from now. It is captured when the channel's filter lets
     /// it through, some ticks later.
     ///
@@ -253,7 +260,7 @@ impl<'a> Machine<'a> {
             (Register::Ccmr1, 0x6868),
             (Register::Cr2, 0x40),
             (Register::Smcr, 0),
-            (Register::Dier, 0x100),
+            (Register::Dier, 0x180),
             (Register::Ccer, 0x44),
             (Register::Dcr, 0x040A),
             // RM0090, 10.5: channel 6, very high, words, MINC, CIRC, memory to peripheral, on; direct mode.

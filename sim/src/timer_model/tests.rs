@@ -1,5 +1,6 @@
 //! The advanced timer's output, judged by its pins.
 
+mod breaks;
 mod capture;
 mod differential;
 mod interrupted;
@@ -395,30 +396,6 @@ fn a_train_after_a_drop_inside_a_pulse_begins_with_its_own() {
         rig.account();
         assert_eq!(rig.model.judge().position, 7);
     }
-}
-
-#[test]
-fn the_break_input_cuts_the_pulses_by_hardware() {
-    let mut rig = rig(FAST);
-    rig.axis.ramp_to(100_000.into(), LIMITS).unwrap();
-    for _ in 0..1_000 {
-        rig.refill(SEGMENT.into());
-    }
-    let before = rig.model.judge().pulses;
-    rig.model.set_break(true);
-    rig.model.run(SEGMENT.into());
-    assert_eq!(rig.model.judge().pulses, before);
-    assert!(rig.output.is_broken());
-    rig.output.drop_all();
-    rig.output.mend();
-    assert!(
-        rig.output.is_broken(),
-        "nothing mends what is still cut off"
-    );
-    rig.model.set_break(false);
-    assert!(rig.output.is_broken(), "it is not let go on by itself");
-    rig.output.mend();
-    assert!(!rig.output.is_broken());
 }
 
 #[test]

@@ -130,6 +130,9 @@ pub trait Steps {
     /// The step interrupt.
     fn on_interrupt(&mut self);
 
+    /// The interrupt of the break input: the outputs were cut off, and what makes the pulses is to stop.
+    fn on_break(&mut self);
+
     /// What the counter of steps showed when an edge of this input came (counted from 0), as nearly as the board can tell.
     fn count(&mut self, input: usize) -> u32;
 }

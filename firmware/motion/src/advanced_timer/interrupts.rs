@@ -46,3 +46,16 @@ pub fn count_at_edge(registers: &impl Registers, channel: Option<CaptureChannel>
         .filter(|captured| now.wrapping_sub(*captured) <= most)
         .unwrap_or(now)
 }
+
+/// The break input has cut the outputs off, and the timer goes on unseen: no pulse begins from here on, so that the counter shows what has left,
+/// but for the few pulses up to this. From the interrupt of the break (TIM1_BRK), which then is off until the next train.
+pub fn on_break(registers: &mut impl Registers) {
+    for (register, value) in [
+        (Register::Ccmr1, bits::CHANNEL_1_LOW | bits::CHANNEL_2_PWM),
+        (Register::Cr1, bits::URS | bits::ARPE),
+        // Its flag stays while the input is active.
+        (Register::Dier, 0),
+    ] {
+        registers.write(register, value);
+    }
+}

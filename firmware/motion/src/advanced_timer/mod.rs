@@ -31,7 +31,7 @@ mod slots;
 #[cfg(test)]
 mod tests;
 
-pub use interrupts::{CaptureChannel, count_at_edge};
+pub use interrupts::{CaptureChannel, count_at_edge, on_break};
 pub use output::Output;
 pub use registers::{Register, Registers, bits};
 pub use ring::{Ring, SLOTS, WORDS};

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::count::Course;
+use super::interrupts::on_break;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
 use super::set_up;
@@ -110,7 +111,7 @@ impl<'a, R: Registers> Output<'a, R> {
         let newly = self.newly_fetched();
         // A transfer error has switched the stream off, or it does not come on.
         let is_on = self.registers.read(Register::StreamCr) & bits::STREAM_ON != 0;
-        let is_stuck = !is_on || newly == 0 && self.is_overdue();
+        let is_stuck = !is_on || newly == 0 && (self.is_overdue() || self.is_broken());
         if newly != 0 {
             self.fetched = self.fetched.wrapping_add(newly);
             self.moved = self.registers.now();
@@ -122,7 +123,7 @@ impl<'a, R: Registers> Output<'a, R> {
             self.stop();
             self.go_on(left);
         } else if is_stuck {
-            self.give_up();
+            self.end_early();
         } else if !self.remainder.is_empty() {
             self.fill(0);
         }
@@ -140,9 +141,25 @@ impl<'a, R: Registers> Output<'a, R> {
         self.silenced = end;
     }
 
+    /// The train does not go on.
+    #[cold]
+    fn end_early(&mut self) {
+        if self.is_broken() {
+            // The interrupt of the break has stopped the timer.
+            self.drop_all();
+        } else {
+            self.give_up();
+        }
+    }
+
     /// What was left of a record when the slots before it had been played: a train of its own.
     fn go_on(&mut self, left: Remainder) {
-        if !left.is_empty() {
+        if left.is_empty() {
+            return;
+        }
+        if self.is_broken() {
+            self.drop_all();
+        } else {
             self.remainder = left;
             self.start(left.direction());
             self.fill(0);
@@ -190,7 +207,8 @@ impl<'a, R: Registers> Output<'a, R> {
         count
     }
 
-    /// Whether the break input has cut the outputs off. Pulses that the timer made since then were counted and did not leave.
+    /// Whether the break input has cut the outputs off. Pulses that the timer made up to [`on_break`] were counted and did not leave;
+    /// nothing is taken until [`Output::mend`].
     pub fn is_broken(&self) -> bool {
         self.registers.read(Register::Bdtr) & bits::MOE == 0
     }
@@ -330,6 +348,10 @@ impl<'a, R: Registers> Output<'a, R> {
         self.moved = self.registers.now();
         self.registers
             .write(Reg::Cr1, bits::URS | bits::ARPE | bits::CEN);
+        if self.is_broken() {
+            // Its interrupt may have come before this.
+            on_break(&mut self.registers);
+        }
         // The first slot is fetched when the second silence begins.
         self.request = self.moved.wrapping_add(LEAD_IN);
         self.last = LEAD_IN;
@@ -353,7 +375,7 @@ impl<'a, R: Registers> Output<'a, R> {
             (Reg::Ccr2, direction),
             (Reg::Egr, bits::UG),
             (Reg::Ccmr1, bits::CHANNEL_1_PWM | bits::CHANNEL_2_PWM),
-            (Reg::Dier, bits::UDE),
+            (Reg::Dier, bits::UDE | bits::BIE),
         ] {
             self.registers.write(register, value);
         }
@@ -417,6 +439,9 @@ impl<R: Registers> PulseSink for Output<'_, R> {
                     return Err(record);
                 }
             }
+        }
+        if !self.running && self.is_broken() {
+            return Err(record);
         }
         if self.course.direction() != record.direction {
             let count = self.registers.read(Register::CounterCnt);

@@ -99,6 +99,8 @@ pub mod bits {
     pub const TRGO_OC1REF: u32 = 0b100 << 4;
     /// DIER: an update event asks for DMA.
     pub const UDE: u32 = 1 << 8;
+    /// DIER: the break input interrupts.
+    pub const BIE: u32 = 1 << 7;
     /// SR: the break input was active.
     pub const BIF: u32 = 1 << 7;
     /// EGR: an update event now; the counter begins anew and preloaded values act.

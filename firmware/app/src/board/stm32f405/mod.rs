@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | PB13 | step | TIM1 channel 1N, a pulse is high |
 //! | PB14 | direction | TIM1 channel 2N, high is forward |
-//! | PB12 | break | TIM1 break input with pull-up, low cuts step and direction off by hardware |
+//! | PB12 | break | TIM1 break input with pull-up, low cuts step and direction off by hardware; it has no filter and the pull-up is weak: 1 to 4.7 kΩ to 3.3 V and some nF to ground outside |
 //! | PA2 | enable | low is on, as most drivers have it; pull it up outside, for the time before the firmware runs |
 //! | PA3 | fault | input with pull-up, low is a fault of the stage |
 //! | PC0 | supply | input with pull-up, low is no supply of the stage |

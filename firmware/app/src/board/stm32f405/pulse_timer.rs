@@ -8,7 +8,9 @@
 use core::ptr::addr_of;
 
 use cia402::faults::{EXTERNAL, PULSES_STOPPED};
-use motion::advanced_timer::{count_at_edge, CaptureChannel, Output, Register, Registers, Ring};
+use motion::advanced_timer::{
+    count_at_edge, on_break, CaptureChannel, Output, Register, Registers, Ring,
+};
 use motion::{PulseSink, Record, Ticks};
 use stm32f4xx_hal::gpio::{Alternate, PA0, PA1, PB11, PB12, PB13, PB14};
 use stm32f4xx_hal::pac;
@@ -220,11 +222,15 @@ impl Pulses for TimerPulses {
     }
 }
 
-/// What the interrupt of the inputs asks of the timers.
+/// What the interrupts of the inputs and of the break ask of the timers.
 pub struct Interrupts(Timers);
 
 impl Steps for Interrupts {
     fn on_interrupt(&mut self) {}
+
+    fn on_break(&mut self) {
+        on_break(&mut self.0);
+    }
 
     fn count(&mut self, input: usize) -> u32 {
         // What is not wired to a channel has no capture, and the counter is read a microsecond late.
