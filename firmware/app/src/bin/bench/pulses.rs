@@ -4,7 +4,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use motion::advanced_timer::{Output, Register, Registers, Ring, SLOTS, WORDS};
+use motion::advanced_timer::{bits, Output, Register, Registers, Ring, SLOTS, WORDS};
 use motion::step_interrupt::{self, Edge, StepTimer};
 use motion::{
     Axis, AxisConfig, Clock, Direction, DriverTiming, Limits, PulseSink, Ramps, Record, Ticks,
@@ -198,6 +198,8 @@ impl Registers for Still {
         match register {
             Register::StreamNdtr => LEFT.load(Ordering::Relaxed),
             Register::StreamCr => STREAM.load(Ordering::Relaxed),
+            // No break.
+            Register::Bdtr => bits::MOE,
             _ => 0,
         }
     }
