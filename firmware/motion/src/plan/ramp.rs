@@ -45,7 +45,7 @@ pub(super) struct Limit {
     number: Number,
     /// How long it takes to come about.
     entry: Number,
-    /// What the velocity gains meanwhile, and the same in Q96.
+    /// What the velocity gains meanwhile, and the same in Q96, saturating: it may be beyond all velocities.
     half: Number,
     rise: i128,
     /// One by it, if it was asked for; and then also the entry in Q32 ticks, and how far what is gained in it goes, Q96 steps.
@@ -76,7 +76,7 @@ impl Limit {
             number,
             entry,
             half,
-            rise: half.fixed(Kind::Velocity),
+            rise: half.bounded(Kind::Velocity),
             inverse: Cell::new(Number::ZERO),
             exact_entry: Cell::new(0),
             bend: Cell::new(0),
@@ -114,7 +114,7 @@ struct Steady {
 impl Steady {
     #[inline(always)]
     fn new(gain: i128, limit: &Limit, jerk: &Jerk) -> Self {
-        let held = gain.wrapping_sub(limit.rise).wrapping_sub(limit.rise);
+        let held = gain.saturating_sub(limit.rise).saturating_sub(limit.rise);
         if held >= 0 {
             return Self {
                 entry: limit.entry,

@@ -469,6 +469,24 @@ fn i08_a_stop_and_a_ramp_longer_than_the_span_have_no_jump() {
 }
 
 #[test]
+fn i01_an_acceleration_that_its_jerk_would_never_reach_is_no_limit() {
+    // It would come about at a velocity that no number of a plan can hold.
+    let clock = clock(1_000_000);
+    let limits = Limits {
+        velocity: 10_000.into(),
+        acceleration: 108_747_104,
+        deceleration: 108_747_104,
+    };
+    for goal in [Goal::Velocity(1.into()), Goal::Rest(2)] {
+        let from = state(clock, 0, 0);
+        let plan = Plan::new(clock, 0, from, goal, limits, Ramps::JerkLimited(1)).unwrap();
+        // Up to 1 step/s at 1 step/s³, and back.
+        let corner = plan.phases().last().unwrap().start();
+        assert!((1_000_000..=3_000_001).contains(&corner), "{corner}");
+    }
+}
+
+#[test]
 fn i01_a_short_sine_ramp_that_is_left_stays_within_its_velocity() {
     let clock = clock(84_000_000);
     let limits = Limits {
