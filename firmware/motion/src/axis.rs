@@ -283,7 +283,7 @@ impl Axis {
         // A leg and a bow end at a corner at the latest, and the end is one.
         let is_under_way = match &self.path {
             Some(path) => path.rest() > self.horizon,
-            None => self.leg.is_some() || self.is_averaged || self.bow.is_left(),
+            None => self.is_averaged || self.leg.is_some() || self.bow.is_left(),
         };
         !is_under_way && self.has_ended()
     }

@@ -407,9 +407,26 @@ impl Train {
         } else {
             (short, long)
         };
-        self.put(first.0, first.1, direction);
-        self.put(second.0, second.1, direction);
+        self.put_both([first, second], direction);
         self.pen = self.pen.wrapping_add(span.into());
+    }
+
+    /// Two runs at once, as they are in most chords.
+    #[inline]
+    fn put_both(&mut self, runs: [(u32, u32); 2], direction: Direction) {
+        let (width, made) = (self.width, usize::from(self.count));
+        let room = self.made.get_mut(made..);
+        let room = room.and_then(|room| room.first_chunk_mut::<2>());
+        debug_assert!(room.is_some(), "{NO_ROOM}");
+        if let Some(room) = room {
+            *room = runs.map(|(period, repeat)| Record {
+                period,
+                repeat: repeat as u16,
+                width,
+                direction,
+            });
+            self.count = self.count.wrapping_add(2);
+        }
     }
 
     /// A run of pulses; the pen follows.
