@@ -24,7 +24,7 @@ impl Axis {
     }
 
     /// As [`Axis::advance`], but four segments if a plan with these `ramps` may be a dear one: where a smooth motion is under way, or ramps of
-    /// limited jerk take the place of whatever it is. Such a plan takes the processor up to 0.3 ms, and all that time no records are made. To be
+    /// limited jerk take the place of whatever it is. Such a plan takes the processor up to 0.1 ms, and all that time no records are made. To be
     /// called before it. Of set-points that are followed no more is handed out than has come.
     ///
     /// # Errors
