@@ -249,3 +249,31 @@ fn a_cubic_keeps_its_velocities() {
         "a straight line between equal velocities"
     );
 }
+
+#[test]
+fn m63_a_slow_line_before_a_fast_one_stays_slow() {
+    for lead in 0..40 {
+        let mut axis = axis();
+        let mut sink = Notes::default();
+        axis.follow(3 * SEGMENT, Position::from_steps(0)).unwrap();
+        tick(&mut axis, &mut sink, SEGMENT);
+        // The end of the slow line is anywhere in a segment.
+        let (mut end, mut target) = (3 * SEGMENT, 0);
+        let mut knots = Vec::new();
+        for (length, way) in [(173_479 + lead * 1_000, 128), (311_566, 4), (179_133, 194)] {
+            end += length;
+            target += way;
+            axis.follow(end, Position::from_steps(target)).unwrap();
+            knots.push((end, target));
+            while sink.now + 3 * SEGMENT < end {
+                tick(&mut axis, &mut sink, SEGMENT);
+            }
+        }
+        while !axis.is_at_rest() {
+            tick(&mut axis, &mut sink, SEGMENT);
+        }
+        for (end, target) in knots {
+            assert_eq!(sink.position_at(end), target, "{lead}, at {end}");
+        }
+    }
+}

@@ -101,7 +101,7 @@ impl Train {
     }
 
     /// So many periods up to the last pulse, at `last`, where the run before has ended with a pulse that is where it belongs, and its periods were as
-    /// long but for an eighth: then so is the open one. Whether that is so.
+    /// long but for an eighth: then so is the open one, if the chord begins within it and not behind a slow stretch. Whether that is so.
     #[inline]
     pub(super) fn join(
         &mut self,
@@ -110,9 +110,11 @@ impl Train {
         pulses: u32,
         last: u32,
     ) -> bool {
-        let span = last.wrapping_add(self.open_at(chord.begin).cast_unsigned());
+        let open = self.open_at(chord.begin).cast_unsigned();
+        let span = last.wrapping_add(open);
         let alike = u64::from(self.period).wrapping_mul(pulses.into());
         let joins = alike.abs_diff(span.into()) <= u64::from(span >> 3)
+            && open <= self.period.wrapping_add(self.period >> 3)
             && self.has_pulse()
             && self.direction == Some(direction)
             && (MANY..=LONGEST_RUN).contains(&pulses)
