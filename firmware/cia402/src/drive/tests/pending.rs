@@ -134,7 +134,8 @@ fn d15_a_mode_change_makes_a_halt_no_gentler() {
             }
         }
         let way = way(&mut rig);
-        assert!((50..110).contains(&way), "{late:?}: {way} steps");
+        // In the two ticks the motor may have begun to stop.
+        assert!((30..110).contains(&way), "{late:?}: {way} steps");
         assert_eq!(rig.actuals().mode_display, 1);
     }
 }

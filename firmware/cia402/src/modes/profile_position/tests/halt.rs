@@ -73,8 +73,9 @@ fn halt_and_its_end_on_the_way_are_smooth() {
             rig.write(0x1F);
         }
         let next = rig.speed();
+        // A count of steps is one too many or too few at either end of a tick.
         assert!(
-            (next - speed).abs() <= 1,
+            (next - speed).abs() <= 2,
             "from {speed} to {next} steps a tick"
         );
         speed = next;
