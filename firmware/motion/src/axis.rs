@@ -251,10 +251,12 @@ impl Axis {
             if self.is_at_rest() {
                 break;
             }
+            if !self.train.can_flush(self.horizon, enough) {
+                self.compose();
+            }
+            // In one go with the chord: handing out costs as much as working it out.
             if self.train.can_flush(self.horizon, enough) {
                 self.train.flush(self.horizon);
-            } else {
-                self.compose();
             }
         }
         if self.moving && self.is_at_rest() {

@@ -14,9 +14,9 @@ use crate::crossings::Crossings;
 use crate::fixed::{Position, State, Velocity};
 use crate::record::{Direction, DriverTiming, Record, SHORTEST_RECORD};
 
-/// Records that one chord can make at most: three for the open period, one more at a change of direction, three runs, and one for a long
-/// silence.
-const MOST_RECORDS: usize = 9;
+/// Records that one chord can make at most: three for the open period, one more at a change of direction, three runs, one for a long
+/// silence, and two if what is open then is handed out with it.
+const MOST_RECORDS: usize = 11;
 
 /// The pulses of a run are counted in 16 bits.
 const LONGEST_RUN: u32 = u16::MAX as u32;
