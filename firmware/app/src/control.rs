@@ -12,6 +12,8 @@
 //! - Lost frames are a fault only while the motor has current. Storing stops the processor, so on a busy bus frames are lost
 //!   then; a master gets the device's message, and no fault it would have to reset.
 //! - Pulses the drive gives up are dropped in the same tick.
+//! - An early tick begins with a segment and a half of pulses left at least: the refills have its priority and wait for it, and may wait for the
+//!   regular one behind it too.
 //! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
 //!   starts anew.
 
@@ -125,6 +127,8 @@ impl Control {
         if !exchange.lock(|exchange| exchange.calls_early()) {
             return;
         }
+        self.pulses.service();
+        self.drive.top_up(&mut self.pulses);
         let (now, _) = self.look(false);
         let outputs = self.drive.early_tick(
             now,

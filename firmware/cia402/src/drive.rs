@@ -380,6 +380,14 @@ impl Drive {
         }
     }
 
+    /// To be called before an early tick where ticks and refills do not interrupt each other: hands out pulses if a refill will soon be due, which would
+    /// have to wait for that tick, and for the regular one behind it.
+    pub fn top_up<S: PulseSink>(&mut self, pulses: &mut S) {
+        if self.motor.runs_short(pulses) {
+            self.refill(pulses);
+        }
+    }
+
     /// Whether data records may wait.
     fn keeps_records(&self) -> bool {
         self.state() == State::OperationEnabled && self.modes.keeps_records()

@@ -1,16 +1,16 @@
 //! The axis as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
 
 mod directed;
+mod handing_out;
 
 use motion::{
-    AdvanceError, Axis, AxisConfig, Demand, Direction, FollowError, Limits, PlanError, Position,
-    PulseSink, Ramps, SignedSpeed, Speed, Ticks, Velocity,
+    Axis, AxisConfig, Demand, Direction, FollowError, Limits, PlanError, Position, PulseSink,
+    Ramps, SignedSpeed, Speed, Ticks, Velocity,
 };
 
 use crate::cyclic::{Fine, Timescale};
 use crate::inputs::Count;
 use crate::pulse_timing::PulseTiming;
-use directed::Directed;
 
 /// The directions that limit switches bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -559,39 +559,6 @@ impl Motor {
     /// Whether pulses were cut off in this tick.
     pub(crate) const fn is_cut(&self) -> bool {
         self.cut
-    }
-
-    /// A motion with these ramps is to be planned in place of the one under way, which may take the processor long: hands out pulses for so
-    /// long. What begins in this tick begins behind them. See [`Axis::prepare`].
-    pub(crate) fn prepare(&mut self, ramps: Ramps, mut pulses: &mut dyn PulseSink) {
-        if self.at_rest {
-            return;
-        }
-        let mut pulses = Directed {
-            pulses: &mut pulses,
-            is_reversed: self.is_reversed,
-        };
-        let result = self.axis.prepare(ramps, &mut pulses);
-        self.is_late |= result == Err(AdvanceError::Underrun);
-        self.committed = self.near(self.axis.committed_position());
-    }
-
-    /// Hands out the pulses of the next segments. False when they came too late and the motor had none for a moment; no
-    /// pulse is lost by that.
-    pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) -> bool {
-        let result = self.axis.advance(&mut Directed {
-            pulses,
-            is_reversed: self.is_reversed,
-        });
-        self.committed = self.near(self.axis.committed_position());
-        self.at_rest = self.axis.is_at_rest();
-        if self.at_rest {
-            self.stopped();
-            self.planned_with(0);
-            self.stopping_at_limit = None;
-        }
-        let was_late = core::mem::take(&mut self.is_late);
-        !was_late && result != Err(AdvanceError::Underrun)
     }
 }
 

@@ -1,11 +1,14 @@
 //! The figures are within their goals.
 
-use canopen::Duration;
+use canopen::{BitRate, Duration, Frame};
 use motion::Ramps;
 
 use super::count::{Counted, long_moves, sequences};
 use super::reaction::{Order, Profile, longest};
-use super::{duration, position, rate};
+use super::{duration, enabled, position, rate};
+use crate::bus::Station;
+use crate::bus::simulated::Bus;
+use crate::timer_model::board::Board;
 
 #[test]
 fn no_pulse_is_too_many_or_too_few() {
@@ -75,5 +78,61 @@ fn a_stop_is_felt_within_a_millisecond_of_its_frame() {
         assert!(reaction.from_frame <= 1_000, "{case}");
         // It is not felt before the pulses have left that are handed out.
         assert!(reaction.from_frame > 500, "{case}");
+    }
+}
+
+/// Emergency messages of a drive whose ticks take so long, early ones too, in a slow cruise that is stopped twice in a row, at many moments:
+/// first in an early tick, then in the regular one behind it.
+fn warnings(busy: Duration, phase: u64) -> usize {
+    let (mut master, handle) =
+        enabled(Bus::new(BitRate::Kbit1000), Duration::micros(phase)).unwrap();
+    for (index, value) in [(0x6086, 1_i16), (0x605D, 2)] {
+        master.write(Board::NODE, index, 0, value).unwrap();
+    }
+    master.write(Board::NODE, 0x20A0, 0, 1_u8).unwrap();
+    master.write(Board::NODE, 0x6083, 0, 500_000_u32).unwrap();
+    master.write(Board::NODE, 0x60FF, 0, 3_000_i32).unwrap();
+    master.wait(Duration::millis(100)).unwrap();
+    let mut now = master.now();
+    let mut board = master.bus_mut().detach(handle);
+    board.set_busy(busy);
+    let mut emergencies = 0;
+    let mut run = |board: &mut Board, until| {
+        while board.poll(until) <= until {}
+        while let Some(frame) = board.transmit() {
+            let emergency = 0x80 + u16::from(Board::NODE);
+            emergencies += usize::from(frame.standard_id() == Some(emergency));
+        }
+    };
+    let order = |controlword: u16| {
+        Frame::data_frame(0x200 + u16::from(Board::NODE), &controlword.to_le_bytes())
+    };
+    for moment in (0..1_000).step_by(31) {
+        now += Duration::millis(50);
+        for (controlword, behind) in [
+            (0x010F, moment),
+            (0x010B, moment + 90),
+            (0x06, 40_000),
+            (0x07, 45_000),
+            (0x0F, 50_000),
+        ] {
+            let at = now + Duration::micros(behind);
+            run(&mut board, at);
+            board.receive(&order(controlword), at);
+        }
+        now += Duration::millis(100);
+        run(&mut board, now);
+    }
+    emergencies
+}
+
+#[test]
+fn two_dear_stops_in_a_row_make_no_pause() {
+    for phase in [0, 60, 125, 190] {
+        // 12,800 instructions (`docs/design.md`).
+        let dearest = Duration::micros(115);
+        assert_eq!(warnings(dearest, phase), 0, "{phase} us");
+        let too_dear = Duration::micros(450);
+        assert_ne!(warnings(too_dear, phase), 0, "{phase} us");
     }
 }

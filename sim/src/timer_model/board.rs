@@ -2,8 +2,8 @@
 //!
 //! It runs what the tasks of the firmware run, at their rates: a control tick each millisecond, a refill each quarter of one, the
 //! node when a frame comes. Instructions take no time here; in their place each control tick, each refill and each early tick comes late by up to
-//! 50 µs, which is longer than everything that the processor may be busy with, but for planning a jerk-limited move
-//! (`docs/benchmarks.md`).
+//! 50 µs, which is longer than what the processor is busy with in most of them (`docs/benchmarks.md`). With [`Board::set_busy`] the ticks take
+//! a time of their own, in which nothing else of their priority runs.
 
 use std::fmt;
 
@@ -29,8 +29,11 @@ const REFILL: Duration = Duration::from_ticks(250);
 /// What a DMA burst may take (`docs/step-engine.md`), in ticks.
 const BURST: u64 = 84;
 
-/// A control tick or a refill is late by less than this, in microseconds.
+/// A control tick or a refill is late by less than this, in microseconds, in place of all that the processor does.
 const LATEST: u64 = 50;
+
+/// The same where the ticks take a time of their own: the interrupts of higher priority.
+const INTERRUPTED: u64 = 18;
 
 /// Something that comes again and again, more or less late.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +48,14 @@ impl Beat {
     }
 }
 
+/// What runs at the priority of the control tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Task {
+    Control,
+    Early,
+    Refill,
+}
+
 /// A drive on the modelled timers. Its node-ID is [`Board::NODE`]; the supply is there.
 pub struct Board {
     device: Device<Dictionary>,
@@ -56,6 +67,12 @@ pub struct Board {
     refill: Beat,
     /// When a command to stop is carried out that has come.
     early: Option<Instant>,
+    /// How long control ticks take, early ones too, before they hand out pulses.
+    busy: Duration,
+    /// The one that is running, and when it does so.
+    running: Option<(Instant, Task)>,
+    /// A control tick, an early one or a refill is late by less than this, in microseconds.
+    latest: u64,
     /// What says how late the next one is (an xorshift generator).
     random: u64,
     powered: bool,
@@ -112,6 +129,9 @@ impl Board {
             control: beat(Duration::from_ticks(0)),
             refill: beat(phase),
             early: None,
+            busy: Duration::from_ticks(0),
+            running: None,
+            latest: LATEST,
             random: 0x9E37_79B9_7F4A_7C15,
             powered: false,
             ticked: Instant::from_ticks(0),
@@ -133,6 +153,13 @@ impl Board {
         self.ticked
     }
 
+    /// Control ticks take so long from now on, early ones too: what they hand out comes at the end. Nothing of their priority runs meanwhile. What
+    /// is due comes late by up to 18 µs then, for the interrupts of higher priority.
+    pub fn set_busy(&mut self, busy: Duration) {
+        self.busy = busy;
+        self.latest = INTERRUPTED;
+    }
+
     /// The pulses that have left until `now`.
     pub fn pulses_at(&mut self, now: Instant) -> u64 {
         self.run_until(now);
@@ -150,25 +177,57 @@ impl Board {
             self.powered = true;
             self.device.power_on(now, &mut self.exchange);
         }
-        loop {
-            let (control, refill) = (self.control.at(), self.refill.at());
-            let next = control.min(refill).min(self.early.unwrap_or(control));
-            if next > now {
-                break;
-            }
+        while let Some(next) = Some(self.next()).filter(|next| *next <= now) {
             self.play_until(next);
-            if self.early.take_if(|early| *early <= next).is_some() {
-                self.early_tick(next);
-            } else if control <= refill {
-                self.control = self.after(self.control, CONTROL);
-                self.control_tick(next);
-            } else {
-                self.refill = self.after(self.refill, REFILL);
+            match self.running.take() {
+                Some((_, task)) => self.run(task, next),
+                None => self.begin(next),
+            }
+        }
+        self.play_until(now);
+    }
+
+    /// When something ends or begins.
+    fn next(&self) -> Instant {
+        if let Some((end, _)) = self.running {
+            return end;
+        }
+        let beat = self.control.at().min(self.refill.at());
+        beat.min(self.early.unwrap_or(beat))
+    }
+
+    /// Something is due. Of one priority the system timer goes first, then the timer of the refills, then what software has asked for.
+    fn begin(&mut self, now: Instant) {
+        let task = if self.control.at() <= now {
+            self.control = self.after(self.control, CONTROL);
+            Task::Control
+        } else if self.refill.at() <= now {
+            self.refill = self.after(self.refill, REFILL);
+            Task::Refill
+        } else {
+            self.early = None;
+            Task::Early
+        };
+        if task == Task::Early {
+            self.output.service();
+            self.drive.top_up(&mut self.output);
+        }
+        if task == Task::Refill || self.busy.ticks() == 0 {
+            self.run(task, now);
+        } else {
+            self.running = Some((now + self.busy, task));
+        }
+    }
+
+    fn run(&mut self, task: Task, now: Instant) {
+        match task {
+            Task::Control => self.control_tick(now),
+            Task::Early => self.early_tick(now),
+            Task::Refill => {
                 self.output.service();
                 self.drive.refill(&mut self.output);
             }
         }
-        self.play_until(now);
     }
 
     /// The next of its kind.
@@ -183,7 +242,7 @@ impl Board {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
         self.random ^= self.random << 17;
-        Duration::from_ticks(self.random % LATEST)
+        Duration::from_ticks(self.random % self.latest)
     }
 
     fn play_until(&mut self, now: Instant) {
@@ -251,8 +310,7 @@ impl Station for Board {
         let deadline = self.device.poll(now, &mut self.exchange);
         self.heed_stop(now);
         while self.device.event().is_some() {}
-        let next = self.control.at().min(self.refill.at());
-        deadline.min(next).min(self.early.unwrap_or(next))
+        deadline.min(self.next())
     }
 
     fn transmit(&mut self) -> Option<Frame> {

@@ -7,9 +7,10 @@ mod interrupted;
 mod leftovers;
 mod random;
 mod slow;
+mod starvation;
 
 use motion::advanced_timer::{Register, Registers, Ring, bits};
-use motion::{Direction, DriverTiming, Limits, PulseSink, Ramps, Record, Speed};
+use motion::{Direction, DriverTiming, Limits, PulseSink, Record, Speed};
 
 use super::rig::{HZ, Rig, SEGMENT};
 use super::{Judge, TimerModel};
@@ -227,33 +228,6 @@ fn a_stream_that_stands_still_before_a_turn_is_counted_as_it_went() {
         assert!(rig.output.has_failed());
         assert_eq!(rig.output.position(), rig.model.judge().position);
     }
-}
-
-/// The dearest smooth plan takes the processor 590 µs, between two refills: the pulses go on meanwhile.
-#[test]
-fn the_dearest_plan_makes_no_pause() {
-    let mut rig = rig(FAST);
-    rig.axis.set_ramps(Ramps::JerkLimited(50_000_000));
-    let limits = Limits {
-        velocity: 200_000.into(),
-        acceleration: 2_000_000,
-        deceleration: 2_000_000,
-    };
-    let busy = u64::from(HZ) * 59 / 100_000;
-    rig.axis.move_to(50_000, limits).unwrap();
-    for replanned in 0..60 {
-        for _ in 0..8 {
-            rig.refill(SEGMENT.into());
-        }
-        rig.axis.prepare(Ramps::Linear, &mut rig.output).unwrap();
-        rig.model.run(busy);
-        rig.axis.move_to(50_000 - 700 * replanned, limits).unwrap();
-    }
-    assert_eq!(rig.underruns, 0);
-    rig.finish(10_000);
-    rig.account();
-    assert_eq!(rig.model.judge().position, 50_000 - 700 * 59);
-    assert_eq!(rig.underruns, 0);
 }
 
 #[test]

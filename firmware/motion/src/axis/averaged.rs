@@ -47,6 +47,13 @@ impl Axis {
         self.advance_by(reserve, sink)
     }
 
+    /// Whether it moves and has less than a segment and a half left, of `pending` ticks that the sink still plays: what takes long may then make a
+    /// pause, so [`Axis::advance`] comes first.
+    pub const fn runs_short(&self, pending: Ticks) -> bool {
+        let segment = self.train.segment() as Ticks;
+        self.moving && pending < segment + segment / 2
+    }
+
     /// Plans another motion, from where the axis is at the commit horizon. On an error the motion goes on as it was.
     pub(super) fn redirect(&mut self, goal: Goal, limits: Limits) -> Result<(), PlanError> {
         let limits = Limits {

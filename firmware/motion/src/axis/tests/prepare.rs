@@ -1,7 +1,7 @@
 //! What is handed out before a plan that may be dear.
 
 use super::behaviour::{T01, command, fly, ms};
-use super::{FAST, axis};
+use super::{FAST, axis, run};
 use crate::axis::Axis;
 use crate::{Position, PulseSink, Ramps, SignedSpeed};
 
@@ -90,4 +90,20 @@ fn of_set_points_no_more_is_committed_before_limited_jerk_than_have_come() {
         assert!(expected.contains(&pending), "{ahead} ahead: {pending}");
         assert!(axis.committed_velocity() > SignedSpeed::ZERO, "{ahead}");
     }
+}
+
+/// Of pulses that are left, and of those alone: at rest there is nothing to hand out, and behind the last ones nothing more.
+#[test]
+fn it_runs_short_with_less_than_a_segment_and_a_half() {
+    let (mut axis, mut sink) = axis(FAST);
+    let segment = u64::from(axis.train.segment());
+    assert!(!axis.runs_short(0));
+    command(&mut axis, &mut sink, 30_000, T01);
+    fly(&mut axis, &mut sink, ms(50));
+    axis.advance(&mut sink).unwrap();
+    assert!(!axis.runs_short(sink.pending()));
+    assert!(!axis.runs_short(segment * 3 / 2));
+    assert!(axis.runs_short(segment * 3 / 2 - 1));
+    run(&mut axis, &mut sink);
+    assert!(!axis.runs_short(0));
 }

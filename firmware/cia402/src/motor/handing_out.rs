@@ -1,0 +1,46 @@
+//! When pulses are handed out, and how many.
+
+use motion::{AdvanceError, PulseSink, Ramps};
+
+use super::Motor;
+use super::directed::Directed;
+
+impl Motor {
+    /// A motion with these ramps is to be planned in place of the one under way, which may take the processor long: hands out pulses for so
+    /// long. What begins in this tick begins behind them. See [`Axis::prepare`].
+    pub(crate) fn prepare(&mut self, ramps: Ramps, mut pulses: &mut dyn PulseSink) {
+        if self.at_rest {
+            return;
+        }
+        let mut pulses = Directed {
+            pulses: &mut pulses,
+            is_reversed: self.is_reversed,
+        };
+        let result = self.axis.prepare(ramps, &mut pulses);
+        self.is_late |= result == Err(AdvanceError::Underrun);
+        self.committed = self.near(self.axis.committed_position());
+    }
+
+    /// Hands out the pulses of the next segments. False when they came too late and the motor had none for a moment; no
+    /// pulse is lost by that.
+    pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) -> bool {
+        let result = self.axis.advance(&mut Directed {
+            pulses,
+            is_reversed: self.is_reversed,
+        });
+        self.committed = self.near(self.axis.committed_position());
+        self.at_rest = self.axis.is_at_rest();
+        if self.at_rest {
+            self.stopped();
+            self.planned_with(0);
+            self.stopping_at_limit = None;
+        }
+        let was_late = core::mem::take(&mut self.is_late);
+        !was_late && result != Err(AdvanceError::Underrun)
+    }
+
+    /// Whether a tick that plans may make a pause, with so few pulses left. See [`Axis::runs_short`](motion::Axis::runs_short).
+    pub(crate) fn runs_short<S: PulseSink>(&self, pulses: &S) -> bool {
+        self.axis.runs_short(pulses.pending())
+    }
+}

@@ -1,0 +1,188 @@
+//! Plans are made at the priority of the refills, so none is handed out meanwhile: there are always enough pulses left.
+//!
+//! The worst moment to begin is when a refill is due: then one segment is left of the two, and the run that is preloaded (up to 0.1 ms) cannot be
+//! changed any more. So an early tick tops up before it begins. An instruction takes a cycle and a half, and a cycle is a tick of the step timer.
+
+use motion::{Limits, PulseSink, Ramps};
+
+use super::super::rig::{Rig, SEGMENT};
+use super::{FAST, HZ, rig};
+
+/// The dearest control tick, with a linear plan (`docs/benchmarks.md`, "Control tick"), in instructions.
+const TICK: u64 = 8_500;
+
+/// The linear plan in it, at least.
+const LINEAR: u64 = 4_100;
+
+/// The dearest stop, that of a sin² ramp (8,300 of 2,000 random ones); it may also be what a motion is tried out with.
+const STOP: u64 = 8_400;
+
+/// The dearest sin² plan in place of a linear one (5,000 of as many), or of an average.
+const SINE: u64 = 6_000;
+
+/// Other interrupts in 250 µs: three frames at full bus load, edges of inputs. In microseconds.
+const INTERRUPTED: u64 = 18;
+
+/// What a row of `docs/benchmarks.md` says.
+fn instructions(row: &str) -> u64 {
+    let page = include_str!("../../../../docs/benchmarks.md");
+    let line = page.lines().find_map(|line| line.strip_prefix(row));
+    let figure = line.and_then(|line| line.trim_start_matches(" | ").split(' ').next());
+    let figure = figure.and_then(|figure| figure.parse().ok());
+    figure.unwrap_or_else(|| panic!("no figure in the row {row}"))
+}
+
+/// The time of so many instructions, and of what interrupts them, in ticks.
+fn time(instructions: u64) -> u64 {
+    instructions * 3 / 2 + INTERRUPTED * u64::from(HZ) / 1_000_000
+}
+
+/// The dearest plan of a smooth motion that was found.
+fn dearest() -> u64 {
+    ["sin²", "jerk"]
+        .map(|ramps| instructions(&format!("| motion: plan, dearest found, {ramps}")))
+        .into_iter()
+        .max()
+        .unwrap_or(0)
+}
+
+fn limits(velocity: u32) -> Limits {
+    Limits {
+        velocity: velocity.into(),
+        acceleration: 2_000_000,
+        deceleration: 3_000_000,
+    }
+}
+
+const JERK: u32 = 50_000_000;
+
+const ALL: [Ramps; 4] = [
+    Ramps::Linear,
+    Ramps::SinSquared,
+    Ramps::MovingAverage(JERK),
+    Ramps::JerkLimited(JERK),
+];
+
+/// Lets the axis move, until a refill is due.
+fn go_on(rig: &mut Rig<'_>, segments: u32) {
+    for _ in 0..segments {
+        rig.refill(SEGMENT.into());
+    }
+}
+
+/// What an early tick begins with (`cia402::Drive::top_up`).
+fn top_up(rig: &mut Rig<'_>) {
+    rig.output.service();
+    if rig.axis.runs_short(rig.output.pending()) {
+        rig.axis.advance(&mut rig.output).unwrap();
+    }
+}
+
+/// What a tick does before it plans with these ramps.
+fn prepare(rig: &mut Rig<'_>, ramps: Ramps) {
+    rig.axis.prepare(ramps, &mut rig.output).unwrap();
+}
+
+/// A motion with `first`, and every few segments another with ramps of `then` and of `first` in turn. Each takes so many instructions to plan, and
+/// `begin` comes before. Returns how often there were no pulses.
+fn planned_anew(
+    (first, then): (Ramps, Ramps),
+    velocity: u32,
+    begin: impl Fn(&mut Rig<'_>, Ramps),
+    cost: impl Fn(Ramps) -> u64,
+) -> u64 {
+    let mut rig = rig(FAST);
+    let far = i64::from(velocity);
+    rig.axis.set_ramps(first);
+    rig.axis.move_to(far, limits(velocity)).unwrap();
+    let mut target = far;
+    for number in 0..24_u32 {
+        go_on(&mut rig, 5 + number * 7 % 40);
+        let ramps = if number % 2 == 0 { then } else { first };
+        rig.axis.set_ramps(ramps);
+        begin(&mut rig, ramps);
+        rig.model.run(time(cost(ramps)));
+        target = match number % 3 {
+            2 => far / 4,
+            _ => target + far / 50,
+        };
+        rig.axis.move_to(target, limits(velocity)).unwrap();
+    }
+    let starved = rig.underruns;
+    rig.finish(100_000);
+    rig.account();
+    assert_eq!(rig.model.judge().position, target);
+    starved
+}
+
+/// Whatever ramps take the place of whatever others, at any velocity, with all that the tick may do beside the plan.
+#[test]
+fn the_dearest_plan_makes_no_pause() {
+    for velocity in [3_000, 200_000, 1_000_000] {
+        for first in ALL {
+            for then in ALL {
+                let is_smooth = |ramps| matches!(ramps, Ramps::SinSquared | Ramps::JerkLimited(_));
+                let are_smooth = is_smooth(first) && is_smooth(then);
+                let plan = |ramps| match ramps {
+                    Ramps::JerkLimited(_) => dearest(),
+                    Ramps::SinSquared if are_smooth => dearest(),
+                    Ramps::SinSquared => SINE,
+                    // The tick has it already.
+                    Ramps::Linear | Ramps::MovingAverage(_) => 0,
+                };
+                let cost = |ramps| match plan(ramps) {
+                    0 => TICK,
+                    plan => TICK - LINEAR + plan + if plan > SINE { STOP } else { 0 },
+                };
+                let starved = planned_anew((first, then), velocity, prepare, cost);
+                assert_eq!(starved, 0, "{first:?}, then {then:?}, {velocity} steps/s");
+            }
+        }
+    }
+}
+
+/// A stop is not prepared for, or it would be felt late.
+#[test]
+fn the_dearest_stop_makes_no_pause() {
+    for velocity in [3_000_u32, 200_000, 1_000_000] {
+        for ramps in ALL {
+            let mut rig = rig(FAST);
+            for moment in 0..40 {
+                rig.axis.set_ramps(ramps);
+                let speed = velocity.cast_signed();
+                rig.axis.ramp_to(speed.into(), limits(velocity)).unwrap();
+                go_on(&mut rig, 40 + moment * 11 % 400);
+                if moment % 2 == 0 {
+                    // With a segment and a half left, none is handed out before.
+                    rig.refill(u64::from(SEGMENT) / 2);
+                }
+                if moment % 3 > 0 {
+                    // An early tick, with the regular one behind it.
+                    top_up(&mut rig);
+                    rig.model.run(time(TICK - LINEAR + STOP));
+                    rig.axis.stop(3_000_000).unwrap();
+                }
+                rig.model.run(time(TICK - LINEAR + STOP));
+                rig.axis.stop(5_000_000).unwrap();
+                go_on(&mut rig, 7 * moment);
+            }
+            assert_eq!(rig.underruns, 0, "{ramps:?}, {velocity} steps/s");
+            rig.finish(100_000);
+            rig.account();
+        }
+    }
+}
+
+/// With what is left when a refill is due, plans of more than 5,000 instructions would make pauses.
+#[test]
+fn only_what_is_prepared_for_may_take_longer() {
+    let linear = (Ramps::Linear, Ramps::Linear);
+    let jerk_limited = (Ramps::JerkLimited(JERK), Ramps::JerkLimited(JERK));
+    for plan in (5_000..=30_000).step_by(5_000) {
+        let cost = |_| TICK + plan;
+        let starved = planned_anew(linear, 3_000, |_, _| {}, cost);
+        assert_eq!(starved > 0, plan > 5_000, "{plan} instructions: {starved}");
+        let prepared = planned_anew(jerk_limited, 3_000, prepare, cost);
+        assert_eq!(prepared, 0, "{plan} instructions");
+    }
+}
