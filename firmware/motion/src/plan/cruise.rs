@@ -276,7 +276,7 @@ impl<'a> Moves<'a> {
         let mut cruise = low.saturating_add(exact(more)).min(high);
         for tried in 0..MOST_EXACT {
             let span = self.span(cruise);
-            let off = span.abs_diff(self.way);
+            let mut off = span.abs_diff(self.way);
             let is_short = span <= self.way;
             if is_short {
                 low = cruise;
@@ -285,6 +285,10 @@ impl<'a> Moves<'a> {
                 }
             } else {
                 high = cruise;
+                if span == u128::MAX {
+                    // How much too long is not known: a step that is too large to be the last, and more than rough numbers miss.
+                    off = off.max(self.way >> 8);
+                }
             }
             if high.wrapping_sub(low) <= 1 << 8 {
                 break;

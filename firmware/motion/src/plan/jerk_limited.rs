@@ -308,22 +308,23 @@ impl Course<'_> {
         };
         let mut first = Ramp::new((from, lead), cruise, limit, rules.jerk);
         self.ramp(&first);
-        let mut ways = first.way();
+        let one = first.way();
         let other;
-        let last = if from.is_rest() && end == 0 && limit.most == rules.deceleration.most {
+        let (last, another) = if from.is_rest() && end == 0 && limit.most == rules.deceleration.most
+        {
             first.turn_back(cruise);
-            ways = ways.wrapping_mul(2);
-            &first
+            (&first, one)
         } else {
             let lead = Lead::steady(cruise, true);
             let from = Motion::steady(cruise);
             other = Ramp::new((&from, &lead), end, rules.deceleration, rules.jerk);
-            ways = ways.wrapping_add(other.way());
-            &other
+            (&other, other.way())
         };
-        let left = way.wrapping_sub(ways.cast_unsigned());
-        // The ramps may be longer than the way by what is rounded.
-        let left = if left > way { 0 } else { left };
+        let ways = one.wrapping_add(another).cast_unsigned();
+        let left = way.wrapping_sub(ways);
+        // The ramps may be longer than the way by what is rounded; two of 2³¹ steps are.
+        let is_longer = left > way || one & another < 0;
+        let left = if is_longer { 0 } else { left };
         let speed = Number::of(cruise, Kind::Velocity);
         let time = Number::of((left >> 1).cast_signed(), Kind::Way)
             .times(speed.reciprocal())

@@ -44,7 +44,7 @@ fn ramp_time(change: f64, most: f64, jerk: f64) -> f64 {
 }
 
 /// The fastest jerk-limited move from rest to rest, in seconds.
-fn double_s(distance: f64, limits: Limits, jerk: f64) -> f64 {
+pub(super) fn double_s(distance: f64, limits: Limits, jerk: f64) -> f64 {
     let (a, d) = (
         f64::from(limits.acceleration),
         f64::from(limits.deceleration),
@@ -411,7 +411,7 @@ proptest! {
 }
 
 /// No phase begins elsewhere than where the one before it ends.
-fn assert_no_jump(plan: &Plan) {
+pub(super) fn assert_no_jump(plan: &Plan) {
     let corners = plan.phases().map(|phase| phase.start());
     for corner in corners.chain(plan.end()).filter(|t| *t > plan.start()) {
         let (a, b) = (plan.state_at(corner - 1), plan.state_at(corner));
