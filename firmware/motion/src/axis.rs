@@ -2,8 +2,7 @@
 //!
 //! The axis keeps a time of its own, in ticks of the step timer, which runs while it moves. Up to the *commit horizon* the
 //! plan has become records; these are sent and stay. A new command plans from the state at the horizon, which is at most some three
-//! segments ahead of the motor, and four when a motion takes the place of a smooth one, so it takes effect there, whatever the axis
-//! was doing.
+//! segments ahead of the motor, so it takes effect there, whatever the axis was doing.
 //!
 //! In place of a plan the axis can follow a path of set-points ([`Axis::follow`]), each with its tick of that time: on that tick it
 //! is exactly there. Any other order ends the path and begins where it has led to.
@@ -230,15 +229,10 @@ impl Axis {
     /// # Errors
     /// [`AdvanceError`]: the sink is full, or ran empty.
     pub fn advance<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
-        self.advance_by(self.train.segment() << 1, sink)
-    }
-
-    /// Hands out records until the sink has so many ticks to play.
-    fn advance_by<S: PulseSink>(&mut self, reserve: u32, sink: &mut S) -> Result<(), AdvanceError> {
         let pending = sink.pending();
         let starved = self.moving && pending == 0;
         let pending = u32::try_from(pending).unwrap_or(u32::MAX);
-        let missing = reserve.saturating_sub(pending);
+        let missing = (self.train.segment() << 1).saturating_sub(pending);
         let enough = self.handed.wrapping_add(missing.into());
         loop {
             self.hand_out(sink)?;

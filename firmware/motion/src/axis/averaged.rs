@@ -23,9 +23,9 @@ impl Axis {
         }
     }
 
-    /// As [`Axis::advance`], but four segments if a plan with these `ramps` may be a dear one: where a smooth motion is under way, or ramps of
-    /// limited jerk take the place of whatever it is. Such a plan takes the processor up to 0.1 ms, and all that time no records are made. To be
-    /// called before it. Of set-points that are followed no more is handed out than has come.
+    /// As [`Axis::advance`], if a plan with these `ramps` may be a dear one: where a smooth motion is under way, or ramps of limited jerk take
+    /// the place of whatever it is. While it is made there are no records; behind this there are two segments of them, whenever the last
+    /// refill was. To be called before it.
     ///
     /// # Errors
     /// [`AdvanceError`]: the sink is full, or ran empty.
@@ -36,15 +36,11 @@ impl Axis {
     ) -> Result<(), AdvanceError> {
         let becomes_jerk_limited = matches!(ramps, Ramps::JerkLimited(_));
         let is_smooth = self.path.is_none() && self.plan.is_smooth();
-        if !becomes_jerk_limited && !is_smooth {
-            return Ok(());
+        if becomes_jerk_limited || is_smooth {
+            self.advance(sink)
+        } else {
+            Ok(())
         }
-        let mut reserve = self.train.segment() << 2;
-        if let Some(path) = &self.path {
-            let known = path.end().0.saturating_sub(self.played(sink.pending()));
-            reserve = u32::try_from(known).map_or(reserve, |known| reserve.min(known));
-        }
-        self.advance_by(reserve, sink)
     }
 
     /// Whether it moves and has less than a segment and a half left, of `pending` ticks that the sink still plays: what takes long may then make a
