@@ -9,7 +9,7 @@
 use super::move_to::way_to;
 use super::number::Number;
 use super::phase::Offset;
-use super::ramp::{Jerk, Lead, Limit, Motion, Ramp, RoughLimit};
+use super::ramp::{Jerk, Lead, Limit, Motion, Ramp, RoughLimit, stopping_way};
 use super::rough::{Kind, Rough};
 use super::{Course, Goal, Limits, Plan, PlanError};
 use crate::clock::{Clock, Ticks};
@@ -173,7 +173,7 @@ fn reach(
         course.take((&motion, &lead), cruise, (gap, end, goal), rules);
         return Ok(());
     }
-    if room.is_out_of_range {
+    if room.is_doubtful && is_too_long(&motion, rules) {
         return Err(PlanError::OutOfRange);
     }
     let mut stop = stopping(&motion, rules.deceleration, rules.jerk);
@@ -231,20 +231,27 @@ fn indistinct(stop_time: Offset) -> u128 {
     ((stop_time >> 32) << 44).saturating_add(1 << 68)
 }
 
+/// Whether a stop takes 2³¹ steps or more.
+#[cold]
+fn is_too_long(motion: &Motion, rules: &Rules<'_>) -> bool {
+    let way = stopping_way(motion, rules.deceleration, rules.jerk);
+    way == i128::MAX || way == i128::MIN
+}
+
 /// What rough numbers tell of a stop.
 struct Room {
     /// It ends before the target, without doubt.
     is_ample: bool,
     /// Nor is it certain that it ends behind it.
     is_unknown: bool,
-    /// It ends 2³¹ steps away, or so nearly.
-    is_out_of_range: bool,
+    /// It may end 2³¹ steps away, or more.
+    is_doubtful: bool,
 }
 
 /// A part of a way of which rough numbers are sure, however much of it cancels out: 2⁻¹².
 const DOUBT: Rough = Rough::power(-12);
 
-/// A way of 2³¹ steps, less what is in doubt.
+/// A way of 2³¹ steps.
 const SPAN: Rough = Rough::power(31);
 
 impl Room {
@@ -253,7 +260,7 @@ impl Room {
             return Self {
                 is_ample: gap > indistinct(0),
                 is_unknown: false,
-                is_out_of_range: false,
+                is_doubtful: false,
             };
         }
         let RoughLimit {
@@ -282,12 +289,15 @@ impl Room {
         let way = whole.minus(before);
         let parts = whole.magnitude().plus(before.magnitude());
         let room = Rough::of(gap, Kind::Way).minus(way);
-        // Beyond the limit the formulas are others.
-        let is_unknown = time > entry || room.magnitude() <= parts.times(DOUBT);
+        let doubt = parts.times(DOUBT);
+        // Beyond the limit the formulas are others; but it ends before one that begins with all of the velocity.
+        let is_easing = time > entry;
+        let is_unknown = is_easing || room.magnitude() <= doubt;
+        let most = if is_easing { whole } else { way };
         Self {
             is_ample: !is_unknown && room > Rough::ZERO,
             is_unknown,
-            is_out_of_range: way.magnitude() >= SPAN.minus(SPAN.times(DOUBT)),
+            is_doubtful: most.magnitude().plus(doubt) >= SPAN,
         }
     }
 }

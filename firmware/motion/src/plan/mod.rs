@@ -83,7 +83,8 @@ pub enum PlanError {
     ZeroDeceleration,
     /// The jerk is 0: no ramp would begin.
     ZeroJerk,
-    /// The target is 2³² steps or more away, or braking takes the axis that far from it.
+    /// The target is 2³² steps or more away, or braking takes the axis that far from it. With limited jerk, an axis that cannot reach
+    /// the target without coming to rest first may take less than 2³¹ steps for that.
     OutOfRange,
 }
 

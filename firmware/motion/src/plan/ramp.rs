@@ -132,6 +132,11 @@ impl Steady {
 /// How far a ramp goes that begins and ends with no acceleration, Q96 steps, saturating. What [`Ramp::new`] would find, without its pieces.
 #[inline(never)]
 pub(super) fn steady_way(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> i128 {
+    steady_length(velocity, end, limit, jerk).bounded(Kind::Way)
+}
+
+#[inline(always)]
+fn steady_length(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> Number {
     let gain = end.wrapping_sub(velocity).unsigned_abs().cast_signed();
     let steady = Steady::new(gain, limit, jerk);
     let time = match steady.hold {
@@ -139,7 +144,26 @@ pub(super) fn steady_way(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) 
         Some(hold) => steady.entry.plus(hold.halved()),
     };
     let sum = Number::of(velocity.wrapping_add(end), Kind::Velocity);
-    sum.times(time).bounded(Kind::Way)
+    sum.times(time)
+}
+
+/// How far a ramp to rest goes, Q96 steps, saturating: [`Ramp::way`], which wraps, tells nothing of a long one.
+#[cold]
+#[inline(never)]
+pub(super) fn stopping_way(from: &Motion, limit: &Limit, jerk: &Jerk) -> i128 {
+    let falls = from.coasting() > 0;
+    let turned = |value: Number| if falls { value.negated() } else { value };
+    let mut lead = Lead::new(from, falls, limit, jerk);
+    let ahead = if lead.is_easing {
+        lead.ease(from, limit, jerk)
+    } else {
+        let (time, change) = (turned(from.time), turned(from.change));
+        let mean = lead.speed.plus(change.times(Number::THIRD));
+        time.times(mean).negated()
+    };
+    steady_length(lead.velocity, 0, limit, jerk)
+        .plus(ahead)
+        .bounded(Kind::Way)
 }
 
 /// A velocity with an acceleration.
@@ -285,9 +309,10 @@ impl Lead {
         }
     }
 
-    /// The acceleration falls to the limit; from there on it is a ramp that has been at its limit from the beginning.
+    /// The acceleration falls to the limit; from there on it is a ramp that has been at its limit from the beginning. Returns how far the
+    /// motion is ahead of that.
     #[inline(never)]
-    fn ease(&mut self, from: &Motion, limit: &Limit, jerk: &Jerk) {
+    fn ease(&mut self, from: &Motion, limit: &Limit, jerk: &Jerk) -> Number {
         let falls = self.falls;
         let turned = |value: Number| if falls { value.negated() } else { value };
         let over = turned(from.time).minus(limit.entry);
@@ -310,9 +335,11 @@ impl Lead {
         let before = (self.speed)
             .plus(rise.times(Number::THIRD))
             .times(limit.entry);
-        self.ahead = mean.times(over).minus(before).fixed(Kind::Way);
+        let ahead = mean.times(over).minus(before);
+        self.ahead = ahead.fixed(Kind::Way);
         self.ago = limit.entry.minus(over).fixed(Kind::Time);
         self.is_easing = true;
+        ahead
     }
 }
 

@@ -1,8 +1,8 @@
 //! Smooth moves at the ends of the span of 2³² steps, and what lies out of range.
 
 use super::smooth::{assert_no_jump, double_s};
-use super::{Goal, Limits, Plan, Ramps, clock, state};
-use crate::Position;
+use super::{Goal, Limits, Plan, Ramps, clock, per_second, state, steps};
+use crate::{PlanError, Position};
 
 #[test]
 fn i02_a_move_over_the_whole_span_makes_no_extra_turn() {
@@ -42,5 +42,97 @@ fn i02_a_move_over_the_whole_span_makes_no_extra_turn() {
             plan.state_at(plan.end().unwrap()).position,
             Position::from_steps(target)
         );
+    }
+}
+
+/// Braking hard, and just then allowed to brake but softly.
+#[test]
+fn i02_a_softer_deceleration_while_braking_is_no_reason_to_refuse() {
+    let clock = clock(168_000_000);
+    let limits = |deceleration| Limits {
+        velocity: 2_000_000.into(),
+        acceleration: 1_000_000,
+        deceleration,
+    };
+    let ramps = Ramps::JerkLimited(5_050_000);
+    // From 2,000,000 steps/s at 1,000,000 steps/s²: the acceleration begins to fall at 99,010 steps/s.
+    let start = state(clock, 0, 2_000_000);
+    let mut braking = Plan::at_rest(0, 0);
+    braking
+        .make(
+            clock,
+            0,
+            (start.into(), 0),
+            Goal::Velocity(0.into()),
+            limits(1_000_000),
+            ramps,
+        )
+        .unwrap();
+    let at = braking.phases().last().unwrap().start() - 168_000;
+    let velocity = per_second(clock, braking.state_at(at));
+    assert!((velocity - 100_010.0).abs() < 1.0, "{velocity}");
+    let here = steps(braking.state_at(at)) as i64;
+    for deceleration in [1, 2, 5, 9] {
+        for target in [here + 1_000_000, here + 100, here - 1_000_000] {
+            for goal in [Goal::Rest(target), Goal::Pass(target, 500.into())] {
+                let mut plan = braking;
+                plan.redirect(clock, at, goal, limits(deceleration), ramps)
+                    .unwrap();
+                assert_no_jump(&plan);
+                if let Some(end) = plan.end() {
+                    assert_eq!(plan.state_at(end).position, Position::from_steps(target));
+                }
+            }
+        }
+    }
+}
+
+/// Whether a motion that must brake and come back can be planned; and if so, that it lands on its target.
+fn is_possible((velocity, pull): (i32, u32), target: i64, deceleration: u32) -> bool {
+    let clock = clock(168_000_000);
+    let limits = Limits {
+        velocity: 2_000_000.into(),
+        acceleration: 1_000_000,
+        deceleration,
+    };
+    let pull = (clock.half_acceleration(pull) << 1).cast_signed();
+    let from = (state(clock, 0, velocity).into(), -pull);
+    let mut plan = Plan::at_rest(0, 0);
+    let goal = Goal::Rest(target);
+    let made = plan.make(clock, 0, from, goal, limits, Ramps::JerkLimited(5_050_000));
+    if let Err(error) = made {
+        assert_eq!(error, PlanError::OutOfRange);
+        return false;
+    }
+    assert_no_jump(&plan);
+    let there = plan.state_at(plan.end().unwrap());
+    assert_eq!(there.position, Position::from_steps(target));
+    true
+}
+
+#[test]
+fn i02_braking_is_out_of_range_from_half_the_span_on() {
+    // v²/2a is 2³¹ steps at 65,536 steps/s.
+    for target in [10, -10] {
+        assert!(is_possible((65_500, 0), target, 1));
+        assert!(is_possible((65_534, 0), target, 1));
+        assert!(!is_possible((65_537, 0), target, 1));
+        assert!(!is_possible((65_600, 0), target, 1));
+    }
+    // Most of the velocity goes while the acceleration falls to the limit: 99,010 steps/s, over 20,000 steps.
+    for (left, expected) in [
+        (10, true),
+        (1_000, true),
+        (65_500, true),
+        (65_534, true),
+        (65_537, false),
+        (65_600, false),
+        // Once round the span, and on.
+        (92_682, false),
+        (92_700, false),
+        (131_100, false),
+    ] {
+        let from = (left + 99_010, 1_000_000);
+        assert_eq!(is_possible(from, 10, 1), expected, "{left} steps/s");
     }
 }
