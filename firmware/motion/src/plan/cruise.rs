@@ -15,6 +15,9 @@ const MOST_ROUGH: u32 = 24;
 const MOST_STRAIGHT: u32 = 4;
 const MOST_EXACT: u32 = 24;
 
+/// From rest they are halved until a velocity fits: each of them that is not nothing is one at which the target is reached.
+const MOST_HALVED: u32 = 128;
+
 /// Behind so small a step, as a part of the velocity, the next one is within what rough numbers can tell; and behind an exact one
 /// the next is not needed.
 const SMALL: Rough = Rough::power(-13);
@@ -165,8 +168,9 @@ impl<'a> Moves<'a> {
         } else {
             steady_way(cruise, self.end, self.rules.deceleration, jerk)
         };
+        let steady = first.max(last);
         let first = first.saturating_add(self.lead.ahead);
-        if first.max(last) >= LONGEST {
+        if steady.max(first) >= LONGEST {
             return u128::MAX;
         }
         if first < 0 {
@@ -274,7 +278,7 @@ impl<'a> Moves<'a> {
     fn settle(&self, mut high: i128, more: Rough, slope: Rough) -> i128 {
         let mut low = self.least;
         let mut cruise = low.saturating_add(exact(more)).min(high);
-        for tried in 0..MOST_EXACT {
+        for tried in 0..MOST_HALVED {
             let span = self.span(cruise);
             let mut off = span.abs_diff(self.way);
             let is_short = span <= self.way;
@@ -290,7 +294,8 @@ impl<'a> Moves<'a> {
                     off = off.max(self.way >> 8);
                 }
             }
-            if high.wrapping_sub(low) <= 1 << 8 {
+            let is_enough = tried >= MOST_EXACT && (low > 0 || !self.is_from_rest);
+            if is_enough || high.wrapping_sub(low) <= 1 << 8 {
                 break;
             }
             let off = Rough::of(off, Kind::Way);
@@ -398,6 +403,31 @@ mod tests {
     /// A part of a number, in thousandths of its root: small ones are frequent.
     fn part(number: i128, thousandths: i128) -> i128 {
         (number >> 20) * thousandths * thousandths * (1 << 20) / 1_000_000
+    }
+
+    /// Even where rough numbers know nothing, a velocity is found that is not nothing.
+    #[test]
+    fn a_bad_guess_ends_at_no_velocity_of_nothing() {
+        let clock = Clock::new(168_000_000).unwrap();
+        let jerk = Jerk::new(clock.sixth_jerk(u32::MAX));
+        let limit = Limit::new(clock.half_acceleration(1_000_000) << 1, &jerk);
+        let rules = Rules {
+            top: clock.speed(4_000_000.into()).cast_signed(),
+            acceleration: &limit,
+            deceleration: &limit,
+            jerk: &jerk,
+        };
+        let lead = Lead::steady(0, false);
+        for way in [1 << 64, 1 << 70, 1 << 80, 1 << 96] {
+            let moves = Moves::new(&rules, &lead, 0, way, 0);
+            for more in [Rough::power(-30), Rough::power(20)] {
+                let cruise = moves.settle(rules.top, more, Rough::ZERO);
+                assert!(
+                    cruise > 0 && moves.span(cruise) <= way,
+                    "{cruise} for {way}"
+                );
+            }
+        }
     }
 
     proptest! {

@@ -199,9 +199,14 @@ fn reach(
     } else {
         goal
     };
+    let cruise = rules.fastest(&Motion::REST, end, left, &mut lead);
+    if cruise.is_none() && end == 0 {
+        // A velocity of nothing would never get there.
+        return Err(PlanError::OutOfRange);
+    }
     let mut course = Course::new(plan, start, from, reverse != is_beyond);
     course.ramp(&stop);
-    match rules.fastest(&Motion::REST, end, left, &mut lead) {
+    match cruise {
         Some(cruise) => course.take((&Motion::REST, &lead), cruise, (left, end, goal), rules),
         // The way is too short for the end velocity: it comes about behind the target.
         None => {

@@ -136,3 +136,31 @@ fn i02_braking_is_out_of_range_from_half_the_span_on() {
         assert_eq!(is_possible(from, 10, 1), expected, "{left} steps/s");
     }
 }
+
+/// The ramp whose rest the braking is began so long ago that all of it is longer than 2³¹ steps.
+#[test]
+fn i02_braking_that_began_long_ago_lands_on_its_target() {
+    let clock = clock(168_000_000);
+    let limits = Limits {
+        velocity: 2_000_000.into(),
+        acceleration: 1_000,
+        deceleration: 1_000,
+    };
+    let pull = (clock.half_acceleration(1_000) << 1).cast_signed();
+    for target in [1_300_000_000, 1_500_000_000, 2_000_000_000, 2_100_000_000] {
+        let from = (state(clock, 0, 1_500_000).into(), -pull);
+        let mut plan = Plan::at_rest(0, 0);
+        plan.make(
+            clock,
+            0,
+            from,
+            Goal::Rest(target),
+            limits,
+            Ramps::JerkLimited(1),
+        )
+        .unwrap();
+        assert_no_jump(&plan);
+        let there = plan.state_at(plan.end().unwrap());
+        assert_eq!(there.position, Position::from_steps(target));
+    }
+}
