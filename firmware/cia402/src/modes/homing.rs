@@ -133,10 +133,11 @@ impl Homing {
         let is_asked = context.commands.controlword & NEW_SET_POINT != 0;
         let edge = context.commands.rising & NEW_SET_POINT != 0 && !begins;
         if self.is_under_way() {
-            if is_asked {
-                self.go_on(context);
-            } else {
+            if !is_asked {
                 self.interrupt(context);
+            } else if !context.is_early || context.is_held() {
+                // A halt does not wait for the regular beat, and everything else goes by it: when the motor stands, too.
+                self.go_on(context);
             }
         } else if edge {
             self.begin(context);
