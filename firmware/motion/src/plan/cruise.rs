@@ -360,6 +360,9 @@ impl Rules<'_> {
         (least, most): (i128, i128),
         is_top: bool,
     ) -> Option<i128> {
+        if lead.is_far {
+            return None;
+        }
         let moves = Moves::new(self, lead, end, way, least);
         let room = most.wrapping_sub(least).unsigned_abs();
         let room = Rough::of(room, Kind::Velocity);

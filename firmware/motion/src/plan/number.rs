@@ -82,6 +82,18 @@ impl Number {
         (u128::from(word(c, d)) << 64 | u128::from(word(a, b))).cast_signed()
     }
 
+    /// Whether it may be 2^exponent or more, or as much below zero: what is sure to be less is not.
+    #[inline(always)]
+    pub(super) fn may_exceed(self, exponent: i32) -> bool {
+        self.exponent >= exponent.wrapping_sub(63)
+    }
+
+    /// Whether the exact number does not fit.
+    pub(super) fn saturates(self, kind: Kind) -> bool {
+        let bounded = self.bounded(kind);
+        bounded == i128::MAX || bounded == i128::MIN
+    }
+
     /// The same, saturating.
     pub(super) fn bounded(self, kind: Kind) -> i128 {
         let shift = self.exponent.wrapping_add(kind.point().cast_signed());

@@ -244,6 +244,8 @@ pub(super) struct Lead {
     pub(super) falls: bool,
     /// The acceleration is beyond the limit: first of all it falls to that.
     is_easing: bool,
+    /// `ahead` is 2³¹ steps or more, and so not what it says: no way has room for this ramp.
+    pub(super) is_far: bool,
 }
 
 impl Lead {
@@ -264,6 +266,7 @@ impl Lead {
         self.ago = 0;
         self.falls = falls;
         self.is_easing = false;
+        self.is_far = false;
         if from.acceleration != 0 {
             self.come_from(from, limit, jerk);
         }
@@ -291,8 +294,12 @@ impl Lead {
         };
         self.velocity = from.velocity.wrapping_sub(exact_change);
         self.speed = Number::of(self.velocity, Kind::Velocity);
-        let way = time.times(self.speed).fixed(Kind::Way);
-        let bend = time.times(change).times(Number::THIRD).fixed(Kind::Way);
+        let way = time.times(self.speed);
+        let bend = time.times(change).times(Number::THIRD);
+        // Most are so short that the sum need not be made for that.
+        self.is_far =
+            way.may_exceed(29) | bend.may_exceed(29) && way.plus(bend).saturates(Kind::Way);
+        let (way, bend) = (way.fixed(Kind::Way), bend.fixed(Kind::Way));
         self.ahead = way.wrapping_add(bend).wrapping_neg();
         self.ago = time.fixed(Kind::Time);
     }
@@ -306,6 +313,7 @@ impl Lead {
             ago: 0,
             falls,
             is_easing: false,
+            is_far: false,
         }
     }
 
@@ -336,6 +344,7 @@ impl Lead {
             .plus(rise.times(Number::THIRD))
             .times(limit.entry);
         let ahead = mean.times(over).minus(before);
+        self.is_far = ahead.saturates(Kind::Way);
         self.ahead = ahead.fixed(Kind::Way);
         self.ago = limit.entry.minus(over).fixed(Kind::Time);
         self.is_easing = true;

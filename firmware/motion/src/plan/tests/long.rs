@@ -164,3 +164,42 @@ fn i02_braking_that_began_long_ago_lands_on_its_target() {
         assert_eq!(there.position, Position::from_steps(target));
     }
 }
+
+/// Until the acceleration has fallen the axis goes further than 2³¹ steps.
+#[test]
+fn i02_an_acceleration_that_takes_half_the_span_to_fall_lands_on_its_target() {
+    let clock = clock(168_000_000);
+    let limits = Limits {
+        velocity: 4_000_000.into(),
+        acceleration: 100_000,
+        deceleration: 100_000,
+    };
+    for (velocity, pull) in [(2_650_000, 2_000), (2_400_000, 2_000), (3_000_000, 2_000)] {
+        let pull = (clock.half_acceleration(pull) << 1).cast_signed();
+        for target in [
+            -1_000_000_000,
+            0,
+            1_000_000_000,
+            1_500_000_000,
+            2_000_000_000,
+        ] {
+            let from = (state(clock, -2_000_000_000, velocity).into(), -pull);
+            let mut plan = Plan::at_rest(0, 0);
+            let goal = Goal::Rest(target);
+            let made = plan.make(clock, 0, from, goal, limits, Ramps::JerkLimited(2));
+            if made == Err(PlanError::OutOfRange) {
+                continue;
+            }
+            assert_no_jump(&plan);
+            // Sampled often enough to tell one turn of 2³² steps from two.
+            let end = plan.end().unwrap();
+            let places =
+                (0..=1_000).map(|part| plan.state_at(end / 1_000 * part).position.bits() >> 32);
+            let places: std::vec::Vec<i64> = places.chain([target]).collect();
+            let travelled: i64 = (places.windows(2))
+                .map(|pair| i64::from((pair[1] - pair[0]) as i32))
+                .sum();
+            assert_eq!(travelled, target + 2_000_000_000, "{velocity} to {target}");
+        }
+    }
+}
