@@ -2,7 +2,8 @@
 //!
 //! The channel is meant for one client (CiA 301, 7.2.4.1), and people have more: a tool beside the master of the machine. Each hears the
 //! answers to all. Those that begin or refuse a transfer name its object, so this client passes by what is for others. A transfer in
-//! segments that another one has ended is begun anew, as is a request whose answer the server had no room for.
+//! segments that another one has ended is begun anew, as is a read that had no answer while others had theirs. A short write that had none is
+//! not repeated, as it may have been carried out: only if the server says that it was not.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -98,7 +99,7 @@ impl<L: Line> Master<L> {
     /// Writes an object, expedited up to four bytes, segmented beyond.
     ///
     /// # Errors
-    /// As [`Master::read`].
+    /// As [`Master::read`]. After [`Failure::Unexpected`] or [`Failure::Timeout`] the value may have been written.
     pub fn write<T: Value>(
         &mut self,
         node: u8,
@@ -108,7 +109,7 @@ impl<L: Line> Master<L> {
     ) -> Result<(), Failure> {
         let bytes = value.to_bytes();
         match bytes.len() {
-            1..=4 => self.repeated(|master| master.download_expedited(node, index, sub, &bytes)),
+            1..=4 => self.download_once(node, index, sub, &bytes),
             _ => self.download_segmented(node, index, sub, &bytes),
         }
     }
@@ -207,6 +208,23 @@ impl<L: Line> Master<L> {
         let request = object.request(0x23 | unused << 2, data);
         self.begin(node, object, request, |command| command == 0x60)?;
         Ok(())
+    }
+
+    /// Again only if the server has refused it as out of step.
+    fn download_once(
+        &mut self,
+        node: u8,
+        index: u16,
+        sub: u8,
+        bytes: &[u8],
+    ) -> Result<(), Failure> {
+        for _ in 1..ATTEMPTS {
+            match self.download_expedited(node, index, sub, bytes) {
+                Err(Failure::Abort { code, .. }) if OUT_OF_STEP.contains(&code) => {}
+                result => return result,
+            }
+        }
+        self.download_expedited(node, index, sub, bytes)
     }
 
     /// Writes an object in segments, whatever its length.

@@ -201,3 +201,42 @@ fn a_server_of_its_own_keeps_the_scope_apart() {
     assert_served(&bench, other, 3_000);
     assert_eq!(bench.master.station(other).strange, strange);
 }
+
+/// A device of node-ID 4 that carries out what it is written, but whose answers are heard as those to somebody else.
+#[derive(Debug, Default)]
+struct Deaf {
+    writes: u32,
+    due: bool,
+}
+
+impl Station for Deaf {
+    fn receive(&mut self, frame: &Frame, _now: Instant) {
+        if frame.standard_id() == Some(0x604) {
+            self.writes += 1;
+            self.due = true;
+        }
+    }
+
+    fn poll(&mut self, _now: Instant) -> Instant {
+        NEVER
+    }
+
+    fn transmit(&mut self) -> Option<Frame> {
+        let answer = [0x4B, 0x41, 0x60, 0, 0x40, 0, 0, 0];
+        std::mem::take(&mut self.due).then(|| Frame::data_frame(0x584, &answer))
+    }
+}
+
+/// It may have been carried out, and twice is not once: an order to the scope drops what has been recorded.
+#[test]
+fn a_write_without_an_answer_is_not_repeated() {
+    let mut bus = Bus::new(BitRate::Kbit1000);
+    let device = bus.attach(Deaf::default());
+    let mut bench = Bench::on(bus);
+    let written = bench.master.write(4, 0x20D0, 1, 1_u8);
+    assert!(
+        matches!(written, Err(Failure::Unexpected { .. })),
+        "{written:?}"
+    );
+    assert_eq!(bench.master.station(device).writes, 1);
+}
