@@ -1,6 +1,7 @@
 //! Plans against the reference vectors, and against the rules that hold for all plans.
 
 mod double_s;
+mod left_ramps;
 mod long;
 mod properties;
 mod smooth;

@@ -1,0 +1,114 @@
+//! sin² ramps that are left on their way.
+
+use super::smooth::{all_over, assert_no_jump};
+use super::{Goal, Limits, Plan, Ramps, clock, per_second, state};
+
+#[test]
+fn i01_a_short_sine_ramp_that_is_left_stays_within_its_velocity() {
+    let clock = clock(84_000_000);
+    let limits = Limits {
+        velocity: 1.into(),
+        acceleration: 89_253,
+        deceleration: 89_253,
+    };
+    for at in (0..=941).step_by(47) {
+        let mut plan = Plan::at_rest(0, 0);
+        for (at, goal) in [(0, 1), (at, 0)] {
+            let goal = Goal::Velocity(goal.into());
+            plan.redirect(clock, at, goal, limits, Ramps::SinSquared)
+                .unwrap();
+        }
+        for t in at..2_000 {
+            let now = per_second(clock, plan.state_at(t));
+            assert!((-1e-6..=1.0 + 1e-6).contains(&now), "{now} at {t}");
+        }
+    }
+}
+
+/// A quick stop must not wait for the jerk of the gentle ramp that it ends, nor for that ramp if it is a stop itself.
+#[test]
+fn i08_a_hard_stop_ends_a_gentle_sine_ramp_in_time() {
+    let clock = clock(168_000_000);
+    let stop = Goal::Velocity(0.into());
+    let gentle = Limits {
+        velocity: 1_000_000.into(),
+        acceleration: 16_384,
+        deceleration: 16_384,
+    };
+    let hard = Limits {
+        velocity: 0.into(),
+        acceleration: 0,
+        deceleration: 2_000_000,
+    };
+    let orders = [
+        (Goal::Velocity(200_000.into()), 1_000),
+        (Goal::Velocity((-200_000).into()), 5_000),
+        (Goal::Velocity(150_000.into()), 8_000),
+        // Braking, to a target and to a stop.
+        (Goal::Rest(500_000), 7_000),
+        (Goal::Rest(-500_000), 10_000),
+        (stop, 4_000),
+    ];
+    for (goal, millis) in orders {
+        let mut plan = Plan::at_rest(0, 0);
+        let mut begin = 0;
+        if goal == stop {
+            plan.redirect(
+                clock,
+                0,
+                Goal::Velocity(100_000.into()),
+                gentle,
+                Ramps::SinSquared,
+            )
+            .unwrap();
+            begin = plan.phases().last().unwrap().start();
+        }
+        plan.redirect(clock, begin, goal, gentle, Ramps::SinSquared)
+            .unwrap();
+        let at = begin + millis * 168_000;
+        let speed = per_second(clock, plan.state_at(at)).abs();
+        assert!(speed > 1_000.0, "{speed} steps/s for {goal:?}");
+        plan.redirect(clock, at, stop, hard, Ramps::SinSquared)
+            .unwrap();
+        let seconds = (plan.end().unwrap() - at) as f64 / f64::from(clock.hz());
+        let linear = speed / f64::from(hard.deceleration);
+        assert!(
+            seconds <= 2.0 * linear,
+            "{seconds} s from {speed} steps/s after {goal:?}, {linear} s with a linear ramp"
+        );
+        assert_no_jump(&plan);
+    }
+}
+
+#[test]
+fn i01_a_sine_ramp_between_two_velocities_that_is_left_stays_within_its_velocity() {
+    let clock = clock(168_000_000);
+    let limits = Limits {
+        velocity: 100_000.into(),
+        acceleration: 500_000,
+        deceleration: 500_000,
+    };
+    for (from, to) in [(80_000, 100_000), (99_000, 100_000), (-20_000, 100_000)] {
+        for part in 1..16u64 {
+            let mut plan =
+                Plan::velocity(clock, 0, state(clock, 0, from), from.into(), limits).unwrap();
+            let mut order = |at, goal: i32| {
+                let goal = Goal::Velocity(goal.into());
+                plan.redirect(clock, at, goal, limits, Ramps::SinSquared)
+                    .unwrap();
+                plan
+            };
+            let ramp = order(0, to).phases().last().unwrap().start();
+            let at = ramp * part / 16;
+            let plan = order(at, 0);
+            let before = per_second(clock, plan.state_at(at));
+            for t in all_over(&plan, clock, 200) {
+                let now = per_second(clock, plan.state_at(t));
+                assert!(
+                    now <= 100_000.0 + 1e-3,
+                    "{now} after {before}, from {from} to {to}, left at {part}/16"
+                );
+            }
+        }
+    }
+}
