@@ -505,6 +505,8 @@ impl Train {
         }
         self.make(ticks, 1, self.has_pulse(), direction);
         self.open_step = 0;
+        // What follows is a pulse by itself, or the first of a run with periods of its own.
+        self.period = 0;
     }
 
     fn make(&mut self, period: u32, repeat: u32, pulse: bool, direction: Direction) {

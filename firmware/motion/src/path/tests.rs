@@ -277,3 +277,44 @@ fn m63_a_slow_line_before_a_fast_one_stays_slow() {
         }
     }
 }
+
+#[test]
+fn m63_a_run_behind_single_pulses_begins_where_it_belongs() {
+    let line = |from: i64, to: i64, length: Ticks, since: Ticks| {
+        let way = i128::from(to - from) * i128::from(since) / i128::from(length);
+        from + way as i64
+    };
+    for part in 0..32 {
+        let mut axis = axis();
+        let mut sink = Notes::default();
+        axis.follow(3 * SEGMENT, Position::from_steps(0)).unwrap();
+        tick(&mut axis, &mut sink, SEGMENT);
+        // 32,000 steps/s, then a pulse in two segments, and as fast as before: from anywhere between two steps.
+        let (mut end, mut target) = (3 * SEGMENT, 0);
+        let mut lines = Vec::new();
+        for (segments, way) in [(4, 32 << 32), (8, 4 << 32 | part << 27), (4, 32 << 32)] {
+            let length = segments * SEGMENT;
+            lines.push((end, length, target, target + way));
+            (end, target) = (end + length, target + way);
+            axis.follow(end, Position::from_bits(target)).unwrap();
+            while sink.now + 3 * SEGMENT < end {
+                tick(&mut axis, &mut sink, SEGMENT);
+            }
+        }
+        while !axis.is_at_rest() {
+            tick(&mut axis, &mut sink, SEGMENT);
+        }
+        for (begin, length, from, to) in lines {
+            for since in (0..length).step_by(500) {
+                let exact = line(from, to, length, since);
+                let made = sink.position_at(begin + since) << 32;
+                let off = exact.abs_diff(made);
+                assert!(
+                    off <= 5 << 29,
+                    "{part}: {} thousandths of a step at {since}",
+                    off / 4_294_967
+                );
+            }
+        }
+    }
+}
