@@ -245,11 +245,12 @@ impl Axis {
             if self.is_at_rest() {
                 break;
             }
-            if !self.train.can_flush(self.horizon, enough) {
+            let far = self.train.far_behind(enough);
+            if self.horizon < far {
                 self.compose();
             }
-            // In one go with the chord: handing out costs as much as working it out.
-            if self.train.can_flush(self.horizon, enough) {
+            // In one go with the chord: handing out costs as much as working it out. Most chords have pulses up to there.
+            if self.train.pen() < enough && self.horizon >= far {
                 self.train.flush(self.horizon);
             }
         }

@@ -451,12 +451,11 @@ impl Train {
         wait.cast_signed()
     }
 
-    /// Whether [`Train::flush`] brings the records up to `enough` if there are chords up to `now`.
+    /// Up to where there have to be chords for [`Train::flush`] to bring the records up to `enough`.
     #[inline]
-    pub(crate) fn can_flush(&self, now: Ticks, enough: Ticks) -> bool {
+    pub(crate) fn far_behind(&self, enough: Ticks) -> Ticks {
         // A driver's times have 25 bits.
-        let least = self.hold.wrapping_add(self.least);
-        now >= enough.wrapping_add(least.into()) && self.pen < enough
+        enough.wrapping_add(self.hold.wrapping_add(self.least).into())
     }
 
     /// Makes a record of the open period without waiting for its end, up to just before `now`.
