@@ -113,7 +113,13 @@ impl<'a> TimerModel<'a> {
     pub fn set_break(&self, is_active: bool) {
         let mut machine = self.0.borrow_mut();
         machine.is_break_active = is_active;
+        machine.break_ends_behind = None;
         machine.cut_off();
+    }
+
+    /// The break input goes inactive behind so many writes to registers from now on.
+    pub fn end_break_behind(&self, writes: u32) {
+        self.0.borrow_mut().break_ends_behind = Some(writes);
     }
 
     /// Whether the break interrupts.
@@ -154,6 +160,7 @@ impl Registers for TimerModel<'_> {
     fn write(&mut self, register: Register, value: u32) {
         let mut machine = self.0.borrow_mut();
         machine.spend(None);
+        machine.let_break_end();
         machine.write(register, value);
         machine.spend(Some(register));
     }
@@ -190,6 +197,8 @@ struct Machine<'a> {
     stood: u64,
     stream: Stream,
     is_break_active: bool,
+    /// Writes up to the end of the break, if that is planned.
+    break_ends_behind: Option<u32>,
     counter: Counter,
     processor: Processor,
 }
@@ -218,6 +227,7 @@ impl<'a> Machine<'a> {
             stood: 0,
             stream: Stream::new(),
             is_break_active: false,
+            break_ends_behind: None,
             counter: Counter::default(),
             processor: Processor::default(),
         }
@@ -376,6 +386,15 @@ impl<'a> Machine<'a> {
         self.active = self.preload;
         self.stood = 0;
         self.stream.forget();
+    }
+
+    /// Before a write.
+    fn let_break_end(&mut self) {
+        match &mut self.break_ends_behind {
+            Some(0) => (self.is_break_active, self.break_ends_behind) = (false, None),
+            Some(writes) => *writes -= 1,
+            None => {}
+        }
     }
 
     /// An active break input cuts the outputs off, if it is switched on.

@@ -227,9 +227,10 @@ impl<'a, R: Registers> Output<'a, R> {
                 self.reset();
             }
             self.failed = false;
-            self.registers.write(Register::Sr, !bits::BIF);
             self.registers
                 .write(Register::Bdtr, bits::BREAK | bits::MOE);
+            // Behind that: the break may have ended just now, and before that its flag stays. It would end the next train.
+            self.registers.write(Register::Sr, !bits::BIF);
         }
     }
 

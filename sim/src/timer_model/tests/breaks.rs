@@ -87,3 +87,30 @@ fn a_break_leaves_the_position_within_the_latency_of_its_interrupt() {
         }
     }
 }
+
+/// Its flag is left over by no moment at which the break ends while it is being mended: the train behind it would end at once.
+#[test]
+fn a_break_that_ends_while_it_is_mended_leaves_no_fault() {
+    for writes in 0..6 {
+        let mut rig = rig(FAST);
+        rig.refill(SEGMENT.into());
+        rig.model.set_break(true);
+        rig.output.drop_all();
+        rig.model.end_break_behind(writes);
+        // As the board does: as long as there is something to mend.
+        for _ in 0..6 {
+            if rig.output.is_broken() {
+                rig.output.mend();
+            }
+        }
+        assert!(!rig.output.is_broken(), "{writes}");
+        rig.axis.move_to(300, fast()).unwrap();
+        for _ in 0..40 {
+            rig.refill(SEGMENT.into());
+            interrupt(&mut rig);
+        }
+        assert!(!rig.output.has_failed(), "{writes}");
+        rig.finish(1_000);
+        assert_eq!(rig.model.judge().position, 300, "{writes}");
+    }
+}
