@@ -6,8 +6,8 @@ use super::Motor;
 use super::directed::Directed;
 
 impl Motor {
-    /// A motion with these ramps is to be planned in place of the one under way, which may take the processor long: hands out pulses for so
-    /// long. What begins in this tick begins behind them. See [`Axis::prepare`].
+    /// A motion with these ramps is to be planned in place of the one under way, which may take the processor long: hands out pulses up to
+    /// the commit horizon first. What begins in this tick begins behind them. See [`Axis::prepare`](motion::Axis::prepare).
     pub(crate) fn prepare(&mut self, ramps: Ramps, mut pulses: &mut dyn PulseSink) {
         if self.at_rest {
             return;

@@ -250,13 +250,18 @@ fn a_cubic_keeps_its_velocities() {
     );
 }
 
+/// An axis that stands at 0 up to tick 3 · `SEGMENT`, and has begun to.
+fn at_its_first_set_point() -> (Axis, Notes) {
+    let (mut axis, mut sink) = (axis(), Notes::default());
+    axis.follow(3 * SEGMENT, Position::from_steps(0)).unwrap();
+    tick(&mut axis, &mut sink, SEGMENT);
+    (axis, sink)
+}
+
 #[test]
 fn m63_a_slow_line_before_a_fast_one_stays_slow() {
     for lead in 0..40 {
-        let mut axis = axis();
-        let mut sink = Notes::default();
-        axis.follow(3 * SEGMENT, Position::from_steps(0)).unwrap();
-        tick(&mut axis, &mut sink, SEGMENT);
+        let (mut axis, mut sink) = at_its_first_set_point();
         // The end of the slow line is anywhere in a segment.
         let (mut end, mut target) = (3 * SEGMENT, 0);
         let mut knots = Vec::new();
@@ -285,10 +290,7 @@ fn m63_a_run_behind_single_pulses_begins_where_it_belongs() {
         from + way as i64
     };
     for part in 0..32 {
-        let mut axis = axis();
-        let mut sink = Notes::default();
-        axis.follow(3 * SEGMENT, Position::from_steps(0)).unwrap();
-        tick(&mut axis, &mut sink, SEGMENT);
+        let (mut axis, mut sink) = at_its_first_set_point();
         // 32,000 steps/s, then a pulse in two segments, and as fast as before: from anywhere between two steps.
         let (mut end, mut target) = (3 * SEGMENT, 0);
         let mut lines = Vec::new();
