@@ -7,7 +7,7 @@ use super::interrupts::on_break;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
 use super::set_up;
-use super::slots::{Place, Remainder, Words, direction_of, level};
+use super::slots::{Place, Remainder, direction_of, level};
 use crate::record::SHORTEST_RECORD;
 use crate::{PulseSink, Record, Ticks};
 
@@ -46,10 +46,9 @@ pub struct Output<'a, R> {
     failed: bool,
     /// The level of the direction signal in the slots that are silent.
     level: u32,
-    /// Since the start of the train: slots written, fetched by the DMA, and made silent again.
+    /// Since the start of the train: slots written, and fetched by the DMA and made silent again.
     written: u32,
     fetched: u32,
-    silenced: u32,
     /// When it was seen last that the DMA had come to another slot.
     moved: u32,
     /// The level of the direction signal in the last slot that was fetched.
@@ -90,7 +89,6 @@ impl<'a, R: Registers> Output<'a, R> {
             level: 0,
             written: 0,
             fetched: 0,
-            silenced: 0,
             moved: 0,
             fetched_level: 0,
             request: 0,
@@ -113,11 +111,12 @@ impl<'a, R: Registers> Output<'a, R> {
         let is_on = self.registers.read(Register::StreamCr) & bits::STREAM_ON != 0;
         let is_stuck = !is_on || newly == 0 && (self.is_overdue() || self.is_broken());
         if newly != 0 {
-            self.fetched = self.fetched.wrapping_add(newly);
             self.moved = self.registers.now();
+            let played = self.fetched;
+            self.fetched = played.wrapping_add(newly);
             self.fetched_level = self.ring.level(self.fetched.wrapping_sub(1));
+            self.ring.silence(played, newly, self.level);
         }
-        self.silence(self.fetched);
         if self.has_ended(0) {
             let left = self.remainder;
             self.stop();
@@ -127,18 +126,6 @@ impl<'a, R: Registers> Output<'a, R> {
         } else if !self.remainder.is_empty() {
             self.fill(0);
         }
-    }
-
-    /// Makes the slots before this one silent, as far as they are not.
-    #[inline]
-    fn silence(&mut self, end: u32) {
-        let silent = Words::silent(self.level);
-        let mut slot = self.silenced;
-        while slot != end {
-            self.ring.put(slot, silent);
-            slot = slot.wrapping_add(1);
-        }
-        self.silenced = end;
     }
 
     /// The train does not go on.
@@ -296,41 +283,38 @@ impl<'a, R: Registers> Output<'a, R> {
         if !self.running || !self.remainder.is_empty() {
             return 0;
         }
-        let room = MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.silenced));
+        let room = MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.fetched));
         let most = room.min(self.in_time().max(0).cast_unsigned()) as usize;
         let slots = self.ring.from(self.written);
         let slots = slots.get(..most).unwrap_or(slots);
         let direction = self.course.direction();
         let mut place = Place::new(slots, self.level);
-        let (mut ticks, mut pulses) = (0_u32, 0_u32);
-        let mut taken = 0_usize;
-        for record in records {
-            if record.direction != direction || !place.put(record) {
-                break;
-            }
-            let repeat = u32::from(record.repeat);
-            ticks = ticks.wrapping_add(record.period.wrapping_mul(repeat));
+        let mut left = records;
+        while let Some((record, rest)) = left.split_first()
+            && record.direction == direction
+            && let Some(length) = place.put(record)
+        {
+            self.end = self.end.wrapping_add(length);
             if record.width > 0 {
-                pulses = pulses.wrapping_add(repeat);
+                self.pulses = self.pulses.wrapping_add(record.repeat.into());
             }
-            taken = taken.wrapping_add(1);
+            left = rest;
         }
-        if taken > 0 {
-            self.written = self.written.wrapping_add(place.written() as u32);
+        let written = slots.len().wrapping_sub(place.room.len());
+        if written > 0 {
+            self.written = self.written.wrapping_add(written as u32);
             // What follows must not turn back while it is silent.
             self.ring.set_level(self.written, self.level);
-            self.end = self.end.wrapping_add(ticks);
             self.last = place.last;
             // The DMA fetches the next slot when the last one begins.
             self.request = self.end.wrapping_sub(place.last);
-            self.pulses = self.pulses.wrapping_add(pulses);
         }
-        taken
+        records.len().wrapping_sub(left.len())
     }
 
     /// Whether a slot may be written without touching the silent ones.
     fn has_room(&self) -> bool {
-        self.written.wrapping_sub(self.silenced) < MOST_SLOTS
+        self.written.wrapping_sub(self.fetched) < MOST_SLOTS
     }
 
     /// Begins a train with what is in the ring. The silence in front is played twice: once from here, and once because it is
@@ -407,13 +391,13 @@ impl<'a, R: Registers> Output<'a, R> {
                 break;
             }
         }
-        if self.written.wrapping_sub(self.silenced).cast_signed() > 0 {
-            self.silence(self.written);
+        let left = self.written.wrapping_sub(self.fetched);
+        if left.cast_signed() > 0 {
+            self.ring.silence(self.fetched, left, self.level);
         }
         self.running = false;
         self.written = 0;
         self.fetched = 0;
-        self.silenced = 0;
         self.remainder = Remainder::NONE;
     }
 }
@@ -497,6 +481,6 @@ impl<R: Registers> PulseSink for Output<'_, R> {
         if !self.remainder.is_empty() {
             return 0;
         }
-        MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.silenced)) as usize
+        MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.fetched)) as usize
     }
 }

@@ -79,6 +79,28 @@ impl Ring {
         }
     }
 
+    /// Makes so many slots silent, from one on and round the ring, with this level of the direction signal.
+    #[inline]
+    pub(super) fn silence(&self, slot: u32, number: u32, level: u32) {
+        let silent = Words::silent(level);
+        let slots = self.from(slot);
+        if let Some(slots) = slots.get(..number as usize) {
+            fill_all(slots, silent);
+        } else {
+            self.silence_round(slots, number, silent);
+        }
+    }
+
+    /// The same round the end of the memory.
+    #[cold]
+    fn silence_round(&self, slots: &[Slot], number: u32, silent: Words) {
+        let beyond = (number as usize).wrapping_sub(slots.len());
+        let slots = slots.iter().chain(self.slots.iter().take(beyond));
+        for slot in slots {
+            fill(slot, silent);
+        }
+    }
+
     /// Sets the level of the direction signal of a slot, counted round the ring.
     #[inline]
     pub(super) fn set_level(&self, slot: u32, level: u32) {
@@ -100,6 +122,22 @@ pub(super) fn fill(
     reload_cell.store(reload, Ordering::Relaxed);
     // The pulse last: should the DMA come in between, against all care, there is none.
     width_cell.store(width, Ordering::Relaxed);
+}
+
+/// Writes slots that are all alike, several at a time: a loop around one is longer than its words.
+#[inline]
+fn fill_all(mut slots: &[Slot], words: Words) {
+    while let Some((four, rest)) = slots.split_first_chunk::<4>() {
+        four.iter().for_each(|slot| fill(slot, words));
+        slots = rest;
+    }
+    if let Some((two, rest)) = slots.split_first_chunk::<2>() {
+        two.iter().for_each(|slot| fill(slot, words));
+        slots = rest;
+    }
+    if let Some(slot) = slots.first() {
+        fill(slot, words);
+    }
 }
 
 impl Default for Ring {

@@ -111,11 +111,10 @@ impl Runs {
 }
 
 /// Where slots are written, one behind the other.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Place<'a> {
-    /// Those that may be written, and how many have been.
-    slots: &'a [Slot],
-    written: usize,
+    /// Those that may still be written.
+    pub(super) room: &'a [Slot],
     /// The level of the direction signal in all of them.
     level: u32,
     /// Ticks of the last one written.
@@ -123,121 +122,104 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    pub(super) const fn new(slots: &'a [Slot], level: u32) -> Self {
+    pub(super) const fn new(room: &'a [Slot], level: u32) -> Self {
         Self {
-            slots,
-            written: 0,
+            room,
             level,
             last: 0,
         }
     }
 
-    /// So many have been written.
-    pub(super) const fn written(&self) -> usize {
-        self.written
-    }
-
-    /// Writes a record, in equal runs; whether there was room for all of it.
+    /// Writes a record, in equal runs, and gives its ticks, modulo 2³²; `None` if there was no room for all of it.
     #[inline]
-    pub(super) fn put(&mut self, record: &Record) -> bool {
+    pub(super) fn put(&mut self, record: &Record) -> Option<u32> {
         let (period, repeat) = (record.period, u32::from(record.repeat));
-        let width = u32::from(record.width);
-        // Silence is one period.
-        if period > LONGEST_RUN || (width == 0 && repeat != 1) {
-            return self.put_long(record);
-        }
-        // The product fits: a period has 15 bits, and there are 16 bits of them.
+        // The product fits where a period has 15 bits: there are 16 bits of them.
         let ticks = period.wrapping_mul(repeat);
-        let mut last = repeat;
-        if ticks > LONGEST_RUN || repeat > MOST_PERIODS {
-            if ticks > 2 * LONGEST_RUN || repeat > 2 * MOST_PERIODS {
-                return self.put_runs(period, repeat, width);
-            }
-            // Half of them first. Each run has a period at least, as none is longer than a run.
-            let first = repeat >> 1;
-            if !self.has_room(2) {
-                return false;
-            }
-            self.write(Words::run(period, first, width, self.level));
-            last = repeat.wrapping_sub(first);
+        if period > LONGEST_RUN || ticks > 3 * LONGEST_RUN || repeat > 3 * MOST_PERIODS {
+            let (written, last) = if period > LONGEST_RUN {
+                put_long(self.room, record, self.level)?
+            } else {
+                put_many(self.room, record, self.level)?
+            };
+            self.room = self.room.get(written..)?;
+            self.last = last;
+        } else if ticks > 2 * LONGEST_RUN || repeat > 2 * MOST_PERIODS {
+            self.put_runs::<3>(record)?;
+        } else if ticks > LONGEST_RUN || repeat > MOST_PERIODS {
+            self.put_runs::<2>(record)?;
+        } else {
+            self.put_runs::<1>(record)?;
         }
-        let Some(slot) = self.slots.get(self.written) else {
-            return false;
-        };
-        self.written = self.written.wrapping_add(1);
-        self.last = period.wrapping_mul(last);
-        fill(slot, Words::run(period, last, width, self.level));
-        true
+        Some(ticks)
     }
 
-    /// The same for pulses that take more.
-    #[inline(never)]
-    fn put_runs(&mut self, period: u32, repeat: u32, width: u32) -> bool {
-        // Never more runs than periods.
-        let mut runs = period
-            .wrapping_mul(repeat)
-            .div_ceil(LONGEST_RUN)
-            .max(repeat.div_ceil(MOST_PERIODS));
-        if !self.has_room(runs) {
-            return false;
-        }
-        let (slots, level, mut place, mut left) = (self.slots, self.level, self.written, repeat);
-        let mut run = 0;
-        while let Some(share) = left.checked_div(runs)
-            && let Some(slot) = slots.get(place)
-        {
-            fill(slot, Words::run(period, share, width, level));
-            left = left.wrapping_sub(share);
-            runs = runs.wrapping_sub(1);
-            place = place.wrapping_add(1);
-            run = share;
-        }
-        self.written = place;
-        self.last = period.wrapping_mul(run);
-        true
-    }
-
-    fn has_room(&self, number: u32) -> bool {
-        number as usize <= self.slots.len().wrapping_sub(self.written)
-    }
-
+    /// In so many runs. Each has a period at least, as none is longer than a run.
     #[inline]
-    fn write(&mut self, words: Words) {
-        if let Some(slot) = self.slots.get(self.written) {
+    fn put_runs<const RUNS: usize>(&mut self, record: &Record) -> Option<()> {
+        let (slots, room) = self.room.split_first_chunk::<RUNS>()?;
+        self.room = room;
+        let (mut left, mut share) = (u32::from(record.repeat), 0);
+        for (slot, runs) in slots.iter().zip((1..=RUNS as u32).rev()) {
+            share = left / runs;
+            left = left.wrapping_sub(share);
+            let words = Words::run(record.period, share, record.width.into(), self.level);
             fill(slot, words);
         }
-        self.written = self.written.wrapping_add(1);
+        self.last = record.period.wrapping_mul(share);
+        Some(())
     }
+}
 
-    /// The same for periods that take several slots each.
-    #[inline(never)]
-    fn put_long(&mut self, record: &Record) -> bool {
-        let (period, repeat) = (record.period, u32::from(record.repeat));
-        let (width, level) = (u32::from(record.width), self.level);
-        // Silence is one period.
-        let (period, repeat) = if width == 0 {
-            (period.saturating_mul(repeat), 1)
-        } else {
-            (period, repeat)
-        };
-        let parts = period.div_ceil(LONGEST_RUN);
-        if width >= LONGEST_RUN / 2 || !self.has_room(parts.saturating_mul(repeat)) {
-            return false;
-        }
-        // Parts of equal length: none is short, and the pulse has room in the first.
-        let part = period.checked_div(parts).unwrap_or(0);
-        let rest = part.wrapping_add(period.wrapping_sub(part.wrapping_mul(parts)));
-        for _ in 0..repeat {
-            let mut width = width;
-            for _ in 1..parts {
-                self.write(Words::run(part, 1, width, level));
+/// In more of them. Gives how many were written, and the ticks of the last one.
+#[inline(never)]
+fn put_many(slots: &[Slot], record: &Record, level: u32) -> Option<(usize, u32)> {
+    let (period, repeat) = (record.period, u32::from(record.repeat));
+    // Never more runs than periods.
+    let runs = period
+        .wrapping_mul(repeat)
+        .div_ceil(LONGEST_RUN)
+        .max(repeat.div_ceil(MOST_PERIODS));
+    let slots = slots.get(..runs as usize)?;
+    let (mut left, mut share) = (repeat, 0);
+    for (slot, runs) in slots.iter().zip((1..=runs).rev()) {
+        share = left.checked_div(runs).unwrap_or(0);
+        left = left.wrapping_sub(share);
+        fill(slot, Words::run(period, share, record.width.into(), level));
+    }
+    Some((slots.len(), period.wrapping_mul(share)))
+}
+
+/// The same for periods that take several slots each.
+#[inline(never)]
+fn put_long(slots: &[Slot], record: &Record, level: u32) -> Option<(usize, u32)> {
+    let (period, repeat) = (record.period, u32::from(record.repeat));
+    let width = u32::from(record.width);
+    // Silence is one period.
+    let (period, repeat) = if width == 0 {
+        (period.saturating_mul(repeat), 1)
+    } else {
+        (period, repeat)
+    };
+    let parts = period.div_ceil(LONGEST_RUN);
+    if width >= LONGEST_RUN / 2 {
+        return None;
+    }
+    let slots = slots.get(..parts.saturating_mul(repeat) as usize)?;
+    // Parts of equal length: none is short, and the pulse has room in the first.
+    let part = period.checked_div(parts).unwrap_or(0);
+    let rest = part.wrapping_add(period.wrapping_sub(part.wrapping_mul(parts)));
+    for slots in slots.chunks_exact(parts as usize) {
+        let mut width = width;
+        if let Some((slot, slots)) = slots.split_last() {
+            for slot in slots {
+                fill(slot, Words::run(part, 1, width, level));
                 width = 0;
             }
-            self.write(Words::run(rest, 1, width, level));
+            fill(slot, Words::run(rest, 1, width, level));
         }
-        self.last = rest;
-        true
     }
+    Some((slots.len(), rest))
 }
 
 /// What is left of a record on its way into slots. Ticks and pulses of its runs are those of the record, exactly.
