@@ -234,12 +234,16 @@ impl Axis {
         let pending = u32::try_from(pending).unwrap_or(u32::MAX);
         let missing = (self.train.segment() << 1).saturating_sub(pending);
         let enough = self.handed.wrapping_add(missing.into());
+        let mut goes_on = false;
         loop {
-            self.hand_out(sink)?;
+            if self.train.is_waiting() {
+                self.hand_out(sink)?;
+            }
             if self.handed >= enough {
                 break;
             }
-            if self.go_straight_on(enough) {
+            goes_on = self.go_straight_on(enough);
+            if goes_on {
                 continue;
             }
             if self.is_at_rest() {
@@ -254,7 +258,8 @@ impl Axis {
                 self.train.flush(self.horizon);
             }
         }
-        if self.moving && self.is_at_rest() {
+        // A velocity that stays does so behind the horizon too.
+        if !goes_on && self.moving && self.is_at_rest() {
             self.settle();
         }
         if starved {
@@ -349,9 +354,6 @@ impl Axis {
     #[inline]
     fn hand_out<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
         let waiting = self.train.waiting();
-        if waiting.is_empty() {
-            return Ok(());
-        }
         let taken = sink.push_all(waiting);
         if taken < waiting.len() {
             self.handed_out_part(taken);
@@ -376,6 +378,7 @@ impl Axis {
     }
 
     /// Makes the records of the next chord.
+    #[inline(never)]
     fn compose(&mut self) {
         let on_leg = match &mut self.leg {
             Some(leg) => leg.go_on(self.horizon, &self.train),

@@ -198,6 +198,12 @@ impl Train {
         !self.has_pulse() && self.pen >= now
     }
 
+    /// Whether there are records to hand out.
+    #[inline]
+    pub(crate) const fn is_waiting(&self) -> bool {
+        self.count != 0
+    }
+
     /// The records to hand out.
     #[inline]
     pub(crate) fn waiting(&self) -> &[Record] {

@@ -312,6 +312,19 @@ impl<'a, R: Registers> Output<'a, R> {
         records.len().wrapping_sub(left.len())
     }
 
+    /// Takes those that are left of so many more, one at a time where they are not alike. Gives how many have been taken then.
+    #[inline(never)]
+    fn push_others(&mut self, records: &[Record], mut taken: usize) -> usize {
+        while let Some(record) = records.get(taken)
+            && self.push(*record).is_ok()
+        {
+            taken = taken.wrapping_add(1);
+            let left = records.get(taken..).unwrap_or_default();
+            taken = taken.wrapping_add(self.push_alike(left));
+        }
+        taken
+    }
+
     /// Whether a slot may be written without touching the silent ones.
     fn has_room(&self) -> bool {
         self.written.wrapping_sub(self.fetched) < MOST_SLOTS
@@ -450,18 +463,11 @@ impl<R: Registers> PulseSink for Output<'_, R> {
 
     #[inline]
     fn push_all(&mut self, records: &[Record]) -> usize {
-        let mut taken = 0;
-        while let Some(record) = records.get(taken) {
-            let alike = self.push_alike(records.get(taken..).unwrap_or_default());
-            taken = taken.wrapping_add(alike);
-            if alike == 0 {
-                if self.push(*record).is_err() {
-                    break;
-                }
-                taken = taken.wrapping_add(1);
-            }
+        let taken = self.push_alike(records);
+        if taken == records.len() {
+            return taken;
         }
-        taken
+        self.push_others(records, taken)
     }
 
     #[inline]

@@ -7,15 +7,21 @@ impl Axis {
     /// Makes the records of a stretch of a velocity that stays, if the last chord was of it; whether it was.
     #[inline]
     pub(super) fn go_straight_on(&mut self, enough: Ticks) -> bool {
+        self.train.is_even() && self.coast(enough)
+    }
+
+    #[inline(never)]
+    fn coast(&mut self, enough: Ticks) -> bool {
         let (begin, train) = (self.horizon, &mut self.train);
-        let Some(leg) = self.leg.as_mut().filter(|_| train.is_even()) else {
+        let Some(leg) = self.leg.as_mut() else {
             return false;
         };
         let Some((from, pace, left)) = leg.steady(begin, train) else {
             return false;
         };
-        // Less than 2³².
-        let wanted = enough.saturating_sub(begin).min(leg.reach.into()) as u32;
+        // Neither is far from what was handed out.
+        let wanted = (enough as u32).wrapping_sub(begin as u32).cast_signed();
+        let wanted = wanted.max(0).cast_unsigned().min(leg.reach);
         let Some(length) = train.go_on(begin, from, pace, wanted, left) else {
             return false;
         };
