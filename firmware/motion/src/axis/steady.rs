@@ -2,6 +2,10 @@
 
 use super::Axis;
 use crate::clock::Ticks;
+use crate::record::SHORTEST_RECORD;
+
+/// What is handed out at least, in ticks.
+const LEAST: i32 = 2 * SHORTEST_RECORD.cast_signed();
 
 impl Axis {
     /// Makes the records of a stretch of a velocity that stays, if the last chord was of it; whether it was.
@@ -19,9 +23,9 @@ impl Axis {
         let Some((from, pace, left)) = leg.steady(begin, train) else {
             return false;
         };
-        // Neither is far from what was handed out.
+        // Neither is far from what was handed out. A run of a few ticks would be too short for a record, and one that is stretched costs rate.
         let wanted = (enough as u32).wrapping_sub(begin as u32).cast_signed();
-        let wanted = wanted.max(0).cast_unsigned().min(leg.reach);
+        let wanted = wanted.max(LEAST).cast_unsigned().min(leg.reach);
         let Some(length) = train.go_on(begin, from, pace, wanted, left) else {
             return false;
         };

@@ -68,15 +68,15 @@ impl Train {
         let length = (first.wrapping_add(gaps) >> 32) as u32;
         let pulses = more.wrapping_add(1);
         // At the driver's highest rate it may be a tick more than is left.
-        let fastest = u64::from(pulses).wrapping_mul(self.shortest.into());
-        let span = u64::from(open.wrapping_add(length));
+        let fastest = pulses.checked_mul(self.shortest)?;
+        let span = open.wrapping_add(length);
         if Ticks::from(length.max(wanted).wrapping_add(STRETCHED)) >= left
             || pulses > LONGEST_RUN
-            || span.wrapping_add(SHORTEST_RECORD.into()) < fastest
+            || span.wrapping_add(SHORTEST_RECORD) < fastest
         {
             return None;
         }
-        let span = span.max(fastest) as u32;
+        let span = span.max(fastest);
         if more == 0 || !self.has_pulse() {
             let gaps = (gaps >> 32) as u32;
             let silence = span.wrapping_sub(gaps);

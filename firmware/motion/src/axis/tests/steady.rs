@@ -61,3 +61,42 @@ fn a_velocity_that_stays_takes_few_records_and_each_pulse_is_at_its_tick() {
         }
     }
 }
+
+/// A tick may hand out pulses right behind a refill: one or two are due then, and no record is as short as that.
+#[test]
+fn a_refill_right_behind_another_costs_no_rate() {
+    for velocity in [2_100_000, 3_333_333, 4_444_444, 4_900_000, 4_941_176] {
+        for behind in [0, 1, 20, 34, 50, 68, 84, 100, 130, 168, 200] {
+            let (mut axis, mut sink) = axis(FAST);
+            let segment = u64::from(axis.train.segment());
+            let limits = Limits {
+                velocity: velocity.into(),
+                acceleration: velocity * 20,
+                deceleration: velocity,
+            };
+            axis.ramp_to(Speed::per_second(velocity).signed(false), limits)
+                .unwrap();
+            sink.follow(&axis);
+            sink.tolerance = 6.0;
+            let mut before = (0, 0);
+            for refill in 0..400 {
+                if refill == 300 {
+                    before = (sink.ticks, sink.pulses);
+                }
+                axis.advance(&mut sink).unwrap();
+                sink.play(behind);
+                axis.advance(&mut sink).unwrap();
+                sink.account(&axis);
+                sink.play(segment - behind);
+            }
+            let (ticks, pulses) = (sink.ticks - before.0, sink.pulses - before.1);
+            let due = u128::from(ticks) * u128::from(velocity) / u128::from(HZ);
+            let missing = due as i64 - pulses as i64;
+            // Between two pulses at either end, and at the highest rate a period is a tick more than a step here and there.
+            assert!(
+                missing.abs() <= 2,
+                "{velocity}, {behind} ticks behind: {missing} of {due}"
+            );
+        }
+    }
+}
