@@ -1,8 +1,9 @@
 //! How phases become a plan: one behind the other, from where the axis is.
 
 use super::Plan;
-use super::phase::{Bend, Draft, Frame, Instant, Offset, ramp_way};
-use super::ramp::{Piece, Ramp};
+use super::draft::{Draft, Follow};
+use super::phase::{Bend, Frame, Instant, Offset, Piece, ramp_way};
+use super::ramp::Ramp;
 use crate::clock::Ticks;
 use crate::fixed::Exact;
 
@@ -80,7 +81,8 @@ impl<'a> Course<'a> {
         self.mark_ramp();
         let bend = self.bend(time);
         if let Some(draft) = next(self.plan) {
-            *draft = Draft {
+            draft.ramp = None;
+            draft.piece = Piece {
                 start: self.tick,
                 anchor: self.now,
                 position: self.travelled,
@@ -94,7 +96,8 @@ impl<'a> Course<'a> {
     /// Keeps `speed` over `way`.
     pub(super) fn cruise(&mut self, speed: u128, time: Offset, way: u128) {
         if let Some(draft) = next(self.plan) {
-            *draft = Draft {
+            draft.ramp = None;
+            draft.piece = Piece {
                 start: self.tick,
                 anchor: self.now,
                 position: self.travelled,
@@ -112,7 +115,8 @@ impl<'a> Course<'a> {
         let bend = self.bend(time);
         let rising = half_deceleration.cast_signed();
         if let Some(draft) = next(self.plan) {
-            *draft = Draft {
+            draft.ramp = None;
+            draft.piece = Piece {
                 start: self.tick,
                 anchor: self.now.after(time),
                 position: target,
@@ -141,8 +145,9 @@ impl<'a> Course<'a> {
         let bend = self.bend(braking);
         let rising = half_deceleration.cast_signed();
         if let Some(draft) = next(self.plan) {
-            *draft = match bend {
-                Bend::None => Draft {
+            draft.ramp = None;
+            draft.piece = match bend {
+                Bend::None => Piece {
                     start: self.tick,
                     anchor: self.now.after(time),
                     position: target.wrapping_add(end_way.cast_signed()),
@@ -150,7 +155,7 @@ impl<'a> Course<'a> {
                     half_acceleration: rising.wrapping_neg(),
                     bend,
                 },
-                _ => Draft {
+                _ => Piece {
                     start: self.tick,
                     anchor: self.now.after(braking),
                     position: target,
@@ -165,52 +170,38 @@ impl<'a> Course<'a> {
         self.never_end(end_speed);
     }
 
-    /// Follows a jerk-limited ramp.
-    pub(super) fn ramp(&mut self, ramp: &Ramp) {
-        self.mark_ramp();
-        ramp.pieces.iter().for_each(|piece| self.follow(piece));
+    /// Another jerk-limited ramp of the plan, to be made and then followed.
+    pub(super) fn ramp(&mut self, number: u8) -> &mut Ramp {
+        let [first, second, third] = &mut self.plan.ramps;
+        match number {
+            0 => first,
+            1 => second,
+            _ => third,
+        }
     }
 
-    fn follow(&mut self, piece: &Piece) {
-        if piece.time == 0 {
-            return;
-        }
+    /// Follows a jerk-limited ramp of the plan.
+    pub(super) fn follow(&mut self, number: u8) {
+        let way = self.ramp(number).way;
+        self.follow_to(number, false, self.travelled.wrapping_add(way));
+    }
+
+    /// Follows a jerk-limited ramp of the plan so that it ends exactly at `target`, in the frame; with `is_back` backwards in time.
+    #[inline(never)]
+    pub(super) fn follow_to(&mut self, number: u8, is_back: bool, target: i128) {
+        self.mark_ramp();
         if let Some(draft) = next(self.plan) {
-            *draft = Draft {
-                start: self.tick,
-                anchor: self.now,
-                position: self.travelled,
-                velocity: piece.velocity,
-                half_acceleration: piece.acceleration >> 1,
-                bend: match piece.sixth_jerk {
-                    0 => Bend::None,
-                    sixth_jerk => Bend::Jerk(sixth_jerk),
-                },
-            };
+            draft.piece.start = self.tick;
+            draft.piece.anchor = self.now;
+            draft.piece.position = self.travelled;
+            draft.ramp = Some(Follow {
+                number,
+                is_back,
+                position: target,
+            });
         }
-        self.go_on(piece.time, piece.way);
-    }
-
-    /// Follows a jerk-limited ramp to standstill exactly at `target`, in the frame: its last piece is anchored there.
-    pub(super) fn land_on(mut self, ramp: &Ramp, target: i128) {
-        self.mark_ramp();
-        let [first, second, last] = &ramp.pieces;
-        self.follow(first);
-        self.follow(second);
-        if last.time != 0 {
-            if let Some(draft) = next(self.plan) {
-                *draft = Draft {
-                    start: self.tick,
-                    anchor: self.now.after(last.time),
-                    position: target,
-                    velocity: 0,
-                    half_acceleration: 0,
-                    bend: Bend::Jerk(last.sixth_jerk),
-                };
-            }
-            self.go_on(last.time, 0);
-        }
-        self.rest_at(target);
+        let time = self.ramp(number).time();
+        self.go_on_to(time, target);
     }
 
     /// The last ramp begins, as far as is known.
@@ -243,13 +234,18 @@ impl<'a> Course<'a> {
 
     /// The phase lasts so long and goes so far. If it has ended before its first tick comes, the next one is written over it.
     fn go_on(&mut self, time: Offset, way: i128) {
+        self.go_on_to(time, self.travelled.wrapping_add(way));
+    }
+
+    /// The same to a place in the frame.
+    fn go_on_to(&mut self, time: Offset, position: i128) {
         self.now = self.now.after(time);
         let tick = self.now.tick_up();
         if tick != self.tick {
             self.plan.count = self.plan.count.wrapping_add(1);
             self.tick = tick;
         }
-        self.travelled = self.travelled.wrapping_add(way);
+        self.travelled = position;
     }
 }
 

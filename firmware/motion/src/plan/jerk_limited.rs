@@ -42,7 +42,7 @@ impl Rules<'_> {
 /// To rest, in whichever direction.
 fn stopping(from: &Motion, limit: &Limit, jerk: &Jerk) -> Ramp {
     if from.is_rest() {
-        return Ramp::default();
+        return Ramp::NONE;
     }
     let falls = from.coasting() > 0;
     let lead = Lead::new(from, falls, limit, jerk);
@@ -122,7 +122,8 @@ fn stop(
     let reverse = from.velocity < 0;
     let motion = seen(from.velocity, acceleration, reverse, jerk);
     let mut course = Course::new(plan, start, from, reverse);
-    course.ramp(&stopping(&motion, limit, jerk));
+    *course.ramp(0) = stopping(&motion, limit, jerk);
+    course.follow(0);
     let rest = course.travelled;
     course.rest_at(rest);
 }
@@ -139,10 +140,12 @@ fn keep(
     let mut motion = seen(from.velocity, acceleration, reverse, rules.jerk);
     let mut course = Course::new(plan, start, from, reverse);
     if motion.velocity < 0 {
-        course.ramp(&stopping(&motion, rules.deceleration, rules.jerk));
+        *course.ramp(0) = stopping(&motion, rules.deceleration, rules.jerk);
+        course.follow(0);
         motion = Motion::REST;
     }
-    course.ramp(&rules.ramp(&motion, end));
+    *course.ramp(1) = rules.ramp(&motion, end);
+    course.follow(1);
     course.never_end(end.unsigned_abs());
 }
 
@@ -178,9 +181,12 @@ fn reach(
     }
     let mut stop = stopping(&motion, rules.deceleration, rules.jerk);
     // What is still to go from where a stop would end.
-    let (is_beyond, left) = beyond(gap, stop.way()).ok_or(PlanError::OutOfRange)?;
+    let (is_beyond, left) = beyond(gap, stop.way).ok_or(PlanError::OutOfRange)?;
     if left <= indistinct(stop.time()) && (end == 0 || gap == 0) {
-        Course::new(plan, start, from, reverse).land_on(&stop, goal);
+        let mut course = Course::new(plan, start, from, reverse);
+        *course.ramp(0) = stop;
+        course.follow_to(0, false, goal);
+        course.rest_at(goal);
         return Ok(());
     }
     if room.is_unknown
@@ -205,12 +211,14 @@ fn reach(
         return Err(PlanError::OutOfRange);
     }
     let mut course = Course::new(plan, start, from, reverse != is_beyond);
-    course.ramp(&stop);
+    *course.ramp(0) = stop;
+    course.follow(0);
     match cruise {
         Some(cruise) => course.take((&Motion::REST, &lead), cruise, (left, end, goal), rules),
         // The way is too short for the end velocity: it comes about behind the target.
         None => {
-            course.ramp(&rules.ramp(&Motion::REST, end));
+            *course.ramp(1) = rules.ramp(&Motion::REST, end);
+            course.follow(1);
             course.never_end(end.unsigned_abs());
         }
     }
@@ -321,19 +329,17 @@ impl Course<'_> {
         } else {
             rules.acceleration
         };
-        let mut first = Ramp::new((from, lead), cruise, limit, rules.jerk);
-        self.ramp(&first);
-        let one = first.way();
-        let other;
-        let (last, another) = if from.is_rest() && end == 0 && limit.most == rules.deceleration.most
-        {
-            first.turn_back(cruise);
-            (&first, one)
+        let first = self.ramp(1);
+        first.become_of((from, lead), cruise, limit, rules.jerk);
+        let one = first.way;
+        self.follow(1);
+        let is_back = from.is_rest() && end == 0 && limit.most == rules.deceleration.most;
+        let (last, another) = if is_back {
+            (1, one)
         } else {
-            let lead = Lead::steady(cruise, true);
-            let from = Motion::steady(cruise);
-            other = Ramp::new((&from, &lead), end, rules.deceleration, rules.jerk);
-            (&other, other.way())
+            let last = self.ramp(2);
+            last.become_steady((cruise, true), end, rules.deceleration, rules.jerk);
+            (2, last.way)
         };
         let ways = one.wrapping_add(another).cast_unsigned();
         let left = way.wrapping_sub(ways);
@@ -348,11 +354,10 @@ impl Course<'_> {
             .max(0)
             .cast_unsigned();
         self.cruise(cruise.unsigned_abs(), time, left);
+        self.follow_to(last, is_back, goal);
         if end == 0 {
-            self.land_on(last, goal);
+            self.rest_at(goal);
         } else {
-            self.ramp(last);
-            self.travelled = goal;
             self.never_end(end.unsigned_abs());
         }
     }

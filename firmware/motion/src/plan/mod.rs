@@ -14,6 +14,7 @@
 
 mod course;
 mod cruise;
+mod draft;
 mod jerk_limited;
 mod move_to;
 mod number;
@@ -30,8 +31,9 @@ use crate::divide::quotient;
 use crate::fixed::{Exact, State};
 use crate::speed::{SignedSpeed, Speed};
 use course::Course;
-use phase::{Draft, Frame, Phase};
-use ramp::Jerk;
+use draft::{Draft, MOST_RAMPS};
+use phase::{Frame, Phase};
+use ramp::{Jerk, Ramp};
 
 /// What a motion may ask of the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,7 +104,10 @@ impl fmt::Display for PlanError {
 
 impl core::error::Error for PlanError {}
 
-/// The wrong direction is left; then acceleration, cruise, braking, and the velocity that is kept. A jerk-limited ramp is three.
+/// The wrong direction is left; then acceleration, cruise, braking, and the velocity that is kept.
+const MOST_DRAFTS: usize = 5;
+
+/// A jerk-limited ramp is three phases.
 const MOST_PHASES: usize = 11;
 
 /// A motion in closed form.
@@ -111,7 +116,9 @@ pub struct Plan {
     frame: Frame,
     /// `Ticks::MAX` if it never ends.
     end: Ticks,
-    drafts: [Draft; MOST_PHASES],
+    drafts: [Draft; MOST_DRAFTS],
+    /// The jerk-limited ramps of the drafts.
+    ramps: [Ramp; MOST_RAMPS],
     count: u8,
     /// The phase that was entered, and the first tick behind it; 0 if there is none.
     entered: Phase,
@@ -139,7 +146,8 @@ impl Plan {
                 reverse: false,
             },
             end: start,
-            drafts: [Draft::NONE; MOST_PHASES],
+            drafts: [Draft::NONE; MOST_DRAFTS],
+            ramps: [Ramp::NONE; MOST_RAMPS],
             count: 0,
             entered: Phase::NONE,
             entered_until: 0,
@@ -442,7 +450,17 @@ impl Plan {
 
     /// The phases in order; none if the axis stands.
     pub fn phases(&self) -> impl DoubleEndedIterator<Item = Phase> + ExactSizeIterator {
-        self.drafts().iter().map(|draft| draft.phase(&self.frame))
+        let mut phases = [Phase::NONE; MOST_PHASES];
+        let mut count = 0;
+        let mut corner = Some(self.frame.start);
+        while let Some(phase) = corner.and_then(|corner| self.phase_at(corner))
+            && let Some(next) = phases.get_mut(count)
+        {
+            corner = self.next_corner(phase.start());
+            *next = phase;
+            count = count.wrapping_add(1);
+        }
+        phases.into_iter().take(count)
     }
 
     fn drafts(&self) -> &[Draft] {
@@ -455,7 +473,7 @@ impl Plan {
     pub fn next_corner(&self, after: Ticks) -> Option<Ticks> {
         self.drafts()
             .iter()
-            .map(|draft| draft.start)
+            .flat_map(|draft| draft.corners(&self.ramps))
             .chain(self.end())
             .find(|corner| *corner > after)
     }
@@ -464,8 +482,9 @@ impl Plan {
     pub(crate) fn cruise(&self) -> Ticks {
         let line = self.drafts().iter().find(|draft| draft.is_line());
         line.map_or(0, |line| {
-            let end = self.next_corner(line.start).unwrap_or(line.start);
-            end.saturating_sub(line.start)
+            let start = line.start();
+            let end = self.next_corner(start).unwrap_or(start);
+            end.saturating_sub(start)
         })
     }
 
@@ -486,8 +505,8 @@ impl Plan {
         if let Some(phase) = self.entered(t) {
             return phase.at(t);
         }
-        match draft_at(self.drafts(), self.end, t) {
-            Some((draft, _)) => draft.phase(&self.frame).at(t),
+        match self.phase_at(t) {
+            Some(phase) => phase.at(t),
             None => Exact {
                 position: self.rest,
                 velocity: 0,
@@ -496,8 +515,10 @@ impl Plan {
     }
 
     pub(crate) fn phase_at(&self, t: Ticks) -> Option<Phase> {
-        let (draft, _) = draft_at(self.drafts(), self.end, t)?;
-        Some(draft.phase(&self.frame))
+        let (draft, until) = draft_at(self.drafts(), self.end, t)?;
+        let mut phase = Phase::NONE;
+        draft.work_out(&self.ramps, (t, until), &self.frame, &mut phase);
+        Some(phase)
     }
 
     /// The phase at tick `t`, if it is the one that was entered.
@@ -513,23 +534,23 @@ impl Plan {
         }
         let drafts = self.drafts.get(..usize::from(self.count));
         if let Some((draft, until)) = draft_at(drafts.unwrap_or_default(), self.end, t) {
-            draft.work_out(&self.frame, &mut self.entered);
-            self.entered_until = until;
+            self.entered_until =
+                draft.work_out(&self.ramps, (t, until), &self.frame, &mut self.entered);
         }
     }
 }
 
-/// The phase of a plan at tick `t`, and the first tick behind it.
+/// The draft of the phase at tick `t`, and the first tick behind it.
 fn draft_at(drafts: &[Draft], end: Ticks, t: Ticks) -> Option<(&Draft, Ticks)> {
     let mut until = end;
     if t >= until {
         return None;
     }
     for draft in drafts.iter().rev() {
-        if draft.start <= t {
+        if draft.start() <= t {
             return Some((draft, until));
         }
-        until = draft.start;
+        until = draft.start();
     }
     None
 }

@@ -318,10 +318,9 @@ pub(super) enum Bend {
     Sine(Offset),
 }
 
-/// A phase as a plan keeps it: in the frame, and as it is found, anchored between two ticks. Most of a plan may never be reached, and what
-/// is reached is entered once.
+/// A phase in the frame, and as it is found: anchored between two ticks.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Draft {
+pub(super) struct Piece {
     /// The first tick that belongs to it.
     pub(super) start: Ticks,
     /// When position and velocity hold.
@@ -333,7 +332,7 @@ pub(super) struct Draft {
     pub(super) bend: Bend,
 }
 
-impl Draft {
+impl Piece {
     pub(super) const NONE: Self = Self {
         start: 0,
         anchor: Instant::from(0),
@@ -346,13 +345,6 @@ impl Draft {
     /// Whether its velocity stays.
     pub(super) const fn is_line(&self) -> bool {
         matches!(self.bend, Bend::None) && self.half_acceleration == 0
-    }
-
-    /// The phase itself.
-    pub(super) fn phase(&self, frame: &Frame) -> Phase {
-        let mut phase = Phase::NONE;
-        self.work_out(frame, &mut phase);
-        phase
     }
 
     /// Writes the phase itself: brings the coefficients from the anchor down to the whole tick before it, and into the frame of the axis.

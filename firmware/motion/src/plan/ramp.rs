@@ -10,7 +10,7 @@
 use core::cell::Cell;
 
 use super::number::Number;
-use super::phase::Offset;
+use super::phase::{Offset, over_time};
 use super::rough::{Kind, Rough};
 use crate::clock::Fine;
 
@@ -45,13 +45,13 @@ pub(super) struct Limit {
     number: Number,
     /// How long it takes to come about.
     entry: Number,
-    /// What the velocity gains meanwhile, and the same in Q96, saturating: it may be beyond all velocities.
+    /// What the velocity gains meanwhile.
     half: Number,
-    rise: i128,
-    /// One by it, if it was asked for; and then also the entry in Q32 ticks, and how far what is gained in it goes, Q96 steps.
+    /// The same of coming about and going together, Q96, saturating: it may be beyond all velocities.
+    rises: i128,
+    /// One by it, if it was asked for; and then also the entry in Q32 ticks.
     inverse: Cell<Number>,
     exact_entry: Cell<i128>,
-    bend: Cell<i128>,
     pub(super) rough: RoughLimit,
 }
 
@@ -76,10 +76,9 @@ impl Limit {
             number,
             entry,
             half,
-            rise: half.bounded(Kind::Velocity),
+            rises: half.doubled().bounded(Kind::Velocity),
             inverse: Cell::new(Number::ZERO),
             exact_entry: Cell::new(0),
-            bend: Cell::new(0),
             rough: RoughLimit {
                 square: rough.times(rough),
                 slowness: Rough::ONE.over(rough),
@@ -97,8 +96,6 @@ impl Limit {
         let inverse = self.number.reciprocal();
         self.inverse.set(inverse);
         self.exact_entry.set(self.entry.fixed(Kind::Time));
-        let bend = self.half.times(self.entry).times(Number::THIRD);
-        self.bend.set(bend.fixed(Kind::Way));
         inverse
     }
 }
@@ -114,7 +111,7 @@ struct Steady {
 impl Steady {
     #[inline(always)]
     fn new(gain: i128, limit: &Limit, jerk: &Jerk) -> Self {
-        let held = gain.saturating_sub(limit.rise).saturating_sub(limit.rise);
+        let held = gain.wrapping_sub(limit.rises);
         if held >= 0 {
             return Self {
                 entry: limit.entry,
@@ -158,7 +155,7 @@ pub(super) fn stopping_way(from: &Motion, limit: &Limit, jerk: &Jerk) -> i128 {
         lead.ease(from, limit, jerk)
     } else {
         let (time, change) = (turned(from.time), turned(from.change));
-        let mean = lead.speed.plus(change.times(Number::THIRD));
+        let mean = lead.speed().plus(change.times(Number::THIRD));
         time.times(mean).negated()
     };
     steady_length(lead.velocity, 0, limit, jerk)
@@ -235,7 +232,6 @@ impl Motion {
 pub(super) struct Lead {
     /// The velocity at its beginning.
     pub(super) velocity: i128,
-    speed: Number,
     /// How far the motion is ahead of its beginning, Q96 steps.
     pub(super) ahead: i128,
     /// How long ago that is, Q32; negative, if it is still to come.
@@ -261,7 +257,6 @@ impl Lead {
     /// Becomes another one, as [`Lead::new`] would have it: it is large, and copies of it are dear.
     pub(super) fn renew(&mut self, from: &Motion, falls: bool, limit: &Limit, jerk: &Jerk) {
         self.velocity = from.velocity;
-        self.speed = Number::of(from.velocity, Kind::Velocity);
         self.ahead = 0;
         self.ago = 0;
         self.falls = falls;
@@ -293,8 +288,7 @@ impl Lead {
             from.exact_change
         };
         self.velocity = from.velocity.wrapping_sub(exact_change);
-        self.speed = Number::of(self.velocity, Kind::Velocity);
-        let way = time.times(self.speed);
+        let way = time.times(self.speed());
         let bend = time.times(change).times(Number::THIRD);
         // Most are so short that the sum need not be made for that.
         self.is_far =
@@ -304,11 +298,14 @@ impl Lead {
         self.ago = time.fixed(Kind::Time);
     }
 
+    fn speed(&self) -> Number {
+        Number::of(self.velocity, Kind::Velocity)
+    }
+
     /// Of a ramp that begins with no acceleration.
-    pub(super) fn steady(velocity: i128, falls: bool) -> Self {
+    pub(super) const fn steady(velocity: i128, falls: bool) -> Self {
         Self {
             velocity,
-            speed: Number::of(velocity, Kind::Velocity),
             ahead: 0,
             ago: 0,
             falls,
@@ -330,7 +327,6 @@ impl Lead {
                 .minus(rise.doubled())
                 .fixed(Kind::Velocity),
         );
-        self.speed = Number::of(self.velocity, Kind::Velocity);
         // v·t + a·t²/2 − j·t³/6
         let mean = turned(jerk.whole)
             .times(over)
@@ -340,7 +336,7 @@ impl Lead {
             .times(over)
             .halved()
             .plus(Number::of(from.velocity, Kind::Velocity));
-        let before = (self.speed)
+        let before = (self.speed())
             .plus(rise.times(Number::THIRD))
             .times(limit.entry);
         let ahead = mean.times(over).minus(before);
@@ -352,137 +348,121 @@ impl Lead {
     }
 }
 
-/// A stretch of constant jerk: what holds at its beginning, all Q96 but the jerk.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Piece {
-    pub(super) time: Offset,
+/// A change of velocity: how long its pieces last, what it begins and ends with, and how far it goes. What else its pieces are is worked
+/// out when they are entered.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ramp {
+    /// At its beginning.
     pub(super) velocity: i128,
     pub(super) acceleration: i128,
-    /// A sixth of the jerk, Q128.
-    pub(super) sixth_jerk: i128,
+    /// At its end, where there is no acceleration.
+    pub(super) end: i128,
     /// How far it goes, Q96 steps; modulo 2³² steps.
     pub(super) way: i128,
-}
-
-/// A change of velocity.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Ramp {
-    pub(super) pieces: [Piece; 3],
+    /// How long the acceleration goes to the greatest value, stays there, and goes to nothing.
+    pub(super) entry: Offset,
+    pub(super) hold: Offset,
+    pub(super) exit: Offset,
+    /// The greatest acceleration, if there is a hold, whichever its direction.
+    pub(super) most: i128,
+    /// A sixth of the jerk, Q128, whichever its direction.
+    pub(super) sixth_jerk: i128,
+    pub(super) falls: bool,
+    /// It begins with more than the greatest acceleration, and so against the direction of the change.
+    pub(super) is_easing: bool,
 }
 
 impl Ramp {
+    /// Rest.
+    pub(super) const NONE: Self = Self {
+        velocity: 0,
+        acceleration: 0,
+        end: 0,
+        way: 0,
+        entry: 0,
+        hold: 0,
+        exit: 0,
+        most: 0,
+        sixth_jerk: 0,
+        falls: false,
+        is_easing: false,
+    };
+
     /// From a motion and its lead to the velocity `end`.
-    #[inline(never)]
     pub(super) fn new(
         (from, lead): (&Motion, &Lead),
         end: i128,
         limit: &Limit,
         jerk: &Jerk,
     ) -> Self {
-        let turned = |value: i128| {
-            if lead.falls {
-                value.wrapping_neg()
-            } else {
-                value
+        let mut ramp = Self::NONE;
+        ramp.become_of((from, lead), end, limit, jerk);
+        ramp
+    }
+
+    /// Becomes another one, from a motion and its lead to the velocity `end`.
+    pub(super) fn become_of(
+        &mut self,
+        (from, lead): (&Motion, &Lead),
+        end: i128,
+        limit: &Limit,
+        jerk: &Jerk,
+    ) {
+        self.become_steady((lead.velocity, lead.falls), end, limit, jerk);
+        self.velocity = from.velocity;
+        self.acceleration = from.acceleration;
+        self.way = self.way.wrapping_add(lead.ahead);
+        let entry = self.exit.cast_signed().wrapping_sub(lead.ago).max(0);
+        self.entry = entry.cast_unsigned();
+        self.is_easing = lead.is_easing;
+    }
+
+    /// Becomes the one that begins with a velocity and no acceleration.
+    #[inline(never)]
+    pub(super) fn become_steady(
+        &mut self,
+        (velocity, falls): (i128, bool),
+        end: i128,
+        limit: &Limit,
+        jerk: &Jerk,
+    ) {
+        self.velocity = velocity;
+        self.acceleration = 0;
+        self.end = end;
+        self.falls = falls;
+        self.is_easing = false;
+        self.sixth_jerk = jerk.sixth.cast_signed();
+        let gain = end.wrapping_sub(velocity);
+        let gain = if falls { gain.wrapping_neg() } else { gain };
+        let Steady { entry, hold } = Steady::new(gain.max(0), limit, jerk);
+        let (exit, hold) = match hold {
+            None => (entry.fixed(Kind::Time), 0),
+            Some(hold) => {
+                self.most = limit.most;
+                (limit.exact_entry.get(), hold.fixed(Kind::Time))
             }
         };
-        let gain = turned(end.wrapping_sub(lead.velocity)).max(0);
-        let Steady { entry, hold } = Steady::new(gain, limit, jerk);
-        let (peak, exit, rise, bend) = if hold.is_some() {
-            (
-                limit.most,
-                limit.exact_entry.get(),
-                limit.rise,
-                limit.bend.get(),
-            )
-        } else {
-            let peak = entry.times(jerk.whole);
-            let bend = peak.times(entry).halved().times(entry).times(Number::THIRD);
-            (
-                peak.fixed(Kind::Acceleration),
-                entry.fixed(Kind::Time),
-                gain >> 1,
-                bend.fixed(Kind::Way),
-            )
-        };
-        let (peak, rise, bend) = (turned(peak), turned(rise), turned(bend));
-        let sixth = turned(jerk.sixth.cast_signed());
-        let (risen, leaving) = (lead.velocity.wrapping_add(rise), end.wrapping_sub(rise));
-
-        let mut ways = (bend.wrapping_add(lead.ahead), bend.wrapping_neg());
-        if lead.velocity != 0 {
-            let steady = entry.times(lead.speed).fixed(Kind::Way);
-            ways.0 = ways.0.wrapping_add(steady);
-        }
-        if end != 0 {
-            let speed = Number::of(end, Kind::Velocity);
-            ways.1 = ways.1.wrapping_add(entry.times(speed).fixed(Kind::Way));
-        }
-        let hold = hold.map_or((0, 0), |hold| {
-            let sum = Number::of(risen.wrapping_add(leaving), Kind::Velocity);
-            let way = sum.times(hold).halved().fixed(Kind::Way);
-            (hold.fixed(Kind::Time), way)
-        });
-        Self {
-            pieces: [
-                Piece {
-                    time: exit.wrapping_sub(lead.ago).max(0).cast_unsigned(),
-                    velocity: from.velocity,
-                    acceleration: from.acceleration,
-                    sixth_jerk: if lead.is_easing {
-                        sixth.wrapping_neg()
-                    } else {
-                        sixth
-                    },
-                    way: ways.0,
-                },
-                Piece {
-                    time: hold.0.cast_unsigned(),
-                    velocity: risen,
-                    acceleration: peak,
-                    sixth_jerk: 0,
-                    way: hold.1,
-                },
-                Piece {
-                    time: exit.cast_unsigned(),
-                    velocity: leaving,
-                    acceleration: peak,
-                    sixth_jerk: sixth.wrapping_neg(),
-                    way: ways.1,
-                },
-            ],
-        }
+        let (exit, hold) = (exit.cast_unsigned(), hold.cast_unsigned());
+        self.entry = exit;
+        self.hold = hold;
+        self.exit = exit;
+        // Its mean velocity is that of its ends.
+        let sum = velocity.wrapping_add(end);
+        let way = over_time(sum.unsigned_abs(), exit.wrapping_add(hold >> 1)).cast_signed();
+        self.way = if sum < 0 { way.wrapping_neg() } else { way };
     }
 
     /// Turns it into the same in the other direction of motion.
     pub(super) fn mirror(&mut self) {
-        for piece in &mut self.pieces {
-            piece.velocity = piece.velocity.wrapping_neg();
-            piece.acceleration = piece.acceleration.wrapping_neg();
-            piece.sixth_jerk = piece.sixth_jerk.wrapping_neg();
-            piece.way = piece.way.wrapping_neg();
-        }
+        self.velocity = self.velocity.wrapping_neg();
+        self.acceleration = self.acceleration.wrapping_neg();
+        self.end = self.end.wrapping_neg();
+        self.way = self.way.wrapping_neg();
+        self.falls = !self.falls;
     }
 
     /// How long it takes.
     pub(super) fn time(&self) -> Offset {
-        (self.pieces.iter()).fold(0, |sum, piece| sum.wrapping_add(piece.time))
-    }
-
-    /// How far it goes, Q96 steps; modulo 2³² steps.
-    pub(super) fn way(&self) -> i128 {
-        (self.pieces.iter()).fold(0, |sum, piece| sum.wrapping_add(piece.way))
-    }
-
-    /// Turns a ramp from rest to the velocity `end` into the way back down to rest: it is the same backwards in time.
-    pub(super) fn turn_back(&mut self, end: i128) {
-        let [entry, hold, exit] = &mut self.pieces;
-        core::mem::swap(&mut entry.time, &mut exit.time);
-        core::mem::swap(&mut entry.sixth_jerk, &mut exit.sixth_jerk);
-        core::mem::swap(&mut entry.way, &mut exit.way);
-        entry.velocity = end;
-        core::mem::swap(&mut hold.velocity, &mut exit.velocity);
-        hold.acceleration = hold.acceleration.wrapping_neg();
-        exit.acceleration = exit.acceleration.wrapping_neg();
+        self.entry.wrapping_add(self.hold).wrapping_add(self.exit)
     }
 }
