@@ -14,6 +14,9 @@ pub(super) const MOST_PERIODS: u32 = 256;
 /// more time. (What is silent behind the last record takes longer.)
 pub(super) const LONGEST_RUN: u32 = 1 << 14;
 
+/// Pulses as wide as that have no room in half of the longest run.
+const WIDEST: u16 = (LONGEST_RUN / 2) as u16;
+
 /// What a DMA burst writes into ARR, RCR, CCR1 and CCR2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Words(pub(super) [u32; 4]);
@@ -136,14 +139,17 @@ impl<'a> Place<'a> {
         let (period, repeat) = (record.period, u32::from(record.repeat));
         // The product fits where a period has 15 bits: there are 16 bits of them.
         let ticks = period.wrapping_mul(repeat);
-        if period > LONGEST_RUN || ticks > 3 * LONGEST_RUN || repeat > 3 * MOST_PERIODS {
-            let (written, last) = if period > LONGEST_RUN {
-                put_long(self.room, record, self.level)?
+        if period > LONGEST_RUN {
+            // Pulses below 10 kHz, and silence.
+            if repeat != 1 || period > 3 * LONGEST_RUN || record.width >= WIDEST {
+                self.pass(put_long(self.room, record, self.level)?)?;
+            } else if period > 2 * LONGEST_RUN {
+                self.put_parts::<3>(record)?;
             } else {
-                put_many(self.room, record, self.level)?
-            };
-            self.room = self.room.get(written..)?;
-            self.last = last;
+                self.put_parts::<2>(record)?;
+            }
+        } else if ticks > 3 * LONGEST_RUN || repeat > 3 * MOST_PERIODS {
+            self.pass(put_many(self.room, record, self.level)?)?;
         } else if ticks > 2 * LONGEST_RUN || repeat > 2 * MOST_PERIODS {
             self.put_runs::<3>(record)?;
         } else if ticks > LONGEST_RUN || repeat > MOST_PERIODS {
@@ -152,6 +158,30 @@ impl<'a> Place<'a> {
             self.put_runs::<1>(record)?;
         }
         Some(ticks)
+    }
+
+    /// So many have been written, and the last takes so many ticks.
+    #[inline]
+    fn pass(&mut self, (written, last): (usize, u32)) -> Option<()> {
+        self.room = self.room.get(written..)?;
+        self.last = last;
+        Some(())
+    }
+
+    /// One period in so many parts of equal length: none is short, and the pulse has room in the first.
+    #[inline]
+    fn put_parts<const PARTS: usize>(&mut self, record: &Record) -> Option<()> {
+        let (slots, room) = self.room.split_first_chunk::<PARTS>()?;
+        self.room = room;
+        let (mut left, mut width) = (record.period, record.width.into());
+        for (slot, parts) in slots.iter().zip((1..=PARTS as u32).rev()) {
+            let part = left / parts;
+            left = left.wrapping_sub(part);
+            fill(slot, Words::run(part, 1, width, self.level));
+            width = 0;
+            self.last = part;
+        }
+        Some(())
     }
 
     /// In so many runs. Each has a period at least, as none is longer than a run.
@@ -202,7 +232,7 @@ fn put_long(slots: &[Slot], record: &Record, level: u32) -> Option<(usize, u32)>
         (period, repeat)
     };
     let parts = period.div_ceil(LONGEST_RUN);
-    if width >= LONGEST_RUN / 2 {
+    if record.width >= WIDEST {
         return None;
     }
     let slots = slots.get(..parts.saturating_mul(repeat) as usize)?;
