@@ -188,8 +188,9 @@ fn a_server_runs_until_it_is_stopped() {
         let (mut running, before) =
             Running::start(&["serve", "--slcan", "127.0.0.1:0", "--node-id", "4"]);
         assert!(before[0].starts_with("SLCAN on 127.0.0.1:"), "{before:?}");
-        let kill = Command::new("kill")
-            .args([signal, &running.0.id().to_string()])
+        // That of the shell: a bare Debian has no program of that name.
+        let kill = Command::new("sh")
+            .args(["-c", &format!("kill {signal} {}", running.0.id())])
             .status()
             .unwrap();
         assert!(kill.success());
