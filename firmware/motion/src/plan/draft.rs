@@ -5,7 +5,7 @@
 //! than how long they take.
 
 use super::phase::{Bend, Frame, Instant, Phase, Piece, over_time};
-use super::ramp::Ramp;
+use super::ramp::{Ramp, third, way_at};
 use crate::clock::Ticks;
 
 /// The most ramps of a plan: to rest, to a velocity, and to another one.
@@ -131,20 +131,13 @@ impl Follow {
     /// The piece at constant acceleration. It ends with the state in which the last one begins: v − a·t/2 and x − v·t + a·t²/6.
     fn hold(&self, ramp: &Ramp, (start, held): (Ticks, Instant)) -> Piece {
         let gain = over_time(ramp.most.cast_unsigned(), ramp.exit) >> 1;
-        // Of 96 bits, which leaves room for a third in 64.
-        let low = u128::from(gain as u64).wrapping_mul(THIRD.into()) >> 64;
-        let third = (gain >> 64).wrapping_mul(THIRD.into()).wrapping_add(low);
         let velocity = self.velocity(ramp);
-        let mean = velocity.wrapping_sub(self.turned(ramp, third.cast_signed()));
-        let way = over_time(mean.unsigned_abs(), ramp.exit).cast_signed();
+        let third = third(gain).cast_signed();
+        let mean = velocity.wrapping_sub(self.turned(ramp, third));
         Piece {
             start,
             anchor: held,
-            position: if mean < 0 {
-                self.position.wrapping_add(way)
-            } else {
-                self.position.wrapping_sub(way)
-            },
+            position: self.position.wrapping_sub(way_at(mean, ramp.exit)),
             velocity: velocity.wrapping_sub(self.turned(ramp, gain.cast_signed())),
             half_acceleration: self.turned(ramp, ramp.most) >> 1,
             bend: Bend::None,
@@ -163,6 +156,3 @@ impl Follow {
         }
     }
 }
-
-/// A third of 2⁶⁴.
-const THIRD: u64 = u64::MAX / 3;

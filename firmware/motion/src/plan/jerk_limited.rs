@@ -27,7 +27,7 @@ pub(super) struct Rules<'a> {
 
 impl Rules<'_> {
     /// From a velocity that is not negative to another one.
-    fn ramp(&self, from: &Motion, end: i128) -> Ramp {
+    fn ramp(&self, ramp: &mut Ramp, from: &Motion, end: i128) {
         let falls = end < from.coasting();
         let limit = if falls || end == 0 {
             self.deceleration
@@ -35,18 +35,19 @@ impl Rules<'_> {
             self.acceleration
         };
         let lead = Lead::new(from, falls, limit, self.jerk);
-        Ramp::new((from, &lead), end, limit, self.jerk)
+        ramp.become_of((from, &lead), end, limit, self.jerk);
     }
 }
 
 /// To rest, in whichever direction.
-fn stopping(from: &Motion, limit: &Limit, jerk: &Jerk) -> Ramp {
+fn stopping(ramp: &mut Ramp, from: &Motion, limit: &Limit, jerk: &Jerk) {
     if from.is_rest() {
-        return Ramp::NONE;
+        *ramp = Ramp::NONE;
+        return;
     }
     let falls = from.coasting() > 0;
     let lead = Lead::new(from, falls, limit, jerk);
-    Ramp::new((from, &lead), 0, limit, jerk)
+    ramp.become_of((from, &lead), 0, limit, jerk);
 }
 
 /// Plans the motion in a frame in which the way still to go is positive.
@@ -122,7 +123,7 @@ fn stop(
     let reverse = from.velocity < 0;
     let motion = seen(from.velocity, acceleration, reverse, jerk);
     let mut course = Course::new(plan, start, from, reverse);
-    *course.ramp(0) = stopping(&motion, limit, jerk);
+    stopping(course.ramp(0), &motion, limit, jerk);
     course.follow(0);
     let rest = course.travelled;
     course.rest_at(rest);
@@ -140,11 +141,11 @@ fn keep(
     let mut motion = seen(from.velocity, acceleration, reverse, rules.jerk);
     let mut course = Course::new(plan, start, from, reverse);
     if motion.velocity < 0 {
-        *course.ramp(0) = stopping(&motion, rules.deceleration, rules.jerk);
+        stopping(course.ramp(0), &motion, rules.deceleration, rules.jerk);
         course.follow(0);
         motion = Motion::REST;
     }
-    *course.ramp(1) = rules.ramp(&motion, end);
+    rules.ramp(course.ramp(1), &motion, end);
     course.follow(1);
     course.never_end(end.unsigned_abs());
 }
@@ -179,7 +180,8 @@ fn reach(
     if room.is_doubtful && is_too_long(&motion, rules) {
         return Err(PlanError::OutOfRange);
     }
-    let mut stop = stopping(&motion, rules.deceleration, rules.jerk);
+    let mut stop = Ramp::NONE;
+    stopping(&mut stop, &motion, rules.deceleration, rules.jerk);
     // What is still to go from where a stop would end.
     let (is_beyond, left) = beyond(gap, stop.way).ok_or(PlanError::OutOfRange)?;
     if left <= indistinct(stop.time()) && (end == 0 || gap == 0) {
@@ -217,7 +219,7 @@ fn reach(
         Some(cruise) => course.take((&Motion::REST, &lead), cruise, (left, end, goal), rules),
         // The way is too short for the end velocity: it comes about behind the target.
         None => {
-            *course.ramp(1) = rules.ramp(&Motion::REST, end);
+            rules.ramp(course.ramp(1), &Motion::REST, end);
             course.follow(1);
             course.never_end(end.unsigned_abs());
         }

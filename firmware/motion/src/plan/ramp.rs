@@ -389,6 +389,7 @@ impl Ramp {
     };
 
     /// From a motion and its lead to the velocity `end`.
+    #[cfg(test)]
     pub(super) fn new(
         (from, lead): (&Motion, &Lead),
         end: i128,
@@ -448,8 +449,7 @@ impl Ramp {
         self.exit = exit;
         // Its mean velocity is that of its ends.
         let sum = velocity.wrapping_add(end);
-        let way = over_time(sum.unsigned_abs(), exit.wrapping_add(hold >> 1)).cast_signed();
-        self.way = if sum < 0 { way.wrapping_neg() } else { way };
+        self.way = way_at(sum, exit.wrapping_add(hold >> 1));
     }
 
     /// Turns it into the same in the other direction of motion.
@@ -465,4 +465,24 @@ impl Ramp {
     pub(super) fn time(&self) -> Offset {
         self.entry.wrapping_add(self.hold).wrapping_add(self.exit)
     }
+}
+
+/// How far it goes at a velocity in a time, Q96 steps; modulo 2³² steps.
+#[inline(always)]
+pub(super) fn way_at(velocity: i128, time: Offset) -> i128 {
+    let way = over_time(velocity.unsigned_abs(), time).cast_signed();
+    if velocity < 0 {
+        way.wrapping_neg()
+    } else {
+        way
+    }
+}
+
+/// A third of what has 96 bits, which leaves room for those of a third.
+#[inline(always)]
+pub(super) fn third(value: u128) -> u128 {
+    /// Of 2⁶⁴.
+    const THIRD: u64 = u64::MAX / 3;
+    let low = u128::from(value as u64).wrapping_mul(THIRD.into()) >> 64;
+    (value >> 64).wrapping_mul(THIRD.into()).wrapping_add(low)
 }
