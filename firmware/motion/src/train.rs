@@ -353,7 +353,7 @@ impl Train {
         };
         let mut gaps = gaps.min(LONGEST_RUN);
         let mut span = last.wrapping_sub(begin).max(0).cast_unsigned();
-        if u64::from(span) < u64::from(gaps).wrapping_mul(shortest.into()) {
+        if span < gaps.saturating_mul(shortest) {
             // Too dense for the driver: at its highest rate, and what does not fit is due in the next chord.
             let room = length.wrapping_sub(begin).max(0).cast_unsigned();
             gaps = gaps.min(room.checked_div(shortest).unwrap_or(0));
@@ -501,17 +501,38 @@ impl Train {
 
     /// Records for `ticks` of the open period: its pulse if it has one, then silence. None is longer than a segment or shorter than
     /// the driver's shortest period.
-    fn silence(&mut self, mut ticks: u32, direction: Direction) {
+    #[inline]
+    fn silence(&mut self, ticks: u32, direction: Direction) {
+        let ticks = if ticks > self.segment {
+            self.shorten(ticks, direction)
+        } else {
+            ticks
+        };
+        if ticks > 0 {
+            let width = if self.has_pulse() { self.width } else { 0 };
+            self.keep(Record {
+                period: ticks,
+                repeat: 1,
+                width,
+                direction,
+            });
+            self.pen = self.pen.wrapping_add(ticks.into());
+        }
+        self.open_step = 0;
+        // What follows is a pulse by itself, or the first of a run with periods of its own.
+        self.period = 0;
+    }
+
+    /// Records of all but the last segment of silence.
+    #[cold]
+    fn shorten(&mut self, mut ticks: u32, direction: Direction) -> u32 {
         while ticks > self.segment {
             let part = self.segment.min(ticks.saturating_sub(self.least));
             self.make(part, 1, self.has_pulse(), direction);
             self.open_step = 0;
             ticks = ticks.saturating_sub(part);
         }
-        self.make(ticks, 1, self.has_pulse(), direction);
-        self.open_step = 0;
-        // What follows is a pulse by itself, or the first of a run with periods of its own.
-        self.period = 0;
+        ticks
     }
 
     fn make(&mut self, period: u32, repeat: u32, pulse: bool, direction: Direction) {

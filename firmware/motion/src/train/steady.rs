@@ -110,15 +110,19 @@ impl Train {
         pulses: u32,
         last: u32,
     ) -> bool {
+        // Where pulses are few there is nothing to be reckoned.
+        if pulses < MANY {
+            return false;
+        }
         let open = self.open_at(chord.begin).cast_unsigned();
         let span = last.wrapping_add(open);
-        let alike = u64::from(self.period).wrapping_mul(pulses.into());
-        let joins = alike.abs_diff(span.into()) <= u64::from(span >> 3)
+        let alike = self.period.saturating_mul(pulses);
+        let joins = alike.abs_diff(span) <= span >> 3
             && open <= self.period.wrapping_add(self.period >> 3)
             && self.has_pulse()
             && self.direction == Some(direction)
-            && (MANY..=LONGEST_RUN).contains(&pulses)
-            && u64::from(span) >= u64::from(pulses).wrapping_mul(self.shortest.into());
+            && pulses <= LONGEST_RUN
+            && span >= pulses.saturating_mul(self.shortest);
         if joins {
             self.space(pulses, span, chord.speeding_up, direction);
             let steps = pulses.cast_signed().wrapping_mul(direction.sign());
