@@ -336,7 +336,7 @@ impl Rules<'_> {
         let coasting = from.coasting();
         let mut most = self.top;
         if coasting <= self.top {
-            lead.renew(from, false, self.acceleration, self.jerk);
+            lead.renew(from, false, self.acceleration);
             let least = coasting.max(end);
             let cruise = self.chosen(lead, end, way, (least, self.top), true);
             if cruise.is_some() || least == end {
@@ -344,7 +344,7 @@ impl Rules<'_> {
             }
             most = least;
         }
-        lead.renew(from, true, self.deceleration, self.jerk);
+        lead.renew(from, true, self.deceleration);
         let is_top = most == self.top;
         let cruise = self.chosen(lead, end, way, (end, most), is_top);
         cruise.filter(|cruise| *cruise > 0)

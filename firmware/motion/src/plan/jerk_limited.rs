@@ -34,7 +34,7 @@ impl Rules<'_> {
         } else {
             self.acceleration
         };
-        let lead = Lead::new(from, falls, limit, self.jerk);
+        let lead = Lead::new(from, falls, limit);
         ramp.become_of((from, &lead), end, limit, self.jerk);
     }
 }
@@ -46,7 +46,7 @@ fn stopping(ramp: &mut Ramp, from: &Motion, limit: &Limit, jerk: &Jerk) {
         return;
     }
     let falls = from.coasting() > 0;
-    let lead = Lead::new(from, falls, limit, jerk);
+    let lead = Lead::new(from, falls, limit);
     ramp.become_of((from, &lead), 0, limit, jerk);
 }
 

@@ -26,14 +26,14 @@ mod velocity;
 
 use core::fmt;
 
-use crate::clock::{Clock, TOP_SIXTH_JERK, Ticks};
-use crate::divide::quotient;
+use crate::clock::{Clock, Ticks};
 use crate::fixed::{Exact, State};
 use crate::speed::{SignedSpeed, Speed};
 use course::Course;
 use draft::{Draft, MOST_RAMPS};
 use phase::{Frame, Phase};
 use ramp::{Jerk, Ramp};
+use rough::{Kind, Rough};
 
 /// What a motion may ask of the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,6 +103,9 @@ impl fmt::Display for PlanError {
 }
 
 impl core::error::Error for PlanError {}
+
+/// Jerks that differ by less than that factor are one: sin² ramps are left at more than they need.
+const ALIKE: Rough = Rough::ONE.more(-8);
 
 /// The wrong direction is left; then acceleration, cruise, braking, and the velocity that is kept.
 const MOST_DRAFTS: usize = 5;
@@ -392,9 +395,11 @@ impl Plan {
     /// With which jerk the ramp at tick `at` was entered, if it is `jerk` that the plan was made with: that of a sin² ramp between two
     /// velocities which lie closer together is higher.
     fn entry_jerk(&self, at: Ticks, jerk: Jerk) -> Jerk {
-        let sixth = self.entered(at).map_or(0, Phase::sixth_jerk_of_sine);
-        if sixth > jerk.sixth {
-            Jerk::new(sixth)
+        let steepness = self.entered(at).and_then(Phase::steepness_of_sine);
+        let entered = steepness.map_or(Rough::ZERO, |steepness| steepness.times(Jerk::OF_SINE));
+        // Most often it is the same, but for what is rounded.
+        if entered > jerk.rough.times(ALIKE) {
+            steepness.map_or(jerk, Jerk::of_sine)
         } else {
             jerk
         }
@@ -557,26 +562,21 @@ fn draft_at(drafts: &[Draft], end: Ticks, t: Ticks) -> Option<(&Draft, Ticks)> {
 
 /// The jerk at the ends of a sin² ramp between rest and the profile velocity v: Δv·π²/2T² = π²·a²/2v.
 fn sine_jerk(clock: Clock, from: Exact, limits: Limits) -> Jerk {
-    let speed = from.rounded().velocity.speed(clock).unsigned_abs();
-    let velocity = match limits.velocity.max(speed.whole().into()) {
-        // A stop from less than a step per second, or from rest, where there is no ramp.
-        Speed::ZERO if speed == Speed::ZERO => Speed::per_second(1),
-        Speed::ZERO => speed,
-        velocity => velocity,
-    };
-    let ramp = u128::from(limits.acceleration.max(limits.deceleration));
-    // π²/2 = 4.93, and rounded up: with less a ramp that is left would go on beyond its velocity. Of a short ramp it may have more
-    // than 32 bits: those below them are lost, which 5 for 4.93 makes up for.
-    let square = ramp.wrapping_mul(ramp).saturating_mul(5);
-    let jerk = quotient(square, 1, velocity.bits().into()).saturating_add(1);
-    let above = 96u32.saturating_sub(jerk.leading_zeros());
-    let sixth = clock.sixth_jerk((jerk >> (above & 127)) as u32);
-    let room = TOP_SIXTH_JERK >> (above & 127);
-    Jerk::new(if sixth > room {
-        TOP_SIXTH_JERK
-    } else {
-        sixth << (above & 127)
-    })
+    let unit = Rough::power(24).over(Rough::whole(clock.hz()));
+    let bits = limits.velocity.bits();
+    let part = Rough::whole(bits as u32).times(Rough::power(-32));
+    let limit = Rough::whole((bits >> 32) as u32).plus(part).times(unit);
+    let speed = Rough::of(from.velocity.unsigned_abs(), Kind::Velocity);
+    let mut velocity = limit.max(speed);
+    if velocity == Rough::ZERO {
+        // A stop from rest, where there is no ramp.
+        velocity = unit;
+    }
+    let ramp = Rough::whole(limits.acceleration.max(limits.deceleration));
+    let ramp = ramp.times(unit).times(unit);
+    // A step/s³ more, so that the slowest are left within a time that can be told.
+    let more = unit.times(unit).times(unit);
+    Jerk::of_sine(ramp.times(ramp).over(velocity).plus(more))
 }
 
 #[cfg(test)]

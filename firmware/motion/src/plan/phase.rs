@@ -10,6 +10,7 @@ use crate::divide::Divisor;
 use crate::fixed::{Exact, State};
 use crate::wide::Wide;
 
+use super::rough::Rough;
 use super::sine::Sine;
 
 /// A time in ticks, Q32: corners fall between ticks.
@@ -138,11 +139,11 @@ impl Phase {
         }
     }
 
-    /// A sixth of the jerk with which a sin² ramp begins, Q128 steps per tick³; 0 for any other phase.
-    pub(crate) fn sixth_jerk_of_sine(&self) -> Fine {
+    /// Of a sin² ramp, its change of velocity by the square of its time.
+    pub(super) fn steepness_of_sine(&self) -> Option<Rough> {
         match &self.curve {
-            Curve::Sine(sine) => sine.sixth_jerk(),
-            Curve::Parabola | Curve::Cubic(_) => 0,
+            Curve::Sine(sine) => Some(sine.steepness()),
+            Curve::Parabola | Curve::Cubic(_) => None,
         }
     }
 

@@ -12,25 +12,34 @@ use core::cell::Cell;
 use super::number::Number;
 use super::phase::{Offset, over_time};
 use super::rough::{Kind, Rough};
-use crate::clock::Fine;
+use crate::clock::{Fine, TOP_SIXTH_JERK};
 
 /// The jerk, as it is worked with.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Jerk {
     /// A sixth of it, Q128 steps per tick³: the coefficient of a cubic. At most `TOP_SIXTH_JERK`.
     pub(crate) sixth: Fine,
-    whole: Number,
     inverse: Number,
     /// All of it.
     pub(super) rough: Rough,
 }
 
 impl Jerk {
+    /// That of a sin² ramp at its ends, by Δv/T²: π²/2 = 4.935. With less a ramp that is left would go on beyond its velocity, and with a
+    /// fortieth more it does not, whatever is rounded.
+    pub(super) const OF_SINE: Rough = Rough::whole(5).more(-4);
+
+    /// With which a sin² ramp begins, of which this is Δv/T²: never none, and cut to [`TOP_SIXTH_JERK`].
+    pub(super) fn of_sine(steepness: Rough) -> Self {
+        let jerk = steepness.times(Self::OF_SINE);
+        let sixth = jerk.times(Rough::THIRD).halved().fixed(Kind::Jerk);
+        Self::new(sixth.clamp(1, TOP_SIXTH_JERK))
+    }
+
     pub(super) fn new(sixth: Fine) -> Self {
         let whole = Number::of(sixth.wrapping_mul(6).cast_signed(), Kind::Jerk);
         Self {
             sixth,
-            whole,
             inverse: whole.reciprocal(),
             rough: whole.rough(),
         }
@@ -150,9 +159,9 @@ fn steady_length(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> Numbe
 pub(super) fn stopping_way(from: &Motion, limit: &Limit, jerk: &Jerk) -> i128 {
     let falls = from.coasting() > 0;
     let turned = |value: Number| if falls { value.negated() } else { value };
-    let mut lead = Lead::new(from, falls, limit, jerk);
+    let mut lead = Lead::new(from, falls, limit);
     let ahead = if lead.is_easing {
-        lead.ease(from, limit, jerk)
+        lead.ease(from, limit)
     } else {
         let (time, change) = (turned(from.time), turned(from.change));
         let mean = lead.speed().plus(change.times(Number::THIRD));
@@ -168,8 +177,6 @@ pub(super) fn stopping_way(from: &Motion, limit: &Limit, jerk: &Jerk) -> i128 {
 pub(super) struct Motion {
     pub(super) velocity: i128,
     pub(super) acceleration: i128,
-    /// The acceleration, as a number.
-    pull: Number,
     /// How long it takes to go to nothing; negative, if it is.
     pub(super) time: Number,
     /// What the velocity gains or loses meanwhile.
@@ -182,7 +189,6 @@ impl Motion {
     pub(super) const REST: Self = Self {
         velocity: 0,
         acceleration: 0,
-        pull: Number::ZERO,
         time: Number::ZERO,
         change: Number::ZERO,
         exact_change: 0,
@@ -206,7 +212,6 @@ impl Motion {
         Self {
             velocity,
             acceleration,
-            pull,
             time,
             change,
             exact_change: change.fixed(Kind::Velocity),
@@ -246,16 +251,16 @@ pub(super) struct Lead {
 
 impl Lead {
     /// Of a ramp upwards or downwards. `limit` is its greatest acceleration.
-    pub(super) fn new(from: &Motion, falls: bool, limit: &Limit, jerk: &Jerk) -> Self {
+    pub(super) fn new(from: &Motion, falls: bool, limit: &Limit) -> Self {
         let mut lead = Self::steady(from.velocity, falls);
         if from.acceleration != 0 {
-            lead.come_from(from, limit, jerk);
+            lead.come_from(from, limit);
         }
         lead
     }
 
     /// Becomes another one, as [`Lead::new`] would have it: it is large, and copies of it are dear.
-    pub(super) fn renew(&mut self, from: &Motion, falls: bool, limit: &Limit, jerk: &Jerk) {
+    pub(super) fn renew(&mut self, from: &Motion, falls: bool, limit: &Limit) {
         self.velocity = from.velocity;
         self.ahead = 0;
         self.ago = 0;
@@ -263,13 +268,13 @@ impl Lead {
         self.is_easing = false;
         self.is_far = false;
         if from.acceleration != 0 {
-            self.come_from(from, limit, jerk);
+            self.come_from(from, limit);
         }
     }
 
     /// The same of one that begins with an acceleration.
     #[inline(never)]
-    fn come_from(&mut self, from: &Motion, limit: &Limit, jerk: &Jerk) {
+    fn come_from(&mut self, from: &Motion, limit: &Limit) {
         let falls = self.falls;
         let pull = if falls {
             from.acceleration.wrapping_neg()
@@ -277,7 +282,7 @@ impl Lead {
             from.acceleration
         };
         if pull > limit.most {
-            self.ease(from, limit, jerk);
+            self.ease(from, limit);
             return;
         }
         let turned = |value: Number| if falls { value.negated() } else { value };
@@ -317,32 +322,24 @@ impl Lead {
     /// The acceleration falls to the limit; from there on it is a ramp that has been at its limit from the beginning. Returns how far the
     /// motion is ahead of that.
     #[inline(never)]
-    fn ease(&mut self, from: &Motion, limit: &Limit, jerk: &Jerk) -> Number {
+    fn ease(&mut self, from: &Motion, limit: &Limit) -> Number {
         let falls = self.falls;
         let turned = |value: Number| if falls { value.negated() } else { value };
-        let over = turned(from.time).minus(limit.entry);
+        let (time, change) = (turned(from.time), turned(from.change));
         let rise = turned(limit.half);
-        self.velocity = from.velocity.wrapping_add(
-            turned(from.change)
-                .minus(rise.doubled())
-                .fixed(Kind::Velocity),
-        );
-        // v·t + a·t²/2 − j·t³/6
-        let mean = turned(jerk.whole)
-            .times(over)
-            .times(Number::THIRD)
-            .negated()
-            .plus(from.pull)
-            .times(over)
-            .halved()
-            .plus(Number::of(from.velocity, Kind::Velocity));
-        let before = (self.speed())
-            .plus(rise.times(Number::THIRD))
-            .times(limit.entry);
-        let ahead = mean.times(over).minus(before);
+        self.velocity = from
+            .velocity
+            .wrapping_add(change.minus(rise.doubled()).fixed(Kind::Velocity));
+        // With T for the entry and t for the time that the acceleration would need to nothing: v·(t − 2T) + j·(t³/3 − t²·T + T³).
+        let since = time.minus(limit.entry.doubled());
+        let fallen = time.times(Number::THIRD).minus(limit.entry);
+        let bend = change.times(fallen).plus(rise.times(limit.entry));
+        let ahead = Number::of(from.velocity, Kind::Velocity)
+            .times(since)
+            .plus(bend.doubled());
         self.is_far = ahead.saturates(Kind::Way);
         self.ahead = ahead.fixed(Kind::Way);
-        self.ago = limit.entry.minus(over).fixed(Kind::Time);
+        self.ago = since.negated().fixed(Kind::Time);
         self.is_easing = true;
         ahead
     }

@@ -48,6 +48,16 @@ impl Rough {
         ))
     }
 
+    /// A whole number.
+    pub(super) const fn whole(number: u32) -> Self {
+        Self(number as f32)
+    }
+
+    /// More by 2^exponent.
+    pub(super) const fn more(self, exponent: i32) -> Self {
+        Self(self.0 + Self::power(exponent).0)
+    }
+
     /// number · 2^exponent; what is too small or too large for an exponent counts as the last one.
     pub(super) fn scaled(number: f32, exponent: i32) -> Self {
         Self(number * Self::power(exponent.clamp(-126, 127)).0)

@@ -3,46 +3,50 @@
 //! It takes as long as the linear ramp between the same velocities and goes as far, so a move has its corners where the trapezoid
 //! has them. Its acceleration begins and ends with nothing; in the middle it is π/2 times that of the linear ramp.
 //!
-//! The way is v₀·t + Δv·T·f(s) with f(s) = s/2 − sin(π·s)/2π, the integral of sin². Both are power series in s, summed in 64-bit
-//! integers: eleven terms are exact to the last bits.
+//! The way is v₀·t + Δv·T·f(s) with f(s) = s/2 − sin(π·s)/2π, the integral of sin². So way, velocity and acceleration all come from the sine
+//! and the cosine of π·s: those of the nearest 128th, from a table, turned by the rest of the angle, of which a few terms tell sine and
+//! cosine to the last bits. f(s) is right to two units of 2⁻⁶⁴, sin² to eight.
 
-use crate::clock::{Fine, TOP_SIXTH_JERK};
 use crate::divide::quotient;
 use crate::plan::phase::Offset;
+use crate::plan::rough::{Kind, Rough};
 use crate::wide::Wide;
 
-/// The coefficients of a series in u. The last ones, which count for less, are 12 bits shorter: a product of theirs is a short one.
-type Series = ([u64; 7], [u32; 4]);
-
-/// π²ᵏ/(2·(2k+1)!) for k from 1 on, Q64: f(s) = s·(c₁u − c₂u² + c₃u³ − …) with u = s².
-const WAY: Series = (
-    [
-        15_171_838_874_637_736_216,
-        7_487_002_386_487_161_160,
-        1_759_375_040_586_671_831,
-        241_171_328_385_291_462,
-        21_638_778_218_618_542,
-        1_369_013_979_106_885,
-        64_341_078_063_553,
-    ],
-    [569_979_488, 16_448_749, 386_530, 7_539],
-);
-
-/// π²ᵏ/(2·(2k)!) for k from 1 on, Q61: sin²(π·s/2) = d₁u − d₂u² + d₃u³ − …
-const SPEED: Series = (
-    [
-        5_689_439_577_989_151_081,
-        4_679_376_491_554_475_725,
-        1_539_453_160_513_337_852,
-        271_317_744_433_452_895,
-        29_753_320_050_600_495,
-        2_224_647_716_048_689,
-        120_639_521_369_162,
-    ],
-    [1_211_206_412, 39_065_778, 1_014_642, 21_676],
-);
+/// sin(π·k/128) for k from 0 to 64, Q64. One is the greatest fraction there is.
+#[rustfmt::skip]
+static SINES: [u64; 65] = [
+    0x0000_0000_0000_0000, 0x0648_557D_E8D9_9F7E, 0x0C8F_B2F8_86EC_09F3,
+    0x12D5_2092_CE19_F5CD, 0x1917_A6BC_29B4_2BE2, 0x1F56_4E56_A973_0E34,
+    0x2590_20DD_1CC2_7445, 0x2BC4_2889_167F_8CAA, 0x31F1_7078_D34C_156D,
+    0x3817_04D4_FC9E_C5F9, 0x3E33_F2F6_42BE_355F, 0x4447_498A_C7D9_DD82,
+    0x4A50_18BB_567C_16A3, 0x504D_7250_5D98_050D, 0x563E_69D6_AC7F_73F8,
+    0x5C22_14C3_E916_7ABB, 0x61F7_8A9A_BAA5_8B47, 0x67BD_E50E_A3B6_28B7,
+    0x6D74_4027_8573_00AE, 0x7319_BA64_C711_785A, 0x78AD_74E0_1BD8_EC78,
+    0x7E2E_936F_E26A_E7ED, 0x839C_3CC9_17FF_6CB5, 0x88F5_9AA0_DA59_1422,
+    0x8E39_D9CD_7346_4365, 0x9368_2A66_E896_F545, 0x987F_BFE7_0B81_A708,
+    0x9D7F_D149_0285_C9E4, 0xA267_9928_48EE_B0C0, 0xA736_55DF_1F2F_489E,
+    0xABEB_49A4_6764_FD15, 0xB085_BAA8_E966_F6DB, 0xB504_F333_F9DE_6484,
+    0xB968_41BF_7FFC_B21B, 0xBDAE_F913_557D_76F1, 0xC1D8_705F_FCBB_6E91,
+    0xC5E4_0358_A8BA_05A7, 0xC9D1_124C_931F_DA7B, 0xCD9F_023F_9C3A_059E,
+    0xD14D_3D02_313C_0EED, 0xD4DB_3148_750D_181A, 0xD848_52C0_A80F_FCDB,
+    0xDB94_1A28_CB71_EC87, 0xDEBE_0563_7CA9_4CFB, 0xE1C5_978C_05ED_8692,
+    0xE4AA_5909_A08F_A7B4, 0xE76B_D7A1_E63B_9786, 0xEA09_A68A_6E49_CD62,
+    0xEC83_5E79_946A_3145, 0xEED8_9DB6_6611_E308, 0xF109_0827_B437_25FD,
+    0xF314_4762_4708_8F75, 0xF4FA_0AB6_316E_D2EC, 0xF6BA_073B_424B_19E8,
+    0xF853_F7DC_9186_B953, 0xF9C7_9D63_272C_4628, 0xFB14_BE7F_BAE5_8156,
+    0xFC3B_27D3_8A5D_49AB, 0xFD3A_ABF8_4528_B50C, 0xFE13_2387_0CFE_9A3E,
+    0xFEC4_6D1E_8929_2CF0, 0xFF4E_6D68_0C41_D0A9, 0xFFB1_0F1B_CB6B_EF1D,
+    0xFFEC_4304_2668_65D9, 0xFFFF_FFFF_FFFF_FFFF,
+];
 
 const HALF: u64 = 1 << 63;
+
+/// Half of a 128th, Q64.
+const HALF_PART: u64 = 1 << 56;
+
+/// 1/2π, Q64, and π/2, Q63; rounded to the nearest.
+const PART_OF_TURN: u64 = 2_935_890_503_282_001_226;
+const HALF_PI: u64 = 14_488_038_916_154_245_685;
 
 /// π²/2, Q61; rounded down.
 const HALF_PI_SQUARED: u64 = 11_378_879_155_978_302_162;
@@ -85,28 +89,25 @@ impl Sine {
 
     /// What the ramp adds to position and velocity at `away` ticks (Q32) behind the anchor, or before it if that is negative: Q96.
     pub(super) fn at(&self, away: i128) -> (i128, i128) {
-        let s = self.part(away);
-        self.moved(way(s), speed(s), away < 0)
+        self.moved(&Arc::new(self.part(away)), away < 0)
     }
 
     /// The same, and the acceleration there, Q96 steps per tick².
     pub(super) fn at_with_acceleration(&self, away: i128) -> (i128, i128, i128) {
-        let s = self.part(away);
-        let gone = way(s);
-        let (way, change) = self.moved(gone, speed(s), away < 0);
-        (way, change, self.pull(s, gone, away < 0))
+        let arc = Arc::new(self.part(away));
+        let (way, change) = self.moved(&arc, away < 0);
+        (way, change, self.pull(&arc, away < 0))
     }
 
     /// The acceleration there.
     pub(super) fn acceleration(&self, away: i128) -> i128 {
-        let s = self.part(away);
-        self.pull(s, way(s), away < 0)
+        self.pull(&Arc::new(self.part(away)), away < 0)
     }
 
-    /// Way and change of velocity where f(s) and sin² are these.
-    fn moved(&self, gone: u64, risen: u64, before: bool) -> (i128, i128) {
-        let (way_low, way_high) = halves(self.way.unsigned_abs(), gone);
-        let (low, high) = halves(self.change.unsigned_abs(), risen);
+    /// Way and change of velocity there.
+    fn moved(&self, arc: &Arc, before: bool) -> (i128, i128) {
+        let (way_low, way_high) = halves(self.way.unsigned_abs(), arc.way());
+        let (low, high) = halves(self.change.unsigned_abs(), arc.speed());
         (
             with_sign(
                 (way_high << 32).wrapping_add(way_low >> 32),
@@ -116,26 +117,21 @@ impl Sine {
         )
     }
 
-    /// The acceleration at a part of the ramp's time where f(s) is this.
-    fn pull(&self, s: u64, gone: u64, before: bool) -> i128 {
-        // π/2·sin(π·s) = π²/2·(s − 2·f(s)), Q61.
-        let bent = s.wrapping_sub(gone.wrapping_mul(2));
-        let (low, high) = halves(self.mean.unsigned_abs(), times(bent, HALF_PI_SQUARED));
-        let acceleration = (high << 3).wrapping_add(low >> 61);
+    /// The acceleration there: π/2·sin(π·s) times that of the linear ramp.
+    fn pull(&self, arc: &Arc, before: bool) -> i128 {
+        let (low, high) = halves(self.mean.unsigned_abs(), times(arc.sine, HALF_PI));
+        let acceleration = (high << 1).wrapping_add(low >> 63);
         with_sign(acceleration, (self.mean < 0) != before)
     }
 
-    /// A sixth of the jerk with which it begins and ends, Δv·π²/2T², Q128 steps per tick³: the least at which it can be left without going
-    /// beyond its velocity. Rounded up, and cut to [`TOP_SIXTH_JERK`].
-    pub(super) fn sixth_jerk(&self) -> Fine {
-        let jerk = Wide::product(self.mean.unsigned_abs(), self.inverse.into());
-        // It is 0 if the time cannot be told.
-        let jerk = jerk.shifted(self.bits.wrapping_sub(1).max(1));
-        let jerk = jerk.map_or(TOP_SIXTH_JERK << 1, |jerk| jerk.min(TOP_SIXTH_JERK << 1));
-        // π²/12 = 0.8225, and 27/32 = 0.8438.
-        (jerk.wrapping_mul(27) >> 5)
-            .wrapping_add(1)
-            .min(TOP_SIXTH_JERK)
+    /// Its change of velocity by the square of its time: by which the jerk goes with which it begins and ends, and which is the least at which it
+    /// can be left without going beyond its velocity.
+    pub(super) fn steepness(&self) -> Rough {
+        let mean = Rough::of(self.mean.unsigned_abs(), Kind::Acceleration);
+        // 2⁶³⁺ⁿ by the time in Q32 ticks, and rough numbers count 2²⁴ of them.
+        let lead = Rough::whole((self.inverse >> 32) as u32);
+        let unit = (32 + 24i32 + 32 - 63).wrapping_sub(self.bits.cast_signed());
+        mean.times(lead).times(Rough::power(unit.max(-126)))
     }
 
     /// 2·(1 − cos θ) in Q64, where θ is how far the sine of the acceleration goes in so many ticks: the second difference of a sine is less than
@@ -185,35 +181,77 @@ fn with_sign(magnitude: u128, negative: bool) -> i128 {
     }
 }
 
-/// f(s), Q64.
-fn way(s: u64) -> u64 {
-    if s > HALF {
-        // f(s) − f(1 − s) = s − ½
-        return s.wrapping_sub(HALF).wrapping_add(way(s.wrapping_neg()));
-    }
-    let square = times(s, s);
-    times(times(s, square), series(&WAY, square))
+/// A part of half a turn, and what is to be known of it, all Q64.
+struct Arc {
+    part: u64,
+    /// sin(π·s), and 1 − |cos(π·s)|.
+    sine: u64,
+    fall: u64,
 }
 
-/// sin²(π·s/2), Q64.
-fn speed(s: u64) -> u64 {
-    if s > HALF {
-        // sin² + cos² = 1
-        return u64::MAX.wrapping_sub(speed(s.wrapping_neg()));
+impl Arc {
+    #[inline(never)]
+    fn new(part: u64) -> Self {
+        // The sine is the same from either end.
+        let near = if part > HALF {
+            part.wrapping_neg()
+        } else {
+            part
+        };
+        let index = near.wrapping_add(HALF_PART) >> 57;
+        // From there on, or back to here: a 256th at most, so that its bits move up by 8.
+        let rest = near.wrapping_sub(index << 57).cast_signed();
+        let is_before = rest < 0;
+        let rest = (rest ^ (rest >> 63)).cast_unsigned() << 8;
+        let (sine, fall) = small(rest);
+        let index = index as usize & 127;
+        let start = SINES.get(index).copied().unwrap_or(u64::MAX);
+        let across = SINES.get(64usize.wrapping_sub(index)).copied().unwrap_or(0);
+        let (up, down) = (times(across, sine), times(start, sine));
+        let risen = start.wrapping_sub(times(start, fall));
+        let fallen = (!across).wrapping_add(times(across, fall));
+        let (sine, fall) = if is_before {
+            (risen.wrapping_sub(up), fallen.wrapping_sub(down))
+        } else {
+            (risen.wrapping_add(up), fallen.wrapping_add(down))
+        };
+        Self { part, sine, fall }
     }
-    let square = times(s, s);
-    times(square, series(&SPEED, square)) << 3
+
+    /// f(s)
+    fn way(&self) -> u64 {
+        let back = times(self.sine, PART_OF_TURN);
+        // f(s) − f(1 − s) = s − ½, and s/2 − sin is least near nothing, where a rounded sine may be too large.
+        let (beyond, near) = if self.part > HALF {
+            (self.part.wrapping_sub(HALF), self.part.wrapping_neg())
+        } else {
+            (0, self.part)
+        };
+        beyond.wrapping_add((near >> 1).saturating_sub(back))
+    }
+
+    /// sin²(π·s/2) = (1 − cos(π·s))/2
+    fn speed(&self) -> u64 {
+        let half = self.fall >> 1;
+        if self.part > HALF { !half } else { half }
+    }
 }
 
-/// c₁ − c₂u + c₃u² − …, for u up to a quarter.
-fn series((coefficients, last): &Series, u: u64) -> u64 {
-    let short = u64::from((u >> 32) as u32);
-    let rest = last.iter().rev().fold(0, |sum, c| {
-        let part = short.wrapping_mul(u64::from(sum)) >> 32;
-        c.wrapping_sub(part as u32)
-    });
-    let rest = u64::from(rest) << 12;
-    (coefficients.iter().rev()).fold(rest, |sum, c| c.wrapping_sub(times(u, sum)))
+/// sin b and 1 − cos b, Q64, of a small angle b = π/256·d, d Q64.
+fn small(d: u64) -> (u64, u64) {
+    let square = times(d, d);
+    let lead = u64::from((square >> 32) as u32);
+    // 1 − cos b = b²/2 − b⁴/24 + b⁶/720. In u = d²: π²/16 · u, Q64 · 2¹³; and the other two, as they bear on that, Q48.
+    let less = 2_179_004_481u32.wrapping_sub((lead.wrapping_mul(10_938) >> 32) as u32);
+    let bent = HALF_PI_SQUARED.wrapping_sub(lead.wrapping_mul(less.into()) >> 16);
+    let fall = times(bent, square) >> 13;
+    // 1 − sin b / b = (1 − cos b)/3 + b⁴/180 − (1/2160 − 1/5040)·b⁶.
+    let fourth = lead.wrapping_mul(lead) >> 32;
+    let more = 2_324_271_446u32.wrapping_sub((lead.wrapping_mul(16_668) >> 32) as u32);
+    let less = times(fall, u64::MAX / 3).wrapping_add(fourth.wrapping_mul(more.into()) >> 32);
+    // π/4 · d, Q70
+    let line = times(d, HALF_PI);
+    (line.wrapping_sub(times(line, less)) >> 6, fall)
 }
 
 /// The product of two fractions.
@@ -223,13 +261,46 @@ fn times(a: u64, b: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{HALF, Sine, speed, way};
+    use super::{Arc, HALF, HALF_PI, HALF_PI_SQUARED, SINES, Sine};
     use crate::plan::phase::half_peak;
     use core::f64::consts::PI;
     use proptest::prelude::*;
 
     fn fraction(bits: u64) -> f64 {
         bits as f64 / 2f64.powi(64)
+    }
+
+    fn way(s: u64) -> u64 {
+        Arc::new(s).way()
+    }
+
+    fn speed(s: u64) -> u64 {
+        Arc::new(s).speed()
+    }
+
+    /// (π·s)ⁿ/n! − (π·s)ⁿ⁺²/(n+2)! + … for n = `first`, of which the first term is given; all Q64, for s up to a half.
+    fn series(s: u64, first: u128, mut term: u128) -> u64 {
+        let square = (u128::from(s) * u128::from(s)) >> 64;
+        let square = (square * u128::from(HALF_PI_SQUARED)) >> 63;
+        let (mut sum, mut n) = (0i128, first);
+        let mut falls = false;
+        while term != 0 {
+            sum += if falls { -1 } else { 1 } * term.cast_signed();
+            falls = !falls;
+            term = ((term * square) >> 61) / ((n + 1) * (n + 2));
+            n += 2;
+        }
+        u64::try_from(sum.max(0)).unwrap_or(u64::MAX)
+    }
+
+    #[test]
+    fn sines_and_cosines_of_the_table_make_one() {
+        for (sine, cosine) in SINES.iter().zip(SINES.iter().rev()) {
+            let square = |value: u64| u128::from(value) * u128::from(value);
+            let sum = square(*sine) >> 1;
+            let sum = sum + (square(*cosine) >> 1);
+            assert!(sum.abs_diff(1 << 127) <= 1 << 64, "{sine} {cosine}");
+        }
     }
 
     #[test]
@@ -249,9 +320,23 @@ mod tests {
         }
 
         #[test]
+        fn sine_and_cosine_are_right_to_their_last_bits(s in 0..HALF, index in 0u64..64, near in 0u64..9) {
+            let corner = (index << 56).saturating_add(near).saturating_sub(4);
+            for s in [s, s >> 8, s >> 32, corner] {
+                let arc = Arc::new(s);
+                // π·s, Q64, from π/2, Q63.
+                let angle = (u128::from(s) * u128::from(HALF_PI)) >> 62;
+                let sine = series(s, 1, angle);
+                prop_assert!(sine.abs_diff(arc.sine) <= 64, "{sine} {}", arc.sine);
+                let fall = series(s, 0, 1 << 64);
+                prop_assert!((!fall).abs_diff(arc.fall) <= 64, "{} {}", !fall, arc.fall);
+            }
+        }
+
+        #[test]
         fn neither_ever_falls(s: u64, step in 0u64..1 << 40) {
             let next = s.saturating_add(step);
-            prop_assert!(way(next) + 2 >= way(s));
+            prop_assert!(way(next) + 4 >= way(s));
             prop_assert!(speed(next).saturating_add(16) >= speed(s));
         }
 
