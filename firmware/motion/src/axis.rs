@@ -283,9 +283,12 @@ impl Axis {
     #[inline]
     pub fn is_at_rest(&self) -> bool {
         // A leg and a bow end at a corner at the latest, and the end is one.
+        if self.leg.is_some() {
+            return false;
+        }
         let is_under_way = match &self.path {
             Some(path) => path.rest() > self.horizon,
-            None => self.is_averaged || self.leg.is_some() || self.bow.is_left(),
+            None => self.is_averaged || self.bow.is_left(),
         };
         !is_under_way && self.has_ended()
     }
