@@ -148,14 +148,14 @@ impl<'a> Place<'a> {
             } else {
                 self.put_parts::<2>(record)?;
             }
-        } else if ticks > 3 * LONGEST_RUN || repeat > 3 * MOST_PERIODS {
-            self.pass(put_many(self.room, record, self.level)?)?;
-        } else if ticks > 2 * LONGEST_RUN || repeat > 2 * MOST_PERIODS {
-            self.put_runs::<3>(record)?;
-        } else if ticks > LONGEST_RUN || repeat > MOST_PERIODS {
-            self.put_runs::<2>(record)?;
-        } else {
+        } else if ticks <= LONGEST_RUN && repeat <= MOST_PERIODS {
             self.put_runs::<1>(record)?;
+        } else if ticks <= 2 * LONGEST_RUN && repeat <= 2 * MOST_PERIODS {
+            self.put_runs::<2>(record)?;
+        } else if ticks <= 3 * LONGEST_RUN && repeat <= 3 * MOST_PERIODS {
+            self.put_runs::<3>(record)?;
+        } else {
+            self.pass(put_many(self.room, record, self.level)?)?;
         }
         Some(ticks)
     }
