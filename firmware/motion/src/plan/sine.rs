@@ -7,8 +7,7 @@
 //! and the cosine of π·s: those of the nearest 128th, from a table, turned by the rest of the angle, of which a few terms tell sine and
 //! cosine to the last bits. f(s) is right to two units of 2⁻⁶⁴, sin² to eight.
 
-use crate::divide::quotient;
-use crate::plan::phase::Offset;
+use crate::plan::phase::{Offset, over_time};
 use crate::plan::rough::{Kind, Rough};
 use crate::wide::Wide;
 
@@ -71,18 +70,23 @@ impl Sine {
     /// The ramp in the place of a linear one, of half of an acceleration, that takes `time`, which is not 0.
     pub(super) fn new(half_acceleration: i128, time: Offset) -> Self {
         let falls = half_acceleration < 0;
-        let change = half_acceleration.unsigned_abs().wrapping_mul(time) >> 31;
-        let way = Wide::product(change, time).shifted_wrapping(64);
+        let mean = half_acceleration.wrapping_mul(2);
+        let change = over_time(mean.unsigned_abs(), time);
+        let way = if (change | time) >> 96 == 0 && time >> 64 == 0 {
+            let time = time as u64;
+            let low = u128::from(change as u64).wrapping_mul(time.into()) >> 64;
+            let high = u128::from((change >> 64) as u32).wrapping_mul(time.into());
+            high.wrapping_add(low)
+        } else {
+            Wide::product(change, time).shifted_wrapping(64)
+        };
         let bits = 128u32.wrapping_sub(time.leading_zeros());
-        let exponent = bits.wrapping_add(63);
-        let digits = exponent.saturating_sub(96) >> 5;
-        let one = 1u128 << (exponent.wrapping_sub(digits << 5) & 127);
         Self {
-            mean: half_acceleration.wrapping_mul(2),
+            mean,
             change: with_sign(change, falls),
             time,
             bits,
-            inverse: u64::try_from(quotient(one, digits, time)).unwrap_or(u64::MAX),
+            inverse: inverse(time, bits),
             way: with_sign(way, falls),
         }
     }
@@ -106,21 +110,21 @@ impl Sine {
 
     /// Way and change of velocity there.
     fn moved(&self, arc: &Arc, before: bool) -> (i128, i128) {
-        let (way_low, way_high) = halves(self.way.unsigned_abs(), arc.way());
-        let (low, high) = halves(self.change.unsigned_abs(), arc.speed());
         (
             with_sign(
-                (way_high << 32).wrapping_add(way_low >> 32),
+                scaled(self.way.unsigned_abs(), arc.way()),
                 (self.way < 0) != before,
             ),
-            with_sign(high.wrapping_add(low >> 64), self.change < 0),
+            with_sign(
+                scaled(self.change.unsigned_abs(), arc.speed()) >> 32,
+                self.change < 0,
+            ),
         )
     }
 
     /// The acceleration there: π/2·sin(π·s) times that of the linear ramp.
     fn pull(&self, arc: &Arc, before: bool) -> i128 {
-        let (low, high) = halves(self.mean.unsigned_abs(), times(arc.sine, HALF_PI));
-        let acceleration = (high << 1).wrapping_add(low >> 63);
+        let acceleration = scaled(self.mean.unsigned_abs(), times(arc.sine, HALF_PI)) >> 31;
         with_sign(acceleration, (self.mean < 0) != before)
     }
 
@@ -155,21 +159,36 @@ impl Sine {
     /// How much of the ramp's time that is, Q64.
     fn part(&self, away: i128) -> u64 {
         let away = away.unsigned_abs().min(self.time);
+        // Both with their leading bit set, where the time has it: as 64 bits.
+        let above = 64u32.saturating_sub(self.bits);
         let below = self.bits.saturating_sub(64);
-        let away = (away >> (below & 127)) as u64;
-        let part = u128::from(away).wrapping_mul(self.inverse.into());
-        let shift = self.bits.wrapping_sub(below).wrapping_sub(1) & 63;
-        u64::try_from(part >> shift).unwrap_or(u64::MAX)
+        let leading = match below {
+            0 => (away as u64) << (above & 63),
+            _ => (away >> (below & 127)) as u64,
+        };
+        let part = u128::from(leading).wrapping_mul(self.inverse.into());
+        u64::try_from(part >> 63).unwrap_or(u64::MAX)
     }
 }
 
-/// The products of both halves of a number with a factor.
-fn halves(number: u128, factor: u64) -> (u128, u128) {
-    let factor = u128::from(factor);
-    (
-        u128::from(number as u64).wrapping_mul(factor),
-        (number >> 64).wrapping_mul(factor),
-    )
+/// ⌊number · factor / 2³²⌋ modulo 2¹²⁸.
+#[inline(never)]
+fn scaled(number: u128, factor: u64) -> u128 {
+    let [a, b, c, d] = [0, 32, 64, 96].map(|below| u64::from((number >> below) as u32));
+    let (low, high) = (u64::from(factor as u32), factor >> 32);
+    let upper = |sum: u64| sum >> 32;
+    let lower = |sum: u64| u64::from(sum as u32);
+    // The lower digit's products, of which the first digit is left out; and the higher one's on top of them.
+    let first = a.wrapping_mul(low);
+    let second = b.wrapping_mul(low).wrapping_add(upper(first));
+    let third = c.wrapping_mul(low).wrapping_add(upper(second));
+    let fourth = d.wrapping_mul(low).wrapping_add(upper(third));
+    let one = a.wrapping_mul(high).wrapping_add(lower(second));
+    let two = (b.wrapping_mul(high).wrapping_add(lower(third))).wrapping_add(upper(one));
+    let three = (c.wrapping_mul(high).wrapping_add(lower(fourth))).wrapping_add(upper(two));
+    let four = (d.wrapping_mul(high).wrapping_add(upper(fourth))).wrapping_add(upper(three));
+    let pair = |low: u64, high: u64| u128::from(lower(low) | high << 32);
+    pair(three, four) << 64 | pair(one, two)
 }
 
 fn with_sign(magnitude: u128, negative: bool) -> i128 {
@@ -254,6 +273,33 @@ fn small(d: u64) -> (u64, u64) {
     (line.wrapping_sub(times(line, less)) >> 6, fall)
 }
 
+/// 2ⁿ⁺⁶³ by a time of n bits, to the last one but one, and not more.
+fn inverse(time: Offset, bits: u32) -> u64 {
+    // From 2⁶³ to 2⁶⁴.
+    let leading = match bits.saturating_sub(64) {
+        0 => (time as u64) << (64u32.wrapping_sub(bits) & 63),
+        below => (time >> (below & 127)) as u64,
+    };
+    let lead = ((leading >> 32) as u32) as f32;
+    let rough = (9_223_372_036_854_775_808.0 / lead) as u32;
+    // x·y = 2⁹⁵·(1 − e), and 2⁹⁵/x = y·(1 + e + e²); e has 63 bits.
+    let product = (leading >> 32)
+        .wrapping_mul(rough.into())
+        .wrapping_add(u64::from(leading as u32).wrapping_mul(rough.into()) >> 32);
+    let left = (1u64 << 63).wrapping_sub(product).cast_signed();
+    let short = i64::from((left >> 21) as i32);
+    let series = left.wrapping_add(short.wrapping_mul(short) >> 21);
+    let upper = (series >> 32).wrapping_mul(rough.into()) << 1;
+    let lower = u64::from(series as u32).wrapping_mul(rough.into()) >> 31;
+    let near = u64::from(rough) << 32;
+    let near = near.wrapping_add_signed(upper).wrapping_add(lower);
+    // What is left of 2¹²⁷ are a few times x, so that a few bits tell how many.
+    let product = u128::from(leading).wrapping_mul(near.into());
+    let left = i64::from((product >> 60) as i32).wrapping_neg();
+    let more = left.wrapping_mul((near >> 40).cast_signed()) >> 27;
+    near.wrapping_add_signed(more).wrapping_sub(1)
+}
+
 /// The product of two fractions.
 fn times(a: u64, b: u64) -> u64 {
     (u128::from(a).wrapping_mul(b.into()) >> 64) as u64
@@ -261,8 +307,9 @@ fn times(a: u64, b: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Arc, HALF, HALF_PI, HALF_PI_SQUARED, SINES, Sine};
+    use super::{Arc, HALF, HALF_PI, HALF_PI_SQUARED, SINES, Sine, inverse, scaled};
     use crate::plan::phase::half_peak;
+    use crate::wide::Wide;
     use core::f64::consts::PI;
     use proptest::prelude::*;
 
@@ -317,6 +364,26 @@ mod tests {
             let x = fraction(s);
             prop_assert!((fraction(speed(s)) - (PI * x / 2.0).sin().powi(2)).abs() < 1e-15);
             prop_assert!((fraction(way(s)) - (x / 2.0 - (PI * x).sin() / (2.0 * PI))).abs() < 1e-15);
+        }
+
+        #[test]
+        fn an_inverse_is_that_of_a_division(time in 1u128.., shift in 0u32..128, near in 0u128..9) {
+            let power = 1u128 << (127 - shift);
+            for time in [time >> shift, power + near, power - near.min(power)] {
+                let bits = 128 - time.leading_zeros();
+                let leading = if bits > 64 { time >> (bits - 64) } else { time << (64 - bits) };
+                let exact = ((1 << 127) - 1) / leading.max(1);
+                if time != 0 {
+                    let off = exact - u128::from(inverse(time, bits));
+                    prop_assert!(off <= 3, "{off} less than that of {time}");
+                }
+            }
+        }
+
+        #[test]
+        fn a_scaled_number_is_its_product(number: u128, factor: u64) {
+            let product = Wide::product(number, factor.into());
+            prop_assert_eq!(scaled(number, factor), product.shifted_wrapping(32));
         }
 
         #[test]
