@@ -311,6 +311,9 @@ impl Drive {
         pulses: &mut S,
         exchange: &mut X,
     ) -> Outputs {
+        if !self.is_early {
+            self.motor.plan_on(pulses);
+        }
         // The set-points of the cyclic modes count on what is handed out when.
         let in_time = self.is_early && !self.motor.is_at_rest() || self.motor.advance(pulses);
         self.settled = self.motor.is_settled(pulses);

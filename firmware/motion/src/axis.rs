@@ -12,6 +12,7 @@
 mod averaged;
 mod bow;
 mod leg;
+mod legs;
 mod line;
 mod steady;
 mod trace;
@@ -74,6 +75,8 @@ impl core::error::Error for AdvanceError {}
 pub struct Axis {
     clock: Clock,
     plan: Plan,
+    /// It has been made since [`Axis::plan_on`] was called last.
+    is_new: bool,
     /// How the velocity changes in what is planned from now on.
     ramps: Ramps,
     /// The set-points that are followed; in their place the plan stands still.
@@ -111,6 +114,7 @@ impl Axis {
         let mut axis = Self {
             clock: config.clock,
             plan: Plan::at_rest(0, 0),
+            is_new: false,
             ramps: Ramps::Linear,
             path: None,
             average: Average::new(),
@@ -326,8 +330,8 @@ impl Axis {
     /// Where the motion ends, in whole steps: the target, or where a stop comes to rest. For a velocity that is kept, the position
     /// at the commit horizon.
     pub fn target(&self) -> i64 {
-        let rest = match (&self.path, self.plan.end()) {
-            (None, Some(end)) => self.plan.state_at(end),
+        let rest = match (&self.path, self.plan.destination()) {
+            (None, Some(rest)) => rest,
             _ => self.state_at(self.end().unwrap_or(self.horizon)),
         };
         rest.position.whole_steps()
@@ -420,6 +424,7 @@ impl Axis {
         self.leave();
         self.average_on();
         let begin = self.horizon;
+        self.plan_up_to(begin);
         if self.path.is_none() && !self.is_averaged {
             self.plan.enter(begin);
         }
@@ -450,6 +455,7 @@ impl Axis {
         let length = u32::try_from(left).map_or(length, |left| length.min(left));
         let mut length = length;
         let mut end = begin.saturating_add(length.into());
+        self.plan_up_to(end);
         let mut to = self.state_at(end);
         let due = self.train.due(to.position);
         if due != 0 && to.velocity.creeps() {

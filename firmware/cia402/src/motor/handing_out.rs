@@ -21,6 +21,16 @@ impl Motor {
         self.committed = self.near(self.axis.committed_position());
     }
 
+    /// The orders of this regular tick have been given: what the ones before have left to be planned is. See
+    /// [`Axis::plan_on`](motion::Axis::plan_on).
+    pub(crate) fn plan_on<S: PulseSink>(&mut self, pulses: &mut S) {
+        let result = self.axis.plan_on(&mut Directed {
+            pulses,
+            is_reversed: self.is_reversed,
+        });
+        self.is_late |= result == Err(AdvanceError::Underrun);
+    }
+
     /// Hands out the pulses of the next segments. False when they came too late and the motor had none for a moment; no
     /// pulse is lost by that.
     pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) -> bool {

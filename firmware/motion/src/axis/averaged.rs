@@ -63,6 +63,7 @@ impl Axis {
         } else {
             self.redirect_plan(goal, limits)
         };
+        self.is_new |= result.is_ok();
         if result.is_ok() && limits.acceleration > 0 {
             self.acceleration = limits.acceleration;
         }
@@ -74,7 +75,7 @@ impl Axis {
         let (clock, horizon, ramps) = (self.clock, self.horizon, self.ramps);
         if self.path.is_none() && !self.is_averaged {
             let goal = self.across(goal, &self.plan, horizon);
-            return self.plan.redirect(clock, horizon, goal, limits, ramps);
+            return self.plan.leave_for(clock, horizon, goal, limits, ramps);
         }
         // A jerk-limited ramp can go on with the acceleration of the mean.
         let (pull, ramps) = match ramps {

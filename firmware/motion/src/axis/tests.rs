@@ -3,6 +3,7 @@
 mod averaged;
 mod behaviour;
 mod hours;
+mod legs;
 mod lines;
 mod prepare;
 mod random;

@@ -4,7 +4,8 @@ use super::Plan;
 use super::draft::{Draft, Follow};
 use super::phase::{Bend, Frame, Instant, Offset, Piece, ramp_way};
 use super::ramp::Ramp;
-use crate::clock::Ticks;
+use super::second_leg::SecondLeg;
+use crate::clock::{Clock, Ticks};
 use crate::fixed::Exact;
 
 /// Strings phases together, in a frame whose zero is the start and whose positive direction is that of the motion.
@@ -29,6 +30,7 @@ impl<'a> Course<'a> {
             reverse,
         };
         plan.count = 0;
+        plan.left = None;
         plan.last_ramp = start;
         plan.entered_until = 0;
         Self {
@@ -38,6 +40,40 @@ impl<'a> Course<'a> {
             tick: start,
             travelled: 0,
         }
+    }
+
+    /// Goes on where a plan waits.
+    pub(super) fn resume(plan: &'a mut Plan) -> Option<Self> {
+        let count = plan.count.checked_sub(1)?;
+        let &Piece {
+            start,
+            anchor,
+            position,
+            ..
+        } = &plan.drafts.get(usize::from(count))?.piece;
+        plan.count = count;
+        if plan.entered.start() >= start {
+            plan.entered_until = 0;
+        }
+        Some(Self {
+            is_sine: plan.is_sine,
+            plan,
+            now: anchor,
+            tick: start,
+            travelled: position,
+        })
+    }
+
+    /// Stands here until the second leg is planned: so far, with that speed at the end, to there in the frame. Without a way it keeps the speed.
+    pub(super) fn wait(self, clock: Clock, (way, end, goal): (u128, i128, i128)) {
+        let plan = self.never_ending(0);
+        plan.rest = plan.frame.place(goal);
+        plan.left = Some(SecondLeg {
+            clock,
+            way,
+            goal,
+            end,
+        });
     }
 
     /// Brakes from `speed` against the direction of the motion to standstill, which takes `time` and `way`.
@@ -216,11 +252,16 @@ impl<'a> Course<'a> {
     }
 
     /// Keeps `speed` for ever.
-    pub(super) fn never_end(mut self, speed: u128) {
+    pub(super) fn never_end(self, speed: u128) {
+        self.never_ending(speed);
+    }
+
+    fn never_ending(mut self, speed: u128) -> &'a mut Plan {
         self.cruise(speed, 0, 0);
         self.plan.count = self.plan.count.wrapping_add(1);
         self.plan.end = Ticks::MAX;
         self.plan.rest = self.plan.frame.origin;
+        self.plan
     }
 
     /// How a ramp is drawn that lasts so long.

@@ -3,7 +3,8 @@
 //! A move is a ramp to a velocity, a cruise, and a ramp to rest; from rest to rest that is the double-S, the fastest there is. Where
 //! there is no room for the profile velocity, the greatest one for which both ramps fit is looked for (`cruise.rs`).
 //!
-//! A motion that has to turn round comes to rest first. A ramp that is under way is left at the same jerk: its acceleration goes to
+//! A motion that has to turn round comes to rest first, and that is all that is planned of it here: the way from there is a leg of its
+//! own (`second_leg.rs`). A ramp that is under way is left at the same jerk: its acceleration goes to
 //! nothing, or on to that of the next ramp.
 
 use super::move_to::way_to;
@@ -70,37 +71,54 @@ pub(super) fn plan(
     if limits.deceleration == 0 {
         return Err(PlanError::ZeroDeceleration);
     }
-    let limit = |rate: u32| Limit::new(clock.half_acceleration(rate) << 1, jerk);
-    let deceleration = &limit(limits.deceleration);
     if is_stop {
-        stop(plan, start, from, deceleration, jerk);
+        let deceleration = limit(clock, limits.deceleration, jerk);
+        stop(plan, start, from, &deceleration, jerk);
         return Ok(());
     }
+    with_rules(clock, limits, jerk, |rules| {
+        let speed = |velocity: Speed| clock.speed(velocity.min(limits.velocity)).cast_signed();
+        match goal {
+            Goal::Velocity(velocity) => {
+                let end = speed(velocity.unsigned_abs());
+                keep(plan, clock, start, from, velocity.bits() < 0, end, rules);
+                Ok(())
+            }
+            Goal::Rest(target) => reach(plan, clock, start, from, (target, 0), rules),
+            Goal::Pass(target, velocity) => {
+                reach(plan, clock, start, from, (target, speed(velocity)), rules)
+            }
+        }
+    })
+}
+
+#[inline(always)]
+fn limit(clock: Clock, rate: u32, jerk: &Jerk) -> Limit {
+    Limit::new(clock.half_acceleration(rate) << 1, jerk)
+}
+
+/// Does something by the rules that the limits make.
+#[inline(always)]
+pub(super) fn with_rules<R>(
+    clock: Clock,
+    limits: Limits,
+    jerk: &Jerk,
+    then: impl FnOnce(&Rules<'_>) -> R,
+) -> R {
+    let deceleration = &limit(clock, limits.deceleration, jerk);
     let other;
     let acceleration = if limits.acceleration == limits.deceleration {
         deceleration
     } else {
-        other = limit(limits.acceleration);
+        other = limit(clock, limits.acceleration, jerk);
         &other
     };
-    let rules = Rules {
+    then(&Rules {
         top: clock.speed(limits.velocity).cast_signed(),
         acceleration,
         deceleration,
         jerk,
-    };
-    let speed = |velocity: Speed| clock.speed(velocity.min(limits.velocity)).cast_signed();
-    match goal {
-        Goal::Velocity(velocity) => {
-            let end = speed(velocity.unsigned_abs());
-            keep(plan, start, from, velocity.bits() < 0, end, &rules);
-        }
-        Goal::Rest(target) => reach(plan, start, from, (target, 0), &rules)?,
-        Goal::Pass(target, velocity) => {
-            reach(plan, start, from, (target, speed(velocity)), &rules)?;
-        }
-    }
-    Ok(())
+    })
 }
 
 /// A motion as it is in a frame that may be turned round.
@@ -129,30 +147,33 @@ fn stop(
     course.rest_at(rest);
 }
 
-/// Keeps the velocity `end`, backwards if `reverse`.
+/// Keeps the velocity `end`, backwards if `reverse`. If it stops first, the rest is left for the second leg.
 fn keep(
     plan: &mut Plan,
+    clock: Clock,
     start: Ticks,
     (from, acceleration): (Exact, i128),
     reverse: bool,
     end: i128,
     rules: &Rules<'_>,
 ) {
-    let mut motion = seen(from.velocity, acceleration, reverse, rules.jerk);
+    let motion = seen(from.velocity, acceleration, reverse, rules.jerk);
     let mut course = Course::new(plan, start, from, reverse);
     if motion.velocity < 0 {
         stopping(course.ramp(0), &motion, rules.deceleration, rules.jerk);
         course.follow(0);
-        motion = Motion::REST;
+        course.wait(clock, (0, end, 0));
+        return;
     }
     rules.ramp(course.ramp(1), &motion, end);
     course.follow(1);
     course.never_end(end.unsigned_abs());
 }
 
-/// Moves to a target in steps, with the velocity `end` there.
+/// Moves to a target in steps, with the velocity `end` there. If it stops first, the rest is left for the second leg.
 fn reach(
     plan: &mut Plan,
+    clock: Clock,
     start: Ticks,
     (from, acceleration): (Exact, i128),
     (target, end): (i64, i128),
@@ -207,23 +228,18 @@ fn reach(
     } else {
         goal
     };
-    let cruise = rules.fastest(&Motion::REST, end, left, &mut lead);
-    if cruise.is_none() && end == 0 {
+    if motion.is_rest() && end == 0 {
         // A velocity of nothing would never get there.
         return Err(PlanError::OutOfRange);
     }
     let mut course = Course::new(plan, start, from, reverse != is_beyond);
+    if motion.is_rest() {
+        course.leave_rest((left, end, goal), rules);
+        return Ok(());
+    }
     *course.ramp(0) = stop;
     course.follow(0);
-    match cruise {
-        Some(cruise) => course.take((&Motion::REST, &lead), cruise, (left, end, goal), rules),
-        // The way is too short for the end velocity: it comes about behind the target.
-        None => {
-            rules.ramp(course.ramp(1), &Motion::REST, end);
-            course.follow(1);
-            course.never_end(end.unsigned_abs());
-        }
-    }
+    course.wait(clock, (left, end, goal));
     Ok(())
 }
 
@@ -318,6 +334,26 @@ impl Room {
 }
 
 impl Course<'_> {
+    /// Moves from rest over `way` to `goal` in the frame, with the velocity `end` there. Where the way is too short for that, it comes about
+    /// behind the target. A velocity of nothing is there for no way that is not nothing: the lowest would do then.
+    pub(super) fn leave_rest(self, (way, end, goal): (u128, i128, i128), rules: &Rules<'_>) {
+        let mut lead = Lead::steady(0, false);
+        let cruise = rules.fastest(&Motion::REST, end, way, &mut lead);
+        if cruise.is_some() || end == 0 {
+            let cruise = cruise.unwrap_or(1);
+            self.take((&Motion::REST, &lead), cruise, (way, end, goal), rules);
+        } else {
+            self.ramp_up(end, rules);
+        }
+    }
+
+    /// Ramps from rest to the velocity `end`, and keeps it.
+    pub(super) fn ramp_up(mut self, end: i128, rules: &Rules<'_>) {
+        rules.ramp(self.ramp(1), &Motion::REST, end);
+        self.follow(1);
+        self.never_end(end.unsigned_abs());
+    }
+
     /// Follows a ramp to the velocity `cruise`, and another one to `end`, over `way`, to `goal` in the frame.
     fn take(
         mut self,

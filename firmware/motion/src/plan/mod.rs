@@ -6,6 +6,9 @@
 //! was rounded on the way; and limits are rounded down, so that they are never exceeded. What that costs in speed is paid
 //! by the cruise.
 //!
+//! A smooth motion that has to come to rest before it goes on is two legs, and these may be planned one by one
+//! ([`Plan::leave_for`], [`Plan::complete`]), so that no step is longer than a plan from rest.
+//!
 //! A plan keeps drafts of its phases, as they are found, and a phase is worked out when it is asked for. Whoever follows a plan enters each
 //! phase once; most plans are left before their last.
 //!
@@ -21,6 +24,7 @@ mod number;
 pub(crate) mod phase;
 mod ramp;
 mod rough;
+mod second_leg;
 mod sine;
 mod velocity;
 
@@ -34,6 +38,7 @@ use draft::{Draft, MOST_RAMPS};
 use phase::{Frame, Phase};
 use ramp::{Jerk, Ramp};
 use rough::{Kind, Rough};
+use second_leg::SecondLeg;
 
 /// What a motion may ask of the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +59,8 @@ pub enum Ramps {
     Linear,
     /// As sin², within the time that the linear ramp takes and over the same way; the acceleration reaches π/2 times its limit. A
     /// motion that begins within such a ramp is jerk-limited, at the jerk at which that ramp began, or at which one from rest to the profile
-    /// velocity begins if that is higher; with harder limits than before, at theirs.
+    /// velocity begins if that is higher; with harder limits than before, at theirs. If it has to come to rest before it goes on, the ramps
+    /// from there on are sin² again, and to leave these takes no less than the jerk of that stop.
     SinSquared,
     /// With this jerk (60A4h) in steps/s³, at least 1: the double-S.
     JerkLimited(u32),
@@ -130,6 +136,8 @@ pub struct Plan {
     rest: i128,
     /// The first tick of the ramp to rest, or of the last ramp there is.
     last_ramp: Ticks,
+    /// The leg that is still to be planned: the plan stands where that begins.
+    left: Option<SecondLeg>,
     /// What the plan was made for, if its ramps are not linear.
     order: Option<(Goal, Limits, Ramps)>,
     /// With which jerk a ramp under way is left; none where ramps are linear.
@@ -156,6 +164,7 @@ impl Plan {
             entered_until: 0,
             rest,
             last_ramp: start,
+            left: None,
             order: None,
             jerk: None,
             is_sine: false,
@@ -224,6 +233,7 @@ impl Plan {
     ) -> Result<Self, PlanError> {
         let mut plan = Self::at_rest(0, start);
         plan.make(clock, start, (from.into(), 0), goal, limits, ramps)?;
+        plan.complete();
         Ok(plan)
     }
 
@@ -284,7 +294,7 @@ impl Plan {
     }
 
     /// Leaves for another goal at tick `at`, from the state that this plan has there, without rounding it first. On an error the
-    /// plan stays as it was. This is the way an axis takes: a plan is large, and copies of it are dear.
+    /// plan stays as it was.
     ///
     /// Smooth ramps go on smoothly; what a smooth plan does already is not planned again. From linear ramps a smooth one begins
     /// with no acceleration.
@@ -299,17 +309,9 @@ impl Plan {
         limits: Limits,
         ramps: Ramps,
     ) -> Result<(), PlanError> {
-        self.enter(at);
-        let is_smooth = matches!(ramps, Ramps::SinSquared | Ramps::JerkLimited(_));
-        let goes_on = is_smooth && self.jerk.is_some();
-        if goes_on && at < self.end && self.does(at, goal, limits, ramps) {
-            return Ok(());
-        }
-        let from = match self.entered(at) {
-            Some(phase) if goes_on => phase.motion_at(at),
-            _ => (self.exact_at(at), 0),
-        };
-        self.make(clock, at, from, goal, limits, ramps)
+        self.leave_for(clock, at, goal, limits, ramps)?;
+        self.complete();
+        Ok(())
     }
 
     /// Whether there is nothing to change for a goal: it is what the plan is after; or sin² braking is under way to it, and that is

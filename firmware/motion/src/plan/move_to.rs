@@ -53,7 +53,10 @@ pub(super) fn plan(
     let end = if end_velocity == Speed::ZERO || gap == 0 {
         End::REST
     } else {
-        End::new(clock, end_velocity.min(limits.velocity), &deceleration)
+        End::of(
+            clock.speed(end_velocity.min(limits.velocity)),
+            &deceleration,
+        )
     };
     let way = gap.checked_add(end.way).ok_or(PlanError::OutOfRange)?;
     let route = Route {
@@ -99,6 +102,30 @@ pub(super) fn plan(
     Ok(())
 }
 
+/// Goes `way` from rest, to `goal` in the course's frame, and is at `end` there. Gives the course back where braking from that velocity
+/// would go beyond the span: then nothing has been written.
+pub(super) fn from_rest(
+    course: Course<'_>,
+    clock: Clock,
+    (way, end, goal): (u128, Fine, i128),
+    limits: Limits,
+) -> Option<Course<'_>> {
+    let deceleration = Slope::new(clock, limits.deceleration);
+    let end = End::of(end, &deceleration);
+    let product = Wide::product(end.speed, end.time);
+    let (Some(way), Some(_)) = (way.checked_add(end.way), product.shifted(33)) else {
+        return Some(course);
+    };
+    let route = Route {
+        clock,
+        limits,
+        deceleration,
+        end,
+    };
+    route.follow(course, 0, way, goal);
+    None
+}
+
 /// How far it is to a target, Q96 steps, and whether it lies behind. `None` if that is 2³² steps or more: positions wrap there.
 pub(super) fn way_to(target_steps: i64, from: Exact) -> Option<(u128, bool)> {
     let steps = target_steps.checked_sub((from.position >> 96) as i64)?;
@@ -135,8 +162,10 @@ impl End {
         way: 0,
     };
 
-    fn new(clock: Clock, velocity: Speed, deceleration: &Slope) -> Self {
-        let speed = clock.speed(velocity);
+    fn of(speed: Fine, deceleration: &Slope) -> Self {
+        if speed == 0 {
+            return Self::REST;
+        }
         let time = deceleration.time(speed);
         Self {
             speed,

@@ -4,6 +4,7 @@ mod double_s;
 mod left_ramps;
 mod long;
 mod properties;
+mod second_leg;
 mod smooth;
 mod through;
 mod vectors;

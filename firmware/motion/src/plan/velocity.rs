@@ -2,9 +2,16 @@
 
 use super::phase::{Slope, ramp_way};
 use super::{Course, Limits, Plan, PlanError};
-use crate::clock::{Clock, Ticks};
+use crate::clock::{Clock, Fine, Ticks};
 use crate::fixed::Exact;
 use crate::speed::{SignedSpeed, Speed};
+
+/// Ramps from rest to a speed, and keeps it.
+pub(super) fn from_rest(mut course: Course<'_>, clock: Clock, speed: Fine, limits: Limits) {
+    let acceleration = Slope::new(clock, limits.acceleration);
+    course.accelerate(0, acceleration.half, acceleration.time(speed));
+    course.never_end(speed);
+}
 
 /// Plans the ramp in a frame in which the velocity to reach is positive; for a stop, the one to leave.
 pub(super) fn plan(

@@ -141,6 +141,56 @@ fn the_dearest_plan_makes_no_pause() {
     }
 }
 
+/// What turns round is planned in two steps: the second one in a regular tick behind that of the order, or, at the end of a short stop, in a refill. Either
+/// comes when a refill is due.
+#[test]
+fn the_dearest_second_leg_makes_no_pause() {
+    let step = time(dearest());
+    let tick = time(TICK - LINEAR + dearest());
+    for velocity in [3_000_u32, 200_000, 1_000_000] {
+        for ramps in [Ramps::SinSquared, Ramps::JerkLimited(JERK)] {
+            let mut rig = rig(FAST);
+            rig.axis.set_ramps(ramps);
+            let mut target = i64::from(velocity);
+            let mut planned = 0;
+            for moment in 0..40 {
+                rig.axis.move_to(target, limits(velocity)).unwrap();
+                go_on(&mut rig, 20 + moment * 11 % 400);
+                target = -target;
+                prepare(&mut rig, ramps);
+                rig.model.run(tick);
+                rig.axis.move_to(target, limits(velocity)).unwrap();
+                if moment % 2 == 0 {
+                    // The first tick is that of the order. The second one plans unless the stop was so short that a refill has, and hands out
+                    // two segments before.
+                    for _ in 0..2 {
+                        rig.output.service();
+                        rig.axis.plan_on(&mut rig.output).unwrap();
+                        if rig.output.pending() >= 2 * u64::from(SEGMENT) {
+                            planned += 1;
+                            rig.model.run(tick);
+                        }
+                        go_on(&mut rig, 4);
+                    }
+                } else {
+                    // Any of them may be the one, but never two behind each other.
+                    for _ in 0..40 {
+                        go_on(&mut rig, 1);
+                        rig.model.run(step);
+                        rig.refill(u64::from(SEGMENT) - step);
+                    }
+                }
+            }
+            assert_eq!(rig.underruns, 0, "{ramps:?}, {velocity} steps/s");
+            // A slow motor stops within a tick.
+            assert!(planned > 5 || velocity == 3_000, "{planned}");
+            rig.finish(100_000);
+            rig.account();
+            assert_eq!(rig.model.judge().position, target);
+        }
+    }
+}
+
 /// A stop is not prepared for, or it would be felt late.
 #[test]
 fn the_dearest_stop_makes_no_pause() {

@@ -1,6 +1,6 @@
 //! Motion: planning a move.
 //!
-//! Each plan is made as an axis makes it, over the plan that was. Beside moves that are known, very many are tried with limits from
+//! Each plan is made as an axis makes it, over the plan that was, and of one that is made in two steps each is counted. Beside moves that are known, very many are tried with limits from
 //! all that there are, from rest and from any moment of the motion before: what matters is the dearest of them.
 
 use core::hint::black_box;
@@ -20,9 +20,16 @@ const TRIED: u32 = 1_500;
 /// Steps/s³ of the moves that are known: a ramp to 100,000 steps/s takes 300 ms.
 const JERK: Ramps = Ramps::JerkLimited(5_000_000);
 
+/// The first step of a plan, and as a rule all of it.
 #[inline(never)]
 fn plan(clock: Clock, plan: &mut Plan, at: Ticks, goal: Goal, limits: Limits, ramps: Ramps) {
-    plan.redirect(clock, at, goal, limits, ramps).unwrap();
+    plan.leave_for(clock, at, goal, limits, ramps).unwrap();
+}
+
+/// The second step.
+#[inline(never)]
+fn complete(plan: &mut Plan) {
+    plan.complete();
 }
 
 fn limits(velocity: u32, acceleration: u32, deceleration: u32) -> Limits {
@@ -86,6 +93,7 @@ fn smooth() {
         "motion: plan with sin², from rest, a short way",
         "motion: plan with sin², in a ramp, further",
         "motion: plan with sin², in a ramp, back",
+        "motion: plan with sin², in a ramp, back: its second leg",
         "motion: plan with sin², a velocity, from rest",
         "motion: plan with sin², a stop, in a ramp",
     ];
@@ -94,16 +102,19 @@ fn smooth() {
         "motion: plan with jerk, from rest, its peak searched",
         "motion: plan with jerk, in a ramp, further",
         "motion: plan with jerk, in a ramp, back",
+        "motion: plan with jerk, in a ramp, back: its second leg",
         "motion: plan with jerk, a velocity, from rest",
         "motion: plan with jerk, a stop, in a ramp",
     ];
     for (names, ramps) in [(sine, Ramps::SinSquared), (jerk, JERK)] {
         let moving = running(Goal::Rest(100_000), ramps);
+        let (back, second_leg) = both_legs(moving, RAMP, Goal::Rest(-2_000), ramps);
         let costs = [
             cost(Plan::at_rest(0, 0), 0, Goal::Rest(100_000), ramps),
             cost(Plan::at_rest(0, 0), 0, Goal::Rest(1_000), ramps),
             cost(moving, RAMP, Goal::Rest(120_000), ramps),
-            cost(moving, RAMP, Goal::Rest(-2_000), ramps),
+            back,
+            second_leg,
             changed(None, 100_000, ramps, 0),
             changed(Some(100_000), 0, ramps, RAMP),
         ];
@@ -193,6 +204,7 @@ fn running(goal: Goal, ramps: Ramps) -> Plan {
     let mut planned = Plan::at_rest(0, 0);
     let clock = Clock::new(HZ).unwrap();
     plan(clock, &mut planned, 0, goal, usual(), ramps);
+    assert_eq!(planned.waits_from(), None);
     planned
 }
 
@@ -204,11 +216,28 @@ fn changed(first: Option<i32>, then: i32, ramps: Ramps, at: Ticks) -> u32 {
     cost(planned, at, Goal::Velocity(then.into()), ramps)
 }
 
-/// What it costs to leave for a goal.
-fn cost(mut planned: Plan, at: Ticks, goal: Goal, ramps: Ramps) -> u32 {
+/// What it costs to leave for a goal, in one step.
+fn cost(planned: Plan, at: Ticks, goal: Goal, ramps: Ramps) -> u32 {
+    let (cost, second_leg) = both_legs(planned, at, goal, ramps);
+    assert_eq!(second_leg, 0);
+    cost
+}
+
+/// What each of the two steps costs; the second one nothing if there is none.
+fn both_legs(mut planned: Plan, at: Ticks, goal: Goal, ramps: Ramps) -> (u32, u32) {
     let clock = Clock::new(HZ).unwrap();
-    let (cost, ()) = count(|| plan(clock, black_box(&mut planned), at, goal, usual(), ramps));
+    let (first, ()) = count(|| plan(clock, black_box(&mut planned), at, goal, usual(), ramps));
+    let second = second_step(&mut planned);
     check(&planned, goal);
+    (first, second)
+}
+
+/// What the second step costs; nothing if there is none.
+fn second_step(planned: &mut Plan) -> u32 {
+    if planned.waits_from().is_none() {
+        return 0;
+    }
+    let (cost, ()) = count(|| complete(black_box(planned)));
     cost
 }
 
@@ -264,7 +293,7 @@ impl Numbers {
     }
 }
 
-/// The dearest plan with linear ramps (0), sin² (1) or with a jerk (2).
+/// The dearest step of a plan with linear ramps (0), sin² (1) or with a jerk (2).
 fn search(kind: u32) -> u32 {
     let clock = Clock::new(HZ).unwrap();
     let mut numbers = Numbers(0x9E37_79B9_7F4A_7C15);
@@ -282,6 +311,7 @@ fn search(kind: u32) -> u32 {
         };
         let (cost, made) =
             count(|| attempt(clock, black_box(&mut planned), now, goal, rule, ramps));
+        let cost = cost.max(second_step(&mut planned));
         most = most.max(cost);
         // What braking leads too far away is refused, and so is all that follows: on from rest.
         if !made || numbers.below(4) == 0 {
@@ -307,5 +337,5 @@ fn attempt(
     limits: Limits,
     ramps: Ramps,
 ) -> bool {
-    plan.redirect(clock, at, goal, limits, ramps).is_ok()
+    plan.leave_for(clock, at, goal, limits, ramps).is_ok()
 }

@@ -4,8 +4,8 @@ use motion::advanced_timer::{Output, Register, Registers};
 use motion::homing::{self, Homing, Method};
 use motion::step_interrupt::{Edge, Player, RecordQueue, StepTimer};
 use motion::{
-    Axis, AxisConfig, Clock, Direction, DriverTiming, Limits, Plan, Position, PulseSink, Ramps,
-    Record, SignedSpeed, Speed, State, Velocity,
+    Axis, AxisConfig, Clock, Direction, DriverTiming, Goal, Limits, Plan, Position, PulseSink,
+    Ramps, Record, SignedSpeed, Speed, State, Velocity,
 };
 
 use super::{any, any_u64, look};
@@ -101,6 +101,7 @@ pub fn axis(axis: &mut Axis) {
                 .into(),
         ),
         12 => axis.set_ramps(any_ramps()),
+        13 => look(axis.plan_on(&mut Sink).is_ok().into()),
         6 => look(
             axis.committed_position() as u32 + axis.target() as u32 + u32::from(axis.is_at_rest()),
         ),
@@ -252,7 +253,12 @@ pub fn plan(clock: Clock) {
         1 => Plan::velocity(clock, any_u64(), from, any_velocity(), any_limits()),
         _ => Ok(Plan::at_rest(any_u64() as i64, any_u64())),
     };
-    if let Ok(plan) = plan {
+    if let Ok(mut plan) = plan {
+        let goal = Goal::Rest(any_u64() as i64);
+        let leaves = plan.leave_for(clock, any_u64(), goal, any_limits(), any_ramps());
+        look(leaves.is_ok().into());
+        look(plan.waits_from().unwrap_or(0) as u32);
+        plan.complete();
         let state = plan.state_at(any_u64());
         look(state.position.whole_steps() as u32 ^ state.velocity.speed(clock).whole() as u32);
         look(

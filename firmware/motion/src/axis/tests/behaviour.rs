@@ -511,6 +511,7 @@ fn a_target_is_as_far_as_its_number_says_where_the_plan_has_wrapped() {
                         let mut axis = axis.clone();
                         let target = committed + towards(way);
                         axis.move_to(target, limits).unwrap();
+                        axis.plan.complete();
                         let end = axis.plan.end().unwrap();
                         let gone = axis.plan.state_at(end).position.whole_steps();
                         assert_eq!(gone as i32, target as i32, "{ramps:?}, {way}");

@@ -18,7 +18,9 @@ impl Curve {
     /// What an axis follows from now on. A plan that is to be kept for long has few phases, and so has its mean.
     fn of(axis: &Axis) -> Self {
         if !axis.is_averaged {
-            return Self::Plan(axis.plan);
+            let mut whole = axis.plan;
+            whole.complete();
+            return Self::Plan(whole);
         }
         let mut average = axis.average.clone();
         let mut phases: Vec<_> = [average.phase()].into();

@@ -104,6 +104,7 @@ fn is_possible((velocity, pull): (i32, u32), target: i64, deceleration: u32) -> 
         assert_eq!(error, PlanError::OutOfRange);
         return false;
     }
+    plan.complete();
     assert_no_jump(&plan);
     let there = plan.state_at(plan.end().unwrap());
     assert_eq!(there.position, Position::from_steps(target));
@@ -159,6 +160,7 @@ fn i02_braking_that_began_long_ago_lands_on_its_target() {
             Ramps::JerkLimited(1),
         )
         .unwrap();
+        plan.complete();
         assert_no_jump(&plan);
         let there = plan.state_at(plan.end().unwrap());
         assert_eq!(there.position, Position::from_steps(target));
@@ -190,6 +192,7 @@ fn i02_an_acceleration_that_takes_half_the_span_to_fall_lands_on_its_target() {
             if made == Err(PlanError::OutOfRange) {
                 continue;
             }
+            plan.complete();
             assert_no_jump(&plan);
             // Sampled often enough to tell one turn of 2³² steps from two.
             let end = plan.end().unwrap();

@@ -9,14 +9,14 @@ use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 use std::vec::Vec;
 
-fn smooth() -> impl Strategy<Value = Ramps> {
+pub(super) fn smooth() -> impl Strategy<Value = Ramps> {
     prop_oneof![
         1 => Just(Ramps::SinSquared),
         3 => magnitude(1_000, u32::MAX).prop_map(Ramps::JerkLimited),
     ]
 }
 
-fn goal() -> impl Strategy<Value = Goal> {
+pub(super) fn goal() -> impl Strategy<Value = Goal> {
     prop_oneof![
         3 => (-1_000_000i64..1_000_000).prop_map(Goal::Rest),
         1 => (-1_000_000i64..1_000_000, 0u32..100_000).prop_map(|(target, end)| Goal::Pass(target, end.into())),
