@@ -432,6 +432,40 @@ fn what_cannot_be_is_refused_in_one_line() {
         "is the most",
     );
     assert_refused(&format!("--distance many {limits}"), "many");
+    // What no option takes names the option, too.
+    for (option, value) in [
+        ("--distance", "1.5"),
+        ("--distance", "9223372036854775808"),
+        ("--velocity", "abc"),
+        ("--velocity", "-5"),
+        ("--velocity", "1e3"),
+        ("--acceleration", "-1"),
+        ("--acceleration", "0.5"),
+        ("--deceleration", "4294967296"),
+        ("--jerk", "-1"),
+        ("--profile", "-1"),
+        ("--initial-velocity", "fast"),
+        ("--end-velocity", "-1"),
+        ("--clock", "-1"),
+        ("--clock", "168MHz"),
+        ("--clock", "4294967296"),
+    ] {
+        let given = ["--distance 5", "--velocity 5", "--acceleration 5"];
+        let others = given.iter().filter(|given| !given.starts_with(option));
+        let others = others.copied().collect::<Vec<_>>().join(" ");
+        assert_refused(&format!("{others} {option} {value}"), option);
+        assert_refused(&format!("{others} {option}"), option);
+    }
+    for missing in ["--distance 5", "--velocity 5", "--acceleration 5"] {
+        let all = "--distance 5 --velocity 5 --acceleration 5";
+        let option = missing.trim_end_matches(" 5");
+        assert_refused(&all.replace(missing, ""), option);
+        assert_refused(&format!("{all} {missing}"), option);
+    }
+    assert_refused(&format!("--distance 5 {limits} --json=3"), "--json");
+    assert_refused(&format!("--distance 5 {limits} --speed 3"), "--speed");
+    assert_refused(&format!("--distance 5 {limits} 3"), "'3'");
+    assert_refused("", "--distance <STEPS> --velocity");
     assert_refused("--velocity 5 --acceleration 5", "--distance");
     assert_refused(&format!("--distance 5 {limits} --jerk 0"), "jerk is zero");
     assert_refused(

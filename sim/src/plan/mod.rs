@@ -39,7 +39,12 @@ pub struct Arguments {
     #[arg(long, value_name = "STEPS/S³", allow_negative_numbers = true)]
     pub jerk: Option<u32>,
     /// How the velocity changes; with a jerk `jerk`, without one `trapezoid`
-    #[arg(long, value_enum, value_name = "PROFILE")]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "PROFILE",
+        allow_negative_numbers = true
+    )]
     pub profile: Option<Profile>,
     /// The velocity at the start in steps/s; negative is backwards
     #[arg(
@@ -60,7 +65,12 @@ pub struct Arguments {
     )]
     pub end_velocity: Speed,
     /// The clock of the step timer in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 168_000_000)]
+    #[arg(
+        long,
+        value_name = "HZ",
+        default_value_t = 168_000_000,
+        allow_negative_numbers = true
+    )]
     pub clock: u32,
     /// Print one JSON object
     #[arg(long)]
