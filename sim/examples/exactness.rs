@@ -67,6 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             ("", Profile::Linear),
             (", sin² ramps", Profile::SinSquared),
             (", limited jerk", Profile::JerkLimited),
+            (", moving average", Profile::MovingAverage),
         ] {
             let worst = reaction(order, profile)?;
             if profile == Profile::Linear {

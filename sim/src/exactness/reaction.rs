@@ -26,6 +26,8 @@ pub enum Profile {
     Linear,
     /// 1: sin² ramps as long as linear ones; 20A0h lets the quick stop ramp have them too.
     SinSquared,
+    /// 2: the moving average, at [`JERK`] too; 20A0h as for sin².
+    MovingAverage,
     /// 3: limited jerk, [`JERK`]; 20A0h as for sin².
     JerkLimited,
 }
@@ -80,6 +82,7 @@ pub fn longest(
     let code: i16 = match profile {
         Profile::Linear => 0,
         Profile::SinSquared => 1,
+        Profile::MovingAverage => 2,
         Profile::JerkLimited => 3,
     };
     master.write(node, 0x6086, 0, code)?;

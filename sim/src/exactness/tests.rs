@@ -72,6 +72,14 @@ fn a_stop_is_felt_within_a_millisecond_of_its_frame() {
         (Order::QuickStop, Profile::JerkLimited, 100, 5_000_000),
         (Order::DisableOperation, Profile::Linear, 150, 4_970_000),
         (Order::DisableOperation, Profile::SinSquared, 25, 5_000_000),
+        (Order::Halt, Profile::MovingAverage, 50, 4_990_000),
+        (Order::QuickStop, Profile::MovingAverage, 200, 5_000_000),
+        (
+            Order::DisableOperation,
+            Profile::MovingAverage,
+            100,
+            4_970_000,
+        ),
     ] {
         let reaction = longest(order, profile, Duration::micros(phase), ramp).unwrap();
         let case = format!("{order:?}, {profile:?}: {reaction:?}");
