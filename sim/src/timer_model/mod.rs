@@ -113,13 +113,24 @@ impl<'a> TimerModel<'a> {
     pub fn set_break(&self, is_active: bool) {
         let mut machine = self.0.borrow_mut();
         machine.is_break_active = is_active;
+        machine.break_begins_behind = None;
         machine.break_ends_behind = None;
         machine.cut_off();
     }
 
-    /// The break input goes inactive behind so many writes to registers from now on.
+    /// The break input goes inactive behind so many writes to registers from now on. A reset of TIM1 is one, too.
     pub fn end_break_behind(&self, writes: u32) {
         self.0.borrow_mut().break_ends_behind = Some(writes);
+    }
+
+    /// The break input goes active behind so many writes to registers from now on.
+    pub fn begin_break_behind(&self, writes: u32) {
+        self.0.borrow_mut().break_begins_behind = Some(writes);
+    }
+
+    /// Whether a break that was planned has not begun yet.
+    pub fn is_break_planned(&self) -> bool {
+        self.0.borrow().break_begins_behind.is_some()
     }
 
     /// Whether the break interrupts.
@@ -160,7 +171,7 @@ impl Registers for TimerModel<'_> {
     fn write(&mut self, register: Register, value: u32) {
         let mut machine = self.0.borrow_mut();
         machine.spend(None);
-        machine.let_break_end();
+        machine.move_break_input();
         machine.write(register, value);
         machine.spend(Some(register));
     }
@@ -178,7 +189,10 @@ impl Registers for TimerModel<'_> {
     }
 
     fn reset(&mut self) {
-        self.0.borrow_mut().reset();
+        let mut machine = self.0.borrow_mut();
+        machine.spend(None);
+        machine.move_break_input();
+        machine.reset();
     }
 }
 
@@ -197,7 +211,8 @@ struct Machine<'a> {
     stood: u64,
     stream: Stream,
     is_break_active: bool,
-    /// Writes up to the end of the break, if that is planned.
+    /// Writes up to the beginning of a break and to its end, if that is planned.
+    break_begins_behind: Option<u32>,
     break_ends_behind: Option<u32>,
     counter: Counter,
     processor: Processor,
@@ -227,6 +242,7 @@ impl<'a> Machine<'a> {
             stood: 0,
             stream: Stream::new(),
             is_break_active: false,
+            break_begins_behind: None,
             break_ends_behind: None,
             counter: Counter::default(),
             processor: Processor::default(),
@@ -389,7 +405,15 @@ impl<'a> Machine<'a> {
     }
 
     /// Before a write.
-    fn let_break_end(&mut self) {
+    fn move_break_input(&mut self) {
+        match &mut self.break_begins_behind {
+            Some(0) => {
+                (self.is_break_active, self.break_begins_behind) = (true, None);
+                self.cut_off();
+            }
+            Some(writes) => *writes -= 1,
+            None => {}
+        }
         match &mut self.break_ends_behind {
             Some(0) => (self.is_break_active, self.break_ends_behind) = (false, None),
             Some(writes) => *writes -= 1,

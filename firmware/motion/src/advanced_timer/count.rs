@@ -2,6 +2,7 @@
 
 use heapless::Deque;
 
+use super::ring::SLOTS;
 use crate::Direction;
 
 /// Changes of direction that are remembered, those still to come included.
@@ -17,7 +18,12 @@ struct Mark {
     count: u32,
     position: i64,
     direction: Direction,
+    /// The slot of the train that begins with it; [`BEFORE`] if it belongs to an earlier one.
+    slot: u32,
 }
+
+/// The slot of a mark that is older than the train.
+const BEFORE: u32 = u32::MAX;
 
 impl Mark {
     /// The position when the counter shows `count`, as if no other mark followed.
@@ -49,6 +55,7 @@ impl Course {
                 count,
                 position,
                 direction: Direction::Forward,
+                slot: BEFORE,
             },
             later: Deque::new(),
             direction: Direction::Forward,
@@ -68,12 +75,13 @@ impl Course {
         !self.later.is_full()
     }
 
-    /// From `count` on, pulses go the other way.
-    pub(super) fn turn(&mut self, count: u32, direction: Direction) {
+    /// From `count` on, which is the beginning of this slot of the train, pulses go the other way.
+    pub(super) fn turn(&mut self, count: u32, direction: Direction, slot: u32) {
         let mark = Mark {
             count,
             position: self.last().position_at(count),
             direction,
+            slot,
         };
         // There is room, or the mark is not made ([`Course::has_room`]).
         let _ = self.later.push_back(mark);
@@ -92,12 +100,21 @@ impl Course {
         passed.unwrap_or(&self.first).position_at(count)
     }
 
-    /// The position when the counter shows `count` and the last pulses went this way, whatever was to come.
-    pub(super) fn position_going(&self, count: u32, direction: Direction) -> i64 {
-        let passed = self.later.iter().rev();
-        let mut passed = passed.filter(|mark| has_passed(mark, count));
-        let mark = passed.find(|mark| mark.direction == direction);
+    /// The position when the counter shows `count`, if no more slots than the first `fetched` have come to the timer and the last of them was played
+    /// again and again: a turn in those behind it has not been made, whatever the count says.
+    pub(super) fn position_stuck(&self, count: u32, fetched: u32) -> i64 {
+        let is_made = |mark: &&Mark| {
+            mark.slot.wrapping_sub(fetched) >= SLOTS as u32 && has_passed(mark, count)
+        };
+        let mark = self.later.iter().rev().find(is_made);
         mark.unwrap_or(&self.first).position_at(count)
+    }
+
+    /// Its slots are counted anew. What turned before, or turns with its first slot, is behind it.
+    pub(super) fn begin_train(&mut self) {
+        for mark in &mut self.later {
+            mark.slot = BEFORE;
+        }
     }
 
     /// The counter shows `count` now: what is far behind is moved on.

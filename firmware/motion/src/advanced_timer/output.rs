@@ -7,7 +7,7 @@ use super::interrupts::on_break;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
 use super::set_up;
-use super::slots::{Place, Remainder, direction_of, level};
+use super::slots::{Place, Remainder, level};
 use crate::record::SHORTEST_RECORD;
 use crate::{PulseSink, Record, Ticks};
 
@@ -51,8 +51,6 @@ pub struct Output<'a, R> {
     fetched: u32,
     /// When it was seen last that the DMA had come to another slot.
     moved: u32,
-    /// The level of the direction signal in the last slot that was fetched.
-    fetched_level: u32,
     /// When the DMA fetches the next slot to be written, and when all that was taken has been played, by the free-running count; and the
     /// ticks of the last slot written.
     request: u32,
@@ -81,7 +79,7 @@ impl<'a, R: Registers> Output<'a, R> {
     pub fn new(mut registers: R, ring: &'a Ring) -> Self {
         set_up::timer(&mut registers);
         set_up::counter(&mut registers);
-        Self {
+        let mut output = Self {
             registers,
             ring,
             running: false,
@@ -90,14 +88,15 @@ impl<'a, R: Registers> Output<'a, R> {
             written: 0,
             fetched: 0,
             moved: 0,
-            fetched_level: 0,
             request: 0,
             end: 0,
             last: 0,
             remainder: Remainder::NONE,
             pulses: 0,
             course: Course::new(0, 0),
-        }
+        };
+        output.let_out();
+        output
     }
 
     /// To be called in every control tick: what was played is made silent, and a train that has ended stops the timer.
@@ -108,13 +107,12 @@ impl<'a, R: Registers> Output<'a, R> {
         }
         let newly = self.newly_fetched();
         // A transfer error has switched the stream off, or it does not come on.
-        let is_on = self.registers.read(Register::StreamCr) & bits::STREAM_ON != 0;
-        let is_stuck = !is_on || newly == 0 && (self.is_overdue() || self.is_broken());
+        let is_stuck =
+            !self.is_stream_on() || newly == 0 && (self.is_overdue() || self.is_broken());
         if newly != 0 {
             self.moved = self.registers.now();
             let played = self.fetched;
             self.fetched = played.wrapping_add(newly);
-            self.fetched_level = self.ring.level(self.fetched.wrapping_sub(1));
             self.ring.silence(played, newly, self.level);
         }
         if self.has_ended(0) {
@@ -169,6 +167,11 @@ impl<'a, R: Registers> Output<'a, R> {
 
     /// Drops what has not been played. A pulse that has begun is cut short but counts.
     pub fn drop_all(&mut self) {
+        if self.running && !self.is_stream_on() {
+            // An error that the next service would no longer see, as it is the same whoever has switched the stream off.
+            self.give_up();
+            return;
+        }
         let count = self.cut();
         self.course = Course::new(count, self.course.position_at(count));
     }
@@ -176,9 +179,9 @@ impl<'a, R: Registers> Output<'a, R> {
     /// The stream stands still, and its last slot has been played again and again: all pulses since then went one way.
     #[cold]
     fn give_up(&mut self) {
-        let direction = direction_of(self.fetched_level);
+        let fetched = self.fetched;
         let count = self.cut();
-        let position = self.course.position_going(count, direction);
+        let position = self.course.position_stuck(count, fetched);
         self.course = Course::new(count, position);
         self.failed = true;
     }
@@ -197,7 +200,9 @@ impl<'a, R: Registers> Output<'a, R> {
     /// Whether the break input has cut the outputs off. Pulses that the timer made up to [`on_break`] were counted and did not leave;
     /// nothing is taken until [`Output::mend`].
     pub fn is_broken(&self) -> bool {
+        // The flag alone is left where the outputs were let go on after a break that nobody had looked at ([`Output::reset`]).
         self.registers.read(Register::Bdtr) & bits::MOE == 0
+            || self.registers.read(Register::Sr) & bits::BIF != 0
     }
 
     /// Whether the DMA stream stood still while the timer ran, which played its last run again and again: the train was dropped at
@@ -214,8 +219,7 @@ impl<'a, R: Registers> Output<'a, R> {
                 self.reset();
             }
             self.failed = false;
-            self.registers
-                .write(Register::Bdtr, bits::BREAK | bits::MOE);
+            self.let_out();
             // Behind that: the break may have ended just now, and before that its flag stays. It would end the next train.
             self.registers.write(Register::Sr, !bits::BIF);
         }
@@ -336,12 +340,18 @@ impl<'a, R: Registers> Output<'a, R> {
     #[cold]
     fn start(&mut self, direction: u32) {
         use Register as Reg;
+        self.course.begin_train();
         self.prepare(direction);
+        // What is left of an earlier burst comes now, and not at once. No level of channel 1 may come of it.
+        self.let_bursts_end();
         if self.registers.read(Reg::StreamNdtr) != ALL_WORDS {
-            // There was something left of an earlier burst, and the words of this train would come to the wrong registers.
+            // The words of this train would come to the wrong registers.
             self.reset();
             self.prepare(direction);
         }
+        self.registers.write(Reg::Egr, bits::UG);
+        self.registers
+            .write(Reg::Ccmr1, bits::CHANNEL_1_PWM | bits::CHANNEL_2_PWM);
         // An interrupt between this and the next may make what follows earlier than the timer is, never later.
         self.moved = self.registers.now();
         self.registers
@@ -358,7 +368,7 @@ impl<'a, R: Registers> Output<'a, R> {
         self.running = true;
     }
 
-    /// All that a train needs but CEN.
+    /// The stream, its requests, and what is preloaded for the silence.
     fn prepare(&mut self, direction: u32) {
         use Register as Reg;
         for (register, value) in [
@@ -371,19 +381,57 @@ impl<'a, R: Registers> Output<'a, R> {
             (Reg::Rcr, 0),
             (Reg::Ccr1, 0),
             (Reg::Ccr2, direction),
-            (Reg::Egr, bits::UG),
-            (Reg::Ccmr1, bits::CHANNEL_1_PWM | bits::CHANNEL_2_PWM),
             (Reg::Dier, bits::UDE | bits::BIE),
         ] {
             self.registers.write(register, value);
         }
     }
 
-    /// TIM1 anew. Its outputs are not driven for a moment, so this is for what cannot be helped otherwise.
+    /// Waits until a burst is over that the timer may want still.
+    fn let_bursts_end(&self) {
+        let began = self.registers.now();
+        for _ in 0..MOST_POLLS {
+            if self.registers.now().wrapping_sub(began) >= TWO_BURSTS {
+                break;
+            }
+        }
+    }
+
+    /// Whether the stream is on. A transfer error switches it off by hardware.
+    #[inline]
+    fn is_stream_on(&self) -> bool {
+        self.registers.read(Register::StreamCr) & bits::STREAM_ON != 0
+    }
+
+    /// It is off only when the word under way has been written.
+    fn switch_stream_off(&mut self) {
+        self.registers.write(Register::StreamCr, bits::STREAM);
+        for _ in 0..MOST_POLLS {
+            if !self.is_stream_on() {
+                break;
+            }
+        }
+    }
+
+    /// TIM1 anew. Its outputs are not driven for a moment, so this is for what cannot be helped otherwise. A break stays one; it is only unseen if
+    /// it comes and goes in between the two writes behind the reset, while nothing is driven.
     #[cold]
     fn reset(&mut self) {
+        self.registers.write(Register::Dier, 0);
+        self.switch_stream_off();
+        let was_broken = self.is_broken();
         self.registers.reset();
         set_up::timer(&mut self.registers);
+        if !was_broken {
+            // If a break has come since, its flag is set.
+            self.let_out();
+        }
+    }
+
+    /// Drives the outputs, unless the break input is active.
+    fn let_out(&mut self) {
+        self.registers
+            .write(Register::Bdtr, bits::BREAK | bits::MOE);
     }
 
     /// Ends a train: timer and stream stand still, and the ring is silent.
@@ -391,19 +439,9 @@ impl<'a, R: Registers> Output<'a, R> {
     fn stop(&mut self) {
         self.registers.write(Register::Cr1, bits::URS | bits::ARPE);
         // An update event just now may have asked for a burst that has not begun, and the words that are left do not tell.
-        let stopped = self.registers.now();
-        for _ in 0..MOST_POLLS {
-            if self.registers.now().wrapping_sub(stopped) >= TWO_BURSTS {
-                break;
-            }
-        }
+        self.let_bursts_end();
         self.registers.write(Register::Dier, 0);
-        self.registers.write(Register::StreamCr, bits::STREAM);
-        for _ in 0..MOST_POLLS {
-            if self.registers.read(Register::StreamCr) & bits::STREAM_ON == 0 {
-                break;
-            }
-        }
+        self.switch_stream_off();
         let left = self.written.wrapping_sub(self.fetched);
         if left.cast_signed() > 0 {
             self.ring.silence(self.fetched, left, self.level);
@@ -446,7 +484,8 @@ impl<R: Registers> PulseSink for Output<'_, R> {
             if !self.course.has_room(count) {
                 return Err(record);
             }
-            self.course.turn(self.pulses, record.direction);
+            let slot = self.written;
+            self.course.turn(self.pulses, record.direction, slot);
         }
         if record.width > 0 {
             self.pulses = self.pulses.wrapping_add(record.repeat.into());

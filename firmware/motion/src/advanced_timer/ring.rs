@@ -56,15 +56,6 @@ impl Ring {
         words
     }
 
-    /// The level of the direction signal of a slot, counted round the ring.
-    #[inline]
-    pub(super) fn level(&self, slot: u32) -> u32 {
-        match self.slots.get(slot as usize % SLOTS) {
-            Some([.., cell]) => cell.load(Ordering::Relaxed),
-            None => 0,
-        }
-    }
-
     /// The slots from one on, counted round the ring, up to the end of the memory.
     #[inline]
     pub(super) fn from(&self, slot: u32) -> &[Slot] {

@@ -3,10 +3,12 @@
 
 use super::registers::{Register, Registers, bits};
 
-/// TIM1 and the stream: they stand still, the outputs are low.
+/// TIM1 and the stream: they stand still, the outputs are not driven until BDTR has MOE, and a break is seen.
 pub(super) fn timer(registers: &mut impl Registers) {
     use Register as Reg;
     for (register, value) in [
+        (Reg::Sr, 0),
+        (Reg::Bdtr, bits::BREAK),
         (Reg::StreamCr, 0),
         (Reg::StreamFcr, 0),
         (Reg::Cr1, bits::URS | bits::ARPE),
@@ -19,7 +21,6 @@ pub(super) fn timer(registers: &mut impl Registers) {
         (Reg::Ccmr1, bits::CHANNEL_1_LOW | bits::CHANNEL_2_PWM),
         (Reg::Ccer, bits::OUTPUTS),
         (Reg::Dcr, bits::BURST_FROM_PSC),
-        (Reg::Bdtr, bits::BREAK | bits::MOE),
     ] {
         registers.write(register, value);
     }

@@ -61,15 +61,6 @@ pub(super) const fn level(direction: Direction) -> u32 {
     }
 }
 
-/// The direction of that level.
-pub(super) const fn direction_of(level: u32) -> Direction {
-    if level == 0 {
-        Direction::Reverse
-    } else {
-        Direction::Forward
-    }
-}
-
 /// A record in equal runs: a short one at the end might be over before the burst behind it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Runs {

@@ -150,8 +150,8 @@ fn a_short_train_is_one_slot() {
 fn a_count_is_read_by_the_direction_that_its_pulses_had() {
     let mut course = Course::new(u32::MAX - 9, -100);
     // Ten forward, four back, then forward again: what is still to come is known too.
-    course.turn(0, Reverse);
-    course.turn(4, Forward);
+    course.turn(0, Reverse, 3);
+    course.turn(4, Forward, 5);
     for (count, position) in [
         (u32::MAX - 9, -100),
         (0, -90),
@@ -184,7 +184,7 @@ fn so_many_turns_are_remembered_and_no_more() {
     let mut turns = 0;
     while course.has_room(0) {
         turns += 1;
-        course.turn(turns, if turns % 2 == 0 { Forward } else { Reverse });
+        course.turn(turns, if turns % 2 == 0 { Forward } else { Reverse }, turns);
     }
     assert_eq!(turns, 16);
     // When the motor has come there, there is room again.

@@ -114,3 +114,85 @@ fn a_break_that_ends_while_it_is_mended_leaves_no_fault() {
         assert_eq!(rig.model.judge().position, 300, "{writes}");
     }
 }
+
+/// A train that begins where something is left of a burst: TIM1 is reset, and with it what it knows of a break. No break is lost that lasts
+/// longer than the two writes behind the reset, and none at all lets pulses leave that are not where the counter has them.
+#[test]
+fn a_break_in_the_reset_before_a_train_is_not_lost() {
+    for begin in 0..50 {
+        for writes in [1, 2, 3, 4, 8, 20] {
+            let case = format!("from write {begin}, for {writes}");
+            let mut rig = rig(FAST);
+            rig.axis.ramp_to(100_000.into(), fast()).unwrap();
+            for _ in 0..40 {
+                rig.refill(SEGMENT.into());
+            }
+            // The train is dropped while the stream is still to serve it.
+            rig.model.stall_stream(true);
+            rig.model.run(20_000);
+            rig.output.drop_all();
+            rig.model.stall_stream(false);
+            rig.axis.abort();
+            let position = rig.output.position();
+            assert_eq!(position, rig.model.judge().position);
+            rig.axis.set_position(position);
+            rig.axis.move_to(position + 300, fast()).unwrap();
+            rig.model.begin_break_behind(begin);
+            rig.model.end_break_behind(begin + writes);
+            for _ in 0..9 {
+                rig.refill(LATENCY);
+                interrupt(&mut rig);
+                rig.model.run(u64::from(SEGMENT) - LATENCY);
+                assert!(!rig.output.has_failed(), "{case}");
+            }
+            let was_seen = rig.output.is_broken();
+            assert!(
+                was_seen || writes <= 3 || rig.model.is_break_planned(),
+                "{case}"
+            );
+            if was_seen {
+                rig.axis.abort();
+                assert_eq!(rig.output.position(), rig.model.judge().position, "{case}");
+                // All pulses of a break that comes as the train ends have left.
+                rig.axis.set_position(rig.model.judge().position);
+                rig.model.set_break(false);
+                rig.output.mend();
+                rig.axis.move_to(position + 300, fast()).unwrap();
+            }
+            rig.model.set_break(false);
+            rig.finish(1_000);
+            assert_eq!(rig.model.judge().position, position + 300, "{case}");
+        }
+    }
+}
+
+/// A break that comes together with an error of the stream: what needs the stream mended is told.
+#[test]
+fn a_break_hides_no_error_of_the_stream() {
+    for is_serviced_between in [false, true] {
+        let mut rig = rig(FAST);
+        rig.axis.ramp_to((-100_000).into(), fast()).unwrap();
+        for _ in 0..40 {
+            rig.refill(SEGMENT.into());
+        }
+        rig.model.fail_stream();
+        rig.model.set_break(true);
+        interrupt(&mut rig);
+        if is_serviced_between {
+            rig.output.service();
+        }
+        rig.output.drop_all();
+        rig.refill(SEGMENT.into());
+        assert!(rig.output.has_failed() && rig.output.is_broken());
+        let position = rig.output.position();
+        assert_eq!(position, rig.model.judge().position);
+        rig.model.set_break(false);
+        rig.output.mend();
+        assert!(!rig.output.has_failed() && !rig.output.is_broken());
+        rig.axis.abort();
+        rig.axis.set_position(position);
+        rig.axis.move_to(position + 300, fast()).unwrap();
+        rig.finish(1_000);
+        assert_eq!(rig.model.judge().position, position + 300);
+    }
+}

@@ -1,6 +1,6 @@
 //! What a train may leave of a burst when it ends, and a stream that ends before its train.
 
-use motion::Limits;
+use motion::{Direction, Limits, PulseSink, Record};
 
 use super::super::rig::{HZ, Rig, SEGMENT};
 use super::{FAST, rig};
@@ -78,5 +78,68 @@ fn a_stream_that_is_switched_off_is_noticed_in_the_next_refill() {
         assert_eq!(rig.model.judge().pulses, pulses);
         rig.output.mend();
         goes_on(&mut rig);
+    }
+}
+
+/// A train is dropped while the stream does not serve it: what TIM1 still wants comes when the next train has its stream, and not at once.
+#[test]
+fn a_word_that_comes_late_is_not_taken_for_the_next_train() {
+    for late in [0, 20, 40, 60, 1_000] {
+        for access in [1, 2, 4, 8] {
+            let mut rig = cruising();
+            let left = rig.model.words_left();
+            while rig.model.words_left() == left {
+                rig.model.run(1);
+            }
+            rig.model.run(late);
+            rig.model.stall_stream(true);
+            rig.model.run(20_000);
+            rig.output.drop_all();
+            rig.model.stall_stream(false);
+            rig.model.set_access(access);
+            let position = rig.output.position();
+            rig.axis.abort();
+            rig.axis.set_position(position);
+            assert_eq!(position, rig.model.judge().position);
+            let limits = Limits {
+                velocity: 100_000.into(),
+                acceleration: 400_000_000,
+                deceleration: 400_000_000,
+            };
+            rig.axis.move_to(position - 50, limits).unwrap();
+            rig.finish(1_000);
+            rig.account();
+            assert_eq!(
+                rig.model.judge().position,
+                position - 50,
+                "{late}, {access}"
+            );
+        }
+    }
+}
+
+/// A transfer error at any moment around a turn, where pulses have turned before: what left is counted as it went.
+#[test]
+fn an_error_of_the_stream_before_a_turn_is_counted_as_it_went() {
+    use Direction::{Forward, Reverse};
+    for late in 0..400 {
+        let mut rig = rig(FAST);
+        for direction in [Reverse, Forward, Reverse, Forward] {
+            for (repeat, width) in [(2, 0), (10, 17)] {
+                let record = Record {
+                    period: 1_000,
+                    repeat,
+                    width,
+                    direction,
+                };
+                rig.output.push(record).unwrap();
+            }
+        }
+        rig.model.run(late * 150);
+        rig.model.fail_stream();
+        rig.model.run(SEGMENT.into());
+        rig.output.service();
+        let position = rig.model.judge().position;
+        assert_eq!(rig.output.position(), position, "{late}");
     }
 }
