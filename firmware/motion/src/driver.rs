@@ -143,4 +143,62 @@ mod tests {
             [500_000, 249_628, 4_941_176, 4_941_176, 1_000_000, 149_866]
         );
     }
+
+    /// Pulse high, pulse low and direction in nanoseconds, as the data sheets and the sources of other firmwares have them.
+    #[test]
+    fn each_driver_has_its_times() {
+        let known = [
+            (Driver::A4988, 1_000, 1_000, 200),
+            (Driver::Drv8825, 1_900, 2_100, 650),
+            (Driver::Tmc2209, 100, 100, 20),
+            (Driver::Tmc5160, 100, 100, 20),
+            (Driver::Lv8729, 500, 500, 500),
+            (Driver::Tb6600, 3_000, 3_667, 1_500),
+        ];
+        assert_eq!(Driver::ALL, known.map(|times| times.0));
+        for (driver, pulse_high, pulse_low, direction) in known {
+            let times = Nanoseconds {
+                pulse_high,
+                pulse_low,
+                direction_setup: direction,
+                direction_hold: direction,
+            };
+            assert_eq!(driver.timing(), times, "{driver:?}");
+        }
+    }
+
+    /// Upwards, so that no driver gets less than it needs; by hand for two clocks.
+    #[test]
+    fn each_driver_has_its_ticks() {
+        let ticks = |hz: u32| {
+            let clock = Clock::new(hz).unwrap();
+            Driver::ALL.map(|driver| {
+                let timing = driver.timing().in_ticks(clock);
+                assert_eq!(timing.direction_setup, timing.direction_hold);
+                (timing.pulse_high, timing.pulse_low, timing.direction_setup)
+            })
+        };
+        assert_eq!(
+            ticks(168_000_000),
+            [
+                (168, 168, 34),
+                (320, 353, 110),
+                (17, 17, 4),
+                (17, 17, 4),
+                (84, 84, 84),
+                (504, 617, 252)
+            ]
+        );
+        assert_eq!(
+            ticks(84_000_000),
+            [
+                (84, 84, 17),
+                (160, 177, 55),
+                (9, 9, 2),
+                (9, 9, 2),
+                (42, 42, 42),
+                (252, 309, 126)
+            ]
+        );
+    }
 }
