@@ -5,6 +5,7 @@ mod left_ramps;
 mod long;
 mod properties;
 mod second_leg;
+mod sequences;
 mod smooth;
 mod through;
 mod vectors;
