@@ -2,6 +2,7 @@
 
 mod averaged;
 mod behaviour;
+mod forms;
 mod hours;
 mod legs;
 mod lines;

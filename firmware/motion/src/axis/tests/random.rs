@@ -2,14 +2,21 @@
 
 use super::{FAST, HZ, Replay, SLOW, axis};
 use crate::axis::{AdvanceError, Axis};
-use crate::{Limits, PulseSink, Ramps};
+use crate::{Limits, Position, PulseSink, Ramps, SignedSpeed};
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
+use std::vec::Vec;
 
 #[derive(Debug, Clone)]
 enum Command {
     MoveTo(i32, Limits),
+    /// With the velocity at the target.
+    Through(i32, u32, Limits),
     RampTo(i32, Limits),
+    /// Set-points, each so many microseconds behind the last: at a velocity in thousandths of the highest up to 1 MHz, in a straight line, or with the velocity
+    /// changing evenly, as it does to
+    /// the first one; all in one direction.
+    Follow(bool, Vec<(i16, u16, bool)>),
     Stop(u32),
     /// Ramps for what comes from now on.
     Choose(Ramps),
@@ -49,7 +56,9 @@ fn command() -> impl Strategy<Value = Command> {
     prop_oneof![
         4 => (-100_000i32..100_000, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
         2 => (-50i32..50, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
+        2 => (-100_000i32..100_000, 0u32..400_000, limits()).prop_map(|(target, end, limits)| Command::Through(target, end, limits)),
         2 => (-400_000i32..400_000, limits()).prop_map(|(velocity, limits)| Command::RampTo(velocity, limits)),
+        2 => (any::<bool>(), prop::collection::vec((0i16..900, 300u16..4_000, any::<bool>()), 1..10)).prop_map(|(reverse, points)| Command::Follow(reverse, points)),
         2 => (0u32..50_000_000).prop_map(Command::Stop),
         2 => ramps().prop_map(Command::Choose),
         1 => Just(Command::Abort),
@@ -68,6 +77,30 @@ fn advance(axis: &mut Axis, sink: &mut Replay, starved: bool) {
         Err(AdvanceError::Underrun) => assert!(starved),
     }
     sink.account(axis);
+}
+
+/// Set-points one by one, each when the axis comes to the one before it.
+fn follow(axis: &mut Axis, sink: &mut Replay, reverse: bool, points: &[(i16, u16, bool)]) {
+    let highest = i64::from(axis.max_velocity().whole().min(1_000_000));
+    for (index, &(share, microseconds, is_straight)) in points.iter().enumerate() {
+        let (from, state) = axis.course_end();
+        let length = u64::from(microseconds) * u64::from(HZ) / 1_000_000;
+        let share = i64::from(if reverse { -share } else { share });
+        let velocity = highest * share / 1_000;
+        let taken = if is_straight && index > 0 {
+            let way = ((i128::from(velocity) * i128::from(length)) << 32) / i128::from(HZ);
+            let to = state.position.bits().wrapping_add(way as i64);
+            axis.follow(from + length, Position::from_bits(to))
+        } else {
+            axis.follow_velocity(from + length, SignedSpeed::from(velocity as i32))
+        };
+        assert_eq!(taken, Ok(()), "{length} ticks behind {from}");
+        sink.follow(axis);
+        while axis.horizon < from {
+            advance(axis, sink, true);
+            sink.play(u64::from(axis.train.segment() / 4));
+        }
+    }
 }
 
 /// Steps between pulses and plan at most. A pulse is half a step off on either side; a chord bends a quarter of a step away from its phase; the
@@ -91,6 +124,14 @@ fn play(ramps: Ramps, commands: &[Command], timing: crate::DriverTiming, capacit
     for command in commands {
         let moved = match *command {
             Command::MoveTo(target, limits) => axis.move_to(target.into(), limits),
+            Command::Through(target, end, limits) => {
+                axis.move_through(target.into(), end.into(), limits)
+            }
+            Command::Follow(reverse, ref points) => {
+                follow(&mut axis, &mut sink, reverse, points);
+                starved = sink.pending() == 0;
+                continue;
+            }
             Command::RampTo(velocity, limits) => axis.ramp_to(velocity.into(), limits),
             Command::Stop(deceleration) => axis.stop(deceleration),
             Command::Choose(ramps) => {

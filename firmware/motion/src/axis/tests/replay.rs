@@ -1,6 +1,7 @@
 //! The judge: plays records as a timer does, counts pulses and ticks, and checks every rule of the driver's inputs.
 
 use crate::axis::Axis;
+use crate::path::Path;
 use crate::plan::phase::Phase;
 use crate::{Direction, DriverTiming, Plan, Position, PulseSink, Record, State, Ticks};
 use std::collections::VecDeque;
@@ -12,11 +13,16 @@ pub(super) enum Curve {
     Plan(Plan),
     /// The mean of a plan: phases, and the tick from which the plan is followed.
     Mean(Vec<Phase>, Ticks, Plan),
+    /// Set-points from the commit horizon on.
+    Path(Path, Ticks),
 }
 
 impl Curve {
     /// What an axis follows from now on. A plan that is to be kept for long has few phases, and so has its mean.
     fn of(axis: &Axis) -> Self {
+        if let Some(path) = &axis.path {
+            return Self::Path(path.clone(), axis.horizon);
+        }
         if !axis.is_averaged {
             let mut whole = axis.plan;
             whole.complete();
@@ -35,12 +41,14 @@ impl Curve {
         match self {
             Self::Plan(plan) => plan.start(),
             Self::Mean(phases, ..) => phases[0].start(),
+            Self::Path(_, start) => *start,
         }
     }
 
     pub(super) fn state_at(&self, t: Ticks) -> State {
         match self {
             Self::Plan(plan) => plan.state_at(t),
+            Self::Path(path, _) => path.exact_at(t).rounded(),
             Self::Mean(_, end, plan) if t >= *end => plan.state_at(t),
             Self::Mean(phases, ..) => {
                 let behind = phases.partition_point(|phase| phase.start() <= t);
