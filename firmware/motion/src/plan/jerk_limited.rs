@@ -189,7 +189,7 @@ fn reach(
         motion.velocity > 0 && motion.coasting() >= 0
     };
     let room = Room::new(&motion, gap, rules);
-    let mut lead = Lead::steady(0, false);
+    let mut lead = Lead::steady(motion.velocity, false);
     if room.is_ample
         && forwards
         && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead)

@@ -135,7 +135,8 @@ impl Steady {
     }
 }
 
-/// How far a ramp goes that begins and ends with no acceleration, Q96 steps, saturating. What [`Ramp::new`] would find, without its pieces.
+/// How far a ramp goes that begins and ends with no acceleration, Q96 steps, saturating. What [`Ramp::become_steady`] would find, without
+/// its pieces.
 #[inline(never)]
 pub(super) fn steady_way(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> i128 {
     steady_length(velocity, end, limit, jerk).bounded(Kind::Way)
@@ -235,12 +236,12 @@ impl Motion {
 /// The ramp without acceleration at its beginning whose rest another one is.
 #[derive(Debug)]
 pub(super) struct Lead {
-    /// The velocity at its beginning.
-    pub(super) velocity: i128,
     /// How far the motion is ahead of its beginning, Q96 steps.
     pub(super) ahead: i128,
     /// How long ago that is, Q32; negative, if it is still to come.
     ago: i128,
+    /// The velocity there.
+    pub(super) velocity: i128,
     /// The ramp goes downwards.
     pub(super) falls: bool,
     /// The acceleration is beyond the limit: first of all it falls to that.
@@ -360,7 +361,7 @@ pub(super) struct Ramp {
     pub(super) entry: Offset,
     pub(super) hold: Offset,
     pub(super) exit: Offset,
-    /// The greatest acceleration, if there is a hold, whichever its direction.
+    /// The limit of the acceleration, whichever its direction.
     pub(super) most: i128,
     /// A sixth of the jerk, Q128, whichever its direction.
     pub(super) sixth_jerk: i128,
@@ -435,12 +436,10 @@ impl Ramp {
         let Steady { entry, hold } = Steady::new(gain.max(0), limit, jerk);
         let (exit, hold) = match hold {
             None => (entry.fixed(Kind::Time), 0),
-            Some(hold) => {
-                self.most = limit.most;
-                (limit.exact_entry.get(), hold.fixed(Kind::Time))
-            }
+            Some(hold) => (limit.exact_entry.get(), hold.fixed(Kind::Time)),
         };
         let (exit, hold) = (exit.cast_unsigned(), hold.cast_unsigned());
+        self.most = limit.most;
         self.entry = exit;
         self.hold = hold;
         self.exit = exit;
