@@ -208,12 +208,7 @@ impl<'a> Course<'a> {
 
     /// Another jerk-limited ramp of the plan, to be made and then followed.
     pub(super) fn ramp(&mut self, number: u8) -> &mut Ramp {
-        let [first, second, third] = &mut self.plan.ramps;
-        match number {
-            0 => first,
-            1 => second,
-            _ => third,
-        }
+        self.plan.ramp_mut(number)
     }
 
     /// Follows a jerk-limited ramp of the plan.

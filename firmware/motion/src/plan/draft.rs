@@ -4,12 +4,14 @@
 //! is anchored at its end; the one at constant acceleration between them is led back from there. So planning needs of all three no more
 //! than how long they take.
 
+use super::Plan;
 use super::phase::{Bend, Frame, Instant, Phase, Piece, over_time};
 use super::ramp::{Ramp, third, way_at};
 use crate::clock::Ticks;
 
-/// The most ramps of a plan: to rest, to a velocity, and to another one.
-pub(super) const MOST_RAMPS: usize = 3;
+/// The most ramps of a plan: to rest, to a velocity, and to another one. There is one more, so that coming to rest can be looked into
+/// while the plan still is the one before.
+pub(super) const MOST_RAMPS: usize = 4;
 
 /// A phase, or all those of a jerk-limited ramp.
 #[derive(Debug, Clone, Copy)]
@@ -153,6 +155,28 @@ impl Follow {
             velocity: self.velocity(ramp),
             half_acceleration: 0,
             bend: Bend::Jerk(self.turned(ramp, ramp.sixth_jerk).wrapping_neg()),
+        }
+    }
+}
+
+impl Plan {
+    /// One of the ramps: 1 and 2 are those to velocities.
+    pub(super) fn ramp_mut(&mut self, number: u8) -> &mut Ramp {
+        let [first, second, third, fourth] = &mut self.ramps;
+        match number {
+            0 => first,
+            1 => second,
+            2 => third,
+            _ => fourth,
+        }
+    }
+
+    /// The ramp to rest that the plan does not follow.
+    pub(super) fn spare_ramp(&self) -> u8 {
+        let [first, ..] = &self.drafts;
+        match &first.ramp {
+            Some(Follow { number: 0, .. }) => 3,
+            _ => 0,
         }
     }
 }

@@ -201,14 +201,15 @@ fn reach(
     if room.is_doubtful && is_too_long(&motion, rules) {
         return Err(PlanError::OutOfRange);
     }
-    let mut stop = Ramp::NONE;
-    stopping(&mut stop, &motion, rules.deceleration, rules.jerk);
+    let number = plan.spare_ramp();
+    let stop = plan.ramp_mut(number);
+    stopping(stop, &motion, rules.deceleration, rules.jerk);
+    let stop_time = stop.time();
     // What is still to go from where a stop would end.
     let (is_beyond, left) = beyond(gap, stop.way).ok_or(PlanError::OutOfRange)?;
-    if left <= indistinct(stop.time()) && (end == 0 || gap == 0) {
+    if left <= indistinct(stop_time) && (end == 0 || gap == 0) {
         let mut course = Course::new(plan, start, from, reverse);
-        *course.ramp(0) = stop;
-        course.follow_to(0, false, goal);
+        course.follow_to(number, false, goal);
         course.rest_at(goal);
         return Ok(());
     }
@@ -222,12 +223,7 @@ fn reach(
         return Ok(());
     }
     // Behind the target, in a frame in which the way back is positive.
-    let goal = if is_beyond {
-        stop.mirror();
-        goal.wrapping_neg()
-    } else {
-        goal
-    };
+    let goal = if is_beyond { goal.wrapping_neg() } else { goal };
     if motion.is_rest() && end == 0 {
         // A velocity of nothing would never get there.
         return Err(PlanError::OutOfRange);
@@ -237,8 +233,10 @@ fn reach(
         course.leave_rest((left, end, goal), rules);
         return Ok(());
     }
-    *course.ramp(0) = stop;
-    course.follow(0);
+    if is_beyond {
+        course.ramp(number).mirror();
+    }
+    course.follow(number);
     course.wait(clock, (left, end, goal));
     Ok(())
 }
