@@ -507,3 +507,39 @@ fn i11_a_smooth_velocity_crosses_the_span_without_a_jump() {
         }
     }
 }
+
+/// Even if it is refused when the stop that comes first is known, and the plan itself begins with one.
+#[test]
+fn an_order_that_is_refused_leaves_a_smooth_plan_as_it_was() {
+    let clock = clock(84_000_000);
+    let limits = Limits {
+        velocity: 100_000.into(),
+        acceleration: 500_000,
+        deceleration: 500_000,
+    };
+    for ramps in [Ramps::SinSquared, Ramps::JerkLimited(5_000_000)] {
+        let mut plan = Plan::at_rest(0, 0);
+        let orders = [
+            (0, 100_000),
+            (8_400_000, -2_000),
+            (10_000_000, -4_000),
+            (11_000_000, -3_000),
+        ];
+        for (at, target) in orders {
+            plan.redirect(clock, at, Goal::Rest(target), limits, ramps)
+                .unwrap();
+            let before = plan;
+            let begin = at + 500_000;
+            let here = plan.state_at(begin);
+            assert!(here.velocity > Velocity::ZERO);
+            // As far behind as a target may be, but the stop leads further away.
+            let behind = here.position.whole_steps() - (1 << 32) + 2;
+            let refused = plan.redirect(clock, begin, Goal::Rest(behind), limits, ramps);
+            assert_eq!(refused, Err(PlanError::OutOfRange));
+            assert_eq!(plan.end(), before.end());
+            for t in (begin..before.end().unwrap()).step_by(10_007) {
+                assert_eq!(plan.state_at(t), before.state_at(t), "{ramps:?} at {t}");
+            }
+        }
+    }
+}
