@@ -14,6 +14,7 @@ mod bow;
 mod leg;
 mod legs;
 mod line;
+mod slope;
 mod steady;
 mod trace;
 
@@ -387,6 +388,9 @@ impl Axis {
     /// Makes the records of the next chord.
     #[inline(never)]
     fn compose(&mut self) {
+        if self.leg.as_ref().is_some_and(Leg::is_rounded) {
+            self.renew_leg();
+        }
         let on_leg = match &mut self.leg {
             Some(leg) => leg.go_on(self.horizon, &self.train),
             None => {
@@ -472,7 +476,7 @@ impl Axis {
             && let Some(phase) = averaged.as_ref().or_else(|| self.plan.entered(begin))
         {
             if phase.is_parabola() {
-                self.leg = Some(Leg::new(phase, end, corner, longest));
+                self.leg = Some(Leg::new(phase, (end, corner), longest, &self.train));
             } else if length == self.train.chord(to.velocity, longest) && !to.velocity.creeps() {
                 self.bow = Bow::new(phase, end, corner, length).unwrap_or(Bow::NONE);
             }

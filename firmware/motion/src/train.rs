@@ -7,6 +7,7 @@
 //! How many steps are due is always the difference between the position and the steps made. A pulse that the driver's timing
 //! delays is made later, and never lost.
 
+pub(crate) mod slope;
 mod steady;
 
 use crate::clock::Ticks;
@@ -82,6 +83,8 @@ pub(crate) struct Train {
     longest: u32,
     easy: u32,
     least_chord: u32,
+    /// The speed of a pulse in each segment, Q32 steps per tick.
+    slowest: u32,
     /// Steps made, modulo 2³².
     steps: i32,
     /// The level of the direction signal; `None` until a record has set it.
@@ -124,6 +127,7 @@ impl Train {
                 .unwrap_or(u32::MAX)
                 .min(1 << 24),
             least_chord: longest.min(segment / CHORDS_PER_SEGMENT),
+            slowest: u32::MAX.checked_div(segment).unwrap_or(0).wrapping_add(1),
             steps,
             direction: None,
             pen,
@@ -172,6 +176,12 @@ impl Train {
     /// The longest chord, in ticks.
     pub(crate) const fn longest(&self) -> u32 {
         self.longest
+    }
+
+    /// The speed up to which a chord may be the longest, Q24 steps per tick.
+    #[inline]
+    pub(crate) const fn easy(&self) -> u32 {
+        self.easy
     }
 
     /// Whether a chord at `velocity` may be the longest.

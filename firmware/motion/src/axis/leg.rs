@@ -1,5 +1,6 @@
 //! A stretch of the plan that is one parabola, walked along in chords.
 
+use super::slope::Slope;
 use crate::clock::Ticks;
 use crate::divide::estimate;
 use crate::fixed::{Exact, Position, State, Velocity};
@@ -20,6 +21,8 @@ pub(super) struct Leg {
     /// Steps per tick², Q96, and whether there are any.
     half_acceleration: i128,
     bends: bool,
+    /// How it is gone from pulse to pulse where it bends.
+    slope: Slope,
     /// Steady, and so slow that a tick is less than the positions of a chord tell.
     creeps: bool,
     /// Steady: the ticks for a step, Q32; 0 as long as nobody has asked.
@@ -36,8 +39,18 @@ pub(super) struct Leg {
 
 impl Leg {
     /// From tick `t` of a phase to the next corner.
-    pub(super) fn new(phase: &Phase, t: Ticks, until: Ticks, longest: u32) -> Self {
-        Self::from(phase.at(t), phase.half_acceleration(), until, longest)
+    pub(super) fn new(
+        phase: &Phase,
+        (t, until): (Ticks, Ticks),
+        longest: u32,
+        train: &Train,
+    ) -> Self {
+        let half_acceleration = phase.half_acceleration();
+        let mut leg = Self::from(phase.at(t), half_acceleration, until, longest);
+        if leg.bends {
+            leg.slope = Slope::new(half_acceleration, longest, train);
+        }
+        leg
     }
 
     /// Along a straight line up to its end, from here.
@@ -55,6 +68,7 @@ impl Leg {
             state: exact.rounded(),
             half_acceleration,
             bends,
+            slope: Slope::NONE,
             creeps: !bends && Velocity::from_exact(exact.velocity).creeps(),
             pace: 0,
             reach: 0,
@@ -112,6 +126,51 @@ impl Leg {
         ))
     }
 
+    /// Whether it can be gone from pulse to pulse although it bends, from tick `begin`, the commit horizon, if the records have to lead to
+    /// `enough`.
+    #[inline]
+    pub(super) const fn is_slope(&self, begin: Ticks, enough: Ticks) -> bool {
+        self.bends && self.slope.is_fast(self.state.velocity) && begin <= enough
+    }
+
+    /// Goes on from pulse to pulse from tick `begin`, the commit horizon, for `wanted` ticks or a little more. Gives how many, and the state there;
+    /// `None` if nothing is made.
+    #[inline]
+    pub(super) fn go_from_pulse_to_pulse(
+        &mut self,
+        begin: Ticks,
+        wanted: Ticks,
+        train: &mut Train,
+    ) -> Option<(u32, State)> {
+        let left = self.until.wrapping_sub(begin);
+        let position = self.state.position;
+        if !self.slope.is_under_way() {
+            self.slope.begin(self.exact.velocity);
+        }
+        let (length, state) = self.slope.go_on(begin, position, wanted, left, train)?;
+        self.state = state;
+        Some((length, state))
+    }
+
+    /// Whether what was rounded on the way from pulse to pulse would begin to show.
+    #[inline]
+    pub(super) const fn is_worn(&self) -> bool {
+        self.slope.is_worn()
+    }
+
+    /// Whether it is known more exactly where it is, once it has been gone from pulse to pulse.
+    pub(super) const fn is_rounded(&self) -> bool {
+        self.slope.is_under_way()
+    }
+
+    /// It is exactly here.
+    pub(super) fn renew(&mut self, exact: Exact) {
+        self.exact = exact;
+        self.state = exact.rounded();
+        self.length = 0;
+        self.slope.end();
+    }
+
     /// Goes on for so many ticks at the velocity that stays. Gives the state there.
     #[inline]
     pub(super) fn coast(&mut self, ticks: u32) -> State {
@@ -163,7 +222,8 @@ fn pace(velocity: i128) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::Leg;
-    use crate::{Clock, Limits, Plan, State, Ticks};
+    use crate::train::Train;
+    use crate::{Clock, DriverTiming, Limits, Plan, State, Ticks};
     use proptest::prelude::*;
 
     proptest! {
@@ -179,9 +239,11 @@ mod tests {
             let clock = Clock::new(168_000_000).unwrap();
             let limits = Limits { velocity: velocity.into(), acceleration, deceleration };
             let plan = Plan::move_to(clock, 77, State::default(), target, limits).unwrap();
+            let timing = DriverTiming { pulse_high: 17, pulse_low: 17, direction_setup: 4, direction_hold: 4 };
+            let train = Train::new(timing, 42_000, 0, 0);
             for phase in plan.phases() {
                 let mut t = phase.start();
-                let mut leg = Leg::new(&phase, t, Ticks::MAX, u32::MAX);
+                let mut leg = Leg::new(&phase, (t, Ticks::MAX), u32::MAX, &train);
                 prop_assert_eq!(leg.state, phase.at(t).rounded());
                 for &(unusual, length) in &lengths {
                     let length = if unusual == 0 { length } else { usual };

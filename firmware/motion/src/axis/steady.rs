@@ -8,10 +8,17 @@ use crate::record::SHORTEST_RECORD;
 const LEAST: i32 = 2 * SHORTEST_RECORD.cast_signed();
 
 impl Axis {
-    /// Makes the records of a stretch of a velocity that stays, if the last chord was of it; whether it was.
+    /// Makes the records of a stretch from pulse to pulse: of a velocity that stays, if the last chord was of it, or of a linear ramp. Whether it
+    /// did.
     #[inline]
     pub(super) fn go_straight_on(&mut self, enough: Ticks) -> bool {
-        self.train.is_even() && self.coast(enough)
+        if self.train.is_even() {
+            return self.coast(enough);
+        }
+        match &self.leg {
+            Some(leg) if leg.is_slope(self.horizon, enough) => self.go_along_slope(enough),
+            _ => false,
+        }
     }
 
     #[inline(never)]

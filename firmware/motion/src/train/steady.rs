@@ -6,10 +6,10 @@ use crate::fixed::Position;
 use crate::record::{Direction, SHORTEST_RECORD};
 
 /// How far before its tick the last pulse may have been made, in steps, Q32: at the highest rates it is a few ticks of not many.
-const EARLY: i64 = 1 << 30;
+pub(super) const EARLY: i64 = 1 << 30;
 
 /// A run may be longer by so many ticks than it should be, where it would be too short for a record otherwise.
-const STRETCHED: u32 = 2 * SHORTEST_RECORD;
+pub(super) const STRETCHED: u32 = 2 * SHORTEST_RECORD;
 
 impl Train {
     /// Whether the last chord was steady and has all its pulses: [`Train::go_on`] can take over.
