@@ -37,6 +37,15 @@ pub const POSITION_MISMATCH: u16 = 0x8611;
 /// 9000h, external error: something outside has cut the pulses off. Those handed out since are counted, and have not left.
 pub const EXTERNAL: u16 = 0x9000;
 
+/// What a timer with DMA tells of the pulses it makes, as a fault: it has stood still, or its outputs are cut off.
+pub const fn of_pulses(has_failed: bool, is_broken: bool) -> Option<u16> {
+    match (has_failed, is_broken) {
+        (true, _) => Some(PULSES_STOPPED),
+        (false, true) => Some(EXTERNAL),
+        (false, false) => None,
+    }
+}
+
 /// How a fault stops the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaction {

@@ -64,7 +64,7 @@ const PROFILE_VELOCITY: i8 = 3;
 const PROFILE_POSITION: i8 = 1;
 
 /// A board on a bus, whose refills come `phase` behind the control ticks, with a master: no limit but those of the driver, ramps of [`STEEP`], operation enabled in profile velocity.
-fn enabled(bus: Bus, phase: Duration) -> Result<(Master, Handle<Board>), Failure> {
+pub(crate) fn enabled(bus: Bus, phase: Duration) -> Result<(Master, Handle<Board>), Failure> {
     let mut master = Master::new(bus);
     let board = master.bus_mut().attach(Board::new(FAST, phase));
     let node = Board::NODE;

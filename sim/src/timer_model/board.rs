@@ -8,8 +8,9 @@
 use std::fmt;
 
 use canopen::{BitRate, Duration, Frame, Instant, NodeId, Settings};
+use cia402::faults::of_pulses;
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Outputs, State};
-use motion::advanced_timer::{Output, Ring};
+use motion::advanced_timer::{Output, Ring, on_break};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
 
 use super::rig::{HZ, SEGMENT};
@@ -28,6 +29,9 @@ const REFILL: Duration = Duration::from_ticks(250);
 
 /// What a DMA burst may take (`docs/step-engine.md`), in ticks.
 const BURST: u64 = 84;
+
+/// From a break to what its interrupt does: two microseconds.
+const BREAK_LATENCY: u64 = 2 * MICROSECOND;
 
 /// A control tick or a refill is late by less than this, in microseconds, in place of all that the processor does.
 const LATEST: u64 = 50;
@@ -228,6 +232,7 @@ impl Board {
                 self.drive.refill(&mut self.output);
             }
         }
+        self.answer_break();
     }
 
     /// The next of its kind.
@@ -243,6 +248,23 @@ impl Board {
         self.random ^= self.random >> 7;
         self.random ^= self.random << 17;
         Duration::from_ticks(self.random % self.latest)
+    }
+
+    /// The break input is active from now on, or no longer.
+    pub fn set_break(&mut self, now: Instant, is_active: bool) {
+        self.run_until(now);
+        self.model.set_break(is_active);
+        if is_active {
+            self.model.run(BREAK_LATENCY);
+        }
+        self.answer_break();
+    }
+
+    /// The interrupt of the break.
+    fn answer_break(&mut self) {
+        if self.model.is_break_interrupt() {
+            on_break(&mut self.model);
+        }
     }
 
     fn play_until(&mut self, now: Instant) {
@@ -277,11 +299,19 @@ impl Board {
         Inputs {
             supply: true,
             position: self.output.position(),
+            fault: self.fault(),
             ..Inputs::default()
         }
     }
 
+    fn fault(&self) -> Option<u16> {
+        of_pulses(self.output.has_failed(), self.output.is_broken())
+    }
+
     fn end_tick(&mut self, now: Instant, outputs: &Outputs) {
+        if !outputs.power_stage && self.fault().is_some() {
+            self.output.mend();
+        }
         if outputs.drop_pulses && self.output.pending() > 0 {
             self.output.drop_all();
         }

@@ -103,6 +103,17 @@ impl<'a> TimerModel<'a> {
         machine.switch_stream();
     }
 
+    /// What the slave timer shows, without taking a look at a register.
+    pub fn count(&self) -> u32 {
+        self.0.borrow().counter.count
+    }
+
+    /// The slave timer misses so many edges of those it has counted.
+    pub fn lose_count(&self, edges: u32) {
+        let mut machine = self.0.borrow_mut();
+        machine.counter.count = machine.counter.count.wrapping_sub(edges);
+    }
+
     /// Words that the stream has left in this round, without taking a look at a register.
     pub fn words_left(&self) -> u32 {
         self.0.borrow().stream.left

@@ -45,6 +45,19 @@ impl<'a> Rig<'a> {
         }
     }
 
+    /// At rest where it is, with so much in the counter, as if it had come a long way.
+    #[must_use]
+    pub fn with_count(mut self, count: u32) -> Self {
+        self.model
+            .lose_count(self.model.count().wrapping_sub(count));
+        // The output takes it as pulses that have left.
+        self.output.drop_all();
+        let position = self.output.position();
+        self.model.judge_mut().position = position;
+        self.axis.set_position(position);
+        self
+    }
+
     /// Hands out pulses, and lets time pass. Underruns that are told are counted.
     pub fn refill(&mut self, ticks: u64) {
         self.output.service();

@@ -1,5 +1,6 @@
 //! The advanced timer's output, judged by its pins.
 
+mod board;
 mod breaks;
 mod capture;
 mod differential;
@@ -8,6 +9,7 @@ mod leftovers;
 mod random;
 mod slow;
 mod starvation;
+mod wrap;
 
 use motion::advanced_timer::{Register, Registers, Ring, bits};
 use motion::{Direction, DriverTiming, Limits, PulseSink, Record, Speed};

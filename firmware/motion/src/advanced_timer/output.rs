@@ -176,6 +176,16 @@ impl<'a, R: Registers> Output<'a, R> {
         self.course = Course::new(count, self.course.position_at(count));
     }
 
+    /// Everything taken has been played, and the counter may have missed some of it: the drive has been told, and goes on from what it shows. Changes
+    /// of direction would lie at the wrong pulses otherwise.
+    fn believe_counter(&mut self) {
+        let count = self.registers.read(Register::CounterCnt);
+        if count != self.pulses {
+            self.pulses = count;
+            self.course = Course::new(count, self.course.position_at(count));
+        }
+    }
+
     /// The stream stands still, and its last slot has been played again and again: all pulses since then went one way.
     #[cold]
     fn give_up(&mut self) {
@@ -476,8 +486,11 @@ impl<R: Registers> PulseSink for Output<'_, R> {
                 }
             }
         }
-        if !self.running && self.is_broken() {
-            return Err(record);
+        if !self.running {
+            if self.is_broken() {
+                return Err(record);
+            }
+            self.believe_counter();
         }
         if self.course.direction() != record.direction {
             let count = self.registers.read(Register::CounterCnt);

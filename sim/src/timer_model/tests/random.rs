@@ -1,10 +1,11 @@
 //! Any sequence of commands, with a processor that comes late or not at all: every pulse is accounted for.
 
-use motion::{DriverTiming, Limits, Ramps};
+use motion::advanced_timer::{WORDS, on_break};
+use motion::{DriverTiming, Limits, PulseSink, Ramps};
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 
-use super::super::rig::{HZ, SEGMENT};
+use super::super::rig::{HZ, Rig, SEGMENT};
 use super::{FAST, SLOW, rig};
 
 #[derive(Clone, Debug)]
@@ -15,11 +16,21 @@ enum Command {
     /// Ramps for what comes from now on.
     Choose(Ramps),
     Drop,
+    /// The stream is no longer served, or has ended with a bus error (`true`), so many ticks from now.
+    StreamEnds(u32, bool),
+    /// The break input is active for so many refills, so many ticks from now; its interrupt comes the second number of ticks later.
+    Break(u32, u32, u8),
     /// Refills on time.
     Refill(u8),
     /// A refill that comes after so many ticks.
     Late(u32),
 }
+
+/// The longest time from a break to its interrupt, in ticks.
+const LATENCY: u32 = HZ / 100_000;
+
+/// The shortest period of the pulses, in ticks.
+const PERIOD: u64 = HZ as u64 / 1_000_000;
 
 fn limits() -> impl Strategy<Value = Limits> {
     (1..1_000_000u32, 14..27u32, 14..27u32).prop_map(|(velocity, a, d)| Limits {
@@ -48,14 +59,75 @@ fn command() -> impl Strategy<Value = Command> {
         2 => (1..50_000_000u32).prop_map(Command::Stop),
         2 => ramps(20).prop_map(Command::Choose),
         1 => Just(Command::Drop),
+        1 => (0..SEGMENT, any::<bool>()).prop_map(|(late, is_bus_error)| Command::StreamEnds(late, is_bus_error)),
+        1 => (0..SEGMENT, 0..LATENCY, 0..9u8).prop_map(|(late, latency, refills)| Command::Break(late, latency, refills)),
         8 => any::<u8>().prop_map(Command::Refill),
         2 => (0..4 * SEGMENT).prop_map(Command::Late),
         1 => (0..400 * SEGMENT).prop_map(Command::Late),
     ]
 }
 
-fn play(commands: &[Command], timing: DriverTiming, burst: u64, access: u64) {
-    let mut rig = rig(timing);
+/// What is left of the plan is given up, at rest.
+fn go_on_from_here(rig: &mut Rig<'_>) {
+    rig.axis.abort();
+    let position = rig.output.position();
+    rig.axis.set_position(position);
+    rig.account();
+}
+
+/// The stream ends between two bursts. Whatever its last run has made is found and counted.
+fn end_stream(rig: &mut Rig<'_>, is_bus_error: bool) {
+    while !rig.model.words_left().is_multiple_of(WORDS as u32) {
+        rig.model.run(1);
+    }
+    let is_on = rig.output.pending() > 0;
+    if is_bus_error {
+        rig.model.fail_stream();
+    } else {
+        rig.model.stall_stream(true);
+    }
+    for _ in 0..5 {
+        rig.refill(SEGMENT.into());
+    }
+    // A bus error needs a stream that is on.
+    let is_noticed = rig.output.has_failed() || rig.output.pending() == 0;
+    assert!(is_noticed || is_bus_error && !is_on);
+    rig.model.stall_stream(false);
+    rig.output.drop_all();
+    rig.output.mend();
+    go_on_from_here(rig);
+}
+
+/// What was counted between a break and its interrupt has not left; everything else has.
+fn break_off(rig: &mut Rig<'_>, latency: u32, refills: u8) {
+    let began = rig.model.time();
+    rig.model.set_break(true);
+    rig.model.run(latency.into());
+    let answer = |rig: &mut Rig<'_>| {
+        if rig.model.is_break_interrupt() {
+            on_break(&mut rig.model);
+        }
+    };
+    answer(rig);
+    let most = (rig.model.time() - began) / PERIOD + 1;
+    for _ in 0..refills {
+        rig.refill(SEGMENT.into());
+        answer(rig);
+    }
+    assert!(!rig.output.has_failed());
+    rig.output.drop_all();
+    let position = rig.output.position();
+    let off = position.abs_diff(rig.model.judge().position);
+    assert!(off <= most, "{off} steps");
+    rig.model.judge_mut().position = position;
+    rig.model.set_break(false);
+    rig.output.mend();
+    assert!(!rig.output.is_broken());
+    go_on_from_here(rig);
+}
+
+fn play(commands: &[Command], timing: DriverTiming, burst: u64, access: u64, count: u32) {
+    let mut rig = rig(timing).with_count(count);
     rig.model.set_burst(burst);
     rig.model.set_access(access);
     rig.model.set_interrupts(50, u64::from(HZ) / 100_000);
@@ -70,10 +142,17 @@ fn play(commands: &[Command], timing: DriverTiming, burst: u64, access: u64) {
             }
             Command::Drop => {
                 rig.output.drop_all();
-                rig.axis.abort();
-                let position = rig.output.position();
-                rig.axis.set_position(position);
-                rig.account();
+                go_on_from_here(&mut rig);
+                Ok(())
+            }
+            Command::StreamEnds(late, is_bus_error) => {
+                rig.model.run(late.into());
+                end_stream(&mut rig, is_bus_error);
+                Ok(())
+            }
+            Command::Break(late, latency, refills) => {
+                rig.model.run(late.into());
+                break_off(&mut rig, latency, refills);
                 Ok(())
             }
             Command::Refill(times) => {
@@ -111,7 +190,9 @@ proptest! {
         fast: bool,
         burst in 5..84u64,
         access in 0..8u64,
+        left in prop_oneof![Just(u32::MAX), 0..30_000u32],
     ) {
-        play(&commands, if fast { FAST } else { SLOW }, burst, access);
+        // Near the end of the counter, or far from it.
+        play(&commands, if fast { FAST } else { SLOW }, burst, access, !left);
     }
 }

@@ -7,7 +7,7 @@
 
 use core::ptr::addr_of;
 
-use cia402::faults::{EXTERNAL, PULSES_STOPPED};
+use cia402::faults::of_pulses;
 use motion::advanced_timer::{
     count_at_edge, on_break, CaptureChannel, Output, Register, Registers, Ring,
 };
@@ -211,10 +211,7 @@ impl Pulses for TimerPulses {
     }
 
     fn fault(&self) -> Option<u16> {
-        if self.0.has_failed() {
-            return Some(PULSES_STOPPED);
-        }
-        self.0.is_broken().then_some(EXTERNAL)
+        of_pulses(self.0.has_failed(), self.0.is_broken())
     }
 
     fn mend(&mut self) {
