@@ -304,29 +304,43 @@ impl Room {
         let time = turned(motion.time.rough(), falls);
         let change = turned(motion.change.rough(), falls);
         let velocity = Number::of(motion.velocity, Kind::Velocity).rough();
-        let start = velocity.minus(change);
-        // As `Lead::new` and `steady_way` have it.
+        let jerk = rules.jerk.rough;
+        // How far the motion is behind the beginning of a ramp without acceleration, whose rest it is, and at which velocity that begins; as
+        // `Lead::new` has it.
+        let over = time.minus(entry);
+        let (start, before, cancelled) = if over > Rough::ZERO {
+            let rise = turned(jerk.times(entry).times(entry).halved(), falls);
+            let start = velocity.plus(change).minus(rise.doubled());
+            // v·t + a·t²/2 − j·t³/6, where a is j times the time that it takes to fall.
+            let bend = jerk.times(time.minus(over.times(Rough::THIRD))).times(over);
+            let mean = velocity.plus(turned(bend.halved(), falls));
+            let eased = mean.times(over);
+            let entered = start.plus(rise.times(Rough::THIRD)).times(entry);
+            let all = velocity.magnitude().plus(change.magnitude());
+            (start, entered.minus(eased), all.times(time))
+        } else {
+            let start = velocity.minus(change);
+            let before = time.times(start.plus(change.times(Rough::THIRD)));
+            (start, before, before.magnitude())
+        };
+        // As `steady_way` has it.
         let gain = start.magnitude();
-        let square = rules.jerk.rough.times(gain);
+        let square = jerk.times(gain);
         let steady = if square < limit {
             gain.times(square.reciprocal_root()).doubled()
         } else {
             gain.times(slowness).plus(entry)
         };
         let whole = start.halved().times(steady);
-        let before = time.times(start.plus(change.times(Rough::THIRD)));
         let way = whole.minus(before);
-        let parts = whole.magnitude().plus(before.magnitude());
+        let parts = whole.magnitude().plus(cancelled);
         let room = Rough::of(gap, Kind::Way).minus(way);
         let doubt = parts.times(DOUBT);
-        // Beyond the limit the formulas are others; but it ends before one that begins with all of the velocity.
-        let is_easing = time > entry;
-        let is_unknown = is_easing || room.magnitude() <= doubt;
-        let most = if is_easing { whole } else { way };
+        let is_unknown = room.magnitude() <= doubt;
         Self {
             is_ample: !is_unknown && room > Rough::ZERO,
             is_unknown,
-            is_doubtful: most.magnitude().plus(doubt) >= SPAN,
+            is_doubtful: way.magnitude().plus(doubt) >= SPAN,
         }
     }
 }
@@ -395,6 +409,53 @@ impl Course<'_> {
             self.rest_at(goal);
         } else {
             self.never_end(end.unsigned_abs());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::contextualize_config;
+
+    use super::*;
+
+    proptest! {
+        #![proptest_config(contextualize_config(ProptestConfig { cases: 2_000, failure_persistence: None, ..ProptestConfig::default() }))]
+
+        /// What rough numbers are sure of is so, within the limit and beyond it, however close the target is to where a stop ends.
+        #[test]
+        fn rough_numbers_tell_whether_a_stop_ends_before_a_target(
+            velocity in -4_000_000i32..4_000_000,
+            pull in -100_000_000i64..100_000_000,
+            bits in (0u32..27, 0u32..22, 0u32..27),
+            deceleration in 1u32..100_000_000,
+            jerk in 1u32..,
+            closeness in 1u32..40,
+        ) {
+            let clock = Clock::new(168_000_000).unwrap();
+            let jerk = &Jerk::new(clock.sixth_jerk((jerk >> bits.2).max(1)));
+            let deceleration = &limit(clock, (deceleration >> bits.0).max(1), jerk);
+            let rules = Rules { top: 0, acceleration: deceleration, deceleration, jerk };
+            let speed = |whole: u32| clock.speed(whole.into()).cast_signed();
+            let velocity = speed(velocity.unsigned_abs() >> bits.1) * i128::from(velocity.signum());
+            let acceleration = (clock.half_acceleration((pull.unsigned_abs() >> bits.2) as u32) << 1).cast_signed();
+            let motion = Motion::new(velocity, acceleration * i128::from(pull.signum()), jerk);
+            prop_assume!(!motion.is_rest());
+            let way = stopping_way(&motion, deceleration, jerk);
+            // Nearer and nearer to it, on both sides.
+            let off = (way.unsigned_abs() >> closeness).cast_signed();
+            for gap in [way.saturating_sub(off), way.saturating_add(off)] {
+                let room = Room::new(&motion, gap.max(0).unsigned_abs(), &rules);
+                let is_far = way.unsigned_abs() >= 1 << 127;
+                prop_assert!(!is_far || room.is_doubtful, "{way}");
+                if !room.is_unknown && way < i128::MAX {
+                    prop_assert_eq!(room.is_ample, gap.max(0) > way, "{} for {}", gap, way);
+                }
+                if closeness < 5 && gap > 1 << 70 && way.unsigned_abs() > 1 << 80 {
+                    prop_assert!(!room.is_unknown, "{gap} for {way}");
+                }
+            }
         }
     }
 }
