@@ -9,8 +9,8 @@
 //! A smooth motion that has to come to rest before it goes on is two legs, and these may be planned one by one
 //! ([`Plan::leave_for`], [`Plan::complete`]), so that no step is longer than a plan from rest.
 //!
-//! A plan keeps drafts of its phases, as they are found, and a phase is worked out when it is asked for. Whoever follows a plan enters each
-//! phase once; most plans are left before their last.
+//! A plan keeps drafts of its phases, as they are found, a jerk-limited ramp as one; and a phase is worked out when it is asked for.
+//! Whoever follows a plan enters each phase once; most plans are left before their last.
 //!
 //! After CiA 402-2, the profile deceleration (6084h) rules whenever the speed falls and the profile acceleration (6083h)
 //! whenever it grows, in either direction.
