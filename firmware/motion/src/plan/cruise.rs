@@ -37,6 +37,9 @@ const SPARE: Rough = Rough::power(-12);
 /// A sixteenth of a tick.
 const AIM: Rough = Rough::power(-24 - 4);
 
+/// An eighth of a tick: as much may be left out of the last step.
+const LITTLE: Rough = Rough::power(-24 - 3);
+
 /// A way of 2³⁰ steps. Within a longer one a ramp may be so long that its way saturates, of which rough numbers know nothing.
 const LONG: Rough = Rough::power(30);
 
@@ -215,20 +218,47 @@ impl<'a> Moves<'a> {
         self.span(cruise) <= self.way
     }
 
-    /// The velocity of a move from rest to rest, if neither ramp comes to its limit, or both do.
+    /// The velocity of a move from rest to rest, if neither ramp comes to its limit, or both do; where only the slower one does, that with no
+    /// other, which is too high: from there on the steps are short, as the way bends upwards.
     fn guess_from_rest(&self) -> Rough {
         // v³ = j·way²/4
         let short = self.goal.times(self.goal).times(self.jerk);
         let velocity = short.halved().halved().cube_root();
         let (first, last) = (self.first.limit, self.last.limit);
-        if velocity.times(self.jerk) <= first.square.max(last.square) {
+        let (slow, quick) = if last.square < first.square {
+            (last, first)
+        } else {
+            (first, last)
+        };
+        if velocity.times(self.jerk) <= slow.square {
             return velocity;
         }
         // v² · (1/a + 1/d)/2 + v · (a + d)/2j = way
-        let slow = first.slowness.plus(last.slowness);
-        let half = first.entry.plus(last.entry).halved();
-        let square = half.times(half).plus(slow.times(self.goal).doubled());
-        square.root().minus(half).over(slow)
+        let held = |slowness: Rough, entry: Rough| {
+            let half = entry.halved();
+            let square = half.times(half).plus(slowness.times(self.goal).doubled());
+            self.goal.doubled().over(square.root().plus(half))
+        };
+        let both = held(
+            slow.slowness.plus(quick.slowness),
+            slow.entry.plus(quick.entry),
+        );
+        if both.times(self.jerk) >= quick.square {
+            return both;
+        }
+        held(slow.slowness, slow.entry).min(velocity)
+    }
+
+    /// The velocity beyond the lowest of any other move: as if the way were a parabola with what is known of it at both ends. It is where both
+    /// ramps are at their limits with the lowest velocity, too.
+    fn guess(&self, low: Probe, room: Rough, top: Probe) -> Rough {
+        let all = top.span.minus(low.span);
+        let part = self.goal.minus(low.span).over(all);
+        let rise = top.slope.times(room).over(all);
+        let bend = rise.minus(Rough::ONE).min(Rough::ONE);
+        let line = Rough::ONE.minus(bend);
+        let square = line.times(line).plus(bend.times(part).doubled().doubled());
+        room.times(part.doubled().over(square.root().plus(line)))
     }
 
     /// The greatest velocity for which they fit, rounded down. They do at the lowest, and do not at `high`.
@@ -237,9 +267,7 @@ impl<'a> Moves<'a> {
         let guess = if self.is_from_rest {
             self.guess_from_rest()
         } else {
-            // Far from the root the way grows with a power of the velocity between 1.5 and 2.
-            let part = goal.minus(low.span).over(top.span.minus(low.span));
-            room.times(part.root())
+            self.guess(low, room, top)
         };
         let mut more = guess.min(room.halved().plus(room.halved().halved()));
         let mut slope = low.slope;
@@ -309,7 +337,9 @@ impl<'a> Moves<'a> {
             };
             let is_within =
                 slope > Rough::ZERO && tried < MOST_STRAIGHT && low < next && next < high;
-            if is_within && off <= slope.times(more).times(SMALL) {
+            let is_last =
+                off <= slope.times(more).times(SMALL) && off.times(SPARE) <= speed.times(LITTLE);
+            if is_within && is_last {
                 return next;
             }
             cruise = if is_within { next } else { low.midpoint(high) };
