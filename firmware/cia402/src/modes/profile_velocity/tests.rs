@@ -1,6 +1,7 @@
 use crate::Mode;
 use crate::statusword::{INTERNAL_LIMIT, SLIPPAGE, SPEED_ZERO, TARGET_REACHED};
 use crate::testing::Rig;
+use motion::Ramps;
 
 /// A drive in profile velocity, at rest. 6083h and 6084h are 100,000 steps/s²: 100 ticks to 10,000 steps/s.
 fn enabled() -> Rig {
@@ -295,31 +296,58 @@ fn m09_60ffh_during_quick_stop_is_ignored() {
 
 #[test]
 fn i11_a_velocity_crosses_the_end_of_32_bits_without_a_jump() {
-    for sign in [1, -1] {
-        let mut rig = enabled();
-        // Turned by hand, without power.
-        rig.write(0x00);
-        rig.ticks(3);
-        rig.motor.position = i64::from(sign) * (i64::from(i32::MAX) - 5_000);
-        rig.ticks(3);
-        for controlword in [0x06, 0x07, 0x0F] {
-            rig.write(controlword);
-            rig.tick();
+    for ramps in [
+        Ramps::Linear,
+        Ramps::SinSquared,
+        Ramps::MovingAverage(2_000_000),
+        Ramps::JerkLimited(2_000_000),
+    ] {
+        for sign in [1, -1] {
+            cross(ramps, sign);
         }
-        run(&mut rig, 10_000 * sign);
-        rig.ticks(300);
-        let mut before = rig.actuals().position_actual;
-        assert_eq!(before.signum(), sign, "not there yet");
-        for _ in 0..1_000 {
-            assert_eq!(rig.speed(), i64::from(10 * sign));
-            let actuals = rig.actuals();
-            assert_eq!(actuals.position_actual.wrapping_sub(before), 10 * sign);
-            assert_eq!(actuals.following_error.abs() / 2, 0);
-            before = actuals.position_actual;
-        }
-        assert_eq!(before.signum(), -sign, "wrapped");
-        assert!(rig.reached() && !rig.limited());
     }
+}
+
+/// Across the end at a velocity that is kept, back across it within a ramp that turns, and to rest.
+fn cross(ramps: Ramps, sign: i32) {
+    let mut rig = enabled();
+    rig.configuration.profile.ramps = ramps;
+    // Turned by hand, without power.
+    rig.write(0x00);
+    rig.ticks(3);
+    rig.motor.position = i64::from(sign) * (i64::from(i32::MAX) - 5_000);
+    rig.ticks(3);
+    for controlword in [0x06, 0x07, 0x0F] {
+        rig.write(controlword);
+        rig.tick();
+    }
+    run(&mut rig, 10_000 * sign);
+    rig.ticks(300);
+    let mut before = rig.actuals().position_actual;
+    assert_eq!(before.signum(), sign, "{ramps:?}: not there yet");
+    for _ in 0..1_000 {
+        assert_eq!(rig.speed(), i64::from(10 * sign), "{ramps:?}");
+        let actuals = rig.actuals();
+        assert_eq!(actuals.position_actual.wrapping_sub(before), 10 * sign);
+        assert_eq!(actuals.following_error.abs() / 2, 0);
+        before = actuals.position_actual;
+    }
+    assert_eq!(before.signum(), -sign, "{ramps:?}: wrapped");
+    assert!(rig.reached() && !rig.limited());
+    run(&mut rig, -10_000 * sign);
+    let turned = (0..2_000).any(|_| {
+        rig.tick();
+        let now = rig.actuals().position_actual;
+        let step = now.wrapping_sub(before);
+        assert!(step.abs() <= 11, "{ramps:?}: {step} steps in a tick");
+        before = now;
+        step.signum() == -sign && now.signum() == sign
+    });
+    assert!(turned, "{ramps:?}: back across the end");
+    run(&mut rig, 0);
+    rig.rest();
+    assert_eq!(rig.actuals().velocity_demand, 0, "{ramps:?}");
+    assert!(!rig.limited());
 }
 
 #[test]

@@ -173,6 +173,25 @@ proptest! {
         prop_assert_eq!(absolute.actuals().position_actual, sum);
     }
 
+    /// With numbers that have nothing in common: a unit is between a third of an increment and three.
+    #[test]
+    fn i07_relative_moves_add_up_with_any_ratio(
+        increments in 1u32 << 30..=u32::MAX, units in 1u32 << 30..=u32::MAX, polarity: u8,
+        ways in prop::collection::vec(-300i32..300, 1..12),
+    ) {
+        let factors = Factors { polarity, ..ratio(increments, units) };
+        let mut relative = rig(factors);
+        for way in &ways {
+            relative.set_point(*way, RELATIVE_AT_ONCE);
+            relative.ticks(3);
+        }
+        let sum: i32 = ways.iter().sum();
+        let exact = f64::from(sum) * f64::from(increments) / f64::from(units);
+        let real = relative.rest() as f64 * if polarity & 0x80 == 0 { 1.0 } else { -1.0 };
+        prop_assert!((real - exact).abs() <= 0.500_001, "{} for {}", real, exact);
+        prop_assert_eq!(relative.actuals().position_actual, sum);
+    }
+
     #[test]
     fn m58_polarity_mirrors_the_motion(
         increments in 1u32..100, units in 1u32..100, targets in prop::array::uniform3(-3_000i32..3_000),

@@ -168,11 +168,20 @@ proptest! {
         };
         let user = i64::from(user);
         let increments = units.position(user);
-        let unit = units.position(1).unsigned_abs();
         prop_assert_eq!(units.position(-user), -increments);
-        if unit > 1 && increments.unsigned_abs() < 1 << 62 {
+        let product = |factors: [u32; 3]| factors.map(u128::from).into_iter().product::<u128>();
+        let encoder = factors.position_encoder.unwrap();
+        // A unit is an increment at least.
+        let is_coarse = product([encoder.0, factors.gear.0, factors.feed.1]) >= product([encoder.1, factors.gear.1, factors.feed.0]);
+        if is_coarse && increments.unsigned_abs() < 1 << 62 {
             prop_assert_eq!(units.position_in_units(increments), user);
         }
+    }
+
+    #[test]
+    fn m73_positions_come_back_from_units_of_little_more_than_an_increment(unit in 1u32..1 << 31, more in 0u32..1 << 30, user: i32) {
+        let units = Units::new(ratio(unit + more % unit / 2, unit)).unwrap();
+        prop_assert_eq!(units.position_in_units(units.position(user.into())), user.into());
     }
 
     #[test]
