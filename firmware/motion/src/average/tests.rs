@@ -144,7 +144,7 @@ proptest! {
 
     /// Invariant 12 and what else makes a mean, whatever happens in what order.
     #[test]
-    fn whatever_is_planned_its_mean_is_followed_at_limited_jerk(
+    fn i12_whatever_is_planned_its_mean_is_followed_at_limited_jerk(
         window in window(),
         orders in prop::collection::vec((goal(), limits(), 0u64..HZ.into()), 1..8),
         velocity in prop_oneof![Just(0), -300_000i32..300_000],

@@ -6,6 +6,7 @@ mod forms;
 mod hours;
 mod legs;
 mod lines;
+mod mean;
 mod prepare;
 mod random;
 mod replay;
