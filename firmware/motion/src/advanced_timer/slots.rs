@@ -139,14 +139,19 @@ impl<'a> Place<'a> {
             } else {
                 self.put_parts::<2>(record)?;
             }
-        } else if ticks <= LONGEST_RUN && repeat <= MOST_PERIODS {
-            self.put_runs::<1>(record)?;
-        } else if ticks <= 2 * LONGEST_RUN && repeat <= 2 * MOST_PERIODS {
-            self.put_runs::<2>(record)?;
-        } else if ticks <= 3 * LONGEST_RUN && repeat <= 3 * MOST_PERIODS {
-            self.put_runs::<3>(record)?;
         } else {
-            self.pass(put_many(self.room, record, self.level)?)?;
+            // None longer than a run may be: what waits for a plan is reckoned with that.
+            let most = LONGEST_RUN.checked_div(period)?.min(MOST_PERIODS);
+            let runs = repeat
+                .checked_add(most)?
+                .wrapping_sub(1)
+                .checked_div(most)?;
+            match runs {
+                1 => self.put_runs::<1>(record)?,
+                2 => self.put_runs::<2>(record)?,
+                3 => self.put_runs::<3>(record)?,
+                _ => self.pass(put_many(self.room, record, (runs, self.level))?)?,
+            }
         }
         Some(ticks)
     }
@@ -194,13 +199,8 @@ impl<'a> Place<'a> {
 
 /// In more of them. Gives how many were written, and the ticks of the last one.
 #[inline(never)]
-fn put_many(slots: &[Slot], record: &Record, level: u32) -> Option<(usize, u32)> {
+fn put_many(slots: &[Slot], record: &Record, (runs, level): (u32, u32)) -> Option<(usize, u32)> {
     let (period, repeat) = (record.period, u32::from(record.repeat));
-    // Never more runs than periods.
-    let runs = period
-        .wrapping_mul(repeat)
-        .div_ceil(LONGEST_RUN)
-        .max(repeat.div_ceil(MOST_PERIODS));
     let slots = slots.get(..runs as usize)?;
     let (mut left, mut share) = (repeat, 0);
     for (slot, runs) in slots.iter().zip((1..=runs).rev()) {
