@@ -266,6 +266,8 @@ impl<'a> Machine<'a> {
         for (register, value) in [
             (Register::Smcr, 0b111),
             (Register::StreamFcr, 0b10_0111),
+            (Register::StreamPar, 0x4002_6000),
+            (Register::StreamM0ar, 0x2000_0000),
             (Register::CounterDier, 1),
             (Register::CounterPsc, 83),
             (Register::CounterArr, 0xFFFF),
@@ -303,6 +305,12 @@ impl<'a> Machine<'a> {
             // RM0090, 10.5: channel 6, very high, words, MINC, CIRC, memory to peripheral, on; direct mode.
             (Register::StreamCr, 0x0C03_5541),
             (Register::StreamFcr, 0),
+            // RM0090, 2.3 and 17.4.20: TIM1_DMAR; 10.5.9: the memory of the slots.
+            (Register::StreamPar, 0x4001_0000 + 0x4C),
+            (
+                Register::StreamM0ar,
+                std::ptr::from_ref(self.ring).addr() as u32,
+            ),
             // RM0090, 18.4: TIM2 counts ITR0, which is TIM1, in 32 bits; every channel captures both edges of its own pin.
             (Register::CounterCr1, 1),
             (Register::CounterSmcr, 0x07),
@@ -362,6 +370,13 @@ impl<'a> Machine<'a> {
             Register::StreamNdtr => {
                 assert!(!self.streams(), "NDTR is written while the stream is on");
                 self.stream.left = value;
+            }
+            Register::StreamPar | Register::StreamM0ar => {
+                assert!(
+                    !self.streams(),
+                    "{register:?} is written while the stream is on"
+                );
+                self.registers[register as usize] = value;
             }
             Register::StreamCr => {
                 self.registers[register as usize] = value;

@@ -74,10 +74,9 @@ impl<R> fmt::Debug for Output<'_, R> {
 }
 
 impl<'a, R: Registers> Output<'a, R> {
-    /// Sets up timers and stream. Both timers stand still, the outputs are low; the clocks of the peripherals are on, and the
-    /// stream has its addresses.
+    /// Sets up timers and stream. Both timers stand still, the outputs are low; the clocks of the peripherals are on.
     pub fn new(mut registers: R, ring: &'a Ring) -> Self {
-        set_up::timer(&mut registers);
+        set_up::timer(&mut registers, ring);
         set_up::counter(&mut registers);
         let mut output = Self {
             registers,
@@ -431,7 +430,7 @@ impl<'a, R: Registers> Output<'a, R> {
         self.switch_stream_off();
         let was_broken = self.is_broken();
         self.registers.reset();
-        set_up::timer(&mut self.registers);
+        set_up::timer(&mut self.registers, self.ring);
         if !was_broken {
             // If a break has come since, its flag is set.
             self.let_out();

@@ -33,8 +33,12 @@ pub enum Register {
     Bdtr,
     /// TIM1_DCR: where a DMA burst begins and how long it is.
     Dcr,
-    /// DMA2_S5CR: the stream. Its addresses (DMA2_S5PAR: TIM1_DMAR; DMA2_S5M0AR: the ring) are for the board to write.
+    /// DMA2_S5CR: the stream.
     StreamCr,
+    /// DMA2_S5PAR: where the stream writes, [`bits::TIM1_DMAR`].
+    StreamPar,
+    /// DMA2_S5M0AR: where it reads, the ring ([`Ring::address`](super::Ring::address)).
+    StreamM0ar,
     /// DMA2_S5FCR: the FIFO of the stream; 0 is direct mode.
     StreamFcr,
     /// DMA2_S5NDTR: words left in this round.
@@ -73,7 +77,7 @@ pub enum Register {
 
 /// A timer with its DMA stream, and the timer that counts its pulses.
 pub trait Registers {
-    /// Writes a register.
+    /// Writes a register. Of the addresses of the stream, only those named at [`Register::StreamPar`] and [`Register::StreamM0ar`] are written.
     fn write(&mut self, register: Register, value: u32);
 
     /// Reads a register. It has no effect but in a capture register of the counter, where it clears the flag.
@@ -121,6 +125,8 @@ pub mod bits {
     pub const MOE: u32 = 1 << 15;
     /// DCR: a burst of five words from PSC on.
     pub const BURST_FROM_PSC: u32 = 4 << 8 | 10;
+    /// DMA_SxPAR: TIM1_DMAR, which spreads a burst over the registers that DCR names.
+    pub const TIM1_DMAR: u32 = 0x4001_004C;
     /// DMA_SxCR: channel 6, priority very high, words on both sides, memory address counts up, round and round, memory to
     /// peripheral; direct mode.
     pub const STREAM: u32 =

@@ -45,6 +45,11 @@ impl Ring {
         ]
     }
 
+    /// Where the DMA finds it: addresses have 32 bits on a board.
+    pub fn address(&self) -> u32 {
+        core::ptr::from_ref(self).expose_provenance() as u32
+    }
+
     /// The words of a slot, counted round the ring, as the DMA reads them.
     pub fn words(&self, slot: u32) -> [u32; WORDS] {
         let mut words = [0; WORDS];

@@ -2,15 +2,18 @@
 //! left anything there.
 
 use super::registers::{Register, Registers, bits};
+use super::ring::Ring;
 
 /// TIM1 and the stream: they stand still, the outputs are not driven until BDTR has MOE, and a break is seen.
-pub(super) fn timer(registers: &mut impl Registers) {
+pub(super) fn timer(registers: &mut impl Registers, ring: &Ring) {
     use Register as Reg;
     for (register, value) in [
         (Reg::Sr, 0),
         (Reg::Bdtr, bits::BREAK),
         (Reg::StreamCr, 0),
         (Reg::StreamFcr, 0),
+        (Reg::StreamPar, bits::TIM1_DMAR),
+        (Reg::StreamM0ar, ring.address()),
         (Reg::Cr1, bits::URS | bits::ARPE),
         (Reg::Cr2, bits::TRGO_OC1REF),
         (Reg::Smcr, 0),

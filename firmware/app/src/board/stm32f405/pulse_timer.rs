@@ -5,8 +5,6 @@
 //! both off. TIM2 counts the steps by the internal trigger, and three of its channels capture the count at edges of the digital inputs.
 //! TIM5 gives the time: it runs from the same oscillator at half the clock of TIM1.
 
-use core::ptr::addr_of;
-
 use cia402::faults::of_pulses;
 use motion::advanced_timer::{
     count_at_edge, on_break, CaptureChannel, Output, Register, Registers, Ring,
@@ -61,7 +59,7 @@ pub type CapturePins = (PA0<Alternate<1>>, PA1<Alternate<1>>, PB11<Alternate<1>>
 /// the peripherals themselves: nobody else has them.
 pub struct Timers(());
 
-/// Gives the peripherals their clocks, and the stream its addresses: pulses for the control tick, and what the interrupts ask of them.
+/// Gives the peripherals their clocks: pulses for the control tick, and what the interrupts ask of them.
 pub fn start(
     peripherals: (pac::TIM1, pac::TIM2, pac::DMA2),
     pins: (PulsePins, CapturePins),
@@ -87,16 +85,18 @@ impl Timers {
         pac::TIM2::reset(rcc);
         pac::DMA2::enable(rcc);
         pac::DMA2::reset(rcc);
-        let stream = pac::DMA2::ptr() as usize;
-        let from = addr_of!(RING) as usize;
-        let to = pac::TIM1::ptr() as usize + offset::DMAR;
-        // SAFETY: both are registers of DMA2, which this function was given for good, and the stream is off. It will read the ring, which lives for
-        // ever and is made of atomics, and write TIM1_DMAR alone.
-        unsafe {
-            ((stream + offset::S5PAR) as *mut u32).write_volatile(to as u32);
-            ((stream + offset::S5M0AR) as *mut u32).write_volatile(from as u32);
-        }
         (Self(()), Self(()))
+    }
+
+    /// Whether the stream can do no harm by this: it may read the ring, which lives for ever and is made of atomics, and write TIM1_DMAR, and
+    /// nothing else.
+    #[inline(always)]
+    fn is_harmless(register: Register, value: u32) -> bool {
+        match register {
+            Register::StreamPar => value as usize == pac::TIM1::ptr() as usize + offset::DMAR,
+            Register::StreamM0ar => value == RING.address(),
+            _ => true,
+        }
     }
 
     /// Where a register lies.
@@ -121,6 +121,8 @@ impl Timers {
             Register::Bdtr => tim1 + offset::BDTR,
             Register::Dcr => tim1 + offset::DCR,
             Register::StreamCr => dma2 + offset::S5CR,
+            Register::StreamPar => dma2 + offset::S5PAR,
+            Register::StreamM0ar => dma2 + offset::S5M0AR,
             Register::StreamFcr => dma2 + offset::S5FCR,
             Register::StreamNdtr => dma2 + offset::S5NDTR,
             Register::StreamFlags => dma2 + offset::HIFCR,
@@ -146,8 +148,12 @@ impl Timers {
 impl Registers for Timers {
     #[inline(always)]
     fn write(&mut self, register: Register, value: u32) {
+        if !Self::is_harmless(register, value) {
+            // Without its addresses the stream has an error at once, which is told.
+            return;
+        }
         // SAFETY: the address is that of a register of 32 bits of a peripheral that is for this type alone. None of them changes memory
-        // but by the stream, whose addresses only `new` writes. A word is written whole, so two priorities may write.
+        // but by the stream, whose addresses are harmless. A word is written whole, so two priorities may write.
         unsafe { Self::address(register).write_volatile(value) }
     }
 
