@@ -188,7 +188,8 @@ impl<'a, R: Registers> Output<'a, R> {
     /// The stream stands still, and its last slot has been played again and again: all pulses since then went one way.
     #[cold]
     fn give_up(&mut self) {
-        let fetched = self.fetched;
+        // As a train is dropped, slots may have been fetched since the last service.
+        let fetched = self.fetched.wrapping_add(self.newly_fetched());
         let count = self.cut();
         let position = self.course.position_stuck(count, fetched);
         self.course = Course::new(count, position);
