@@ -144,3 +144,49 @@ fn two_dear_stops_in_a_row_make_no_pause() {
         assert_ne!(warnings(too_dear, phase), 0, "{phase} us");
     }
 }
+
+/// An error of the DMA, at any moment of a cruise: the emergency message leaves within a control tick, which may come 50 µs late, and the motor has
+/// no power. Then the drive moves as before.
+#[test]
+fn a_transfer_error_is_told_within_a_control_tick() {
+    let (mut master, handle) = enabled(Bus::new(BitRate::Kbit1000), Duration::micros(125)).unwrap();
+    let node = u16::from(Board::NODE);
+    master.write(Board::NODE, 0x60FF, 0, 100_000_i32).unwrap();
+    master.wait(Duration::millis(100)).unwrap();
+    let mut now = master.now();
+    let mut board = master.bus_mut().detach(handle);
+    for moment in (0..1_000).step_by(37) {
+        now += Duration::millis(50);
+        let failed = now + Duration::micros(moment);
+        while board.poll(failed) <= failed {}
+        assert!(board.pulses_at(failed) > 0, "it moves");
+        while board.transmit().is_some() {}
+        board.model().fail_stream();
+        let mut told = failed;
+        let code = loop {
+            told += Duration::micros(1);
+            board.poll(told);
+            let frame = std::iter::from_fn(|| board.transmit())
+                .find(|frame| frame.standard_id() == Some(0x80 + node));
+            if let Some(frame) = frame {
+                let data = embedded_can::Frame::data(&frame);
+                break u16::from_le_bytes([data[0], data[1]]);
+            }
+            assert!(told <= failed + Duration::micros(1_100), "{moment}");
+        };
+        assert_eq!(code, 0x5200);
+        let stood = board.pulses_at(told);
+        now = told;
+        for controlword in [0x80_u16, 0x06, 0x07, 0x0F] {
+            // A state is shown for 50 ms, where no transmit PDO tells of it.
+            now += Duration::millis(60);
+            assert_eq!(board.pulses_at(now), stood);
+            let is_fault = board.state() == cia402::State::Fault;
+            assert_eq!(is_fault, controlword == 0x80, "{moment}");
+            let frame = Frame::data_frame(0x200 + node, &controlword.to_le_bytes());
+            board.receive(&frame, now);
+        }
+        now += Duration::millis(50);
+        assert!(board.pulses_at(now) > stood, "it moves again");
+    }
+}

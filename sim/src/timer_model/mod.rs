@@ -294,6 +294,7 @@ impl<'a> Machine<'a> {
 
     /// Holds every register that a train relies on against the manual, when a train begins.
     fn check_set_up(&self) {
+        let memory = std::ptr::from_ref(self.ring).addr() as u32;
         for (register, value) in [
             // RM0090, 17.4: PWM mode 1 with preload on both channels, TRGO = OC1REF, OC1N and OC2N, burst of 5 words from PSC (28h / 4).
             (Register::Ccmr1, 0x6868),
@@ -307,10 +308,7 @@ impl<'a> Machine<'a> {
             (Register::StreamFcr, 0),
             // RM0090, 2.3 and 17.4.20: TIM1_DMAR; 10.5.9: the memory of the slots.
             (Register::StreamPar, 0x4001_0000 + 0x4C),
-            (
-                Register::StreamM0ar,
-                std::ptr::from_ref(self.ring).addr() as u32,
-            ),
+            (Register::StreamM0ar, memory),
             // RM0090, 18.4: TIM2 counts ITR0, which is TIM1, in 32 bits; every channel captures both edges of its own pin.
             (Register::CounterCr1, 1),
             (Register::CounterSmcr, 0x07),
@@ -372,10 +370,7 @@ impl<'a> Machine<'a> {
                 self.stream.left = value;
             }
             Register::StreamPar | Register::StreamM0ar => {
-                assert!(
-                    !self.streams(),
-                    "{register:?} is written while the stream is on"
-                );
+                assert!(!self.streams(), "written while the stream is on");
                 self.registers[register as usize] = value;
             }
             Register::StreamCr => {
@@ -432,19 +427,16 @@ impl<'a> Machine<'a> {
 
     /// Before a write.
     fn move_break_input(&mut self) {
-        match &mut self.break_begins_behind {
-            Some(0) => {
-                (self.is_break_active, self.break_begins_behind) = (true, None);
-                self.cut_off();
-            }
-            Some(writes) => *writes -= 1,
-            None => {}
+        let is_due = |behind: &mut Option<u32>| {
+            let is_due = *behind == Some(0);
+            *behind = behind.and_then(|writes| writes.checked_sub(1));
+            is_due
+        };
+        if is_due(&mut self.break_begins_behind) {
+            self.is_break_active = true;
+            self.cut_off();
         }
-        match &mut self.break_ends_behind {
-            Some(0) => (self.is_break_active, self.break_ends_behind) = (false, None),
-            Some(writes) => *writes -= 1,
-            None => {}
-        }
+        self.is_break_active &= !is_due(&mut self.break_ends_behind);
     }
 
     /// An active break input cuts the outputs off, if it is switched on.
