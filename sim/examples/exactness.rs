@@ -38,6 +38,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, velocity) in [
         ("position error at 100 kHz, thousandths of a step", 100_000),
         ("position error at 500 kHz, thousandths of a step", 500_000),
+        // Periods of 336.5 and 168.3 ticks.
+        (
+            "position error at 499,259 Hz, thousandths of a step",
+            499_259,
+        ),
+        ("position error at 998 kHz, thousandths of a step", 998_000),
         ("position error at 1 MHz, thousandths of a step", 1_000_000),
     ] {
         let steps = position::greatest_error(velocity, STEEP, motion::Ramps::Linear);

@@ -40,7 +40,8 @@ fn decimal(vector: &Value, key: &str) -> f64 {
     }
 }
 
-/// The reference vectors of trapezoids, at the default clock. Those over the full span of positions have tests of their own.
+/// The reference vectors of trapezoids, at the default clock. Those over the full span of positions (T09, T10) are left
+/// to the tests of the planner.
 #[test]
 fn the_reference_moves_take_their_time_and_land() {
     let vectors = include_str!("../../firmware/motion/tests/motion-vectors.json");

@@ -1,7 +1,7 @@
 //! Pulses too many or too few: none, whatever is asked for.
 
 use motion::advanced_timer::Ring;
-use motion::{Limits, PlanError, Ramps};
+use motion::{Axis, FollowError, Limits, PlanError, Position, Ramps};
 
 use super::{FAST, Numbers, STEEP};
 use crate::timer_model::Judge;
@@ -14,7 +14,9 @@ pub struct Counted {
     pub pulses: u64,
     /// The most by which the pins ever were off from what they had to be at rest, in steps.
     pub error: u64,
-    /// How often the timers had nothing to play in motion, because the processor stood still, and told it.
+    /// How often the processor stood still.
+    pub pauses: u64,
+    /// How often the timers had nothing to play in motion, because it stood still, and told it.
     pub underruns: u64,
 }
 
@@ -62,10 +64,10 @@ pub fn long_moves(pulses: u64) -> Counted {
             .max(rig.model.judge().position.abs_diff(target))
             .max(made.abs_diff(way.unsigned_abs()));
     }
-    counted(&rig, error)
+    counted(&rig, error, 0)
 }
 
-/// So many sequences of six commands each, at any moment and from any velocity: moves, velocities, stops, power off, with ramps of every
+/// So many sequences of six commands each, at any moment and from any velocity: moves to a target and on through it, velocities, set-points, stops, power off, with ramps of every
 /// form, changed in motion too; and now and then the processor stands still for up to 5 ms.
 ///
 /// # Panics
@@ -74,7 +76,7 @@ pub fn sequences(number: u64) -> Counted {
     let ring = Ring::new();
     let mut rig = Rig::new(&ring, FAST, Judge::new(FAST));
     let mut numbers = Numbers::new(0x9E37_79B9_7F4A_7C15);
-    let mut error = 0;
+    let (mut error, mut pauses) = (0, 0);
     for sequence in 1..=number {
         for _ in 0..6 {
             // A command that is refused leaves the motion as it was.
@@ -85,6 +87,7 @@ pub fn sequences(number: u64) -> Counted {
             if numbers.below(50) == 0 {
                 let pause = numbers.below(u64::from(HZ) / 200);
                 rig.refill(pause);
+                pauses += 1;
             }
         }
         rig.axis.stop(200_000_000).expect("a stop that can be");
@@ -100,7 +103,14 @@ pub fn sequences(number: u64) -> Counted {
             error = error.max(off(&mut rig)).max(position.unsigned_abs());
         }
     }
-    counted(&rig, error)
+    counted(&rig, error, pauses)
+}
+
+/// A set-point on a straight line from where the course ends, so many ticks and steps further on.
+fn follow(axis: &mut Axis, ticks: u64, steps: i64) -> Result<(), FollowError> {
+    let (end, state) = axis.course_end();
+    let to = Position::from_bits(state.position.bits().wrapping_add(steps << 32));
+    axis.follow(end + ticks, to)
 }
 
 fn command(rig: &mut Rig<'_>, numbers: &mut Numbers) -> Result<(), PlanError> {
@@ -119,7 +129,7 @@ fn command(rig: &mut Rig<'_>, numbers: &mut Numbers) -> Result<(), PlanError> {
             _ => Ramps::MovingAverage(jerk),
         });
     }
-    match numbers.below(8) {
+    match numbers.below(11) {
         0..=2 => {
             let target = numbers.below(8_000) as i64 - 4_000;
             rig.axis.move_to(target, limits)
@@ -129,6 +139,17 @@ fn command(rig: &mut Rig<'_>, numbers: &mut Numbers) -> Result<(), PlanError> {
             rig.axis.ramp_to(velocity.into(), limits)
         }
         5 | 6 => rig.axis.stop(limits.deceleration),
+        7 | 8 => {
+            let target = numbers.below(8_000) as i64 - 4_000;
+            let end = numbers.below(200_000) as u32;
+            rig.axis.move_through(target, end.into(), limits)
+        }
+        9 => {
+            // A set-point that is refused leaves the motion as it was, too.
+            let ticks = 1 + numbers.below(8 * u64::from(SEGMENT));
+            let _ = follow(&mut rig.axis, ticks, numbers.below(600) as i64 - 300);
+            Ok(())
+        }
         _ => {
             rig.output.drop_all();
             rig.axis.abort();
@@ -149,10 +170,11 @@ fn off(rig: &mut Rig<'_>) -> u64 {
         .max(plan.abs_diff(i64::from(pins as i32)))
 }
 
-fn counted(rig: &Rig<'_>, error: u64) -> Counted {
+fn counted(rig: &Rig<'_>, error: u64, pauses: u64) -> Counted {
     Counted {
         pulses: rig.model.judge().pulses,
         error,
+        pauses,
         underruns: rig.underruns,
     }
 }

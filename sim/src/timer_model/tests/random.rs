@@ -1,7 +1,7 @@
 //! Any sequence of commands, with a processor that comes late or not at all: every pulse is accounted for.
 
 use motion::advanced_timer::{WORDS, on_break};
-use motion::{DriverTiming, Limits, PulseSink, Ramps};
+use motion::{Axis, DriverTiming, FollowError, Limits, Position, PulseSink, Ramps};
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 
@@ -12,6 +12,10 @@ use super::{FAST, SLOW, rig};
 enum Command {
     MoveTo(i32, Limits),
     RampTo(i32, Limits),
+    /// On through a target, with the second number of steps/s.
+    MoveThrough(i32, u32, Limits),
+    /// A set-point so many ticks behind the one before, at so many steps/s.
+    Follow(u32, i32),
     Stop(u32),
     /// Ramps for what comes from now on.
     Choose(Ramps),
@@ -56,6 +60,9 @@ fn command() -> impl Strategy<Value = Command> {
         3 => (-20_000..20_000i32, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
         2 => (-50..50i32, limits()).prop_map(|(target, limits)| Command::MoveTo(target, limits)),
         2 => (-900_000..900_000i32, limits()).prop_map(|(velocity, limits)| Command::RampTo(velocity, limits)),
+        2 => (-20_000..20_000i32, 0..900_000u32, limits())
+            .prop_map(|(target, end, limits)| Command::MoveThrough(target, end, limits)),
+        2 => (1..20 * SEGMENT, -900_000..900_000i32).prop_map(|(ticks, velocity)| Command::Follow(ticks, velocity)),
         2 => (1..50_000_000u32).prop_map(Command::Stop),
         2 => ramps(20).prop_map(Command::Choose),
         1 => Just(Command::Drop),
@@ -65,6 +72,14 @@ fn command() -> impl Strategy<Value = Command> {
         2 => (0..4 * SEGMENT).prop_map(Command::Late),
         1 => (0..400 * SEGMENT).prop_map(Command::Late),
     ]
+}
+
+/// A set-point on a straight line from where the course ends.
+fn follow(axis: &mut Axis, ticks: u32, velocity: i32) -> Result<(), FollowError> {
+    let (end, state) = axis.course_end();
+    let way = (i128::from(velocity) << 32) * i128::from(ticks) / i128::from(HZ);
+    let to = Position::from_bits(state.position.bits().wrapping_add(way as i64));
+    axis.follow(end + u64::from(ticks), to)
 }
 
 /// What is left of the plan is given up, at rest.
@@ -135,6 +150,14 @@ fn play(commands: &[Command], timing: DriverTiming, burst: u64, access: u64, cou
         let _ = match *command {
             Command::MoveTo(target, limits) => rig.axis.move_to(target.into(), limits),
             Command::RampTo(velocity, limits) => rig.axis.ramp_to(velocity.into(), limits),
+            Command::MoveThrough(target, end, limits) => {
+                (rig.axis).move_through(target.into(), end.into(), limits)
+            }
+            Command::Follow(ticks, velocity) => {
+                // What is refused leaves the motion as it was.
+                let _ = follow(&mut rig.axis, ticks, velocity);
+                Ok(())
+            }
             Command::Stop(deceleration) => rig.axis.stop(deceleration),
             Command::Choose(ramps) => {
                 rig.axis.set_ramps(ramps);
