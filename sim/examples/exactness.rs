@@ -5,7 +5,7 @@ use std::thread;
 
 use canopen::Duration;
 use sim::exactness::count::{long_moves, sequences};
-use sim::exactness::reaction::{Order, Profile, Reaction, longest};
+use sim::exactness::reaction::{Mode, Order, Profile, Reaction, longest};
 use sim::exactness::{STEEP, duration, position, rate};
 use sim::master::Failure;
 use sim::timer_model::rig::HZ;
@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             (", limited jerk", Profile::JerkLimited),
             (", moving average", Profile::MovingAverage),
         ] {
-            let worst = reaction(order, profile)?;
+            let worst = reaction(order, profile, Mode::ProfileVelocity)?;
             if profile == Profile::Linear {
                 row(
                     &format!("{name} to the first slower step, from the control tick, µs"),
@@ -87,19 +87,24 @@ fn main() -> Result<(), Box<dyn Error>> {
                 worst.from_frame,
             );
         }
+        let worst = reaction(order, Profile::Linear, Mode::ProfilePosition)?;
+        row(
+            &format!("{name} to the first slower step, from its frame, in profile position, µs"),
+            worst.from_frame,
+        );
     }
     Ok(())
 }
 
 /// The longest of 1,100 reactions.
-fn reaction(order: Order, profile: Profile) -> Result<Reaction, Failure> {
+fn reaction(order: Order, profile: Profile, mode: Mode) -> Result<Reaction, Failure> {
     let mut worst = Reaction::default();
     for refill in (0..250).step_by(50) {
         // Ramps of 20 ms, a tenth of a segment longer each.
         for tenth in 0..10 {
             let ramp = STEEP - STEEP / 800 * tenth;
             let refill = Duration::micros(refill);
-            worst = worst.max(longest(order, profile, refill, ramp)?);
+            worst = worst.max(longest(order, profile, mode, refill, ramp)?);
         }
     }
     Ok(worst)

@@ -1,7 +1,7 @@
 //! Pulses too many or too few: none, whatever is asked for.
 
 use motion::advanced_timer::Ring;
-use motion::{Axis, FollowError, Limits, PlanError, Position, Ramps};
+use motion::{Limits, PlanError, Ramps};
 
 use super::{FAST, Numbers, STEEP};
 use crate::timer_model::Judge;
@@ -67,7 +67,7 @@ pub fn long_moves(pulses: u64) -> Counted {
     counted(&rig, error, 0)
 }
 
-/// So many sequences of six commands each, at any moment and from any velocity: moves to a target and on through it, velocities, set-points, stops, power off, with ramps of every
+/// So many sequences of six commands each, at any moment and from any velocity: moves, velocities, stops, power off, with ramps of every
 /// form, changed in motion too; and now and then the processor stands still for up to 5 ms.
 ///
 /// # Panics
@@ -106,13 +106,6 @@ pub fn sequences(number: u64) -> Counted {
     counted(&rig, error, pauses)
 }
 
-/// A set-point on a straight line from where the course ends, so many ticks and steps further on.
-fn follow(axis: &mut Axis, ticks: u64, steps: i64) -> Result<(), FollowError> {
-    let (end, state) = axis.course_end();
-    let to = Position::from_bits(state.position.bits().wrapping_add(steps << 32));
-    axis.follow(end + ticks, to)
-}
-
 fn command(rig: &mut Rig<'_>, numbers: &mut Numbers) -> Result<(), PlanError> {
     let limits = Limits {
         velocity: (1 + numbers.below(1_000_000) as u32).into(),
@@ -129,7 +122,7 @@ fn command(rig: &mut Rig<'_>, numbers: &mut Numbers) -> Result<(), PlanError> {
             _ => Ramps::MovingAverage(jerk),
         });
     }
-    match numbers.below(11) {
+    match numbers.below(8) {
         0..=2 => {
             let target = numbers.below(8_000) as i64 - 4_000;
             rig.axis.move_to(target, limits)
@@ -139,17 +132,6 @@ fn command(rig: &mut Rig<'_>, numbers: &mut Numbers) -> Result<(), PlanError> {
             rig.axis.ramp_to(velocity.into(), limits)
         }
         5 | 6 => rig.axis.stop(limits.deceleration),
-        7 | 8 => {
-            let target = numbers.below(8_000) as i64 - 4_000;
-            let end = numbers.below(200_000) as u32;
-            rig.axis.move_through(target, end.into(), limits)
-        }
-        9 => {
-            // A set-point that is refused leaves the motion as it was, too.
-            let ticks = 1 + numbers.below(8 * u64::from(SEGMENT));
-            let _ = follow(&mut rig.axis, ticks, numbers.below(600) as i64 - 300);
-            Ok(())
-        }
         _ => {
             rig.output.drop_all();
             rig.axis.abort();

@@ -2,7 +2,7 @@
 
 use canopen::{BitRate, Duration, Frame, Instant};
 
-use super::enabled;
+use super::{PROFILE_POSITION, enabled};
 use crate::bus::Station;
 use crate::bus::simulated::Bus;
 use crate::master::Failure;
@@ -35,6 +35,15 @@ pub enum Profile {
 /// Steps/s³: [`super::STEEP`] within 2 ms. A ramp begins the more slowly the less it is.
 pub const JERK: u32 = 2_500_000_000;
 
+/// What moves the motor until it is stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// 60FFh.
+    ProfileVelocity,
+    /// A target that is far away, at 6081h.
+    ProfilePosition,
+}
+
 /// The longest reactions, in microseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reaction {
@@ -57,6 +66,9 @@ impl Reaction {
 /// The velocity that is left, in steps/s.
 const VELOCITY: i32 = 100_000;
 
+/// A target that is not reached.
+const FAR: i32 = 2_000_000_000;
+
 /// Each order comes so many microseconds later, in relation to the control tick.
 const APART: u64 = 47;
 
@@ -74,6 +86,7 @@ const ORDERS: u64 = 1_000 / APART + 1;
 pub fn longest(
     order: Order,
     profile: Profile,
+    mode: Mode,
     phase: Duration,
     ramp: u32,
 ) -> Result<Reaction, Failure> {
@@ -89,7 +102,16 @@ pub fn longest(
     master.write(node, 0x60A4, 1, JERK)?;
     master.write(node, 0x20A0, 0, u8::from(profile != Profile::Linear))?;
     master.write(node, 0x6083, 0, ramp)?;
-    master.write(node, 0x60FF, 0, VELOCITY)?;
+    match mode {
+        Mode::ProfileVelocity => master.write(node, 0x60FF, 0, VELOCITY)?,
+        Mode::ProfilePosition => {
+            master.write(node, 0x6060, 0, PROFILE_POSITION)?;
+            master.write(node, 0x6081, 0, VELOCITY.cast_unsigned())?;
+            master.write(node, 0x607A, 0, FAR)?;
+            master.wait(Duration::millis(5))?;
+            master.controlword(node, 0x1F);
+        }
+    }
     master.wait(Duration::millis(100))?;
     // From here on orders come to the microsecond, and no bus is needed.
     let mut now = master.now() + Duration::millis(10);
@@ -99,9 +121,11 @@ pub fn longest(
         let reaction = once(&mut board, now + Duration::micros(number * APART), order);
         longest = longest.max(reaction);
         // At rest after 20 ms; back at the velocity, in whole milliseconds from the order before.
-        let back: &[u16] = match order {
-            Order::Halt | Order::DisableOperation => &[0x0F],
-            Order::QuickStop => &[0x06, 0x07, 0x0F],
+        let back: &[u16] = match (order, mode) {
+            (Order::Halt, _) | (Order::DisableOperation, Mode::ProfileVelocity) => &[0x0F],
+            (Order::DisableOperation, Mode::ProfilePosition) => &[0x0F, 0x1F],
+            (Order::QuickStop, Mode::ProfileVelocity) => &[0x06, 0x07, 0x0F],
+            (Order::QuickStop, Mode::ProfilePosition) => &[0x06, 0x07, 0x0F, 0x1F],
         };
         now += Duration::millis(60);
         for controlword in back {

@@ -4,7 +4,7 @@ use canopen::{BitRate, Duration, Frame};
 use motion::Ramps;
 
 use super::count::{long_moves, sequences};
-use super::reaction::{Order, Profile, longest};
+use super::reaction::{Mode, Order, Profile, longest};
 use super::{duration, enabled, position, rate};
 use crate::bus::Station;
 use crate::bus::simulated::Bus;
@@ -89,11 +89,14 @@ fn a_stop_is_felt_within_a_millisecond_of_its_frame() {
             4_970_000,
         ),
     ] {
-        let reaction = longest(order, profile, Duration::micros(phase), ramp).unwrap();
-        let case = format!("{order:?}, {profile:?}: {reaction:?}");
-        assert!(reaction.from_frame <= 1_000, "{case}");
-        // It is not felt before the pulses have left that are handed out.
-        assert!(reaction.from_frame > 500, "{case}");
+        for mode in [Mode::ProfileVelocity, Mode::ProfilePosition] {
+            let phase = Duration::micros(phase);
+            let reaction = longest(order, profile, mode, phase, ramp).unwrap();
+            let case = format!("{order:?}, {profile:?}, {mode:?}: {reaction:?}");
+            assert!(reaction.from_frame <= 1_000, "{case}");
+            // It is not felt before the pulses have left that are handed out.
+            assert!(reaction.from_frame > 500, "{case}");
+        }
     }
 }
 
