@@ -17,6 +17,36 @@ const MOST_CHORDS: u64 = 64;
 /// In fewer chords before a corner it is not begun.
 const FEW: u64 = 4;
 
+/// Q64 steps, modulo 2³²: three digits, so that nothing need be shifted to have it in Q32.
+#[derive(Debug, Clone, Copy)]
+struct Digits {
+    /// Q32, and what is behind that.
+    steps: i64,
+    rest: u32,
+}
+
+impl Digits {
+    const NONE: Self = Self { steps: 0, rest: 0 };
+
+    #[inline]
+    const fn of(value: i128) -> Self {
+        Self {
+            steps: (value >> 32) as i64,
+            rest: value as u32,
+        }
+    }
+
+    #[inline]
+    fn all(self) -> i128 {
+        i128::from(self.steps) << 32 | i128::from(self.rest)
+    }
+
+    #[inline]
+    fn plus(self, way: i128) -> Self {
+        Self::of(self.all().wrapping_add(way))
+    }
+}
+
 /// How the axis goes on from the commit horizon.
 #[derive(Debug, Clone)]
 pub(super) struct Bow {
@@ -25,9 +55,10 @@ pub(super) struct Bow {
     length: u32,
     /// By which part of it, Q64, the growth bends back; 0 where the jerk is constant.
     bend: u64,
-    /// Q61 steps; what it grows by in the next chord, what that grows by, and so on.
-    position: i128,
-    way: i128,
+    /// Where it is, and what that grows by in the next chord.
+    position: Digits,
+    way: Digits,
+    /// Q61 steps: what the way grows by, and what that grows by.
     growth: i64,
     third: i64,
     /// The same of the velocity, Q56.
@@ -41,8 +72,8 @@ impl Bow {
         left: 0,
         length: 0,
         bend: 0,
-        position: 0,
-        way: 0,
+        position: Digits::NONE,
+        way: Digits::NONE,
         growth: 0,
         third: 0,
         velocity: 0,
@@ -75,8 +106,8 @@ impl Bow {
             left: chords as u32,
             length,
             bend,
-            position: a.position >> 35,
-            way: way >> 35,
+            position: Digits::of(a.position >> 32),
+            way: Digits::of(way >> 32),
             growth: i64::try_from(growth >> 35).ok()?,
             third: i64::try_from(between(growth, next) >> 35).ok()?,
             velocity: (a.velocity >> 40) as i64,
@@ -101,10 +132,10 @@ impl Bow {
             return None;
         }
         self.left = self.left.wrapping_sub(1);
-        let from = (self.position >> 29) as i64;
+        let from = self.position.steps;
         let gain = self.gain;
-        self.position = self.position.wrapping_add(self.way);
-        self.way = self.way.wrapping_add(self.growth.into());
+        self.position = self.position.plus(self.way.all());
+        self.way = self.way.plus(i128::from(self.growth) << 3);
         self.growth = self.growth.wrapping_add(self.third);
         self.velocity = self.velocity.wrapping_add(self.gain);
         self.gain = self.gain.wrapping_add(self.rise);
@@ -113,7 +144,7 @@ impl Bow {
             self.rise = self.rise.wrapping_sub(part(self.gain, self.bend));
         }
         let to = State {
-            position: Position::from_bits((self.position >> 29) as i64),
+            position: Position::from_bits(self.position.steps),
             velocity: Velocity::from_bits(self.velocity),
         };
         let chord = Chord {
