@@ -39,14 +39,8 @@ pub(super) fn plan(
     let deceleration = Slope::new(clock, limits.deceleration);
     let half_deceleration = deceleration.half;
     let stop_time = deceleration.time(speed);
-    // Half of speed · time, which bounds the stopping distance well enough to refuse what would leave the span.
-    let bits = 256u32
-        .wrapping_sub(speed.leading_zeros())
-        .wrapping_sub(stop_time.leading_zeros());
-    if bits > 160 {
-        Wide::product(speed, stop_time)
-            .shifted(33)
-            .ok_or(PlanError::OutOfRange)?;
+    if is_beyond_span(speed, stop_time) {
+        return Err(PlanError::OutOfRange);
     }
     let stop_way = ramp_way(speed, half_deceleration, stop_time, true);
 
@@ -58,6 +52,9 @@ pub(super) fn plan(
             &deceleration,
         )
     };
+    if is_beyond_span(end.speed, end.time) {
+        return Err(PlanError::OutOfRange);
+    }
     let way = gap.checked_add(end.way).ok_or(PlanError::OutOfRange)?;
     let route = Route {
         clock,
@@ -112,8 +109,8 @@ pub(super) fn from_rest(
 ) -> Option<Course<'_>> {
     let deceleration = Slope::new(clock, limits.deceleration);
     let end = End::of(end, &deceleration);
-    let product = Wide::product(end.speed, end.time);
-    let (Some(way), Some(_)) = (way.checked_add(end.way), product.shifted(33)) else {
+    let is_beyond = is_beyond_span(end.speed, end.time);
+    let Some(way) = way.checked_add(end.way).filter(|_| !is_beyond) else {
         return Some(course);
     };
     let route = Route {
@@ -124,6 +121,14 @@ pub(super) fn from_rest(
     };
     route.follow(course, 0, way, goal);
     None
+}
+
+/// Whether braking from a speed, which takes so long, leads 2³² steps away or more: half of speed · time bounds it well enough.
+fn is_beyond_span(speed: Fine, time: Offset) -> bool {
+    let bits = 256u32
+        .wrapping_sub(speed.leading_zeros())
+        .wrapping_sub(time.leading_zeros());
+    bits > 160 && Wide::product(speed, time).shifted(33).is_none()
 }
 
 /// How far it is to a target, Q96 steps, and whether it lies behind. `None` if that is 2³² steps or more: positions wrap there.

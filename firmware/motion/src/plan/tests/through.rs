@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::{Limits, Plan, clock, per_second, state, steps};
-use crate::Ticks;
+use crate::{PlanError, Ticks};
 
 const HZ: u32 = 84_000_000;
 
@@ -126,5 +126,21 @@ proptest! {
             prop_assert!(change <= f64::from(acceleration.max(deceleration)) * 1.001 + 1.0);
             before = now;
         }
+    }
+}
+
+/// Braking from the end velocity is the measure of the way: one that leads round all positions is none.
+#[test]
+fn an_end_velocity_that_brakes_beyond_the_span_is_refused() {
+    let clock = clock(HZ);
+    let pass = |end: u32| {
+        let rest = Plan::at_rest(0, 0);
+        let limits = limits(200_000, 500_000, 1);
+        rest.then_move_through(clock, 0, 100_000, end.into(), limits)
+    };
+    // 92,000² / 2 is 4.232e9 steps, and 2^32 are 4.295e9.
+    assert!(pass(92_000).is_ok());
+    for end in [93_000, 100_000, 131_000, 200_000] {
+        assert_eq!(pass(end).err(), Some(PlanError::OutOfRange), "{end}");
     }
 }
