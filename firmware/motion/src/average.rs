@@ -92,7 +92,10 @@ impl Window {
 }
 
 /// Where the mean is, and what it is made of.
+///
+/// In the order that is written here, as in [`Axis`](crate::Axis): what is large comes last, so that all else is reached in one instruction.
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub(crate) struct Average {
     window: Window,
     /// ⌊2⁶³ / window⌋ and ⌊2⁶³ / count⌋.
@@ -100,8 +103,7 @@ pub(crate) struct Average {
     per_count: u64,
     /// As much as the velocity may change in an interval of the grid that is gone in one chord, Q24; 0 if none is.
     flat: u32,
-    /// Positions of the plan, Q32 steps, round and round; the oldest is at `place`.
-    ring: [i64; SAMPLES],
+    /// Where the oldest sample is in the ring.
     place: u32,
     /// Samples that are still older than the ring: the next one, and how far from one to the next.
     before: u32,
@@ -128,6 +130,8 @@ pub(crate) struct Average {
     line: Option<(Ticks, Exact)>,
     /// Where it was when it began, as long as it has not gone on from there.
     fresh: Option<Exact>,
+    /// Positions of the plan, Q32 steps, round and round; the oldest is at `place`.
+    ring: [i64; SAMPLES],
 }
 
 /// A plan that is walked along in intervals of the grid, as long as it is one parabola. Q96 steps.
@@ -332,12 +336,12 @@ impl Average {
         if self.walk.left == 0 || self.until as u32 != begin as u32 {
             return None;
         }
+        let from = self.to.position;
         self.step();
-        let from = self.to.position.bits().wrapping_sub(self.way);
         let chord = Chord {
-            begin: self.until.wrapping_sub(self.window.grid.into()),
+            begin,
             length: self.window.grid,
-            from: Position::from_bits(from),
+            from,
             to: self.to.position,
             speeding_up: (self.gain ^ self.to.velocity.bits()) >= 0,
             steady: false,

@@ -72,28 +72,11 @@ impl core::fmt::Display for AdvanceError {
 impl core::error::Error for AdvanceError {}
 
 /// A stepper axis.
+///
+/// In the order that is written here: what a refill asks for comes first, and what is large last, so that an instruction reaches it.
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub struct Axis {
-    clock: Clock,
-    plan: Plan,
-    /// It has been made since [`Axis::plan_on`] was called last.
-    is_new: bool,
-    /// How the velocity changes in what is planned from now on.
-    ramps: Ramps,
-    /// The set-points that are followed; in their place the plan stands still.
-    path: Option<Path>,
-    /// The mean of the plan, if it is that which is followed.
-    average: Average,
-    is_averaged: bool,
-    /// The jerk for which its window was chosen, or that of harder ramps since, in steps/s³.
-    mean_jerk: u32,
-    /// The acceleration of the last order that had one, in steps/s²: it may come behind a stop.
-    acceleration: u32,
-    /// What the last way of a velocity that is followed had beyond 2⁻³² steps, in 2⁻⁵⁶ of them.
-    carry: u32,
-    train: Train,
-    /// The segment as it was configured; the driver may need a longer one.
-    segment: u32,
     /// The commit horizon: up to here the plan has become records, but for one open period.
     horizon: Ticks,
     /// Up to here records have been handed out.
@@ -102,11 +85,31 @@ pub struct Axis {
     committed: i32,
     /// Whether records of the present motion have been handed out.
     moving: bool,
+    is_averaged: bool,
+    /// The plan has been made since [`Axis::plan_on`] was called last.
+    is_new: bool,
+    /// The segment as it was configured; the driver may need a longer one.
+    segment: u32,
+    train: Train,
     /// Where the plan is one parabola from the horizon on; `None` elsewhere, at its corners and until the next chord finds it.
     leg: Option<Leg>,
     /// The same where its acceleration changes.
     bow: Bow,
+    clock: Clock,
+    /// How the velocity changes in what is planned from now on.
+    ramps: Ramps,
+    /// The jerk for which the window of the mean was chosen, or that of harder ramps since, in steps/s³.
+    mean_jerk: u32,
+    /// The acceleration of the last order that had one, in steps/s²: it may come behind a stop.
+    acceleration: u32,
+    /// What the last way of a velocity that is followed had beyond 2⁻³² steps, in 2⁻⁵⁶ of them.
+    carry: u32,
     trace: Trace,
+    plan: Plan,
+    /// The set-points that are followed; in their place the plan stands still.
+    path: Option<Path>,
+    /// The mean of the plan, if it is that which is followed.
+    average: Average,
 }
 
 impl Axis {

@@ -202,7 +202,7 @@ impl Axis {
 
     /// Makes the records of the next chord of a mean, if that is one from this sample to the next: so it is unless the window is very long. Whether
     /// it did.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn go_on_average(&mut self) -> bool {
         let Some((chord, to)) = self.average.chord(self.horizon) else {
             return false;

@@ -139,20 +139,25 @@ proptest! {
         one.move_to(targets.0, limits).unwrap();
         other.move_to(-targets.0, limits).unwrap();
         let at = part(&one, cut);
-        let mut is_turned = false;
+        let (mut is_turned, mut is_late) = (false, false);
         loop {
-            prop_assert_eq!((one.is_at_rest(), one.horizon), (other.is_at_rest(), other.horizon));
-            let (here, there) = (one.state_at(one.horizon), other.state_at(other.horizon));
-            // Samples are rounded downwards to 2⁻³² steps, in either direction.
-            let apart = here.position.bits() + there.position.bits();
-            prop_assert!(apart.abs() <= 16, "{apart} Q32 steps apart at {}", one.horizon);
-            let apart = here.velocity.bits() + there.velocity.bits();
-            prop_assert!(apart.abs() <= 1 << 12, "{apart} Q56 apart at {}", one.horizon);
+            // The horizon may lie at a pulse, which is rounded to a tick: behind the first that differs so all may come a little later.
+            let late = one.horizon.abs_diff(other.horizon);
+            prop_assert!(late <= one.train.segment().into(), "{late} ticks apart at {}", one.horizon);
+            is_late |= late != 0;
+            if !is_late {
+                let (here, there) = (one.state_at(one.horizon), other.state_at(other.horizon));
+                // Samples are rounded downwards to 2⁻³² steps, in either direction.
+                let apart = here.position.bits() + there.position.bits();
+                prop_assert!(apart.abs() <= 16, "{apart} Q32 steps apart at {}", one.horizon);
+                let apart = here.velocity.bits() + there.velocity.bits();
+                prop_assert!(apart.abs() <= 1 << 12, "{apart} Q56 apart at {}", one.horizon);
+            }
             if one.horizon >= at && !is_turned {
                 one.move_to(targets.1, limits).unwrap();
                 other.move_to(-targets.1, limits).unwrap();
                 is_turned = true;
-            } else if one.is_at_rest() {
+            } else if one.is_at_rest() && other.is_at_rest() {
                 break;
             }
             let _ = one.advance(&mut pulses);
