@@ -123,7 +123,7 @@ impl KeptVelocity {
         if is_new {
             self.order = Some(order);
             if order.velocity != SignedSpeed::ZERO {
-                context.prepare();
+                context.prepare(order.ramps);
             }
             (self.course, self.held_back) = begin(order, context.motor);
         } else if let Some(before) = &mut self.order {

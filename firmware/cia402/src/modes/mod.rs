@@ -198,10 +198,9 @@ impl Context<'_> {
         increments
     }
 
-    /// A motion is to be planned that is no stop: see [`Motor::prepare`].
-    pub(crate) fn prepare(&mut self) {
-        self.motor
-            .prepare(self.configuration.profile.ramps, self.pulses);
+    /// A motion with these ramps is to be planned that is no stop: see [`Motor::prepare`].
+    pub(crate) fn prepare(&mut self, ramps: Ramps) {
+        self.motor.prepare(ramps, self.pulses);
     }
 
     /// Controlword bit 8.

@@ -26,7 +26,7 @@
 
 mod set_point;
 
-use motion::{Limits, SignedSpeed, Speed};
+use motion::{Limits, Ramps, SignedSpeed, Speed};
 
 use super::Context;
 use super::braking::{self, Ramp};
@@ -156,9 +156,21 @@ impl ProfilePosition {
         let edge = context.commands.rising & NEW_SET_POINT != 0 && !self.begins;
         self.begins = false;
         let begins_next = self.next.is_some() && self.progress != Progress::UnderWay;
-        let may_plan = edge || begins_next || self.starts_anew || context.has_changed || was_held;
-        if may_plan && !self.held {
-            context.prepare();
+        let goes_on = edge || self.starts_anew || context.has_changed || was_held;
+        let planned = [
+            edge.then_some(context.configuration.profile.ramps),
+            self.current
+                .filter(|_| goes_on)
+                .map(|current| current.ramps),
+            // It also begins where the one under way turns out to be impossible.
+            (self.next)
+                .filter(|_| begins_next || goes_on)
+                .map(|next| next.ramps),
+        ];
+        if !self.held
+            && let Some(ramps) = dearest(planned)
+        {
+            context.prepare(ramps);
         }
         if context.has_changed {
             self.look_at_limits(context);
@@ -522,6 +534,17 @@ impl ProfilePosition {
         }
         is_inside
     }
+}
+
+/// Those of the ramps that may be planned for which most is handed out before; `None` if none is.
+fn dearest(planned: [Option<Ramps>; 3]) -> Option<Ramps> {
+    let is_dear = |ramps: &Ramps| matches!(ramps, Ramps::JerkLimited(_));
+    let mut ramps = planned.into_iter().flatten();
+    let first = ramps.next()?;
+    if is_dear(&first) {
+        return Some(first);
+    }
+    Some(ramps.find(is_dear).unwrap_or(first))
 }
 
 /// Where the motor comes to rest, in steps, with the ramps that the set-point would have. To know that it is stopped; the set-point that
