@@ -73,21 +73,7 @@ impl Runs {
     /// Of so many periods; `None` if one is longer than a run may be.
     #[inline]
     pub(super) fn of(period: u32, periods: u32) -> Option<Self> {
-        if period > LONGEST_RUN {
-            return None;
-        }
-        // The product fits: a period has 15 bits, and there are 16 bits of them.
-        let run = period.wrapping_mul(periods);
-        if run <= LONGEST_RUN && periods <= MOST_PERIODS {
-            return Some(Self {
-                repeat: periods,
-                more: 0,
-            });
-        }
-        // Never more runs than periods.
-        let count = run
-            .div_ceil(LONGEST_RUN)
-            .max(periods.div_ceil(MOST_PERIODS));
+        let count = number_of_runs(period, periods)?;
         let repeat = periods.checked_div(count).unwrap_or(0);
         let more = periods.wrapping_sub(repeat.wrapping_mul(count));
         Some(Self { repeat, more })
@@ -102,6 +88,13 @@ impl Runs {
         self.more = self.more.wrapping_sub(1);
         self.repeat.wrapping_add(1)
     }
+}
+
+/// In how many runs so many periods are, none longer than a run may be: what waits for a plan is reckoned with that. `None` if a period is.
+#[inline]
+fn number_of_runs(period: u32, periods: u32) -> Option<u32> {
+    let most = LONGEST_RUN.checked_div(period)?.min(MOST_PERIODS);
+    periods.checked_add(most)?.wrapping_sub(1).checked_div(most)
 }
 
 /// Where slots are written, one behind the other.
@@ -140,12 +133,7 @@ impl<'a> Place<'a> {
                 self.put_parts::<2>(record)?;
             }
         } else {
-            // None longer than a run may be: what waits for a plan is reckoned with that.
-            let most = LONGEST_RUN.checked_div(period)?.min(MOST_PERIODS);
-            let runs = repeat
-                .checked_add(most)?
-                .wrapping_sub(1)
-                .checked_div(most)?;
+            let runs = number_of_runs(period, repeat)?;
             match runs {
                 1 => self.put_runs::<1>(record)?,
                 2 => self.put_runs::<2>(record)?,
