@@ -1,6 +1,7 @@
 //! From records to slots: what a timer of 16 bits with a repetition counter of 8 bits can do at a time.
 
 use super::ring::{Slot, fill};
+use crate::record::SHORTEST_RECORD;
 use crate::{Direction, Record};
 
 /// Longest period of a timer of 16 bits, in ticks. One less than it could be, so that a compare value above the reload value
@@ -315,13 +316,13 @@ impl Remainder {
             return self.rest();
         }
         self.periods = self.periods.saturating_sub(1);
-        // Neither part is short.
-        let head = if self.width < LONGEST_RUN / 2 {
-            (self.period / 2).min(LONGEST_RUN)
-        } else if self.period <= LONGEST_PERIOD {
+        // Neither part is short, and the pulse has room in the first: only then is that longer than a run may be.
+        let half = (self.period / 2).min(LONGEST_RUN);
+        let head = half.max(self.width.saturating_add(SHORTEST_RECORD));
+        let head = if self.period < head.saturating_add(SHORTEST_RECORD) {
             self.period
         } else {
-            LONGEST_PERIOD / 2 + 1
+            head
         };
         self.silence = self.period.saturating_sub(head);
         Words::run(head, 1, self.width, self.direction)

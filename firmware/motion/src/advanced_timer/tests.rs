@@ -54,7 +54,8 @@ proptest! {
             prop_assert!(reload < LONGEST_PERIOD && repetitions < MOST_PERIODS);
             prop_assert_eq!(level, LONGEST_PERIOD);
             prop_assert!(words.ticks() >= SHORTEST_RECORD, "{:?} of {:?}", words, record);
-            prop_assert!(words.ticks() <= LONGEST_RUN || record.width > 8_000, "{:?} of {:?}", words, record);
+            let longest = LONGEST_RUN.max(u32::from(record.width) + 2 * SHORTEST_RECORD);
+            prop_assert!(words.ticks() <= longest, "{:?} of {:?}", words, record);
             for _ in 0..=repetitions {
                 if width > 0 {
                     prop_assert_eq!(width, u32::from(record.width));

@@ -53,7 +53,8 @@ impl Slope {
             i32::try_from(half_acceleration >> 32),
             slowest.map(u32::try_from),
         ) {
-            (Ok(half_acceleration), Some(Ok(slowest))) => Self {
+            // The opposite of the least number is none.
+            (Ok(half_acceleration), Some(Ok(slowest))) if half_acceleration != i32::MIN => Self {
                 half_acceleration,
                 slowest: slowest.max(train.slowest()),
                 longest: longest.min(train.longest()),
