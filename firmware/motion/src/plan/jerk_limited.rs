@@ -165,9 +165,7 @@ fn keep(
         course.wait(clock, (0, end, 0));
         return;
     }
-    rules.ramp(course.ramp(1), &motion, end);
-    course.follow(1);
-    course.never_end(end.unsigned_abs());
+    course.ramp_to(&motion, end, rules);
 }
 
 /// Moves to a target in steps, with the velocity `end` there. If it stops first, the rest is left for the second leg.
@@ -201,17 +199,36 @@ fn reach(
     if room.is_doubtful && is_too_long(&motion, rules) {
         return Err(PlanError::OutOfRange);
     }
+    // Whoever is to pass the target need not be able to stop before it.
+    if end != 0 && gap != 0 && forwards {
+        let cruise = if room.is_ample {
+            None
+        } else {
+            rules.fastest(&motion, end, gap, &mut lead)
+        };
+        let course = Course::new(plan, start, from, reverse);
+        match cruise {
+            Some(cruise) => course.take((&motion, &lead), cruise, (gap, end, goal), rules),
+            // Too fast for the end velocity, or the way is too short for it: it comes about behind the target.
+            None => course.ramp_to(&motion, end, rules),
+        }
+        return Ok(());
+    }
     let number = plan.spare_ramp();
     let stop = plan.ramp_mut(number);
     stopping(stop, &motion, rules.deceleration, rules.jerk);
     let stop_time = stop.time();
     // What is still to go from where a stop would end.
-    let (is_beyond, left) = beyond(gap, stop.way).ok_or(PlanError::OutOfRange)?;
-    if left <= indistinct(stop_time) && (end == 0 || gap == 0) {
-        let mut course = Course::new(plan, start, from, reverse);
-        course.follow_to(number, false, goal);
-        course.rest_at(goal);
-        return Ok(());
+    let (mut is_beyond, mut left) = beyond(gap, stop.way).ok_or(PlanError::OutOfRange)?;
+    if left <= indistinct(stop_time) {
+        if end == 0 || gap == 0 {
+            let mut course = Course::new(plan, start, from, reverse);
+            course.follow_to(number, false, goal);
+            course.rest_at(goal);
+            return Ok(());
+        }
+        // On which side of the target it ends is rounding: it goes on as it came.
+        (is_beyond, left) = (false, 0);
     }
     if room.is_unknown
         && !is_beyond
@@ -224,15 +241,11 @@ fn reach(
     }
     // Behind the target, in a frame in which the way back is positive.
     let goal = if is_beyond { goal.wrapping_neg() } else { goal };
-    if motion.is_rest() && end == 0 {
+    if motion.is_rest() {
         // A velocity of nothing would never get there.
         return Err(PlanError::OutOfRange);
     }
     let mut course = Course::new(plan, start, from, reverse != is_beyond);
-    if motion.is_rest() {
-        course.leave_rest((left, end, goal), rules);
-        return Ok(());
-    }
     if is_beyond {
         course.ramp(number).mirror();
     }
@@ -355,13 +368,13 @@ impl Course<'_> {
             let cruise = cruise.unwrap_or(1);
             self.take((&Motion::REST, &lead), cruise, (way, end, goal), rules);
         } else {
-            self.ramp_up(end, rules);
+            self.ramp_to(&Motion::REST, end, rules);
         }
     }
 
-    /// Ramps from rest to the velocity `end`, and keeps it.
-    pub(super) fn ramp_up(mut self, end: i128, rules: &Rules<'_>) {
-        rules.ramp(self.ramp(1), &Motion::REST, end);
+    /// Ramps from a motion to the velocity `end`, and keeps it.
+    pub(super) fn ramp_to(mut self, from: &Motion, end: i128, rules: &Rules<'_>) {
+        rules.ramp(self.ramp(1), from, end);
         self.follow(1);
         self.never_end(end.unsigned_abs());
     }

@@ -7,7 +7,7 @@
 //! do, and within the same limits there are no faster ones.
 
 use super::jerk_limited::with_rules;
-use super::ramp::Jerk;
+use super::ramp::{Jerk, Motion};
 use super::{Course, Goal, Limits, Plan, PlanError, Ramps, move_to, velocity};
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Exact, State};
@@ -115,7 +115,7 @@ fn plan(
     };
     with_rules(clock, limits, jerk, |rules| {
         if keeps {
-            course.ramp_up(end, rules);
+            course.ramp_to(&Motion::REST, end, rules);
         } else {
             course.leave_rest((way, end, to), rules);
         }

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::{Limits, Plan, clock, per_second, state, steps};
+use super::{Goal, Limits, Plan, Ramps, clock, per_second, state, steps};
 use crate::{PlanError, Ticks};
 
 const HZ: u32 = 84_000_000;
@@ -142,5 +142,77 @@ fn an_end_velocity_that_brakes_beyond_the_span_is_refused() {
     assert!(pass(92_000).is_ok());
     for end in [93_000, 100_000, 131_000, 200_000] {
         assert_eq!(pass(end).err(), Some(PlanError::OutOfRange), "{end}");
+    }
+}
+
+/// A smooth plan from a steady velocity through a target `gap` steps ahead, and the tick where it begins.
+fn smoothly(velocity: i32, gap: i64, end: u32, limits: Limits, ramps: Ramps) -> (Plan, Ticks) {
+    let clock = clock(HZ);
+    let mut plan = Plan::new(
+        clock,
+        0,
+        state(clock, -gap, velocity),
+        Goal::Velocity(velocity.into()),
+        limits,
+        ramps,
+    )
+    .unwrap();
+    let target = Goal::Pass(0, end.into());
+    plan.redirect(clock, 0, target, limits, ramps).unwrap();
+    (plan, 0)
+}
+
+/// Whoever is too fast for a stop before the target, or for the end velocity there, need not turn round for it.
+#[test]
+fn a_smooth_motion_passes_a_target_that_is_near() {
+    let limits = limits(50_000, 500_000, 500_000);
+    let velocity = |plan: &Plan, t| per_second(clock(HZ), plan.state_at(t));
+    for ramps in [Ramps::JerkLimited(50_000_000), Ramps::SinSquared] {
+        // A stop takes 2,500 steps and more; braking to 40,000 steps/s takes 2,000 at most, and to 1,000 more than 100.
+        for (gap, end) in [(2_400, 40_000), (100, 1_000), (100, 49_999)] {
+            let (plan, start) = smoothly(50_000, gap, end, limits, ramps);
+            let lowest = (0..1_000)
+                .map(|part| velocity(&plan, start + part * u64::from(HZ) / 1_000))
+                .fold(f64::MAX, f64::min);
+            let expected = f64::from(end);
+            assert!(lowest > expected - 0.01, "{lowest} {gap} {end} {ramps:?}");
+            let kept = velocity(&plan, 10 * u64::from(HZ));
+            assert!((kept - expected).abs() < 0.01, "{kept} {gap} {end}");
+        }
+        let (plan, _) = smoothly(50_000, 2_400, 40_000, limits, ramps);
+        let passed = velocity(&plan, passing(&plan, 0, true));
+        assert!((passed - 40_000.0).abs() < 1.0, "{passed} {ramps:?}");
+    }
+}
+
+proptest! {
+    /// From any moment of a smooth motion to rest at the target: it passes it in its own direction, and never turns round.
+    #[test]
+    fn a_smooth_motion_to_rest_may_pass_its_target_after_all(
+        target in 1_000_i64..100_000,
+        end in 1_u32..80_000,
+        top in 1_000_u32..80_000,
+        acceleration in 10_000_u32..1_000_000,
+        deceleration in 10_000_u32..1_000_000,
+        jerk in 1_000_000_u32..1_000_000_000,
+        is_sine: bool,
+        part in 1_u64..1_000,
+    ) {
+        let clock = clock(HZ);
+        let limits = limits(top, acceleration, deceleration);
+        let ramps = if is_sine { Ramps::SinSquared } else { Ramps::JerkLimited(jerk) };
+        let rest = Goal::Rest(target);
+        let mut plan = Plan::new(clock, 0, state(clock, 0, 0), rest, limits, ramps).unwrap();
+        let at = plan.end().unwrap() / 1_000 * part;
+        let before = per_second(clock, plan.state_at(at));
+        plan.redirect(clock, at, Goal::Pass(target, end.into()), limits, ramps).unwrap();
+        let expected = f64::from(end.min(top));
+        let kept = per_second(clock, plan.state_at(at + 1_000 * u64::from(HZ)));
+        prop_assert!((kept - expected).abs() < 0.01, "{kept} instead of {expected}");
+        let last = plan.phases().last().unwrap().start();
+        for sample in 0..=400 {
+            let now = per_second(clock, plan.state_at(at + (last - at) / 400 * sample));
+            prop_assert!(now > -0.01, "{now} behind {before}");
+        }
     }
 }
