@@ -25,7 +25,7 @@ fn averaged() -> (Axis, Replay) {
 }
 
 /// Plays for so many milliseconds, and what is pending stays.
-fn fly(axis: &mut Axis, sink: &mut Replay, milliseconds: u64) {
+pub(super) fn fly(axis: &mut Axis, sink: &mut Replay, milliseconds: u64) {
     let quarter = u64::from(axis.train.segment() / 4);
     for _ in 0..milliseconds * 16 {
         axis.advance(sink).unwrap();

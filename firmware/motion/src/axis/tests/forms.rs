@@ -1,5 +1,6 @@
 //! The reference vectors and the sequences of retargeting with every form of ramp, judged by their pulses.
 
+use super::averaged::fly;
 use super::{FAST, HZ, Replay, axis, run};
 use crate::axis::Axis;
 use crate::vectors::{a_move, a_ramp, moves, ramps};
@@ -40,15 +41,6 @@ fn moving(v0: i32, ramps: Ramps) -> (Axis, Replay) {
     axis.set_ramps(ramps);
     sink.tolerance = 1.1;
     (axis, sink)
-}
-
-fn fly(axis: &mut Axis, sink: &mut Replay, milliseconds: u64) {
-    let quarter = u64::from(axis.train.segment() / 4);
-    for _ in 0..milliseconds * 16 {
-        axis.advance(sink).unwrap();
-        sink.account(axis);
-        sink.play(quarter);
-    }
 }
 
 fn ticks(seconds: f64) -> f64 {

@@ -145,8 +145,8 @@ fn an_end_velocity_that_brakes_beyond_the_span_is_refused() {
     }
 }
 
-/// A smooth plan from a steady velocity through a target `gap` steps ahead, and the tick where it begins.
-fn smoothly(velocity: i32, gap: i64, end: u32, limits: Limits, ramps: Ramps) -> (Plan, Ticks) {
+/// A smooth plan from a steady velocity through a target `gap` steps ahead.
+fn smoothly(velocity: i32, gap: i64, end: u32, limits: Limits, ramps: Ramps) -> Plan {
     let clock = clock(HZ);
     let mut plan = Plan::new(
         clock,
@@ -159,7 +159,7 @@ fn smoothly(velocity: i32, gap: i64, end: u32, limits: Limits, ramps: Ramps) -> 
     .unwrap();
     let target = Goal::Pass(0, end.into());
     plan.redirect(clock, 0, target, limits, ramps).unwrap();
-    (plan, 0)
+    plan
 }
 
 /// Whoever is too fast for a stop before the target, or for the end velocity there, need not turn round for it.
@@ -170,16 +170,16 @@ fn a_smooth_motion_passes_a_target_that_is_near() {
     for ramps in [Ramps::JerkLimited(50_000_000), Ramps::SinSquared] {
         // A stop takes 2,500 steps and more; braking to 40,000 steps/s takes 2,000 at most, and to 1,000 more than 100.
         for (gap, end) in [(2_400, 40_000), (100, 1_000), (100, 49_999)] {
-            let (plan, start) = smoothly(50_000, gap, end, limits, ramps);
+            let plan = smoothly(50_000, gap, end, limits, ramps);
             let lowest = (0..1_000)
-                .map(|part| velocity(&plan, start + part * u64::from(HZ) / 1_000))
+                .map(|part| velocity(&plan, part * u64::from(HZ) / 1_000))
                 .fold(f64::MAX, f64::min);
             let expected = f64::from(end);
             assert!(lowest > expected - 0.01, "{lowest} {gap} {end} {ramps:?}");
             let kept = velocity(&plan, 10 * u64::from(HZ));
             assert!((kept - expected).abs() < 0.01, "{kept} {gap} {end}");
         }
-        let (plan, _) = smoothly(50_000, 2_400, 40_000, limits, ramps);
+        let plan = smoothly(50_000, 2_400, 40_000, limits, ramps);
         let passed = velocity(&plan, passing(&plan, 0, true));
         assert!((passed - 40_000.0).abs() < 1.0, "{passed} {ramps:?}");
     }
