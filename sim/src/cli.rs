@@ -1,25 +1,23 @@
 //! The command line. Every mistake in it is one line on standard error and exit code 2.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use canopen::settings::{Switches, Wish};
-use canopen::{BitRate, BitTiming, Configuration, NodeId};
+use canopen::{BitTiming, Configuration, NodeId};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
+use clap::{ArgGroup, Args, Parser, Subcommand};
+use master::command_line::{bit_rate, fail, refused};
+use master::scope;
+use master::system_error::plain;
 
 use crate::demo::{self, Demo};
 use crate::drive::Setup;
 use crate::flash::Flash;
 use crate::plan;
 use crate::plant::Axis;
-use crate::scope;
 use crate::serve::{Service, serve};
-use crate::system_error::plain;
-
-/// Exit code for a bad command line, a busy port, a missing interface.
-const USAGE: u8 = 2;
 
 /// The name in front of each message.
 const PROGRAM: &str = "sim";
@@ -227,20 +225,6 @@ fn bit_timing(text: &str) -> Result<BitTiming, String> {
     Ok(BitTiming::Fixed(bit_rate))
 }
 
-/// A bit rate of CANopen in kbit/s.
-pub(crate) fn bit_rate(text: &str) -> Result<BitRate, String> {
-    let known = || {
-        BitRate::ALL
-            .map(|rate| rate.kbit_per_second().to_string())
-            .join(", ")
-    };
-    let number = text.parse::<u32>().ok();
-    (BitRate::ALL
-        .into_iter()
-        .find(|rate| Some(rate.kbit_per_second()) == number))
-    .ok_or_else(|| format!("not one of {}", known()))
-}
-
 fn switch_reading(text: &str) -> Result<u16, String> {
     let digits = text.strip_prefix("0x").unwrap_or(text);
     match u16::from_str_radix(digits, 16) {
@@ -255,30 +239,4 @@ fn serial_number(text: &str) -> Result<u32, String> {
         None => text.parse(),
     };
     number.map_err(|error| error.to_string())
-}
-
-/// Help and version go out as they are; a mistake in the command line of `program` as one line.
-pub(crate) fn refused<P: CommandFactory>(program: &str, error: &clap::Error) -> ExitCode {
-    match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            // Nobody may be reading.
-            let _ = error.print();
-            ExitCode::SUCCESS
-        }
-        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            fail(program, &P::command().render_usage().to_string())
-        }
-        _ => {
-            let text = error.to_string();
-            let first = text.split("\n\n").next().unwrap_or_default();
-            let words: Vec<&str> = first.split_whitespace().collect();
-            let line = words.join(" ");
-            fail(program, line.strip_prefix("error: ").unwrap_or(&line))
-        }
-    }
-}
-
-fn fail(program: &str, problem: &str) -> ExitCode {
-    let _ = writeln!(io::stderr(), "{program}: {problem}");
-    ExitCode::from(USAGE)
 }

@@ -20,11 +20,11 @@ use cia402::recorder::{Memory, Recorder};
 use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects, Outputs};
 use motion::{AxisConfig, Clock, DriverTiming};
 
-use crate::bus::Station;
 use crate::flash::{Flash, ParameterStore};
 use crate::machine::ScopeMemory;
 use crate::plant::{Axis, Plant, STEP_CLOCK_HZ, Sensed, WIRES};
 use crate::settings::{FactoryStore, Settings as FactorySettings};
+use master::bus::Station;
 
 /// The period of the control tick.
 pub const CONTROL_TICK: Duration = Duration::from_ticks(1_000);

@@ -12,10 +12,10 @@ use canopen::cia301::nmt::NmtState;
 use canopen::{BitTiming, Event, Frame, Instant};
 
 use crate::Axis402;
-use crate::bus::Station;
-use crate::bus::live::{Incoming, LONGEST_SLEEP, LiveBus, Source};
 use crate::drive::Setup;
-use crate::system_error::plain;
+use master::bus::Station;
+use master::bus::live::{Incoming, LONGEST_SLEEP, LiveBus, Source};
+use master::system_error::plain;
 
 /// What a server is to be.
 #[derive(Debug)]

@@ -6,7 +6,7 @@ use canopen::node::StoreError;
 use od_gen::model::Access;
 use od_gen::{DataType, transfer};
 
-use crate::data_sheet::{Address, DataSheet};
+use master::data_sheet::{Address, DataSheet};
 
 /// The first object that can be set so; those before it belong to the network.
 const FIRST: u16 = 0x2000;

@@ -1,14 +1,13 @@
 //! The SLCAN server with real sockets: what clients send, and what each of them gets.
 
+mod served;
+
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{SocketAddr, TcpStream};
-use std::sync::mpsc::SyncSender;
-use std::thread::{self, JoinHandle};
+use std::net::TcpStream;
 use std::time::Duration;
 
-use sim::bus::live::{Incoming, LiveBus};
+use served::Served;
 use sim::drive::Setup;
-use sim::serve::Server;
 
 /// The longest wait for something that must come; nothing waits so long unless a test fails.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -16,29 +15,12 @@ const PATIENCE: Duration = Duration::from_secs(20);
 const READ_DEVICE_TYPE: &str = "t60484000100000000000";
 const DEVICE_TYPE: &str = "t58484300100092010400";
 
-/// A drive with node-ID 4 served on a free port; it ends with the test.
-struct Served {
-    address: SocketAddr,
-    stopper: SyncSender<Incoming>,
-    server: Option<JoinHandle<Result<(), String>>>,
+/// A drive with node-ID 4.
+fn served() -> Served {
+    Served::start(Setup::with_node_id(1, 4))
 }
 
 impl Served {
-    fn start() -> Self {
-        let mut bus = LiveBus::new();
-        let address = bus.serve_slcan("127.0.0.1:0").unwrap().address();
-        let stopper = bus.stopper();
-        let mut server = Server::new(bus, Setup::with_node_id(1, 4), false);
-        // It boots before there are clients, so that none of them sees the boot-up message.
-        server.turn();
-        let server = thread::spawn(move || server.run());
-        Self {
-            address,
-            stopper,
-            server: Some(server),
-        }
-    }
-
     /// A client with an open channel at 1 Mbit/s.
     fn client(&self) -> Client {
         let mut client = self.connection();
@@ -55,16 +37,6 @@ impl Served {
         stream.set_nodelay(true).unwrap();
         Client {
             stream: BufReader::new(stream),
-        }
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        self.stopper.send(Incoming::Stop).unwrap();
-        let result = self.server.take().map(JoinHandle::join);
-        if !thread::panicking() {
-            assert_eq!(result.unwrap().unwrap(), Ok(()));
         }
     }
 }
@@ -102,7 +74,7 @@ impl Client {
 
 #[test]
 fn a_client_reads_the_device_type() {
-    let served = Served::start();
+    let served = served();
     let mut client = served.client();
     client.send(READ_DEVICE_TYPE);
     assert_eq!(client.frame(), DEVICE_TYPE);
@@ -110,7 +82,7 @@ fn a_client_reads_the_device_type() {
 
 #[test]
 fn every_client_sees_the_frames_of_the_others_and_of_the_drive() {
-    let served = Served::start();
+    let served = served();
     let (mut first, mut second) = (served.client(), served.client());
     first.send(READ_DEVICE_TYPE);
     assert_eq!(second.frame(), READ_DEVICE_TYPE);
@@ -123,7 +95,7 @@ fn every_client_sees_the_frames_of_the_others_and_of_the_drive() {
 
 #[test]
 fn a_client_at_another_bit_rate_hears_nothing_until_it_follows() {
-    let served = Served::start();
+    let served = served();
     // It connects first: when the client has an answer, it was this one's turn to get it already.
     let mut other = served.connection();
     other.send("S6");
@@ -144,7 +116,7 @@ fn a_client_at_another_bit_rate_hears_nothing_until_it_follows() {
 
 #[test]
 fn garbage_is_refused_and_forgotten() {
-    let served = Served::start();
+    let served = served();
     let mut client = served.client();
     client.send(&"garbage".repeat(10_000));
     client.send("t60Z");
@@ -156,7 +128,7 @@ fn garbage_is_refused_and_forgotten() {
 
 #[test]
 fn a_client_may_leave_and_come_back() {
-    let served = Served::start();
+    let served = served();
     for _ in 0..10 {
         let mut client = served.client();
         client.send(READ_DEVICE_TYPE);
@@ -166,7 +138,7 @@ fn a_client_may_leave_and_come_back() {
 
 #[test]
 fn a_client_that_does_not_read_is_left_behind() {
-    let served = Served::start();
+    let served = served();
     let mut slow = served.client();
     let mut busy = served.client();
     // More than all buffers on the way to the slow client hold.
@@ -189,7 +161,7 @@ fn a_client_that_does_not_read_is_left_behind() {
 
 #[test]
 fn a_flood_reaches_a_client_that_reads_whole_and_in_order() {
-    let served = Served::start();
+    let served = served();
     let (mut busy, mut reader) = (served.client(), served.client());
     for burst in 0..20 {
         let lines: Vec<String> = (0..1_000)

@@ -1,10 +1,10 @@
 //! The virtual drive on the simulated bus: what is around the core works, so that the core can be tested through it.
 
 use canopen::{BitRate, Duration, NodeId};
+use master::bus::simulated::{Bus, Handle};
+use master::{Failure, Identity, MappedObject, Master, NmtCommand, PdoSetup};
 use sim::Axis402;
-use sim::bus::simulated::{Bus, Handle};
 use sim::drive::Setup;
-use sim::master::{Failure, Identity, MappedObject, Master, NmtCommand, PdoSetup};
 use sim::plant::{Axis, Switch, Track};
 
 const NODE: u8 = 4;

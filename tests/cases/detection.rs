@@ -2,9 +2,9 @@
 
 use canopen::cia305::DETECTABLE;
 use canopen::{BitRate, BitTiming, Configuration, Duration, Frame, Instant, NodeId};
+use master::bus::Station;
+use master::bus::simulated::{Bus, Handle};
 use sim::Axis402;
-use sim::bus::Station;
-use sim::bus::simulated::{Bus, Handle};
 use sim::drive::Setup;
 
 /// A node that sends a heartbeat now and then at its bit rate.
@@ -127,7 +127,7 @@ fn lss_can_have_the_bit_rate_found_while_the_drive_runs() {
     let drive = bus.attach(Axis402::new(Setup::with_node_id(1, 4)));
     bus.attach(Node::new(0x711, BitRate::Kbit20, 200));
     bus.attach(Node::new(0x712, BitRate::Kbit20, 200));
-    let mut master = sim::master::Master::new(bus);
+    let mut master = master::Master::new(bus);
     master
         .expect_boot_up(4, Duration::from_ticks(5_000_000))
         .unwrap();

@@ -6,12 +6,12 @@
 use std::collections::BTreeSet;
 
 use canopen::{BitRate, Duration, NodeId};
+use master::Master;
+use master::bus::Station;
+use master::bus::simulated::Bus;
 use proptest::prelude::Rng as _;
 use sim::Axis402;
-use sim::bus::Station;
-use sim::bus::simulated::Bus;
 use sim::drive::Setup;
-use sim::master::Master;
 use tests::late::Late;
 use tests::plain_node::PlainNode;
 

@@ -2,10 +2,10 @@
 //! one, whole: node-ID and bit rate of one and the same store, and it can be put into service again.
 
 use canopen::{BitRate, Duration, NodeId, Settings};
+use master::bus::simulated::{Bus, Handle};
+use master::{Failure, Master, NmtCommand};
 use proptest::prelude::RngExt as _;
 use proptest::test_runner::TestRng;
-use sim::bus::simulated::{Bus, Handle};
-use sim::master::{Failure, Master, NmtCommand};
 use tests::plugged::Plugged;
 
 use crate::seeded::generator;

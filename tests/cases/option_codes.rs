@@ -1,7 +1,7 @@
 //! The option codes over the bus: how the motor comes to rest on each occasion, and in which state the drive ends.
 
 use canopen::ControllerState;
-use sim::bus::Station;
+use master::bus::Station;
 use tests::DriveBench;
 use tests::drive::{
     FAULT, OPERATION_ENABLED, QUICK_STOP_ACTIVE, READY_TO_SWITCH_ON, SWITCH_ON_DISABLED,

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use canopen::Duration;
+use master::bus::simulated::Interference;
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
-use sim::bus::simulated::Interference;
 use tests::Bench;
 
 /// What happens to each frame, over and over; mostly nothing.

@@ -5,7 +5,7 @@
 //! frames; so at 1 ms nine tenths of the bus are used, and an SDO answer comes within three cycles. A second such axis needs a cycle of 2 ms.
 
 use canopen::{BitRate, Duration, Frame};
-use sim::bus::timing::{INTERMISSION_BITS, bit_time, frame_bits};
+use master::bus::timing::{INTERMISSION_BITS, bit_time, frame_bits};
 use sim::drive::Setup;
 use sim::plant::{Axis, Switch, Track};
 use tests::DriveBench;

@@ -4,9 +4,9 @@
 //! nothing else. The `cansend` commands of the page must send just these frames, in this order.
 
 use canopen::{BitRate, Duration, Frame};
-use sim::bus::simulated::Bus;
+use master::Master;
+use master::bus::simulated::Bus;
 use sim::drive::Setup;
-use sim::master::Master;
 use tests::drive::AxisDrive;
 use tests::line::Line;
 use tests::notation::{Pattern, frame, show};

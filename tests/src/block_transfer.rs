@@ -1,7 +1,7 @@
 //! An SDO client for block transfers that copes with lost and doubled frames: what it cannot mend ends with an abort.
 
 use canopen::{Duration, Frame};
-use sim::bus::Station;
+use master::bus::Station;
 
 use crate::crc::crc;
 use crate::line::Line;

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use canopen::time::NEVER;
 use canopen::{BitRate, Duration, Frame, Instant};
-use sim::bus::Station;
+use master::bus::Station;
 
 /// A station that serves each frame a while after it came.
 #[derive(Debug)]

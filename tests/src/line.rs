@@ -6,9 +6,9 @@ use std::fmt::Write as _;
 use canopen::od::Table;
 use canopen::time::NEVER;
 use canopen::{BitRate, ControllerState, Duration, Frame, Instant};
-use sim::bus::Station;
-use sim::bus::simulated::{Bus, Handle, Interference, Logged};
-use sim::trace::candump;
+use master::bus::Station;
+use master::bus::simulated::{Bus, Handle, Interference, Logged};
+use master::trace::candump;
 
 use crate::notation::{Pattern, frame, show};
 

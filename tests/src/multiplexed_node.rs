@@ -4,7 +4,7 @@ use canopen::cia301::nmt::Reset;
 use canopen::cia301::pdo::NotSent;
 use canopen::od::Dictionary as _;
 use canopen::{BitRate, Event, Frame, Instant, Node, NodeId, Settings};
-use sim::bus::Station;
+use master::bus::Station;
 
 use crate::line::Line;
 use crate::multiplexed_device::Dictionary;

@@ -6,7 +6,7 @@ use canopen::node::StoreError;
 use canopen::od::Dictionary as _;
 use canopen::time::NEVER;
 use canopen::{BitRate, Configuration, Duration, Event, Frame, Instant, Node, NodeId, Settings};
-use sim::bus::Station;
+use master::bus::Station;
 
 use crate::firmware::{Firmware, Store};
 use crate::line::Line;

@@ -2,7 +2,7 @@
 
 use canopen::time::NEVER;
 use canopen::{BitRate, Frame, Instant};
-use sim::bus::Station;
+use master::bus::Station;
 use sim::drive::Setup;
 use sim::flash::{Flash, Power};
 

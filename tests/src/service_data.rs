@@ -1,7 +1,7 @@
 //! A small SDO client for the cases: reads and writes whole objects, expedited or by segments.
 
 use canopen::Frame;
-use sim::bus::Station;
+use master::bus::Station;
 
 use crate::line::Line;
 use crate::notation::show;

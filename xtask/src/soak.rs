@@ -1,6 +1,6 @@
 //! `cargo xtask soak`: very many pulses through planner, train and the modelled timers of the board, built for speed.
 //!
-//! It is the test `sim/tests/soak.rs` at any length: as it stands half a minute of counting behind some minutes of building, and a night
+//! It is the test `machine/tests/soak.rs` at any length: as it stands half a minute of counting behind some minutes of building, and a night
 //! with larger numbers. Every pulse on the modelled pins is counted; one too many or too few fails.
 
 use std::process::ExitCode;
@@ -25,7 +25,14 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mut command = place::cargo();
     command
-        .args(["test", "--release", "--package", "sim", "--test", "soak"])
+        .args([
+            "test",
+            "--release",
+            "--package",
+            "machine",
+            "--test",
+            "soak",
+        ])
         .args(["--", "--nocapture"])
         .env("AXIS402_SOAK_PULSES", arguments.pulses.to_string())
         .env("AXIS402_SOAK_SEQUENCES", arguments.sequences.to_string());

@@ -12,11 +12,11 @@ use std::path::PathBuf;
 
 use canopen::BitRate;
 
-use crate::bus::simulated::{Bus, Logged};
 use crate::drive::MotionSample;
-use crate::master::Failure;
-use crate::system_error::plain;
-use crate::trace::{Group, Interpreter, candump, condense};
+use master::Failure;
+use master::bus::simulated::{Bus, Logged};
+use master::system_error::plain;
+use master::trace::{Group, Interpreter, candump, condense};
 
 pub use script::play;
 

@@ -3,10 +3,8 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use plotters::style::{BLUE, RED};
-
-use crate::chart::{self, Chart};
 use crate::drive::MotionSample;
+use master::chart::{self, BLUE, Chart, RED};
 
 /// Velocity is the distance of this many control ticks.
 const WINDOW: usize = 10;

@@ -4,11 +4,11 @@ use canopen::{BitRate, Duration, Frame, NodeId};
 
 use super::{Chapter, Story, TARGET};
 use crate::Axis402;
-use crate::bus::simulated::{Bus, Handle};
-use crate::data_sheet::DataSheet;
 use crate::drive::Setup;
-use crate::master::{Failure, MappedObject, Master, NmtCommand, PdoSetup};
-use crate::trace::Interpreter;
+use master::bus::simulated::{Bus, Handle};
+use master::data_sheet::DataSheet;
+use master::trace::Interpreter;
+use master::{Failure, MappedObject, Master, NmtCommand, PdoSetup};
 
 /// 1018h:4 of the drive, so that the fastscan has something to find.
 const SERIAL_NUMBER: u32 = 0x00C0_FFEE;

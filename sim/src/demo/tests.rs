@@ -1,7 +1,7 @@
 use std::process::ExitCode;
 
 use super::*;
-use crate::bus::simulated::Interference;
+use master::bus::simulated::Interference;
 
 #[test]
 fn the_drive_goes_there_and_back_to_the_step() {

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 
 use motion::{SignedSpeed, Speed};
 
-use crate::system_error::plain;
+use master::system_error::plain;
 use report::Report;
 use request::Move;
 

@@ -4,12 +4,11 @@ use std::fmt;
 use std::path::Path;
 
 use motion::{Ramps, State, Ticks};
-use plotters::style::{BLUE, GREEN, RED};
 use serde::Serialize;
 
 use super::pulses::Played;
 use super::request::Move;
-use crate::chart::{self, Chart};
+use master::chart::{self, BLUE, Chart, GREEN, RED};
 
 /// Points of a curve.
 const POINTS: u64 = 1000;

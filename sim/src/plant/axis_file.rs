@@ -9,7 +9,7 @@ use std::path::Path;
 use super::motor::{MotorData, SupplyData};
 use super::track::Track;
 use crate::settings::Settings;
-use crate::system_error::plain;
+use master::system_error::plain;
 use sections::{File, Mistake};
 
 /// An axis, and where the motor stands on it at its first power-on. The default has nothing along it.

@@ -5,10 +5,10 @@ mod faults;
 mod process_data;
 
 use canopen::{BitRate, Duration, NodeId};
-use sim::bus::simulated::Bus;
+use master::bus::simulated::Bus;
+use master::trace::candump;
+use master::{Identity, Master, NmtCommand};
 use sim::drive::{Setup, VirtualDrive};
-use sim::master::{Identity, Master, NmtCommand};
-use sim::trace::candump;
 use tests::drive::AxisDrive;
 
 /// A master and unconfigured drives with these serial numbers on one bus.

@@ -9,10 +9,10 @@ use super::table::Table;
 use crate::place;
 use crate::words::tell;
 
-/// Builds `sim/examples/exactness.rs` for speed and runs it. Each row gets one figure.
+/// Builds `machine/examples/exactness.rs` for speed and runs it. Each row gets one figure.
 pub fn measure() -> Result<Vec<Table>> {
     let mut command = place::cargo();
-    command.args(["run", "--quiet", "--release", "--package", "sim"]);
+    command.args(["run", "--quiet", "--release", "--package", "machine"]);
     command.args(["--example", "exactness"]);
     let output = command
         .stderr(Stdio::inherit())

@@ -206,6 +206,8 @@ fn devices() -> Command {
     cargo(&[
         "build",
         "--package",
+        "master",
+        "--package",
         "sim",
         "--package",
         "tests",

@@ -8,11 +8,11 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::Axis;
-use crate::data_sheet::DataSheet;
 use crate::plant::contact::Switch;
 use crate::plant::motor::{Heat, Load, MotorData, SupplyData};
 use crate::plant::track::{Index, Track};
 use crate::settings::Settings;
+use master::data_sheet::DataSheet;
 
 /// How far an end stop gives way under 1 N·m if the file does not say so, in steps.
 const COMPLIANCE: NonZeroU32 = NonZeroU32::new(8).unwrap();

@@ -1,8 +1,8 @@
 use canopen::Duration;
 
 use super::*;
-use crate::data_sheet::Address;
 use crate::plant::{Heat, Index, Load, SupplyChange, Switch};
+use master::data_sheet::Address;
 
 fn refused(text: &str) -> (Option<usize>, String) {
     Axis::from_toml(text).unwrap_err()

@@ -1,0 +1,203 @@
+//! The figures are within their goals.
+
+use canopen::{BitRate, Duration, Frame};
+use motion::Ramps;
+
+use super::count::{long_moves, sequences};
+use super::reaction::{Mode, Order, Profile, longest};
+use super::{duration, enabled, position, rate};
+use crate::timer_model::board::Board;
+use master::bus::Station;
+use master::bus::simulated::Bus;
+
+#[test]
+fn no_pulse_is_too_many_or_too_few() {
+    // Four moves, one with each kind of ramps.
+    let moves = long_moves(13_000_000);
+    assert!(moves.pulses >= 13_000_000);
+    assert_eq!((moves.error, moves.underruns), (0, 0));
+    let counted = sequences(200);
+    assert!(counted.pulses > 1_000);
+    assert_eq!(counted.error, 0);
+    // Nothing but a processor that stands still makes a gap.
+    assert!(counted.pauses > 0 && counted.underruns <= counted.pauses);
+}
+
+#[test]
+fn moves_end_on_the_tick() {
+    let linear = duration::linear();
+    let smooth = duration::jerk_limited();
+    assert_eq!((linear.moves, smooth.moves), (22, 6));
+    assert!(linear.ticks <= 1.0, "{linear:?}");
+    assert!(smooth.ticks <= 1.0, "{smooth:?}");
+}
+
+#[test]
+fn pulses_leave_where_the_plan_has_them() {
+    let jerk = 1_000_000_000;
+    for ramps in [
+        Ramps::Linear,
+        Ramps::SinSquared,
+        Ramps::JerkLimited(jerk),
+        Ramps::MovingAverage(jerk),
+    ] {
+        for (velocity, goal) in [
+            (100_000, 0.1),
+            (499_259, 0.1),
+            (500_000, 0.1),
+            (998_000, 0.5),
+            (1_000_000, 0.5),
+        ] {
+            let error = position::greatest_error(velocity, super::STEEP, ramps);
+            assert!(
+                0.0 < error && error <= goal,
+                "{ramps:?} {velocity}: {error}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_million_steps_a_second_on_a_full_bus() {
+    let served = rate::at(1_000_000, 1).unwrap();
+    assert_eq!((served.rate, served.error), (1_000_000, 0));
+    assert!(served.samples >= 2_000 && served.transfers >= 2_000);
+    assert!(served.frames > 10_000);
+}
+
+#[test]
+fn the_ceiling_is_that_of_the_driver() {
+    let served = rate::at(4_941_176, 1).unwrap();
+    assert_eq!((served.rate, served.error), (4_941_176, 0));
+}
+
+#[test]
+fn a_stop_is_felt_within_a_millisecond_of_its_frame() {
+    for (order, profile, phase, ramp) in [
+        (Order::Halt, Profile::Linear, 0, 5_000_000),
+        (Order::Halt, Profile::SinSquared, 200, 5_000_000),
+        (Order::QuickStop, Profile::Linear, 125, 4_960_000),
+        (Order::QuickStop, Profile::JerkLimited, 100, 5_000_000),
+        (Order::DisableOperation, Profile::Linear, 150, 4_970_000),
+        (Order::DisableOperation, Profile::SinSquared, 25, 5_000_000),
+        (Order::Halt, Profile::MovingAverage, 50, 4_990_000),
+        (Order::QuickStop, Profile::MovingAverage, 200, 5_000_000),
+        (
+            Order::DisableOperation,
+            Profile::MovingAverage,
+            100,
+            4_970_000,
+        ),
+    ] {
+        for mode in [Mode::ProfileVelocity, Mode::ProfilePosition] {
+            let phase = Duration::micros(phase);
+            let reaction = longest(order, profile, mode, phase, ramp).unwrap();
+            let case = format!("{order:?}, {profile:?}, {mode:?}: {reaction:?}");
+            assert!(reaction.from_frame <= 1_000, "{case}");
+            // It is not felt before the pulses have left that are handed out.
+            assert!(reaction.from_frame > 500, "{case}");
+        }
+    }
+}
+
+/// Emergency messages of a drive whose ticks take so long, early ones too, in a slow cruise that is stopped twice in a row, at many moments:
+/// first in an early tick, then in the regular one behind it.
+fn warnings(busy: Duration, phase: u64) -> usize {
+    let (mut master, handle) =
+        enabled(Bus::new(BitRate::Kbit1000), Duration::micros(phase)).unwrap();
+    for (index, value) in [(0x6086, 1_i16), (0x605D, 2)] {
+        master.write(Board::NODE, index, 0, value).unwrap();
+    }
+    master.write(Board::NODE, 0x20A0, 0, 1_u8).unwrap();
+    master.write(Board::NODE, 0x6083, 0, 500_000_u32).unwrap();
+    master.write(Board::NODE, 0x60FF, 0, 3_000_i32).unwrap();
+    master.wait(Duration::millis(100)).unwrap();
+    let mut now = master.now();
+    let mut board = master.bus_mut().detach(handle);
+    board.set_busy(busy);
+    let mut emergencies = 0;
+    let mut run = |board: &mut Board, until| {
+        while board.poll(until) <= until {}
+        while let Some(frame) = board.transmit() {
+            let emergency = 0x80 + u16::from(Board::NODE);
+            emergencies += usize::from(frame.standard_id() == Some(emergency));
+        }
+    };
+    let order = |controlword: u16| {
+        Frame::data_frame(0x200 + u16::from(Board::NODE), &controlword.to_le_bytes())
+    };
+    for moment in (0..1_000).step_by(31) {
+        now += Duration::millis(50);
+        for (controlword, behind) in [
+            (0x010F, moment),
+            (0x010B, moment + 90),
+            (0x06, 40_000),
+            (0x07, 45_000),
+            (0x0F, 50_000),
+        ] {
+            let at = now + Duration::micros(behind);
+            run(&mut board, at);
+            board.receive(&order(controlword), at);
+        }
+        now += Duration::millis(100);
+        run(&mut board, now);
+    }
+    emergencies
+}
+
+#[test]
+fn two_dear_stops_in_a_row_make_no_pause() {
+    for phase in [0, 60, 125, 190] {
+        // 12,800 instructions (`docs/design.md`).
+        let dearest = Duration::micros(115);
+        assert_eq!(warnings(dearest, phase), 0, "{phase} us");
+        let too_dear = Duration::micros(450);
+        assert_ne!(warnings(too_dear, phase), 0, "{phase} us");
+    }
+}
+
+/// An error of the DMA, at any moment of a cruise: the emergency message leaves within a control tick, which may come 50 µs late, and the motor has
+/// no power. Then the drive moves as before.
+#[test]
+fn a_transfer_error_is_told_within_a_control_tick() {
+    let (mut master, handle) = enabled(Bus::new(BitRate::Kbit1000), Duration::micros(125)).unwrap();
+    let node = u16::from(Board::NODE);
+    master.write(Board::NODE, 0x60FF, 0, 100_000_i32).unwrap();
+    master.wait(Duration::millis(100)).unwrap();
+    let mut now = master.now();
+    let mut board = master.bus_mut().detach(handle);
+    for moment in (0..1_000).step_by(37) {
+        now += Duration::millis(50);
+        let failed = now + Duration::micros(moment);
+        while board.poll(failed) <= failed {}
+        assert!(board.pulses_at(failed) > 0, "it moves");
+        while board.transmit().is_some() {}
+        board.model().fail_stream();
+        let mut told = failed;
+        let code = loop {
+            told += Duration::micros(1);
+            board.poll(told);
+            let frame = std::iter::from_fn(|| board.transmit())
+                .find(|frame| frame.standard_id() == Some(0x80 + node));
+            if let Some(frame) = frame {
+                let data = frame.payload();
+                break u16::from_le_bytes([data[0], data[1]]);
+            }
+            assert!(told <= failed + Duration::micros(1_100), "{moment}");
+        };
+        assert_eq!(code, 0x5200);
+        let stood = board.pulses_at(told);
+        now = told;
+        for controlword in [0x80_u16, 0x06, 0x07, 0x0F] {
+            // A state is shown for 50 ms, where no transmit PDO tells of it.
+            now += Duration::millis(60);
+            assert_eq!(board.pulses_at(now), stood);
+            let is_fault = board.state() == cia402::State::Fault;
+            assert_eq!(is_fault, controlword == 0x80, "{moment}");
+            let frame = Frame::data_frame(0x200 + node, &controlword.to_le_bytes());
+            board.receive(&frame, now);
+        }
+        now += Duration::millis(50);
+        assert!(board.pulses_at(now) > stood, "it moves again");
+    }
+}

@@ -1,0 +1,14 @@
+//! The tool `axis402`: its commands on the simulated bus, against the generic drive and devices with data sheets of other vendors, and
+//! the program itself through an adapter.
+
+mod bench;
+mod bit_rate;
+mod configuration;
+mod monitoring;
+mod numbering;
+mod objects;
+mod program;
+mod scanning;
+mod scope;
+mod two_masters;
+mod vendors;

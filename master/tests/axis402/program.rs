@@ -1,0 +1,417 @@
+//! The program itself: a process, an SLCAN adapter in between, a drive in real time. Nothing here depends on how long anything takes.
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::process::{Command, Output};
+use std::sync::mpsc::SyncSender;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use master::bus::live::{Incoming, LiveBus};
+use master::bus::slcan_client::Place;
+use sim::drive::Setup;
+use sim::serve::Server;
+use slcan::AdapterBitRate;
+
+/// A drive behind an SLCAN adapter on a free port; it ends with the test.
+struct Served {
+    address: SocketAddr,
+    stopper: SyncSender<Incoming>,
+    server: Option<JoinHandle<Result<(), String>>>,
+}
+
+impl Served {
+    fn start(setup: Setup) -> Self {
+        let mut bus = LiveBus::new();
+        let address = bus.serve_slcan("127.0.0.1:0").unwrap().address();
+        let stopper = bus.stopper();
+        let mut server = Server::new(bus, setup, false);
+        server.turn();
+        Self {
+            address,
+            stopper,
+            server: Some(thread::spawn(move || server.run())),
+        }
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        let address = self.address.to_string();
+        run(&[&["--slcan", &address], arguments].concat())
+    }
+
+    /// The output of a command that succeeds.
+    fn told(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {error}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.stopper.send(Incoming::Stop).unwrap();
+        let result = self.server.take().map(JoinHandle::join);
+        if !thread::panicking() {
+            assert_eq!(result.unwrap().unwrap(), Ok(()));
+        }
+    }
+}
+
+fn run(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_axis402"));
+    command.args(arguments).output().unwrap()
+}
+
+/// One line on standard error that holds `part`, nothing else, and this exit code.
+fn assert_refused(arguments: &[&str], part: &str, code: i32) {
+    let output = run(arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
+    assert_eq!(error.lines().count(), 1, "{arguments:?}: {error}");
+    assert!(
+        error.starts_with("axis402: ") && error.contains(part),
+        "{arguments:?}: {error}"
+    );
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+}
+
+#[test]
+fn a_drive_is_put_into_service() {
+    let served = Served::start(Setup::unconfigured(0xC0FFEE));
+    // The machine may be busy: the steps are long, and what matters is what is found.
+    let told = served.told(&["lss", "number", "--first", "4", "--step", "60"]);
+    assert!(
+        told.starts_with("node 4: vendor 00000000h, product 00000402h"),
+        "{told}"
+    );
+    let told = served.told(&["scan"]);
+    assert!(
+        told.contains("00C0FFEE  Axis402 CiA 402 drive\n1 node\n"),
+        "{told}"
+    );
+    served.told(&["od", "write", "4", "profile acceleration", "50000"]);
+    assert_eq!(served.told(&["od", "read", "-b", "4", "6083h"]), "50000\n");
+    assert_eq!(
+        served.told(&["save", "4"]),
+        "node 4 has saved its parameters\n"
+    );
+    served.told(&["nmt", "start", "4"]);
+    let told = served.told(&["monitor", "4", "-n", "1"]);
+    assert!(told.ends_with("TPDO 1: switch on disabled\n"), "{told}");
+
+    let folder = tempfile::tempdir().unwrap();
+    let name = folder.path().join("name");
+    let name = name.to_str().unwrap();
+    served.told(&["od", "read", "4", "1008", "-o", name]);
+    assert_eq!(
+        std::fs::read(name).unwrap(),
+        b"Axis402 CiA 402 drive".as_slice()
+    );
+    std::fs::write(name, 777u32.to_le_bytes()).unwrap();
+    served.told(&["od", "write", "4", "6084", "--file", name]);
+    assert_eq!(served.told(&["od", "read", "-b", "4", "6084"]), "777\n");
+
+    let told = served.told(&["lss", "bitrate", "500"]);
+    assert_eq!(told, "at 500 kbit/s 1 of 1 nodes answer\n");
+    let told = served.told(&["--bitrate", "500", "lss", "bitrate", "1000"]);
+    assert_eq!(told, "at 1000 kbit/s 1 of 1 nodes answer\n");
+
+    let file = folder.path().join("drive.dcf");
+    let file = file.to_str().unwrap();
+    served.told(&["od", "dump", "4", "-o", file]);
+    served.told(&["od", "write", "4", "6083", "1"]);
+    assert!(
+        served
+            .told(&["od", "load", "4", file])
+            .starts_with("1 values written, ")
+    );
+    assert_eq!(served.told(&["od", "read", "-b", "4", "6083"]), "50000\n");
+}
+
+#[test]
+fn a_refusal_is_one_line_and_exit_code_1() {
+    let served = Served::start(Setup::with_node_id(1, 4));
+    let address = served.address.to_string();
+    let with = |rest: &[&'static str]| {
+        let arguments: Vec<String> = ["--slcan", &address]
+            .iter()
+            .chain(rest)
+            .map(|word| (*word).to_owned())
+            .collect();
+        arguments
+    };
+    let refused = |rest: &[&'static str], part: &str, code: i32| {
+        let arguments = with(rest);
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        assert_refused(&arguments, part, code);
+    };
+    refused(
+        &["od", "write", "4", "1000", "1"],
+        "06010002h: attempt to write a read-only object",
+        1,
+    );
+    refused(
+        &["od", "read", "5", "1000", "--timeout", "50"],
+        "node 5 does not answer",
+        1,
+    );
+    refused(
+        &["od", "read", "4", "flux capacitor"],
+        "there is no object `flux capacitor`",
+        2,
+    );
+    refused(
+        &["od", "read", "4", "1000", "--eds", "/no/such.eds"],
+        "cannot read /no/such.eds: no such file",
+        2,
+    );
+    refused(
+        &[
+            "od",
+            "load",
+            "4",
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../eds/axis402.eds"),
+        ],
+        "is no DCF",
+        2,
+    );
+    refused(
+        &[
+            "od",
+            "load",
+            "4",
+            concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"),
+        ],
+        "is no data sheet",
+        2,
+    );
+}
+
+#[test]
+fn mistakes_are_one_line_and_exit_code_2() {
+    let bus = ["--slcan", "127.0.0.1:1"];
+    let with = |rest: &[&'static str]| [&bus[..], rest].concat();
+    assert_refused(&["scan"], "a bus is missing", 2);
+    assert_refused(&["dance"], "dance", 2);
+    assert_refused(
+        &with(&["scan"]),
+        "cannot use the SLCAN adapter 127.0.0.1:1",
+        2,
+    );
+    assert_refused(
+        &["--slcan", "/dev/no-such-port", "scan"],
+        "no such file or directory",
+        2,
+    );
+    assert_refused(&["--socketcan", "no-such-can0", "scan"], "no-such-can0", 2);
+    assert_refused(&with(&["scan", "--socketcan", "can0"]), "--socketcan", 2);
+    assert_refused(&with(&["scan", "--bitrate", "123"]), "1000, 800", 2);
+    assert_refused(
+        &with(&["od", "read", "128", "1000"]),
+        "a node-ID is 1 to 127",
+        2,
+    );
+    assert_refused(&with(&["od", "read", "4"]), "OBJECT", 2);
+    assert_refused(&with(&["od", "write", "4", "6083"]), "VALUE", 2);
+    assert_refused(
+        &with(&["od", "write", "4", "6083", "1", "--file", "x"]),
+        "--file",
+        2,
+    );
+    assert_refused(
+        &with(&["od", "read", "4", "1000", "--type", "u9"]),
+        "no type",
+        2,
+    );
+    assert_refused(&with(&["lss", "set"]), "--node-id", 2);
+    assert_refused(
+        &with(&["lss", "set", "--node-id", "4", "--identity", "1:2:3"]),
+        "four hexadecimal",
+        2,
+    );
+    assert_refused(&with(&["lss", "bitrate", "100"]), "1000, 800", 2);
+}
+
+#[test]
+fn help_is_no_mistake() {
+    for arguments in [
+        &["--help"][..],
+        &["lss", "number", "--help"],
+        &["--version"],
+    ] {
+        assert_eq!(run(arguments).status.code(), Some(0));
+    }
+}
+
+/// An adapter that says `reply` to every line, and nothing else.
+fn adapter(reply: &'static [u8]) -> SocketAddr {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        let mut byte = [0];
+        while let Ok(1) = stream.read(&mut byte) {
+            if byte == *b"\r" && stream.write_all(reply).is_err() {
+                return;
+            }
+        }
+    });
+    address
+}
+
+#[test]
+fn an_adapter_that_cannot_send_is_told() {
+    // It refuses its bit rate already.
+    let address = adapter(b"\x07").to_string();
+    assert_refused(
+        &["--slcan", &address, "scan"],
+        "the adapter refuses 1000 kbit/s",
+        2,
+    );
+    // It never replies at all: then nobody answers, and that is no fault of the adapter.
+    let address = adapter(b"").to_string();
+    let read = [
+        "--slcan",
+        &address,
+        "--timeout",
+        "50",
+        "od",
+        "read",
+        "4",
+        "1000",
+    ];
+    assert_refused(&read, "node 4 does not answer", 1);
+}
+
+#[test]
+fn an_adapter_that_goes_away_is_told() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let goes = thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        let mut lines = 0;
+        let mut byte = [0];
+        // Two empty lines and C, S, O; then the first frame.
+        while lines < 6 {
+            stream.read_exact(&mut byte).unwrap();
+            if byte == *b"\r" {
+                lines += 1;
+                stream.write_all(b"\r").unwrap();
+            }
+        }
+    });
+    let read = [
+        "--slcan",
+        &address,
+        "--timeout",
+        "60000",
+        "od",
+        "read",
+        "4",
+        "1000",
+    ];
+    assert_refused(&read, "SLCAN adapter", 1);
+    goes.join().unwrap();
+}
+
+#[test]
+fn a_channel_that_is_opened_anew_has_no_failure_of_the_old_one() {
+    let served = Served::start(Setup::with_node_id(1, 4));
+    let place = Place::Tcp(served.address.to_string());
+    let rates = [500, 1_000].map(|kbit| {
+        let mut all = (0..=8).filter_map(AdapterBitRate::from_digit);
+        all.find(|rate| rate.kbit_per_second() == kbit).unwrap()
+    });
+    let mut bus = LiveBus::new();
+    bus.use_adapter(&place, Some(rates[1])).unwrap();
+    for rate in rates.into_iter().cycle().take(40) {
+        assert!(bus.set_adapter_bit_rate(rate).unwrap());
+        let heard = bus.receive(Instant::now());
+        assert!(!matches!(heard, Some(Incoming::Failed(_))), "{heard:?}");
+    }
+}
+
+/// Carries bytes between a serial port and a TCP connection, as the cable of an adapter would.
+#[cfg(unix)]
+fn cable(port: serial2::SerialPort, address: SocketAddr) {
+    let stream = TcpStream::connect(address).unwrap();
+    stream.set_nodelay(true).unwrap();
+    let (to_port, mut from_stream) = (port.try_clone().unwrap(), stream.try_clone().unwrap());
+    thread::spawn(move || {
+        let mut bytes = [0; 256];
+        while let Ok(count @ 1..) = from_stream.read(&mut bytes) {
+            if to_port.write_all(&bytes[..count]).is_err() {
+                return;
+            }
+        }
+    });
+    thread::spawn(move || {
+        let mut stream = stream;
+        let mut bytes = [0; 256];
+        loop {
+            match port.read(&mut bytes) {
+                Ok(0) => return,
+                Ok(count) => {
+                    if stream.write_all(&bytes[..count]).is_err() {
+                        return;
+                    }
+                }
+                Err(error) if error.kind() == std::io::ErrorKind::TimedOut => {}
+                Err(_) => return,
+            }
+        }
+    });
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_adapter_on_a_serial_port_does_as_well() {
+    use std::os::fd::AsRawFd;
+
+    let served = Served::start(Setup::with_node_id(1, 4));
+    let (mut ours, theirs) = serial2::SerialPort::pair().unwrap();
+    let path = std::fs::read_link(format!("/proc/self/fd/{}", theirs.as_raw_fd())).unwrap();
+    ours.set_read_timeout(Duration::from_millis(50)).unwrap();
+    cable(ours, served.address);
+    let output = run(&[
+        "--slcan",
+        path.to_str().unwrap(),
+        "od",
+        "read",
+        "-b",
+        "4",
+        "1018:4",
+    ]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{error}");
+    assert_eq!(output.stdout, b"1\n");
+    drop(theirs);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_monitor_runs_until_it_is_stopped() {
+    use std::io::{BufRead, BufReader};
+    use std::process::Stdio;
+
+    let served = Served::start(Setup::with_node_id(1, 4));
+    // From now on TPDO 1 comes every 100 ms.
+    served.told(&["nmt", "start", "4"]);
+    let mut monitor = Command::new(env!("CARGO_BIN_EXE_axis402"))
+        .args(["--slcan", &served.address.to_string(), "monitor"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(monitor.stdout.take().unwrap()).lines();
+    let line = lines.next().unwrap().unwrap();
+    assert!(line.ends_with("TPDO 1: switch on disabled"), "{line}");
+    // That of the shell: a bare Debian has no program of that name.
+    let kill = Command::new("sh")
+        .args(["-c", &format!("kill -INT {}", monitor.id())])
+        .status()
+        .unwrap();
+    assert!(kill.success());
+    assert!(lines.all(|line| line.is_ok()));
+    assert_eq!(monitor.wait().unwrap().code(), Some(0));
+}

@@ -1,8 +1,0 @@
-//! `axis402`: a CANopen master on the command line (see [`sim::axis402`]).
-#![forbid(unsafe_code)]
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    sim::axis402::run(std::env::args_os())
-}
