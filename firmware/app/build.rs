@@ -2,11 +2,19 @@
 
 use std::env;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use od_gen::Options;
 
+/// The root of the workspace.
+const ROOT: &str = "../..";
+
 const MEMORY: &str = "../../memory.x";
+
+/// The data sheet of the drive, from the root of the workspace, if it is to be another one than [`DATA_SHEET`].
+const CHOICE: &str = "AXIS402_EDS";
+
+const DATA_SHEET: &str = "eds/axis402.eds";
 
 fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
@@ -16,7 +24,13 @@ fn main() {
     println!("cargo:rerun-if-changed=build.rs");
 
     // The drive, and the device of the benchmarks.
-    od_gen::build("../../eds/axis402.eds", "dictionary.rs", Options::DRIVE);
+    println!("cargo:rerun-if-env-changed={CHOICE}");
+    let data_sheet = env::var_os(CHOICE).unwrap_or_else(|| DATA_SHEET.into());
+    od_gen::build(
+        Path::new(ROOT).join(data_sheet),
+        "dictionary.rs",
+        Options::DRIVE,
+    );
     od_gen::build(
         "../../tests/eds/test-device.eds",
         "test_device.rs",

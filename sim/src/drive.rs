@@ -12,8 +12,8 @@ use canopen::od::Dictionary;
 use canopen::settings::{PowerOn, Sources, Wish};
 use canopen::time::NEVER;
 use canopen::{
-    Application, BitRate, BitTiming, Configuration, ControllerState, Duration, Event, Frame,
-    Instant, NodeId, Settings,
+    BitRate, BitTiming, Configuration, ControllerState, Duration, Event, Frame, Instant, NodeId,
+    Settings,
 };
 use cia402::inputs::DigitalInputs;
 use cia402::recorder::{Memory, Recorder};
@@ -21,7 +21,7 @@ use cia402::{Actuals, Device, Drive, DriveConfig, Exchange, Inputs, Objects, Out
 use motion::{AxisConfig, Clock, DriverTiming};
 
 use crate::flash::{Flash, ParameterStore};
-use crate::machine::ScopeMemory;
+use crate::machine::{Machine, machine};
 use crate::plant::{Axis, Plant, STEP_CLOCK_HZ, Sensed, WIRES};
 use crate::settings::{FactoryStore, Settings as FactorySettings};
 use master::bus::Station;
@@ -121,13 +121,13 @@ pub struct MotionSample {
     pub position: i64,
 }
 
-/// A drive with the dictionary `D` and the application `A` of its firmware; on power it boots, then it lives on frames and time.
+/// A drive with the dictionary `D` of its firmware; on power it boots, then it lives on frames and time.
 #[derive(Debug)]
-pub struct VirtualDrive<D: Dictionary, A = ()> {
+pub struct VirtualDrive<D: Dictionary> {
     setup: Setup,
     powered: bool,
     was_reset: bool,
-    device: Device<D, A>,
+    device: Device<D, Machine>,
     drive: Drive,
     recorder: Recorder<Arc<Memory>>,
     exchange: Exchange,
@@ -147,11 +147,7 @@ pub struct VirtualDrive<D: Dictionary, A = ()> {
     samples: Option<Vec<MotionSample>>,
 }
 
-impl<D, A> VirtualDrive<D, A>
-where
-    D: Dictionary + Objects + Default,
-    A: Application<D> + ScopeMemory + Default,
-{
+impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
     /// A drive without power; it gets it when it is polled for the first time.
     pub fn new(mut setup: Setup) -> Self {
         let power_on = setup.first_power_on();
@@ -159,12 +155,12 @@ where
         if let Some(axis) = &setup.axis {
             plant.mount(axis);
         }
-        let device: Device<D, A> =
-            device(&power_on, setup.serial_number).produced(setup.produced());
+        let (machine, scope) = machine();
+        let device = device(&power_on, setup.serial_number, machine).produced(setup.produced());
         Self {
             powered: false,
             was_reset: false,
-            recorder: recorder(&device),
+            recorder: Recorder::new(scope, CONTROL_TICK),
             device,
             drive: Drive::new(drive_config()),
             exchange: Exchange::new(),
@@ -187,8 +183,10 @@ where
     /// motor stays where it is mounted but counts from 0 again, as a drive without an encoder does.
     pub fn power_cycle(&mut self) {
         let power_on = self.setup.power_on();
-        self.device = device(&power_on, self.setup.serial_number).produced(self.setup.produced());
-        self.recorder = recorder(&self.device);
+        let (machine, scope) = machine();
+        self.device =
+            device(&power_on, self.setup.serial_number, machine).produced(self.setup.produced());
+        self.recorder = Recorder::new(scope, CONTROL_TICK);
         self.drive = Drive::new(drive_config());
         self.exchange = Exchange::new();
         self.bit_rate = bit_rate(&power_on);
@@ -211,7 +209,7 @@ where
     }
 
     /// The CANopen half, for its dictionary and state.
-    pub fn device(&self) -> &Device<D, A> {
+    pub fn device(&self) -> &Device<D, Machine> {
         &self.device
     }
 
@@ -426,9 +424,8 @@ where
     }
 }
 
-impl<D, A> Station for VirtualDrive<D, A>
+impl<D> Station for VirtualDrive<D>
 where
-    A: Application<D> + ScopeMemory + Default + std::fmt::Debug + 'static,
     D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
 {
     fn receive(&mut self, frame: &Frame, now: Instant) {
@@ -512,28 +509,18 @@ fn digital(wires: [Sensed; WIRES]) -> DigitalInputs {
 }
 
 /// The CANopen half of a drive, without power.
-fn device<D, A>(power_on: &PowerOn, serial_number: u32) -> Device<D, A>
+fn device<D>(power_on: &PowerOn, serial_number: u32, machine: Machine) -> Device<D, Machine>
 where
     D: Dictionary + Objects + Default,
-    A: Application<D> + Default,
 {
     let settings = Settings {
         node_id: power_on.node_id.value,
         bit_rate: bit_rate(power_on),
     };
-    Device::with_application(D::default(), settings, serial_number, A::default())
+    Device::with_application(D::default(), settings, serial_number, machine)
         .with_parameter_store()
         .started(power_on)
         .detecting()
-}
-
-/// The recorder of a drive that has just got power.
-fn recorder<D, A>(device: &Device<D, A>) -> Recorder<Arc<Memory>>
-where
-    D: Dictionary + Objects,
-    A: Application<D> + ScopeMemory,
-{
-    Recorder::new(device.application().scope_memory(), CONTROL_TICK)
 }
 
 /// The bit rate to begin with.

@@ -22,5 +22,4 @@ pub mod dictionary {
 }
 
 /// The generic drive on a PC.
-pub type Axis402 =
-    drive::VirtualDrive<dictionary::Dictionary, dictionary::Hooked<machine::Machine>>;
+pub type Axis402 = drive::VirtualDrive<dictionary::Dictionary>;

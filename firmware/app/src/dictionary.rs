@@ -1,3 +1,3 @@
-//! The object dictionary of the drive, from `eds/axis402.eds`.
+//! The object dictionary of the drive, from the data sheet that `build.rs` chooses.
 
 include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));

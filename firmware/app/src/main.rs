@@ -114,7 +114,8 @@ mod app {
 
         let (inbox, received) = Inbox::new(cx.local.frames, cx.local.lost);
         let mut exchange = Exchange::new();
-        let machine = Machine::new(user_memory, &board::SCOPE_MEMORY);
+        let [value, spare] = user_memory;
+        let machine = Machine::new(value, spare, &board::SCOPE_MEMORY);
         let mut node = Node::new(
             settings,
             &power_on,

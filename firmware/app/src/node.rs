@@ -26,7 +26,7 @@ use rtic::Mutex;
 
 use crate::board::{Board, Bus, Receive, Selected};
 use crate::clock;
-use crate::dictionary::{Dictionary, Hooked};
+use crate::dictionary::Dictionary;
 use crate::inbox::{Lost, Received, Stamped};
 use crate::lights::Signals;
 use crate::machine::Machine;
@@ -45,7 +45,7 @@ type Receiver = <Selected as Board>::Receiver;
 
 /// The CANopen device and what belongs to its task.
 pub struct Node {
-    device: Device<Dictionary, Hooked<Machine>>,
+    device: Device<Dictionary, Machine>,
     received: Received,
     lost: &'static Lost,
     lost_before: u32,
@@ -81,7 +81,6 @@ impl Node {
         lost: &'static Lost,
         mut store: Parameters<<Selected as Board>::Parameters>,
     ) -> Self {
-        let machine = Hooked(machine);
         let device = Device::with_application(Dictionary::new(), settings, serial_number, machine)
             .supporting(CanBus::BIT_RATES)
             .started(power_on)

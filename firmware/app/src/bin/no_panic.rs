@@ -17,13 +17,12 @@ use canopen::node::StoreError;
 use canopen::od::{self, DayTime, StorageGroup, Value};
 use canopen::outbox::{Mailboxes, Room};
 use canopen::{
-    Application, BitRate, ControllerState, Domain, Duration, Frame, Instant, Node, NodeId, Outbox,
-    Settings,
+    Application, BitRate, ControllerState, Duration, Frame, Instant, Node, NodeId, Outbox, Settings,
 };
 use cia402::binding::{self, Conversion, Number};
 use cia402::cyclic::TickTimer;
 use cia402::inputs::{self, Capture, Captured, DigitalInputs, Edges};
-use cia402::recorder::{Memory, Recorder, Recording};
+use cia402::recorder::{Memory, Recorder};
 use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
@@ -32,6 +31,7 @@ use embedded_can::{ExtendedId, Frame as _, StandardId};
 use motion::advanced_timer::{Output, Ring};
 use motion::step_interrupt;
 use motion::Axis;
+use runtime::Machine;
 use stm32f4xx_hal as _;
 
 #[path = "no_panic/commissioning.rs"]
@@ -51,7 +51,7 @@ mod dictionary {
     include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));
 }
 
-use dictionary::{Dictionary, Hooked, Hooks, Streams};
+use dictionary::Dictionary;
 
 /// The same objects in a device that was compiled with all that the crate can do, whatever its data sheet lists.
 struct Everything(Dictionary);
@@ -347,24 +347,6 @@ impl ParameterStore for AnyStore {
 /// The memory of the scope.
 static SCOPE: Memory<[AtomicU32; 64]> = Memory::new();
 
-/// An application with the streamed objects of the drive.
-struct Machine(Domain<[u8; 64]>, Recording<&'static Memory>);
-
-impl Hooks for Machine {}
-
-impl Streams for Machine {
-    type UserMemory = Domain<[u8; 64]>;
-    type ScopeData = Recording<&'static Memory>;
-
-    fn user_memory(&mut self) -> &mut Self::UserMemory {
-        &mut self.0
-    }
-
-    fn scope_data(&mut self) -> &mut Self::ScopeData {
-        &mut self.1
-    }
-}
-
 /// Mailboxes that may say anything.
 struct AnyMailboxes;
 
@@ -408,7 +390,7 @@ fn capture(edges: &Capture) {
 
 #[inline(never)]
 fn drive(
-    device: &mut Device<Dictionary, Hooked<Machine>>,
+    device: &mut Device<Dictionary, Machine<[u8; 64], &'static Memory>>,
     (drive, recorder): (&mut Drive, &mut Recorder<&'static Memory>),
     exchange: &mut impl Share,
     outbox: &mut Outbox<3>,
@@ -462,7 +444,7 @@ fn drive(
         11 => outbox.send(device, &mut AnyMailboxes),
         12 => outbox.clear(),
         14 => device.drop_late(any_time()),
-        13 => look(device.application().0 .0.value().len() as u32),
+        13 => look(device.application().user_memory().len() as u32),
         17 => look(device.calls_early().into()),
         18 => look(exchange.lock(|exchange| exchange.calls_early()).into()),
         _ => device.receive(&any_frame(), any_time(), exchange),
@@ -493,8 +475,7 @@ fn values() {
 #[entry]
 fn main() -> ! {
     let mut exchange = Exchange::new();
-    let recording = Recording::new(&SCOPE as &'static Memory);
-    let machine = Hooked(Machine(Domain::new([0; 64], [0; 64]), recording));
+    let machine = Machine::new([0; 64], [0; 64], &SCOPE as &'static Memory);
     let mut device = Device::with_application(Dictionary::new(), any_settings(), any(), machine)
         .with_parameter_store()
         .detecting()

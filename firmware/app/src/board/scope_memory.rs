@@ -5,9 +5,8 @@ use core::sync::atomic::AtomicU32;
 
 use cia402::recorder::Memory;
 
-/// Words of samples.
-const WORDS: usize = 5_120;
+use crate::machine::SCOPE_WORDS;
 
 /// The memory of the scope. At the start of the chip it holds anything, and the recorder forgets that before anybody looks.
 #[cfg_attr(feature = "stm32f405", link_section = ".ccmram")]
-pub static SCOPE_MEMORY: Memory<[AtomicU32; WORDS]> = Memory::new();
+pub static SCOPE_MEMORY: Memory<[AtomicU32; SCOPE_WORDS]> = Memory::new();
