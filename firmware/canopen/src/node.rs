@@ -5,7 +5,8 @@
 //!
 //! The contract:
 //! - The device sends nothing and hears nothing before [`Node::boot`], and again from a commanded reset until the next
-//!   [`Node::boot`]. The firmware learns of the reset by [`Event::ResetRequested`] and may stop a motor first.
+//!   [`Node::boot`]. The firmware learns of the reset by [`Event::ResetRequested`] and may stop a motor first; while a motor turns it
+//!   holds resets back ([`Node::hold_resets`]), and the device goes on as it is.
 //! - A reset leads through [`NmtState::Initialisation`], and [`Event::StateChanged`] tells of it. LSS answers that wait for
 //!   the bus outlive it; everything else that waits is dropped.
 //! - The first frame after a boot is the boot-up message, once.
@@ -61,7 +62,7 @@ pub enum Event {
     /// state has followed 1029h already.
     CommunicationError(CommunicationError),
     /// A reset was commanded, or LSS has given a first node-ID. The device is silent until [`Node::boot`] is called with
-    /// this reset, so that the motor can be stopped first.
+    /// this reset, so that the motor can be stopped first; where resets are held back ([`Node::hold_resets`]) it goes on.
     ResetRequested(Reset),
     /// Bus-off was long enough ago: start the CAN controller again, and tell [`Node::controller_changed`] when it is back.
     RestartController,
@@ -122,6 +123,10 @@ pub struct Node<D: Dictionary> {
     next_call: Instant,
     /// Silent and deaf until the next boot.
     is_resetting: bool,
+    /// A commanded reset does not silence the device.
+    holds_resets: bool,
+    /// One was commanded, and waits for the next boot.
+    is_held: bool,
     /// Nothing may be sent: a reset, or the silence around a change of the bit rate.
     is_mute: bool,
 }
@@ -145,6 +150,8 @@ impl<D: Dictionary> Node<D> {
             next_pdo: NEVER,
             next_call: NEVER,
             is_resetting: true,
+            holds_resets: false,
+            is_held: false,
             is_mute: true,
         }
     }
@@ -254,6 +261,21 @@ impl<D: Dictionary> Node<D> {
     /// The reset of [`Event::ResetRequested`], ahead of the events that wait before it.
     pub fn take_reset(&mut self) -> Option<Reset> {
         self.events.take_reset()
+    }
+
+    /// Whether commanded resets are held back from now on: a motor turns, and the network must be able to stop it, and to hear of it, until
+    /// it stands. The device goes on as it is then, in the NMT state it is in. Without that, a reset that is held back silences the device
+    /// now; [`Node::boot`] is still to be called.
+    pub fn hold_resets(&mut self, holds: bool) {
+        self.holds_resets = holds;
+        if self.is_held && !holds {
+            self.silence();
+        }
+    }
+
+    /// Whether a commanded reset is held back.
+    pub fn holds_reset(&self) -> bool {
+        self.is_held
     }
 
     /// The bit rate of the network was found, and the controller is on the bus with it.
@@ -422,6 +444,7 @@ impl<D: Dictionary> Node<D> {
             self.events.state_changed(self.state);
         }
         self.is_resetting = true;
+        self.is_held = false;
         self.is_mute = true;
         self.identifiers = Identifiers::none();
     }
@@ -437,7 +460,11 @@ impl<D: Dictionary> Node<D> {
     }
 
     fn request_reset(&mut self, reset: Reset) {
-        self.silence();
+        if self.holds_resets {
+            self.is_held = true;
+        } else {
+            self.silence();
+        }
         self.events.request_reset(reset);
     }
 

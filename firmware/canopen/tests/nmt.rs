@@ -258,6 +258,30 @@ fn n18_a_reset_waits_in_silence_until_the_motor_has_stopped() {
 }
 
 #[test]
+fn n18_a_reset_that_is_held_back_lets_the_device_go_on_until_the_boot() {
+    let mut device = Device::operational();
+    device.ask("604#2B17100064000000");
+    device.node.hold_resets(true);
+    device.send("000#8104");
+    assert!(device.node.holds_reset());
+    assert_eq!(device.events(), [Event::ResetRequested(Reset::Node)]);
+    assert_eq!(device.pass(100), [(100, "704#05".into())]);
+    assert_eq!(device.ask("604#4000100000000000").len(), 1, "SDO is served");
+    device.send("000#8204");
+    assert_eq!(
+        device.events(),
+        [Event::ResetRequested(Reset::Communication)],
+        "a second one is told as well"
+    );
+    device.node.hold_resets(false);
+    assert!(!device.node.holds_reset() && device.node.is_mute());
+    assert_eq!(device.pass(500), [], "silent now");
+    device.boot(Reset::Node);
+    assert_eq!(device.pass(500), [(0, BOOT_UP.into())]);
+    assert!(!device.node.holds_reset());
+}
+
+#[test]
 fn n18_a_boot_serves_a_reset_that_nobody_has_asked_for_yet() {
     let mut device = Device::new();
     device.send("000#8204");

@@ -42,6 +42,8 @@ pub struct Configuration {
     pub halt: StopRamp,
     /// 605Eh.
     pub fault_reaction: Stop,
+    /// 20A1h in milliseconds: how long a stop may take that the drive makes on its own.
+    pub longest_stop: u16,
     /// 6085h in steps/s².
     pub quick_stop_deceleration: u32,
     /// 607Dh:1 and :2 in user units. They are off while the first is not below the second.
@@ -234,6 +236,7 @@ impl Configuration {
         disable_operation: Stop::Ramp(StopRamp::SlowDown),
         halt: StopRamp::SlowDown,
         fault_reaction: Stop::Ramp(StopRamp::QuickStop),
+        longest_stop: 2_000,
         quick_stop_deceleration: 0,
         position_limits: (i32::MIN, i32::MAX),
         position_limit_options: PositionLimitOptions::NONE,
@@ -266,7 +269,7 @@ impl Configuration {
     /// Takes over all of another one, field by field.
     #[inline]
     pub(crate) fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { units, brake, pulse_timing, abort_connection, quick_stop, shutdown, disable_operation, halt, fault_reaction, quick_stop_deceleration, position_limits, position_limit_options, following_error_window, following_error_time_out, position_window, position_window_time, velocity_window, velocity_window_time, velocity_threshold, velocity_threshold_time, max_slippage, max_velocity, max_acceleration, max_deceleration, profile, velocity, inputs, homing, touch_probe_sources, outputs, analogue, currents, microsteps, is_reversed, power_stage, cyclic }, from => self);
+        copy_fields!(Self { units, brake, pulse_timing, abort_connection, quick_stop, shutdown, disable_operation, halt, fault_reaction, longest_stop, quick_stop_deceleration, position_limits, position_limit_options, following_error_window, following_error_time_out, position_window, position_window_time, velocity_window, velocity_window_time, velocity_threshold, velocity_threshold_time, max_slippage, max_velocity, max_acceleration, max_deceleration, profile, velocity, inputs, homing, touch_probe_sources, outputs, analogue, currents, microsteps, is_reversed, power_stage, cyclic }, from => self);
     }
 
     /// What the objects of a dictionary say. A code that means nothing (only a data sheet can hold one) counts as the default
@@ -293,6 +296,7 @@ impl Configuration {
             halt: StopRamp::on_halt(dictionary.halt_option_code()).unwrap_or(Self::NONE.halt),
             fault_reaction: Stop::on_fault(dictionary.fault_reaction_option_code())
                 .unwrap_or(Self::NONE.fault_reaction),
+            longest_stop: dictionary.longest_stop(),
             quick_stop_deceleration: units.acceleration(dictionary.quick_stop_deceleration()),
             position_limits: (
                 dictionary.min_position_limit(),

@@ -124,6 +124,12 @@ impl ControlwordHistory {
         }
     }
 
+    /// As if "disable voltage" had been written in between.
+    pub(crate) const fn disable_voltage(&mut self) {
+        self.stop = Some(Command::DisableVoltage);
+        self.shutdown_first = false;
+    }
+
     /// What is remembered, once.
     pub const fn take(&mut self) -> Passed {
         let taken = Passed {

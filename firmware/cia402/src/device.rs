@@ -8,9 +8,9 @@
 //! A communication error (a watched node silent, life guarding, bus-off) takes the right to command away as well, whatever NMT
 //! state 1029h leads to, until the motor stands without power; with 6007h = 0 it does not.
 //!
-//! A reset (NMT reset node, reset communication) is carried out when the motor stands without power, however long 6085h
-//! makes that; the device is silent meanwhile. Reset node also resets a fault; reset communication leaves it, and 1001h
-//! shows it.
+//! A reset (NMT reset node, reset communication) is carried out when the motor stands without power, 20A1h after it came at the
+//! latest. While the motor has power the device goes on as it was: heartbeat, emergency messages and process data tell of the stop, "disable
+//! voltage" ends it at once, and so does a second reset. Reset node also resets a fault; reset communication leaves it, and 1001h shows it.
 
 pub(crate) mod commissioning;
 mod controller;
@@ -141,10 +141,13 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 
     /// Takes a frame; `stamp` is when it arrived. The dictionary shows the drive as it was at that moment.
     pub fn receive<X: Share>(&mut self, frame: &Frame, stamp: Instant, exchange: &mut X) {
-        if self.phase != Phase::Running {
+        if self.phase == Phase::Off {
             return;
         }
         let actuals = self.refresh(stamp, exchange);
+        if self.phase == Phase::Running {
+            self.node.hold_resets(actuals.is_driving());
+        }
         self.hooks
             .protection
             .prepare(actuals.has_power(), actuals.is_moving, stamp);
@@ -165,15 +168,20 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 
     /// Lets time pass; call it after each control tick and at the returned deadline.
     pub fn poll<X: Share>(&mut self, now: Instant, exchange: &mut X) -> Instant {
+        let soon = now.checked_add_duration(WAIT).unwrap_or(now);
         match self.phase {
             Phase::Off => return canopen::time::NEVER,
             Phase::Running => {}
             Phase::Stopping(reset) => {
-                self.watch(exchange);
-                if !exchange.lock(|exchange| exchange.is_safe()) {
-                    return now.checked_add_duration(WAIT).unwrap_or(now);
+                let is_safe = exchange.lock(|exchange| exchange.is_safe());
+                if is_safe && !self.node.holds_reset() {
+                    self.boot(reset, now, exchange);
+                } else if is_safe || !self.node.holds_reset() {
+                    // One call in silence: what has not left yet is void.
+                    self.node.hold_resets(false);
+                    self.watch(exchange);
+                    return soon;
                 }
-                self.boot(reset, now, exchange);
             }
         }
         let actuals = self.refresh(now, exchange);
@@ -186,7 +194,10 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         self.beat(now, exchange);
         self.serve_controller();
         self.serve_commissioning();
-        deadline
+        match self.phase {
+            Phase::Stopping(_) => deadline.min(soon),
+            Phase::Off | Phase::Running => deadline,
+        }
     }
 
     /// The next frame to send.
@@ -300,6 +311,14 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     /// Resets are for the device, the other events of the node for the firmware.
     fn take_reset(&mut self) {
         if let Some(reset) = self.node.take_reset() {
+            let reset = match self.phase {
+                Phase::Stopping(first) => {
+                    // Whoever resets twice does not want to wait for the motor.
+                    self.hooks.disable_voltage();
+                    if first == Reset::Node { first } else { reset }
+                }
+                Phase::Off | Phase::Running => reset,
+            };
             self.phase = Phase::Stopping(reset);
             self.hooks.touch();
         }

@@ -137,6 +137,8 @@ pub struct Drive {
     ticked: Instant,
     /// When the state began.
     entered: Instant,
+    /// When the drive began to stop on its own: no remote control, or a fault. Until the power is off.
+    own_stop: Option<Instant>,
     /// The state has been seen on the bus, or nobody looks.
     is_seen: bool,
     /// The fault reaction is over, and goes on only to be seen.
@@ -179,6 +181,7 @@ impl Drive {
             is_abandoned: false,
             ticked: Instant::from_ticks(0),
             entered: Instant::from_ticks(0),
+            own_stop: None,
             is_seen: true,
             is_only_shown: false,
             resets_early: false,
@@ -466,10 +469,15 @@ impl Drive {
         } else if lost_now && !self.is_abandoned && self.is_stopped_by_state() {
             self.stop(Stop::Ramp(StopRamp::QuickStop));
         }
+        if command == Some(Command::DisableVoltage) {
+            // It waits for nothing, and no fault reaction goes on against it.
+            self.power_off();
+        }
         self.brake.set(
             self.power && (self.brake.is_released() || !self.is_leaving(remote, command)),
             now,
         );
+        self.end_own_stop(now, remote);
     }
 
     /// The action of a transition (CiA 402-2, "transition events and actions").

@@ -142,6 +142,11 @@ impl<A> Hooks<A> {
         written
     }
 
+    /// The motor is to lose its power at once, whatever it does.
+    pub(crate) const fn disable_voltage(&mut self) {
+        self.history.disable_voltage();
+    }
+
     /// Whether anybody has said how far apart set-points are (60C2h).
     pub(crate) const fn has_period(&self) -> bool {
         self.has_period

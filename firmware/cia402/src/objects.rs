@@ -243,6 +243,8 @@ pub trait Objects {
         profile_deceleration: u32 = 0;
         /// 20A0h.
         smooth_quick_stop: u8 = 0;
+        /// 20A1h in milliseconds.
+        longest_stop: u16 = 2_000;
         /// 6086h.
         motion_profile_type: i16 = 0;
         /// 60A4h:1.

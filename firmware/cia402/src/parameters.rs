@@ -176,6 +176,7 @@ parameters! {
     OverTemperatureFault "over_temperature_fault" 0x2074 3 I16 Taken "0.1 °C";
     TemperatureHysteresis "temperature_hysteresis" 0x2074 4 U16 Taken "0.1 °C";
     SmoothQuickStop "smooth_quick_stop" 0x20A0 0 U8 Taken "";
+    LongestStop "longest_stop" 0x20A1 0 U16 Taken "ms" from 1;
     PulseDriver "pulse_driver" 0x20B0 1 U8 Taken "";
     PulseHigh "pulse_high" 0x20B0 2 U32 Taken "ns";
     PulseLow "pulse_low" 0x20B0 3 U32 Taken "ns";

@@ -12,7 +12,7 @@
 //! - fault reaction (605Eh): transition 14 follows once the motor stands.
 //! - transition 16 needs an option code that stays, and the motor at rest: a quick stop is never cut short.
 //! - no remote control, where 6007h does not say otherwise: as the command "quick stop" with option code 2, for as long as it
-//!   lasts.
+//!   lasts; but "disable voltage" is obeyed.
 
 use crate::controlword::Command;
 use crate::option_codes::QuickStopOption;
@@ -227,7 +227,7 @@ pub const TRANSITIONS: [Transition; 25] = {
 pub struct Conditions {
     /// The state command that is given; see [`Command::decode`].
     pub command: Option<Command>,
-    /// The network may command the drive (statusword bit 9). While it may not, `command` is not looked at.
+    /// The network may command the drive (statusword bit 9). While it may not, of `command` only "disable voltage" counts.
     pub remote: bool,
     /// 605Ah; it counts at transition 11.
     pub quick_stop: QuickStopOption,
@@ -271,7 +271,9 @@ impl StateMachine {
     pub fn step(&mut self, conditions: &Conditions) -> Option<Transition> {
         let mut seen = *conditions;
         if !seen.remote {
-            seen.command = Some(Command::QuickStop);
+            if seen.command != Some(Command::DisableVoltage) {
+                seen.command = Some(Command::QuickStop);
+            }
             seen.quick_stop = QuickStopOption::QuickStopRamp;
             self.quick_stop = QuickStopOption::QuickStopRamp;
         }

@@ -401,10 +401,10 @@ fn n18_reset_node_stops_the_motor_before_the_device_boots() {
     station.take();
     station.send(0x000, &[0x81, 0x04]);
     station.milliseconds(5);
-    assert!(station.take().is_empty(), "silent while it stops");
+    assert!(!station.take().contains(&"704 00".into()), "it stops first");
     assert!(station.power);
     station.milliseconds(60);
-    assert_eq!(station.take(), ["704 00"]);
+    assert_eq!(station.take().last().unwrap(), "704 00");
     assert!(!station.power);
     assert_eq!(station.upload(0x6041, 0), 0x0250);
     assert_eq!(station.upload(0x6040, 0), 0);

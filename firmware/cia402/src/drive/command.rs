@@ -77,7 +77,8 @@ impl Drive {
             AbortConnectionOption::FaultSignal if self.power && !self.is_abandoned => {
                 self.is_abandoned = true;
                 self.faults.connection_lost(code);
-                (true, None, Some(Reaction::AsConfigured))
+                let command = command.filter(|given| *given == Command::DisableVoltage);
+                (true, command, Some(Reaction::AsConfigured))
             }
             AbortConnectionOption::DisableVoltage => (true, Some(Command::DisableVoltage), None),
             AbortConnectionOption::FaultSignal | AbortConnectionOption::QuickStop => {

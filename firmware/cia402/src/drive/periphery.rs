@@ -38,9 +38,10 @@ impl Drive {
     }
 
     /// Tells the brake what 60FEh wants of it if that may, else what the state machine wants. 60FEh does not close it on a motor that
-    /// turns: the mode stops the motor first.
+    /// turns: the mode stops the motor first, unless that takes too long.
     pub(super) fn move_brake(&mut self, now: Instant) {
-        let waits = self.power && !self.motor.standstill() && self.fitted_brake.is_released();
+        let is_turning = self.power && !self.motor.standstill();
+        let waits = is_turning && self.fitted_brake.is_released() && !self.is_overdue(now);
         let release = match self.periphery.outputs.brake() {
             Some(manual) => manual || waits,
             None => self.brake.is_released(),

@@ -40,6 +40,29 @@ impl Drive {
         self.brake.is_closed(self.configuration.brake, now)
     }
 
+    /// A stop that the drive makes on its own has an end, whatever its ramp: after 20A1h the brake closes, and then the power goes off.
+    pub(super) fn end_own_stop(&mut self, now: Instant, remote: bool) {
+        if !self.power {
+            self.own_stop = None;
+        } else if !remote || self.machine.state() == State::FaultReactionActive {
+            self.own_stop.get_or_insert(now);
+        }
+        if self.is_overdue(now) {
+            self.brake.set(false, now);
+            if self.brake.is_closed(self.configuration.brake, now) {
+                self.power_off();
+            }
+        }
+    }
+
+    /// Whether the motor turns longer than it may.
+    pub(super) fn is_overdue(&self, now: Instant) -> bool {
+        let longest = u64::from(self.configuration.longest_stop).saturating_mul(1_000);
+        self.own_stop
+            .and_then(|since| now.checked_duration_since(since))
+            .is_some_and(|span| span.ticks() >= longest)
+    }
+
     /// Whether the state may end by itself: a transmit PDO has shown it, or nobody has come to do so for long.
     pub(super) fn has_shown(&self, now: Instant) -> bool {
         !self.machine.state().is_fleeting()

@@ -64,6 +64,11 @@ impl Actuals {
         )
     }
 
+    /// Whether there is current in the motor, or it turns.
+    pub(crate) fn is_driving(&self) -> bool {
+        self.is_moving || State::from_statusword(self.statusword).is_some_and(State::may_have_power)
+    }
+
     /// Takes over all of other ones, field by field.
     #[inline]
     fn assign(&mut self, from: &Self) {
@@ -101,7 +106,7 @@ impl Actuals {
         self.is_driven
             && matches!(
                 state,
-                Some(State::OperationEnabled | State::QuickStopActive)
+                Some(State::OperationEnabled | State::QuickStopActive | State::FaultReactionActive)
             )
     }
 

@@ -140,10 +140,9 @@ fn model(state: State, stays: bool, seen: &Conditions) -> State {
     if seen.fault && !matches!(state, S::Fault | S::FaultReactionActive) {
         return S::FaultReactionActive;
     }
-    let command = if seen.remote {
-        seen.command
-    } else {
-        Some(C::QuickStop)
+    let command = match seen.command {
+        given if seen.remote || given == Some(C::DisableVoltage) => given,
+        _ => Some(C::QuickStop),
     };
     match state {
         S::NotReadyToSwitchOn => S::SwitchOnDisabled,
