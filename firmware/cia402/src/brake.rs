@@ -7,14 +7,7 @@
 
 use canopen::{Duration, Instant};
 
-/// How long the brake takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BrakeTimes {
-    /// 2040h:1, from the order to open until the motor may move, in milliseconds.
-    pub release: u16,
-    /// 2040h:2, from the order to close until the current may go, in milliseconds.
-    pub engage: u16,
-}
+use crate::configuration::BrakeTimes;
 
 /// The brake.
 #[derive(Debug)]

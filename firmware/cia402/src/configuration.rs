@@ -6,99 +6,17 @@
 
 use motion::{SignedSpeed, Speed, homing};
 
-use crate::brake::BrakeTimes;
 use crate::copied::copy_fields;
 use crate::cyclic::CyclicConfiguration;
 use crate::inputs::InputConfiguration;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
-use crate::periphery::analogue_input::AnalogueConfiguration;
+use crate::parameters::every_parameter;
 use crate::periphery::digital_outputs::OutputConfiguration;
-use crate::periphery::motor_current::MotorCurrents;
-use crate::periphery::power_stage::Thresholds;
 use crate::periphery::touch_probe::Source;
-use crate::profile::{self, ProfileConfiguration};
+use crate::profile::ProfileConfiguration;
 use crate::pulse_timing::PulseTiming;
 use crate::units::{Ratio, Units};
-
-/// Everything that is set up, as the objects say it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Configuration {
-    /// 607Bh, 607Eh, 608Fh to 6092h, 6096h and 6097h. All else here is in increments, unless it says otherwise.
-    pub units: Units,
-    /// 2040h.
-    pub brake: BrakeTimes,
-    /// 20B0h.
-    pub pulse_timing: PulseTiming,
-    /// 6007h.
-    pub abort_connection: AbortConnectionOption,
-    /// 605Ah.
-    pub quick_stop: QuickStopOption,
-    /// 605Bh.
-    pub shutdown: Stop,
-    /// 605Ch.
-    pub disable_operation: Stop,
-    /// 605Dh.
-    pub halt: StopRamp,
-    /// 605Eh.
-    pub fault_reaction: Stop,
-    /// 20A1h in milliseconds: how long a stop may take that the drive makes on its own.
-    pub longest_stop: u16,
-    /// 6085h in steps/s².
-    pub quick_stop_deceleration: u32,
-    /// 607Dh:1 and :2 in user units. They are off while the first is not below the second.
-    pub position_limits: (i32, i32),
-    /// 20E0h.
-    pub position_limit_options: PositionLimitOptions,
-    /// 6065h in steps; FFFFFFFFh is off.
-    pub following_error_window: u32,
-    /// 6066h in milliseconds.
-    pub following_error_time_out: u16,
-    /// 6067h in steps; FFFFFFFFh is off.
-    pub position_window: u32,
-    /// 6068h in milliseconds.
-    pub position_window_time: u16,
-    /// 606Dh.
-    pub velocity_window: Speed,
-    /// 606Eh in milliseconds.
-    pub velocity_window_time: u16,
-    /// 606Fh.
-    pub velocity_threshold: Speed,
-    /// 6070h in milliseconds.
-    pub velocity_threshold_time: u16,
-    /// 60F8h; a negative one counts as 0.
-    pub max_slippage: Speed,
-    /// The smaller of 607Fh and 6080h.
-    pub max_velocity: Speed,
-    /// 60C5h in steps/s².
-    pub max_acceleration: u32,
-    /// 60C6h in steps/s².
-    pub max_deceleration: u32,
-    /// 6086h, 60A4h and 20A0h.
-    pub profile: ProfileConfiguration,
-    /// What belongs to the velocity mode alone.
-    pub velocity: VelocityConfiguration,
-    /// 2031h to 2033h.
-    pub inputs: InputConfiguration,
-    /// 607Ch, 6098h, 6099h, 609Ah and 2030h.
-    pub homing: HomingConfiguration,
-    /// 60D0h: what probes 1 and 2 look at if 60B8h asks for it.
-    pub touch_probe_sources: [Source; 2],
-    /// 2060h to 2063h.
-    pub outputs: OutputConfiguration,
-    /// 2064h.
-    pub analogue: AnalogueConfiguration,
-    /// 2070h.
-    pub currents: MotorCurrents,
-    /// 2071h: pulses of a full step.
-    pub microsteps: u16,
-    /// 2072h: the motor turns the other way.
-    pub is_reversed: bool,
-    /// 2073h and 2074h.
-    pub power_stage: Thresholds,
-    /// 1006h, 2051h, 60C0h, 60C2h and 60C4h.
-    pub cyclic: CyclicConfiguration,
-}
 
 /// How 607Dh is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -221,224 +139,242 @@ fn ramp(speed: u32, seconds: u16, dimension: (i32, i32)) -> u32 {
     u32::try_from(ramp).unwrap_or(u32::MAX).max(1)
 }
 
-impl Configuration {
-    /// What holds before anything is set up.
-    pub const NONE: Self = Self {
-        units: Units::NONE,
-        brake: BrakeTimes {
-            release: 0,
-            engage: 0,
-        },
-        pulse_timing: PulseTiming::AsBuilt,
-        abort_connection: AbortConnectionOption::QuickStop,
-        quick_stop: QuickStopOption::QuickStopRamp,
-        shutdown: Stop::PowerOff,
-        disable_operation: Stop::Ramp(StopRamp::SlowDown),
-        halt: StopRamp::SlowDown,
-        fault_reaction: Stop::Ramp(StopRamp::QuickStop),
-        longest_stop: 2_000,
-        quick_stop_deceleration: 0,
-        position_limits: (i32::MIN, i32::MAX),
-        position_limit_options: PositionLimitOptions::NONE,
-        following_error_window: u32::MAX,
-        following_error_time_out: 0,
-        position_window: u32::MAX,
-        position_window_time: 0,
-        velocity_window: Speed::ZERO,
-        velocity_window_time: 0,
-        velocity_threshold: Speed::ZERO,
-        velocity_threshold_time: 0,
-        max_slippage: Speed::MAX,
-        max_velocity: Speed::MAX,
-        max_acceleration: u32::MAX,
-        max_deceleration: u32::MAX,
-        profile: ProfileConfiguration::NONE,
-        velocity: VelocityConfiguration::NONE,
-        inputs: InputConfiguration::NONE,
-        homing: HomingConfiguration::NONE,
-        touch_probe_sources: [Source::Probe1, Source::Probe2],
-        outputs: OutputConfiguration::NONE,
-        analogue: AnalogueConfiguration::NONE,
-        currents: MotorCurrents::NONE,
-        microsteps: 1,
-        is_reversed: false,
-        power_stage: Thresholds::NONE,
-        cyclic: CyclicConfiguration::NONE,
-    };
-
-    /// Takes over all of another one, field by field.
-    #[inline]
-    pub(crate) fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { units, brake, pulse_timing, abort_connection, quick_stop, shutdown, disable_operation, halt, fault_reaction, longest_stop, quick_stop_deceleration, position_limits, position_limit_options, following_error_window, following_error_time_out, position_window, position_window_time, velocity_window, velocity_window_time, velocity_threshold, velocity_threshold_time, max_slippage, max_velocity, max_acceleration, max_deceleration, profile, velocity, inputs, homing, touch_probe_sources, outputs, analogue, currents, microsteps, is_reversed, power_stage, cyclic }, from => self);
-    }
-
-    /// What the objects of a dictionary say. A code that means nothing (only a data sheet can hold one) counts as the default
-    /// of the standard.
-    pub fn of<D: Objects>(dictionary: &D) -> Self {
-        let units = Units::of(dictionary);
-        Self {
-            units,
-            brake: BrakeTimes {
-                release: dictionary.brake_release_time(),
-                engage: dictionary.brake_engage_time(),
-            },
-            pulse_timing: PulseTiming::of(dictionary),
-            abort_connection: AbortConnectionOption::from_code(
-                dictionary.abort_connection_option_code(),
-            )
-            .unwrap_or(Self::NONE.abort_connection),
-            quick_stop: QuickStopOption::from_code(dictionary.quick_stop_option_code())
-                .unwrap_or(Self::NONE.quick_stop),
-            shutdown: Stop::on_leaving(dictionary.shutdown_option_code())
-                .unwrap_or(Self::NONE.shutdown),
-            disable_operation: Stop::on_leaving(dictionary.disable_operation_option_code())
-                .unwrap_or(Self::NONE.disable_operation),
-            halt: StopRamp::on_halt(dictionary.halt_option_code()).unwrap_or(Self::NONE.halt),
-            fault_reaction: Stop::on_fault(dictionary.fault_reaction_option_code())
-                .unwrap_or(Self::NONE.fault_reaction),
-            longest_stop: dictionary.longest_stop(),
-            quick_stop_deceleration: units.acceleration(dictionary.quick_stop_deceleration()),
-            position_limits: (
-                dictionary.min_position_limit(),
-                dictionary.max_position_limit(),
-            ),
-            position_limit_options: PositionLimitOptions::of(dictionary.position_limit_options()),
-            following_error_window: units.window(dictionary.following_error_window()),
-            following_error_time_out: dictionary.following_error_time_out(),
-            position_window: units.window(dictionary.position_window()),
-            position_window_time: dictionary.position_window_time(),
-            velocity_window: units.speed_window(dictionary.velocity_window().into()),
-            velocity_window_time: dictionary.velocity_window_time(),
-            velocity_threshold: units.speed_window(dictionary.velocity_threshold().into()),
-            velocity_threshold_time: dictionary.velocity_threshold_time(),
-            max_slippage: units.speed_window(dictionary.max_slippage().max(0).unsigned_abs()),
-            max_velocity: units
-                .speed(dictionary.max_profile_velocity())
-                .min(units.motor_speed(dictionary.max_motor_speed())),
-            max_acceleration: units.acceleration(dictionary.max_acceleration()),
-            max_deceleration: units.acceleration(dictionary.max_deceleration()),
-            profile: ProfileConfiguration {
-                ramps: profile::ramps(
-                    dictionary.motion_profile_type(),
-                    units.jerk(dictionary.profile_jerk()),
-                )
-                .unwrap_or(Self::NONE.profile.ramps),
-                has_smooth_quick_stop: dictionary.smooth_quick_stop() == 1,
-            },
-            velocity: VelocityConfiguration::of(dictionary),
-            inputs: InputConfiguration::new(
-                [
-                    dictionary.input_1_function(),
-                    dictionary.input_2_function(),
-                    dictionary.input_3_function(),
-                    dictionary.input_4_function(),
-                    dictionary.input_5_function(),
-                    dictionary.input_6_function(),
-                ],
-                dictionary.inputs_inverted(),
-                dictionary.input_debounce(),
-            ),
-            homing: HomingConfiguration::of(dictionary, &units),
-            touch_probe_sources: [
-                Source::from_code(dictionary.touch_probe_1_source()).unwrap_or(Source::Probe1),
-                Source::from_code(dictionary.touch_probe_2_source()).unwrap_or(Source::Probe2),
-            ],
-            outputs: OutputConfiguration::of(dictionary),
-            analogue: AnalogueConfiguration::of(dictionary),
-            currents: MotorCurrents::of(dictionary),
-            microsteps: dictionary.microsteps(),
-            is_reversed: dictionary.motor_direction() == 1,
-            power_stage: Thresholds::of(dictionary),
-            cyclic: CyclicConfiguration::of(dictionary),
+/// Makes [`Configuration`] and its groups of the table, with what several objects make together.
+macro_rules! configuration {
+    (
+        $(#[$about:meta])* in drive: Configuration {$(
+            $(#[$doc:meta])* $role:ident $parameter:ident $method:ident $index:literal:$sub:literal
+            $number:ident $(or $other:ident)? = $default:expr, $unit:literal
+            $(from $least:literal)? $(only $only:tt)? $(locked $lock:ident)? $(=> $field:ident: $kind:tt)?;
+        )*}
+        $($(#[$about_group:meta])* in $group:ident: $Group:ident {$(
+            $(#[$group_doc:meta])* $group_role:ident $group_parameter:ident $group_method:ident
+            $group_index:literal:$group_sub:literal
+            $group_number:ident $(or $group_other:ident)? = $group_default:expr, $group_unit:literal
+            $(from $group_least:literal)? $(only $group_only:tt)? $(locked $group_lock:ident)?
+            $(=> $group_field:ident: $group_kind:tt)?;
+        )*})*
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub struct Configuration {
+            /// 607Bh, 607Eh, 608Fh to 6092h, 6096h and 6097h. All else here is in increments, unless it says otherwise.
+            pub units: Units,
+            /// 20B0h.
+            pub pulse_timing: PulseTiming,
+            /// 607Dh:1 and :2 in user units. They are off while the first is not below the second.
+            pub position_limits: (i32, i32),
+            /// 20E0h.
+            pub position_limit_options: PositionLimitOptions,
+            /// The smaller of 607Fh and 6080h.
+            pub max_velocity: Speed,
+            /// 6086h, 60A4h and 20A0h.
+            pub profile: ProfileConfiguration,
+            /// What belongs to the velocity mode alone.
+            pub velocity: VelocityConfiguration,
+            /// 2031h to 2033h.
+            pub inputs: InputConfiguration,
+            /// 60D0h: what probes 1 and 2 look at if 60B8h asks for it.
+            pub touch_probe_sources: [Source; 2],
+            /// 2060h to 2063h.
+            pub outputs: OutputConfiguration,
+            /// 1006h, 2051h, 60C0h, 60C2h and 60C4h.
+            pub cyclic: CyclicConfiguration,
+            $($(
+                #[doc = concat!("Of [`Objects::", stringify!($method), "`].")]
+                pub $field: field!($kind $number),
+            )?)*
+            $($(#[$about_group])* pub $group: $Group,)*
         }
-    }
+
+        impl Configuration {
+            /// What holds before anything is set up: what CiA 402-2 says.
+            pub const NONE: Self = Self {
+                units: Units::NONE,
+                pulse_timing: PulseTiming::AsBuilt,
+                position_limits: (i32::MIN, i32::MAX),
+                position_limit_options: PositionLimitOptions::NONE,
+                max_velocity: Speed::MAX,
+                profile: ProfileConfiguration::NONE,
+                velocity: VelocityConfiguration::NONE,
+                inputs: InputConfiguration::NONE,
+                touch_probe_sources: [Source::Probe1, Source::Probe2],
+                outputs: OutputConfiguration::NONE,
+                cyclic: CyclicConfiguration::NONE,
+                $($($field: plain!($kind $default),)?)*
+                $($group: $Group::NONE,)*
+            };
+
+            /// Takes over all of another one, field by field.
+            #[inline]
+            pub(crate) fn assign(&mut self, from: &Self) {
+                copy_fields!(Self {
+                    units, pulse_timing, position_limits, position_limit_options, max_velocity, profile, velocity, inputs,
+                    touch_probe_sources, outputs, cyclic, $($($field,)?)* $($group,)*
+                }, from => self);
+            }
+
+            /// What the objects of a dictionary say. A code that means nothing (only a data sheet can hold one) counts as the default
+            /// of the standard.
+            pub fn of<D: Objects>(dictionary: &D) -> Self {
+                let units = Units::of(dictionary);
+                Self {
+                    units,
+                    pulse_timing: PulseTiming::of(dictionary),
+                    position_limits: (dictionary.min_position_limit(), dictionary.max_position_limit()),
+                    position_limit_options: PositionLimitOptions::of(dictionary.position_limit_options()),
+                    max_velocity: units
+                        .speed(dictionary.max_profile_velocity())
+                        .min(units.motor_speed(dictionary.max_motor_speed())),
+                    profile: ProfileConfiguration::of(dictionary, &units),
+                    velocity: VelocityConfiguration::of(dictionary),
+                    inputs: InputConfiguration::of(dictionary),
+                    touch_probe_sources: [
+                        Source::from_code(dictionary.touch_probe_1_source()).unwrap_or(Source::Probe1),
+                        Source::from_code(dictionary.touch_probe_2_source()).unwrap_or(Source::Probe2),
+                    ],
+                    outputs: OutputConfiguration::of(dictionary),
+                    cyclic: CyclicConfiguration::of(dictionary),
+                    $($($field: read!($kind, dictionary.$method(), units, Self::NONE.$field),)?)*
+                    $($group: $Group::of(dictionary, &units),)*
+                }
+            }
+        }
+
+        $(
+            $(#[$about_group])*
+            #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+            pub struct $Group {
+                $($(
+                    #[doc = concat!("Of [`Objects::", stringify!($group_method), "`].")]
+                    pub $group_field: field!($group_kind $group_number),
+                )?)*
+            }
+
+            impl $Group {
+                /// What holds before anything is set up.
+                pub const NONE: Self = Self {
+                    $($($group_field: plain!($group_kind $group_default),)?)*
+                };
+
+                /// What the objects of a dictionary say.
+                #[allow(unused_variables, reason = "few groups have units")]
+                fn of<D: Objects>(dictionary: &D, units: &Units) -> Self {
+                    Self {
+                        $($($group_field: read!($group_kind, dictionary.$group_method(), units, Self::NONE.$group_field),)?)*
+                    }
+                }
+            }
+        )*
+    };
 }
 
-/// How homing is set up. 2030h:1 tells where vendors read the standard in different ways; with 0 in it the drive does what most
-/// masters expect. The options are its bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct HomingConfiguration {
-    /// 6098h; 0 is no method.
-    pub method: i8,
-    /// 6099h:1.
-    pub search_speed: Speed,
-    /// 6099h:2.
-    pub zero_speed: Speed,
-    /// 609Ah in steps/s².
-    pub acceleration: u32,
-    /// 607Ch in user units.
-    pub offset: i32,
-    /// Bit 0: 6064h is −607Ch at the home position, and not +607Ch.
-    pub is_offset_subtracted: bool,
-    /// Bit 7: statusword bit 12 is 0 when the mode is entered, even while the home position is known.
-    pub starts_afresh: bool,
-    /// Bit 1: [`homing::Settings::turns_at_limit`]; bit 2: `is_direct`; bit 3: `returns`; bit 4: `last_move_is_fast`; bit 5:
-    /// `other_block_signs`; bit 6: `home_is_backed_off`. 2030h:2 to :5 and :7: the bounds and the hard stop.
-    pub settings: homing::Settings,
-    /// 2030h:6: the following error in steps from which on the motor counts as blocked; 0: it does not tell.
-    pub block_window: u32,
+/// The type of a field.
+macro_rules! field {
+    (plain $number:ident) => {
+        $number
+    };
+    (flag $number:ident) => {
+        bool
+    };
+    (acceleration $number:ident) => {
+        u32
+    };
+    (window $number:ident) => {
+        u32
+    };
+    (($code:ident $meaning:ident) $number:ident) => {
+        $code
+    };
+    ($speed:ident $number:ident) => {
+        Speed
+    };
+}
+
+/// What a default makes, known to the compiler: with it a unit is an increment.
+macro_rules! plain {
+    (flag $number:expr) => {
+        $number == 1
+    };
+    (speed $number:expr) => {
+        Speed::per_second($number)
+    };
+    (nearest_speed $number:expr) => {
+        Speed::per_second($number as u32)
+    };
+    (($code:ident $meaning:ident) $number:expr) => {
+        known($code::$meaning($number))
+    };
+    ($same:ident $number:expr) => {
+        $number
+    };
+}
+
+/// What a number of a dictionary makes.
+macro_rules! read {
+    (plain, $number:expr, $units:ident, $default:expr) => {
+        $number
+    };
+    (flag, $number:expr, $units:ident, $default:expr) => {
+        $number == 1
+    };
+    (nearest_speed, $number:expr, $units:ident, $default:expr) => {
+        $units.speed_window(u32::try_from($number).unwrap_or(0))
+    };
+    (($code:ident $meaning:ident), $number:expr, $units:ident, $default:expr) => {
+        $code::$meaning($number).unwrap_or($default)
+    };
+    ($of_units:ident, $number:expr, $units:ident, $default:expr) => {
+        $units.$of_units($number)
+    };
+}
+
+every_parameter!(configuration);
+
+/// A default of the table, which means something.
+#[allow(clippy::panic, reason = "only the compiler meets it")]
+const fn known<T: Copy>(meaning: Option<T>) -> T {
+    match meaning {
+        Some(meaning) => meaning,
+        None => panic!("a default that means nothing"),
+    }
 }
 
 impl HomingConfiguration {
-    /// What holds before anything is set up: no method.
-    pub const NONE: Self = Self {
-        method: 0,
-        search_speed: Speed::ZERO,
-        zero_speed: Speed::ZERO,
-        acceleration: 0,
-        offset: 0,
-        is_offset_subtracted: false,
-        starts_afresh: false,
-        settings: homing::Settings {
-            turns_at_limit: false,
-            is_direct: false,
-            returns: false,
-            last_move_is_fast: false,
-            other_block_signs: false,
-            home_is_backed_off: false,
-            longest_way: 0,
-            longest_time: 0,
-            longest_way_to_index: 0,
-            block_time: 0,
-            back_off: 0,
-        },
-        block_window: 0,
-    };
-
-    fn of<D: Objects>(dictionary: &D, units: &Units) -> Self {
-        let options = dictionary.homing_options();
-        let has = |bit: u16| options & 1 << bit != 0;
-        Self {
-            method: dictionary.homing_method(),
-            search_speed: units.speed(dictionary.homing_search_speed()),
-            zero_speed: units.speed(dictionary.homing_zero_speed()),
-            acceleration: units.acceleration(dictionary.homing_acceleration()),
-            offset: dictionary.home_offset(),
-            is_offset_subtracted: has(0),
-            starts_afresh: has(7),
-            settings: homing::Settings {
-                turns_at_limit: has(1),
-                is_direct: has(2),
-                returns: has(3),
-                last_move_is_fast: has(4),
-                other_block_signs: has(5),
-                home_is_backed_off: has(6),
-                longest_way: dictionary.homing_longest_way(),
-                longest_time: dictionary.homing_longest_time(),
-                longest_way_to_index: dictionary.homing_longest_way_to_index(),
-                block_time: dictionary.homing_block_time(),
-                back_off: dictionary.homing_back_off(),
-            },
-            block_window: dictionary.homing_block_window(),
-        }
-    }
-
-    /// What 6064h shows at the home position, in user units.
+    /// What 6064h shows at the home position, in user units: 2030h:1 bit 0 makes it −607Ch instead of +607Ch.
     pub const fn position_at_home(&self) -> i32 {
-        if self.is_offset_subtracted {
+        if self.has(0) {
             self.offset.wrapping_neg()
         } else {
             self.offset
         }
+    }
+
+    /// 2030h:1 bit 7: statusword bit 12 is 0 when the mode is entered, even while the home position is known.
+    pub const fn starts_afresh(&self) -> bool {
+        self.has(7)
+    }
+
+    /// 2030h:1 bits 1 to 6, and the bounds.
+    pub const fn settings(&self) -> homing::Settings {
+        homing::Settings {
+            turns_at_limit: self.has(1),
+            is_direct: self.has(2),
+            returns: self.has(3),
+            last_move_is_fast: self.has(4),
+            other_block_signs: self.has(5),
+            home_is_backed_off: self.has(6),
+            longest_way: self.longest_way,
+            longest_time: self.longest_time,
+            longest_way_to_index: self.longest_way_to_index,
+            block_time: self.block_time,
+            back_off: self.back_off,
+        }
+    }
+
+    /// An option of 2030h:1. They tell where vendors read the standard in different ways; with 0 in it the drive does what most masters
+    /// expect.
+    const fn has(&self, option: u32) -> bool {
+        self.options & 1 << option != 0
     }
 }

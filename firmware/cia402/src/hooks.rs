@@ -17,34 +17,22 @@
 use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{self, Dictionary, Entry, write_u32};
 use canopen::{Application, Instant};
-use motion::homing::Method;
 
 use crate::controlword::ControlwordHistory;
 use crate::cyclic::{Beat, CyclicConfiguration};
 use crate::device::commissioning::Commissioning;
 use crate::device::{RESTART_DELAY, SDO_TIME_OUT};
 use crate::exchange::Commands;
-use crate::inputs::InputFunction;
-use crate::modes::Mode;
 use crate::objects::Objects;
-use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
 use crate::parameters::Parameter;
-use crate::periphery::digital_outputs::OutputFunction;
-use crate::periphery::touch_probe::{Source, is_function};
-use crate::profile;
 use crate::protection::{PASSWORD, PRODUCTION, Protection};
-use crate::pulse_timing::PulseTiming;
 use crate::recorder::Desk;
-use crate::units::{Factors, SiUnit, Units};
+use crate::rules;
+use crate::units::Units;
 
 const SYNC_PERIOD: u16 = canopen::cia301::sync::PERIOD;
 const IDENTITY: u16 = 0x1018;
 const SERIAL_NUMBER: u8 = 4;
-/// 60F2h: what relative set-points count from, and which way a rotary axis goes.
-const POSITIONING_OPTIONS: i64 = 0b1100_0011;
-/// 607Eh: of positions and of velocities.
-const POLARITIES: i64 = 0b1100_0000;
-
 /// What the network is to the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Network {
@@ -232,14 +220,15 @@ impl<A> Hooks<A> {
 
 impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
     fn validate(&mut self, dictionary: &D, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
-        let protected = self.protection.check(dictionary, entry, value);
+        let parameter = D::parameter(entry);
+        let protected = self.protection.check(dictionary, entry, parameter, value);
         protected.inspect_err(|code| self.protection.refused(entry, *code))?;
         self.commissioning.check(entry, value)?;
         self.desk.check(dictionary, entry, value)?;
-        if let Some(parameter) = D::parameter(entry)
+        if let Some(parameter) = parameter
             && let Some(number) = od::number(entry, value)
         {
-            check(parameter, D::converted(entry, number)?, dictionary)?;
+            rules::check(parameter, D::converted(entry, number)?, dictionary)?;
         }
         self.application.validate(dictionary, entry, value)
     }
@@ -310,7 +299,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         size: Option<u32>,
     ) -> Result<(), AbortCode> {
         // Its bytes come later, and no rule asks for them.
-        self.protection.check(dictionary, entry, &[])?;
+        self.protection.check(dictionary, entry, None, &[])?;
         self.application.begin_write(dictionary, entry, size)
     }
 
@@ -352,153 +341,4 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         self.written = true;
         self.configured = true;
     }
-}
-
-/// What the drive says to a new value of a parameter, in its own unit.
-fn check<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Result<(), AbortCode> {
-    match parameter {
-        Parameter::ModesOfOperation => {
-            let modes = dictionary.supported_drive_modes();
-            i8::try_from(number)
-                .ok()
-                .filter(|code| is_supported(*code, modes))
-                .map_or(Err(AbortCode::InvalidValue), |_| Ok(()))
-        }
-        Parameter::AbortConnectionOptionCode => code(number, AbortConnectionOption::from_code),
-        Parameter::QuickStopOptionCode => code(number, QuickStopOption::from_code),
-        Parameter::ShutdownOptionCode | Parameter::DisableOperationOptionCode => {
-            code(number, Stop::on_leaving)
-        }
-        Parameter::HomingMethod => i8::try_from(number)
-            .ok()
-            .filter(|code| *code == 0 || Method::from_code(*code).is_some())
-            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
-        Parameter::Input1Function
-        | Parameter::Input2Function
-        | Parameter::Input3Function
-        | Parameter::Input4Function
-        | Parameter::Input5Function
-        | Parameter::Input6Function => u8::try_from(number)
-            .ok()
-            .and_then(InputFunction::from_code)
-            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
-        Parameter::InterpolationSubMode => match number {
-            -1 | 0 => Ok(()),
-            _ => Err(AbortCode::InvalidValue),
-        },
-        Parameter::TouchProbeFunction => u16::try_from(number)
-            .ok()
-            .filter(|function| is_function(*function))
-            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
-        Parameter::TouchProbe1Source | Parameter::TouchProbe2Source => {
-            code(number, Source::from_code)
-        }
-        Parameter::Output1Function
-        | Parameter::Output2Function
-        | Parameter::Output3Function
-        | Parameter::Output4Function => u8::try_from(number)
-            .ok()
-            .and_then(OutputFunction::from_code)
-            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
-        Parameter::Microsteps => match number {
-            1 | 2 | 4 | 8 | 16 | 32 | 64 | 128 | 256 => Ok(()),
-            _ => Err(AbortCode::InvalidValue),
-        },
-        Parameter::HaltOptionCode => code(number, StopRamp::on_halt),
-        Parameter::FaultReactionOptionCode => code(number, Stop::on_fault),
-        Parameter::MotionProfileType => code(number, |code| profile::ramps(code, 1)),
-        Parameter::SmoothQuickStop => match number {
-            0 | 1 => Ok(()),
-            _ => Err(AbortCode::InvalidValue),
-        },
-        Parameter::PositioningOptionCode => match number {
-            number if number & !POSITIONING_OPTIONS == 0 && number & 3 != 3 => Ok(()),
-            _ => Err(AbortCode::InvalidValue),
-        },
-        Parameter::PulseDriver => u8::try_from(number)
-            .ok()
-            .filter(|number| PulseTiming::is_driver(*number))
-            .map_or(Err(AbortCode::InvalidValue), |_| Ok(())),
-        Parameter::PositionLimitOptions => match number {
-            0..=3 => Ok(()),
-            _ => Err(AbortCode::InvalidValue),
-        },
-        Parameter::Polarity => match number {
-            number if number & !POLARITIES == 0 => Ok(()),
-            _ => Err(AbortCode::InvalidValue),
-        },
-        Parameter::SiUnitPosition => named(number, SiUnit::Position),
-        Parameter::SiUnitVelocity => named(number, SiUnit::Velocity),
-        Parameter::SiUnitAcceleration => named(number, SiUnit::Acceleration),
-        Parameter::SiUnitJerk => named(number, SiUnit::Jerk),
-        Parameter::PositionEncoderIncrements
-        | Parameter::PositionEncoderRevolutions
-        | Parameter::VelocityEncoderIncrements
-        | Parameter::VelocityEncoderRevolutions
-        | Parameter::GearMotorRevolutions
-        | Parameter::GearShaftRevolutions
-        | Parameter::Feed
-        | Parameter::FeedShaftRevolutions
-        | Parameter::VelocityFactorNumerator
-        | Parameter::VelocityFactorDivisor
-        | Parameter::AccelerationFactorNumerator
-        | Parameter::AccelerationFactorDivisor => factor(parameter, number, dictionary),
-        Parameter::ProfileAcceleration
-        | Parameter::ProfileDeceleration
-        | Parameter::InterpolationTimeValue
-        | Parameter::QuickStopDeceleration
-        | Parameter::MaxAcceleration
-        | Parameter::MaxDeceleration
-        | Parameter::ProfileJerk
-        | Parameter::VlAccelerationSpeed
-        | Parameter::VlAccelerationTime
-        | Parameter::VlDecelerationSpeed
-        | Parameter::VlDecelerationTime
-        | Parameter::VlQuickStopSpeed
-        | Parameter::VlQuickStopTime
-        | Parameter::VlDimensionNumerator
-        | Parameter::VlDimensionDenominator
-        | Parameter::HomingSearchSpeed
-        | Parameter::HomingZeroSpeed
-        | Parameter::HomingAcceleration
-            if number <= 0 =>
-        {
-            Err(AbortCode::ValueTooLow)
-        }
-        _ => Ok(()),
-    }
-}
-
-/// A factor is not 0, and the factors make ratios that can be represented.
-fn factor<D: Objects>(parameter: Parameter, number: i64, dictionary: &D) -> Result<(), AbortCode> {
-    let may_be_zero = parameter == Parameter::VelocityEncoderIncrements;
-    let number = u32::try_from(number)
-        .ok()
-        .filter(|number| *number != 0 || may_be_zero)
-        .ok_or(AbortCode::InvalidValue)?;
-    Units::new(Factors::of(dictionary).with(parameter, number))
-        .map(|_| ())
-        .ok_or(AbortCode::ParameterIncompatible)
-}
-
-/// A name of a unit is one of its kind.
-fn named(number: i64, unit: SiUnit) -> Result<(), AbortCode> {
-    u32::try_from(number)
-        .ok()
-        .filter(|value| unit.is_named_by(*value))
-        .map_or(Err(AbortCode::InvalidValue), |_| Ok(()))
-}
-
-/// An option code is one of those that mean something.
-fn code<T>(number: i64, meaning: fn(i16) -> Option<T>) -> Result<(), AbortCode> {
-    i16::try_from(number)
-        .ok()
-        .and_then(meaning)
-        .map_or(Err(AbortCode::InvalidValue), |_| Ok(()))
-}
-
-/// Whether 6060h accepts a value: the mode is in this firmware, and 6502h has its bit. No mode (0) is always there.
-pub(crate) fn is_supported(code: i8, supported_drive_modes: u32) -> bool {
-    Mode::from_code(code)
-        .is_some_and(|mode| supported_drive_modes & mode.supported_bit() == mode.supported_bit())
 }

@@ -19,6 +19,7 @@ mod capture;
 use motion::homing::SwitchState;
 
 use crate::motor::Barred;
+use crate::objects::Objects;
 
 pub use capture::{Capture, time_of_edge};
 
@@ -161,6 +162,22 @@ impl InputConfiguration {
         inverted: 0,
         debounce: 0,
     };
+
+    /// What the objects of a dictionary say.
+    pub(crate) fn of<D: Objects>(dictionary: &D) -> Self {
+        Self::new(
+            [
+                dictionary.input_1_function(),
+                dictionary.input_2_function(),
+                dictionary.input_3_function(),
+                dictionary.input_4_function(),
+                dictionary.input_5_function(),
+                dictionary.input_6_function(),
+            ],
+            dictionary.inputs_inverted(),
+            dictionary.input_debounce(),
+        )
+    }
 
     /// The set-up with these functions of inputs 1 to 6. A number that is no function counts as none.
     pub fn new(functions: [u8; COUNT], inverted: u8, debounce: u8) -> Self {

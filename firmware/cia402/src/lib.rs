@@ -44,6 +44,7 @@ pub mod profile;
 mod protection;
 pub mod pulse_timing;
 pub mod recorder;
+mod rules;
 pub mod state_machine;
 pub mod statusword;
 #[cfg(test)]

@@ -97,8 +97,15 @@ impl QuickStopOption {
     ];
 
     /// The option with this code; `None` if it is not supported.
-    pub fn from_code(code: i16) -> Option<Self> {
-        Self::ALL.into_iter().find(|option| *option as i16 == code)
+    pub const fn from_code(code: i16) -> Option<Self> {
+        let mut options: &[Self] = &Self::ALL;
+        while let [option, rest @ ..] = options {
+            if *option as i16 == code {
+                return Some(*option);
+            }
+            options = rest;
+        }
+        None
     }
 
     /// How the motor is stopped.

@@ -10,7 +10,9 @@
 
 use motion::Ramps;
 
+use crate::objects::Objects;
 use crate::option_codes::StopRamp;
+use crate::units::Units;
 
 /// What a motion profile type asks for, with this jerk in steps/s³; `None` if it is not supported.
 pub(crate) const fn ramps(code: i16, jerk: u32) -> Option<Ramps> {
@@ -39,6 +41,15 @@ impl ProfileConfiguration {
         ramps: Ramps::Linear,
         has_smooth_quick_stop: false,
     };
+
+    /// What the objects of a dictionary say.
+    pub(crate) fn of<D: Objects>(dictionary: &D, units: &Units) -> Self {
+        let jerk = units.jerk(dictionary.profile_jerk());
+        Self {
+            ramps: ramps(dictionary.motion_profile_type(), jerk).unwrap_or(Self::NONE.ramps),
+            has_smooth_quick_stop: dictionary.smooth_quick_stop() == 1,
+        }
+    }
 
     /// Whether a stop on this ramp has the profile that is chosen.
     pub(crate) const fn is_smooth(&self, ramp: StopRamp) -> bool {

@@ -1,6 +1,7 @@
 //! What may be written when, beside the rules of each object.
 //!
-//! - [`LOCKED_WHILE_POWERED`]: objects that must not change while the power stage is on. 08000022h.
+//! - Parameters that the table locks ([`crate::rules::lock`]), and [`LOCKED_WHILE_POWERED`]: objects that must not change while the power
+//!   stage is on. 08000022h.
 //! - A password, for products that want one (5FF1h): while it is set and has not been given, objects of the manufacturer (2000h to
 //!   5FFFh) cannot be written. 08000022h. It guards against mistakes, not against attackers: a master that restores the parameters
 //!   (1011h) takes it away, and so does a factory reset.
@@ -21,6 +22,9 @@ use canopen::cia301::sdo::AbortCode;
 use canopen::od::{self, Dictionary, Entry};
 use canopen::{Duration, Instant};
 
+use crate::parameters::Parameter;
+use crate::rules::{Lock, lock};
+
 /// Node-ID and bit rate.
 pub(crate) const NETWORK: u16 = 0x5FF0;
 /// The password.
@@ -33,27 +37,16 @@ const GIVEN: u8 = 1;
 const NEW: u8 = 2;
 const ACCESS: u8 = 3;
 
-/// Objects that must not change while the power stage is on: what a position, a velocity or a torque means (microsteps, direction,
-/// polarity, encoder, gear, feed, factors, units, range, ratings), what the motor is, what its driver needs, and what
-/// takes the flash to be stored.
-pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 13] = [
-    0x2071..=0x2072,
-    0x20B0..=0x20B0,
+/// Objects that must not change while the power stage is on, and are no parameters: ratings, what the motor is, and what takes the flash to be
+/// stored.
+pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 6] = [
     NETWORK..=NETWORK,
     PRODUCTION..=PRODUCTION,
     0x6075..=0x6076,
-    0x607B..=0x607B,
-    0x607E..=0x607E,
-    0x608F..=0x6092,
-    0x6096..=0x6097,
-    0x60A8..=0x60AB,
     0x6402..=0x6404,
     0x6406..=0x6407,
     0x6410..=0x6410,
 ];
-
-/// Objects that must not change while the motor moves: what a set-point in each period means.
-pub const LOCKED_IN_MOTION: [RangeInclusive<u16>; 2] = [0x60C0..=0x60C0, 0x60C2..=0x60C2];
 
 /// Objects that only production writes.
 pub const PRODUCTION_ONLY: [u16; 1] = [PRODUCTION];
@@ -102,14 +95,18 @@ impl Protection {
         &self,
         dictionary: &D,
         entry: &Entry,
+        parameter: Option<Parameter>,
         value: &[u8],
     ) -> Result<(), AbortCode> {
         if self.loading {
             return Ok(());
         }
         let index = entry.index;
-        let is_locked = self.powered && is_among(&LOCKED_WHILE_POWERED, index)
-            || self.moving && is_among(&LOCKED_IN_MOTION, index);
+        let is_locked = match parameter.and_then(lock) {
+            Some(Lock::Powered) => self.powered,
+            Some(Lock::Moving) => self.moving,
+            None => self.powered && is_among(&LOCKED_WHILE_POWERED, index),
+        };
         if is_locked {
             return Err(AbortCode::DeviceState);
         }

@@ -35,18 +35,18 @@ impl PulseTiming {
                 direction_setup: dictionary.pulse_direction_setup(),
                 direction_hold: dictionary.pulse_direction_hold(),
             }),
-            number => {
-                let driver = usize::from(number)
-                    .checked_sub(1)
-                    .and_then(|place| Driver::ALL.get(place));
-                driver.map_or(Self::AsBuilt, |driver| Self::Given(driver.timing()))
-            }
+            number => Self::from_code(number).unwrap_or(Self::AsBuilt),
         }
     }
 
-    /// Whether a number in 20B0h:1 means something.
-    pub(crate) fn is_driver(number: u8) -> bool {
-        number == OWN || usize::from(number) <= Driver::ALL.len()
+    /// The timing for a number in 20B0h:1, that of :2 to :5 not yet filled in; `None` if it means nothing.
+    pub(crate) fn from_code(number: u8) -> Option<Self> {
+        match number {
+            0 | OWN => Some(Self::AsBuilt),
+            number => Driver::ALL
+                .get(usize::from(number) - 1)
+                .map(|driver| Self::Given(driver.timing())),
+        }
     }
 
     /// In ticks of the step clock.

@@ -127,7 +127,8 @@ impl Homing {
     /// One control tick; returns statusword bits 10 to 13.
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let begins = core::mem::replace(&mut self.begins, false);
-        if begins && context.motor.is_referenced() && !context.configuration.homing.starts_afresh {
+        if begins && context.motor.is_referenced() && !context.configuration.homing.starts_afresh()
+        {
             self.progress = Progress::Attained;
         }
         let is_asked = context.commands.controlword & NEW_SET_POINT != 0;
@@ -160,7 +161,7 @@ impl Homing {
             return self.fail(NO_METHOD);
         };
         let fitted = fitted(&context.configuration.inputs, context.blocked.is_some());
-        match engine::Homing::begin(method, configuration.settings, fitted, &seen(context)) {
+        match engine::Homing::begin(method, configuration.settings(), fitted, &seen(context)) {
             Ok(engine) => {
                 self.progress = Progress::UnderWay(Search {
                     engine,

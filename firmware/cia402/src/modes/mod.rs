@@ -410,7 +410,7 @@ impl Modes {
     /// The bits of the statusword that a mode has outside of operation enabled: a master that asks whether home is known need not
     /// enable the drive for it.
     pub(crate) const fn idle_bits(&self, motor: &Motor, configuration: &Configuration) -> u16 {
-        let shows = matches!(self.active, Mode::Homing) && !configuration.homing.starts_afresh;
+        let shows = matches!(self.active, Mode::Homing) && !configuration.homing.starts_afresh();
         if shows && motor.is_referenced() {
             HOMING_ATTAINED
         } else {

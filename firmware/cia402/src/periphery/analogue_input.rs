@@ -4,39 +4,10 @@
 //! kept finer than the converter, so that it settles on the value and not beside it. The values are there to be shown; no set-point
 //! comes from them.
 
-use crate::objects::Objects;
+use crate::configuration::AnalogueConfiguration;
 
 /// The largest number of the converter.
 pub const LARGEST: u16 = 4095;
-
-/// How the input is set up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AnalogueConfiguration {
-    /// 2064h:4, the voltage from one end of the converter to the other in millivolts.
-    pub full_scale: i32,
-    /// 2064h:5, the voltage at the converter's 0 in millivolts.
-    pub offset: i32,
-    /// 2064h:6, the time constant of the filter in milliseconds; 0 is no filter.
-    pub filter: u16,
-}
-
-impl AnalogueConfiguration {
-    /// What holds before anything is set up: 0 to 10 V, not smoothed.
-    pub const NONE: Self = Self {
-        full_scale: 10_000,
-        offset: 0,
-        filter: 0,
-    };
-
-    /// What the objects say.
-    pub(crate) fn of<D: Objects>(dictionary: &D) -> Self {
-        Self {
-            full_scale: dictionary.analogue_input_full_scale(),
-            offset: dictionary.analogue_input_offset(),
-            filter: dictionary.analogue_input_filter_time(),
-        }
-    }
-}
 
 /// The input, as objects show it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -4,40 +4,7 @@
 //! boost current (2070h:3; 0: there is none, the run current counts); at constant velocity the run current (2070h:1); and when it
 //! has stood for the hold delay (2070h:4) the hold current (2070h:2). Without power there is none.
 
-use crate::objects::Objects;
-
-/// The currents, and when the motor counts as holding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MotorCurrents {
-    /// 2070h:1 in milliamperes.
-    pub run: u16,
-    /// 2070h:2 in milliamperes.
-    pub hold: u16,
-    /// 2070h:3 in milliamperes; 0: as `run`.
-    pub boost: u16,
-    /// 2070h:4 in milliseconds.
-    pub hold_delay: u16,
-}
-
-impl MotorCurrents {
-    /// What holds before anything is set up: no current.
-    pub const NONE: Self = Self {
-        run: 0,
-        hold: 0,
-        boost: 0,
-        hold_delay: 0,
-    };
-
-    /// What the objects say.
-    pub(crate) fn of<D: Objects>(dictionary: &D) -> Self {
-        Self {
-            run: dictionary.run_current(),
-            hold: dictionary.hold_current(),
-            boost: dictionary.boost_current(),
-            hold_delay: dictionary.hold_delay(),
-        }
-    }
-}
+use crate::configuration::MotorCurrents;
 
 /// A ramp counts as one for so many microseconds after the velocity demand, a whole number of steps/s, has changed: a gentle one
 /// does not change it in every tick.

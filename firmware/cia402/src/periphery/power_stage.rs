@@ -14,57 +14,8 @@
 //!
 //! A threshold of 0 V is off.
 
+use crate::configuration::Thresholds;
 use crate::drive::Inputs;
-use crate::objects::Objects;
-
-/// Where supply and temperature become warnings and faults.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Thresholds {
-    /// 2073h:1 in millivolts; 0 is off, as for the other voltages.
-    pub under_voltage: u32,
-    /// 2073h:2 in millivolts.
-    pub under_voltage_warning: u32,
-    /// 2073h:3 in millivolts.
-    pub over_voltage_warning: u32,
-    /// 2073h:4 in millivolts.
-    pub over_voltage: u32,
-    /// 2073h:5 in millivolts.
-    pub voltage_hysteresis: u32,
-    /// 2074h:2 in tenths of a degree Celsius.
-    pub temperature_warning: i16,
-    /// 2074h:3 in tenths of a degree Celsius.
-    pub over_temperature: i16,
-    /// 2074h:4 in tenths of a degree.
-    pub temperature_hysteresis: u16,
-}
-
-impl Thresholds {
-    /// What holds before anything is set up: nothing is too much.
-    pub const NONE: Self = Self {
-        under_voltage: 0,
-        under_voltage_warning: 0,
-        over_voltage_warning: 0,
-        over_voltage: 0,
-        voltage_hysteresis: 0,
-        temperature_warning: i16::MAX,
-        over_temperature: i16::MAX,
-        temperature_hysteresis: 0,
-    };
-
-    /// What the objects say.
-    pub(crate) fn of<D: Objects>(dictionary: &D) -> Self {
-        Self {
-            under_voltage: dictionary.under_voltage_fault(),
-            under_voltage_warning: dictionary.under_voltage_warning(),
-            over_voltage_warning: dictionary.over_voltage_warning(),
-            over_voltage: dictionary.over_voltage_fault(),
-            voltage_hysteresis: dictionary.voltage_hysteresis(),
-            temperature_warning: dictionary.temperature_warning(),
-            over_temperature: dictionary.over_temperature_fault(),
-            temperature_hysteresis: dictionary.temperature_hysteresis(),
-        }
-    }
-}
 
 /// What is beyond its threshold, and whether there is a supply.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -39,10 +39,14 @@ const POSITIVE: u8 = 1 << 4;
 /// 60B9h: a positive edge is stored; the negative one is the next bit.
 const STORED: u8 = 1 << 1;
 
-/// Whether 60B8h may have this value: bits 3 and 2 (11 and 10) name a source. Bits 6, 7, 14 and 15 are the user's.
-pub(crate) const fn is_function(function: u16) -> bool {
-    let [first, second] = function.to_le_bytes();
-    first & SOURCE != SOURCE && second & SOURCE != SOURCE
+/// The functions of both probes in 60B8h: bits 3 and 2 (11 and 10) name a source, or there is none. Bits 6, 7, 14 and 15 are the user's.
+pub(crate) const fn functions(value: u16) -> Option<[u8; 2]> {
+    let [first, second] = value.to_le_bytes();
+    if first & SOURCE != SOURCE && second & SOURCE != SOURCE {
+        Some([first, second])
+    } else {
+        None
+    }
 }
 
 /// A source of 60D0h.

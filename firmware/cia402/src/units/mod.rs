@@ -98,6 +98,25 @@ impl Factors {
 }
 
 impl Factors {
+    /// Whether a parameter is a factor.
+    pub(crate) const fn has(parameter: Parameter) -> bool {
+        matches!(
+            parameter,
+            Parameter::PositionEncoderIncrements
+                | Parameter::PositionEncoderRevolutions
+                | Parameter::VelocityEncoderIncrements
+                | Parameter::VelocityEncoderRevolutions
+                | Parameter::GearMotorRevolutions
+                | Parameter::GearShaftRevolutions
+                | Parameter::Feed
+                | Parameter::FeedShaftRevolutions
+                | Parameter::VelocityFactorNumerator
+                | Parameter::VelocityFactorDivisor
+                | Parameter::AccelerationFactorNumerator
+                | Parameter::AccelerationFactorDivisor
+        )
+    }
+
     /// The same with another number in one of the objects. An object that is no factor changes nothing.
     pub fn with(mut self, parameter: Parameter, number: u32) -> Self {
         let encoder = self.position_encoder.unwrap_or((1, 1));

@@ -1,6 +1,6 @@
 //! The brake: it opens under current, and closes before the current goes.
 
-use crate::brake::BrakeTimes;
+use crate::configuration::BrakeTimes;
 use crate::option_codes::Stop;
 use crate::state_machine::State;
 use crate::testing::Rig;

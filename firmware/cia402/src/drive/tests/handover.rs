@@ -114,7 +114,7 @@ fn m53_whether_home_is_known_shows_in_every_state() {
         change_to(&mut rig, HOMING);
         assert_eq!(rig.actuals().statusword & bits, shown);
     }
-    rig.configuration.homing.starts_afresh = true;
+    rig.configuration.homing.options |= 1 << 7;
     rig.post();
     rig.tick();
     assert_eq!(rig.actuals().statusword & bits, 0, "2030h:1 bit 7");

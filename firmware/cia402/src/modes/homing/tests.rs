@@ -75,7 +75,7 @@ fn m52_positions_count_from_the_home_position_and_nothing_trips() {
     for (subtracted, at_home) in [(false, 250), (true, -250)] {
         let mut rig = homing(19);
         rig.configuration.homing.offset = 250;
-        rig.configuration.homing.is_offset_subtracted = subtracted;
+        rig.configuration.homing.options = u16::from(subtracted);
         rig.post();
         rig.write(START);
         until(&mut rig, 500, |rig| rig.has(HOMING_ATTAINED));
@@ -243,8 +243,8 @@ fn a_limit_switch_that_is_not_looked_for_is_an_error() {
 #[test]
 fn a_hard_stop_is_felt_by_the_motor_driver() {
     let mut rig = homing(-3);
-    rig.configuration.homing.settings.block_time = 5;
-    rig.configuration.homing.settings.back_off = 40;
+    rig.configuration.homing.block_time = 5;
+    rig.configuration.homing.back_off = 40;
     rig.stall = Some(false);
     rig.post();
     rig.write(START);
@@ -453,7 +453,7 @@ fn across_the_count(offset: i32) -> Rig {
     rig.write(0x0F);
     rig.configuration.homing.method = 19;
     rig.configuration.homing.acceleration = 20_000;
-    rig.configuration.homing.settings.returns = true;
+    rig.configuration.homing.options |= 1 << 3;
     rig.configuration.homing.offset = offset;
     rig.post();
     rig.write(START);

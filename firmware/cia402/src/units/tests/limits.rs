@@ -65,7 +65,7 @@ fn m57_limits_stay_where_they_are_when_home_gets_another_name() {
 fn m57_limits_less_607ch_where_that_is_subtracted() {
     let mut rig = rig(NONE);
     rig.configuration.position_limits = (-500, 500);
-    rig.configuration.homing.is_offset_subtracted = true;
+    rig.configuration.homing.options |= 1;
     home(&mut rig, 1_000);
     assert_eq!(go(&mut rig, 2_000), (500, true));
     assert_eq!(rig.actuals().position_actual, -500);
