@@ -128,7 +128,7 @@ pub struct VirtualDrive<D: Dictionary> {
     powered: bool,
     was_reset: bool,
     device: Device<D, Machine>,
-    drive: Drive,
+    drive: Drive<D>,
     recorder: Recorder<Arc<Memory>>,
     exchange: Exchange,
     plant: Plant,

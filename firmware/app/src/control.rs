@@ -26,6 +26,7 @@ use rtic::Mutex;
 
 use crate::board::{Board, Pulses, Selected, Stage};
 use crate::clock;
+use crate::dictionary::Dictionary;
 use crate::inbox::Lost;
 use crate::share::Locked;
 
@@ -47,7 +48,7 @@ pub const TIMING: DriverTiming = DriverTiming {
 
 /// The drive and what it works on.
 pub struct Control {
-    drive: Drive,
+    drive: Drive<Dictionary>,
     recorder: Recorder<&'static Memory>,
     pulses: <Selected as Board>::Pulses,
     stage: <Selected as Board>::Stage,

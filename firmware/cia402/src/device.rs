@@ -273,7 +273,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             let (latched, readings) = exchange.lock(Exchange::take_news);
             periphery::show(self.node.dictionary_mut(), &latched, &readings);
         }
-        self.hooks.desk.show(self.node.dictionary_mut(), scope);
+        if D::DRIVE.scope {
+            self.hooks.desk.show(self.node.dictionary_mut(), scope);
+        }
         actuals
     }
 
@@ -346,7 +348,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             self.hooks.set_units(configuration.units);
             exchange.lock(|exchange| exchange.configure(&configuration));
         }
-        if let Some(orders) = self.hooks.desk.take_orders() {
+        if D::DRIVE.scope
+            && let Some(orders) = self.hooks.desk.take_orders()
+        {
             exchange.lock(|exchange| exchange.order(orders));
         }
         if self.hooks.take_written() || network != self.network {

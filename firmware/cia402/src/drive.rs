@@ -10,6 +10,8 @@ mod periphery;
 mod report;
 mod stopping;
 
+use core::marker::PhantomData;
+
 use canopen::{Duration, Instant};
 use motion::{AxisConfig, PulseSink};
 
@@ -23,6 +25,7 @@ use crate::inputs::{DigitalInputs, Switches};
 use crate::modes::{Context, Mode, Modes};
 use crate::monitor::{Monitor, Observed};
 use crate::motor::Motor;
+use crate::objects::{Everything, Objects};
 use crate::option_codes::{Stop, StopRamp};
 use crate::periphery::Periphery;
 use crate::recorder;
@@ -91,9 +94,9 @@ pub struct Outputs {
     pub digital: u8,
 }
 
-/// The drive.
+/// The drive of a dictionary `D`: what the data sheet does not list is not linked.
 #[derive(Debug)]
-pub struct Drive {
+pub struct Drive<D = Everything> {
     /// What the network wants, as of the last tick.
     commands: Commands,
     configuration: Configuration,
@@ -149,9 +152,11 @@ pub struct Drive {
     cyclic: Cyclic,
     /// The tick that runs is an early one.
     is_early: bool,
+    /// Only its features are of interest.
+    dictionary: PhantomData<fn() -> D>,
 }
 
-impl Drive {
+impl<D: Objects> Drive<D> {
     /// A drive that is not ready to switch on. It becomes switch on disabled by itself with the first tick.
     pub fn new(config: DriveConfig) -> Self {
         Self {
@@ -187,6 +192,7 @@ impl Drive {
             resets_early: false,
             cyclic: Cyclic::new(&outlast_tick(config), config.tick),
             is_early: false,
+            dictionary: PhantomData,
         }
     }
 
@@ -218,7 +224,7 @@ impl Drive {
         }
         let cyclic = &self.configuration.cyclic;
         let mode = self.modes.active();
-        let wanted = Mode::from_code(self.commands.mode).unwrap_or(mode);
+        let wanted = Mode::among(D::DRIVE.modes, self.commands.mode).unwrap_or(mode);
         self.cyclic.take(waiting, exchange, cyclic, (mode, wanted));
         self.is_seen = waiting.is_seen;
         let command = self.command();
@@ -524,7 +530,7 @@ impl Drive {
     ) -> u16 {
         let state = self.machine.state();
         if state != State::OperationEnabled && self.motor.standstill() {
-            self.modes.select(self.commands.mode);
+            self.modes.select::<D>(self.commands.mode);
         }
         let bits = match state {
             State::OperationEnabled => {
@@ -540,7 +546,7 @@ impl Drive {
                 }
                 let limit = self.mind_limits();
                 let is_brake_open = self.is_brake_open(now);
-                let bits = self.modes.tick(&mut Context {
+                let bits = self.modes.tick::<D>(&mut Context {
                     now,
                     mode: self.modes.active(),
                     commands: &self.commands,

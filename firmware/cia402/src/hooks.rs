@@ -224,7 +224,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         let protected = self.protection.check(dictionary, entry, parameter, value);
         protected.inspect_err(|code| self.protection.refused(entry, *code))?;
         self.commissioning.check(entry, value)?;
-        self.desk.check(dictionary, entry, value)?;
+        if D::DRIVE.scope {
+            self.desk.check(dictionary, entry, value)?;
+        }
         if let Some(parameter) = parameter
             && let Some(number) = od::number(entry, value)
         {
@@ -262,7 +264,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         self.configured |= entry.index == SYNC_PERIOD;
         self.configured |= parameter.is_some_and(|parameter| !parameter.is_command());
         self.delay_written |= entry.index == RESTART_DELAY;
-        self.desk.written(dictionary, entry);
+        if D::DRIVE.scope {
+            self.desk.written(dictionary, entry);
+        }
         if entry.index >> 4 == PASSWORD >> 4 {
             self.delay_written |= entry.index == SDO_TIME_OUT;
             self.protection.written(dictionary, entry);
@@ -333,7 +337,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         self.protection.reset();
         self.protection.load();
         self.protection.show(dictionary);
-        self.desk.power_on(dictionary);
+        if D::DRIVE.scope {
+            self.desk.power_on(dictionary);
+        }
         self.application.power_on(dictionary);
         dictionary.agree();
         self.history = ControlwordHistory::new(dictionary.controlword());

@@ -5,6 +5,7 @@
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::Entry;
 
+use crate::features::Features;
 use crate::parameters::{Parameter, every_parameter};
 
 /// Makes the trait of the table: a getter with the value that counts where a data sheet leaves the object out, or a setter that does
@@ -19,6 +20,9 @@ macro_rules! objects {
         /// drive does. Units are the user units of CiA 402-2 ([`crate::units`]); with no factor group they are increments (steps),
         /// steps/s and steps/s².
         pub trait Objects {
+            /// What the drive has.
+            const DRIVE: Features = Features::ALL;
+
             $($(object! {
                 #[doc = concat!("Object ", stringify!($index), ":", $sub, ". ")]
                 $(#[$doc])*
@@ -72,3 +76,9 @@ macro_rules! object {
 }
 
 every_parameter!(objects);
+
+/// The objects of a drive that has everything, for those who have no data sheet.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Everything;
+
+impl Objects for Everything {}

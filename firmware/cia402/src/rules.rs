@@ -83,9 +83,10 @@ pub(crate) fn check<D: Objects>(
     number: i64,
     dictionary: &D,
 ) -> Result<(), AbortCode> {
+    // A mode is there if this firmware, the data sheet and 6502h have it.
+    let modes = D::DRIVE.modes & dictionary.supported_drive_modes();
     let is_offered = parameter != Parameter::ModesOfOperation
-        || i8::try_from(number)
-            .is_ok_and(|code| is_supported(code, dictionary.supported_drive_modes()));
+        || i8::try_from(number).is_ok_and(|code| Mode::among(modes, code).is_some());
     if !is_offered || !has_meaning(parameter, number) {
         return Err(AbortCode::InvalidValue);
     }
@@ -117,10 +118,4 @@ fn means<N: TryFrom<i64>, T>(number: i64, meaning: fn(N) -> Option<T>) -> bool {
 /// Whether a name of a unit is one of its kind.
 fn is_named(number: i64, unit: SiUnit) -> bool {
     u32::try_from(number).is_ok_and(|value| unit.is_named_by(value))
-}
-
-/// Whether 6060h accepts a value: the mode is in this firmware, and 6502h has its bit. No mode (0) is always there.
-pub(crate) fn is_supported(code: i8, supported_drive_modes: u32) -> bool {
-    Mode::from_code(code)
-        .is_some_and(|mode| supported_drive_modes & mode.supported_bit() == mode.supported_bit())
 }

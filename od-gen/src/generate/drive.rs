@@ -5,6 +5,7 @@
 //! that can be written is what the drive reads, unless the object of CiA 402 itself is there; the others follow it.
 
 use cia402::parameters::{self, Description, Direction};
+use cia402::{Features, Parameter};
 
 use super::accessors::{is_narrow, value_type};
 use super::documentation::title;
@@ -16,12 +17,15 @@ use crate::bind::Binding;
 /// Converts between the numbers of the dictionary, which have different types.
 const NUMBER: &str = "::cia402::binding::Number";
 
+/// What switches the scope on; it is no parameter.
+const SCOPE: (u16, u8) = (0x20D0, 1);
+
 pub(super) fn write(layout: &Layout<'_>, bound: &[Binding]) -> String {
     let all: Vec<(&Description, Vec<Site<'_>>)> = parameters::ALL
         .iter()
         .map(|parameter| (parameter, sites(layout, bound, parameter)))
         .collect();
-    let mut methods: Vec<String> = Vec::new();
+    let mut methods = vec![features(layout, &all)];
     for (parameter, sites) in &all {
         let Some(home) = sites.first() else {
             continue;
@@ -42,9 +46,6 @@ pub(super) fn write(layout: &Layout<'_>, bound: &[Binding]) -> String {
         methods.extend(carry_over(&all));
         methods.extend(agree(&all));
     }
-    if methods.is_empty() {
-        return "impl ::cia402::Objects for Dictionary {}\n\n".into();
-    }
     let mut out = bindings::write(&all);
     if !bound.is_empty() {
         // Calls within calls: one line each reads better than what rustfmt makes of them.
@@ -55,6 +56,43 @@ pub(super) fn write(layout: &Layout<'_>, bound: &[Binding]) -> String {
         methods.join("\n")
     );
     out
+}
+
+/// What the drive has of all that the firmware can do.
+fn features(layout: &Layout<'_>, all: &[(&Description, Vec<Site<'_>>)]) -> String {
+    let modes = all
+        .iter()
+        .find(|(parameter, _)| parameter.parameter == Parameter::SupportedDriveModes)
+        .and_then(|(_, sites)| sites.first())
+        .map_or(0, Site::default);
+    let offered: Vec<Parameter> = all
+        .iter()
+        .filter(|(_, sites)| !sites.is_empty())
+        .map(|(parameter, _)| parameter.parameter)
+        .collect();
+    let scope = layout
+        .row(SCOPE.0, SCOPE.1)
+        .is_some_and(|row| row.object.name.starts_with("Scope"));
+    let Features {
+        modes,
+        touch_probes,
+        digital_outputs,
+        analogue_input,
+        motor_current,
+        power_stage,
+        scope,
+    } = Features::of(&offered, u32::try_from(modes).unwrap_or(0), scope);
+    format!(
+        "    const DRIVE: ::cia402::Features = ::cia402::Features {{
+        modes: {modes:#X},
+        touch_probes: {touch_probes},
+        digital_outputs: {digital_outputs},
+        analogue_input: {analogue_input},
+        motor_current: {motor_current},
+        power_stage: {power_stage},
+        scope: {scope},
+    }};\n"
+    )
 }
 
 fn getter(parameter: &Description, home: &Site<'_>) -> String {

@@ -391,7 +391,7 @@ fn capture(edges: &Capture) {
 #[inline(never)]
 fn drive(
     device: &mut Device<Dictionary, Machine<[u8; 64], &'static Memory>>,
-    (drive, recorder): (&mut Drive, &mut Recorder<&'static Memory>),
+    (drive, recorder): (&mut Drive<Dictionary>, &mut Recorder<&'static Memory>),
     exchange: &mut impl Share,
     outbox: &mut Outbox<3>,
 ) {
@@ -498,7 +498,7 @@ fn main() -> ! {
         let mut stepper = Axis::new(config);
         let mut search = None;
         let mut timer = TickTimer::new(Duration::from_ticks(any_u64()));
-        let mut driver = Drive::new(DriveConfig {
+        let mut driver: Drive<Dictionary> = Drive::new(DriveConfig {
             axis: config,
             tick: Duration::from_ticks(any_u64()),
             refills: any(),

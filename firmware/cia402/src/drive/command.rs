@@ -3,10 +3,11 @@
 use super::Drive;
 use crate::controlword::{Command, FAULT_RESET};
 use crate::faults::Reaction;
+use crate::objects::Objects;
 use crate::option_codes::AbortConnectionOption;
 use crate::state_machine::State;
 
-impl Drive {
+impl<D: Objects> Drive<D> {
     /// The command of this tick: that of the controlword; or, as a controlword with bit 7 is none, the one before it to leave
     /// operation enabled, while that waits for the motor.
     pub(super) fn command(&mut self) -> Option<Command> {

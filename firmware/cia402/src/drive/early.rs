@@ -12,8 +12,9 @@ use motion::PulseSink;
 use super::{Drive, Inputs, Outputs};
 use crate::exchange::{Exchange, Share};
 use crate::inputs::DigitalInputs;
+use crate::objects::Objects;
 
-impl Drive {
+impl<D: Objects> Drive<D> {
     /// A tick as soon as a command to stop has come ([`Exchange::calls_early`]); the regular ones come behind it as they would have
     /// come. `now` and `inputs` are as for [`Drive::tick`], but the digital inputs are not looked at: their edges are for the
     /// regular tick.

@@ -3,6 +3,7 @@
 use canopen::Instant;
 
 use super::{Drive, Inputs};
+use crate::objects::Objects;
 use crate::periphery::News;
 use crate::periphery::digital_outputs::Shown;
 use crate::periphery::motor_current::Motion;
@@ -10,31 +11,36 @@ use crate::periphery::motor_current::Motion;
 /// A rotor that its field has caught swings for so long, in microseconds.
 const CATCH: u64 = 50_000;
 
-impl Drive {
+impl<D: Objects> Drive<D> {
     /// What the board has measured, and what the master wants of the outputs, at the start of a tick.
     pub(super) fn measure(&mut self, inputs: &Inputs, elapsed: u32) {
-        self.periphery.measure(elapsed, inputs, &self.configuration);
         self.periphery
-            .outputs
-            .command(&self.commands, &self.configuration.outputs);
+            .measure::<D>(elapsed, inputs, &self.configuration);
+        if D::DRIVE.digital_outputs {
+            self.periphery
+                .outputs
+                .command(&self.commands, &self.configuration.outputs);
+        }
     }
 
     /// The touch probes look at the inputs: in regular ticks only, as these alone have the edges.
     pub(super) fn probe(&mut self, inputs: &Inputs, now: Instant, position: i64) {
-        self.periphery.probes.observe(
-            now,
-            &inputs.digital,
-            &self.commands,
-            &self.configuration,
-            self.motor.count(position),
-        );
+        if D::DRIVE.touch_probes {
+            self.periphery.probes.observe(
+                now,
+                &inputs.digital,
+                &self.commands,
+                &self.configuration,
+                self.motor.count(position),
+            );
+        }
     }
 
     /// What is new for the device.
     pub(super) fn periphery_news(&mut self, inputs: &Inputs) -> News {
         let units = &self.configuration.units;
         let shown = |increments| self.frame.shown(increments, units);
-        self.periphery.news(shown, inputs, &self.configuration)
+        self.periphery.news::<D>(shown, inputs, &self.configuration)
     }
 
     /// Tells the brake what 60FEh wants of it if that may, else what the state machine wants. 60FEh does not close it on a motor that
@@ -76,6 +82,9 @@ impl Drive {
 
     /// The current of the motor in milliamperes.
     pub(super) fn motor_current(&mut self, elapsed: u32) -> u16 {
+        if !D::DRIVE.motor_current {
+            return 0;
+        }
         let motion = Motion {
             power: self.power,
             standstill: self.settled,
@@ -88,6 +97,9 @@ impl Drive {
 
     /// The levels of the digital outputs.
     pub(super) fn output_levels(&self, statusword: u16) -> u8 {
+        if !D::DRIVE.digital_outputs {
+            return 0;
+        }
         let shown = Shown {
             state: self.machine.state(),
             statusword,

@@ -6,10 +6,11 @@ use canopen::Instant;
 use super::{Drive, Inputs};
 use crate::exchange::Actuals;
 use crate::modes::Mode;
+use crate::objects::Objects;
 use crate::state_machine::State;
 use crate::statusword;
 
-impl Drive {
+impl<D: Objects> Drive<D> {
     /// What the mode says while it is not at work.
     pub(super) const fn idle_bits(&self) -> u16 {
         self.modes.idle_bits(&self.motor, &self.configuration)

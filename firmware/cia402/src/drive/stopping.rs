@@ -6,6 +6,7 @@ use super::Drive;
 use crate::controlword::Command;
 use crate::modes::Mode;
 use crate::motor::Barred;
+use crate::objects::Objects;
 use crate::option_codes::{Stop, StopRamp};
 use crate::state_machine::State;
 use crate::statusword;
@@ -13,7 +14,7 @@ use crate::statusword;
 /// So long does a state wait for a transmit PDO.
 const LONGEST_SHOWN: Duration = Duration::from_ticks(50_000);
 
-impl Drive {
+impl<D: Objects> Drive<D> {
     /// Whether the state is about to be left with the power going off, once the motor stands.
     pub(super) fn is_leaving(&self, remote: bool, command: Option<Command>) -> bool {
         match self.machine.state() {

@@ -26,6 +26,7 @@ use crate::exchange::Commands;
 use crate::inputs::Switches;
 use crate::monitor::Observed;
 use crate::motor::Motor;
+use crate::objects::Objects;
 use crate::option_codes::StopRamp;
 use crate::statusword::HOMING_ATTAINED;
 use crate::units::{Frame, Travel};
@@ -77,6 +78,16 @@ impl Mode {
     /// The mode with this number; `None` if it is not supported.
     pub fn from_code(code: i8) -> Option<Self> {
         Self::ALL.into_iter().find(|mode| mode.code() == code)
+    }
+
+    /// The mode with this number that a drive with these modes (bits as in 6502h) has. No mode is always there.
+    pub fn among(modes: u32, code: i8) -> Option<Self> {
+        Self::from_code(code).filter(|mode| mode.is_among(modes))
+    }
+
+    /// Whether a drive with these modes has it.
+    pub const fn is_among(self, modes: u32) -> bool {
+        modes & self.supported_bit() == self.supported_bit()
     }
 
     /// Its number.
@@ -334,8 +345,8 @@ impl Modes {
     }
 
     /// The motor stands, and no mode is at work: the mode that is asked for is the mode.
-    pub(crate) fn select(&mut self, code: i8) {
-        self.active = Mode::from_code(code).unwrap_or(self.active);
+    pub(crate) fn select<D: Objects>(&mut self, code: i8) {
+        self.active = Mode::among(D::DRIVE.modes, code).unwrap_or(self.active);
     }
 
     /// Operation is enabled: the mode starts with no set-point and all its bits at rest.
@@ -418,9 +429,11 @@ impl Modes {
         }
     }
 
-    /// One control tick in operation enabled. Returns the bits of the statusword that belong to the mode.
-    pub(crate) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
-        let wanted = Mode::from_code(context.commands.mode).unwrap_or(self.active);
+    /// One control tick in operation enabled. Returns the bits of the statusword that belong to the mode. A mode that the drive has
+    /// not got is not linked.
+    pub(crate) fn tick<D: Objects>(&mut self, context: &mut Context<'_>) -> u16 {
+        let has = |mode: Mode| mode.is_among(D::DRIVE.modes);
+        let wanted = Mode::among(D::DRIVE.modes, context.commands.mode).unwrap_or(self.active);
         if wanted != self.active {
             if !context.motor.standstill() && !wanted.begins_in_motion() {
                 let (commands, configuration) = (context.commands, context.configuration);
@@ -441,14 +454,20 @@ impl Modes {
             context.motor.set_ramps(Ramps::Linear);
         }
         match self.active {
-            Mode::NoMode => 0,
-            Mode::ProfilePosition => self.profile_position.tick(context),
-            Mode::Velocity => self.velocity.tick(context),
-            Mode::ProfileVelocity => self.profile_velocity.tick(context),
-            Mode::Homing => self.homing.tick(context),
-            Mode::InterpolatedPosition => self.interpolated_position.tick(context),
-            Mode::CyclicPosition => self.cyclic_position.tick(context),
-            Mode::CyclicVelocity => self.cyclic_velocity.tick(context),
+            Mode::ProfilePosition if has(Mode::ProfilePosition) => {
+                self.profile_position.tick(context)
+            }
+            Mode::Velocity if has(Mode::Velocity) => self.velocity.tick(context),
+            Mode::ProfileVelocity if has(Mode::ProfileVelocity) => {
+                self.profile_velocity.tick(context)
+            }
+            Mode::Homing if has(Mode::Homing) => self.homing.tick(context),
+            Mode::InterpolatedPosition if has(Mode::InterpolatedPosition) => {
+                self.interpolated_position.tick(context)
+            }
+            Mode::CyclicPosition if has(Mode::CyclicPosition) => self.cyclic_position.tick(context),
+            Mode::CyclicVelocity if has(Mode::CyclicVelocity) => self.cyclic_velocity.tick(context),
+            _ => 0,
         }
     }
 }

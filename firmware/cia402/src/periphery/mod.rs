@@ -13,6 +13,7 @@ pub mod touch_probe;
 
 use crate::configuration::Configuration;
 use crate::drive::Inputs;
+use crate::objects::Objects;
 
 use analogue_input::AnalogueInput;
 use digital_outputs::DigitalOutputs;
@@ -81,36 +82,54 @@ impl Periphery {
     }
 
     /// Looks at the inputs of a tick, but for the edges. `elapsed` are the microseconds since the last tick.
-    pub(crate) fn measure(&mut self, elapsed: u32, inputs: &Inputs, configuration: &Configuration) {
-        self.stage.observe(inputs, &configuration.power_stage);
-        if let Some(raw) = inputs.analogue {
+    pub(crate) fn measure<D: Objects>(
+        &mut self,
+        elapsed: u32,
+        inputs: &Inputs,
+        configuration: &Configuration,
+    ) {
+        self.stage.has_supply = inputs.supply;
+        if D::DRIVE.power_stage {
+            self.stage.observe(inputs, &configuration.power_stage);
+        }
+        if D::DRIVE.analogue_input
+            && let Some(raw) = inputs.analogue
+        {
             self.analogue.observe(raw, elapsed, &configuration.analogue);
         }
         self.since_shown = self.since_shown.saturating_add(elapsed);
     }
 
     /// What is new. `shown` gives the position that objects show for one of the drive's.
-    pub(crate) fn news(
+    pub(crate) fn news<D: Objects>(
         &mut self,
         shown: impl Fn(i64) -> i32,
         inputs: &Inputs,
         configuration: &Configuration,
     ) -> News {
         News {
-            latched: self.probes.take_news(shown),
+            latched: if D::DRIVE.touch_probes {
+                self.probes.take_news(shown)
+            } else {
+                None
+            },
             readings: (self.since_shown >= READING_PERIOD)
-                .then(|| self.readings(inputs, configuration)),
+                .then(|| self.readings::<D>(inputs, configuration)),
         }
     }
 
     #[cold]
     #[inline(never)]
-    fn readings(&mut self, inputs: &Inputs, configuration: &Configuration) -> Readings {
+    fn readings<D: Objects>(&mut self, inputs: &Inputs, configuration: &Configuration) -> Readings {
         self.since_shown = 0;
         Readings {
             supply_voltage: inputs.supply_voltage.unwrap_or(0),
             temperature: inputs.temperature.unwrap_or(0),
-            analogue: self.analogue.shown(&configuration.analogue),
+            analogue: if D::DRIVE.analogue_input {
+                self.analogue.shown(&configuration.analogue)
+            } else {
+                Analogue::default()
+            },
         }
     }
 }

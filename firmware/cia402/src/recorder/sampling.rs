@@ -8,6 +8,7 @@ use super::memory::Outcome;
 use super::{Memory, Setup, State, Status, Tick};
 use crate::drive::Drive;
 use crate::exchange::Share;
+use crate::objects::Objects;
 
 /// In the mode that repeats itself, how long nobody may have read a recording that was read to its end before the next one begins:
 /// a client may ask again for segments that it has lost. In milliseconds.
@@ -89,7 +90,10 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
 
     /// Call it behind each [`Drive::tick`].
     #[inline]
-    pub fn tick<X: Share>(&mut self, drive: &Drive, exchange: &mut X) {
+    pub fn tick<D: Objects, X: Share>(&mut self, drive: &Drive<D>, exchange: &mut X) {
+        if !D::DRIVE.scope {
+            return;
+        }
         let has_orders = exchange.lock(|exchange| exchange.has_orders());
         if has_orders {
             self.obey(exchange);
@@ -101,7 +105,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
 
     /// A tick in which it is not idle.
     #[inline(never)]
-    fn work<X: Share>(&mut self, drive: &Drive, exchange: &mut X) {
+    fn work<D: Objects, X: Share>(&mut self, drive: &Drive<D>, exchange: &mut X) {
         if self.state.is_at_work() {
             let actuals = exchange.lock(|exchange| *exchange.newest());
             self.advance(&drive.seen(&actuals));

@@ -41,7 +41,7 @@ fn tick(recorder: &mut Recorder<&'static Memory>, drive: &Drive, exchange: &mut 
 
 /// All workloads of the scope.
 pub fn run() {
-    let drive = Drive::new(DriveConfig {
+    let drive: Drive = Drive::new(DriveConfig {
         axis: AxisConfig {
             clock: Clock::new(84_000_000).unwrap(),
             segment: 84_000,
