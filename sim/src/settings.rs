@@ -1,11 +1,14 @@
 //! Settings that a drive has from the factory, as the builder of a machine delivers it: what its data sheet has by default is changed by
 //! these before anything that was stored. So what a user stores counts, and what he restores (1011h) is the factory's again.
 
+use canopen::Configuration;
 use canopen::cia301::parameters::{CHUNK, ParameterSet, ParameterSets, ParameterStore};
 use canopen::node::StoreError;
 use od_gen::model::Access;
 use od_gen::{DataType, transfer};
+use runtime::Storage;
 
+use crate::flash::{Flash, ParameterStore as FlashStore};
 use master::data_sheet::{Address, DataSheet};
 
 /// The first object that can be set so; those before it belong to the network.
@@ -83,20 +86,37 @@ impl Settings {
 
 /// A store as a drive with such settings sees it: they are read before everything that is stored.
 #[derive(Debug)]
-pub(crate) struct FactoryStore<'a, S> {
-    store: &'a mut S,
+pub(crate) struct FactoryStore {
+    store: FlashStore,
     chunks: Vec<Vec<u8>>,
+    /// Node-ID and bit rate for the first power-on, and for later ones as long as nothing is stored.
+    given: Option<Configuration>,
+    is_first: bool,
 }
 
 /// The set that is loaded first.
 const FIRST_SET: ParameterSet = ParameterSet::ALL[0];
 
-impl<'a, S: ParameterStore> FactoryStore<'a, S> {
-    pub(crate) fn new(store: &'a mut S, settings: &Settings) -> Self {
+impl FactoryStore {
+    pub(crate) fn new(
+        store: FlashStore,
+        settings: Option<&Settings>,
+        given: Option<Configuration>,
+    ) -> Self {
         Self {
             store,
-            chunks: settings.chunks(),
+            chunks: settings.map(Settings::chunks).unwrap_or_default(),
+            given,
+            is_first: true,
         }
+    }
+
+    /// The flash below, to break it.
+    pub(crate) fn with_flash(&mut self, change: impl FnOnce(&mut Flash)) {
+        let empty = Flash::in_memory().into_store();
+        let mut flash = std::mem::replace(&mut self.store, empty).release();
+        change(&mut flash);
+        self.store = flash.into_store();
     }
 
     /// How many chunks are ahead of those that are stored.
@@ -109,7 +129,31 @@ impl<'a, S: ParameterStore> FactoryStore<'a, S> {
     }
 }
 
-impl<S: ParameterStore> ParameterStore for FactoryStore<'_, S> {
+impl Storage for FactoryStore {
+    fn load(&mut self) -> Result<Option<Configuration>, StoreError> {
+        // What cannot be read counts as empty.
+        let stored = Storage::load(&mut self.store).ok().flatten();
+        Ok(if std::mem::take(&mut self.is_first) {
+            self.given.or(stored)
+        } else {
+            stored.or(self.given)
+        })
+    }
+
+    fn save(&mut self, settings: &Configuration) -> Result<(), StoreError> {
+        Storage::save(&mut self.store, settings)
+    }
+
+    fn forget(&mut self) -> Result<(), StoreError> {
+        Storage::forget(&mut self.store)
+    }
+
+    fn serial_number(&mut self) -> Option<u32> {
+        Storage::serial_number(&mut self.store)
+    }
+}
+
+impl ParameterStore for FactoryStore {
     fn begin(&mut self, sets: ParameterSets) -> Result<(), StoreError> {
         self.store.begin(sets)
     }

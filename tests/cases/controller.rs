@@ -245,6 +245,34 @@ fn c02_frames_that_the_drive_lost_are_told_once() {
 }
 
 #[test]
+fn c02_frames_that_are_lost_stop_a_drive_with_power() {
+    let mut bench = DriveBench::enabled(4);
+    bench.begin_move(1_000_000);
+    bench.drain(20);
+    bench.lose_frames(1);
+    // A command may have been among them.
+    bench.queue("604: 40 00 10 00");
+    bench.drain_until("084: 10 81 ..", 20);
+    bench.reaches(tests::drive::FAULT, 1_000);
+    assert_eq!(bench.read_u16(0x603F, 0), 0x8110);
+    let stopped = bench.position();
+    bench.run_millis(500);
+    assert_eq!(bench.position(), stopped);
+    bench.command(0x80);
+    bench.reaches(tests::drive::SWITCH_ON_DISABLED, 20);
+}
+
+#[test]
+fn c02_frames_that_are_lost_are_no_fault_of_a_drive_without_power() {
+    let mut bench = DriveBench::started(4);
+    bench.lose_frames(1);
+    bench.queue("604: 40 00 10 00");
+    bench.drain_until("084: 10 81 ..", 20);
+    bench.stays_in(tests::drive::SWITCH_ON_DISABLED, 100);
+    bench.enable();
+}
+
+#[test]
 fn s26_the_drive_waits_for_a_client_as_long_as_it_is_told() {
     let mut bench = DriveBench::booted(4);
     bench.write_u16(0x5FF3, 0, 4_000);

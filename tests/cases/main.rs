@@ -30,6 +30,7 @@ mod lss;
 mod lss_many_drives;
 mod lss_nmt_states;
 mod lss_power_cuts;
+mod lss_store;
 mod model;
 mod modes;
 mod motion_profiles;

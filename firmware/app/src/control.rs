@@ -1,41 +1,20 @@
-//! What the control tick does: measure, let the drive decide, act.
-//!
-//! Every millisecond, or in step with SYNC, the drive gets what the board sees (supply, the steps that have left, the fault of the stage, the
-//! state of the bus), and answers with pulses for the step interrupt and with whether the motor may have current. Which
-//! fault stops the motor how is for [`Drive`] to say; this file only names the faults.
-//!
-//! The contract:
-//! - One tick is one call of [`Drive::tick`], whatever the bus does; a command to stop has one of [`Drive::early_tick`] before the next, and
-//!   the ticks keep their beat. The exchange is locked for the copies only.
-//! - A fault of the stage goes before lost frames: a drive has one cause at a time. Bus-off is for the device to see: it
-//!   stops the motor as every communication error does.
-//! - Lost frames are a fault only while the motor has current. Storing stops the processor, so on a busy bus frames are lost
-//!   then; a master gets the device's message, and no fault it would have to reset.
-//! - Pulses the drive gives up are dropped in the same tick.
-//! - An early tick begins with a segment and a half of pulses left at least: the refills have its priority and wait for it, and may wait for the
-//!   regular one behind it too.
-//! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
-//!   starts anew.
+//! The drive's half with the motor: the control tick of the runtime, on the pulses and the power stage of the board.
 
 use canopen::{Duration, Instant};
 use cia402::inputs::{time_of_edge, Capture};
-use cia402::recorder::{Memory, Recorder};
-use cia402::{Drive, DriveConfig, Exchange, Inputs, Outputs, State};
-use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
+use cia402::recorder::Memory;
+use cia402::{DriveConfig, Exchange, Inputs, Outputs};
+use motion::{AxisConfig, Clock, DriverTiming};
 use rtic::Mutex;
+use runtime::{Lost, PowerStage};
 
 use crate::board::{Board, Pulses, Selected, Stage};
 use crate::clock;
 use crate::dictionary::Dictionary;
-use crate::inbox::Lost;
 use crate::share::Locked;
 
 /// Control ticks in a second.
 pub const RATE_HZ: u32 = 1_000;
-
-/// Error code 8110h of CiA 301: frames were lost, a command may have been among them. A fault while the drive is enabled;
-/// with no current in the motor there is nothing to stop, and it is a message alone.
-const CAN_OVERRUN: u16 = 0x8110;
 
 /// What a driver may ask for: pulses of 2.5 µs with as much between them, and 5 µs around a change of direction. Most
 /// step/direction drivers are faster.
@@ -48,17 +27,9 @@ pub const TIMING: DriverTiming = DriverTiming {
 
 /// The drive and what it works on.
 pub struct Control {
-    drive: Drive<Dictionary>,
-    recorder: Recorder<&'static Memory>,
-    pulses: <Selected as Board>::Pulses,
-    stage: <Selected as Board>::Stage,
+    control: runtime::Control<Dictionary, &'static Memory>,
+    stage: StepStage,
     lost: &'static Lost,
-    edges: &'static Capture,
-    lost_before: u32,
-    /// The motor had current after the last tick.
-    powered: bool,
-    /// What the board measured in the last tick. It stays here: the edges of the inputs are many words that seldom change.
-    inputs: Inputs,
 }
 
 impl Control {
@@ -71,15 +42,15 @@ impl Control {
         scope: &'static Memory,
     ) -> Self {
         Self {
-            drive: Drive::new(config()),
-            recorder: Recorder::new(scope, config().tick),
-            pulses,
-            stage,
+            control: runtime::Control::new(config(), scope),
+            stage: StepStage {
+                pulses,
+                stage,
+                edges,
+                now: Instant::from_ticks(0),
+                counter: 0,
+            },
             lost,
-            edges,
-            lost_before: 0,
-            powered: false,
-            inputs: Inputs::default(),
         }
     }
 
@@ -90,19 +61,58 @@ impl Control {
         mut exchange: impl Mutex<T = Exchange>,
         alive: bool,
     ) -> (Instant, Option<Instant>) {
+        let exchange = &mut Locked(&mut exchange);
         let lost = self.lost.count();
-        let overrun = lost != self.lost_before;
-        self.lost_before = lost;
-        let harmless = !self.powered
-            && !matches!(
-                self.drive.state(),
-                State::Fault | State::FaultReactionActive
-            );
+        self.control.tick(lost, alive, &mut self.stage, exchange)
+    }
 
-        let (now, counter) = self.look(overrun && !harmless);
-        let inputs = &mut self.inputs;
+    /// A tick of its own for a command to stop, unless a regular one was first.
+    pub fn stop(&mut self, mut exchange: impl Mutex<T = Exchange>) {
+        let exchange = &mut Locked(&mut exchange);
+        self.control.stop(&mut self.stage, exchange);
+    }
+
+    /// Hands out pulses between two ticks.
+    pub fn refill(&mut self) {
+        self.control.refill(&mut self.stage);
+        Selected::refill_done();
+    }
+}
+
+/// The power stage of the board with its pulses, and the edges of its inputs.
+struct StepStage {
+    pulses: <Selected as Board>::Pulses,
+    stage: <Selected as Board>::Stage,
+    edges: &'static Capture,
+    /// When the tick has looked, and the board's counter then.
+    now: Instant,
+    counter: u32,
+}
+
+impl PowerStage for StepStage {
+    type Pulses = <Selected as Board>::Pulses;
+
+    fn pulses(&mut self) -> &mut Self::Pulses {
+        &mut self.pulses
+    }
+
+    fn service(&mut self) {
+        self.pulses.service();
+    }
+
+    fn look(&mut self, inputs: &mut Inputs) -> Instant {
+        self.pulses.service();
+        self.now = clock::now();
+        self.counter = Selected::ticks();
+        inputs.supply = self.stage.supply();
+        inputs.position = self.pulses.position();
+        inputs.fault = self.stage.fault().or(self.pulses.fault());
+        self.now
+    }
+
+    fn measure(&mut self, inputs: &mut Inputs) {
         self.stage.measure(inputs);
-        let pulses = &self.pulses;
+        let (now, counter, pulses) = (self.now, self.counter, &self.pulses);
         self.edges.take(
             Selected::input_levels(),
             &mut inputs.digital,
@@ -112,68 +122,23 @@ impl Control {
             },
             |count| pulses.position_at(count),
         );
-        let outputs = self
-            .drive
-            .tick(now, inputs, &mut self.pulses, &mut Locked(&mut exchange));
-        self.carry_out(&outputs);
-        self.recorder.tick(&self.drive, &mut Locked(&mut exchange));
-        if alive {
-            self.stage.feed_watchdog();
-        }
-        (now, outputs.next_tick)
-    }
-
-    /// A tick of its own for a command to stop, unless a regular one was first.
-    pub fn stop(&mut self, mut exchange: impl Mutex<T = Exchange>) {
-        if !exchange.lock(|exchange| exchange.calls_early()) {
-            return;
-        }
-        self.pulses.service();
-        self.drive.top_up(&mut self.pulses);
-        let (now, _) = self.look(false);
-        let outputs = self.drive.early_tick(
-            now,
-            &self.inputs,
-            &mut self.pulses,
-            &mut Locked(&mut exchange),
-        );
-        self.carry_out(&outputs);
-    }
-
-    /// Takes what the board sees and every tick needs. Returns when that was, and the board's counter then.
-    fn look(&mut self, overrun: bool) -> (Instant, u32) {
-        self.pulses.service();
-        let now = clock::now();
-        let counter = Selected::ticks();
-        let inputs = &mut self.inputs;
-        inputs.supply = self.stage.supply();
-        inputs.position = self.pulses.position();
-        inputs.fault = self
-            .stage
-            .fault()
-            .or(self.pulses.fault())
-            .or(overrun.then_some(CAN_OVERRUN));
-        (now, counter)
     }
 
     fn carry_out(&mut self, outputs: &Outputs) {
         self.stage.set_power(outputs.power_stage);
         self.stage.set_brake(outputs.brake_released);
         self.stage.set_outputs(outputs.digital);
-        self.powered = outputs.power_stage;
-        if !self.powered && self.pulses.fault().is_some() {
+        if !outputs.power_stage && self.pulses.fault().is_some() {
             self.pulses.mend();
-        }
-        if outputs.drop_pulses && self.pulses.pending() > 0 {
-            self.pulses.drop_all();
         }
     }
 
-    /// Hands out pulses between two ticks.
-    pub fn refill(&mut self) {
-        self.pulses.service();
-        self.drive.refill(&mut self.pulses);
-        Selected::refill_done();
+    fn drop_pulses(&mut self) {
+        self.pulses.drop_all();
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.stage.feed_watchdog();
     }
 }
 

@@ -30,13 +30,7 @@ mod control;
 #[forbid(unsafe_code)]
 mod dictionary;
 #[forbid(unsafe_code)]
-mod inbox;
-#[forbid(unsafe_code)]
-mod lights;
-#[forbid(unsafe_code)]
 mod machine;
-#[forbid(unsafe_code)]
-mod node;
 #[forbid(unsafe_code)]
 mod settings;
 #[forbid(unsafe_code)]
@@ -44,19 +38,23 @@ mod share;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [SPI1, SPI2, SPI3])]
 mod app {
-    use canopen::Settings;
     use cia402::inputs::Capture;
     use cia402::Exchange;
+    use embedded_storage::nor_flash::ReadNorFlash;
+    use runtime::{inbox, Controller, Inbox, Lost, Node, Panel, PowerUp, Received, Signals};
+    use store::Store;
 
     use crate::board::{
         self, Board, Bus, ControlTimer, InputLines, Parts, Receive, Selected, Steps,
     };
+    use crate::clock;
     use crate::control::{Control, RATE_HZ};
-    use crate::inbox::{self, Inbox, Lost};
-    use crate::lights::{Panel, Signals};
+    use crate::dictionary::Dictionary;
     use crate::machine::Machine;
-    use crate::node::Node;
-    use crate::settings;
+    use crate::settings::BUILD;
+    use crate::share::{Alone, Around, LockedBus};
+
+    type Parameters = Store<<Selected as Board>::Parameters>;
 
     #[shared]
     struct Shared {
@@ -68,7 +66,7 @@ mod app {
         #[lock_free]
         control: Control,
         #[lock_free]
-        node: Node,
+        node: (Node<Dictionary, Machine, Parameters>, Received),
         #[lock_free]
         step: (
             <Selected as Board>::Steps,
@@ -93,44 +91,55 @@ mod app {
             pulses,
             steps,
             receiver,
-            mut bus,
+            bus,
             stage,
             lights,
             input_lines,
             parameters,
-            inputs,
+            switches,
+            factory_reset,
             serial_number,
             user_memory,
         } = Selected::start(cx.device);
         cx.local.edges.begin(Selected::input_levels());
 
-        let bit_rates = <Selected as Board>::Bus::BIT_RATES;
-        let (store, power_on) = settings::load(parameters, &inputs, bit_rates);
-        let settings = Settings {
-            node_id: power_on.node_id.value,
-            bit_rate: (power_on.bit_timing.value.bit_rate())
-                .unwrap_or(Settings::default().bit_rate),
+        // All of the board's sectors. They are far smaller than 4 GiB.
+        let sectors = 0..parameters.capacity() as u32;
+        let mut store = Store::new(parameters, sectors).ok();
+        if store.is_none() {
+            defmt::error!("the parameter sectors do not suit the store");
+        }
+        let power_up = PowerUp {
+            build: BUILD,
+            switches,
+            factory_reset,
         };
+        let bit_rates = <Selected as Board>::Bus::BIT_RATES;
+        let power_on = power_up.choose(&mut store, bit_rates);
 
         let (inbox, received) = Inbox::new(cx.local.frames, cx.local.lost);
-        let mut exchange = Exchange::new();
         let [value, spare] = user_memory;
         let machine = Machine::new(value, spare, &board::SCOPE_MEMORY);
         let mut node = Node::new(
-            settings,
+            Dictionary::new(),
+            machine,
             &power_on,
             serial_number,
-            machine,
-            received,
-            cx.local.lost,
+            bit_rates,
             store,
         );
-        node.power_on(&mut exchange, &mut bus);
+        let (mut exchange, mut bus) = (Alone(Exchange::new()), Alone(bus));
+        let mut around = Around {
+            exchange: &mut exchange,
+            // Nothing moves yet.
+            stop: || {},
+        };
+        node.power_on(&mut around, &mut LockedBus(&mut bus));
         let timer = ControlTimer::start::<Selected>(cx.core.SYST, RATE_HZ);
 
         let shared = Shared {
-            exchange,
-            bus,
+            exchange: exchange.0,
+            bus: bus.0,
             alive: true,
             reception: (receiver, inbox),
             control: Control::new(
@@ -140,7 +149,7 @@ mod app {
                 cx.local.edges,
                 &board::SCOPE_MEMORY,
             ),
-            node,
+            node: (node, received),
             step: (steps, input_lines, cx.local.edges),
         };
         let local = Local {
@@ -240,12 +249,17 @@ mod app {
     #[task(priority = 2, shared = [exchange, bus, alive, node])]
     fn node(mut cx: node::Context) {
         cx.shared.alive.lock(|alive| *alive = true);
-        let stop = || {
+        let (node, received) = cx.shared.node;
+        let mut around = Around {
+            exchange: &mut cx.shared.exchange,
             // An error says that one is on its way already.
-            stop::spawn().ok();
+            stop: || {
+                stop::spawn().ok();
+            },
         };
-        cx.shared.node.run(cx.shared.exchange, cx.shared.bus, stop);
-        if let Some(signal) = cx.shared.node.signal() {
+        // The next control tick is sooner than its deadline, or as soon, and runs it anyway.
+        let _ = node.run(&mut around, &mut LockedBus(&mut cx.shared.bus), received);
+        if let Some(signal) = node.signal(clock::now()) {
             lights::spawn(signal).ok();
         }
     }

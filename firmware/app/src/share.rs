@@ -1,9 +1,13 @@
-//! What tasks share, behind RTIC's locks: the exchange of the drive, and the mailboxes of the CAN controller.
+//! What tasks share, behind RTIC's locks: the exchange of the drive, and the CAN controller. A lock is held for one copy, one question or one
+//! frame, and not while the device makes it.
 
 use canopen::outbox::{Mailboxes, Room};
-use canopen::Frame;
+use canopen::{BitRate, ControllerState, Frame, Instant};
 use cia402::{Exchange, Share};
 use rtic::Mutex;
+use runtime::{Controller, Host, Unreachable};
+
+use crate::clock;
 
 /// An exchange that two tasks share. The lock raises the priority to that of the control tick while a snapshot is copied.
 pub struct Locked<'a, L>(pub &'a mut L);
@@ -14,8 +18,29 @@ impl<L: Mutex<T = Exchange>> Share for Locked<'_, L> {
     }
 }
 
-/// The mailboxes of a bus whose interrupts are other tasks. The lock is held for one question or one frame, and not while the device
-/// makes it.
+/// What is around the node: the exchange, the clock, and a call for the early tick.
+pub struct Around<'a, L, S> {
+    pub exchange: &'a mut L,
+    pub stop: S,
+}
+
+impl<L: Mutex<T = Exchange>, S> Share for Around<'_, L, S> {
+    fn lock<R>(&mut self, f: impl FnOnce(&mut Exchange) -> R) -> R {
+        self.exchange.lock(f)
+    }
+}
+
+impl<L: Mutex<T = Exchange>, S: FnMut()> Host for Around<'_, L, S> {
+    fn now(&self) -> Instant {
+        clock::now()
+    }
+
+    fn stop(&mut self) {
+        (self.stop)();
+    }
+}
+
+/// A CAN controller whose interrupts are other tasks.
 pub struct LockedBus<'a, L>(pub &'a mut L);
 
 impl<B: Mailboxes, L: Mutex<T = B>> Mailboxes for LockedBus<'_, L> {
@@ -25,5 +50,44 @@ impl<B: Mailboxes, L: Mutex<T = B>> Mailboxes for LockedBus<'_, L> {
 
     fn put(&mut self, frame: &Frame) -> Option<Frame> {
         self.0.lock(|bus| bus.put(frame))
+    }
+}
+
+impl<B: Controller, L: Mutex<T = B>> Controller for LockedBus<'_, L> {
+    const BIT_RATES: &'static [BitRate] = B::BIT_RATES;
+
+    fn resume(&mut self) {
+        self.0.lock(B::resume);
+    }
+
+    fn leave(&mut self) -> bool {
+        self.0.lock(B::leave)
+    }
+
+    fn start(&mut self, bit_rate: BitRate) -> Result<(), Unreachable> {
+        self.0.lock(|bus| bus.start(bit_rate))
+    }
+
+    fn listen(&mut self, bit_rate: BitRate) -> Result<(), Unreachable> {
+        self.0.lock(|bus| bus.listen(bit_rate))
+    }
+
+    fn error_seen(&mut self) -> bool {
+        self.0.lock(B::error_seen)
+    }
+
+    fn state(&mut self) -> ControllerState {
+        self.0.lock(|bus| bus.state())
+    }
+}
+
+/// What nobody shares yet.
+pub struct Alone<T>(pub T);
+
+impl<T> Mutex for Alone<T> {
+    type T = T;
+
+    fn lock<R>(&mut self, f: impl FnOnce(&mut T) -> R) -> R {
+        f(&mut self.0)
     }
 }

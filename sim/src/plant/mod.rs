@@ -132,6 +132,11 @@ impl Plant {
         self.warning = None;
     }
 
+    /// The time up to which the motor has run.
+    pub fn now(&self) -> Instant {
+        self.now
+    }
+
     /// Lets the motor run until `now`.
     pub fn advance(&mut self, now: Instant) {
         let Some(span) = now.checked_duration_since(self.now) else {

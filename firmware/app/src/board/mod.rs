@@ -9,17 +9,16 @@
 //! reads the timer that counts and handles the hard fault, `bin/no_panic.rs` has cells the compiler cannot see through
 //! and the function that does not exist.
 
-use canopen::outbox::Mailboxes;
-use canopen::{BitRate, ControllerState, Duration, Instant};
+use canopen::settings::Wish;
+use canopen::{Duration, Instant};
 use cia402::cyclic::TickTimer;
 use cortex_m::peripheral::SYST;
 use embedded_storage::nor_flash::NorFlash;
 use stm32f4xx_hal::pac;
 
-use crate::inbox::Inbox;
 use crate::machine::Room;
-use crate::settings::Inputs;
 use motion::PulseSink;
+use runtime::{Controller, Inbox, Lights};
 
 #[cfg(feature = "qemu")]
 mod qemu;
@@ -96,8 +95,10 @@ pub struct Parts<B: Board> {
     pub lights: B::Lights,
     pub input_lines: B::InputLines,
     pub parameters: B::Parameters,
-    /// What was read of the switches.
-    pub inputs: Inputs,
+    /// What the switches ask for.
+    pub switches: Wish,
+    /// The input for the factory reset is held.
+    pub factory_reset: bool,
     /// Object 1018h:4 unless production has given another, the same at every start and different on every board.
     pub serial_number: u32,
     /// Room for object 2020h, twice.
@@ -141,51 +142,16 @@ pub trait Steps {
 pub trait Receive<B> {
     /// Puts every frame that has arrived into the inbox. Called from the receive interrupt.
     fn receive(&mut self, bus: &mut B, inbox: &mut Inbox);
-
-    /// The inbox has room again. Called each time it was emptied.
-    fn resume(bus: &mut B);
 }
 
 /// The sending half of a CAN controller, and the state of the whole.
-pub trait Bus: Mailboxes {
-    /// The bit rates that can be made from the controller's clock, 100 kbit/s among them if it is one.
-    const BIT_RATES: &'static [BitRate];
-
-    /// Asks the controller to leave the bus, which it does after the frame that is on it. Does not wait: true once it has
-    /// left, so that [`Bus::start`] takes no time; false to ask again later.
-    fn leave(&mut self) -> bool;
-
-    /// Goes on the bus at this rate, or leaves what it is doing and comes back at this rate. On a bus it waits for the end
-    /// of the frame there, unless [`Bus::leave`] has.
-    ///
-    /// # Errors
-    /// [`Unreachable`]: the rate is none of [`Bus::BIT_RATES`]; nothing has changed.
-    fn start(&mut self, bit_rate: BitRate) -> Result<(), Unreachable>;
-
-    /// As [`Bus::start`], but in silence: the controller receives frames and sends nothing, neither an acknowledge nor an error
-    /// flag.
-    ///
-    /// # Errors
-    /// [`Unreachable`]: as [`Bus::start`].
-    fn listen(&mut self, bit_rate: BitRate) -> Result<(), Unreachable>;
-
-    /// Whether the controller has seen a frame that it could not read since the last call, or since it began to listen.
-    fn error_seen(&mut self) -> bool;
-
+pub trait Bus: Controller {
     /// The transmit interrupt.
     fn on_sent(&mut self);
 
     /// The error interrupt.
     fn on_error(&mut self);
-
-    /// How well the controller gets on with the bus. After bus-off it returns when [`Bus::leave`] and [`Bus::start`] have
-    /// started it again.
-    fn state(&self) -> ControllerState;
 }
-
-/// The bit rate cannot be made from the clock of the controller.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unreachable;
 
 /// The interrupt of the digital inputs.
 pub trait InputLines {
@@ -217,21 +183,6 @@ pub trait Stage {
 
     /// Every task is alive.
     fn feed_watchdog(&mut self);
-}
-
-/// The two lights of CiA 303-3, and that of the drive.
-pub trait Lights {
-    /// The green and the red light are one with two colours.
-    const BICOLOUR: bool;
-
-    /// The green light.
-    fn set_run(&mut self, on: bool);
-
-    /// The red light.
-    fn set_error(&mut self, on: bool);
-
-    /// The light of the drive.
-    fn set_drive(&mut self, on: bool);
 }
 
 /// The system timer, which makes the control tick.

@@ -21,11 +21,12 @@ use cortex_m_rt::{exception, ExceptionFrame};
 use cortex_m_semihosting::{debug, heprintln};
 use stm32f4xx_hal::pac;
 
+use canopen::settings::Wish;
 use motion::step_interrupt;
+use runtime::Lights;
 
-use super::{user_memory, Board, Lights, Parts, Stage};
+use super::{user_memory, Board, Parts, Stage};
 use crate::control::{RATE_HZ, TIMING};
-use crate::settings::Inputs;
 
 /// The emulated board.
 pub struct Qemu;
@@ -67,10 +68,8 @@ impl Board for Qemu {
             input_lines: inputs::Lines,
             parameters: parameter_file::ParameterFile::open(),
             // The machine has no pins.
-            inputs: Inputs {
-                switches: None,
-                factory_reset: false,
-            },
+            switches: Wish::NOTHING,
+            factory_reset: false,
             serial_number: 1,
             // SAFETY: the peripherals exist once, so this function is called once.
             user_memory: unsafe { user_memory::take() },

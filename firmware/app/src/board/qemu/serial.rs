@@ -10,8 +10,9 @@ use cortex_m::peripheral::NVIC;
 use slcan::{Channel, Decoder};
 use stm32f4xx_hal::pac;
 
-use crate::board::{Bus, Receive, Unreachable};
-use crate::inbox::Inbox;
+use crate::board::{Bus, Receive};
+use crate::clock;
+use runtime::{Controller, Inbox, Unreachable};
 
 /// USART2 and the client's channel.
 pub struct SerialBus {
@@ -55,7 +56,7 @@ impl Mailboxes for SerialBus {
     }
 }
 
-impl Bus for SerialBus {
+impl Controller for SerialBus {
     const BIT_RATES: &'static [BitRate] = &BitRate::ALL;
 
     fn leave(&mut self) -> bool {
@@ -74,13 +75,23 @@ impl Bus for SerialBus {
         false
     }
 
+    fn state(&mut self) -> ControllerState {
+        ControllerState::ErrorActive
+    }
+
+    fn resume(&mut self) {
+        if self.serial.cr1().read().rxneie().is_disabled() {
+            self.serial.cr1().modify(|_, w| w.rxneie().enabled());
+            // For the frame that waits, even if no byte follows it.
+            NVIC::pend(pac::Interrupt::USART2);
+        }
+    }
+}
+
+impl Bus for SerialBus {
     fn on_sent(&mut self) {}
 
     fn on_error(&mut self) {}
-
-    fn state(&self) -> ControllerState {
-        ControllerState::ErrorActive
-    }
 }
 
 /// Bytes on their way to become frames.
@@ -110,7 +121,7 @@ impl Receive<SerialBus> for Receiver {
                     bus.serial.cr1().modify(|_, w| w.rxneie().disabled());
                     return;
                 }
-                inbox.put(frame);
+                inbox.put(frame, clock::now());
             }
             // The emulator drops the interrupt line with each byte read, even if the next one is there: take them all.
             if bus.serial.sr().read().rxne().bit_is_clear() {
@@ -123,14 +134,6 @@ impl Receive<SerialBus> for Receiver {
                 bus.write(answer.reply);
                 self.waiting = answer.frame;
             }
-        }
-    }
-
-    fn resume(bus: &mut SerialBus) {
-        if bus.serial.cr1().read().rxneie().is_disabled() {
-            bus.serial.cr1().modify(|_, w| w.rxneie().enabled());
-            // For the frame that waits, even if no byte follows it.
-            NVIC::pend(pac::Interrupt::USART2);
         }
     }
 }

@@ -21,8 +21,9 @@ use stm32f4xx_hal::can::Can;
 use stm32f4xx_hal::pac;
 
 use super::bit_timing;
-use crate::board::{Bus, Receive, Unreachable};
-use crate::inbox::Inbox;
+use crate::board::{Bus, Receive};
+use crate::clock;
+use runtime::{Controller as _, Inbox, Unreachable};
 
 /// CAN1 with all its filters.
 pub struct Controller {
@@ -95,7 +96,7 @@ impl Controller {
     }
 }
 
-impl Bus for Controller {
+impl runtime::Controller for Controller {
     const BIT_RATES: &'static [BitRate] = &bit_timing::BIT_RATES;
 
     fn leave(&mut self) -> bool {
@@ -125,18 +126,7 @@ impl Bus for Controller {
         (1..=6).contains(&code)
     }
 
-    fn on_sent(&mut self) {
-        self.can.clear_tx_interrupt();
-    }
-
-    fn on_error(&mut self) {
-        registers().msr().write(|w| w.erri().set_bit());
-        if self.state() == ControllerState::BusOff {
-            defmt::warn!("bus-off: the controller left the bus after too many errors");
-        }
-    }
-
-    fn state(&self) -> ControllerState {
+    fn state(&mut self) -> ControllerState {
         let status = registers().esr().read();
         if status.boff().bit_is_set() {
             ControllerState::BusOff
@@ -150,6 +140,19 @@ impl Bus for Controller {
     }
 }
 
+impl Bus for Controller {
+    fn on_sent(&mut self) {
+        self.can.clear_tx_interrupt();
+    }
+
+    fn on_error(&mut self) {
+        registers().msr().write(|w| w.erri().set_bit());
+        if self.state() == ControllerState::BusOff {
+            defmt::warn!("bus-off: the controller left the bus after too many errors");
+        }
+    }
+}
+
 /// The receive FIFO; the controller is reached through [`Controller`].
 pub struct Receiver;
 
@@ -159,7 +162,7 @@ impl Receive<Controller> for Receiver {
             match bus.can.receive() {
                 Ok(frame) => {
                     if let Some(frame) = from_controller(&frame) {
-                        inbox.put(frame);
+                        inbox.put(frame, clock::now());
                     }
                 }
                 Err(nb::Error::Other(_overrun)) => inbox.count_lost(),
@@ -167,8 +170,6 @@ impl Receive<Controller> for Receiver {
             }
         }
     }
-
-    fn resume(_bus: &mut Controller) {}
 }
 
 /// The registers, for what `bxcan` leaves out.

@@ -194,7 +194,8 @@ impl Board for Stm32f405 {
             lights,
             input_lines,
             parameters: flash::ParameterSectors::new(device.FLASH),
-            inputs: switches::read(&digits, &factory_reset),
+            switches: switches::read(&digits),
+            factory_reset: switches::is_held(&factory_reset),
             serial_number: serial_number(),
             // SAFETY: the peripherals exist once, so this function is called once.
             user_memory: unsafe { user_memory::take() },

@@ -7,8 +7,10 @@ use stm32f4xx_hal::gpio::{ErasedPin, Input, Output, PA2, PA3, PC0, PC2};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+use runtime::Lights;
+
 use super::converter::Converter;
-use crate::board::{Lights, Stage};
+use crate::board::Stage;
 
 /// Error code 5400h of CiA 402: the hardware of the power section.
 const POWER_SECTION: u16 = 0x5400;

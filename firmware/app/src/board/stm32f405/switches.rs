@@ -2,10 +2,10 @@
 //!
 //! A switch closes to ground, so an input without one reads as open: 00h, and no factory reset.
 
+use canopen::settings::{Switches, Wish};
 use stm32f4xx_hal::gpio::{ErasedPin, Input};
 
 use super::CORE_HZ;
-use crate::settings::Inputs;
 
 /// How long the input for the factory reset must be held from power-up on, in milliseconds.
 const HOLD_MS: u32 = 100;
@@ -13,12 +13,9 @@ const HOLD_MS: u32 = 100;
 /// Readings until the last one is taken, whatever it is.
 const MOST_READINGS: u32 = 20;
 
-/// Reads what the switches say. `digits`: their inputs, the lowest bit first.
-pub fn read(digits: &[ErasedPin<Input>], factory_reset: &ErasedPin<Input>) -> Inputs {
-    Inputs {
-        switches: Some(settled(digits)),
-        factory_reset: is_held(factory_reset),
-    }
+/// What the switches ask for. `digits`: their inputs, the lowest bit first.
+pub fn read(digits: &[ErasedPin<Input>]) -> Wish {
+    Switches::ROTARY.wish(settled(digits))
 }
 
 /// A reading that was the same a millisecond before: a switch may just be turned.
@@ -43,7 +40,7 @@ fn closed(digits: &[ErasedPin<Input>]) -> u16 {
 }
 
 /// An input that is closed all the time. One that is open takes no time.
-fn is_held(pin: &ErasedPin<Input>) -> bool {
+pub fn is_held(pin: &ErasedPin<Input>) -> bool {
     (0..HOLD_MS).all(|_| {
         let is_closed = pin.is_low();
         if is_closed {

@@ -1,17 +1,34 @@
-//! The lights on the pins of the board: two for the network (CiA 303-3 says when they are lit), one for the drive.
+//! The lights of a drive: two for the network (CiA 303-3 says when they are lit), one for the drive.
 
 use canopen::cia303::{Indicators, Signal};
 use cia402::{DriveLight, DriveSignal};
 
-use crate::board::Lights;
+/// The pins of the lights.
+pub trait Lights {
+    /// The green and the red light are one with two colours.
+    const BICOLOUR: bool;
+
+    /// The green light.
+    fn set_run(&mut self, on: bool);
+
+    /// The red light.
+    fn set_error(&mut self, on: bool);
+
+    /// The light of the drive.
+    fn set_drive(&mut self, on: bool);
+}
 
 /// What all lights are to say.
+#[derive(Clone, Copy, Debug)]
 pub struct Signals {
+    /// What the network does.
     pub network: Signal,
+    /// What the drive does.
     pub drive: DriveSignal,
 }
 
-/// The pins and what they show.
+/// The lights and what they show.
+#[derive(Debug)]
 pub struct Panel<L> {
     lights: L,
     indicators: Indicators,

@@ -1,0 +1,119 @@
+//! What the control tick does: measure, let the drive decide, act.
+//!
+//! The contract:
+//! - One tick is one call of [`Drive::tick`], whatever the bus does; a command to stop has one of [`Drive::early_tick`] before the next, and
+//!   the regular ticks come when they would have come. The exchange is locked for the copies only.
+//! - A fault of the stage goes before lost frames: a drive has one cause at a time. Bus-off is for the device to see: it
+//!   stops the motor as every communication error does.
+//! - Lost frames are a fault only while the motor has current. Storing stops the processor, so on a busy bus frames are lost
+//!   then; a master gets the device's message, and no fault it would have to reset.
+//! - Pulses the drive gives up are dropped in the same tick.
+//! - An early tick begins with a segment and a half of pulses left at least: the refills have its priority and wait for it, and may wait for the
+//!   regular one behind it too.
+//! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
+//!   starts anew.
+
+use core::ops::Deref;
+
+use canopen::Instant;
+use cia402::recorder::{Memory, Recorder};
+use cia402::{Drive, DriveConfig, Inputs, Objects, Outputs, Share, State};
+use motion::PulseSink;
+
+use crate::ports::PowerStage;
+
+/// Error code 8110h of CiA 301: frames were lost, a command may have been among them. A fault while the drive is enabled;
+/// with no current in the motor there is nothing to stop, and it is a message alone.
+const CAN_OVERRUN: u16 = 0x8110;
+
+/// The drive of the dictionary `D` and what it works on, with the memory `M` of the scope. The power stage is the host's: it comes with each call, always the
+/// same one.
+#[derive(Debug)]
+pub struct Control<D, M> {
+    drive: Drive<D>,
+    recorder: Recorder<M>,
+    /// How many frames were lost before.
+    lost: u32,
+    /// The motor had current after the last tick.
+    powered: bool,
+    /// What was measured in the last tick. It stays here: the edges of the inputs are many words that seldom change.
+    inputs: Inputs,
+}
+
+impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
+    /// A drive that stands, without power.
+    pub fn new(config: DriveConfig, scope: M) -> Self {
+        Self {
+            drive: Drive::new(config),
+            recorder: Recorder::new(scope, config.tick),
+            lost: 0,
+            powered: false,
+            inputs: Inputs::default(),
+        }
+    }
+
+    /// One tick. `lost` is how many received frames were lost since power-on, `alive` whether the node task ran since the last tick.
+    /// Returns when it was, and when the next one is due if the drive says.
+    pub fn tick(
+        &mut self,
+        lost: u32,
+        alive: bool,
+        stage: &mut impl PowerStage,
+        exchange: &mut impl Share,
+    ) -> (Instant, Option<Instant>) {
+        let overrun = lost != self.lost;
+        self.lost = lost;
+        let harmless = !self.powered
+            && !matches!(
+                self.drive.state(),
+                State::Fault | State::FaultReactionActive
+            );
+
+        let now = self.look(overrun && !harmless, stage);
+        stage.measure(&mut self.inputs);
+        let outputs = self.drive.tick(now, &self.inputs, stage.pulses(), exchange);
+        self.carry_out(&outputs, stage);
+        self.recorder.tick(&self.drive, exchange);
+        if alive {
+            stage.feed_watchdog();
+        }
+        (now, outputs.next_tick)
+    }
+
+    /// A tick of its own for a command to stop, unless a regular one was first. Returns whether there was one.
+    pub fn stop(&mut self, stage: &mut impl PowerStage, exchange: &mut impl Share) -> bool {
+        if !exchange.lock(|exchange| exchange.calls_early()) {
+            return false;
+        }
+        stage.service();
+        self.drive.top_up(stage.pulses());
+        let now = self.look(false, stage);
+        let outputs = self
+            .drive
+            .early_tick(now, &self.inputs, stage.pulses(), exchange);
+        self.carry_out(&outputs, stage);
+        true
+    }
+
+    /// Hands out pulses between two ticks.
+    pub fn refill(&mut self, stage: &mut impl PowerStage) {
+        stage.service();
+        self.drive.refill(stage.pulses());
+    }
+
+    /// Takes what the stage sees and every tick needs. Returns when that was.
+    fn look(&mut self, overrun: bool, stage: &mut impl PowerStage) -> Instant {
+        let now = stage.look(&mut self.inputs);
+        let fault = &mut self.inputs.fault;
+        *fault = fault.or(overrun.then_some(CAN_OVERRUN));
+        now
+    }
+
+    fn carry_out(&mut self, outputs: &Outputs, stage: &mut impl PowerStage) {
+        stage.carry_out(outputs);
+        self.powered = outputs.power_stage;
+        if outputs.drop_pulses && stage.pulses().pending() > 0 {
+            stage.drop_pulses();
+        }
+    }
+}

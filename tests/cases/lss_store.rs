@@ -1,0 +1,55 @@
+//! LSS store (17h) on a drive: flash is written only while the motor has no power.
+
+use canopen::NodeId;
+use tests::DriveBench;
+use tests::drive::{OPERATION_ENABLED, SWITCH_ON_DISABLED};
+
+/// A drive in operation enabled, in the configuration state, with a new node-ID.
+fn configured() -> DriveBench {
+    let mut bench = DriveBench::enabled(4);
+    bench.drain(10);
+    bench.send("7E5: 04 01");
+    bench.send("7E5: 11 0B");
+    bench.expect("7E4: 11 00");
+    bench
+}
+
+/// The node-ID of the next power-on.
+fn stored(bench: &mut DriveBench) -> NodeId {
+    bench.axis().power_cycle();
+    bench.axis().device().node().settings().node_id
+}
+
+#[test]
+fn l07_nothing_is_stored_while_the_motor_has_power() {
+    let mut bench = configured();
+    let began = bench.now();
+    bench.send("7E5: 17");
+    bench.drain_until("7E4: 17 02", 60);
+    assert_eq!((bench.now() - began).to_millis(), 50);
+    assert!(OPERATION_ENABLED.is_shown_by(bench.statusword()));
+    // What could not be stored can be stored later.
+    bench.command(0x00);
+    bench.reaches(SWITCH_ON_DISABLED, 20);
+    bench.send("7E5: 17");
+    bench.drain_until("7E4: 17 00", 5);
+    assert_eq!(stored(&mut bench).get(), 11);
+}
+
+#[test]
+fn l07_what_was_refused_is_not_stored() {
+    let mut bench = configured();
+    bench.send("7E5: 17");
+    bench.drain_until("7E4: 17 02", 60);
+    assert_eq!(stored(&mut bench).get(), 4);
+}
+
+#[test]
+fn l07_a_motor_that_is_switched_off_meanwhile_is_waited_for() {
+    let mut bench = configured();
+    bench.send("7E5: 17");
+    bench.drain(30);
+    bench.command(0x00);
+    bench.drain_until("7E4: 17 00", 15);
+    assert_eq!(stored(&mut bench).get(), 11);
+}
