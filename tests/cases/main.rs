@@ -24,6 +24,7 @@ mod homing;
 mod homing_debounce;
 mod inputs_outputs;
 mod interpolated_position;
+mod late_pulses;
 mod longest_stop;
 mod lost_steps;
 mod lss;

@@ -324,13 +324,10 @@ impl<D: Objects> Drive<D> {
             self.motor.plan_on(pulses);
         }
         // The set-points of the cyclic modes count on what is handed out when.
-        let in_time = self.is_early && !self.motor.is_at_rest() || self.motor.advance(pulses);
-        self.settled = self.motor.is_settled(pulses);
-        if !in_time {
-            self.faults.pulses_late(true);
-        } else if self.settled {
-            self.faults.pulses_late(false);
+        if !self.is_early || self.motor.is_at_rest() {
+            self.motor.advance(pulses);
         }
+        self.settled = self.motor.is_settled(pulses);
 
         let actuals = self.actuals(now, inputs, mode_bits);
         let news = self.periphery_news(inputs);
@@ -387,9 +384,7 @@ impl<D: Objects> Drive<D> {
 
     /// Hands out the pulses of the next segments between two ticks ([`DriveConfig::refills`]). Nothing is decided here.
     pub fn refill<S: PulseSink>(&mut self, pulses: &mut S) {
-        if !self.motor.advance(pulses) {
-            self.faults.pulses_late(true);
-        }
+        self.motor.advance(pulses);
     }
 
     /// To be called before an early tick where ticks and refills do not interrupt each other: hands out pulses if a refill will soon be due, which would
@@ -451,7 +446,8 @@ impl<D: Objects> Drive<D> {
         let (remote, command, lost) = self.under_6007h(command);
         let lost_now = core::mem::replace(&mut self.is_commanded, remote) && !remote;
         let silent = self.set_points_lost();
-        let reaction = detected.or(lost).or(silent);
+        let late = self.pulses_late();
+        let reaction = detected.or(lost).or(silent).or(late);
         let is_over = self.motor.standstill() && self.is_held_by_brake(now, remote, command);
         let has_shown = self.has_shown(now);
         let reset = self.resets_fault(is_over, has_shown, reaction.is_some());

@@ -24,7 +24,7 @@ pub const TEMPERATURE_WARNING: u16 = 0x4310;
 pub const UNDER_VOLTAGE: u16 = 0x3220;
 /// 5200h, control hardware: what makes the pulses has stood still.
 pub const PULSES_STOPPED: u16 = 0x5200;
-/// 6100h, internal software: pulses were handed out too late. A warning: it changes no state.
+/// 6100h, internal software: pulses came too late, so that a motor that moved had none for a moment. A warning where 20A2h only tells.
 pub const PULSES_LATE: u16 = 0x6100;
 /// 8612h, reference limit: both limit switches are active, so that no direction is free.
 pub const BOTH_LIMITS: u16 = 0x8612;
@@ -295,7 +295,7 @@ impl Faults {
         self.board_warning = warning;
     }
 
-    /// Pulses came too late (a warning), or the motor stands again and nothing is late any more.
+    /// Pulses came too late, and that is only told; or the motor stands again and nothing is late any more.
     pub(crate) fn pulses_late(&mut self, late: bool) {
         if late != self.late {
             self.late = late;
@@ -310,6 +310,13 @@ impl Faults {
     pub(crate) fn set_points_lost(&mut self) -> Reaction {
         let mut reaction = None;
         self.raise(SET_POINTS_LOST, &mut reaction);
+        reaction.unwrap_or(Reaction::AsConfigured)
+    }
+
+    /// A motor that moved had no pulses for a moment.
+    pub(crate) fn pulses_lost(&mut self) -> Reaction {
+        let mut reaction = None;
+        self.raise(PULSES_LATE, &mut reaction);
         reaction.unwrap_or(Reaction::AsConfigured)
     }
 

@@ -86,7 +86,7 @@ pub(crate) struct Motor {
     deceleration: u32,
     /// The hardest ramp on which it may end because it was planned so, in steps/s²; 0 at rest.
     hardest: u32,
-    /// [`Motor::prepare`] came too late.
+    /// Pulses came too late, and nobody has asked for it yet.
     is_late: bool,
 }
 

@@ -101,4 +101,18 @@ impl<D: Objects> Drive<D> {
         let is_fault = cyclic.lost.is_fault() && self.machine.state() == State::OperationEnabled;
         is_fault.then(|| self.faults.set_points_lost())
     }
+
+    /// The fault that pulses are that came too late, if 20A2h makes them one: the motor has stopped between two steps, and may stand
+    /// anywhere.
+    pub(super) fn pulses_late(&mut self) -> Option<Reaction> {
+        let is_late = self.motor.take_late();
+        if is_late && self.configuration.late_is_fault {
+            self.motor.lose_reference();
+            return Some(self.faults.pulses_lost());
+        }
+        if is_late || self.settled {
+            self.faults.pulses_late(is_late);
+        }
+        None
+    }
 }

@@ -31,9 +31,8 @@ impl Motor {
         self.is_late |= result == Err(AdvanceError::Underrun);
     }
 
-    /// Hands out the pulses of the next segments. False when they came too late and the motor had none for a moment; no
-    /// pulse is lost by that.
-    pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) -> bool {
+    /// Hands out the pulses of the next segments.
+    pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) {
         let result = self.axis.advance(&mut Directed {
             pulses,
             is_reversed: self.is_reversed,
@@ -45,8 +44,13 @@ impl Motor {
             self.planned_with(0);
             self.stopping_at_limit = None;
         }
-        let was_late = core::mem::take(&mut self.is_late);
-        !was_late && result != Err(AdvanceError::Underrun)
+        self.is_late |= result == Err(AdvanceError::Underrun);
+    }
+
+    /// Whether pulses came too late since the last call, and the motor had none for a moment. All of them are sent, but it may not have
+    /// followed.
+    pub(crate) const fn take_late(&mut self) -> bool {
+        core::mem::replace(&mut self.is_late, false)
     }
 
     /// Whether a tick that plans may make a pause, with so few pulses left. See [`Axis::runs_short`](motion::Axis::runs_short).

@@ -234,9 +234,21 @@ fn m14_a_warning_of_the_board_shows_and_changes_no_state() {
 }
 
 #[test]
-fn pulses_that_come_late_are_a_warning_and_none_is_lost() {
+fn pulses_that_come_late_are_a_fault() {
     use crate::faults::{FaultNotice, PULSES_LATE};
     let mut rig = cruising();
+    rig.motor.play(10_000);
+    rig.until("fault", |rig| rig.state() == State::Fault);
+    assert_eq!(rig.actuals().error_code, PULSES_LATE);
+    assert_eq!(rig.notices(), [FaultNotice::Raised(PULSES_LATE)]);
+}
+
+#[test]
+fn pulses_that_come_late_are_only_told_where_20a2h_is_0() {
+    use crate::faults::{FaultNotice, PULSES_LATE};
+    let mut rig = cruising();
+    rig.configuration.late_is_fault = false;
+    rig.post();
     rig.motor.play(10_000);
     rig.ticks(2);
     assert!(rig.has(statusword::WARNING));
