@@ -15,6 +15,7 @@ use core::marker::PhantomData;
 use canopen::{Duration, Instant};
 use motion::{AxisConfig, PulseSink};
 
+use crate::actuator::{Actuator, StepAxis};
 use crate::brake::Brake;
 use crate::configuration::Configuration;
 use crate::controlword::Command;
@@ -109,7 +110,7 @@ pub struct Drive<D = Everything> {
     machine: StateMachine,
     modes: Modes,
     faults: Faults,
-    motor: Motor,
+    motor: Motor<StepAxis>,
     /// The brake as the state machine wants it.
     brake: Brake,
     /// The brake itself: 60FEh may want it otherwise.

@@ -19,6 +19,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod actuator;
 pub mod binding;
 pub mod brake;
 pub mod configuration;

@@ -1,16 +1,21 @@
-//! The axis as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
+//! The motor as the drive uses it: it moves, stops on a ramp, or is cut off, and always knows where it is.
+//!
+//! What holds for every [`Actuator`] is here: limit switches, stops that no other makes gentler, the home position, the direction of
+//! counting. It counts as the master does, from the home position once that is known; the board counts on from where the motor stood at
+//! power-on. Positions are increments, and do not wrap.
 
-mod directed;
-mod handing_out;
+use core::ops::{Deref, DerefMut};
 
 use motion::{
-    Axis, AxisConfig, Demand, Direction, FollowError, Limits, PlanError, Position, PulseSink,
-    Ramps, SignedSpeed, Speed, Ticks, Velocity,
+    AxisConfig, Direction, FollowError, Limits, Position, PulseSink, Ramps, SignedSpeed, Speed,
 };
 
-use crate::cyclic::{Fine, Timescale};
+use crate::actuator::{Actuator, Directed, Refused, StepAxis, near};
+use crate::cyclic::Fine;
 use crate::inputs::Count;
-use crate::pulse_timing::PulseTiming;
+
+/// The longest distance of one motion, in steps.
+pub(crate) const REACH: i64 = u32::MAX as i64;
 
 /// The directions that limit switches bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,40 +33,10 @@ impl Barred {
     }
 }
 
-/// A motion that cannot be: its limits make no plan, its target is out of range, or a limit switch is in the way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Refused;
-
-/// The end of what is followed, as seen from a later moment.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CourseEnd {
-    /// How long it is from there to that moment; 0 if the moment is not later.
-    pub(crate) left: Fine,
-    /// Where the axis is there.
-    pub(crate) position: Position,
-    /// How far it would go on from there until that moment, in steps × 2³².
-    pub(crate) way: i64,
-}
-
-/// An axis, and what has become of its pulses. It counts as the master does, from the home position once that is known; the board
-/// counts on from where the motor stood at power-on. Positions are increments, and do not wrap.
+/// A motor. The modes see it without knowing what moves it.
 #[derive(Debug)]
-pub(crate) struct Motor {
-    axis: Axis,
-    built: AxisConfig,
-    /// What the driver of the motor needs.
-    timing: PulseTiming,
-    /// Where the pulses handed out so far lead. The axis counts modulo 2³²; this goes on.
-    committed: i64,
-    /// Nothing is planned, and every pulse has been handed out.
-    at_rest: bool,
-    /// At rest, and every pulse had left at the start of this tick.
-    standstill: bool,
-    /// What was being played at the start of this tick.
-    demand: Demand,
-    /// The tick of the axis' time at the start of this tick.
-    played: Ticks,
-    /// Pulses have been cut off: the axis does not know where the motor is until it is told.
+pub(crate) struct Motor<A: ?Sized = dyn Actuator> {
+    /// Pulses have been cut off: the actuator does not know where the motor is until it is told.
     cut: bool,
     /// What the master's count has beyond the board's.
     shift: i64,
@@ -70,8 +45,6 @@ pub(crate) struct Motor {
     /// The home position is known.
     referenced: bool,
     barred: Barred,
-    /// The axis' time in comparison with that of the control tick.
-    timescale: Timescale,
     /// How the velocity is to change.
     ramps: Ramps,
     /// The deceleration of the stop under way, in steps/s².
@@ -86,28 +59,32 @@ pub(crate) struct Motor {
     deceleration: u32,
     /// The hardest ramp on which it may end because it was planned so, in steps/s²; 0 at rest.
     hardest: u32,
-    /// Pulses came too late, and nobody has asked for it yet.
-    is_late: bool,
+    actuator: A,
 }
 
-impl Motor {
+impl<A: ?Sized> Deref for Motor<A> {
+    type Target = A;
+
+    fn deref(&self) -> &A {
+        &self.actuator
+    }
+}
+
+impl<A: ?Sized> DerefMut for Motor<A> {
+    fn deref_mut(&mut self) -> &mut A {
+        &mut self.actuator
+    }
+}
+
+impl Motor<StepAxis> {
     /// A motor that stands at position 0.
     pub(crate) fn new(config: AxisConfig) -> Self {
         Self {
-            axis: Axis::new(config),
-            built: config,
-            timing: PulseTiming::AsBuilt,
-            committed: 0,
-            at_rest: true,
-            standstill: true,
-            demand: Demand::default(),
-            played: 0,
             cut: false,
             shift: 0,
             is_reversed: false,
             referenced: false,
             barred: Barred::default(),
-            timescale: Timescale::new(config.clock.hz()),
             ramps: Ramps::Linear,
             stopping: None,
             stops_hard: false,
@@ -115,33 +92,61 @@ impl Motor {
             stops_early: false,
             deceleration: 0,
             hardest: 0,
-            is_late: false,
+            actuator: StepAxis::new(config),
         }
     }
 
-    /// What the driver of the motor needs. The motor has no power and stands.
-    pub(crate) fn set_timing(&mut self, timing: PulseTiming) {
-        if timing != self.timing {
-            self.timing = timing;
-            let ticks = timing.in_ticks(self.built.clock, self.built.timing);
-            self.axis.set_timing(ticks);
+    /// Looks at the motor at the start of a tick. `position` is where it really is; the axis takes it over while the motor
+    /// has no power, and after its pulses have been cut off.
+    pub(crate) fn observe<S: PulseSink>(&mut self, position: i64, power: bool, pulses: &S) {
+        if self.cut || !power && self.is_displaced(position, 0) {
+            self.actuator.stand_at(position);
+            self.cut = false;
         }
+        self.actuator.observe(pulses.pending());
     }
 
+    /// Whether the motor has nothing left to do at the end of this tick.
+    pub(crate) fn is_settled<S: PulseSink>(&self, pulses: &S) -> bool {
+        self.actuator.is_at_rest() && pulses.pending() == 0
+    }
+
+    /// The orders of this regular tick have been given: what the ones before have left to be planned is.
+    pub(crate) fn plan_on<S: PulseSink>(&mut self, pulses: &mut S) {
+        let is_reversed = self.is_reversed;
+        self.actuator.plan_on(&mut Directed {
+            pulses,
+            is_reversed,
+        });
+    }
+
+    /// Commits the pulses of the next segments.
+    pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) {
+        let is_reversed = self.is_reversed;
+        self.actuator.advance(&mut Directed {
+            pulses,
+            is_reversed,
+        });
+        if self.actuator.is_at_rest() {
+            self.stopped();
+            self.planned_with(0);
+            self.stopping_at_limit = None;
+        }
+    }
+}
+
+impl<A: Actuator + ?Sized> Motor<A> {
     /// The master's count for one of the board's, which may wrap.
-    pub(crate) const fn position_of(&self, count: i64) -> i64 {
+    pub(crate) fn position_of(&self, count: i64) -> i64 {
         let count = if self.is_reversed {
             count.wrapping_neg()
         } else {
             count
         };
-        self.near(count.wrapping_add(self.shift))
-    }
-
-    /// The position that is the same modulo 2³² and next to where the motor is.
-    const fn near(&self, position: i64) -> i64 {
-        let away = (position as i32).wrapping_sub(self.committed as i32);
-        self.committed.wrapping_add(away as i64)
+        near(
+            count.wrapping_add(self.shift),
+            self.actuator.committed_position(),
+        )
     }
 
     /// How the master counts while the motor is at `position`.
@@ -155,7 +160,7 @@ impl Motor {
 
     /// Turns the direction round while there is no power; the board's count is `count`. The motor keeps its position, but where home is
     /// nobody knows any more.
-    pub(crate) const fn set_reversed(&mut self, is_reversed: bool, count: i64) {
+    pub(crate) fn set_reversed(&mut self, is_reversed: bool, count: i64) {
         if is_reversed != self.is_reversed {
             let position = self.position_of(count);
             self.is_reversed = is_reversed;
@@ -177,28 +182,18 @@ impl Motor {
         let change = name.wrapping_sub(position.wrapping_add(away));
         self.shift = self.shift.wrapping_add(change);
         self.referenced = true;
-        self.stand_at(position.wrapping_add(change));
-        self.demand = self.demand_of(0);
+        self.actuator.stand_at(position.wrapping_add(change));
         change
     }
 
-    /// The axis is told where the motor stands.
-    fn stand_at(&mut self, position: i64) {
-        self.axis.set_position(position);
-        self.committed = position;
-    }
-
-    fn demand_of(&self, pending: Ticks) -> Demand {
-        let demand = self.axis.demand(pending);
-        Demand {
-            position: self.near(demand.position),
-            ..demand
-        }
-    }
-
-    /// The motor is not where its pulses should have taken it.
+    /// The motor is not where its demands should have taken it.
     pub(crate) const fn lose_reference(&mut self) {
         self.referenced = false;
+    }
+
+    /// Whether what is committed leads further than `slack` from this position.
+    pub(crate) fn is_displaced(&self, position: i64, slack: u32) -> bool {
+        self.actuator.committed_position().abs_diff(position) > slack.into()
     }
 
     /// Takes the directions that are barred from now on. Returns whether the motor is running into a limit switch, and has not
@@ -209,14 +204,21 @@ impl Motor {
             self.stopping_at_limit = None;
             return false;
         }
-        let into = self
-            .axis
-            .heading()
-            .is_some_and(|direction| barred.bars(direction));
+        let heading = self.actuator.heading();
+        let into = heading.is_some_and(|direction| barred.bars(direction));
         if !into {
             self.stopping_at_limit = None;
         }
         into && self.stopping_at_limit.is_none()
+    }
+
+    /// Whether no limit switch bars a motion of this sign.
+    pub(crate) fn is_free(&self, distance: i64) -> Result<(), Refused> {
+        if distance > 0 && self.barred.forward || distance < 0 && self.barred.reverse {
+            Err(Refused)
+        } else {
+            Ok(())
+        }
     }
 
     /// Says how the velocity is to change, from the next motion on.
@@ -224,148 +226,23 @@ impl Motor {
         self.ramps = ramps;
     }
 
-    /// Says with which acceleration, in steps/s², the next motion is to be planned, for the stops that are tried out before it.
-    pub(crate) const fn expect_acceleration(&mut self, acceleration: u32) {
-        self.axis.expect_acceleration(acceleration);
-    }
-
-    /// Slows down because of a limit switch. Nothing gentler takes its place: no other stop, and no motion away from the switch.
-    pub(crate) fn stop_at_limit(&mut self, deceleration: u32) {
-        self.stop_no_gentler(deceleration, false);
-        self.stopping_at_limit = self.stopping;
-    }
-
-    /// Slows down to a standstill, on the ramp of the stop that is under way if that is harder. No ramp is the hardest.
-    pub(crate) fn stop_no_gentler(&mut self, deceleration: u32, is_smooth: bool) {
-        let least = self.stopping.filter(|_| deceleration > 0).unwrap_or(0);
-        let is_smooth = is_smooth && !(self.stopping.is_some() && self.stops_hard);
-        self.stop_on(deceleration.max(least), is_smooth);
-    }
-
-    /// Whether the stop under way ends within these software limits on the ramp that it was asked for. If not, it goes on with this
-    /// deceleration, unless its own is as hard.
-    pub(crate) fn stops_within(&mut self, (low, high): (i64, i64), deceleration: u32) -> bool {
-        let end = self.destination();
-        let is_beyond = end > high.max(self.committed) || end < low.min(self.committed);
-        let own = self.stopping.unwrap_or(0);
-        if is_beyond && (own < deceleration || !self.stops_hard) {
-            let harder = own.max(deceleration);
-            let hardest = self.hardest.max(harder);
-            self.stop_on(harder, false);
-            self.hardest = hardest;
-            self.stops_early = true;
-        }
-        !self.stops_early
-    }
-
-    /// While a limit switch stops the motor, a motion away from it begins with no gentler ramp.
-    fn at_limit(&self, limits: Limits) -> Limits {
-        let least = self.stopping_at_limit.unwrap_or(0);
-        Limits {
-            deceleration: limits.deceleration.max(least),
-            ..limits
-        }
-    }
-
-    /// The axis is to move with the ramps chosen; away from a limit switch without delay.
-    const fn choose_ramps(&mut self) {
-        let ramps = if self.stopping_at_limit.is_some() {
-            Ramps::Linear
-        } else {
-            self.ramps
+    /// A motion with these ramps is to be planned in place of the one under way, which may take the processor long: commits up to the
+    /// horizon first. What begins in this tick begins behind that.
+    pub(crate) fn prepare(&mut self, ramps: Ramps, mut pulses: &mut dyn PulseSink) {
+        let mut pulses = Directed {
+            pulses: &mut pulses,
+            is_reversed: self.is_reversed,
         };
-        self.axis.set_ramps(ramps);
+        self.actuator.prepare(ramps, &mut pulses);
     }
-
-    /// No stop is under way any more.
-    const fn stopped(&mut self) {
-        self.stopping = None;
-        self.stops_early = false;
-    }
-
-    /// A motion takes the place of a stop, unless it is refused.
-    fn begun(&mut self, result: Result<(), PlanError>, deceleration: u32) -> Result<(), Refused> {
-        result.map_err(|_| Refused)?;
-        self.stopped();
-        self.planned_with(deceleration);
-        Ok(())
-    }
-
-    /// The motion under way has this deceleration; 0 for none.
-    const fn planned_with(&mut self, deceleration: u32) {
-        self.deceleration = deceleration;
-        // What is needed to end where it ends is rounded up.
-        self.hardest = deceleration.saturating_add(deceleration / 16);
-    }
-
-    /// Looks at the motor at the start of a tick. `position` is where it really is; the axis takes it over while the motor
-    /// has no power, and after its pulses have been cut off.
-    pub(crate) fn observe<S: PulseSink>(&mut self, position: i64, power: bool, pulses: &S) {
-        if self.cut || !power && self.is_displaced(position, 0) {
-            self.stand_at(position);
-            self.cut = false;
-        }
-        let pending = pulses.pending();
-        self.standstill = self.at_rest && pending == 0;
-        self.demand = self.demand_of(pending);
-        self.played = self.axis.played(pending);
-    }
-
-    /// The tick that has just looked at the motor runs at `now`: what is followed goes by that.
-    pub(crate) fn set_time(&mut self, now: Fine) {
-        if self.at_rest {
-            self.timescale.stop();
-        }
-        self.timescale.compare(now, self.played);
-    }
-
-    /// Whether the pulses handed out so far lead further than `slack` from this position.
-    pub(crate) const fn is_displaced(&self, position: i64, slack: u32) -> bool {
-        self.committed.abs_diff(position) > slack as u64
-    }
-
-    /// Whether the motor stood still at the start of this tick: nothing planned, and every pulse has left.
-    pub(crate) const fn standstill(&self) -> bool {
-        self.standstill
-    }
-
-    /// Whether the motor has nothing left to do at the end of this tick.
-    pub(crate) fn is_settled<S: PulseSink>(&self, pulses: &S) -> bool {
-        self.at_rest && pulses.pending() == 0
-    }
-
-    /// What was being played at the start of this tick.
-    pub(crate) const fn demand(&self) -> Demand {
-        self.demand
-    }
-
-    /// Where the present motion ends, in steps; at rest, where the motor stands.
-    pub(crate) fn destination(&self) -> i64 {
-        self.near(self.axis.target())
-    }
-
-    /// The position in the count of the axis. One that is too far away stays so.
-    fn on_axis(&self, target: i64) -> i64 {
-        let way = target.saturating_sub(self.committed);
-        self.axis.committed_position().saturating_add(way)
-    }
-
-    /// The fastest the pulses can be sent.
-    pub(crate) fn max_velocity(&self) -> Speed {
-        self.axis.max_velocity()
-    }
-
-    /// The longest way of one motion, in steps.
-    pub(crate) const REACH: i64 = u32::MAX as i64;
 
     /// Moves to a position, from whatever the motor does now. On an error nothing changes.
     pub(crate) fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), Refused> {
-        self.is_free(target.saturating_sub(self.committed))?;
-        let limits = self.at_limit(limits);
-        let target = self.on_axis(target);
-        self.choose_ramps();
-        let result = self.axis.move_to(target, limits);
-        self.begun(result, limits.deceleration)
+        self.is_free(target.saturating_sub(self.actuator.committed_position()))?;
+        let (limits, ramps) = self.at_limit(limits);
+        self.actuator.move_to(target, limits, ramps)?;
+        self.begun(limits);
+        Ok(())
     }
 
     /// Moves through a position with an end velocity and keeps that. On an error nothing changes.
@@ -375,45 +252,76 @@ impl Motor {
         end_velocity: Speed,
         limits: Limits,
     ) -> Result<(), Refused> {
-        self.is_free(target.saturating_sub(self.committed))?;
-        let limits = self.at_limit(limits);
-        let target = self.on_axis(target);
-        self.choose_ramps();
-        let result = self.axis.move_through(target, end_velocity, limits);
-        self.begun(result, limits.deceleration)
+        self.is_free(target.saturating_sub(self.actuator.committed_position()))?;
+        let (limits, ramps) = self.at_limit(limits);
+        self.actuator
+            .move_through(target, end_velocity, limits, ramps)?;
+        self.begun(limits);
+        Ok(())
     }
 
-    /// Goes to a position, from the one followed before, and is there at `end`: in a straight line, or with a velocity there, as a
-    /// way and how long it takes. See [`Axis::follow`].
+    /// Ramps to a velocity and keeps it, from whatever the motor does now. On an error nothing changes.
+    pub(crate) fn ramp_to(&mut self, velocity: SignedSpeed, limits: Limits) -> Result<(), Refused> {
+        self.is_free(velocity.bits())?;
+        let (limits, ramps) = self.at_limit(limits);
+        self.actuator.ramp_to(velocity, limits, ramps)?;
+        self.begun(limits);
+        Ok(())
+    }
+
+    /// While a limit switch stops the motor, a motion away from it begins with no gentler ramp, and without delay.
+    fn at_limit(&self, limits: Limits) -> (Limits, Ramps) {
+        match self.stopping_at_limit {
+            None => (limits, self.ramps),
+            Some(least) => {
+                let deceleration = limits.deceleration.max(least);
+                let limits = Limits {
+                    deceleration,
+                    ..limits
+                };
+                (limits, Ramps::Linear)
+            }
+        }
+    }
+
+    /// A motion has taken the place of a stop.
+    const fn begun(&mut self, limits: Limits) {
+        self.stopped();
+        self.planned_with(limits.deceleration);
+    }
+
+    /// No stop is under way any more.
+    const fn stopped(&mut self) {
+        self.stopping = None;
+        self.stops_early = false;
+    }
+
+    /// The motion under way has this deceleration; 0 for none.
+    const fn planned_with(&mut self, deceleration: u32) {
+        self.deceleration = deceleration;
+        // What is needed to end where it ends is rounded up.
+        self.hardest = deceleration.saturating_add(deceleration / 16);
+    }
+
+    /// As [`Actuator::follow`].
     pub(crate) fn follow(
         &mut self,
         end: Fine,
         to: Position,
         velocity: Option<(Position, Fine)>,
     ) -> Result<(), FollowError> {
-        let tick = self.timescale.tick_at(end);
-        let result = match velocity {
-            None => self.axis.follow(tick, to),
-            Some((way, time)) => {
-                let ticks = self.timescale.ticks(time);
-                let velocity = Velocity::over(way, ticks);
-                self.axis.follow_smoothly(tick, to, velocity)
-            }
-        };
-        if result.is_ok() {
-            self.followed();
-        }
-        result
+        self.actuator.follow(end, to, velocity)?;
+        self.followed();
+        Ok(())
     }
 
-    /// Reaches a velocity at `end`, evenly from the one at the end of what is followed. See [`Axis::follow_velocity`].
+    /// As [`Actuator::follow_velocity`].
     pub(crate) fn follow_velocity(
         &mut self,
         end: Fine,
         velocity: SignedSpeed,
     ) -> Result<(), FollowError> {
-        let tick = self.timescale.tick_at(end);
-        self.axis.follow_velocity(tick, velocity)?;
+        self.actuator.follow_velocity(end, velocity)?;
         self.followed();
         Ok(())
     }
@@ -422,39 +330,6 @@ impl Motor {
     const fn followed(&mut self) {
         self.stopped();
         self.planned_with(0);
-    }
-
-    /// Where what is followed ends, in steps, and its velocity there.
-    pub(crate) fn course_end(&self) -> Demand {
-        let end = self.axis.course_end_demand();
-        Demand {
-            position: self.near(end.position),
-            ..end
-        }
-    }
-
-    /// From where, and in which time, something is followed that is to be done at `end`: from the last set-point given, or from where
-    /// the pulses handed out lead if they go beyond that.
-    pub(crate) fn course_to(&self, end: Fine) -> CourseEnd {
-        let (tick, state) = self.axis.course_end();
-        let left = self.timescale.tick_at(end).wrapping_sub(tick);
-        let left = u32::try_from(left.cast_signed().max(0)).unwrap_or(u32::MAX);
-        CourseEnd {
-            left: self.timescale.span(left),
-            position: state.position,
-            way: state.velocity.way(left),
-        }
-    }
-
-    /// Whether what is followed ends in motion, so soon that the motor would stand with no ramp within this time.
-    pub(crate) fn is_running_out(&self, time: Fine) -> bool {
-        let ticks = self.timescale.ticks(time);
-        self.axis.is_running_out(ticks.into())
-    }
-
-    /// Whether the motor moves, and follows set-points that come in each period.
-    pub(crate) const fn is_following(&self) -> bool {
-        !self.at_rest && self.axis.is_following()
     }
 
     /// The deceleration that the motion under way is planned with, in steps/s²: no gentler one may be needed to end where it ends. 0 at
@@ -479,52 +354,7 @@ impl Motor {
         self.stopping.is_some()
     }
 
-    /// Whether nothing is planned, and every pulse has been handed out.
-    pub(crate) const fn is_at_rest(&self) -> bool {
-        self.at_rest
-    }
-
-    /// The position from which the next command begins, in steps.
-    pub(crate) const fn committed_position(&self) -> i64 {
-        self.committed
-    }
-
-    /// Ramps to a velocity and keeps it, from whatever the motor does now. On an error nothing changes.
-    pub(crate) fn ramp_to(&mut self, velocity: SignedSpeed, limits: Limits) -> Result<(), Refused> {
-        self.is_free(velocity.bits())?;
-        let limits = self.at_limit(limits);
-        self.choose_ramps();
-        let result = self.axis.ramp_to(velocity, limits);
-        self.begun(result, limits.deceleration)
-    }
-
-    /// Whether no limit switch bars a motion of this sign.
-    pub(crate) fn is_free(&self, way: i64) -> Result<(), Refused> {
-        if way > 0 && self.barred.forward || way < 0 && self.barred.reverse {
-            Err(Refused)
-        } else {
-            Ok(())
-        }
-    }
-
-    /// The velocity from which the next command begins.
-    pub(crate) fn committed_velocity(&self) -> SignedSpeed {
-        self.axis.committed_velocity()
-    }
-
-    /// The window of the mean that the motor follows (6086h = 2), in microseconds, rounded up; 0 if it follows none.
-    pub(crate) fn window(&self) -> u64 {
-        let ticks = u64::from(self.axis.window()).wrapping_mul(1_000_000);
-        let microseconds = ticks.checked_div(self.built.clock.hz().into());
-        microseconds.map_or(0, |whole| whole.saturating_add(1))
-    }
-
-    /// Whether the motor is on the last ramp of its motion, or has come to rest.
-    pub(crate) fn is_ending(&self) -> bool {
-        self.axis.is_ending()
-    }
-
-    /// Slows down to a standstill. A deceleration that gives no ramp, such as 0, stops the pulses at once: a drive that is
+    /// Slows down to a standstill. A deceleration that gives no ramp, such as 0, stops the motor at once: a drive that is
     /// told to stop never goes on.
     pub(crate) fn stop(&mut self, deceleration: u32) {
         self.stop_on(deceleration, true);
@@ -533,11 +363,10 @@ impl Motor {
     /// Slows down with the ramps chosen, or with a linear one.
     pub(crate) fn stop_on(&mut self, deceleration: u32, is_smooth: bool) {
         let is_smooth = is_smooth && self.stopping_at_limit.is_none();
-        self.axis
-            .set_ramps(if is_smooth { self.ramps } else { Ramps::Linear });
         self.stops_hard = !is_smooth;
+        let ramps = if is_smooth { self.ramps } else { Ramps::Linear };
         let deceleration = deceleration.max(self.stopping_at_limit.unwrap_or(0));
-        if self.axis.stop(deceleration).is_ok() {
+        if self.actuator.stop(deceleration, ramps).is_ok() {
             self.stopping = Some(deceleration);
             self.planned_with(deceleration);
         } else {
@@ -545,18 +374,47 @@ impl Motor {
         }
     }
 
-    /// Drops every pulse that has not left yet. The board does so at the end of the tick.
+    /// Slows down because of a limit switch. Nothing gentler takes its place: no other stop, and no motion away from the switch.
+    pub(crate) fn stop_at_limit(&mut self, deceleration: u32) {
+        self.stop_no_gentler(deceleration, false);
+        self.stopping_at_limit = self.stopping;
+    }
+
+    /// Slows down to a standstill, on the ramp of the stop that is under way if that is harder. No ramp is the hardest.
+    pub(crate) fn stop_no_gentler(&mut self, deceleration: u32, is_smooth: bool) {
+        let least = self.stopping.filter(|_| deceleration > 0).unwrap_or(0);
+        let is_smooth = is_smooth && !(self.stopping.is_some() && self.stops_hard);
+        self.stop_on(deceleration.max(least), is_smooth);
+    }
+
+    /// Whether the stop under way ends within these software limits on the ramp that it was asked for. If not, it goes on with this
+    /// deceleration, unless its own is as hard.
+    pub(crate) fn stops_within(&mut self, (low, high): (i64, i64), deceleration: u32) -> bool {
+        let end = self.actuator.destination();
+        let committed = self.actuator.committed_position();
+        let is_beyond = end > high.max(committed) || end < low.min(committed);
+        let own = self.stopping.unwrap_or(0);
+        if is_beyond && (own < deceleration || !self.stops_hard) {
+            let harder = own.max(deceleration);
+            let hardest = self.hardest.max(harder);
+            self.stop_on(harder, false);
+            self.hardest = hardest;
+            self.stops_early = true;
+        }
+        !self.stops_early
+    }
+
+    /// Drops everything that has not been done yet. The board does so at the end of the tick.
     pub(crate) fn cut_off(&mut self) {
         // Without current a motor runs on, nobody knows where to.
-        self.referenced &= self.standstill;
+        self.referenced &= self.actuator.standstill();
         self.stopped();
         self.stopping_at_limit = None;
-        self.axis.abort();
-        self.at_rest = true;
+        self.actuator.cut_off();
         self.cut = true;
     }
 
-    /// Whether pulses were cut off in this tick.
+    /// Whether the motor was cut off in this tick.
     pub(crate) const fn is_cut(&self) -> bool {
         self.cut
     }

@@ -10,6 +10,7 @@ use canopen::Instant;
 use motion::PulseSink;
 
 use super::{Drive, Inputs, Outputs};
+use crate::actuator::Actuator;
 use crate::exchange::{Exchange, Share};
 use crate::inputs::DigitalInputs;
 use crate::objects::Objects;

@@ -3,6 +3,7 @@
 use canopen::Instant;
 
 use super::{Drive, Inputs};
+use crate::actuator::Actuator;
 use crate::objects::Objects;
 use crate::periphery::News;
 use crate::periphery::digital_outputs::Shown;

@@ -4,6 +4,7 @@
 use canopen::Instant;
 
 use super::{Drive, Inputs};
+use crate::actuator::Actuator;
 use crate::exchange::Actuals;
 use crate::modes::Mode;
 use crate::objects::Objects;

@@ -3,6 +3,7 @@
 use canopen::{Duration, Instant};
 
 use super::Drive;
+use crate::actuator::Actuator;
 use crate::controlword::Command;
 use crate::modes::Mode;
 use crate::motor::Barred;

@@ -22,7 +22,7 @@ use super::Context;
 use acceleration::{Most, SetPoints};
 
 use crate::cyclic::{Fine, Slot};
-use crate::motor::Motor;
+use crate::motor::{Motor, REACH};
 use crate::option_codes::StopRamp;
 use crate::units::Travel;
 
@@ -151,7 +151,7 @@ impl Following {
             // It is still being stopped.
             return Outcome::Followed;
         }
-        let most = Motor::REACH;
+        let most = REACH;
         let here = context.motor.committed_position();
         let goal = target.map(|target| {
             target
@@ -258,7 +258,7 @@ impl Following {
                 course = motor.course_to(end);
             }
         }
-        let interval = if course.way == 0 {
+        let interval = if course.distance == 0 {
             course.left.min(period)
         } else {
             course.left
@@ -268,7 +268,7 @@ impl Following {
         if !is_in_step || self.is_catching_up {
             self.is_catching_up = true;
             self.at = self.at.wrapping_add(away);
-            self.way = course.way >> (32 - POINT);
+            self.way = course.distance >> (32 - POINT);
         }
         (interval >= period / 4).then_some(Leg {
             interval,
@@ -427,7 +427,7 @@ impl Following {
             }
             return;
         };
-        let first = motor.course_to(waiting.end).way >> (32 - POINT);
+        let first = motor.course_to(waiting.end).distance >> (32 - POINT);
         let before = over(waiting.way, waiting.interval, knot.interval);
         let slope = slope(before, knot.way);
         let last = over(slope, knot.interval, waiting.interval);

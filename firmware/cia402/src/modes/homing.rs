@@ -24,10 +24,10 @@ use motion::homing::{self as engine, Failure, Fitted, Method, Order, Outcome, Se
 use motion::{Direction, Limits, Speed};
 
 use super::Context;
+use crate::actuator::Refused;
 use crate::configuration::HomingConfiguration;
 use crate::controlword::NEW_SET_POINT;
 use crate::inputs::InputConfiguration;
-use crate::motor::Refused;
 use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, INTERNAL_LIMIT, TARGET_REACHED};
 
 /// 2034h:2 while homing has not failed.

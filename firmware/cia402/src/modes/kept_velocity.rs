@@ -13,7 +13,7 @@ use motion::{Limits, Ramps, SignedSpeed};
 
 use super::Context;
 use super::braking::{self, Ramp};
-use crate::motor::Motor;
+use crate::motor::{Motor, REACH};
 use crate::units::Travel;
 
 /// What is asked of the motor.
@@ -154,9 +154,9 @@ const fn end_of(order: Order) -> i64 {
 }
 
 /// Whether a motion to a limit can be planned, the way to stop included.
-const fn is_within_reach(end: i64, motor: &Motor) -> bool {
+fn is_within_reach(end: i64, motor: &Motor) -> bool {
     let way = end.saturating_sub(motor.committed_position());
-    way.unsigned_abs() < Motor::REACH.unsigned_abs() / 2
+    way.unsigned_abs() < REACH.unsigned_abs() / 2
 }
 
 /// Plans the motion. Returns what has become of it, and the sign of the velocity that is lost on a harder ramp; 0 for none.

@@ -31,10 +31,11 @@ use motion::{Limits, Ramps, SignedSpeed, Speed};
 use super::Context;
 use super::braking::{self, Ramp};
 use super::kept_velocity::{KeptVelocity, Order};
+use crate::actuator::Refused;
 use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, NEW_SET_POINT, RELATIVE};
 use crate::dwell::Dwell;
 use crate::exchange;
-use crate::motor::{Motor, Refused};
+use crate::motor::{Motor, REACH};
 use crate::option_codes::StopRamp;
 use crate::statusword::{INTERNAL_LIMIT, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
 use crate::units::{Rotation, Travel};
@@ -251,7 +252,7 @@ impl ProfilePosition {
             // In motion, the way to stop and to come back is part of it.
             (committed, longest_stop(context, set_point))
         };
-        let reach = Motor::REACH.saturating_sub(stop.saturating_mul(4));
+        let reach = REACH.saturating_sub(stop.saturating_mul(4));
         let reach = (start.saturating_sub(reach), start.saturating_add(reach));
         if waits {
             // What a limit has left of the target before it.

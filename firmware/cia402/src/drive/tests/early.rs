@@ -5,6 +5,7 @@ use std::vec::Vec;
 use canopen::{Duration, Instant};
 use motion::{Ramps, SignedSpeed};
 
+use crate::actuator::Actuator;
 use crate::configuration::HomingConfiguration;
 use crate::cyclic::Beat;
 use crate::exchange::Actuals;

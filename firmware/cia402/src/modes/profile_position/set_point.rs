@@ -141,7 +141,7 @@ impl SetPoint {
     }
 
     /// The positions between which the target is the end that lies ahead of the motor.
-    pub(super) const fn around(&self, motor: &Motor) -> (i64, i64) {
+    pub(super) fn around(&self, motor: &Motor) -> (i64, i64) {
         let (low, high) = Travel::NONE.increments;
         if self.target < motor.committed_position() {
             (self.target, high)

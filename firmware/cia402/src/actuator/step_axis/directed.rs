@@ -7,9 +7,9 @@ const AT_ONCE: usize = 4;
 
 /// Pulses on their way to a motor that may turn the other way.
 #[derive(Debug)]
-pub(super) struct Directed<'a, S> {
-    pub(super) pulses: &'a mut S,
-    pub(super) is_reversed: bool,
+pub(crate) struct Directed<'a, S> {
+    pub(crate) pulses: &'a mut S,
+    pub(crate) is_reversed: bool,
 }
 
 impl<S: PulseSink> PulseSink for Directed<'_, S> {

@@ -1,0 +1,135 @@
+//! What moves the motor: the one thing that modes know of it.
+//!
+//! An actuator takes demands, tells where these are, and stops on a ramp; it knows no mode, no limit and no unit. Limits, limit switches,
+//! the home position and the direction of counting are above it ([`crate::motor::Motor`]). The step axis is the first one. A servo makes its
+//! trajectory itself, with the planner of `motion`, and will take a torque too.
+//!
+//! Positions are increments of 64 bits, counted on from where the actuator was told that the motor stands. Each demand takes the place of
+//! the one before, from whatever the motor does now. What has been committed already is done as it was: a demand begins at
+//! [`Actuator::committed_position`], with [`Actuator::committed_velocity`].
+
+mod step_axis;
+
+use core::fmt::Debug;
+
+use motion::{
+    Demand, Direction, FollowError, Limits, Position, PulseSink, Ramps, SignedSpeed, Speed,
+};
+
+use crate::cyclic::Fine;
+
+pub(crate) use step_axis::{Directed, StepAxis};
+
+/// A motion that cannot be: its limits make no plan, its target is out of range, or a limit switch is in the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Refused;
+
+/// The end of what is followed, as seen from a later moment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CourseEnd {
+    /// How long it is from there to that moment; 0 if the moment is not later.
+    pub(crate) left: Fine,
+    /// Where the axis is there.
+    pub(crate) position: Position,
+    /// How far it would go on from there until that moment, in steps × 2³².
+    pub(crate) distance: i64,
+}
+
+/// See the module.
+pub(crate) trait Actuator: Debug {
+    /// What was being done at the start of this tick.
+    fn demand(&self) -> Demand;
+
+    /// Whether the motor stood at the start of this tick.
+    fn standstill(&self) -> bool;
+
+    /// Whether the demand is at rest: nothing is planned, and all of it is committed.
+    fn is_at_rest(&self) -> bool;
+
+    /// The position from which the next demand begins.
+    fn committed_position(&self) -> i64;
+
+    /// The velocity from which the next demand begins.
+    fn committed_velocity(&self) -> SignedSpeed;
+
+    /// Where the present motion ends; at rest, where the motor stands.
+    fn destination(&self) -> i64;
+
+    /// The direction of the present motion; `None` at rest.
+    fn heading(&self) -> Option<Direction>;
+
+    /// Whether the motor is on the last ramp of its motion, or has come to rest.
+    fn is_ending(&self) -> bool;
+
+    /// The fastest that the motor can go.
+    fn max_velocity(&self) -> Speed;
+
+    /// The window of the mean that the motor follows (6086h = 2), in microseconds, rounded up; 0 if it follows none.
+    fn window(&self) -> u64;
+
+    /// Moves to a position. On an error nothing changes.
+    fn move_to(&mut self, target: i64, limits: Limits, ramps: Ramps) -> Result<(), Refused>;
+
+    /// Moves through a position with an end velocity and keeps that. On an error nothing changes.
+    fn move_through(
+        &mut self,
+        target: i64,
+        end_velocity: Speed,
+        limits: Limits,
+        ramps: Ramps,
+    ) -> Result<(), Refused>;
+
+    /// Ramps to a velocity and keeps it. On an error nothing changes.
+    fn ramp_to(
+        &mut self,
+        velocity: SignedSpeed,
+        limits: Limits,
+        ramps: Ramps,
+    ) -> Result<(), Refused>;
+
+    /// Slows down to a standstill. On an error, a deceleration that gives no ramp, nothing changes.
+    fn stop(&mut self, deceleration: u32, ramps: Ramps) -> Result<(), Refused>;
+
+    /// The power is off, or must not move the motor any further: what is not done yet is forgotten.
+    fn cut_off(&mut self);
+
+    /// The motor stands at this position.
+    fn stand_at(&mut self, position: i64);
+
+    /// Goes to a position, from the one followed before, and is there at `end`: in a straight line, or with a velocity there, as a
+    /// distance and how long it takes.
+    fn follow(
+        &mut self,
+        end: Fine,
+        to: Position,
+        velocity: Option<(Position, Fine)>,
+    ) -> Result<(), FollowError>;
+
+    /// Reaches a velocity at `end`, evenly from the one at the end of what is followed.
+    fn follow_velocity(&mut self, end: Fine, velocity: SignedSpeed) -> Result<(), FollowError>;
+
+    /// Where what is followed ends, and its velocity there.
+    fn course_end(&self) -> Demand;
+
+    /// From where, and in which time, something is followed that is to be done at `end`: from the last set-point given, or from what is
+    /// committed if that goes beyond it.
+    fn course_to(&self, end: Fine) -> CourseEnd;
+
+    /// Whether the motor moves, and follows set-points that come in each period.
+    fn is_following(&self) -> bool;
+
+    /// Whether what is followed ends in motion, so soon that the motor would stand with no ramp within this time.
+    fn is_running_out(&self, time: Fine) -> bool;
+
+    /// Says with which acceleration, in steps/s², the next motion is to be planned, for the stops that are tried out before it.
+    fn expect_acceleration(&mut self, acceleration: u32);
+
+    /// A motion with these ramps is to be planned that is no stop, and that may take the processor long.
+    fn prepare(&mut self, ramps: Ramps, pulses: &mut dyn PulseSink);
+}
+
+/// The position that is the same modulo 2³² and next to another.
+pub(crate) const fn near(position: i64, to: i64) -> i64 {
+    let away = (position as i32).wrapping_sub(to as i32);
+    to.wrapping_add(away as i64)
+}

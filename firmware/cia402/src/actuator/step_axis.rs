@@ -1,0 +1,271 @@
+//! The step axis: demands become pulses, which are committed a little ahead of the time they are sent.
+
+mod directed;
+
+use motion::{
+    AdvanceError, Axis, AxisConfig, Demand, Direction, FollowError, Limits, Position, PulseSink,
+    Ramps, SignedSpeed, Speed, Ticks, Velocity,
+};
+
+use super::{Actuator, CourseEnd, Refused, near};
+use crate::cyclic::{Fine, Timescale};
+use crate::pulse_timing::PulseTiming;
+
+pub(crate) use directed::Directed;
+
+/// An axis, and what has become of its pulses.
+#[derive(Debug)]
+pub(crate) struct StepAxis {
+    axis: Axis,
+    built: AxisConfig,
+    /// What the driver of the motor needs.
+    timing: PulseTiming,
+    /// Where the committed pulses lead. The axis counts modulo 2³²; this goes on.
+    committed: i64,
+    at_rest: bool,
+    standstill: bool,
+    demand: Demand,
+    /// The tick of the axis' time at the start of this tick.
+    played: Ticks,
+    /// The axis' time in comparison with that of the control tick.
+    timescale: Timescale,
+    /// Pulses came too late, and nobody has asked for it yet.
+    is_late: bool,
+}
+
+impl StepAxis {
+    /// An axis that stands at position 0.
+    pub(crate) fn new(config: AxisConfig) -> Self {
+        Self {
+            axis: Axis::new(config),
+            built: config,
+            timing: PulseTiming::AsBuilt,
+            committed: 0,
+            at_rest: true,
+            standstill: true,
+            demand: Demand::default(),
+            played: 0,
+            timescale: Timescale::new(config.clock.hz()),
+            is_late: false,
+        }
+    }
+
+    /// What the driver of the motor needs. The motor has no power and stands.
+    pub(crate) fn set_timing(&mut self, timing: PulseTiming) {
+        if timing != self.timing {
+            self.timing = timing;
+            let ticks = timing.in_ticks(self.built.clock, self.built.timing);
+            self.axis.set_timing(ticks);
+        }
+    }
+
+    /// Looks at what has become of the pulses, at the start of a tick: so many ticks of them are still to be sent.
+    pub(crate) fn observe(&mut self, pending: Ticks) {
+        self.standstill = self.at_rest && pending == 0;
+        self.demand = self.demand_of(pending);
+        self.played = self.axis.played(pending);
+    }
+
+    /// The tick that has just observed runs at `now`: what is followed goes by that.
+    pub(crate) fn set_time(&mut self, now: Fine) {
+        if self.at_rest {
+            self.timescale.stop();
+        }
+        self.timescale.compare(now, self.played);
+    }
+
+    /// The orders of this regular tick have been given: what the ones before have left to be planned is.
+    pub(crate) fn plan_on(&mut self, pulses: &mut impl PulseSink) {
+        let result = self.axis.plan_on(pulses);
+        self.look_at(result);
+    }
+
+    /// Commits the pulses of the next segments.
+    pub(crate) fn advance(&mut self, pulses: &mut impl PulseSink) {
+        let result = self.axis.advance(pulses);
+        self.look_at(result);
+        self.committed = near(self.axis.committed_position(), self.committed);
+        self.at_rest = self.axis.is_at_rest();
+    }
+
+    fn look_at(&mut self, result: Result<(), AdvanceError>) {
+        self.is_late |= result == Err(AdvanceError::Underrun);
+    }
+
+    /// Whether pulses came too late since the last call, and the motor had none for a moment. All of them are sent, but it may not have
+    /// followed.
+    pub(crate) const fn take_late(&mut self) -> bool {
+        core::mem::replace(&mut self.is_late, false)
+    }
+
+    /// Whether a tick that plans may make a pause, with so few pulses left. See [`Axis::runs_short`].
+    pub(crate) fn runs_short(&self, pulses: &impl PulseSink) -> bool {
+        self.axis.runs_short(pulses.pending())
+    }
+
+    fn demand_of(&self, pending: Ticks) -> Demand {
+        let demand = self.axis.demand(pending);
+        Demand {
+            position: near(demand.position, self.committed),
+            ..demand
+        }
+    }
+
+    /// The position in the count of the axis. One that is too far away stays so.
+    fn on_axis(&self, target: i64) -> i64 {
+        let distance = target.saturating_sub(self.committed);
+        self.axis.committed_position().saturating_add(distance)
+    }
+}
+
+impl Actuator for StepAxis {
+    fn demand(&self) -> Demand {
+        self.demand
+    }
+
+    fn standstill(&self) -> bool {
+        self.standstill
+    }
+
+    fn is_at_rest(&self) -> bool {
+        self.at_rest
+    }
+
+    fn committed_position(&self) -> i64 {
+        self.committed
+    }
+
+    fn committed_velocity(&self) -> SignedSpeed {
+        self.axis.committed_velocity()
+    }
+
+    fn destination(&self) -> i64 {
+        near(self.axis.target(), self.committed)
+    }
+
+    fn heading(&self) -> Option<Direction> {
+        self.axis.heading()
+    }
+
+    fn is_ending(&self) -> bool {
+        self.axis.is_ending()
+    }
+
+    fn max_velocity(&self) -> Speed {
+        self.axis.max_velocity()
+    }
+
+    fn window(&self) -> u64 {
+        let ticks = u64::from(self.axis.window()).wrapping_mul(1_000_000);
+        let microseconds = ticks.checked_div(self.built.clock.hz().into());
+        microseconds.map_or(0, |whole| whole.saturating_add(1))
+    }
+
+    fn move_to(&mut self, target: i64, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
+        let target = self.on_axis(target);
+        self.axis.set_ramps(ramps);
+        self.axis.move_to(target, limits).map_err(|_| Refused)
+    }
+
+    fn move_through(
+        &mut self,
+        target: i64,
+        end_velocity: Speed,
+        limits: Limits,
+        ramps: Ramps,
+    ) -> Result<(), Refused> {
+        let target = self.on_axis(target);
+        self.axis.set_ramps(ramps);
+        self.axis
+            .move_through(target, end_velocity, limits)
+            .map_err(|_| Refused)
+    }
+
+    fn ramp_to(
+        &mut self,
+        velocity: SignedSpeed,
+        limits: Limits,
+        ramps: Ramps,
+    ) -> Result<(), Refused> {
+        self.axis.set_ramps(ramps);
+        self.axis.ramp_to(velocity, limits).map_err(|_| Refused)
+    }
+
+    fn stop(&mut self, deceleration: u32, ramps: Ramps) -> Result<(), Refused> {
+        self.axis.set_ramps(ramps);
+        self.axis.stop(deceleration).map_err(|_| Refused)
+    }
+
+    fn cut_off(&mut self) {
+        self.axis.abort();
+        self.at_rest = true;
+    }
+
+    fn stand_at(&mut self, position: i64) {
+        self.axis.set_position(position);
+        self.committed = position;
+        self.demand = self.demand_of(0);
+    }
+
+    fn follow(
+        &mut self,
+        end: Fine,
+        to: Position,
+        velocity: Option<(Position, Fine)>,
+    ) -> Result<(), FollowError> {
+        let tick = self.timescale.tick_at(end);
+        match velocity {
+            None => self.axis.follow(tick, to),
+            Some((distance, time)) => {
+                let ticks = self.timescale.ticks(time);
+                let velocity = Velocity::over(distance, ticks);
+                self.axis.follow_smoothly(tick, to, velocity)
+            }
+        }
+    }
+
+    fn follow_velocity(&mut self, end: Fine, velocity: SignedSpeed) -> Result<(), FollowError> {
+        let tick = self.timescale.tick_at(end);
+        self.axis.follow_velocity(tick, velocity)
+    }
+
+    fn course_end(&self) -> Demand {
+        let end = self.axis.course_end_demand();
+        Demand {
+            position: near(end.position, self.committed),
+            ..end
+        }
+    }
+
+    fn course_to(&self, end: Fine) -> CourseEnd {
+        let (tick, state) = self.axis.course_end();
+        let left = self.timescale.tick_at(end).wrapping_sub(tick);
+        let left = u32::try_from(left.cast_signed().max(0)).unwrap_or(u32::MAX);
+        CourseEnd {
+            left: self.timescale.span(left),
+            position: state.position,
+            distance: state.velocity.way(left),
+        }
+    }
+
+    fn is_following(&self) -> bool {
+        !self.at_rest && self.axis.is_following()
+    }
+
+    fn is_running_out(&self, time: Fine) -> bool {
+        let ticks = self.timescale.ticks(time);
+        self.axis.is_running_out(ticks.into())
+    }
+
+    fn expect_acceleration(&mut self, acceleration: u32) {
+        self.axis.expect_acceleration(acceleration);
+    }
+
+    fn prepare(&mut self, ramps: Ramps, mut pulses: &mut dyn PulseSink) {
+        if !self.at_rest {
+            let result = self.axis.prepare(ramps, &mut pulses);
+            self.look_at(result);
+            self.committed = near(self.axis.committed_position(), self.committed);
+        }
+    }
+}
