@@ -1,10 +1,19 @@
-//! The device that is fuzzed.
+//! What is fuzzed.
 //!
-//! The device under watch is the one of the random tests (`tests/src/watched/mod.rs`): its invariants, not only panics, end a run.
+//! It is what the random tests play with (`tests/src/watched/mod.rs`, `tests/src/any_drive.rs`, `firmware/motion/tests/anything`): what these
+//! hold for a broken rule, not only a panic, ends a run.
 #![forbid(unsafe_code)]
 
+#[path = "../../tests/src/any_drive.rs"]
+pub mod any_drive;
+#[path = "../../firmware/motion/tests/anything/axis.rs"]
+pub mod axis;
+#[path = "../../firmware/motion/tests/anything/bytes.rs"]
+pub mod bytes;
 #[path = "../../tests/src/firmware.rs"]
 pub mod firmware;
+#[path = "../../firmware/motion/tests/anything/plan.rs"]
+pub mod plan;
 #[path = "../../tests/src/watched/mod.rs"]
 pub mod watched;
 

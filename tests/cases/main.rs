@@ -2,6 +2,7 @@
 //!
 //! One module per service; the name of a listed case begins with its id.
 
+mod any_drive;
 mod bouncing_switches;
 mod brake;
 mod can_layer;

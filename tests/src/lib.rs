@@ -11,6 +11,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod any_drive;
 mod block_transfer;
 mod crc;
 pub mod drive;

@@ -34,7 +34,7 @@ const INPUTS: u32 = 30_000;
 /// How long and what to fuzz.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Fuzz only these targets (data_sheet, node, sdo, lss)
+    /// Fuzz only these targets (axis, data_sheet, drive, lss, node, plan, sdo)
     targets: Vec<String>,
 
     /// Fuzz each target for so many seconds

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use std::{env, fs, io};
 
 use canopen::Duration;
+use tests::any_drive;
 use tests::notation::frame;
 use tests::watched::{Step, encode};
 
@@ -38,6 +39,11 @@ fn write(folder: &Path) -> io::Result<()> {
             "lss",
             lss_requests,
             include_str!("../../../fuzz/cases/lss.txt"),
+        ),
+        (
+            "drive",
+            drive,
+            include_str!("../../../fuzz/cases/drive.txt"),
         ),
     ] {
         let folder = folder.join(target);
@@ -83,6 +89,15 @@ fn lss_requests(lines: &[&str]) -> Vec<u8> {
     let mut bytes = vec![0];
     bytes.extend(records(lines, 20));
     bytes
+}
+
+/// The bytes for the whole drive, which is stopped by a reset alone.
+fn drive(lines: &[&str]) -> Vec<u8> {
+    let step = |line: &&str| match milliseconds(line) {
+        Some(span) => Err(Duration::millis(span)),
+        None => Ok(frame(line)),
+    };
+    any_drive::encode(1, lines.iter().map(step))
 }
 
 /// A byte with the pause before in units of so many milliseconds, then the eight of the request.

@@ -1,0 +1,135 @@
+//! Plans to any goal, from any state, again and again on the way: no panic, no jump, limits kept, and an end where it was asked for.
+
+use motion::{Clock, Goal, Limits, Plan, Position, Ramps, State, Ticks, Velocity};
+
+use crate::bytes::Bytes;
+
+/// Orders of a sequence at most.
+const ORDERS: usize = 12;
+
+/// A position that is rounded anew may differ by so much of a step, × 2⁻³².
+const ROUNDED: u64 = 1 << 16;
+
+/// The fastest there is: half a step in a tick, × 2⁵⁶.
+const FASTEST: u64 = 1 << 55;
+
+/// Plays the orders that these bytes say.
+///
+/// # Panics
+/// If a plan breaks a rule.
+pub fn check(bytes: &[u8]) {
+    let mut bytes = Bytes::new(bytes);
+    let hz = [84_000_000, 168_000_000, 1_000_000_000, 1_000_000][usize::from(bytes.byte() % 4)];
+    let clock = Clock::new(hz).expect("a clock that motion can use");
+    let from = State {
+        position: Position::from_bits(bytes.number(64) as i64),
+        velocity: Velocity::from_bits(bytes.signed(55)),
+    };
+    let mut at = bytes.number(48);
+    let mut plan: Option<Plan> = None;
+    for _ in 0..ORDERS {
+        if bytes.is_empty() {
+            break;
+        }
+        let (goal, limits, ramps) = (bytes.goal(), bytes.limits(), bytes.ramps());
+        let before = plan.map_or(from, |plan| plan.state_at(at));
+        let next = match plan {
+            None => Plan::new(clock, at, from, goal, limits, ramps),
+            Some(mut plan) => plan.redirect(clock, at, goal, limits, ramps).map(|()| plan),
+        };
+        let Ok(next) = next else {
+            continue;
+        };
+        let now = next.state_at(at);
+        let jump = now.position.bits().wrapping_sub(before.position.bits());
+        assert!(jump.unsigned_abs() < ROUNDED, "{goal:?}: jumps by {jump}");
+        ends(&next, goal);
+        let limit = Velocity::from_speed(clock, limits.velocity.signed(false));
+        let is_linear = matches!(ramps, Ramps::Linear | Ramps::MovingAverage(_));
+        let top = match is_linear {
+            true => {
+                before
+                    .velocity
+                    .bits()
+                    .abs()
+                    .max(limit.bits())
+                    .unsigned_abs()
+                    + 2
+            }
+            false => FASTEST,
+        };
+        let ticks = all_over(&next, at, clock);
+        for t in &ticks {
+            let velocity = next.state_at(*t).velocity.bits().unsigned_abs();
+            assert!(velocity <= top, "{velocity} of {top} at {t}");
+        }
+        if is_linear {
+            holds_acceleration(&next, &ticks, clock, limits);
+        }
+        at += match bytes.byte() % 4 {
+            0 => 0,
+            1 => bytes.number(40),
+            _ => part_of(last(&next, at, clock) - at, bytes.word()),
+        };
+        plan = Some(next);
+    }
+}
+
+/// It comes to where it was asked for, and stays there.
+fn ends(plan: &Plan, goal: Goal) {
+    let last = plan.state_at(Ticks::MAX);
+    match goal {
+        Goal::Rest(target) => {
+            let there = State {
+                position: Position::from_steps(target),
+                velocity: Velocity::ZERO,
+            };
+            let end = plan.end().expect("a move ends");
+            assert_eq!((plan.state_at(end), last), (there, there), "{goal:?}");
+        }
+        Goal::Velocity(velocity) if velocity.bits() == 0 => {
+            assert!(plan.end().is_some(), "a stop ends");
+            assert_eq!(last.velocity, Velocity::ZERO);
+        }
+        Goal::Pass(..) | Goal::Velocity(_) => {}
+    }
+}
+
+/// The velocity changes by no more than the limits allow.
+fn holds_acceleration(plan: &Plan, ticks: &[Ticks], clock: Clock, limits: Limits) {
+    let hardest = limits.acceleration.max(limits.deceleration);
+    let rate = f64::from(clock.hz());
+    for pair in ticks.windows(2) {
+        let [v, w] = [pair[0], pair[1]].map(|t| plan.state_at(t).velocity.bits());
+        let most = f64::from(hardest) / rate / rate * (pair[1] - pair[0]) as f64;
+        let most = most * 2_f64.powi(56) * (1.0 + 1e-9) + 4.0;
+        let change = w.abs_diff(v) as f64;
+        assert!(change <= most, "{change} of {most} at {pair:?}");
+    }
+}
+
+/// The end of a plan, or a second behind its last corner.
+fn last(plan: &Plan, at: Ticks, clock: Clock) -> Ticks {
+    let corner = plan.phases().last().map_or(at, |phase| phase.start());
+    let last = plan
+        .end()
+        .unwrap_or(corner.saturating_add(clock.hz().into()));
+    last.max(at)
+}
+
+/// Ticks all over a plan, its corners among them.
+fn all_over(plan: &Plan, at: Ticks, clock: Clock) -> Vec<Ticks> {
+    let length = last(plan, at, clock) - at;
+    let even = (0..=32).map(|n| at + part_of(length, n << 11));
+    let corners = plan.phases().flat_map(|phase| {
+        let corner = phase.start();
+        [corner.saturating_sub(1), corner, corner.saturating_add(1)]
+    });
+    let mut ticks: Vec<_> = even.chain(corners.filter(|t| *t >= at)).collect();
+    ticks.sort_unstable();
+    ticks
+}
+
+fn part_of(length: Ticks, part: u16) -> Ticks {
+    ((u128::from(length) * u128::from(part)) >> 16) as Ticks
+}
