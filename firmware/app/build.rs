@@ -22,6 +22,10 @@ fn main() {
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rerun-if-changed={MEMORY}");
     println!("cargo:rerun-if-changed=build.rs");
+    if env::var_os("CARGO_FEATURE_RTT").is_none() {
+        // Nobody would read them.
+        println!("cargo:rustc-env=DEFMT_LOG=off");
+    }
 
     // The drive, and the device of the benchmarks.
     println!("cargo:rerun-if-env-changed={CHOICE}");

@@ -20,6 +20,11 @@ use crate::machine::Room;
 use motion::PulseSink;
 use runtime::{Controller, Inbox, Lights};
 
+#[cfg(feature = "rtt")]
+use defmt_rtt as _;
+
+#[cfg(not(feature = "rtt"))]
+mod no_log;
 #[cfg(feature = "qemu")]
 mod qemu;
 mod scope_memory;

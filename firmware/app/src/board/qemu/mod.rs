@@ -157,18 +157,3 @@ fn end() -> ! {
         debug::exit(debug::EXIT_FAILURE);
     }
 }
-
-/// Logs go nowhere: the emulator's standard output belongs to its own messages, which would corrupt the stream.
-#[defmt::global_logger]
-struct NoLogger;
-
-// SAFETY: nothing is acquired and nothing written, so there is nothing to protect.
-unsafe impl defmt::Logger for NoLogger {
-    fn acquire() {}
-
-    unsafe fn flush() {}
-
-    unsafe fn release() {}
-
-    unsafe fn write(_bytes: &[u8]) {}
-}

@@ -33,7 +33,6 @@ mod switches;
 
 use canopen::cia301::serial_number::fold;
 use cortex_m_rt::{exception, ExceptionFrame};
-use defmt_rtt as _;
 use stm32f4xx_hal::gpio::{Output, Pull, Speed, PC12, PC6, PC7};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
