@@ -16,11 +16,18 @@ use crate::{place, process};
 /// Cortex-M4F, hardware floating-point calling convention.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// The profile of Cargo.toml that the firmware is built with.
+pub const PROFILE: &str = "firmware";
+
 /// What can be built from `firmware/app`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Image {
     /// The drive on the STM32F405 board.
     Board,
+    /// The same without logs: what is measured.
+    Whole,
+    /// The smallest drive that is still a good one (`eds/compact.eds`), without logs.
+    Compact,
     /// The drive on QEMU's machine.
     Qemu,
     /// The benchmarks, on QEMU's machine.
@@ -31,30 +38,22 @@ pub enum Image {
     NoPanic,
 }
 
-/// What the compiler optimises for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Optimised {
-    /// `opt-level = 3`, as the firmware is built.
-    ForSpeed,
-    /// `opt-level = "s"`.
-    ForSize,
-}
-
 impl Image {
     /// The name of the binary in `firmware/app`.
     fn binary(self) -> &'static str {
         match self {
-            Self::Board | Self::Qemu => "app",
+            Self::Board | Self::Whole | Self::Compact | Self::Qemu => "app",
             Self::Bench => "bench",
             Self::BasicDevice => "basic-device",
             Self::NoPanic => "no-panic",
         }
     }
 
-    /// The features that choose the board.
+    /// The features that choose the board, and whether there are logs.
     fn features(self) -> &'static [&'static str] {
         match self {
             Self::Board | Self::BasicDevice | Self::NoPanic => &[],
+            Self::Whole | Self::Compact => &["--no-default-features", "--features", "stm32f405"],
             Self::Qemu | Self::Bench => &["--no-default-features", "--features", "qemu"],
         }
     }
@@ -67,7 +66,8 @@ impl Image {
         let mut command = place::cargo();
         command.args([
             "build",
-            "--release",
+            "--profile",
+            PROFILE,
             "--package",
             "app",
             "--bin",
@@ -76,14 +76,19 @@ impl Image {
             TARGET,
         ]);
         command.args(self.features());
+        if self == Self::Compact {
+            command.env("AXIS402_EDS", "eds/compact.eds");
+        }
         command.arg("--config").arg(neutral_paths()?);
         Ok(command)
     }
 
-    /// Where [`Image::keep`] puts the ELF file. Both boards are built as `app`, so each gets a name of its own.
+    /// Where [`Image::keep`] puts the ELF file. Several are built as `app`, so each gets a name of its own.
     pub fn path(self) -> PathBuf {
         let name = match self {
             Self::Board => "axis402-stm32f405.elf",
+            Self::Whole => "axis402-without-logs.elf",
+            Self::Compact => "axis402-compact.elf",
             Self::Qemu => "axis402-qemu.elf",
             Self::Bench => "bench.elf",
             Self::BasicDevice => "basic-device.elf",
@@ -94,13 +99,10 @@ impl Image {
 
     /// Copies what cargo built to [`Image::path`], in one step, so that no emulator ever loads half a file.
     pub fn keep(self) -> Result<PathBuf> {
-        self.keep_at(self.path())
-    }
-
-    fn keep_at(self, kept: PathBuf) -> Result<PathBuf> {
+        let kept = self.path();
         let built = place::target()
             .join(TARGET)
-            .join("release")
+            .join(PROFILE)
             .join(self.binary());
         replace(&built, &kept)
             .with_context(|| format!("copying {} to {}", built.display(), kept.display()))?;
@@ -109,22 +111,11 @@ impl Image {
 
     /// Builds the image (cargo's words go to the standard error) and gives its ELF file.
     pub fn build(self) -> Result<PathBuf> {
-        self.build_as(Optimised::ForSpeed)
-    }
-
-    /// The same, optimised in this way.
-    pub fn build_as(self, optimised: Optimised) -> Result<PathBuf> {
         let mut command = self.build_command()?;
-        if optimised == Optimised::ForSize {
-            command.args(["--config", "profile.release.opt-level=\"s\""]);
-        }
         if !process::run(&mut command)?.success() {
             bail!("the firmware does not build: `{}`", process::line(&command));
         }
-        self.keep_at(match optimised {
-            Optimised::ForSpeed => self.path(),
-            Optimised::ForSize => self.path().with_extension("small.elf"),
-        })
+        self.keep()
     }
 }
 

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `test`  | installs what is missing and runs every test, the firmware in the emulator included |
 //! | `qemu`  | builds the firmware and runs it in QEMU, its CAN bus served as SLCAN on TCP |
-//! | `size`  | flash and RAM of the firmware by crate |
+//! | `size`  | flash and RAM of the firmware by crate, its stack, the length of the sources |
 //! | `bench` | instruction counts in the emulator, and how exact the pulses are, compared with the committed tables |
 //! | `soak`  | a thousand million step pulses through planner, train and a model of the timers: none too many, none too few |
 //! | `fuzz`  | random inputs for the node, the SDO server, the LSS slave and od-gen, as long as you like |
@@ -15,6 +15,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod bench;
+mod budget;
 mod emulator;
 mod firmware;
 mod fuzz;
@@ -50,7 +51,7 @@ enum Task {
     Test(suite::Arguments),
     /// Build the firmware and run it in QEMU until stopped; `ready` is printed once it can be reached
     Qemu(qemu::Arguments),
-    /// Print flash and RAM of the firmware by crate
+    /// Print flash and RAM of the firmware by crate, its stack and the length of the sources
     Size,
     /// Count instructions in the emulator, measure pulses, and compare them with docs/benchmarks.md
     Bench(bench::Arguments),

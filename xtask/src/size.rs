@@ -13,9 +13,9 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, anyhow};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind, SymbolKind, elf};
 
-use crate::firmware::{Image, Optimised};
-use crate::setup;
+use crate::firmware::Image;
 use crate::words::say;
+use crate::{budget, setup};
 
 /// The row of what belongs to no crate by name.
 const UNNAMED: &str = "(constants without a name, padding)";
@@ -39,27 +39,47 @@ pub struct Sizes {
     pub crates: Vec<(String, Size)>,
     /// The sections of the image.
     pub total: Size,
+    /// How much of one function each crate has written, at most.
+    functions: BTreeMap<String, u64>,
+}
+
+impl Sizes {
+    /// Flash that a crate takes.
+    pub fn flash_of(&self, wanted: &str) -> u64 {
+        let mut crates = self.crates.iter();
+        crates
+            .find(|(name, _)| name == wanted)
+            .map_or(0, |(_, size)| size.flash)
+    }
+
+    /// The largest function of a crate: of what the compiler has made one of, the bytes that this crate has written.
+    pub fn largest_function_of(&self, wanted: &str) -> u64 {
+        self.functions.get(wanted).copied().unwrap_or_default()
+    }
 }
 
 /// Runs the command.
 pub fn run() -> Result<ExitCode> {
-    let sizes = of(Image::Board, Optimised::ForSpeed)?;
+    let sizes = of(Image::Whole)?;
     say!("{:<36} {:>8} {:>8}", "crate", "flash", "RAM")?;
     for (name, size) in &sizes.crates {
         say!("{name:<36} {:>8} {:>8}", size.flash, size.ram)?;
     }
     let Size { flash, ram } = sizes.total;
     say!("{:<36} {flash:>8} {ram:>8}", "total")?;
+    for (name, figure) in budget::figures(&sizes)? {
+        say!("{name:<36} {figure:>8}")?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Builds an image, optimised in this way, and measures it.
+/// Builds an image and measures it.
 ///
 /// # Errors
 /// When it does not build.
-pub fn of(image: Image, optimised: Optimised) -> Result<Sizes> {
+pub fn of(image: Image) -> Result<Sizes> {
     setup::rust_target()?;
-    measure(&image.build_as(optimised)?)
+    measure(&image.build()?)
 }
 
 /// Measures an ELF file.
@@ -77,6 +97,7 @@ pub fn measure(image: &Path) -> Result<Sizes> {
 
     let mut total = Size::default();
     let mut crates: BTreeMap<String, Size> = BTreeMap::new();
+    let mut functions: BTreeMap<(&str, String), u64> = BTreeMap::new();
     for section in file.sections() {
         let Some(place) = Place::of(section.flags(), section.kind()) else {
             continue;
@@ -93,8 +114,9 @@ pub fn measure(image: &Path) -> Result<Sizes> {
             let (owner, next) = match names.at(address) {
                 Some((name, next)) if section.kind() != SectionKind::Text => (crate_of(name), next),
                 Some((name, _)) => {
-                    let written_in = author(&debug, address);
-                    (written_in.unwrap_or_else(|| crate_of(name)), address + 2)
+                    let owner = author(&debug, address).unwrap_or_else(|| crate_of(name));
+                    *functions.entry((name, owner.clone())).or_default() += 2;
+                    (owner, address + 2)
                 }
                 None => (UNNAMED.to_owned(), names.after(address)),
             };
@@ -106,7 +128,16 @@ pub fn measure(image: &Path) -> Result<Sizes> {
 
     let mut crates: Vec<_> = crates.into_iter().collect();
     crates.sort_by_key(|(_, size)| std::cmp::Reverse((size.flash, size.ram)));
-    Ok(Sizes { crates, total })
+    let mut largest: BTreeMap<String, u64> = BTreeMap::new();
+    for ((_, owner), bytes) in functions {
+        let most = largest.entry(owner).or_default();
+        *most = bytes.max(*most);
+    }
+    Ok(Sizes {
+        crates,
+        total,
+        functions: largest,
+    })
 }
 
 /// The functions and variables of an image by address.

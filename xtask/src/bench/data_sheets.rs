@@ -11,7 +11,7 @@ use object::{Object, ObjectSection, SectionKind};
 use od_gen::Figures;
 
 use super::table::{Row, Table};
-use crate::firmware::TARGET;
+use crate::firmware::{PROFILE, TARGET};
 use crate::place;
 
 /// Flash and RAM of the dictionary of each data sheet in `eds/`.
@@ -54,15 +54,16 @@ pub fn hooks() -> Result<Table> {
         build.args([
             "rustc",
             "--quiet",
-            "--release",
+            "--profile",
+            PROFILE,
             "-p",
             "dictionaries",
             "--lib",
         ]);
         build.args(["--target", TARGET]).args(feature);
         // Machine code of this one crate, which holds all that is generic in its application.
-        build.env("CARGO_PROFILE_RELEASE_LTO", "off");
-        build.env("CARGO_PROFILE_RELEASE_DEBUG", "0");
+        build.env("CARGO_PROFILE_FIRMWARE_LTO", "off");
+        build.env("CARGO_PROFILE_FIRMWARE_DEBUG", "0");
         let folder = tempfile::tempdir().context("making a folder")?;
         let file = folder.path().join("device.o");
         let emit = format!("--emit=obj={}", file.display());

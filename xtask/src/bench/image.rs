@@ -7,47 +7,23 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 
 use super::table::{Row, Table};
-use crate::firmware::{Image, Optimised};
+use crate::firmware::Image;
 use crate::words::tell;
 use crate::{emulator, process, setup};
 
 /// The emulator needs a second or two; what takes longer hangs.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// Builds the benchmarks for speed and for size and runs them in the emulator. Each row gets both counts.
+/// Builds the benchmarks as the firmware is built, and runs them in the emulator.
 pub fn count() -> Result<Vec<Table>> {
     let qemu = setup::emulator()?;
     setup::rust_target()?;
-    let fast = run(&qemu, &Image::Bench.build_as(Optimised::ForSpeed)?)?;
-    let small = run(&qemu, &Image::Bench.build_as(Optimised::ForSize)?)?;
-    join(fast, small)
-}
-
-/// The rows of both runs side by side. A row with several counts has those of the build for speed alone.
-fn join(mut fast: Vec<Table>, small: Vec<Table>) -> Result<Vec<Table>> {
+    let tables = run(&qemu, &Image::Bench.build()?)?;
     ensure!(
-        fast.iter().any(|table| !table.rows.is_empty()),
+        tables.iter().any(|table| !table.rows.is_empty()),
         "the benchmarks printed no row"
     );
-    let names = |tables: &[Table]| -> Vec<(String, String)> {
-        let rows = tables
-            .iter()
-            .flat_map(|table| table.rows.iter().map(move |row| (table, row)));
-        rows.map(|(table, row)| (table.heading.clone(), row.name.clone()))
-            .collect()
-    };
-    ensure!(
-        names(&fast) == names(&small),
-        "the two builds printed different rows"
-    );
-    let twins = small.into_iter().flat_map(|table| table.rows);
-    let rows = fast.iter_mut().flat_map(|table| &mut table.rows);
-    for (row, twin) in rows.zip(twins) {
-        if row.figures.len() == 1 {
-            row.figures.extend(twin.figures);
-        }
-    }
-    Ok(fast)
+    Ok(tables)
 }
 
 fn run(qemu: &Path, image: &Path) -> Result<Vec<Table>> {
@@ -131,18 +107,5 @@ mod tests {
         assert!(!take("name\tnumber", &mut tables));
         assert!(!take("name\t1\t", &mut tables));
         assert!(!take("no table yet\t1", &mut Vec::new()));
-    }
-
-    #[test]
-    fn both_builds_stand_side_by_side() {
-        let fast = tables(&["# One", "a\t1", "# Two", "b\t2"]);
-        let small = tables(&["# One", "a\t10", "# Two", "b\t20"]);
-        let joined = join(fast, small.clone()).unwrap();
-        assert_eq!(joined[0].rows, [Row::new("a", &[1, 10])]);
-        assert_eq!(joined[1].rows, [Row::new("b", &[2, 20])]);
-        let several = tables(&["# One", "a\t1\t2"]);
-        assert_eq!(join(several.clone(), several.clone()).unwrap(), several);
-        assert!(join(tables(&["# One", "b\t1"]), small).is_err());
-        assert!(join(Vec::new(), Vec::new()).is_err());
     }
 }

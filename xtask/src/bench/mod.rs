@@ -2,7 +2,7 @@
 //!
 //! The benchmarks are a firmware image of their own. In the emulator one nanosecond of virtual time is one instruction,
 //! so a count is exact and the same on every PC. The image checks every answer for its content and prints its tables:
-//! `# heading`, then one row per workload, `name<TAB>count`. It runs twice, built for speed and for size. How exact the pulses are is
+//! `# heading`, then one row per workload, `name<TAB>count`. It is built as the firmware is. How exact the pulses are is
 //! measured on the host, on a model of the timers. The figures are compared with the committed ones of `docs/benchmarks.md`.
 
 mod data_sheets;
@@ -15,10 +15,10 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 
-use crate::firmware::{Image, Optimised};
-use crate::place;
-use crate::size;
+use crate::firmware::Image;
+use crate::size::{Size, Sizes};
 use crate::words::say;
+use crate::{budget, place, size};
 use table::{Row, Table};
 
 /// The committed figures.
@@ -46,7 +46,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mut tables = image::count()?;
     tables.extend(exactness::measure()?);
     tables.push(basic_device()?);
-    tables.push(sizes()?);
+    let whole = size::of(Image::Whole)?;
+    tables.push(sizes(&whole));
+    tables.push(budget(&whole)?);
     tables.push(data_sheets::dictionaries()?);
     tables.push(data_sheets::hooks()?);
     tables.push(data_sheets::generator()?);
@@ -85,61 +87,52 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What the core takes in a device with what other open stacks have by default, built for speed and for size.
+/// What the core takes in a device with what other open stacks have by default.
 fn basic_device() -> Result<Table> {
-    let flash = |optimised| {
-        let sizes = size::of(Image::BasicDevice, optimised)?;
-        let named = |wanted: &str| sizes.crates.iter().find(|(name, _)| name == wanted);
-        let core = named("canopen").map_or(0, |(_, size)| size.flash);
-        anyhow::Ok((core, sizes.total.flash))
-    };
-    let (fast, small) = (flash(Optimised::ForSpeed)?, flash(Optimised::ForSize)?);
+    let sizes = size::of(Image::BasicDevice)?;
     Ok(Table {
         heading: "Flash of a basic device".to_owned(),
         rows: vec![
             Row::new(
                 "canopen, with what CANopenNode has by default",
-                &[fast.0, small.0],
+                &[sizes.flash_of("canopen")],
             ),
-            Row::new("the whole image, dictionary included", &[fast.1, small.1]),
+            Row::new("the whole image, dictionary included", &[sizes.total.flash]),
         ],
         slack: SLACK,
     })
 }
 
-/// The sizes of the board's image: the crates worth a row, the others in one, and the total. Flash and RAM built for speed,
-/// then flash built for size.
-fn sizes() -> Result<Table> {
-    let fast = size::of(Image::Board, Optimised::ForSpeed)?;
-    let small = size::of(Image::Board, Optimised::ForSize)?;
+/// The sizes of the board's image: the crates worth a row, the others in one, and the total.
+fn sizes(whole: &Sizes) -> Table {
     let mut rows: Vec<Row> = Vec::new();
-    let mut others = [0; 3];
-    let is_large = |size: &size::Size| size.flash + size.ram >= SMALL;
-    for (name, size) in &fast.crates {
-        let twin = small.crates.iter().find(|(twin, _)| twin == name);
-        let figures = [size.flash, size.ram, twin.map_or(0, |(_, twin)| twin.flash)];
-        if is_large(size) {
-            rows.push(Row::new(name, &figures));
+    let mut others = [0; 2];
+    for (name, Size { flash, ram }) in &whole.crates {
+        if flash + ram >= SMALL {
+            rows.push(Row::new(name, &[*flash, *ram]));
         } else {
-            for (sum, figure) in others.iter_mut().zip(figures) {
-                *sum += figure;
-            }
+            others[0] += flash;
+            others[1] += ram;
         }
     }
-    // What is left of a crate only where it was built for size.
-    let listed = |name: &String| fast.crates.iter().any(|(listed, _)| listed == name);
-    others[2] += small
-        .crates
-        .iter()
-        .filter(|(name, _)| !listed(name))
-        .map(|(_, size)| size.flash)
-        .sum::<u64>();
     rows.push(Row::new("others", &others));
-    let total = [fast.total.flash, fast.total.ram, small.total.flash];
-    rows.push(Row::new("total", &total));
-    Ok(Table {
+    rows.push(Row::new("total", &[whole.total.flash, whole.total.ram]));
+    Table {
         heading: "Flash and RAM".to_owned(),
         rows,
+        slack: SLACK,
+    }
+}
+
+/// What the drive may weigh.
+fn budget(whole: &Sizes) -> Result<Table> {
+    let figures = budget::figures(whole)?;
+    Ok(Table {
+        heading: "Budget".to_owned(),
+        rows: figures
+            .iter()
+            .map(|(name, figure)| Row::new(name, &[*figure]))
+            .collect(),
         slack: SLACK,
     })
 }

@@ -35,9 +35,8 @@ impl Row {
     }
 }
 
-/// The columns with the figure that we aim at, and which column is held against it: the first figure, or the last.
+/// The column with the figure that we aim at; the first figure is held against it.
 const GOAL: &str = "goal";
-const GOAL_FOR_SIZE: &str = "goal for size";
 
 /// What stands before a goal that a figure is not to be below.
 const AT_LEAST: &str = "at least ";
@@ -97,14 +96,11 @@ pub fn write(document: &str, table: &Table) -> Result<String> {
 /// is not to be below.
 fn tell_missed(titles: &[&str], cells: &mut [String]) {
     let column = |title| titles.iter().position(|other| *other == title);
-    let goal = column(GOAL).map(|goal| (1, goal));
-    // The figures stand before the goal.
-    let goal = goal.or_else(|| column(GOAL_FOR_SIZE).map(|goal| (goal.saturating_sub(1), goal)));
-    let (Some((held, goal)), Some(missed)) = (goal, column(MISSED)) else {
+    let (Some(goal), Some(missed)) = (column(GOAL), column(MISSED)) else {
         return;
     };
     let cell = |column: usize| cells.get(column).map_or("", String::as_str);
-    let (figure, goal) = (cell(held), cell(goal));
+    let (figure, goal) = (cell(1), cell(goal));
     let least = goal.strip_prefix(AT_LEAST);
     let text = match (figure.parse::<u64>(), least.unwrap_or(goal).parse::<u64>()) {
         (Ok(now), Ok(goal)) if least.is_some() && now < goal => {
@@ -267,22 +263,6 @@ The end.
                 "| fast | 100 | at least 100 |  |",
                 "| slow | 60 | at least 100 | 40 % |"
             ]
-        );
-    }
-
-    #[test]
-    fn a_goal_for_size_is_held_against_the_figure_before_it() {
-        let document = "\
-## Goals
-| crate | flash | for size | goal for size | missed by |
-|---|---|---|---|---|
-| canopen | 1 | 1 | 20 |  |
-";
-        let rows = [Row::new("canopen", &[90, 30])];
-        let new = write(document, &table("Goals", &rows)).unwrap();
-        assert_eq!(
-            new.lines().nth(3),
-            Some("| canopen | 90 | 30 | 20 | 50 % |")
         );
     }
 

@@ -8,7 +8,7 @@ use anyhow::Result;
 use clap::ValueEnum;
 
 use super::count::Count;
-use crate::firmware::{Image, TARGET};
+use crate::firmware::{Image, PROFILE, TARGET};
 use crate::socketcan::{self, Socketcan};
 use crate::words::{one_line, say};
 use crate::{fuzz, place, process, setup};
@@ -227,7 +227,7 @@ fn lints() -> [Command; 3] {
     };
     // In the profile in which the images are built: the generator and the macros are then built once for both.
     let app = || {
-        let mut command = cargo(&["clippy", "--release", "--package", "app", "--bins"]);
+        let mut command = cargo(&["clippy", "--profile", PROFILE, "--package", "app", "--bins"]);
         command.args(["--target", TARGET]);
         command
     };
@@ -246,7 +246,7 @@ fn documentation() -> [Command; 1] {
 /// Builds every image of the drive, and the dictionaries of the other data sheets; each is one check. The first image links only
 /// if no panic path is left in the core.
 fn images() -> Result<Count> {
-    let mut dictionaries = cargo(&["build", "--release", "--package", "dictionaries"]);
+    let mut dictionaries = cargo(&["build", "--profile", PROFILE, "--package", "dictionaries"]);
     dictionaries.args(["--target", TARGET]);
     let mut sum = checks([dictionaries])?;
     for image in [Image::NoPanic, Image::Board, Image::Qemu] {

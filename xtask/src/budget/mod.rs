@@ -1,0 +1,66 @@
+//! What the drive may weigh: flash, RAM with the stack, the largest function, the length of the sources.
+//!
+//! `cargo xtask size` prints these figures behind those of each crate, and docs/benchmarks.md holds them beside their goals.
+
+mod lines;
+mod stack;
+
+use anyhow::{Context, Result};
+
+use crate::firmware::Image;
+use crate::place;
+use crate::size::{self, Sizes};
+
+/// A file has no more lines than this.
+const LONGEST_FILE: usize = 500;
+
+/// Names and figures, in the order of the table.
+///
+/// # Errors
+/// When an image does not build, or its stack has no bound.
+pub fn figures(whole: &Sizes) -> Result<Vec<(String, u64)>> {
+    let mut rows = Vec::new();
+    let mut row = |name: String, figure| rows.push((name, figure));
+    row("whole drive, flash".to_owned(), whole.total.flash);
+    let stack = stack_of(Image::Whole)?;
+    row(
+        "whole drive, RAM with the stack".to_owned(),
+        whole.total.ram + stack.start.max(stack.tasks),
+    );
+    row("whole drive, stack at the start".to_owned(), stack.start);
+    row("whole drive, stack of the tasks".to_owned(), stack.tasks);
+    for name in ["motion", "cia402"] {
+        row(format!("{name} in it, flash"), whole.flash_of(name));
+    }
+    row(
+        "cia402: its largest function".to_owned(),
+        whole.largest_function_of("cia402"),
+    );
+    if place::root().join("eds/compact.eds").is_file() {
+        let compact = size::of(Image::Compact)?;
+        row("compact, flash".to_owned(), compact.total.flash);
+        let stack = stack_of(Image::Compact)?;
+        row(
+            "compact, RAM with the stack".to_owned(),
+            compact.total.ram + stack.start.max(stack.tasks),
+        );
+    }
+    for name in ["motion", "cia402"] {
+        let folder = format!("firmware/{name}");
+        row(
+            format!("{name}: lines without tests"),
+            lines::without_tests(&folder)?,
+        );
+    }
+    let long = lines::files_above(LONGEST_FILE)?;
+    row(
+        format!("files above {LONGEST_FILE} lines"),
+        long.len() as u64,
+    );
+    Ok(rows)
+}
+
+fn stack_of(image: Image) -> Result<stack::Depth> {
+    let file = image.path();
+    stack::worst_case(&file).with_context(|| format!("the stack of {}", file.display()))
+}
