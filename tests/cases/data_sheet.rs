@@ -40,8 +40,6 @@ fn o01_every_object_has_the_type_access_and_default_of_the_data_sheet() {
             match entry.access() {
                 Access::WriteOnly => assert_eq!(read, Err(0x0601_0001)),
                 _ if object.index == 0x1003 && sheet.sub > 0 => assert_eq!(read, Err(0x0800_0024)),
-                // There is no recording yet.
-                _ if object.index == 0x20D3 => assert_eq!(read, Err(0x0800_0022)),
                 // What the drive itself changes from the first tick on, what it measures, and its node-ID and bit rate.
                 _ if matches!(object.index, 0x6041 | 0x6061 | 0x6079)
                     || matches!((object.index, sheet.sub), (0x2050, 7) | (0x2074, 1))

@@ -113,6 +113,17 @@ fn p10_dummy_entries_skip_bytes() {
 }
 
 #[test]
+fn p10_only_dummies_that_the_data_sheet_lists_are_taken() {
+    let mut bench = Bench::node(4);
+    open_rpdo_1(&mut bench);
+    // REAL32, UNSIGNED64 and BOOLEAN are not in DummyUsage.
+    for entry in ["20 00 08 00", "40 00 1B 00", "01 00 01 00"] {
+        bench.refused(&format!("604: 23 00 16 01 {entry}"), 0x0604_0041);
+    }
+    bench.write_u32(0x1600, 1, 0x0007_0020);
+}
+
+#[test]
 fn p11_a_tpdo_has_no_dummy_entries() {
     let mut bench = Bench::node(4);
     open_tpdo_1(&mut bench);
@@ -145,7 +156,10 @@ fn p15_a_29_bit_identifier_is_refused() {
 
 #[test]
 fn p16_the_inhibit_time_of_a_valid_pdo_does_not_change() {
-    Bench::node(4).refused("604: 2B 00 18 03 64 00", 0x0609_0030);
+    let mut bench = Bench::node(4);
+    bench.refused("604: 2B 00 18 03 64 00", 0x0609_0030);
+    let present = bench.read_u16(0x1800, 3);
+    bench.write_u16(0x1800, 3, present);
 }
 
 #[test]
@@ -244,7 +258,7 @@ fn p27_type_0_needs_an_event_and_a_sync() {
     tpdo_1(&mut bench, 0, 0, 0);
     bench.start();
     bench.send("080 [0]");
-    bench.drain(10);
+    bench.expect("184: 00");
     bench.send("080 [0]");
     bench.silence(10);
     bench.change(|dictionary| dictionary.set_sent_number_1(7));

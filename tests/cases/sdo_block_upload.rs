@@ -65,7 +65,7 @@ fn b06_more_segments_than_were_sent_cannot_be_acknowledged() {
         bench.send("604: A3");
         bench.expect("584: 81 44 33 22 11");
         bench.send(ack);
-        bench.expect("584: 80 18 10 01 01 00 04 05");
+        bench.expect("584: 80 18 10 01 03 00 04 05");
     }
 }
 
@@ -77,7 +77,7 @@ fn b07_two_acknowledged_of_one_sent_are_refused() {
     bench.send("604: A3");
     bench.expect("584: 01 41 42 43 44 45 46 47");
     bench.send("604: A2 02 01");
-    bench.expect("584: 80 01 20 00 01 00 04 05");
+    bench.expect("584: 80 01 20 00 03 00 04 05");
 }
 
 #[test]

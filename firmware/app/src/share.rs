@@ -48,6 +48,10 @@ impl<B: Mailboxes, L: Mutex<T = B>> Mailboxes for LockedBus<'_, L> {
         self.0.lock(|bus| bus.room(cob_id))
     }
 
+    fn holds(&mut self, cob_id: u16) -> bool {
+        self.0.lock(|bus| bus.holds(cob_id))
+    }
+
     fn put(&mut self, frame: &Frame) -> Option<Frame> {
         self.0.lock(|bus| bus.put(frame))
     }

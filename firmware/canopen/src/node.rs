@@ -216,6 +216,8 @@ impl<D: Dictionary> Node<D> {
         self.listen();
         if self.node_id.is_configured() {
             self.queue.push_boot_up();
+            // Of the errors that stand all are told, of those that the boot has ended none.
+            self.services.emergency.drop_messages();
             self.enter(NmtState::PreOperational, now);
             self.services.emergency.tell_all(now);
             self.services.timers_changed = true;
@@ -400,12 +402,11 @@ impl<D: Dictionary> Node<D> {
         self.state = state;
         // Transmit PDOs start, and with them their timers.
         self.services.values_changed = true;
-        self.services.may_send_emergency = state.has_sdo_and_emergency();
         self.services.enter(state, now);
         if state.has_sdo_and_emergency() {
             self.sdo.configure(&self.dictionary, self.node_id);
         } else {
-            self.end_sdo_and_emergency();
+            self.end_sdo();
         }
         if state == NmtState::Operational {
             self.services.rpdos.enter_operational();
@@ -421,22 +422,20 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
-    /// Ends the services that the new state does not have. Emergency messages that wait are for the caller: they are dropped when a
-    /// master stops the device, and leave when it stops itself.
-    fn end_sdo_and_emergency(&mut self) {
+    /// Ends what only states with SDO have.
+    fn end_sdo(&mut self) {
         self.sdo.reset();
-        self.queue.drop_sync();
+        self.drop_sync();
         self.queue.drop_time();
         self.queue.set_answers(false);
         // The application may have to learn that a client will not go on.
         self.services.timers_changed = true;
-        self.services.may_send_emergency = false;
     }
 
     /// Nothing is sent or heard from now on.
     fn silence(&mut self) {
         self.leave_operational();
-        self.end_sdo_and_emergency();
+        self.end_sdo();
         self.queue.clear();
         self.services.emergency.drop_messages();
         if self.state != NmtState::Initialisation {
@@ -483,11 +482,8 @@ impl<D: Dictionary> Node<D> {
             }
             deadline = earlier(deadline, self.services.heartbeat.deadline());
         }
-        if self.services.emergency.needs_time() {
-            // The inhibit time of a message that waits begins when it has left: it is looked at every time.
-            self.services.timers_changed = true;
-            deadline = earlier(deadline, self.services.emergency.poll(now));
-        }
+        deadline = earlier(deadline, self.services.emergency.poll(now));
+        self.services.timers_changed |= self.services.emergency.needs_time();
         deadline
     }
 

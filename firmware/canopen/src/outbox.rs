@@ -8,6 +8,7 @@
 //!   communication object, where process data is replaced by newer data.
 //! - Of frames with the same identifier the older leaves first, but process data that waits here is void when the device has
 //!   newer data for the same identifier: it leaves once, with the newest values.
+//! - A PDO that answers a SYNC of the device waits until that has left, whatever their identifiers are.
 //! - Nothing else is lost. When all places are taken no further frame has to make way.
 
 use crate::Frame;
@@ -30,6 +31,11 @@ pub trait Sender {
     /// What [`Sender::take`] would give now; `None` if nothing.
     fn pending(&self) -> Option<Pending>;
 
+    /// The identifier of the SYNC that it answers, which the device has sent and which it must not overtake.
+    fn follows(&self) -> Option<u16> {
+        None
+    }
+
     /// The next frame.
     fn take(&mut self) -> Option<Frame>;
 }
@@ -38,6 +44,10 @@ pub trait Sender {
 impl<D: Dictionary, A: Application<D>> Sender for (&mut Node<D>, &mut A) {
     fn pending(&self) -> Option<Pending> {
         self.0.pending()
+    }
+
+    fn follows(&self) -> Option<u16> {
+        self.0.follows()
     }
 
     fn take(&mut self) -> Option<Frame> {
@@ -60,6 +70,12 @@ pub enum Room {
 pub trait Mailboxes {
     /// What there is for a frame with this 11-bit identifier.
     fn room(&mut self, cob_id: u16) -> Room;
+
+    /// Whether a frame with this 11-bit identifier waits in a mailbox that one with a lower identifier may overtake.
+    fn holds(&mut self, cob_id: u16) -> bool {
+        let _ = cob_id;
+        false
+    }
 
     /// Takes the frame, for which there is room. Gives back the one that had to make way, or this one if there is no room after all.
     fn put(&mut self, frame: &Frame) -> Option<Frame>;
@@ -88,7 +104,9 @@ impl<const PLACES: usize> Outbox<PLACES> {
     /// of the device, and when a mailbox has become free.
     pub fn send(&mut self, device: &mut impl Sender, mailboxes: &mut impl Mailboxes) {
         loop {
-            let pending = device.pending();
+            let is_ahead = |sync| self.holds(sync) || mailboxes.holds(sync);
+            let must_wait = device.follows().is_some_and(is_ahead);
+            let pending = device.pending().filter(|_| !must_wait);
             let of_device = pending.map(|pending| pending.cob_id);
             let (place, own) = match (self.first(), of_device) {
                 (None, None) => return,
@@ -129,6 +147,11 @@ impl<const PLACES: usize> Outbox<PLACES> {
         waiting
             .filter_map(|(place, frame)| Some((place, frame.as_ref()?.standard_id()?)))
             .min_by_key(|(_, cob_id)| *cob_id)
+    }
+
+    fn holds(&self, cob_id: u16) -> bool {
+        let mut waiting = self.waiting.iter().flatten();
+        waiting.any(|frame| frame.standard_id() == Some(cob_id))
     }
 
     fn is_full(&self) -> bool {

@@ -331,24 +331,79 @@ fn y06_a_sync_error_ends_whatever_lengths_came_after_it() {
 }
 
 #[test]
-fn e10_in_stopped_there_is_no_message() {
+fn e10_in_stopped_there_is_no_message_and_none_is_lost() {
     let mut device = Device::new();
     device.send("000#0204");
     assert_eq!(device.node.state(), NmtState::Stopped);
     assert!(report(&mut device, OVERCURRENT).is_empty());
     assert_eq!(device.value(0x1001, 0), [3]);
     assert_eq!(device.value(0x1003, 1), [0x10, 0x23, 0x11, 0x22]);
-    device.send("000#8004");
     assert!(device.pass(1000).is_empty());
+    device.send("000#8004");
+    assert_eq!(device.pass(1000), [(0, "084#1023031122334455".to_owned())]);
     assert_eq!(clear(&mut device, 0x2310), ["084#0000000000000000"]);
 }
 
 #[test]
-fn e10_a_message_that_waits_is_dropped_by_stop() {
+fn e10_an_error_and_its_end_that_both_fell_into_stopped_go_out_both() {
+    let mut device = Device::new();
+    device.send("000#0204");
+    assert!(report(&mut device, OVERCURRENT).is_empty());
+    assert!(clear(&mut device, 0x2310).is_empty());
+    assert_eq!(
+        device.ask("000#0104"),
+        [
+            "084#1023031122334455",
+            "084#0000000000000000",
+            "184#0000000000000000"
+        ]
+    );
+}
+
+#[test]
+fn e10_a_message_that_waits_outlives_stop() {
     let mut device = Device::new();
     device.node.report(OVERCURRENT, device.now);
     device.send("000#0204");
     assert!(device.sent().is_empty());
+    assert_eq!(device.ask("000#8004"), ["084#1023031122334455"]);
+}
+
+#[test]
+fn e10_an_error_told_before_stopped_ends_behind_it() {
+    let mut device = Device::new();
+    assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
+    device.send("000#0204");
+    assert!(clear(&mut device, 0x2310).is_empty());
+    assert_eq!(device.ask("000#8004"), ["084#0000000000000000"]);
+}
+
+#[test]
+fn e10_the_inhibit_time_holds_across_stopped() {
+    let mut device = Device::new();
+    assert_eq!(device.ask("604#2B15100088130000"), ["584#6015100000000000"]);
+    assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
+    assert!(report(&mut device, OVERHEATED).is_empty());
+    device.send("000#0204");
+    assert!(device.pass(100).is_empty());
+    device.send("000#8004");
+    assert_eq!(
+        device.pass(1000),
+        [(400, "084#10420B0000000000".to_owned())]
+    );
+}
+
+#[test]
+fn an_emergency_that_is_held_back_wakes_nobody_before_its_time() {
+    let mut device = Device::new();
+    assert_eq!(device.ask("604#2B15100010270000"), ["584#6015100000000000"]);
+    assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
+    assert!(report(&mut device, OVERHEATED).is_empty());
+    let start = device.now;
+    device.poll();
+    for _ in 0..3 {
+        assert_eq!((device.poll() - start).ticks(), 1_000_000);
+    }
 }
 
 #[test]

@@ -145,23 +145,29 @@ fn h07_the_boot_up_of_a_node_that_lived_is_told() {
 }
 
 #[test]
-fn h08_time_0_and_node_0_are_off_and_more_than_127_is_refused() {
-    for value in ["E8030000", "00000500", "00000000"] {
+fn h08_time_0_and_what_is_no_node_are_stored_and_off() {
+    for value in [
+        "E8030000", "00000500", "00000000", "E8038000", "E803FF00", "00008000",
+    ] {
         let mut device = Device::new();
         assert_eq!(
             device.ask(&format!("604#23161001{value}")),
             ["584#6016100100000000"]
         );
+        let stored: String = device
+            .value(0x1016, 1)
+            .iter()
+            .map(|byte| format!("{byte:02X}"))
+            .collect();
+        assert_eq!(stored, value);
         device.send("705#05");
         assert!(device.pass(5000).is_empty());
     }
-    for value in ["E8038000", "E803FF00", "00008000", "E8030501"] {
-        assert_eq!(
-            Device::new().ask(&format!("604#23161001{value}")),
-            [abort(0x1016, 1, 0x0609_0030)],
-            "{value}"
-        );
-    }
+    assert_eq!(
+        Device::new().ask("604#23161001E8030501"),
+        [abort(0x1016, 1, 0x0609_0030)],
+        "reserved bits"
+    );
 }
 
 #[test]
@@ -254,6 +260,63 @@ fn n17_in_pre_operational_only_2_changes_the_state() {
     assert_eq!(device.node.state(), NmtState::Stopped);
     assert!(sent.is_empty(), "no emergency messages in Stopped");
     assert_eq!(device.value(0x1001, 0), [0x11]);
+}
+
+/// Watches nodes 5 and 6 with the given settings, and both live.
+fn watching_two(settings: &[&str]) -> Device {
+    let mut device = Device::new();
+    let watched = ["604#23161001C8000500", "604#23161002C8000600"];
+    for request in watched.iter().chain(settings) {
+        assert_eq!(device.ask(request).len(), 1);
+    }
+    device.send("705#05");
+    device.send("706#05");
+    device
+}
+
+#[test]
+fn e10_a_loss_in_stopped_is_told_behind_it() {
+    let mut device = Device::new();
+    device.ask("604#23161001C8007F00");
+    device.send("77F#05");
+    device.send("000#0204");
+    assert!(device.pass(500).is_empty(), "no message in Stopped");
+    assert_eq!(device.value(0x1001, 0), [0x11]);
+    assert_eq!(device.ask("000#8004"), ["084#3081117F00000000"]);
+}
+
+#[test]
+fn e10_a_heartbeat_that_returns_in_stopped_is_told_behind_it() {
+    let mut device = lost();
+    device.send("000#0204");
+    assert!(device.ask("705#05").is_empty());
+    assert_eq!(device.ask("000#8004"), ["084#0000000000000000"]);
+}
+
+#[test]
+fn e10_what_the_inhibit_time_holds_back_outlives_stopped() {
+    let mut device = watching_two(&["604#2B15100088130000"]);
+    assert_eq!(
+        device.pass(300),
+        [(200, "084#3081110500000000".to_string())]
+    );
+    device.send("000#0204");
+    assert!(device.pass(1000).is_empty());
+    assert_eq!(device.ask("000#8004"), ["084#3081110600000000"]);
+}
+
+#[test]
+fn n17_two_losses_at_once_are_both_told() {
+    let mut device = watching_two(&["604#2F29100102000000"]);
+    assert_eq!(
+        device.pass(300),
+        [
+            (200, "084#3081110500000000".to_string()),
+            (200, "084#3081110600000000".to_string())
+        ]
+    );
+    assert_eq!(device.node.state(), NmtState::Stopped);
+    assert!(device.ask("000#8004").is_empty());
 }
 
 #[test]

@@ -133,9 +133,10 @@ fn n09_stopped_does_nothing_but_nmt_error_control_and_lss() {
 
     device.send("000#8004");
     assert_eq!(device.node.state(), NmtState::PreOperational);
-    assert!(
-        device.sent().is_empty(),
-        "what was not sent in Stopped is not sent later"
+    assert_eq!(
+        device.sent(),
+        ["084#1023030000000000"],
+        "of what was not sent in Stopped only the error is told later"
     );
     assert_eq!(
         device.ask("604#6000000000000000"),

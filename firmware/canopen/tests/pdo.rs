@@ -300,6 +300,9 @@ fn p26_type_3_counts_from_the_start() {
 fn p27_type_0_needs_an_event_and_a_sync() {
     let mut device = Device::operational();
     transmit_type(&mut device, 0);
+    device.send("000#8004");
+    device.send("000#0104");
+    assert_eq!(device.ask("080#"), ["184#0000000000000000"]);
     assert!(device.ask("080#").is_empty());
     device.set_value(0x2005, 0, &[1, 0, 0, 0]);
     assert!(device.pass(100).is_empty());

@@ -148,11 +148,12 @@ fn a_pdo_that_waits_is_dropped_with_operational() {
 }
 
 #[test]
-fn an_event_that_waits_for_sync_is_dropped_with_operational() {
+fn an_event_that_waits_for_sync_counts_once_across_operational() {
     let mut device = operational(0);
     change(&mut device, 1);
     device.send("000#8004");
     device.send("000#0104");
+    assert_eq!(device.ask("080#"), ["184#0100000000000000"]);
     assert!(device.ask("080#").is_empty());
     change(&mut device, 2);
     assert_eq!(device.ask("080#"), ["184#0200000000000000"]);

@@ -225,8 +225,8 @@ proptest! {
         let mut counter = 0;
         let mut count = 0;
         let mut awaits_start = sync_start != 0 && overflow != 0 && every != 0;
-        // Of type 0: what was last sampled, and whether there was another value since.
-        let (mut content, mut is_due) = (0, false);
+        // Of type 0: what was last sampled, and whether there was another value since, or Operational was entered.
+        let (mut content, mut is_due) = (0, true);
         let mut expected = Vec::new();
         for step in steps {
             match step {

@@ -3,7 +3,7 @@
 mod device;
 
 use canopen::cia301::sdo::AbortCode;
-use device::block::{INVALID_COMMAND, answer, crc, exchange, idle, refused, request};
+use device::block::{answer, crc, exchange, idle, refused, request};
 use device::{Device, abort};
 
 #[test]
@@ -58,7 +58,7 @@ fn refused_confirmation(ack: &str) {
     let mut device = Device::new();
     exchange(&mut device, "A0 00 10 00 14", &["C6 00 10 00 04"]);
     exchange(&mut device, "A3", &["81 92 01 02 00"]);
-    refused(&mut device, ack, (0x1000, 0), INVALID_COMMAND);
+    refused(&mut device, ack, (0x1000, 0), 0x0504_0003);
     idle(&mut device);
 }
 

@@ -76,6 +76,79 @@ fn y01_its_own_pdos_follow_its_sync() {
 }
 
 #[test]
+fn y01_objects_written_within_a_period_do_not_move_the_next_sync() {
+    let mut device = Device::new();
+    period(&mut device, 200_000);
+    write_u32(&mut device, 0x1005, 0x4000_0080);
+    let mut sent = Vec::new();
+    for (begun, index, value) in [
+        (0, 0x1007, 0),
+        (150, 0x1007, 50_000),
+        (300, 0x1006, 200_000),
+        (450, 0x1005, 0x4000_0080),
+        (600, 0x1007, 0),
+    ] {
+        let frames = device.pass(150).into_iter();
+        sent.extend(frames.map(|(moment, frame)| (begun + moment, frame)));
+        write_u32(&mut device, index, value);
+    }
+    assert_eq!(sent, syncs(&[200, 400, 600]));
+    period(&mut device, 100_000);
+    assert_eq!(device.pass(100), syncs(&[100]), "a new period begins now");
+}
+
+/// TPDO 1 goes with every SYNC; `identifier` is that of SYNC, which the device produces every 10 ms.
+fn produce_with_pdo(identifier: u32) -> Device {
+    let mut device = Device::new();
+    device.ask("604#23001801840100C0");
+    device.ask("604#2F00180201000000");
+    device.ask("604#2300180184010040");
+    period(&mut device, 10_000);
+    write_u32(&mut device, 0x1005, identifier);
+    write_u32(&mut device, 0x1005, identifier | 0x4000_0000);
+    device.send("000#0104");
+    device
+}
+
+#[test]
+fn y01_no_pdo_of_a_cycle_leaves_before_a_sync_of_lower_priority() {
+    let mut device = produce_with_pdo(0x200);
+    for cycle in 0..3 {
+        device.set_value(0x2005, 0, &[cycle, 0, 0, 0]);
+        device.now += Duration::from_ticks(10_000);
+        device.poll();
+        assert_eq!(
+            device.sent(),
+            ["200#".to_string(), format!("184#{cycle:02X}00000000000000")]
+        );
+    }
+}
+
+#[test]
+fn y01_a_pdo_does_not_wait_for_a_sync_that_will_not_leave() {
+    let mut device = produce_with_pdo(0x200);
+    device.now += Duration::from_ticks(10_000);
+    device.poll();
+    device.put("604#2305100000020000");
+    assert_eq!(
+        device.sent(),
+        ["184#0000000000000000", "584#6005100000000000"]
+    );
+}
+
+#[test]
+fn y01_other_frames_do_not_wait_for_sync() {
+    let mut device = produce_with_pdo(0x6DF);
+    device.now += Duration::from_ticks(10_000);
+    device.put("604#4000100000000000");
+    device.poll();
+    assert_eq!(
+        device.sent(),
+        ["584#4300100092010200", "6DF#", "184#0000000000000000"]
+    );
+}
+
+#[test]
 fn y01_without_bit_30_or_a_period_nothing_is_sent() {
     let mut device = Device::new();
     produce(&mut device);
@@ -154,6 +227,12 @@ fn y05_the_identifier_stays_while_it_is_produced() {
         ["584#6005100000000000"],
         "the same value is no change"
     );
+    assert_eq!(
+        write_u32(&mut device, 0x1005, 0x90),
+        [abort(0x1005, 0, 0x0609_0030)],
+        "it is the producer until the write has been taken"
+    );
+    write_u32(&mut device, 0x1005, 0x80);
     write_u32(&mut device, 0x1005, 0x90);
     write_u32(&mut device, 0x1005, 0x4000_0090);
     assert_eq!(device.pass(10), [(10, "090#".to_string())]);

@@ -82,6 +82,9 @@ fn header(model: &Model) -> String {
 fn dictionary(model: &Model, options: Options<'_>) -> String {
     let device = &model.device;
     let (lss, block_transfer) = (device.lss, !options.no_block_transfer);
+    let dummies = model.dummies.iter().fold(0_u32, |dummies, index| {
+        dummies | 1_u32.checked_shl((*index).into()).unwrap_or(0)
+    });
     let of = if device.product_name.is_empty() {
         String::new()
     } else {
@@ -116,6 +119,7 @@ impl ::canopen::od::Dictionary for Dictionary {{
     const FEATURES: ::canopen::od::Features = ::canopen::od::Features {{
         lss: {lss},
         block_transfer: {block_transfer},
+        dummies: 0x{dummies:08X},
         ..::canopen::od::Features::of(&table::TABLE)
     }};
 

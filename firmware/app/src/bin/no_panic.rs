@@ -360,6 +360,11 @@ impl Mailboxes for AnyMailboxes {
         }
     }
 
+    fn holds(&mut self, cob_id: u16) -> bool {
+        look(cob_id.into());
+        any() == 0
+    }
+
     fn put(&mut self, frame: &Frame) -> Option<Frame> {
         look(frame.length().into());
         (any() == 0).then(any_frame)

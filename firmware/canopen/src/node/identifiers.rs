@@ -46,7 +46,7 @@ impl<D: Dictionary> Node<D> {
         self.services.identifiers_changed = false;
         self.identifiers = Identifiers::none();
         if !self.services.sync.is_producer() {
-            self.queue.drop_sync();
+            self.drop_sync();
         }
         if !self.services.time.is_producer() {
             self.queue.drop_time();

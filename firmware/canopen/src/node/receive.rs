@@ -159,7 +159,7 @@ impl<D: Dictionary> Node<D> {
             Some(Command::Enter(state)) => {
                 self.enter(state, now);
                 if state == NmtState::Stopped {
-                    self.services.emergency.drop_messages();
+                    self.services.emergency.hold_back();
                 }
             }
             Some(Command::Reset(reset)) => self.request_reset(reset),

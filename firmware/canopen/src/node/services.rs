@@ -33,8 +33,6 @@ pub(super) struct Services<C: Counts> {
     pub(super) parameters: Parameters,
     pub(super) rpdos: pdo::Receive<C::Rpdos, C::RpdoObjects>,
     pub(super) tpdos: pdo::Transmit<C::Tpdos, C::TpdoObjects>,
-    /// Whether the NMT state has emergency messages.
-    pub(super) may_send_emergency: bool,
     /// Whether a timer may end earlier than the node knows.
     pub(super) timers_changed: bool,
     /// Whether a value of the dictionary may have changed since transmit PDOs were compared with it.
@@ -58,7 +56,6 @@ impl<C: Counts> Services<C> {
             parameters: Parameters::new(),
             rpdos: pdo::Receive::new(),
             tpdos: pdo::Transmit::new(),
-            may_send_emergency: false,
             timers_changed: true,
             values_changed: true,
             errors_are_watched: true,
@@ -187,6 +184,7 @@ impl<C: Counts> Services<C> {
     /// The NMT state changed.
     pub(super) fn enter(&mut self, state: NmtState, now: Instant) {
         self.sync.enter(state.has_sync_and_time(), now);
+        self.emergency.enter(state.has_sdo_and_emergency(), now);
         self.timers_changed = true;
     }
 
@@ -209,16 +207,14 @@ impl<C: Counts> Services<C> {
         emergency: &Emergency,
         now: Instant,
     ) {
-        self.emergency
-            .report(dictionary, emergency, self.may_send_emergency, now);
+        self.emergency.report(dictionary, emergency, now);
         self.errors_changed();
     }
 
     /// These errors are gone.
     #[inline(never)]
     pub(super) fn clear<D: Dictionary>(&mut self, dictionary: &mut D, errors: Meant, now: Instant) {
-        self.emergency
-            .clear(dictionary, errors, self.may_send_emergency, now);
+        self.emergency.clear(dictionary, errors, now);
         self.errors_changed();
     }
 
@@ -279,7 +275,7 @@ impl<C: Counts> Services<C> {
 
     /// A message may wait, and the errors may be mapped.
     fn errors_changed(&mut self) {
-        self.timers_changed |= self.emergency.needs_time();
+        self.timers_changed = true;
         self.values_changed |= self.errors_are_watched;
     }
 

@@ -100,20 +100,34 @@ impl<D: Dictionary> Node<D> {
     #[cold]
     #[inline(never)]
     pub(super) fn supervise(&mut self, now: Instant) {
+        let mut is_lost = false;
         while let Some(node_id) = self.services.consumers.poll(now) {
             let error = HeartbeatError::Lost(node_id);
-            self.communication_error(CommunicationError::Heartbeat(error), now);
+            self.tell_communication_error(CommunicationError::Heartbeat(error), now);
+            is_lost = true;
         }
         if D::FEATURES.guarding && self.services.guarding.poll(now) {
-            self.communication_error(CommunicationError::LifeGuarding, now);
+            self.tell_communication_error(CommunicationError::LifeGuarding, now);
+            is_lost = true;
+        }
+        if is_lost {
+            self.follow_error_behaviour(now);
         }
     }
 
-    /// The network is lost: told, and followed by the NMT state of 1029h. An emergency message that waits goes out even when
+    /// The network is lost: told, and followed by the NMT state of 1029h. An emergency message that may leave does so even when
     /// the device stops itself: it says why.
     pub(super) fn communication_error(&mut self, error: CommunicationError, now: Instant) {
+        self.tell_communication_error(error, now);
+        self.follow_error_behaviour(now);
+    }
+
+    fn tell_communication_error(&mut self, error: CommunicationError, now: Instant) {
         self.report(error.emergency(), now);
         self.events.communication_error(error);
+    }
+
+    fn follow_error_behaviour(&mut self, now: Instant) {
         if let Some(state) = error_behaviour::next_state(&self.dictionary, self.state) {
             self.enter(state, now);
         }

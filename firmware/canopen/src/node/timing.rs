@@ -16,6 +16,7 @@ impl<D: Dictionary> Node<D> {
             match due {
                 Due::Produce(beat) => {
                     self.queue.push_sync(beat.counter);
+                    self.services.tpdos.follow_sync(true);
                     if self.state == NmtState::Operational {
                         self.services
                             .synchronise(beat, &mut self.dictionary, application);
@@ -25,6 +26,12 @@ impl<D: Dictionary> Node<D> {
                 Due::Missed => self.services.report_errors(&mut self.dictionary, now),
             }
         }
+    }
+
+    /// The device produces no SYNC any more, or has none in this state: one that waits is void.
+    pub(super) fn drop_sync(&mut self) {
+        self.queue.drop_sync();
+        self.services.tpdos.follow_sync(false);
     }
 
     /// Whether a SYNC was followed since the last call, received or produced: synchronous PDOs have been sampled and applied. There is none

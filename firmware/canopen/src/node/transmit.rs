@@ -217,6 +217,15 @@ impl<D: Dictionary> Node<D> {
         })
     }
 
+    /// The SYNC of this device that [`Node::pending`] answers: what its controller holds must not be overtaken.
+    pub fn follows(&self) -> Option<u16> {
+        let sync = &self.services.sync;
+        let tpdos = &self.services.tpdos;
+        let is_pdo = || self.pending().map(|next| next.cob_id) == tpdos.pending();
+        let follows = sync.is_producer() && tpdos.is_pending_synchronous() && is_pdo();
+        follows.then_some(sync.cob_id())
+    }
+
     #[inline(never)]
     fn transmit_next<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
         if self.queue.has(waiting::BOOT_UP) {
@@ -230,7 +239,7 @@ impl<D: Dictionary> Node<D> {
             (false, false, waiting::ANSWER) => self.take_answer(application),
             (false, true, 0) => self.take_pdo(),
             (false, false, _) => self.take_fixed(application),
-            (true, false, 0) => self.services.emergency.take(),
+            (true, false, 0) => self.take_emergency(),
             _ => self.take_lowest(application),
         }
     }
@@ -243,6 +252,13 @@ impl<D: Dictionary> Node<D> {
         frame
     }
 
+    /// The emergency message that may leave first; [`Node::poll`] finds out when the next one may.
+    #[inline]
+    fn take_emergency(&mut self) -> Option<Frame> {
+        self.services.timers_changed |= self.services.emergency.needs_time();
+        self.services.emergency.take()
+    }
+
     /// The frame with the lowest identifier, whatever it is. Of equals an emergency message goes first, then a PDO.
     #[inline(never)]
     fn take_lowest<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
@@ -251,7 +267,7 @@ impl<D: Dictionary> Node<D> {
         let pdo = or_none(self.services.tpdos.pending());
         let fixed = or_none(self.pending_fixed());
         if emergency <= pdo && emergency <= fixed {
-            self.services.emergency.take()
+            self.take_emergency()
         } else if pdo <= fixed {
             self.take_pdo()
         } else {
@@ -298,6 +314,9 @@ impl<D: Dictionary> Node<D> {
             return self.take_answer_or_error_control(application);
         }
         self.queue.waiting &= !which;
+        if which == waiting::SYNC {
+            self.services.tpdos.follow_sync(false);
+        }
         Some(match (which, self.queue.sync) {
             (waiting::TIME, _) => Frame::data_frame(cob_id, &self.queue.time),
             (_, Some(counter)) => Frame::data_frame(cob_id, &[counter]),

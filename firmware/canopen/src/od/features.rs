@@ -9,8 +9,8 @@ use super::{Attributes, Entry, Table};
 
 /// The services of a device: what is `false` is not compiled into it.
 ///
-/// [`Features::of`] finds them in the dictionary. `od-gen` adds what no object tells: `LSS_Supported` of the data sheet, and
-/// whether the firmware wants block transfer.
+/// [`Features::of`] finds them in the dictionary. `od-gen` adds what no object tells: `LSS_Supported` and `[DummyUsage]` of the data
+/// sheet, and whether the firmware wants block transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Features {
     /// SYNC, 1005h.
@@ -34,6 +34,8 @@ pub struct Features {
     /// SDO block transfer. A server without it answers 05040001h, command specifier not valid, as CiA 301 (7.2.4.3.8) leaves it
     /// optional.
     pub block_transfer: bool,
+    /// Data types that may be gaps in a receive PDO (dummy mapping): a bit for each, by its index.
+    pub dummies: u32,
 }
 
 impl Features {
@@ -49,6 +51,7 @@ impl Features {
         streams: true,
         lss: true,
         block_transfer: true,
+        dummies: u32::MAX,
     };
 
     /// What a dictionary lists, and everything that no object tells.

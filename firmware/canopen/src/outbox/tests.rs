@@ -10,6 +10,10 @@ use crate::Frame;
 /// Identifiers below are process data, those above are not.
 const PROCESS_DATA: u16 = 0x500;
 
+/// A PDO that answers a SYNC of the device.
+const SYNCHRONOUS: u16 = 0x1FF;
+const SYNC: u16 = 0x4FF;
+
 /// Frames that wait in a device: of process data the newest, of everything else all, in their order.
 #[derive(Default)]
 struct Device {
@@ -33,6 +37,11 @@ impl Sender for Device {
             cob_id,
             is_process_data: cob_id < PROCESS_DATA,
         })
+    }
+
+    fn follows(&self) -> Option<u16> {
+        let cob_id = self.pending()?.cob_id;
+        (cob_id == SYNCHRONOUS).then_some(SYNC)
     }
 
     fn take(&mut self) -> Option<Frame> {
@@ -70,6 +79,10 @@ impl Mailboxes for Controller {
         } else {
             Room::Free
         }
+    }
+
+    fn holds(&mut self, cob_id: u16) -> bool {
+        self.mailboxes.iter().any(|(waiting, _)| *waiting == cob_id)
     }
 
     fn put(&mut self, frame: &Frame) -> Option<Frame> {
@@ -114,6 +127,21 @@ impl Bench {
         assert_eq!(self.device.pending(), None);
         assert!(self.outbox.waiting.iter().all(Option::is_none));
         left
+    }
+}
+
+#[test]
+fn a_pdo_does_not_overtake_the_sync_that_it_answers() {
+    for urgent in 0..4 {
+        let mut bench = Bench::default();
+        bench.put(SYNC, 1);
+        // They may make SYNC wait for a mailbox once more.
+        for number in 0..urgent {
+            bench.put(3 - number, 0);
+        }
+        bench.put(SYNCHRONOUS, 2);
+        let left = bench.drain();
+        assert_eq!(left[left.len() - 2..], [(SYNC, 1), (SYNCHRONOUS, 2)]);
     }
 }
 

@@ -8,19 +8,25 @@ use canopen::od::{self, Dictionary};
 
 use super::{Memory, SCOPE, State, sub};
 
-/// The source of 20D3h. There is something to read while the recorder is full, and otherwise 08000022h; a transfer during which the
-/// next recording begins ends with it, and not with bytes of both.
+/// The source of 20D3h: the recording while the recorder is full, nothing while it is idle, and 08000022h while it records; a
+/// transfer during which the next recording begins ends with it, and not with bytes of both.
 #[derive(Debug)]
 pub struct Recording<M> {
     memory: M,
     /// Which recording is being read.
     run: Option<u32>,
+    /// There was nothing to read when the transfer began.
+    is_empty: bool,
 }
 
 impl<M: Deref<Target = Memory>> Recording<M> {
     /// What the recorder of the same memory records.
     pub const fn new(memory: M) -> Self {
-        Self { memory, run: None }
+        Self {
+            memory,
+            run: None,
+            is_empty: false,
+        }
     }
 
     /// The memory.
@@ -39,13 +45,21 @@ impl<M: Deref<Target = Memory>> Recording<M> {
 impl<D: Dictionary, M: Deref<Target = Memory>> Source<D> for Recording<M> {
     fn size(&mut self, dictionary: &D) -> Result<Option<u32>, AbortCode> {
         // An order to begin anew that no tick has taken yet shows in the dictionary alone.
-        let is_full = od::read_u8(dictionary, SCOPE, sub::STATE) == Some(State::Full as u8);
+        let state = od::read_u8(dictionary, SCOPE, sub::STATE);
+        let is_full = state == Some(State::Full as u8);
         self.run = self.memory.whole().filter(|_| is_full);
+        self.is_empty = state == Some(State::Idle as u8);
+        if self.is_empty {
+            return Ok(Some(0));
+        }
         self.run()?;
         Ok(Some(self.memory.length()))
     }
 
     fn read_at(&mut self, _: &D, position: u32, into: &mut [u8]) -> Result<usize, AbortCode> {
+        if self.is_empty {
+            return Ok(0);
+        }
         let run = self.run()?;
         let end = self.memory.length();
         let mut word = [0; 4];

@@ -50,18 +50,22 @@ impl Controller {
     }
 }
 
+/// The identifiers of the frames that wait in the mailboxes.
+fn waiting() -> [Option<u16>; 3] {
+    let can = registers();
+    [0, 1, 2].map(|mailbox: usize| {
+        let waiting = can.tx(mailbox).tir().read();
+        // The upper eleven bits, of an extended identifier too.
+        waiting
+            .txrq()
+            .bit_is_set()
+            .then(|| (waiting.bits() >> 21) as u16)
+    })
+}
+
 impl Mailboxes for Controller {
     fn room(&mut self, cob_id: u16) -> Room {
-        let can = registers();
-        let waiting = |mailbox: usize| {
-            let waiting = can.tx(mailbox).tir().read();
-            // The upper eleven bits, of an extended identifier too.
-            waiting
-                .txrq()
-                .bit_is_set()
-                .then(|| (waiting.bits() >> 21) as u16)
-        };
-        let waiting = [waiting(0), waiting(1), waiting(2)];
+        let waiting = waiting();
         if waiting.iter().flatten().any(|id| *id <= cob_id) {
             Room::None
         } else if waiting.iter().all(Option::is_some) {
@@ -69,6 +73,10 @@ impl Mailboxes for Controller {
         } else {
             Room::Free
         }
+    }
+
+    fn holds(&mut self, cob_id: u16) -> bool {
+        waiting().contains(&Some(cob_id))
     }
 
     fn put(&mut self, frame: &Frame) -> Option<Frame> {

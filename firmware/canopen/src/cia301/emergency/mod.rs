@@ -9,7 +9,8 @@
 //!   history would show: the code and the first two manufacturer bytes.
 //! - The error register holds the bits of every error that stands, and the generic bit as long as there is one.
 //! - "No error" (code 0000h) carries what is left in the error register.
-//! - Without a valid COB-ID, and in a state without emergency messages (Stopped), register and history go on.
+//! - Without a valid COB-ID register and history go on. In a state without emergency messages (Stopped) they do as well, and the
+//!   messages wait, in their order, for one that has them.
 //! - The inhibit time delays messages and drops none; a new one counts at once. The queue holds sixteen. In a full one
 //!   the oldest message makes room for the newest, and is counted: the last word of the device agrees with the register.
 //! - An error of one source, such as the length error of one PDO, is cleared by itself; others of the same code stand.

@@ -42,17 +42,31 @@ impl Producer {
         self.active.words()
     }
 
-    /// Drops the messages that wait: Stopped is entered, or communication starts anew.
+    /// Drops the messages that wait: communication starts anew.
     pub fn drop_messages(&mut self) {
         self.queue.clear();
     }
 
-    /// An error appeared. Nothing happens if it stands already. `may_send`: the NMT state has emergency messages.
+    /// The NMT state changed; `has_messages` says whether the new one has emergency messages. What comes in one that has none
+    /// waits for one that has; what may leave already still does.
+    pub fn enter(&mut self, has_messages: bool, now: Instant) {
+        if has_messages {
+            self.queue.start(now);
+        } else {
+            self.queue.stop();
+        }
+    }
+
+    /// A master has stopped the device: nothing leaves any more.
+    pub fn hold_back(&mut self) {
+        self.queue.hold_back();
+    }
+
+    /// An error appeared. Nothing happens if it stands already.
     pub fn report<D: Dictionary>(
         &mut self,
         dictionary: &mut D,
         emergency: &Emergency,
-        may_send: bool,
         now: Instant,
     ) {
         if !self.active.add(emergency) {
@@ -60,10 +74,8 @@ impl Producer {
         }
         let register = self.show_register(dictionary);
         self.history.insert(dictionary, emergency.history_word());
-        if may_send {
-            self.queue
-                .push(message(emergency.code, register, emergency.info), now);
-        }
+        self.queue
+            .push(message(emergency.code, register, emergency.info), now);
     }
 
     /// The errors that stand are in the history, which has just been emptied: reset communication.
@@ -83,21 +95,13 @@ impl Producer {
         }
     }
 
-    /// These errors are gone. Nothing happens if none of them stood. `may_send` as in [`Producer::report`].
-    pub fn clear<D: Dictionary>(
-        &mut self,
-        dictionary: &mut D,
-        errors: Meant,
-        may_send: bool,
-        now: Instant,
-    ) {
+    /// These errors are gone. Nothing happens if none of them stood.
+    pub fn clear<D: Dictionary>(&mut self, dictionary: &mut D, errors: Meant, now: Instant) {
         if !self.active.remove(errors) {
             return;
         }
         let register = self.show_register(dictionary);
-        if may_send {
-            self.queue.push(message(NO_ERROR, register, [0; 5]), now);
-        }
+        self.queue.push(message(NO_ERROR, register, [0; 5]), now);
     }
 
     /// Looks for 1001h.
@@ -128,9 +132,8 @@ impl Producer {
         has_register || self.history.lies_in(places)
     }
 
-    /// Whether [`Producer::poll`] has something to do: a message is held back, or one that the inhibit time follows has
-    /// not left yet.
-    pub fn needs_time(&self) -> bool {
+    /// Whether [`Producer::poll`] is to be called again and again: the inhibit time begins when a message has left.
+    pub const fn needs_time(&self) -> bool {
         self.queue.needs_time()
     }
 

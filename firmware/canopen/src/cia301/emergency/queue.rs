@@ -1,4 +1,4 @@
-//! Emergency messages that wait: for the inhibit time first, then for the bus.
+//! Emergency messages that wait: for a state that has them, for the inhibit time, then for the bus.
 //!
 //! ```text
 //!   report ──► [ held back | released ] ──► transmit
@@ -8,7 +8,7 @@
 
 use heapless::Deque;
 
-use crate::time::{Duration, Instant, NEVER, with_length};
+use crate::time::{Duration, Instant, NEVER, has_come, with_length};
 use crate::wire::Frame;
 use crate::wire::cob_id::CobId;
 
@@ -23,6 +23,8 @@ pub(super) struct EmergencyQueue {
     released: usize,
     /// `None`: switched off.
     cob_id: Option<u16>,
+    /// The NMT state has no emergency messages: none is released.
+    is_stopped: bool,
     inhibit_time: Duration,
     /// Before this moment no message is released.
     inhibited_until: Instant,
@@ -36,6 +38,7 @@ impl EmergencyQueue {
             messages: Deque::new(),
             released: 0,
             cob_id: None,
+            is_stopped: true,
             inhibit_time: Duration::from_ticks(0),
             inhibited_until: Instant::from_ticks(0),
             overflows: 0,
@@ -67,6 +70,22 @@ impl EmergencyQueue {
         self.released = 0;
     }
 
+    /// The NMT state has emergency messages: what waits goes out, in its order.
+    pub(super) fn start(&mut self, now: Instant) {
+        self.is_stopped = false;
+        self.release(now);
+    }
+
+    /// The NMT state has no emergency messages: what comes now waits for one that has.
+    pub(super) fn stop(&mut self) {
+        self.is_stopped = true;
+    }
+
+    /// What was released has not left, and waits with the others.
+    pub(super) fn hold_back(&mut self) {
+        self.released = 0;
+    }
+
     /// Adds a message, unless the producer is switched off. The oldest one makes room for it in a full queue: the last
     /// message that the master gets always has the present error register.
     pub(super) fn push(&mut self, message: [u8; 8], now: Instant) {
@@ -75,6 +94,7 @@ impl EmergencyQueue {
         }
         if self.messages.is_full() {
             self.messages.pop_front();
+            self.released = self.released.saturating_sub(1);
             self.overflows = self.overflows.saturating_add(1);
         }
         // There is room.
@@ -82,31 +102,30 @@ impl EmergencyQueue {
         self.release(now);
     }
 
-    /// Releases what the inhibit time allows; returns when there will be more to release.
+    /// Releases what state and inhibit time allow; returns when there will be more to release.
     pub(super) fn release(&mut self, now: Instant) -> Instant {
+        if self.is_stopped || self.messages.is_empty() {
+            return NEVER;
+        }
         if self.inhibit_time.ticks() == 0 {
             self.released = self.messages.len();
             return NEVER;
         }
+        if self.released == 0 && has_come(self.inhibited_until, now) {
+            self.released = 1;
+        }
         if self.released > 0 {
             // It still waits for the bus: the inhibit time has not begun.
             self.inhibited_until = now + self.inhibit_time;
-        } else if now >= self.inhibited_until && !self.messages.is_empty() {
-            self.released = 1;
-            self.inhibited_until = now + self.inhibit_time;
+            return NEVER;
         }
-        if self.messages.len() > self.released {
-            self.inhibited_until
-        } else {
-            NEVER
-        }
+        self.inhibited_until
     }
 
-    /// Whether a message waits for time to pass, or the inhibit time for a message to leave: only then
-    /// [`EmergencyQueue::release`] has something to do.
-    pub(super) fn needs_time(&self) -> bool {
-        let is_held_back = self.messages.len() > self.released;
-        is_held_back || self.released > 0 && self.inhibit_time.ticks() != 0
+    /// Whether a message waits for the bus, and the inhibit time for it: [`EmergencyQueue::release`] is to be called again and again,
+    /// and once when it has left.
+    pub(super) const fn needs_time(&self) -> bool {
+        self.released > 0 && self.inhibit_time.ticks() != 0
     }
 
     /// Whether a message may be sent now. None waits while the producer is switched off.

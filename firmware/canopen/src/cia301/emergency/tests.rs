@@ -14,6 +14,7 @@ fn queue() -> EmergencyQueue {
     let mut queue = EmergencyQueue::new();
     queue.set_cob_id(CobId(0x84));
     queue.set_inhibit_time(INHIBIT);
+    queue.start(at(0));
     queue
 }
 
@@ -60,19 +61,33 @@ fn e01_switching_off_drops_what_waits() {
 }
 
 #[test]
-fn time_is_needed_only_for_the_inhibit_time() {
+fn time_is_needed_only_while_a_message_waits_for_the_bus() {
     let mut queue = queue();
     assert!(!queue.needs_time());
     queue.push([1; 8], at(0));
     assert!(queue.needs_time(), "its inhibit time begins when it leaves");
     queue.push([2; 8], at(0));
     queue.take();
-    assert!(queue.needs_time(), "the second is held back");
+    assert!(!queue.needs_time(), "the second has a deadline");
+    assert_eq!(queue.release(at(1)), at(100));
     queue.set_inhibit_time(Duration::from_ticks(0));
-    assert!(queue.needs_time(), "it may leave now, and must be told so");
     queue.release(at(1));
     assert!(!queue.needs_time());
     assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([2; 8]));
-    queue.push([3; 8], at(2));
-    assert!(!queue.needs_time(), "it may leave at once");
+}
+
+#[test]
+fn e10_what_waits_in_stopped_keeps_its_order() {
+    let mut queue = queue();
+    queue.push([1; 8], at(0));
+    queue.stop();
+    queue.hold_back();
+    queue.push([2; 8], at(10));
+    assert_eq!(queue.release(at(500)), NEVER);
+    assert_eq!(queue.take(), None);
+    queue.start(at(500));
+    assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([1; 8]));
+    assert_eq!(queue.release(at(500)), at(600));
+    queue.release(at(600));
+    assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([2; 8]));
 }

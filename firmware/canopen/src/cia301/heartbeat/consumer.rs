@@ -158,14 +158,14 @@ impl<S: Slots<Consumer>> Consumers<S> {
     /// Whether an entry of 1016h may get this value. Called when it has passed the dictionary's own checks; nothing changes.
     ///
     /// # Errors
-    /// - [`AbortCode::InvalidValue`]: a node-ID above 127, or reserved bits (CiA 301, 7.5.2.19).
+    /// - [`AbortCode::InvalidValue`]: reserved bits (CiA 301, 7.5.2.19). A node-ID that no node has is stored, and watches nobody.
     /// - [`AbortCode::ParameterIncompatible`]: another entry watches this node.
     pub fn validate(&self, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
         let Ok(value) = value.try_into().map(u32::from_le_bytes) else {
             return Ok(());
         };
-        let [.., node_id, reserved] = value.to_le_bytes();
-        if node_id > 127 || reserved != 0 {
+        let [.., reserved] = value.to_le_bytes();
+        if reserved != 0 {
             return Err(AbortCode::InvalidValue);
         }
         let Some((node_id, _)) = watched(value) else {

@@ -51,10 +51,17 @@ impl MappingEntry {
     /// # Errors
     /// - [`AbortCode::NoObject`], [`AbortCode::NoSubIndex`]: there is no such object.
     /// - [`AbortCode::NotMappable`]: the data sheet does not allow it, its access forbids this direction, its length is
-    ///   another one, it is a communication object in a receive PDO, or a dummy in a transmit PDO.
-    pub(super) fn resolve(self, table: &Table, direction: Direction) -> Result<Target, AbortCode> {
+    ///   another one, it is a communication object in a receive PDO, or a dummy that is none of `dummies`
+    ///   ([`Features::dummies`](crate::od::Features::dummies)) or in a transmit PDO.
+    pub(super) fn resolve(
+        self,
+        table: &Table,
+        dummies: u32,
+        direction: Direction,
+    ) -> Result<Target, AbortCode> {
         if let Some((data_type, bytes)) = dummy(self.index()) {
             let is_dummy = direction == Direction::Receive
+                && dummies >> (self.index() % 32) & 1 != 0
                 && self.sub() == 0
                 && is_whole(data_type, u16::from(bytes), self.bits());
             return if is_dummy {

@@ -4,10 +4,10 @@
 //! |---|---|
 //! | COB-ID: 29-bit identifier, a restricted identifier, another identifier while valid | 06090030h |
 //! | transmission type: 241 to 251 (reserved); 252 and 253 (on request) of a receive PDO | 06090030h |
-//! | inhibit time or SYNC start value of a transmit PDO while valid; a start value above 240 | 06090030h |
+//! | another inhibit time, or a SYNC start value, of a transmit PDO while valid; a start value above 240 | 06090030h |
 //! | mapping, anything while the PDO is valid; an entry while sub-index 0 is not 0 | 06010000h |
 //! | mapping entry: no such object | 06020000h, 06090011h |
-//! | mapping entry: not mappable, wrong direction, not its own length, a dummy to transmit | 06040041h |
+//! | mapping entry: not mappable, wrong direction, not its own length, a dummy to transmit or that the data sheet does not list | 06040041h |
 //! | COB-ID valid, or the type while it is, of a multiplexed PDO that is not event-driven | 06090030h |
 //! | mapping sub-index 0: 65 to 253, more than the record has, or more than 64 bits together | 06040042h |
 //! | mapping sub-index 0: counts an empty entry | 06040041h |
@@ -236,7 +236,7 @@ impl Parameters {
         if entry == MappingEntry::EMPTY {
             return Err(AbortCode::NotMappable);
         }
-        entry.resolve(D::TABLE, self.direction)
+        entry.resolve(D::TABLE, D::FEATURES.dummies, self.direction)
     }
 
     /// Whether a PDO with room for so many objects can be made of the first `count` mapping entries, and whose object its frame
@@ -312,7 +312,12 @@ impl Parameters {
                 }
                 new.map(|_| ()).ok_or(AbortCode::InvalidValue)
             }
-            (3 | 6, Direction::Transmit) if present.is_valid() => Err(AbortCode::InvalidValue),
+            (3 | 6, Direction::Transmit) if present.is_valid() => {
+                let is_same = sub == 3
+                    && number(dictionary, self.communication(), 3)
+                        == Some(u16::from_le_bytes(bytes(value)?).into());
+                is_same.then_some(()).ok_or(AbortCode::InvalidValue)
+            }
             (6, Direction::Transmit) if value.first().is_some_and(|start| *start > MOST_START) => {
                 Err(AbortCode::InvalidValue)
             }
@@ -356,7 +361,10 @@ impl Parameters {
         }
         match MappingEntry(u32::from_le_bytes(bytes(value)?)) {
             MappingEntry::EMPTY => Ok(()),
-            entry => entry.resolve(D::TABLE, self.direction).map(|_| ()),
+            entry => {
+                let target = entry.resolve(D::TABLE, D::FEATURES.dummies, self.direction);
+                target.map(|_| ())
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! | transmission type | sent |
 //! |---|---|
-//! | 0 | at the next SYNC after a mapped value has changed |
+//! | 0 | at the next SYNC after Operational is entered, or a mapped value has changed |
 //! | 1 to 240 | at every n-th SYNC, counted from when Operational is entered or the PDO is changed |
 //! | 252 | on request, with the values of the last SYNC |
 //! | 253 | on request, with the present values |
@@ -73,6 +73,8 @@ pub struct Transmit<S, M> {
     has_times: bool,
     /// An inhibit time is to begin.
     needs_time: bool,
+    /// Synchronous PDOs wait for the SYNC that they answer.
+    follows_sync: bool,
     /// That of the device.
     node_id: u8,
     objects: PhantomData<M>,
@@ -90,6 +92,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             synchronous: 0,
             has_times: false,
             needs_time: false,
+            follows_sync: false,
             node_id: 0,
             objects: PhantomData,
         }
@@ -198,7 +201,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             }
             let is_sent = pdo.on_sync(counter, dictionary.ram(), D::TABLE.rom);
             // One that waited before has been counted.
-            if is_sent && pdo.cob_id() < self.lowest {
+            if is_sent && !self.follows_sync && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
                 self.lowest_number = pdo.number();
             }
@@ -207,6 +210,12 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
                 break;
             }
         }
+    }
+
+    /// This device produces a SYNC, which waits for the bus, or does so no more: until then no synchronous PDO leaves.
+    pub fn follow_sync(&mut self, waits: bool) {
+        self.follows_sync = waits;
+        self.find_lowest();
     }
 
     /// The SYNC window (1007h) has passed: synchronous PDOs that have not been taken are dropped.
@@ -383,6 +392,12 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         first.is_some_and(|pdo| pdo.addressing().is_none())
     }
 
+    /// Whether a SYNC has made what [`Transmit::take`] will give.
+    pub(crate) fn is_pending_synchronous(&self) -> bool {
+        let first = self.pdos.as_ref().get(usize::from(self.lowest_number));
+        first.is_some_and(TransmitPdo::is_synchronous)
+    }
+
     /// The PDO to send first, for the bus; its place is empty afterwards.
     #[inline]
     pub fn take(&mut self) -> Option<Frame> {
@@ -404,7 +419,8 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     fn find_lowest(&mut self) {
         self.lowest = NOT_IN_USE;
         for pdo in self.pdos.as_ref() {
-            if pdo.is_waiting() && pdo.cob_id() < self.lowest {
+            let may_leave = pdo.is_waiting() && !(self.follows_sync && pdo.is_synchronous());
+            if may_leave && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
                 self.lowest_number = pdo.number();
             }

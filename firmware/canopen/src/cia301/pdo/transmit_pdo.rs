@@ -191,6 +191,8 @@ impl<M: Slots<Source>> TransmitPdo<M> {
             self.is_due = true;
             self.event_at = NEVER;
             self.poll(ram, rom, now);
+        } else if self.transmission_type == TransmissionType::Acyclic {
+            self.is_due = true;
         } else if self.addressing() == Some(Addressing::Source) {
             self.is_due = true;
             self.scan = Scan::START;

@@ -174,7 +174,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             return Err(AbortCode::TimedOut);
         }
         if seqno > self.block.seqno {
-            return Err(AbortCode::InvalidCommand);
+            return Err(AbortCode::InvalidSequenceNumber);
         }
         if let Some(empty) = self.block.last
             && seqno == self.block.seqno

@@ -18,6 +18,7 @@ impl Sync {
         self.is_followed = false;
         self.counter = 0;
         self.window_end = NEVER;
+        self.next = NEVER;
         self.written(dictionary, now);
     }
 
@@ -52,17 +53,18 @@ impl Sync {
         }
     }
 
-    /// One of its objects was written: it counts from the next frame on, a period from now. Ask [`Sync::report`]
-    /// afterwards.
+    /// One of its objects was written: it counts from the next frame on. Who is switched on or gets a new period begins with a
+    /// whole one; anything else leaves the rhythm as it is. Ask [`Sync::report`] afterwards.
     pub fn written<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
         let cob_id = CobId(read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::EXTENDED));
-        let was_producer = self.is_producer;
+        let before = (self.cob_id, self.is_producer, self.period);
         self.cob_id = if is_base_frame(cob_id) {
             cob_id.identifier()
         } else {
             NOT_IN_USE
         };
         self.is_producer = self.cob_id != NOT_IN_USE && cob_id.0 & PRODUCE != 0;
+        let (_, was_producer, _) = before;
         if self.is_producer != was_producer {
             self.counter = 0;
             self.is_followed = false;
@@ -78,7 +80,9 @@ impl Sync {
         if self.is_producer || self.period.ticks() == 0 {
             self.errors.missed(false);
         }
-        self.restart(now);
+        if (self.cob_id, self.is_producer, self.period) != before {
+            self.restart(now);
+        }
         self.find_plain();
     }
 }
@@ -92,9 +96,9 @@ const fn is_base_frame(cob_id: CobId) -> bool {
     CobId(cob_id.0 & !PRODUCE).is_base_frame()
 }
 
-/// The rules of 1005h: no 29-bit identifier, none that is restricted, no other one while SYNC is produced before and after.
+/// The rules of 1005h: no 29-bit identifier, none that is restricted, no other one while SYNC is produced.
 const fn may_become(present: CobId, wanted: CobId) -> bool {
     let is_moved = present.identifier() != wanted.identifier();
-    let stays_producer = present.0 & wanted.0 & PRODUCE != 0;
-    is_base_frame(wanted) && !is_restricted(wanted.identifier()) && !(is_moved && stays_producer)
+    let is_producer = present.0 & PRODUCE != 0;
+    is_base_frame(wanted) && !is_restricted(wanted.identifier()) && !(is_moved && is_producer)
 }

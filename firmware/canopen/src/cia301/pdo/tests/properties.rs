@@ -83,7 +83,7 @@ fn resolve<L: Layout>(direction: Direction, entries: &[u32]) -> L {
         mapping
             .push(
                 MappingEntry(*entry)
-                    .resolve(Objects::TABLE, direction)
+                    .resolve(Objects::TABLE, u32::MAX, direction)
                     .unwrap(),
             )
             .unwrap();

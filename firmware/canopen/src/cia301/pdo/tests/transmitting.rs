@@ -124,6 +124,8 @@ fn p26_type_3_sends_at_the_third_and_sixth_sync_in_operational() {
 fn p27_type_0_needs_an_event_and_a_sync() {
     let mut device = operational(0, &[U8]);
     device.sync();
+    assert_eq!(device.sent(), frame(&[0]), "Operational was entered");
+    device.sync();
     assert_eq!(device.sent(), [], "no event");
     device.put(0x2000, &[1]);
     assert_eq!(device.after(10), [], "no SYNC");
