@@ -8,6 +8,7 @@ mod brake;
 mod can_layer;
 mod coherence;
 mod commissioning;
+mod compact;
 mod controller;
 mod cyclic_exactness;
 mod cyclic_limits;

@@ -1,10 +1,10 @@
-//! Makes a dictionary of every data sheet that is not the drive's own, with the bindings beside it.
+//! Makes a dictionary of every data sheet but that of the generic drive, with the bindings beside it.
 
 use od_gen::Options;
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
-    for name in ["lmd", "nanotec", "s200", "tc1"] {
+    for name in ["compact", "lmd", "nanotec", "s200", "tc1"] {
         od_gen::build(
             format!("../../eds/{name}.eds"),
             &format!("{name}.rs"),

@@ -1,6 +1,9 @@
 //! The virtual drive on the bus, with the words of CiA 402.
 
 use canopen::Frame;
+use canopen::od::Dictionary;
+use cia402::Objects;
+use master::bus::Station;
 use sim::drive::{Setup, VirtualDrive};
 use sim::plant::Axis;
 
@@ -11,6 +14,9 @@ pub type AxisDrive = sim::Axis402;
 
 /// A virtual drive and a script on one bus.
 pub type DriveBench = Line<AxisDrive>;
+
+/// The same with the dictionary of `eds/compact.eds`.
+pub type CompactBench = Line<VirtualDrive<dictionaries::compact::Dictionary>>;
 
 /// A state of CiA 402 as the statusword shows it: mask and value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +61,11 @@ pub const INTERNAL_LIMIT: u16 = 1 << 11;
 /// Statusword bit 12 in profile position: set-point acknowledge.
 pub const ACKNOWLEDGE: u16 = 1 << 12;
 
-impl DriveBench {
+impl<D> Line<VirtualDrive<D>>
+where
+    D: Dictionary + Objects + Default,
+    VirtualDrive<D>: Station,
+{
     /// A drive with this node-ID that has booted and is Pre-operational.
     pub fn booted(node_id: u8) -> Self {
         Self::with(Setup::with_node_id(1, node_id), node_id)
@@ -64,8 +74,7 @@ impl DriveBench {
     /// A drive of one's own making, booted.
     pub fn with(setup: Setup, node_id: u8) -> Self {
         let device = VirtualDrive::new(setup);
-        let table = <sim::dictionary::Dictionary as canopen::od::Dictionary>::TABLE;
-        let mut bench = Self::new(device, node_id, table);
+        let mut bench = Self::new(device, node_id, D::TABLE);
         bench.expect(&format!("{:03X} [1] 00", 0x700 + u16::from(node_id)));
         bench
     }
@@ -244,7 +253,7 @@ impl DriveBench {
     }
 
     /// The virtual drive itself.
-    pub fn axis(&mut self) -> &mut AxisDrive {
+    pub fn axis(&mut self) -> &mut VirtualDrive<D> {
         self.bus.station_mut(self.device)
     }
 }

@@ -125,14 +125,6 @@ macro_rules! parameters {
         ]);
 
         impl Parameter {
-            /// The parameter that is at home in this object.
-            pub const fn at(index: u16, sub: u8) -> Option<Self> {
-                match (index, sub) {
-                    $($(($index, $sub) => Some(Self::$parameter),)*)*
-                    _ => None,
-                }
-            }
-
             /// Whether it commands the drive, and is not something that is set up ([`crate::Configuration`]).
             pub(crate) const fn is_command(self) -> bool {
                 match self {
@@ -194,10 +186,33 @@ const fn by_home<const N: usize>(mut all: [Description; N]) -> [Description; N] 
     all
 }
 
+/// Where each parameter is at home, in this order.
+#[allow(clippy::indexing_slicing, reason = "it runs in the compiler")]
+static HOMES: [(u16, u8, Parameter); ALL.len()] = {
+    let mut homes = [(0, 0, Parameter::Controlword); ALL.len()];
+    let mut place = 0;
+    while place < ALL.len() {
+        let Description {
+            home: (index, sub),
+            parameter,
+            ..
+        } = ALL[place];
+        homes[place] = (index, sub, parameter);
+        place += 1;
+    }
+    homes
+};
+
 impl Parameter {
+    /// The parameter that is at home in this object.
+    pub fn at(index: u16, sub: u8) -> Option<Self> {
+        let place = HOMES.binary_search_by_key(&(index, sub), |(index, sub, _)| (*index, *sub));
+        Some(HOMES.get(place.ok()?)?.2)
+    }
+
     /// The parameter that is at home in this object of the drive profile. Objects of the manufacturer mean something else in
     /// every device.
-    pub const fn in_profile(index: u16, sub: u8) -> Option<Self> {
+    pub fn in_profile(index: u16, sub: u8) -> Option<Self> {
         if index < PROFILE {
             None
         } else {

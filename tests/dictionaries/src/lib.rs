@@ -4,6 +4,11 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+/// The compact drive.
+pub mod compact {
+    include!(concat!(env!("OUT_DIR"), "/compact.rs"));
+}
+
 /// Lexium MDrive and Liberty MDrive.
 pub mod lmd {
     include!(concat!(env!("OUT_DIR"), "/lmd.rs"));

@@ -22,14 +22,20 @@ impl Ratio {
     /// The product of `over` divided by the product of `under`. `None` if one of them is 0, or if what is left in lowest terms
     /// does not fit in 64 bits.
     pub fn of<const N: usize>(mut over: [u32; N], mut under: [u32; N]) -> Option<Self> {
-        for numerator in &mut over {
-            for denominator in &mut under {
+        Self::reduced(&mut over, &mut under)
+    }
+
+    /// The same, once for every number of factors.
+    #[inline(never)]
+    fn reduced(over: &mut [u32], under: &mut [u32]) -> Option<Self> {
+        for numerator in over.iter_mut() {
+            for denominator in under.iter_mut() {
                 let divisor = greatest_common_divisor(*numerator, *denominator);
                 *numerator = numerator.checked_div(divisor)?;
                 *denominator = denominator.checked_div(divisor)?;
             }
         }
-        let product = |factors: [u32; N]| {
+        let product = |factors: &[u32]| {
             let product = factors.iter().try_fold(1_u64, |product, factor| {
                 product.checked_mul(u64::from(*factor))
             });
