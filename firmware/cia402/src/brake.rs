@@ -55,3 +55,30 @@ impl Brake {
             .is_some_and(|passed| passed >= time)
     }
 }
+
+/// What has to let go of the motor before it moves.
+#[derive(Debug)]
+pub(crate) struct Brakes {
+    /// The brake as the state machine wants it.
+    pub(crate) wanted: Brake,
+    /// The brake itself: 60FEh may want it otherwise.
+    pub(crate) fitted: Brake,
+    /// When the field has caught the rotor: from then on the motor may move.
+    pub(crate) caught: Instant,
+}
+
+impl Brakes {
+    /// Brakes that are closed.
+    pub(crate) const fn new() -> Self {
+        Self {
+            wanted: Brake::new(),
+            fitted: Brake::new(),
+            caught: Instant::from_ticks(0),
+        }
+    }
+
+    /// Whether the field holds the rotor.
+    pub(crate) fn is_caught(&self, now: Instant) -> bool {
+        now >= self.caught
+    }
+}

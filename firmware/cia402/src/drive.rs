@@ -1,99 +1,45 @@
 //! The control half: state machine, mode of operation, planner; once per control tick.
 //!
-//! A tick looks at the world once (commands, inputs, what has become of the pulses), decides, hands out the pulses of
-//! the next segments, and publishes statusword, mode display and actual values together. The motor has power in
-//! operation enabled, quick stop active and fault reaction active, and nowhere else.
+//! A tick looks at the world once (commands, inputs, what has become of the pulses), decides, commits the pulses of
+//! the next segments, and publishes statusword, mode display and actual values together. `Drive::run` is the list of its steps; an early
+//! tick takes a part of them. The motor has power in operation enabled, quick stop active and fault reaction active, and nowhere else.
 
+mod board;
 mod command;
-mod early;
+mod network;
+mod operation;
 mod periphery;
 mod report;
 mod stopping;
+mod transitions;
 
 use core::marker::PhantomData;
 
-use canopen::{Duration, Instant};
-use motion::{AxisConfig, PulseSink};
+use canopen::Instant;
+use motion::PulseSink;
 
 use crate::actuator::{Actuator, StepAxis};
-use crate::brake::Brake;
+use crate::brake::Brakes;
 use crate::configuration::Configuration;
-use crate::controlword::Command;
 use crate::cyclic::{Cyclic, fine};
-use crate::exchange::{Actuals, Commands, Share};
-use crate::faults::{EXTERNAL, Faults, Reaction};
+use crate::exchange::{Actuals, Commands, Exchange, Share, Waiting};
+use crate::faults::{EXTERNAL, Faults};
 use crate::inputs::{DigitalInputs, Switches};
-use crate::modes::{Context, Mode, Modes};
-use crate::monitor::{Monitor, Observed};
+use crate::modes::{Mode, Modes};
+use crate::monitor::Monitor;
 use crate::motor::Motor;
 use crate::objects::{Everything, Objects};
-use crate::option_codes::{Stop, StopRamp};
 use crate::periphery::Periphery;
 use crate::recorder;
-use crate::state_machine::{Conditions, State, StateMachine, Transition};
-use crate::statusword;
+use crate::state_machine::{State, StateMachine};
 use crate::units::{Frame, SoftwareLimits};
 
-/// What a drive is built from.
-#[derive(Clone, Copy, Debug)]
-pub struct DriveConfig {
-    /// The step generator: clock, segment length, timing of the motor driver.
-    pub axis: AxisConfig,
-    /// The period of the control tick, the nominal time between two calls of [`Drive::tick`].
-    pub tick: Duration,
-    /// How often in a tick pulses are handed out, at least 1: by [`Drive::tick`], and by [`Drive::refill`] the other times. Two
-    /// segments are handed out ahead; a segment shorter than the time between is stretched to it, so that one may come late by
-    /// as much.
-    pub refills: u32,
-}
+use board::outlast_tick;
+use command::Orders;
+use network::Network;
+use stopping::Stopping;
 
-/// What the board measures, read once at the start of a tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Inputs {
-    /// The power stage has its supply (statusword bit 4).
-    pub supply: bool,
-    /// Position in increments: pulses that really left, or the encoder. When the motor has power and stands, it has to be
-    /// where the pulses lead, up to `slack`; anything else is the fault 8611h.
-    pub position: i64,
-    /// How far an encoder may be from where the pulses lead while the motor is held, in increments: two and a half full steps of
-    /// a stepper motor, which loses four at a time. 0 where pulses are counted: none may be missing.
-    pub slack: u32,
-    /// A fault the board has found, as a CiA 402 error code; it stands as long as it is reported.
-    pub fault: Option<u16>,
-    /// What the board warns of, as a CiA 402 error code (temperature, load): statusword bit 7 and an emergency message as long as
-    /// it is reported. It changes no state.
-    pub warning: Option<u16>,
-    /// The digital inputs.
-    pub digital: DigitalInputs,
-    /// The motor driver senses that the motor is blocked; `None` if it has no such sense.
-    pub stall: Option<bool>,
-    /// The supply of the power stage in millivolts; `None` if the board cannot measure it. Then `supply` alone counts.
-    pub supply_voltage: Option<u32>,
-    /// The temperature of the power stage in tenths of a degree Celsius; `None` if the board cannot measure it.
-    pub temperature: Option<i16>,
-    /// The analogue input as its converter of 12 bits reads it, 0 ..= 4095; `None` if there is none.
-    pub analogue: Option<u16>,
-}
-
-/// What the board must do, set at the end of a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Outputs {
-    /// When the next tick is due, in step with SYNC; `None` where nothing but the nominal period matters, and behind an early tick. To the nearest microsecond;
-    /// what is rounded off does not add up.
-    pub next_tick: Option<Instant>,
-    /// Current in the motor.
-    pub power_stage: bool,
-    /// The brake is open.
-    pub brake_released: bool,
-    /// Pulses not yet sent must be dropped: the power is off, or there is no ramp to stop on.
-    pub drop_pulses: bool,
-    /// The current that the motor driver is to put into the motor, in milliamperes; 0 without power.
-    pub current: u16,
-    /// How many pulses of a full step the motor driver is to be set to.
-    pub microsteps: u16,
-    /// The levels of the digital outputs, output `n` in bit `n − 1`.
-    pub digital: u8,
-}
+pub use board::{DriveConfig, Inputs, Outputs};
 
 /// The drive of a dictionary `D`: what the data sheet does not list is not linked.
 #[derive(Debug)]
@@ -105,56 +51,40 @@ pub struct Drive<D = Everything> {
     frame: Frame,
     /// Where the motor may go.
     limits: SoftwareLimits,
-    /// In this tick the configuration, or where the motor may go, may have changed.
-    has_changed: bool,
     machine: StateMachine,
     modes: Modes,
     faults: Faults,
     motor: Motor<StepAxis>,
-    /// The brake as the state machine wants it.
-    brake: Brake,
-    /// The brake itself: 60FEh may want it otherwise.
-    fitted_brake: Brake,
+    brakes: Brakes,
     monitor: Monitor,
-    /// What the monitor found in this tick.
-    observed: Observed,
-    /// The following error has been too large since the last fault reset.
-    lost: bool,
     switches: Switches,
     periphery: Periphery,
     power: bool,
-    /// The motor stood at the end of the last tick: its position must now be the one its pulses lead to.
-    settled: bool,
-    /// When the field has caught the rotor: from then on the motor may move.
-    caught: Instant,
-    /// The restart that is asked for has been done.
-    restarted: bool,
-    /// "Shutdown" was written before the command that stands, and has not been carried out yet.
-    shutdown_first: bool,
-    /// "Shutdown" or "disable operation" was the last command, and waits for the motor to stand.
-    pending: Option<Command>,
-    /// The network may command the drive, or 6007h lets it go on without.
-    is_commanded: bool,
-    /// The fault that 6007h = 1 makes of a loss of the network has been raised.
-    is_abandoned: bool,
-    /// When the last tick was.
+    orders: Orders,
+    network: Network,
+    stopping: Stopping,
+    /// When the last regular tick was.
     ticked: Instant,
-    /// When the state began.
-    entered: Instant,
-    /// When the drive began to stop on its own: no remote control, or a fault. Until the power is off.
-    own_stop: Option<Instant>,
-    /// The state has been seen on the bus, or nobody looks.
-    is_seen: bool,
-    /// The fault reaction is over, and goes on only to be seen.
-    is_only_shown: bool,
-    /// A fault was reset meanwhile.
-    resets_early: bool,
-    /// The beat of the network, and what the cyclic modes go by.
+    /// The sync events of the network, and what the cyclic modes go by.
     cyclic: Cyclic,
-    /// The tick that runs is an early one.
-    is_early: bool,
     /// Only its features are of interest.
     dictionary: PhantomData<fn() -> D>,
+}
+
+/// The tick that runs.
+struct Tick<'a> {
+    now: Instant,
+    /// Microseconds since the last regular tick. In an early one no time passes.
+    elapsed: u32,
+    /// It runs between two regular ticks, for a command to stop.
+    is_early: bool,
+    inputs: &'a Inputs,
+    /// Where the motor is.
+    position: i64,
+    /// It is not where it should be.
+    is_displaced: bool,
+    /// The configuration, or where the motor may go, may have changed.
+    has_changed: bool,
 }
 
 impl<D: Objects> Drive<D> {
@@ -165,34 +95,20 @@ impl<D: Objects> Drive<D> {
             configuration: Configuration::NONE,
             frame: Frame::new(),
             limits: SoftwareLimits::new(),
-            has_changed: false,
             machine: StateMachine::new(),
             modes: Modes::new(),
             faults: Faults::default(),
             motor: Motor::new(outlast_tick(config)),
-            brake: Brake::new(),
-            fitted_brake: Brake::new(),
+            brakes: Brakes::new(),
             monitor: Monitor::new(),
-            observed: Observed::default(),
-            lost: false,
             switches: Switches::default(),
             periphery: Periphery::new(),
             power: false,
-            settled: false,
-            caught: Instant::from_ticks(0),
-            restarted: false,
-            shutdown_first: false,
-            pending: None,
-            is_commanded: false,
-            is_abandoned: false,
+            orders: Orders::default(),
+            network: Network::default(),
+            stopping: Stopping::new(),
             ticked: Instant::from_ticks(0),
-            entered: Instant::from_ticks(0),
-            own_stop: None,
-            is_seen: true,
-            is_only_shown: false,
-            resets_early: false,
             cyclic: Cyclic::new(&outlast_tick(config), config.tick),
-            is_early: false,
             dictionary: PhantomData,
         }
     }
@@ -219,65 +135,97 @@ impl<D: Objects> Drive<D> {
         pulses: &mut S,
         exchange: &mut X,
     ) -> Outputs {
-        let waiting = exchange.lock(|exchange| exchange.take(&mut self.commands));
-        if waiting.is_configured {
-            exchange.lock(|exchange| exchange.take_configuration(&mut self.configuration));
-        }
-        let cyclic = &self.configuration.cyclic;
-        let mode = self.modes.active();
-        let wanted = Mode::among(D::DRIVE.modes, self.commands.mode).unwrap_or(mode);
-        self.cyclic.take(waiting, exchange, cyclic, (mode, wanted));
-        self.is_seen = waiting.is_seen;
-        let command = self.command();
-        let elapsed = now
-            .checked_duration_since(self.ticked)
-            .map_or(0, |span| u32::try_from(span.ticks()).unwrap_or(u32::MAX));
-        self.ticked = now;
-        let (position, displaced) = self.look_at_motor(now, inputs, pulses);
-        self.cyclic.pass(fine(now), &self.configuration.cyclic);
-        self.is_early = false;
-        self.look_for_changes(waiting.is_configured, position);
-        self.switches.observe(
-            &inputs.digital,
-            &self.configuration.inputs,
-            self.motor.count(position),
-            elapsed,
-        );
-        self.measure(inputs, elapsed);
-        self.probe(inputs, now, position);
-        self.monitor(now, position, inputs.slack == 0);
+        self.run(false, (now, inputs), pulses, exchange)
+    }
 
-        let restart = self.commands.restart;
-        let restarts = restart && !self.restarted && self.is_idle();
-        self.restarted = restart && (self.restarted || restarts);
+    /// A tick as soon as a command to stop has come ([`Exchange::calls_early`]): halt, quick stop, disable operation or voltage, a network
+    /// that is lost. It would wait for up to a period; the regular ticks come behind it as they would have come. `now` and `inputs` are as
+    /// for [`Drive::tick`], but the digital inputs are not looked at: their edges are for the regular tick.
+    ///
+    /// It does what concerns the command and the motor. Everything that goes by the regular ticks is left to these: switches and their
+    /// debouncing, the touch probes, data records and set-points of the cyclic modes, the rhythm of the ticks, pulses for a motor
+    /// that moves, the sixteen ticks of the actual velocity, samples of the scope. So no time is shortened and nothing is consumed twice.
+    pub fn early_tick<S: PulseSink, X: Share>(
+        &mut self,
+        now: Instant,
+        inputs: &Inputs,
+        pulses: &mut S,
+        exchange: &mut X,
+    ) -> Outputs {
+        self.run(true, (now, inputs), pulses, exchange)
+    }
+
+    /// The steps of a tick.
+    fn run<S: PulseSink, X: Share>(
+        &mut self,
+        is_early: bool,
+        (now, inputs): (Instant, &Inputs),
+        pulses: &mut S,
+        exchange: &mut X,
+    ) -> Outputs {
+        let waiting = self.take(is_early, exchange);
+        let command = self.command();
+        let (position, is_displaced) = self.look_at_motor(now, inputs, pulses);
+        let quiet = is_early.then(|| self.without_edges(inputs));
+        let tick = &Tick {
+            now,
+            elapsed: self.elapse(is_early, now),
+            is_early,
+            inputs: quiet.as_ref().unwrap_or(inputs),
+            position,
+            is_displaced,
+            has_changed: self.look_for_changes(waiting.is_configured, position),
+        };
+        self.look_at_switches(tick);
+        self.measure(tick);
+        self.probe(tick);
+        self.watch_motor(tick);
+        let restarts = self.restarts(tick);
         let mode_bits = if restarts {
             self.restart();
             0
         } else {
-            self.change_state(now, inputs, command, displaced);
+            self.change_state(tick, command);
             self.move_brake(now);
-            let blocked = self.blocked(inputs, position);
-            self.operate(now, position, elapsed, blocked, command, pulses)
+            self.operate(tick, command, pulses)
         };
-        if !self.keeps_records() {
-            self.cyclic.buffer.clear();
-        }
-
-        let is_cyclic = self.modes.active().is_cyclic();
-        let next_tick = self.cyclic.next_tick(now, is_cyclic);
-
-        let outputs = self.hand_over(
-            (now, elapsed),
-            inputs,
-            mode_bits,
-            restarts,
-            pulses,
-            exchange,
-        );
+        self.keep_records(tick, exchange);
+        let next_tick = self.next_tick(tick);
+        self.commit(tick, pulses);
+        let statusword = self.publish(tick, mode_bits, restarts, exchange);
         Outputs {
             next_tick,
-            ..outputs
+            power_stage: self.power,
+            brake_released: self.brakes.fitted.is_released(),
+            drop_pulses: !self.power || self.motor.is_cut(),
+            current: self.motor_current(tick.elapsed),
+            microsteps: self.configuration.microsteps,
+            digital: self.output_levels(statusword),
         }
+    }
+
+    /// What has come from the network since the last tick.
+    fn take<X: Share>(&mut self, is_early: bool, exchange: &mut X) -> Waiting {
+        let waiting = exchange.lock(|exchange| {
+            if is_early {
+                exchange.take_early(&mut self.commands)
+            } else {
+                exchange.take(&mut self.commands)
+            }
+        });
+        if waiting.is_configured {
+            exchange.lock(|exchange| exchange.take_configuration(&mut self.configuration));
+        }
+        if !is_early {
+            let cyclic = &self.configuration.cyclic;
+            let mode = self.modes.active();
+            let wanted = Mode::among(D::DRIVE.modes, self.commands.mode).unwrap_or(mode);
+            self.cyclic.take(waiting, exchange, cyclic, (mode, wanted));
+        } else if waiting.is_configured {
+            self.cyclic.look_anew();
+        }
+        self.stopping.is_seen = waiting.is_seen;
+        waiting
     }
 
     /// Where the motor is, and whether it is not where it should be.
@@ -293,82 +241,61 @@ impl<D: Objects> Drive<D> {
         }
         let position = self.motor.position_of(inputs.position);
         self.await_rotor(now, inputs);
-        let is_held = self.power && self.is_caught(now);
-        let displaced = is_held
-            && self.settled
+        let is_held = self.power && self.brakes.is_caught(now);
+        // It stood at the end of the last tick: its position must now be the one its demands lead to.
+        let stood = self.motor.standstill();
+        let is_displaced = is_held
+            && stood
             && !self.motor.is_cut()
             && self.motor.is_displaced(position, inputs.slack);
         // The pulses of the last tick may have been cut off before they left, though they are counted.
-        let is_cut_off = inputs.fault == Some(EXTERNAL) && !self.settled;
-        if displaced || is_cut_off {
+        let is_cut_off = inputs.fault == Some(EXTERNAL) && !stood;
+        if is_displaced || is_cut_off {
             self.motor.lose_reference();
         }
+        self.motor.observe(position, is_held, pulses);
         if !self.power && self.motor.standstill() {
             self.motor.set_timing(self.configuration.pulse_timing);
         }
-        self.motor.observe(position, is_held, pulses);
         self.motor.set_time(fine(now));
-        (position, displaced)
+        (position, is_displaced)
     }
 
-    /// Hands out pulses (an early tick only to a motor that stands), and publishes what the tick has made of the drive.
-    fn hand_over<S: PulseSink, X: Share>(
-        &mut self,
-        (now, elapsed): (Instant, u32),
-        inputs: &Inputs,
-        mode_bits: u16,
-        restarts: bool,
-        pulses: &mut S,
-        exchange: &mut X,
-    ) -> Outputs {
-        if !self.is_early {
-            self.motor.plan_on(pulses);
+    /// The levels of the digital inputs as the last regular tick has found them.
+    fn without_edges(&self, inputs: &Inputs) -> Inputs {
+        Inputs {
+            digital: DigitalInputs {
+                levels: self.switches.levels(),
+                ..DigitalInputs::NONE
+            },
+            ..*inputs
         }
-        // The set-points of the cyclic modes count on what is handed out when.
-        if !self.is_early || self.motor.is_at_rest() {
-            self.motor.advance(pulses);
-        }
-        self.settled = self.motor.is_settled(pulses);
+    }
 
-        let actuals = self.actuals(now, inputs, mode_bits);
-        let news = self.periphery_news(inputs);
-        exchange.lock(|exchange| {
-            exchange.publish(&actuals);
-            if let Some(latched) = news.latched {
-                exchange.latch(latched);
-            }
-            if let Some(readings) = news.readings {
-                exchange.show(readings);
-            }
-            if restarts {
-                exchange.forget_notices();
-            }
-            while let Some(notice) = self.faults.take_notice() {
-                exchange.notify(notice);
-            }
-        });
-        Outputs {
-            next_tick: None,
-            power_stage: self.power,
-            brake_released: self.fitted_brake.is_released(),
-            drop_pulses: !self.power || self.motor.is_cut(),
-            current: self.motor_current(elapsed),
-            microsteps: self.configuration.microsteps,
-            digital: self.output_levels(actuals.statusword),
+    /// Microseconds since the last regular tick.
+    fn elapse(&mut self, is_early: bool, now: Instant) -> u32 {
+        if is_early {
+            self.cyclic.slots.clear();
+            return 0;
         }
+        let since = core::mem::replace(&mut self.ticked, now);
+        self.cyclic.pass(fine(now), &self.configuration.cyclic);
+        now.checked_duration_since(since)
+            .map_or(0, |span| u32::try_from(span.ticks()).unwrap_or(u32::MAX))
     }
 
     /// Works out anew what hangs on units and limits, if they or the home position may have changed.
-    fn look_for_changes(&mut self, is_configured: bool, position: i64) {
+    fn look_for_changes(&mut self, is_configured: bool, position: i64) -> bool {
         if is_configured {
             // An early tick does not look at them: the next regular one does.
             self.switches.look_anew();
         }
-        self.has_changed =
+        let has_changed =
             is_configured || self.limits.are_old(&self.frame, self.motor.is_referenced());
-        if self.has_changed {
+        if has_changed {
             self.look_at_units(position);
         }
+        has_changed
     }
 
     /// Works out anew what hangs on units and limits, when they or the home position have changed.
@@ -396,201 +323,106 @@ impl<D: Objects> Drive<D> {
         }
     }
 
-    /// Whether data records may wait.
-    fn keeps_records(&self) -> bool {
-        self.state() == State::OperationEnabled && self.modes.keeps_records()
-    }
-
-    /// Compares what the motor does with what it should.
-    fn monitor(&mut self, now: Instant, position: i64, is_counted: bool) {
-        if self.power {
-            let demand = self.motor.demand();
-            self.observed =
-                self.monitor
-                    .observe(now, demand, position, is_counted, &self.configuration);
-            self.lost |= self.observed.is_lost;
+    fn look_at_switches(&mut self, tick: &Tick<'_>) {
+        if tick.is_early {
+            self.switches.forget_edges();
         } else {
-            self.monitor.reset(now);
-            self.observed = Observed::default();
+            self.switches.observe(
+                &tick.inputs.digital,
+                &self.configuration.inputs,
+                self.motor.count(tick.position),
+                tick.elapsed,
+            );
         }
     }
 
-    /// Whether there is no power and nothing that still has to be done: the device may start anew.
-    fn is_idle(&self) -> bool {
-        !self.power && self.motor.standstill() && self.machine.state() != State::FaultReactionActive
+    /// Compares what the motor does with what it should.
+    fn watch_motor(&mut self, tick: &Tick<'_>) {
+        let (demand, is_counted) = (self.motor.demand(), tick.inputs.slack == 0);
+        if !self.power {
+            if !tick.is_early {
+                self.monitor.reset(tick.now);
+            }
+        } else if tick.is_early {
+            self.monitor.look_again(demand, tick.position, is_counted);
+        } else {
+            self.monitor.observe(
+                tick.now,
+                demand,
+                tick.position,
+                is_counted,
+                &self.configuration,
+            );
+        }
     }
 
     /// NMT reset node: as after power-on.
     fn restart(&mut self) {
         self.machine = StateMachine::new();
         self.faults = Faults::default();
-        self.lost = false;
-        self.resets_early = false;
+        self.monitor.forget_loss();
+        self.orders.forget_reset();
     }
 
-    /// Faults, then the state machine, then what a transition does to the motor.
-    fn change_state(
-        &mut self,
-        now: Instant,
-        inputs: &Inputs,
-        command: Option<Command>,
-        displaced: bool,
-    ) {
-        let both_limits = self.switches.both_limits();
-        let detected = self.faults.detect(
-            inputs,
-            self.power,
-            displaced || self.observed.is_lost,
-            both_limits,
-            &self.periphery.stage,
-        );
-        let (remote, command, lost) = self.under_6007h(command);
-        let lost_now = core::mem::replace(&mut self.is_commanded, remote) && !remote;
-        let silent = self.set_points_lost();
-        let late = self.pulses_late();
-        let reaction = detected.or(lost).or(silent).or(late);
-        let is_over = self.motor.standstill() && self.is_held_by_brake(now, remote, command);
-        let has_shown = self.has_shown(now);
-        let reset = self.resets_fault(is_over, has_shown, reaction.is_some());
-        let conditions = Conditions {
-            command,
-            remote,
-            quick_stop: self.configuration.quick_stop,
-            at_once: self.leaving(command) == Some(Stop::PowerOff),
-            standstill: is_over && has_shown,
-            fault: reaction.is_some(),
-            fault_reset: reset && !self.faults.cause_stands(),
-        };
-        if reset && self.machine.state() == State::Fault && self.faults.cause_stands() {
-            self.faults.renew();
-        }
-        if let Some(transition) = self.machine.step(&conditions) {
-            self.entered = now;
-            self.carry_out(transition, reaction);
-        } else if reaction == Some(Reaction::PowerOff) {
-            self.power_off();
-        } else if lost_now && !self.is_abandoned && self.is_stopped_by_state() {
-            self.stop(Stop::Ramp(StopRamp::QuickStop));
-        }
-        if command == Some(Command::DisableVoltage) {
-            // It waits for nothing, and no fault reaction goes on against it.
-            self.power_off();
-        }
-        self.brake.set(
-            self.power && (self.brake.is_released() || !self.is_leaving(remote, command)),
-            now,
-        );
-        self.end_own_stop(now, remote);
-    }
-
-    /// The action of a transition (CiA 402-2, "transition events and actions").
-    fn carry_out(&mut self, transition: Transition, reaction: Option<Reaction>) {
-        match transition.to {
-            State::OperationEnabled => {
-                self.power = true;
-                self.modes.enter(&self.motor);
+    /// Forgets the data records that no mode may take any more; an early tick also those that wait for the next regular one, at which they
+    /// may be kept again.
+    fn keep_records<X: Share>(&mut self, tick: &Tick<'_>, exchange: &mut X) {
+        let keeps = self.state() == State::OperationEnabled && self.modes.keeps_records();
+        if !keeps {
+            self.cyclic.buffer.clear();
+            if tick.is_early {
+                exchange.lock(Exchange::forget_records);
             }
-            State::QuickStopActive => self.stop(self.machine.quick_stop().stop()),
-            State::FaultReactionActive => match reaction {
-                Some(Reaction::AsConfigured) if self.power => {
-                    self.stop(self.configuration.fault_reaction);
-                }
-                _ => self.power_off(),
-            },
-            State::SwitchOnDisabled if transition.from == State::Fault => {
-                self.lost = false;
-                self.faults.reset();
-            }
-            _ => self.power_off(),
         }
     }
 
-    /// Whether the motor is blocked: the motor driver says so, or it is too far behind its pulses. `None` if neither can tell.
-    fn blocked(&self, inputs: &Inputs, position: i64) -> Option<bool> {
-        let window = self.configuration.homing.block_window;
-        if window == 0 {
-            return inputs.stall;
+    /// When the next regular tick is due.
+    fn next_tick(&mut self, tick: &Tick<'_>) -> Option<Instant> {
+        if tick.is_early {
+            return None;
         }
-        let behind = self.motor.demand().position.wrapping_sub(position) as i32;
-        Some(inputs.stall == Some(true) || behind.unsigned_abs() >= window)
+        let is_cyclic = self.modes.active().is_cyclic();
+        self.cyclic.next_tick(tick.now, is_cyclic)
     }
 
-    /// The mode of operation. Returns its bits of the statusword.
-    fn operate(
+    /// Commits what the tick has decided; an early one only for a motor that stands, as the set-points of the cyclic modes count on what is
+    /// committed when.
+    fn commit<S: PulseSink>(&mut self, tick: &Tick<'_>, pulses: &mut S) {
+        if !tick.is_early {
+            self.motor.plan_on(pulses);
+        }
+        if !tick.is_early || self.motor.is_at_rest() {
+            self.motor.advance(pulses);
+        }
+        self.motor.look_again(pulses);
+    }
+
+    /// Publishes what the tick has made of the drive. Returns the statusword.
+    fn publish<X: Share>(
         &mut self,
-        now: Instant,
-        position: i64,
-        elapsed: u32,
-        blocked: Option<bool>,
-        command: Option<Command>,
-        pulses: &mut dyn PulseSink,
+        tick: &Tick<'_>,
+        mode_bits: u16,
+        restarts: bool,
+        exchange: &mut X,
     ) -> u16 {
-        let state = self.machine.state();
-        if state != State::OperationEnabled && self.motor.standstill() {
-            self.modes.select::<D>(self.commands.mode);
-        }
-        let bits = match state {
-            State::OperationEnabled => {
-                if let Some(Stop::Ramp(ramp)) = self.leaving(command) {
-                    // The transition waits until the motor stands.
-                    self.modes.interrupt(
-                        &mut self.motor,
-                        ramp,
-                        &self.commands,
-                        &self.configuration,
-                    );
-                    return self.mind_limits() | self.mind_travel();
-                }
-                let limit = self.mind_limits();
-                let is_brake_open = self.is_brake_open(now);
-                let bits = self.modes.tick::<D>(&mut Context {
-                    now,
-                    mode: self.modes.active(),
-                    commands: &self.commands,
-                    configuration: &self.configuration,
-                    demand: self.motor.demand(),
-                    observed: self.observed,
-                    travel: self.limits.travel(),
-                    has_changed: self.has_changed,
-                    frame: &mut self.frame,
-                    switches: &self.switches,
-                    blocked,
-                    elapsed,
-                    position,
-                    is_brake_open,
-                    motor: &mut self.motor,
-                    pulses,
-                    slots: &self.cyclic.slots,
-                    buffer: &mut self.cyclic.buffer,
-                    pipeline: &self.cyclic.pipeline,
-                    is_early: self.is_early,
-                    lost_set_points: &mut self.cyclic.has_lost,
-                });
-                bits | limit
+        let actuals = self.actuals(tick.now, tick.inputs, mode_bits);
+        let news = self.periphery_news(tick.inputs);
+        exchange.lock(|exchange| {
+            exchange.publish(&actuals);
+            if let Some(latched) = news.latched {
+                exchange.latch(latched);
             }
-            State::QuickStopActive | State::FaultReactionActive => {
-                let stays = state == State::QuickStopActive && self.machine.quick_stop().stays();
-                let bits = if stays && self.motor.standstill() {
-                    statusword::TARGET_REACHED
-                } else {
-                    0
-                };
-                bits | self.idle_bits() | self.mind_limits()
+            if let Some(readings) = news.readings {
+                exchange.show(readings);
             }
-            _ => return self.idle_bits(),
-        };
-        bits | self.mind_travel()
-    }
-}
-
-/// The axis with segments at least as long as pulses are handed out apart, so that with two of them one may come late by as much.
-fn outlast_tick(config: DriveConfig) -> AxisConfig {
-    let tick = u64::from(config.axis.clock.hz()).saturating_mul(config.tick.ticks()) / 1_000_000;
-    let apart = tick.checked_div(config.refills.into()).unwrap_or(tick);
-    let least = u32::try_from(apart).unwrap_or(u32::MAX);
-    AxisConfig {
-        segment: config.axis.segment.max(least),
-        ..config.axis
+            if restarts {
+                exchange.forget_notices();
+            }
+            while let Some(notice) = self.faults.take_notice() {
+                exchange.notify(notice);
+            }
+        });
+        actuals.statusword
     }
 }
 

@@ -23,6 +23,10 @@ pub(crate) struct Monitor {
     errors: [(i32, u32); SPAN],
     oldest: usize,
     outside: Dwell,
+    /// What was found in this tick.
+    observed: Observed,
+    /// The following error has been too large since the last fault reset.
+    has_lost: bool,
 }
 
 /// What a control tick found.
@@ -44,7 +48,24 @@ impl Monitor {
             errors: [(0, 0); SPAN],
             oldest: 0,
             outside: Dwell::new(),
+            observed: Observed::NONE,
+            has_lost: false,
         }
+    }
+
+    /// What was found in this tick.
+    pub(crate) const fn observed(&self) -> Observed {
+        self.observed
+    }
+
+    /// Whether the following error has been too large since the last call of [`Monitor::forget_loss`].
+    pub(crate) const fn has_lost(&self) -> bool {
+        self.has_lost
+    }
+
+    /// The master has reset the fault.
+    pub(crate) const fn forget_loss(&mut self) {
+        self.has_lost = false;
     }
 
     /// A tick in which the motor has no power: what it should do is what it does.
@@ -54,6 +75,7 @@ impl Monitor {
         }
         self.outside = Dwell::new();
         self.put(now, 0);
+        self.observed = Observed::NONE;
     }
 
     /// Keeps an error in the place of the oldest one. Returns by how much they differ, and the microseconds in between.
@@ -87,7 +109,7 @@ impl Monitor {
             per_second(growth, span).into()
         };
         let window = configuration.following_error_window;
-        Observed {
+        self.observed = Observed {
             following_error: error,
             velocity: demand.velocity.minus(slippage),
             slippage,
@@ -97,16 +119,26 @@ impl Monitor {
                 window != OFF && error.unsigned_abs() > window,
                 configuration.following_error_time_out,
             ),
-        }
+        };
+        self.has_lost |= self.observed.is_lost;
+        self.observed
+    }
+
+    /// Looks at the motor between two ticks that measure: its slippage is the one that was found last.
+    pub(crate) fn look_again(&mut self, demand: Demand, position: i64, is_counted: bool) {
+        self.observed.following_error = following_error(demand, position, is_counted);
+        self.observed.velocity = demand.velocity.minus(self.observed.slippage);
     }
 }
 
 impl Observed {
-    /// Looks at the motor between two ticks that measure: its slippage is the one that was found last.
-    pub(crate) fn look_again(&mut self, demand: Demand, position: i64, is_counted: bool) {
-        self.following_error = following_error(demand, position, is_counted);
-        self.velocity = demand.velocity.minus(self.slippage);
-    }
+    /// A motor that does what it should.
+    const NONE: Self = Self {
+        following_error: 0,
+        velocity: SignedSpeed::ZERO,
+        slippage: SignedSpeed::ZERO,
+        is_lost: false,
+    };
 }
 
 /// 60F4h in steps. Of pulses that are counted none is missing as long as it may just be on its way.

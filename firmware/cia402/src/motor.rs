@@ -106,9 +106,9 @@ impl Motor<StepAxis> {
         self.actuator.observe(pulses.pending());
     }
 
-    /// Whether the motor has nothing left to do at the end of this tick.
-    pub(crate) fn is_settled<S: PulseSink>(&self, pulses: &S) -> bool {
-        self.actuator.is_at_rest() && pulses.pending() == 0
+    /// Looks at the motor at the end of a tick: it may have begun to move.
+    pub(crate) fn look_again<S: PulseSink>(&mut self, pulses: &S) {
+        self.actuator.look_again(pulses.pending());
     }
 
     /// The orders of this regular tick have been given: what the ones before have left to be planned is.

@@ -40,7 +40,7 @@ pub(crate) trait Actuator: Debug {
     /// What was being done at the start of this tick.
     fn demand(&self) -> Demand;
 
-    /// Whether the motor stood at the start of this tick.
+    /// Whether the motor stands: nothing is planned, and all of it is done. As of the start of this tick; at its end, as of then.
     fn standstill(&self) -> bool;
 
     /// Whether the demand is at rest: nothing is planned, and all of it is committed.

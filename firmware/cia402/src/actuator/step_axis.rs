@@ -61,9 +61,14 @@ impl StepAxis {
 
     /// Looks at what has become of the pulses, at the start of a tick: so many ticks of them are still to be sent.
     pub(crate) fn observe(&mut self, pending: Ticks) {
-        self.standstill = self.at_rest && pending == 0;
+        self.look_again(pending);
         self.demand = self.demand_of(pending);
         self.played = self.axis.played(pending);
+    }
+
+    /// The same at the end of a tick, for whether the motor stands.
+    pub(crate) fn look_again(&mut self, pending: Ticks) {
+        self.standstill = self.at_rest && pending == 0;
     }
 
     /// The tick that has just observed runs at `now`: what is followed goes by that.

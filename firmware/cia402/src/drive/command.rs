@@ -1,11 +1,31 @@
-//! Which command a tick obeys: what the master wrote, what it wrote too fast to be seen, and what 6007h makes of its silence.
+//! Which command a tick obeys: what the master wrote, and what it wrote too fast to be seen; and the faults that the drive finds itself.
 
 use super::Drive;
+use crate::actuator::Actuator;
 use crate::controlword::{Command, FAULT_RESET};
 use crate::faults::Reaction;
 use crate::objects::Objects;
-use crate::option_codes::AbortConnectionOption;
 use crate::state_machine::State;
+
+/// What a master has ordered that waits for its moment.
+#[derive(Debug, Default)]
+pub(super) struct Orders {
+    /// "Shutdown" was written before the command that stands, and has not been carried out yet.
+    shutdown_first: bool,
+    /// "Shutdown" or "disable operation" was the last command, and waits for the motor to stand.
+    pending: Option<Command>,
+    /// The fault reaction is over, and goes on only to be seen.
+    is_only_shown: bool,
+    /// A fault was reset meanwhile.
+    resets_early: bool,
+}
+
+impl Orders {
+    /// The fault that was reset is none any more.
+    pub(super) const fn forget_reset(&mut self) {
+        self.resets_early = false;
+    }
+}
 
 impl<D: Objects> Drive<D> {
     /// The command of this tick: that of the controlword; or, as a controlword with bit 7 is none, the one before it to leave
@@ -13,11 +33,11 @@ impl<D: Objects> Drive<D> {
     pub(super) fn command(&mut self) -> Option<Command> {
         let given = self.given_command();
         if self.machine.state() != State::OperationEnabled {
-            self.pending = None;
+            self.orders.pending = None;
         } else if given.is_some() {
-            self.pending = given.filter(|given| self.leaving(Some(*given)).is_some());
+            self.orders.pending = given.filter(|given| self.leaving(Some(*given)).is_some());
         }
-        given.or(self.pending)
+        given.or(self.orders.pending)
     }
 
     /// What the master has given: a command to stop that was overwritten since the last tick, else "shutdown" if a master in a
@@ -27,14 +47,14 @@ impl<D: Objects> Drive<D> {
         let standing = Command::decode(commands.controlword).or(commands.overwritten);
         let leads_up = matches!(standing, Some(Command::SwitchOn | Command::EnableOperation));
         let hurried =
-            commands.remote && leads_up && (self.shutdown_first || commands.shutdown_first);
+            commands.remote && leads_up && (self.orders.shutdown_first || commands.shutdown_first);
         // It waits for the stop or the fault reset that came before it; that may wait for the end of a reaction that is being shown.
         let is_faulty = matches!(
             self.machine.state(),
             State::Fault | State::FaultReactionActive
         );
-        let resets = is_faulty && (self.resets_early || commands.rising & FAULT_RESET != 0);
-        self.shutdown_first = hurried && (commands.stop.is_some() || resets);
+        let resets = is_faulty && (self.orders.resets_early || commands.rising & FAULT_RESET != 0);
+        self.orders.shutdown_first = hurried && (commands.stop.is_some() || resets);
         if commands.stop.is_some() {
             commands.stop
         } else if hurried && self.machine.state() == State::SwitchOnDisabled {
@@ -49,43 +69,14 @@ impl<D: Objects> Drive<D> {
     pub(super) fn resets_fault(&mut self, is_over: bool, has_shown: bool, is_new: bool) -> bool {
         let edge = self.commands.remote && self.commands.rising & FAULT_RESET != 0;
         if self.machine.state() != State::FaultReactionActive {
-            self.is_only_shown = false;
-            return edge | core::mem::take(&mut self.resets_early);
+            self.orders.is_only_shown = false;
+            return edge | core::mem::take(&mut self.orders.resets_early);
         }
         let is_only_shown = is_over && !has_shown;
-        let was_only_shown = core::mem::replace(&mut self.is_only_shown, is_only_shown);
-        self.resets_early |= edge && (is_only_shown || was_only_shown);
-        self.resets_early &= !is_new;
+        let was_only_shown = core::mem::replace(&mut self.orders.is_only_shown, is_only_shown);
+        self.orders.resets_early |= edge && (is_only_shown || was_only_shown);
+        self.orders.resets_early &= !is_new;
         edge
-    }
-
-    /// What is left of remote control: whether there is one, the command, and the fault that its loss is. A reset of the device
-    /// always stops the motor; otherwise 6007h says what the loss means to a drive with power.
-    pub(super) fn under_6007h(
-        &mut self,
-        command: Option<Command>,
-    ) -> (bool, Option<Command>, Option<Reaction>) {
-        let Some(code) = self
-            .commands
-            .connection_error
-            .filter(|_| !self.commands.remote)
-        else {
-            self.is_abandoned = false;
-            return (self.commands.remote, command, None);
-        };
-        match self.configuration.abort_connection {
-            AbortConnectionOption::NoAction => (true, command, None),
-            AbortConnectionOption::FaultSignal if self.power && !self.is_abandoned => {
-                self.is_abandoned = true;
-                self.faults.connection_lost(code);
-                let command = command.filter(|given| *given == Command::DisableVoltage);
-                (true, command, Some(Reaction::AsConfigured))
-            }
-            AbortConnectionOption::DisableVoltage => (true, Some(Command::DisableVoltage), None),
-            AbortConnectionOption::FaultSignal | AbortConnectionOption::QuickStop => {
-                (false, command, None)
-            }
-        }
     }
 
     /// The fault that too many missing set-points of a cyclic mode are, if 2051h:2 makes them one. The mode has stopped the motor
@@ -110,7 +101,7 @@ impl<D: Objects> Drive<D> {
             self.motor.lose_reference();
             return Some(self.faults.pulses_lost());
         }
-        if is_late || self.settled {
+        if is_late || self.motor.standstill() {
             self.faults.pulses_late(is_late);
         }
         None

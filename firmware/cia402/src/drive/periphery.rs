@@ -2,7 +2,7 @@
 
 use canopen::Instant;
 
-use super::{Drive, Inputs};
+use super::{Drive, Inputs, Tick};
 use crate::actuator::Actuator;
 use crate::objects::Objects;
 use crate::periphery::News;
@@ -14,9 +14,9 @@ const CATCH: u64 = 50_000;
 
 impl<D: Objects> Drive<D> {
     /// What the board has measured, and what the master wants of the outputs, at the start of a tick.
-    pub(super) fn measure(&mut self, inputs: &Inputs, elapsed: u32) {
+    pub(super) fn measure(&mut self, tick: &Tick<'_>) {
         self.periphery
-            .measure::<D>(elapsed, inputs, &self.configuration);
+            .measure::<D>(tick.elapsed, tick.inputs, &self.configuration);
         if D::DRIVE.digital_outputs {
             self.periphery
                 .outputs
@@ -24,17 +24,23 @@ impl<D: Objects> Drive<D> {
         }
     }
 
-    /// The touch probes look at the inputs: in regular ticks only, as these alone have the edges.
-    pub(super) fn probe(&mut self, inputs: &Inputs, now: Instant, position: i64) {
-        if D::DRIVE.touch_probes {
-            self.periphery.probes.observe(
-                now,
-                &inputs.digital,
-                &self.commands,
-                &self.configuration,
-                self.motor.count(position),
-            );
+    /// The touch probes look at the inputs: in regular ticks only, as these alone have the edges. What is only written once is in the
+    /// commands of an early one all the same.
+    pub(super) fn probe(&mut self, tick: &Tick<'_>) {
+        if !D::DRIVE.touch_probes {
+            return;
         }
+        if tick.is_early {
+            self.periphery.probes.follow_later(&self.commands);
+            return;
+        }
+        self.periphery.probes.observe(
+            tick.now,
+            &tick.inputs.digital,
+            &self.commands,
+            &self.configuration,
+            self.motor.count(tick.position),
+        );
     }
 
     /// What is new for the device.
@@ -48,12 +54,12 @@ impl<D: Objects> Drive<D> {
     /// turns: the mode stops the motor first, unless that takes too long.
     pub(super) fn move_brake(&mut self, now: Instant) {
         let is_turning = self.power && !self.motor.standstill();
-        let waits = is_turning && self.fitted_brake.is_released() && !self.is_overdue(now);
+        let waits = is_turning && self.brakes.fitted.is_released() && !self.is_overdue(now);
         let release = match self.periphery.outputs.brake() {
             Some(manual) => manual || waits,
-            None => self.brake.is_released(),
+            None => self.brakes.wanted.is_released(),
         };
-        self.fitted_brake.set(release, now);
+        self.brakes.fitted.set(release, now);
     }
 
     /// Power that comes draws the rotor to the nearest place of its field, up to two full steps away. Where an encoder shows that, the
@@ -65,20 +71,15 @@ impl<D: Objects> Drive<D> {
                 0 => 0,
                 _ => release.saturating_add(CATCH),
             };
-            self.caught = Instant::from_ticks(now.ticks().saturating_add(wait));
+            self.brakes.caught = Instant::from_ticks(now.ticks().saturating_add(wait));
         }
-    }
-
-    /// Whether the field holds the rotor.
-    pub(super) fn is_caught(&self, now: Instant) -> bool {
-        now >= self.caught
     }
 
     /// Whether the brake, and the rotor that is drawn to its field, let the motor move, and are to go on doing so.
     pub(super) fn is_brake_open(&self, now: Instant) -> bool {
-        self.is_caught(now)
+        self.brakes.is_caught(now)
             && self.periphery.outputs.brake() != Some(false)
-            && self.fitted_brake.is_open(self.configuration.brake, now)
+            && self.brakes.fitted.is_open(self.configuration.brake, now)
     }
 
     /// The current of the motor in milliamperes.
@@ -88,7 +89,7 @@ impl<D: Objects> Drive<D> {
         }
         let motion = Motion {
             power: self.power,
-            standstill: self.settled,
+            standstill: self.motor.standstill(),
             velocity: self.motor.demand().velocity.whole(),
         };
         self.periphery
@@ -105,8 +106,8 @@ impl<D: Objects> Drive<D> {
             state: self.machine.state(),
             statusword,
             referenced: self.motor.is_referenced(),
-            moving: !self.settled,
-            brake_released: self.fitted_brake.is_released(),
+            moving: !self.motor.standstill(),
+            brake_released: self.brakes.fitted.is_released(),
         };
         self.periphery
             .outputs

@@ -23,7 +23,7 @@ impl<D: Objects> Drive<D> {
         let units = &self.configuration.units;
         let shown = |increments| self.frame.shown(increments, units);
         let position = self.motor.position_of(inputs.position);
-        let demand = self.motor.demand();
+        let (demand, observed) = (self.motor.demand(), self.monitor.observed());
         let mode = self.modes.active();
         let position_demand = shown(demand.position);
         let velocity_demand = units.velocity_in_units(demand.velocity);
@@ -33,10 +33,10 @@ impl<D: Objects> Drive<D> {
         } else {
             shown(position)
         };
-        let velocity_actual = if self.observed.velocity == demand.velocity {
+        let velocity_actual = if observed.velocity == demand.velocity {
             velocity_demand
         } else {
-            units.velocity_in_units(self.observed.velocity)
+            units.velocity_in_units(observed.velocity)
         };
         let vl = |velocity| match mode {
             Mode::Velocity => self.configuration.velocity.shown(velocity),
@@ -49,30 +49,29 @@ impl<D: Objects> Drive<D> {
                 | bit(self.faults.warning(), statusword::WARNING)
                 | bit(self.commands.remote, statusword::REMOTE)
                 | bit(
-                    self.lost && mode.has_following_error(),
+                    self.monitor.has_lost() && mode.has_following_error(),
                     statusword::FOLLOWING_ERROR,
                 )
                 | mode_bits,
             mode_display: mode.code(),
             error_code: self.faults.error_code(),
             vl_velocity_demand: vl(demand.velocity),
-            vl_velocity_actual: vl(self.observed.velocity),
+            vl_velocity_actual: vl(observed.velocity),
             position_demand,
             position_actual_internal: position as i32,
             position_actual,
             velocity_demand,
             velocity_actual,
-            following_error: units.way_in_units(self.observed.following_error),
+            following_error: units.way_in_units(observed.following_error),
             digital_inputs: self.switches.word(),
             referenced: self.motor.is_referenced(),
             homing_failure: self.modes.homing_failure(),
             sync: self.cyclic.status(),
             is_moving: !self.motor.standstill(),
-            is_driven: !self.settled,
             safe: !self.power
-                && self.settled
+                && self.motor.standstill()
                 && matches!(state, State::SwitchOnDisabled | State::Fault)
-                && self.commands.restart == self.restarted,
+                && self.commands.restart == self.network.has_restarted,
         }
     }
 }

@@ -15,6 +15,32 @@ use crate::statusword;
 /// So long does a state wait for a transmit PDO.
 const LONGEST_SHOWN: Duration = Duration::from_ticks(50_000);
 
+/// How long states and stops last.
+#[derive(Debug)]
+pub(super) struct Stopping {
+    /// When the state began.
+    entered: Instant,
+    /// The state has been seen on the bus, or nobody looks.
+    pub(super) is_seen: bool,
+    /// When the drive began to stop on its own: no remote control, or a fault. Until the power is off.
+    own_stop: Option<Instant>,
+}
+
+impl Stopping {
+    pub(super) const fn new() -> Self {
+        Self {
+            entered: Instant::from_ticks(0),
+            is_seen: true,
+            own_stop: None,
+        }
+    }
+
+    /// Another state has begun.
+    pub(super) const fn enter(&mut self, now: Instant) {
+        self.entered = now;
+    }
+}
+
 impl<D: Objects> Drive<D> {
     /// Whether the state is about to be left with the power going off, once the motor stands.
     pub(super) fn is_leaving(&self, remote: bool, command: Option<Command>) -> bool {
@@ -37,21 +63,21 @@ impl<D: Objects> Drive<D> {
             return true;
         }
         if self.motor.standstill() {
-            self.brake.set(false, now);
+            self.brakes.wanted.set(false, now);
         }
-        self.brake.is_closed(self.configuration.brake, now)
+        self.brakes.wanted.is_closed(self.configuration.brake, now)
     }
 
     /// A stop that the drive makes on its own has an end, whatever its ramp: after 20A1h the brake closes, and then the power goes off.
     pub(super) fn end_own_stop(&mut self, now: Instant, remote: bool) {
         if !self.power {
-            self.own_stop = None;
+            self.stopping.own_stop = None;
         } else if !remote || self.machine.state() == State::FaultReactionActive {
-            self.own_stop.get_or_insert(now);
+            self.stopping.own_stop.get_or_insert(now);
         }
         if self.is_overdue(now) {
-            self.brake.set(false, now);
-            if self.brake.is_closed(self.configuration.brake, now) {
+            self.brakes.wanted.set(false, now);
+            if self.brakes.wanted.is_closed(self.configuration.brake, now) {
                 self.power_off();
             }
         }
@@ -60,7 +86,8 @@ impl<D: Objects> Drive<D> {
     /// Whether the motor turns longer than it may.
     pub(super) fn is_overdue(&self, now: Instant) -> bool {
         let longest = u64::from(self.configuration.longest_stop).saturating_mul(1_000);
-        self.own_stop
+        self.stopping
+            .own_stop
             .and_then(|since| now.checked_duration_since(since))
             .is_some_and(|span| span.ticks() >= longest)
     }
@@ -68,9 +95,9 @@ impl<D: Objects> Drive<D> {
     /// Whether the state may end by itself: a transmit PDO has shown it, or nobody has come to do so for long.
     pub(super) fn has_shown(&self, now: Instant) -> bool {
         !self.machine.state().is_fleeting()
-            || self.is_seen
+            || self.stopping.is_seen
             || now
-                .checked_duration_since(self.entered)
+                .checked_duration_since(self.stopping.entered)
                 .is_some_and(|span| span >= LONGEST_SHOWN)
     }
 
@@ -118,7 +145,7 @@ impl<D: Objects> Drive<D> {
 
     /// The limit switches, always but while homing looks for one: a motion into one is stopped on the quick stop ramp, and none
     /// begins. Returns bit 11 of the statusword.
-    pub(super) fn mind_limits(&mut self) -> u16 {
+    pub(super) fn enforce_limit_switches(&mut self) -> u16 {
         let is_homing = self.machine.state() == State::OperationEnabled && self.modes.is_homing();
         let barred = if is_homing {
             Barred::default()
@@ -139,7 +166,7 @@ impl<D: Objects> Drive<D> {
 
     /// A stop that would end beyond a software limit goes on with the quick stop ramp, if that is harder; homing, that gives the limits
     /// their places, goes beyond them. Returns bit 11 of the statusword.
-    pub(super) fn mind_travel(&mut self) -> u16 {
+    pub(super) fn enforce_software_limits(&mut self) -> u16 {
         if !self.motor.is_stopping() || self.modes.active() == Mode::Homing {
             return 0;
         }

@@ -42,10 +42,8 @@ pub struct Actuals {
     pub homing_failure: u8,
     /// 2050h.
     pub sync: SyncStatus,
-    /// The motor moves.
+    /// The motor moves, or is about to.
     pub is_moving: bool,
-    /// It has pulses to come: it moves, or is about to.
-    pub is_driven: bool,
     /// Power is off, the motor stands, and a restart that was asked for is done: a reset may go on.
     pub safe: bool,
 }
@@ -72,7 +70,7 @@ impl Actuals {
     /// Takes over all of other ones, field by field.
     #[inline]
     fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { at, statusword, mode_display, error_code, vl_velocity_demand, vl_velocity_actual, position_demand, position_actual_internal, position_actual, velocity_demand, velocity_actual, following_error, digital_inputs, referenced, homing_failure, sync, is_moving, is_driven, safe }, from => self);
+        copy_fields!(Self { at, statusword, mode_display, error_code, vl_velocity_demand, vl_velocity_actual, position_demand, position_actual_internal, position_actual, velocity_demand, velocity_actual, following_error, digital_inputs, referenced, homing_failure, sync, is_moving, safe }, from => self);
     }
 
     /// What is known before the first tick: a drive that is not ready to switch on.
@@ -94,7 +92,6 @@ impl Actuals {
         homing_failure: 0,
         sync: SyncStatus::NONE,
         is_moving: false,
-        is_driven: false,
         safe: false,
     };
 }
@@ -103,7 +100,7 @@ impl Actuals {
     /// Whether a command to stop is felt by the motor.
     pub(super) fn is_stoppable(&self) -> bool {
         let state = State::from_statusword(self.statusword);
-        self.is_driven
+        self.is_moving
             && matches!(
                 state,
                 Some(State::OperationEnabled | State::QuickStopActive | State::FaultReactionActive)

@@ -340,7 +340,7 @@ fn run(rig: Rig, script: Script, is_disturbed: bool) -> Vec<(Actuals, i64)> {
         let behind = u64::from(random >> 8) % 998 + 1;
         let actuals = rig.tick_and_play(Duration::micros(behind));
         let rest = Duration::micros(1_000 - behind);
-        if is_disturbed && actuals.is_driven && random >> 30 != 0 {
+        if is_disturbed && actuals.is_moving && random >> 30 != 0 {
             rig.early_tick_and_play(rest);
         } else {
             rig.motor_plays(rest);

@@ -1,0 +1,78 @@
+//! What a board gives to its drive, and what it gets.
+
+use canopen::{Duration, Instant};
+use motion::AxisConfig;
+
+use crate::inputs::DigitalInputs;
+
+/// What a drive is built from.
+#[derive(Clone, Copy, Debug)]
+pub struct DriveConfig {
+    /// The step generator: clock, segment length, timing of the motor driver.
+    pub axis: AxisConfig,
+    /// The period of the control tick, the nominal time between two calls of [`Drive::tick`].
+    pub tick: Duration,
+    /// How often in a tick pulses are handed out, at least 1: by [`Drive::tick`], and by [`Drive::refill`] the other times. Two
+    /// segments are handed out ahead; a segment shorter than the time between is stretched to it, so that one may come late by
+    /// as much.
+    pub refills: u32,
+}
+
+/// What the board measures, read once at the start of a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Inputs {
+    /// The power stage has its supply (statusword bit 4).
+    pub supply: bool,
+    /// Position in increments: pulses that really left, or the encoder. When the motor has power and stands, it has to be
+    /// where the pulses lead, up to `slack`; anything else is the fault 8611h.
+    pub position: i64,
+    /// How far an encoder may be from where the pulses lead while the motor is held, in increments: two and a half full steps of
+    /// a stepper motor, which loses four at a time. 0 where pulses are counted: none may be missing.
+    pub slack: u32,
+    /// A fault the board has found, as a CiA 402 error code; it stands as long as it is reported.
+    pub fault: Option<u16>,
+    /// What the board warns of, as a CiA 402 error code (temperature, load): statusword bit 7 and an emergency message as long as
+    /// it is reported. It changes no state.
+    pub warning: Option<u16>,
+    /// The digital inputs.
+    pub digital: DigitalInputs,
+    /// The motor driver senses that the motor is blocked; `None` if it has no such sense.
+    pub stall: Option<bool>,
+    /// The supply of the power stage in millivolts; `None` if the board cannot measure it. Then `supply` alone counts.
+    pub supply_voltage: Option<u32>,
+    /// The temperature of the power stage in tenths of a degree Celsius; `None` if the board cannot measure it.
+    pub temperature: Option<i16>,
+    /// The analogue input as its converter of 12 bits reads it, 0 ..= 4095; `None` if there is none.
+    pub analogue: Option<u16>,
+}
+
+/// What the board must do, set at the end of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Outputs {
+    /// When the next tick is due, in step with SYNC; `None` where nothing but the nominal period matters, and behind an early tick. To the nearest microsecond;
+    /// what is rounded off does not add up.
+    pub next_tick: Option<Instant>,
+    /// Current in the motor.
+    pub power_stage: bool,
+    /// The brake is open.
+    pub brake_released: bool,
+    /// Pulses not yet sent must be dropped: the power is off, or there is no ramp to stop on.
+    pub drop_pulses: bool,
+    /// The current that the motor driver is to put into the motor, in milliamperes; 0 without power.
+    pub current: u16,
+    /// How many pulses of a full step the motor driver is to be set to.
+    pub microsteps: u16,
+    /// The levels of the digital outputs, output `n` in bit `n − 1`.
+    pub digital: u8,
+}
+
+/// The axis with segments at least as long as pulses are handed out apart, so that with two of them one may come late by as much.
+pub(super) fn outlast_tick(config: DriveConfig) -> AxisConfig {
+    let tick = u64::from(config.axis.clock.hz()).saturating_mul(config.tick.ticks()) / 1_000_000;
+    let apart = tick.checked_div(config.refills.into()).unwrap_or(tick);
+    let least = u32::try_from(apart).unwrap_or(u32::MAX);
+    AxisConfig {
+        segment: config.axis.segment.max(least),
+        ..config.axis
+    }
+}

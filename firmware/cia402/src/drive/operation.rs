@@ -1,0 +1,90 @@
+//! The mode of operation in a tick, and what is enforced whatever it does.
+
+use motion::PulseSink;
+
+use super::{Drive, Tick};
+use crate::actuator::Actuator;
+use crate::controlword::Command;
+use crate::modes::Context;
+use crate::objects::Objects;
+use crate::option_codes::Stop;
+use crate::state_machine::State;
+use crate::statusword;
+
+impl<D: Objects> Drive<D> {
+    /// Whether the motor is blocked: the motor driver says so, or it is too far behind its pulses. `None` if neither can tell.
+    fn blocked(&self, tick: &Tick<'_>) -> Option<bool> {
+        let inputs = tick.inputs;
+        let window = self.configuration.homing.block_window;
+        if window == 0 {
+            return inputs.stall;
+        }
+        let behind = self.motor.demand().position.wrapping_sub(tick.position) as i32;
+        Some(inputs.stall == Some(true) || behind.unsigned_abs() >= window)
+    }
+
+    /// The mode of operation. Returns its bits of the statusword.
+    pub(super) fn operate(
+        &mut self,
+        tick: &Tick<'_>,
+        command: Option<Command>,
+        pulses: &mut dyn PulseSink,
+    ) -> u16 {
+        let state = self.machine.state();
+        if state != State::OperationEnabled && self.motor.standstill() {
+            self.modes.select::<D>(self.commands.mode);
+        }
+        let bits = match state {
+            State::OperationEnabled => {
+                if let Some(Stop::Ramp(ramp)) = self.leaving(command) {
+                    // The transition waits until the motor stands.
+                    self.modes.interrupt(
+                        &mut self.motor,
+                        ramp,
+                        &self.commands,
+                        &self.configuration,
+                    );
+                    return self.enforce_limit_switches() | self.enforce_software_limits();
+                }
+                let limit = self.enforce_limit_switches();
+                let is_brake_open = self.is_brake_open(tick.now);
+                let blocked = self.blocked(tick);
+                let bits = self.modes.tick::<D>(&mut Context {
+                    now: tick.now,
+                    mode: self.modes.active(),
+                    commands: &self.commands,
+                    configuration: &self.configuration,
+                    demand: self.motor.demand(),
+                    observed: self.monitor.observed(),
+                    travel: self.limits.travel(),
+                    has_changed: tick.has_changed,
+                    frame: &mut self.frame,
+                    switches: &self.switches,
+                    blocked,
+                    elapsed: tick.elapsed,
+                    position: tick.position,
+                    is_brake_open,
+                    motor: &mut self.motor,
+                    pulses,
+                    slots: &self.cyclic.slots,
+                    buffer: &mut self.cyclic.buffer,
+                    pipeline: &self.cyclic.pipeline,
+                    is_early: tick.is_early,
+                    lost_set_points: &mut self.cyclic.has_lost,
+                });
+                bits | limit
+            }
+            State::QuickStopActive | State::FaultReactionActive => {
+                let stays = state == State::QuickStopActive && self.machine.quick_stop().stays();
+                let bits = if stays && self.motor.standstill() {
+                    statusword::TARGET_REACHED
+                } else {
+                    0
+                };
+                bits | self.idle_bits() | self.enforce_limit_switches()
+            }
+            _ => return self.idle_bits(),
+        };
+        bits | self.enforce_software_limits()
+    }
+}

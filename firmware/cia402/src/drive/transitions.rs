@@ -1,0 +1,81 @@
+//! The state machine in a tick: what it looks at, and what a transition does to the motor.
+
+use super::{Drive, Tick};
+use crate::actuator::Actuator;
+use crate::controlword::Command;
+use crate::faults::Reaction;
+use crate::objects::Objects;
+use crate::option_codes::{Stop, StopRamp};
+use crate::state_machine::{Conditions, State, Transition};
+
+impl<D: Objects> Drive<D> {
+    /// Faults, then the state machine, then what a transition does to the motor.
+    pub(super) fn change_state(&mut self, tick: &Tick<'_>, command: Option<Command>) {
+        let now = tick.now;
+        let both_limits = self.switches.both_limits();
+        let detected = self.faults.detect(
+            tick.inputs,
+            self.power,
+            tick.is_displaced || self.monitor.observed().is_lost,
+            both_limits,
+            &self.periphery.stage,
+        );
+        let control = self.control(command);
+        let (remote, command) = (control.is_remote, control.command);
+        let silent = self.set_points_lost();
+        let late = self.pulses_late();
+        let reaction = detected.or(control.fault).or(silent).or(late);
+        let is_over = self.motor.standstill() && self.is_held_by_brake(now, remote, command);
+        let has_shown = self.has_shown(now);
+        let reset = self.resets_fault(is_over, has_shown, reaction.is_some());
+        let conditions = Conditions {
+            command,
+            remote,
+            quick_stop: self.configuration.quick_stop,
+            at_once: self.leaving(command) == Some(Stop::PowerOff),
+            standstill: is_over && has_shown,
+            fault: reaction.is_some(),
+            fault_reset: reset && !self.faults.cause_stands(),
+        };
+        if reset && self.machine.state() == State::Fault && self.faults.cause_stands() {
+            self.faults.renew();
+        }
+        if let Some(transition) = self.machine.step(&conditions) {
+            self.stopping.enter(now);
+            self.carry_out(transition, reaction);
+        } else if reaction == Some(Reaction::PowerOff) {
+            self.power_off();
+        } else if control.begins_stop && self.is_stopped_by_state() {
+            self.stop(Stop::Ramp(StopRamp::QuickStop));
+        }
+        if command == Some(Command::DisableVoltage) {
+            // It waits for nothing, and no fault reaction goes on against it.
+            self.power_off();
+        }
+        let holds_open = self.brakes.wanted.is_released() || !self.is_leaving(remote, command);
+        self.brakes.wanted.set(self.power && holds_open, now);
+        self.end_own_stop(now, remote);
+    }
+
+    /// The action of a transition (CiA 402-2, "transition events and actions").
+    fn carry_out(&mut self, transition: Transition, reaction: Option<Reaction>) {
+        match transition.to {
+            State::OperationEnabled => {
+                self.power = true;
+                self.modes.enter(&self.motor);
+            }
+            State::QuickStopActive => self.stop(self.machine.quick_stop().stop()),
+            State::FaultReactionActive => match reaction {
+                Some(Reaction::AsConfigured) if self.power => {
+                    self.stop(self.configuration.fault_reaction);
+                }
+                _ => self.power_off(),
+            },
+            State::SwitchOnDisabled if transition.from == State::Fault => {
+                self.monitor.forget_loss();
+                self.faults.reset();
+            }
+            _ => self.power_off(),
+        }
+    }
+}
