@@ -155,7 +155,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         self.take_reset();
         self.follow_state(&actuals, exchange);
         self.post(exchange);
-        self.beat(stamp, exchange);
+        self.sync_event(stamp, exchange);
     }
 
     /// Whether a command to stop has come since the last call: [`crate::Drive::early_tick`] is to run at once, and not with the next
@@ -191,7 +191,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         self.take_reset();
         self.follow_state(&actuals, exchange);
         self.post(exchange);
-        self.beat(now, exchange);
+        self.sync_event(now, exchange);
         self.serve_controller();
         self.serve_commissioning();
         match self.phase {
@@ -363,7 +363,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 
 impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     /// Tells of the SYNC, or the set-point where there is none, that came at `stamp`.
-    fn beat<X: Share>(&mut self, stamp: Instant, exchange: &mut X) {
+    fn sync_event<X: Share>(&mut self, stamp: Instant, exchange: &mut X) {
         let is_sync = self.node.take_sync();
         if is_sync {
             self.synced = Some(stamp);
@@ -379,8 +379,10 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             .and_then(|at| stamp.checked_duration_since(at))
             .is_none_or(|silence| silence > SILENCE);
         if is_sync || is_alone {
-            let beat = self.hooks.beat(self.node.dictionary(), stamp, is_sync);
-            exchange.lock(|exchange| exchange.beat(beat));
+            let event = self
+                .hooks
+                .sync_event(self.node.dictionary(), stamp, is_sync);
+            exchange.lock(|exchange| exchange.sync_event(event));
         }
     }
 }

@@ -310,12 +310,12 @@ impl<D: Objects> Drive<D> {
             .work_out(&self.configuration, &self.frame, position, is_referenced);
     }
 
-    /// Hands out the pulses of the next segments between two ticks ([`DriveConfig::refills`]). Nothing is decided here.
+    /// Commits the pulses of the next segments between two ticks ([`DriveConfig::refills`]). Nothing is decided here.
     pub fn refill<S: PulseSink>(&mut self, pulses: &mut S) {
         self.motor.advance(pulses);
     }
 
-    /// To be called before an early tick where ticks and refills do not interrupt each other: hands out pulses if a refill will soon be due, which would
+    /// To be called before an early tick where ticks and refills do not interrupt each other: commits pulses if a refill will soon be due, which would
     /// have to wait for that tick, and for the regular one behind it.
     pub fn top_up<S: PulseSink>(&mut self, pulses: &mut S) {
         if self.motor.runs_short(pulses) {

@@ -15,7 +15,7 @@ use motion::{SignedSpeed, Speed};
 use crate::configuration::Configuration;
 use crate::controlword::{Command, HALT, NEW_SET_POINT};
 use crate::copied::copy_fields;
-use crate::cyclic::{Beat, Buffer};
+use crate::cyclic::{Buffer, SyncEvent};
 use crate::faults::FaultNotice;
 use crate::modes::Modes;
 use crate::periphery::{Latched, Readings};
@@ -202,14 +202,14 @@ pub struct Waiting {
     pub clears_records: bool,
     /// So many data records.
     pub records: usize,
-    /// So many beats.
-    pub beats: usize,
+    /// So many sync events.
+    pub sync_events: usize,
     /// The state that was published last has been seen on the bus, or nobody looks.
     pub is_seen: bool,
 }
 
-/// Beats that wait for a tick. There is about one for each.
-const BEATS: usize = 4;
+/// Sync events that wait for a tick. There is about one for each.
+const SYNC_EVENTS: usize = 4;
 
 /// News of faults that wait for the device; more than one tick can bring.
 const NOTICES: usize = 16;
@@ -240,8 +240,8 @@ pub struct Exchange {
     was_early: bool,
     actuals: History,
     notices: Deque<FaultNotice, NOTICES>,
-    /// Beats and data records that no tick has taken yet. A master fills the buffer 60C4h with records back to back.
-    beats: Deque<Beat, BEATS>,
+    /// Sync events and data records that no tick has taken yet. A master fills the buffer 60C4h with records back to back.
+    sync_events: Deque<SyncEvent, SYNC_EVENTS>,
     records: Buffer,
     /// 60C4h:6 was 0 since the last tick.
     clears_records: bool,
@@ -273,7 +273,7 @@ impl Exchange {
             was_early: false,
             actuals: History::new(),
             notices: Deque::new(),
-            beats: Deque::new(),
+            sync_events: Deque::new(),
             records: Buffer::new(),
             clears_records: false,
             lost_notices: 0,
@@ -319,12 +319,12 @@ impl Exchange {
         Waiting {
             clears_records: core::mem::take(&mut self.clears_records),
             records: self.records.len(),
-            beats: self.beats.len(),
+            sync_events: self.sync_events.len(),
             ..self.waiting()
         }
     }
 
-    /// The same for an early tick. Data records and beats are left for the regular one.
+    /// The same for an early tick. Data records and sync events are left for the regular one.
     pub fn take_early(&mut self, commands: &mut Commands) -> Waiting {
         self.take_commands(commands);
         self.was_early = true;
@@ -349,7 +349,7 @@ impl Exchange {
             is_configured: self.is_configured,
             clears_records: false,
             records: 0,
-            beats: 0,
+            sync_events: 0,
             is_seen: self.is_seen || !self.is_watched,
         }
     }
@@ -454,17 +454,17 @@ impl Exchange {
         self.newest().safe && self.answered == self.posted
     }
 
-    /// A beat came, behind the commands that were posted with it.
-    pub fn beat(&mut self, beat: Beat) {
-        if self.beats.is_full() {
-            self.beats.pop_front();
+    /// A sync event came, behind the commands that were posted with it.
+    pub fn sync_event(&mut self, event: SyncEvent) {
+        if self.sync_events.is_full() {
+            self.sync_events.pop_front();
         }
-        let _ = self.beats.push_back(beat);
+        let _ = self.sync_events.push_back(event);
     }
 
-    /// The oldest beat that no tick has taken yet.
-    pub fn take_beat(&mut self) -> Option<Beat> {
-        self.beats.pop_front()
+    /// The oldest sync event that no tick has taken yet.
+    pub fn take_sync_event(&mut self) -> Option<SyncEvent> {
+        self.sync_events.pop_front()
     }
 
     /// A data record of the interpolated position mode came, behind the commands that were posted with it: by these it is taken or not. As many

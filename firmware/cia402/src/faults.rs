@@ -31,10 +31,10 @@ pub const BOTH_LIMITS: u16 = 0x8612;
 /// 8250h, RPDO timeout: set-points of a cyclic mode did not come.
 pub const SET_POINTS_LOST: u16 = 0x8250;
 /// 8700h, SYNC controller: SYNC does not come with the period that is set up. A warning: it changes no state.
-pub const BEAT_DIFFERS: u16 = 0x8700;
+pub const SYNC_DIFFERS: u16 = 0x8700;
 /// 8611h, following error: the motor stands, but not where its pulses should have taken it.
 pub const POSITION_MISMATCH: u16 = 0x8611;
-/// 9000h, external error: something outside has cut the pulses off. Those handed out since are counted, and have not left.
+/// 9000h, external error: something outside has cut the pulses off. Those committed since are counted, and have not left.
 pub const EXTERNAL: u16 = 0x9000;
 
 /// What a timer with DMA tells of the pulses it makes, as a fault: it has stood still, or its outputs are cut off.
@@ -149,7 +149,7 @@ pub(crate) struct Faults {
     over_temperature: bool,
     both_limits: bool,
     late: bool,
-    beat_differs: bool,
+    sync_differs: bool,
     /// What the thresholds of the power stage warn of.
     stage_warnings: Warnings,
     /// What the board warns of.
@@ -321,12 +321,12 @@ impl Faults {
     }
 
     /// SYNC comes with another period than is set up (a warning), or no longer.
-    pub(crate) fn beat_differs(&mut self, differs: bool) {
-        if differs != self.beat_differs {
-            self.beat_differs = differs;
+    pub(crate) fn sync_differs(&mut self, differs: bool) {
+        if differs != self.sync_differs {
+            self.sync_differs = differs;
             self.notify(match differs {
-                true => FaultNotice::Raised(BEAT_DIFFERS),
-                false => FaultNotice::Cleared(BEAT_DIFFERS),
+                true => FaultNotice::Raised(SYNC_DIFFERS),
+                false => FaultNotice::Cleared(SYNC_DIFFERS),
             });
         }
     }
@@ -335,7 +335,7 @@ impl Faults {
     pub(crate) const fn warning(&self) -> bool {
         let stage = self.stage_warnings;
         let by_stage = stage.under_voltage || stage.over_voltage || stage.temperature;
-        self.beat_differs || self.late || self.board_warning.is_some() || by_stage
+        self.sync_differs || self.late || self.board_warning.is_some() || by_stage
     }
 
     /// 603Fh: the code of the last fault since power-on; 0 before the first.

@@ -19,7 +19,7 @@ use canopen::od::{self, Dictionary, Entry, write_u32};
 use canopen::{Application, Instant};
 
 use crate::controlword::ControlwordHistory;
-use crate::cyclic::{Beat, CyclicConfiguration};
+use crate::cyclic::{CyclicConfiguration, SyncEvent};
 use crate::device::commissioning::Commissioning;
 use crate::device::{RESTART_DELAY, SDO_TIME_OUT};
 use crate::exchange::Commands;
@@ -67,7 +67,7 @@ pub(crate) struct Hooks<A> {
     pub(crate) desk: Desk,
     /// The serial number of production; 0 for none.
     produced: u32,
-    /// Set-points of the cyclic modes that were written since the last beat: 607Ah, 60FFh.
+    /// Set-points of the cyclic modes that were written since the last sync event: 607Ah, 60FFh.
     fresh: (bool, bool),
     /// A data record 60C1h:1 that was written.
     record: Option<i32>,
@@ -153,7 +153,7 @@ impl<A> Hooks<A> {
         configured
     }
 
-    /// Whether a set-point of a cyclic mode was written since the last beat.
+    /// Whether a set-point of a cyclic mode was written since the last sync event.
     pub(crate) const fn has_set_point(&self) -> bool {
         self.fresh.0 || self.fresh.1 || self.record.is_some()
     }
@@ -163,11 +163,16 @@ impl<A> Hooks<A> {
         self.record.take()
     }
 
-    /// A beat came at `at`: the set-points that hold at it.
-    pub(crate) fn beat<D: Objects>(&mut self, dictionary: &D, at: Instant, is_sync: bool) -> Beat {
+    /// A sync event came at `at`: the set-points that hold at it.
+    pub(crate) fn sync_event<D: Objects>(
+        &mut self,
+        dictionary: &D,
+        at: Instant,
+        is_sync: bool,
+    ) -> SyncEvent {
         let (position, velocity) = core::mem::take(&mut self.fresh);
         let units = &self.units;
-        Beat {
+        SyncEvent {
             at,
             is_sync,
             position: position.then(|| dictionary.target_position()),

@@ -219,8 +219,8 @@ impl Count {
     /// The master's count for one of the board's: of those that are the same modulo 2³² the nearest to where the motor is.
     pub(crate) const fn of(&self, board: i32) -> i64 {
         let position = self.directed(board).wrapping_add(self.shift);
-        let way = position.wrapping_sub(self.position as i32);
-        self.position.wrapping_add(way as i64)
+        let distance = position.wrapping_sub(self.position as i32);
+        self.position.wrapping_add(distance as i64)
     }
 
     /// The board's count where the motor is.

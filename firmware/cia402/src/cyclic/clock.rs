@@ -1,4 +1,4 @@
-//! From beats to slots: evenly spaced moments, each with the beat that has brought its set-point, or with none.
+//! From sync events to slots: evenly spaced moments, each with the sync event that has brought its set-point, or with none.
 //!
 //! Where 60C2h is a multiple of the SYNC period, only one SYNC in so many brings a set-point, and has a slot. Once the loop is locked, the
 //! slots stay where they are: a set-point that comes a SYNC early or late waits for the next slot. The slots begin anew at a
@@ -7,7 +7,7 @@
 use heapless::Vec;
 
 use super::lock::{Heard, Lock};
-use super::{Beat, Fine, POINT, Pipeline, SyncStatus, fine};
+use super::{Fine, POINT, Pipeline, SyncEvent, SyncStatus, fine};
 
 /// The most slots in one control tick.
 const MOST: usize = 4;
@@ -24,12 +24,12 @@ pub(crate) type Slots = Vec<Slot, MOST>;
 /// A moment for a set-point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Slot {
-    /// When its beat should have come.
+    /// When its sync event should have come.
     pub(crate) at: Fine,
     /// The time between set-points.
     pub(crate) period: Fine,
     /// What has come; `None` if nothing new has.
-    pub(crate) beat: Option<Beat>,
+    pub(crate) event: Option<SyncEvent>,
 }
 
 impl Slot {
@@ -59,7 +59,7 @@ pub(crate) struct NetworkClock {
     since: u32,
     spacing: Spacing,
     /// A set-point that waits for its slot.
-    early: Option<Beat>,
+    early: Option<SyncEvent>,
     /// There is a mode that goes by the slots. Without one they pass, and nothing is in them.
     is_used: bool,
 }
@@ -121,8 +121,8 @@ impl NetworkClock {
         }
     }
 
-    /// Whether there is, or may soon be, a mode that goes by the slots. Without one, only SYNC is a beat. Returns whether there
-    /// is no beat any more because of that.
+    /// Whether there is, or may soon be, a mode that goes by the slots. Without one, only SYNC is a sync event. Returns whether there
+    /// are no sync events any more because of that.
     pub(crate) fn set_used(&mut self, is_used: bool) -> bool {
         self.is_used = is_used;
         let is_over = !is_used && !self.is_synced && self.lock.is_running();
@@ -154,29 +154,29 @@ impl NetworkClock {
         }
     }
 
-    /// A beat came. `is_new` says whether it brings a set-point, `interpolation` is 60C2h and `cycle` 1006h, both 0 if not known.
+    /// A sync event came. `is_new` says whether it brings a set-point, `interpolation` is 60C2h and `cycle` 1006h, both 0 if not known.
     pub(crate) fn hear(
         &mut self,
-        beat: Beat,
+        event: SyncEvent,
         is_new: bool,
         (interpolation, cycle): (Fine, Fine),
         slots: &mut Slots,
     ) {
-        if !beat.is_sync && !self.is_used {
+        if !event.is_sync && !self.is_used {
             return;
         }
-        if beat.is_sync != self.is_synced {
-            self.is_synced = beat.is_sync;
+        if event.is_sync != self.is_synced {
+            self.is_synced = event.is_sync;
             self.begin_anew();
         }
-        let heard = self.lock.hear(fine(beat.at), [interpolation, cycle]);
+        let heard = self.lock.hear(fine(event.at), [interpolation, cycle]);
         if heard == Heard::OutOfTurn {
             return;
         }
         self.find_share(interpolation);
         self.step();
         if is_new {
-            self.early = Some(beat);
+            self.early = Some(event);
             if self.is_at_slot() {
                 return self.slot(slots);
             }
@@ -186,7 +186,7 @@ impl NetworkClock {
         }
     }
 
-    /// Lets time pass. Returns whether a beat should have come, and has not.
+    /// Lets time pass. Returns whether a sync event should have come, and has not.
     #[inline]
     pub(crate) fn pass(&mut self, now: Fine, slots: &mut Slots) -> bool {
         self.lock.may_miss(now) && self.pass_late(now, slots)
@@ -233,11 +233,11 @@ impl NetworkClock {
             self.early = None;
             return;
         }
-        let beat = self.early.take();
+        let event = self.early.take();
         let slot = Slot {
             at: self.lock.at(),
             period: self.period(),
-            beat,
+            event,
         };
         // More than these cannot be carried out in one tick.
         let _ = slots.push(slot);
@@ -262,7 +262,7 @@ impl NetworkClock {
         self.share = self.nominal;
     }
 
-    /// Whether the beat comes with another period than one that is set up, where that is known.
+    /// Whether sync events come with another period than one that is set up, where that is known.
     pub(crate) fn differs(&self, interpolation: Fine, cycle: Fine) -> bool {
         let is_far = |period: Fine, from: Fine| from != 0 && from.abs_diff(period) > period / 16;
         self.is_synced
@@ -270,7 +270,7 @@ impl NetworkClock {
             && (is_far(self.period(), interpolation) || is_far(self.lock.period(), cycle))
     }
 
-    /// What 2050h shows of the beat.
+    /// What 2050h shows of the sync events.
     pub(crate) fn status(&self) -> SyncStatus {
         // A period is at most two seconds, and so is jitter.
         let nanoseconds = |time: Fine| (time.wrapping_mul(1_000) >> POINT) as u32;

@@ -1,12 +1,12 @@
-//! A phase-locked loop on the beat of the network: integers, second order.
+//! A phase-locked loop on the sync events of the network: integers, second order.
 //!
-//! Beats come with jitter; the loop tells when they should have come. It begins with large gains, so that it is near after a few beats,
-//! and ends with small ones, so that a beat that is 120 µs early moves the next moment by less than 4 µs. Beats that are too far
-//! off count as beats, but nothing is measured by them; where too many are, the loop begins anew.
+//! Sync events come with jitter; the loop tells when they should have come. It begins with large gains, so that it is near after a few sync events,
+//! and ends with small ones, so that a sync event that is 120 µs early moves the next moment by less than 4 µs. Sync events that are too far
+//! off count as sync events, but nothing is measured by them; where too many are, the loop begins anew.
 //!
 //! The contract:
 //! - Moments follow each other by about a period; each is decided on once, as heard or as missed.
-//! - Missed beats do not move the moments: the loop goes on as it was.
+//! - Missed sync events do not move the moments: the loop goes on as it was.
 //! - A period lies within [`SHORTEST`] and [`LONGEST`], whatever is heard.
 
 use super::{Fine, POINT, span};
@@ -19,16 +19,16 @@ pub(crate) const LONGEST: Fine = 2_000_000 << POINT;
 /// What is taken for the period before there is anything to measure by, where nobody has said so: 1 ms.
 const USUAL: Fine = 1_000 << POINT;
 
-/// Beats until the loop counts as locked.
+/// Sync events until the loop counts as locked.
 const SETTLED: u8 = 32;
-/// Missed in a row: there is no beat any more.
+/// Missed in a row: there are no sync events any more.
 const SILENCE: u8 = 8;
 /// So much trouble, and the loop begins anew.
 const TROUBLE: u8 = 16;
-/// A beat may always be so far off, beside what jitter makes of it: 100 µs.
+/// A sync event may always be so far off, beside what jitter makes of it: 100 µs.
 const SLACK: u64 = 100 << POINT;
 
-/// What a beat is to the loop.
+/// What a sync event is to the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Heard {
     /// It belongs to the next moment, or to a later one: [`Lock::at`].
@@ -42,11 +42,11 @@ pub(crate) enum Heard {
 pub(crate) struct Lock {
     /// The last moment that was decided on.
     at: Fine,
-    /// When the last beat came.
+    /// When the last sync event came.
     heard: Fine,
     period: Fine,
     is_running: bool,
-    /// Beats since it began, as far as it matters.
+    /// Sync events since it began, as far as it matters.
     good: u8,
     /// Missed in a row.
     silent: u8,
@@ -87,7 +87,7 @@ impl Lock {
         self.period
     }
 
-    /// There has been a beat; the moments go on even if it is gone.
+    /// There has been a sync event; the moments go on even if there are none any more.
     pub(crate) const fn is_running(&self) -> bool {
         self.is_running
     }
@@ -122,7 +122,7 @@ impl Lock {
         self.rejected
     }
 
-    /// A beat came at `stamp`. The period is expected to be one of `expected`, the first of them before there is anything to measure by.
+    /// A sync event came at `stamp`. The period is expected to be one of `expected`, the first of them before there is anything to measure by.
     pub(crate) fn hear(&mut self, stamp: Fine, expected: [Fine; 2]) -> Heard {
         let before = span(self.heard, stamp);
         if !self.is_running || self.silent >= SILENCE || self.trouble >= TROUBLE || before < 0 {
@@ -158,13 +158,13 @@ impl Lock {
         Heard::InTurn
     }
 
-    /// Whether the next moment may have passed without its beat: false for certain.
+    /// Whether the next moment may have passed without its sync event: false for certain.
     #[inline]
     pub(crate) const fn may_miss(&self, now: Fine) -> bool {
         self.is_running && span(self.at.wrapping_add(self.period), now) >= LEAST_PATIENCE
     }
 
-    /// Lets time pass. True if the next moment has passed without its beat.
+    /// Lets time pass. True if the next moment has passed without its sync event.
     pub(crate) fn misses(&mut self, now: Fine) -> bool {
         if !self.is_running {
             return false;
@@ -197,7 +197,7 @@ impl Lock {
         };
     }
 
-    /// The second beat: its distance is the period, or near one that is expected.
+    /// The second sync event: its distance is the period, or near one that is expected.
     fn measure(&mut self, stamp: Fine, distance: u64, expected: [Fine; 2]) -> Heard {
         if distance < SHORTEST / 2 {
             self.rejected = self.rejected.saturating_add(1);
@@ -225,7 +225,7 @@ impl Lock {
             .unwrap_or(0)
     }
 
-    /// How far off a beat may be to be measured by.
+    /// How far off a sync event may be to be measured by.
     const fn window(&self) -> u64 {
         if self.good < SETTLED {
             return self.period / 2;
@@ -273,10 +273,10 @@ impl Lock {
     }
 }
 
-/// Every beat is waited for so long, a quarter of a millisecond.
+/// Every sync event is waited for so long, a quarter of a millisecond.
 const LEAST_PATIENCE: i64 = (SHORTEST / 2).cast_signed();
 
-/// How long after its moment a beat is waited for. Half a period, but of short periods less than a control tick, so that there is time to
+/// How long after its moment a sync event is waited for. Half a period, but of short periods less than a control tick, so that there is time to
 /// bridge what is missing.
 pub(crate) fn patience(period: Fine) -> Fine {
     const BRIDGING: Fine = 3_500 << POINT;

@@ -1,13 +1,12 @@
-//! What the cyclic modes go by: the beat of the network, and the set-points that come with it.
+//! What the cyclic modes go by: the sync events of the network, and the set-points that come with it.
 //!
-//! Each SYNC, with the set-point that holds at it, is a [`Beat`]. The beats drive a phase-locked loop (`lock`), and what comes out of it
+//! Each SYNC, with the set-point that holds at it, is a [`SyncEvent`]. The sync events drive a phase-locked loop (`lock`), and what comes out of it
 //! are slots: evenly spaced moments, each with its set-point or with none. A slot is decided on once, and what comes for it
 //! later is not used.
 //!
-//! Without SYNC the set-points themselves are the beats; but the data records of interpolated position have a rhythm of their own, as
+//! Without SYNC the set-points themselves are the sync events; but the data records of interpolated position have a rhythm of their own, as
 //! a master may write several ahead.
 
-mod beat;
 mod buffer;
 mod clock;
 pub(crate) mod lock;
@@ -15,15 +14,16 @@ mod pipeline;
 mod rhythm;
 mod schedule;
 mod state;
+mod sync_event;
 mod timer;
 mod timescale;
 
-pub use beat::Beat;
 pub(crate) use buffer::Buffer;
 pub use buffer::{BufferConfiguration, RECORDS};
 pub(crate) use clock::Slot;
 pub(crate) use pipeline::Pipeline;
 pub(crate) use state::Cyclic;
+pub use sync_event::SyncEvent;
 pub use timer::TickTimer;
 pub(crate) use timescale::Timescale;
 
@@ -134,18 +134,18 @@ impl CyclicConfiguration {
     }
 }
 
-/// What a master may know of the beat (2050h), and of the buffer.
+/// What a master may know of the sync events (2050h), and of the buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SyncStatus {
-    /// 2050h:1: 0 no beat, 1 the loop is settling, 2 locked.
+    /// 2050h:1: 0 no sync events, 1 the loop is settling, 2 locked.
     pub state: u8,
     /// 2050h:2 in nanoseconds.
     pub period: u32,
-    /// 2050h:3 in nanoseconds: how far beats are from their moments, on average.
+    /// 2050h:3 in nanoseconds: how far sync events are from their moments, on average.
     pub jitter: u32,
-    /// 2050h:4: beats that did not come.
+    /// 2050h:4: sync events that did not come.
     pub missed: u32,
-    /// 2050h:5: beats too far from their moment to be measured by.
+    /// 2050h:5: sync events too far from their moment to be measured by.
     pub rejected: u32,
     /// 2050h:6: set-points that did not come in time while the motor moved.
     pub lost_set_points: u32,
@@ -156,7 +156,7 @@ pub struct SyncStatus {
 }
 
 impl SyncStatus {
-    /// Before the first beat.
+    /// Before the first sync event.
     pub const NONE: Self = Self {
         state: 0,
         period: 0,

@@ -4,12 +4,12 @@ use motion::AxisConfig;
 
 use super::{Fine, POINT};
 
-/// What lies between a beat and the motor.
+/// What lies between a sync event and the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Pipeline {
-    /// From a control tick to the next, plus what is handed out ahead of the motor.
+    /// From a control tick to the next, plus what is committed ahead of the motor.
     depth: Fine,
-    /// How long before a beat a control tick comes.
+    /// How long before a sync event a control tick comes.
     lead: Fine,
     /// From a control tick to the next, and a quarter of that as they come now and then late.
     tick: Fine,
@@ -18,7 +18,7 @@ pub(crate) struct Pipeline {
 }
 
 impl Pipeline {
-    /// Of an axis that is given pulses in every `tick`, one of which comes `lead` before each beat.
+    /// Of an axis that is given pulses in every `tick`, one of which comes `lead` before each sync event.
     pub(crate) fn new(axis: &AxisConfig, tick: Fine, lead: Fine) -> Self {
         let hz = u64::from(axis.clock.hz());
         let ahead = (u64::from(axis.segment).saturating_mul(2_000_000) << POINT)
@@ -37,7 +37,7 @@ impl Pipeline {
         self.tick
     }
 
-    /// From a beat to the moment at which the motor is at its set-point: whole periods, less the time by which the control tick
+    /// From a sync event to the moment at which the motor is at its set-point: whole periods, less the time by which the control tick
     /// is ahead of SYNC. So the transmit PDOs of a SYNC show a position that is exactly a set-point.
     ///
     /// A period that is measured is never quite the nominal one; a sixteenth of it is allowed for, so that the number of periods does

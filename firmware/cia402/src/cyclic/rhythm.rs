@@ -73,8 +73,8 @@ impl Rhythm {
                 0
             };
             waiting = waiting.saturating_sub(1);
-            let beat = None;
-            let _ = slots.push(Slot { at, period, beat });
+            let event = None;
+            let _ = slots.push(Slot { at, period, event });
         }
     }
 }

@@ -1,9 +1,9 @@
-//! When control ticks are due in the cyclic modes: in step with the beat.
+//! When control ticks are due in the cyclic modes: in step with the sync events.
 //!
-//! In step, a tick comes a quarter of a tick before each beat, so that SYNC finds the values of that moment, and as many in between as keep ticks
+//! In step, a tick comes a quarter of a tick before each sync event, so that SYNC finds the values of that moment, and as many in between as keep ticks
 //! from being longer than they nominally are. The rhythm is brought into step by at most 1/32 in each tick.
 //!
-//! The moment before a beat is the one at which the motor is at a set-point. That was settled when the set-point came, some beats ago, and
+//! The moment before a sync event is the one at which the motor is at a set-point. That was settled when the set-point came, some sync events ago, and
 //! with jitter the loop has moved since: so the tick keeps to that moment ([`Schedule::aim`]), and not to what the loop says by now. At
 //! 500,000 increments/s the motor would be five of them further otherwise.
 
@@ -43,7 +43,7 @@ impl Schedule {
         }
     }
 
-    /// The motor will be at a set-point at this moment. What was to be later than that was settled by a beat that is no more.
+    /// The motor will be at a set-point at this moment. What was to be later than that was settled by a sync event that is no more.
     pub(crate) fn aim(&mut self, at: Fine) {
         while self.aims.back().is_some_and(|later| span(*later, at) <= 0) {
             let _ = self.aims.pop_back();
@@ -52,7 +52,7 @@ impl Schedule {
         let _ = self.aims.push_back(at);
     }
 
-    /// How long before a beat a tick comes.
+    /// How long before a sync event a tick comes.
     pub(crate) const fn lead(&self) -> Fine {
         self.nominal / 4
     }

@@ -1,4 +1,4 @@
-//! What a drive keeps of the beat from tick to tick.
+//! What a drive keeps of the sync events from tick to tick.
 
 use canopen::{Duration, Instant};
 use motion::AxisConfig;
@@ -8,7 +8,7 @@ use super::clock::{NetworkClock, Slots};
 use super::pipeline::Pipeline;
 use super::rhythm::Rhythm;
 use super::schedule::Schedule;
-use super::{Beat, CyclicConfiguration, Fine, POINT, SyncStatus, fine};
+use super::{CyclicConfiguration, Fine, POINT, SyncEvent, SyncStatus, fine};
 use crate::exchange::{Exchange, Share, Waiting};
 use crate::modes::Mode;
 
@@ -68,7 +68,7 @@ impl Cyclic {
         self.slots.clear();
         // The mode may become another in this tick.
         let begins_anew = self.clock.set_used(mode.is_cyclic() || wanted.is_cyclic());
-        self.is_new |= begins_anew || waiting.beats > 0 || waiting.is_configured;
+        self.is_new |= begins_anew || waiting.sync_events > 0 || waiting.is_configured;
         let has_records = mode == Mode::InterpolatedPosition;
         if !has_records {
             self.rhythm.stop();
@@ -83,30 +83,30 @@ impl Cyclic {
                 self.buffer.push(record, configuration.buffer);
             }
         }
-        for _ in 0..waiting.beats {
-            if let Some(beat) = exchange.lock(Exchange::take_beat) {
-                if beat.is_sync || !has_records {
-                    self.hear(beat, configuration, mode);
+        for _ in 0..waiting.sync_events {
+            if let Some(event) = exchange.lock(Exchange::take_sync_event) {
+                if event.is_sync || !has_records {
+                    self.hear(event, configuration, mode);
                 } else if core::mem::take(&mut is_empty) {
                     self.rhythm
-                        .hear(fine(beat.at), micros(configuration.period));
+                        .hear(fine(event.at), micros(configuration.period));
                 }
             }
         }
     }
 
-    fn hear(&mut self, beat: Beat, configuration: &CyclicConfiguration, mode: Mode) {
+    fn hear(&mut self, event: SyncEvent, configuration: &CyclicConfiguration, mode: Mode) {
         self.rhythm.stop();
         let is_new = match mode {
-            Mode::CyclicVelocity => beat.velocity.is_some(),
+            Mode::CyclicVelocity => event.velocity.is_some(),
             Mode::InterpolatedPosition => false,
-            _ => beat.position.is_some(),
+            _ => event.position.is_some(),
         };
         self.clock
-            .hear(beat, is_new, configuration.periods(), &mut self.slots);
+            .hear(event, is_new, configuration.periods(), &mut self.slots);
     }
 
-    /// Lets time pass. `configuration` is what was taken with the beats of this tick.
+    /// Lets time pass. `configuration` is what was taken with the sync events of this tick.
     pub(crate) fn pass(&mut self, now: Fine, configuration: &CyclicConfiguration) {
         self.is_new |= self.clock.pass(now, &mut self.slots);
         if core::mem::take(&mut self.is_new) {
@@ -124,13 +124,13 @@ impl Cyclic {
         }
     }
 
-    /// When the next tick is due, in step with the beat if there is a mode that needs it.
+    /// When the next tick is due, in step with the sync events if there is a mode that needs it.
     pub(crate) fn next_tick(&mut self, now: Instant, is_in_step: bool) -> Option<Instant> {
         let lock = self.clock.lock();
         (is_in_step && lock.is_running()).then(|| self.schedule.next(now, lock))
     }
 
-    /// The beat, or what is set up, is not what it was.
+    /// The sync events, or what is set up, are not what they were.
     #[inline(never)]
     fn look_at_clock(&mut self, configuration: &CyclicConfiguration) {
         let period = self.clock.period();

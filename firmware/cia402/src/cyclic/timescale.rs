@@ -1,4 +1,4 @@
-//! Between two clocks: microseconds, in which beats are stamped, and the axis' own time, in ticks of the step timer.
+//! Between two clocks: microseconds, in which sync events are stamped, and the axis' own time, in ticks of the step timer.
 //!
 //! The time of the axis stands while it is at rest. So the two are compared anew whenever it begins to move, and in motion what is
 //! read a little early or late is averaged out.

@@ -12,8 +12,8 @@ pub struct DriveConfig {
     pub axis: AxisConfig,
     /// The period of the control tick, the nominal time between two calls of [`Drive::tick`].
     pub tick: Duration,
-    /// How often in a tick pulses are handed out, at least 1: by [`Drive::tick`], and by [`Drive::refill`] the other times. Two
-    /// segments are handed out ahead; a segment shorter than the time between is stretched to it, so that one may come late by
+    /// How often in a tick pulses are committed, at least 1: by [`Drive::tick`], and by [`Drive::refill`] the other times. Two
+    /// segments are committed ahead; a segment shorter than the time between is stretched to it, so that one may come late by
     /// as much.
     pub refills: u32,
 }
@@ -66,7 +66,7 @@ pub struct Outputs {
     pub digital: u8,
 }
 
-/// The axis with segments at least as long as pulses are handed out apart, so that with two of them one may come late by as much.
+/// The axis with segments at least as long as the time from one commitment to the next, so that with two of them one may come late by as much.
 pub(super) fn outlast_tick(config: DriveConfig) -> AxisConfig {
     let tick = u64::from(config.axis.clock.hz()).saturating_mul(config.tick.ticks()) / 1_000_000;
     let apart = tick.checked_div(config.refills.into()).unwrap_or(tick);

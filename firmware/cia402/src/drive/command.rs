@@ -84,7 +84,7 @@ impl<D: Objects> Drive<D> {
     pub(super) fn set_points_lost(&mut self) -> Option<Reaction> {
         let cyclic = &self.configuration.cyclic;
         self.faults
-            .beat_differs(self.cyclic.differs() && self.modes.active().is_cyclic() && self.power);
+            .sync_differs(self.cyclic.differs() && self.modes.active().is_cyclic() && self.power);
         if !core::mem::take(&mut self.cyclic.has_lost) {
             return None;
         }

@@ -92,7 +92,7 @@ pub(super) fn held_between(
     let room = room.min(0).unsigned_abs();
     let speed = velocity.unsigned_abs();
     let accelerations = (0, asked.deceleration);
-    if asked.ramps == Ramps::Linear && way(speed, accelerations, asked.ramps) < room {
+    if asked.ramps == Ramps::Linear && distance(speed, accelerations, asked.ramps) < room {
         return as_asked;
     }
     // sin² braking is finished as it was begun, and so would the stop be that is tried out. Anything else leaves it at its own jerk.
@@ -183,9 +183,9 @@ fn rounding(accelerations: (u32, u32), ramps: Ramps, window: u64) -> (u64, u64) 
     }
 }
 
-/// The way to stop from a velocity with these accelerations, up and down, in steps.
-pub(super) fn way(velocity: Speed, accelerations: (u32, u32), ramps: Ramps) -> u64 {
-    // A way too long is on the safe side.
+/// The distance to stop from a velocity with these accelerations, up and down, in steps.
+pub(super) fn distance(velocity: Speed, accelerations: (u32, u32), ramps: Ramps) -> u64 {
+    // A distance too long is on the safe side.
     let velocity = rounded_up(velocity);
     let (rounding, deceleration) = rounding(accelerations, ramps, 0);
     velocity
@@ -216,7 +216,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The way of a ramp to rest, by the formulas.
+    /// The distance of a ramp to rest, by the formulas.
     fn exact(velocity: f64, (acceleration, deceleration): (f64, f64), ramps: Ramps) -> f64 {
         match ramps {
             Ramps::JerkLimited(jerk) => {
@@ -252,7 +252,7 @@ mod tests {
             let (a, d) = accelerations;
             let goes = exact(velocity.whole().into(), (a.into(), d.into()), ramps);
             prop_assert!(goes <= steps as f64, "{goes} steps of {steps}");
-            let said = way(velocity, accelerations, ramps);
+            let said = distance(velocity, accelerations, ramps);
             prop_assert!(said as f64 + 1.0 >= goes, "{said} is less than {goes}");
         }
     }
@@ -262,7 +262,7 @@ mod tests {
         for (velocity, steps) in [(10_000_u32, 600), (1, 1), (4_000_000_000, 3), (7, u64::MAX)] {
             let deceleration = needed(velocity.into(), steps);
             assert!(
-                way(velocity.into(), (0, deceleration), Ramps::Linear) <= steps
+                distance(velocity.into(), (0, deceleration), Ramps::Linear) <= steps
                     || deceleration == u32::MAX,
                 "{velocity} steps/s, {steps} steps"
             );
@@ -274,6 +274,6 @@ mod tests {
     #[test]
     fn a_linear_stop_is_the_root_of_twice_the_ramp() {
         assert_eq!(stoppable((0, 50_000), Ramps::Linear, 0, 1000), 9_797.into());
-        assert_eq!(way(10_000.into(), (0, 50_000), Ramps::Linear), 1000);
+        assert_eq!(distance(10_000.into(), (0, 50_000), Ramps::Linear), 1000);
     }
 }

@@ -52,8 +52,8 @@ impl CyclicPosition {
         } else {
             self.held = false;
             for slot in context.slots {
-                let target = slot.beat.and_then(|beat| {
-                    let position = beat.position?.saturating_add(beat.position_offset);
+                let target = slot.event.and_then(|event| {
+                    let position = event.position?.saturating_add(event.position_offset);
                     Some(context.target(position))
                 });
                 if self.motion.take(*slot, target, context) == Outcome::Lost {

@@ -15,7 +15,7 @@
 use super::Context;
 use motion::{Limits, Ramps, SignedSpeed, Speed};
 
-use super::following::{braking_way, gain, seconds};
+use super::following::{braking_distance, gain, seconds};
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::cyclic::{Fine, Slot};
 use crate::motor::Motor;
@@ -113,9 +113,9 @@ impl CyclicVelocity {
     }
 
     fn take(&mut self, slot: &Slot, context: &mut Context<'_>) {
-        let asked = slot.beat.and_then(|beat| {
-            let offset = beat.velocity_offset;
-            Some(beat.velocity?.plus(offset))
+        let asked = slot.event.and_then(|event| {
+            let offset = event.velocity_offset;
+            Some(event.velocity?.plus(offset))
         });
         let lost = &context.configuration.cyclic.lost;
         match asked {
@@ -267,14 +267,15 @@ fn before_limit(
     let deceleration = context.deceleration(StopRamp::QuickStop);
     // Positions are whole ones here: what a velocity is too high, the next can make up for.
     let down = gain(deceleration.saturating_sub(deceleration / 32), seconds);
-    let way = braking_way(room.max(0) << 16, down).unsigned_abs();
-    velocity.within(rate(way, seconds))
+    let distance = braking_distance(room.max(0) << 16, down).unsigned_abs();
+    velocity.within(rate(distance, seconds))
 }
 
-/// The speed at which a way takes so many seconds; Q16 and Q32. Rounded down, to a whole number of steps/s where it is high.
-fn rate(way: u64, seconds: u64) -> Speed {
+/// The speed at which a distance takes so many seconds; Q16 and Q32. Rounded down, to a whole number of steps/s where it is high.
+fn rate(distance: u64, seconds: u64) -> Speed {
     let over = |shift| {
-        way.min(u64::MAX >> (shift + 1))
+        distance
+            .min(u64::MAX >> (shift + 1))
             .wrapping_shl(shift)
             .checked_div(seconds)
     };

@@ -4,7 +4,7 @@
 //! - Between two set-points exactly the difference of them leaves, spread evenly over the time between them (60C0h = 0), or as a cubic
 //!   with the mean velocity of its neighbours (60C0h = −1), but never beyond one of the two set-points. Where a cubic would be
 //!   faster than 607Fh and 6080h allow, the line is straight.
-//! - Each way is reckoned from where the pulses lead, and over the time there is from there. So a set-point that came too late, and a
+//! - Each distance is reckoned from where the pulses lead, and over the time there is from there. So a set-point that came too late, and a
 //!   period that has become another, pass no limit: what is missing is caught up with.
 //! - It begins where the motor stands. Set-points that are not there, and later what is farther away than 607Fh and 6080h allow in one
 //!   period, are caught up with: at these velocities, on the ramps 6083h and 6084h within 60C5h and 60C6h.
@@ -44,10 +44,10 @@ struct Knot {
     end: Fine,
     at: i64,
     /// From the set-point before.
-    way: i64,
+    distance: i64,
     /// The time for it.
     interval: Fine,
-    /// The longest way that is allowed in this time.
+    /// The longest distance that is allowed in this time.
     most: i64,
 }
 
@@ -66,8 +66,8 @@ pub(super) struct Following {
     is_active: bool,
     /// The last set-point as it is carried out.
     at: i64,
-    /// The way to it in the last period; where the next one lasts otherwise, what would be as fast.
-    way: i64,
+    /// The distance to it in the last period; where the next one lasts otherwise, what would be as fast.
+    distance: i64,
     /// The last set-point as it was asked for, in increments.
     goal: i64,
     /// How far the last set-point was from the one before it.
@@ -80,7 +80,7 @@ pub(super) struct Following {
     is_limited: bool,
     /// The set-points that were followed, for 60C5h and 60C6h.
     set_points: SetPoints,
-    /// By how much the difference of two ways may be off because they are whole units.
+    /// By how much the difference of two distances may be off because they are whole units.
     rounding: i64,
     /// Of a cubic: it waits for the one behind it.
     waiting: Option<Knot>,
@@ -91,7 +91,7 @@ impl Following {
         Self {
             is_active: false,
             at: 0,
-            way: 0,
+            distance: 0,
             goal: 0,
             pace: 0,
             fresh: 0,
@@ -123,7 +123,7 @@ impl Following {
 
     /// Whether what was given to the axis ends at the last set-point as it was asked for; `None` while none is followed.
     pub(super) fn is_at_goal(&self) -> Option<bool> {
-        let is_there = self.way == 0 && self.at == self.goal.wrapping_shl(POINT);
+        let is_there = self.distance == 0 && self.at == self.goal.wrapping_shl(POINT);
         self.is_active.then_some(is_there)
     }
 
@@ -177,7 +177,7 @@ impl Following {
         let Some(need) = self.need(goal, context) else {
             return Outcome::Lost;
         };
-        let before = self.way;
+        let before = self.distance;
         let seconds = seconds(leg.interval);
         let most = way_at(context.max_velocity(), seconds);
         let is_usual = leg.interval.abs_diff(slot.period) <= slot.period / 64;
@@ -187,20 +187,20 @@ impl Following {
             over(self.pace, slot.period, leg.interval)
         };
         let was_catching_up = self.is_catching_up;
-        self.way = self.allowed(need, pace, most, seconds, context);
+        self.distance = self.allowed(need, pace, most, seconds, context);
         self.is_limited |= goal != target;
         let knot = Knot {
             end,
-            at: self.at.wrapping_add(self.way),
-            way: self.way,
+            at: self.at.wrapping_add(self.distance),
+            distance: self.distance,
             interval: leg.interval,
             most,
         };
         if was_catching_up || self.is_catching_up {
-            let way = over(knot.way, leg.interval, slot.period);
+            let distance = over(knot.distance, leg.interval, slot.period);
             self.rounding = rounding(context);
             self.set_points
-                .begin(whole(knot.at.wrapping_sub(way)), whole(knot.at));
+                .begin(whole(knot.at.wrapping_sub(distance)), whole(knot.at));
         } else {
             self.set_points.keep(whole(knot.at));
         }
@@ -213,7 +213,7 @@ impl Following {
     fn stands_at(&self, goal: i64, here: i64) -> bool {
         goal == self.goal
             && here == goal
-            && self.way == 0
+            && self.distance == 0
             && self.at == goal.wrapping_shl(POINT)
             && self.set_points.stand()
             && !self.is_catching_up
@@ -232,7 +232,7 @@ impl Following {
         }
         self.bridged = 0;
         self.at = at.wrapping_shl(POINT);
-        self.way = 0;
+        self.distance = 0;
         self.waiting = None;
     }
 
@@ -242,10 +242,10 @@ impl Following {
         let mut course = motor.course_to(end);
         if let Some(waiting) = self.waiting {
             let interval = end.wrapping_sub(waiting.end);
-            let is_there = away(waiting.at.wrapping_sub(waiting.way), course.position) == 0;
+            let is_there = away(waiting.at.wrapping_sub(waiting.distance), course.position) == 0;
             if is_there && is_steady(interval) {
                 if self.is_catching_up {
-                    self.way = over(self.way, waiting.interval, interval);
+                    self.distance = over(self.distance, waiting.interval, interval);
                 }
                 return Some(Leg {
                     interval,
@@ -268,7 +268,7 @@ impl Following {
         if !is_in_step || self.is_catching_up {
             self.is_catching_up = true;
             self.at = self.at.wrapping_add(away);
-            self.way = course.distance >> (32 - POINT);
+            self.distance = course.distance >> (32 - POINT);
         }
         (interval >= period / 4).then_some(Leg {
             interval,
@@ -285,19 +285,19 @@ impl Following {
         self.goal = goal;
     }
 
-    /// The way that is asked for; `None` if too many set-points are missing.
+    /// The distance that is asked for; `None` if too many set-points are missing.
     fn need(&mut self, target: Option<i64>, context: &Context<'_>) -> Option<i64> {
         let lost = &context.configuration.cyclic.lost;
         if let Some(goal) = target {
             self.head_for(goal);
-        } else if !lost.is_as_before() && self.fresh > 1 && self.way != 0 {
+        } else if !lost.is_as_before() && self.fresh > 1 && self.distance != 0 {
             if self.bridged >= lost.bridged {
                 return None;
             }
             self.bridged = self.bridged.saturating_add(1);
             if !self.is_catching_up {
-                self.goal = self.at.wrapping_add(self.way) >> POINT;
-                return Some(self.way);
+                self.goal = self.at.wrapping_add(self.distance) >> POINT;
+                return Some(self.distance);
             }
             self.goal = self.goal.wrapping_add(self.pace >> POINT);
         } else {
@@ -307,7 +307,7 @@ impl Following {
         Some(self.goal.wrapping_shl(POINT).wrapping_sub(self.at))
     }
 
-    /// The way within all limits. Set-points are `pace` apart, and `most` is the longest way allowed.
+    /// The distance within all limits. Set-points are `pace` apart, and `most` is the longest distance allowed.
     fn allowed(
         &mut self,
         need: i64,
@@ -328,7 +328,7 @@ impl Following {
         let pace = if need == asked { pace } else { 0 };
         let is_within_ramps = if self.is_catching_up {
             let (up, down) = ramps(seconds, context);
-            let change = need.saturating_sub(self.way);
+            let change = need.saturating_sub(self.distance);
             // Both this change and the one to the velocity of the set-points, behind it. Those are whole increments.
             change.saturating_abs() <= up.max(down).max(1 << POINT)
                 && need.saturating_sub(pace).saturating_abs() <= down.max(1 << POINT)
@@ -346,27 +346,27 @@ impl Following {
             }
         };
         let is_in_reach = need.saturating_abs() <= most && is_within_ramps;
-        let way = if is_in_reach {
+        let distance = if is_in_reach {
             need
         } else {
             self.chase(need, pace, most, ramps(seconds, context))
         };
-        let way = if has_ends {
-            self.before_limit(way, seconds, context)
+        let distance = if has_ends {
+            self.before_limit(distance, seconds, context)
         } else {
-            way
+            distance
         };
-        let way = Self::unbarred(way, context);
+        let distance = Self::unbarred(distance, context);
         // Out of a limit, too, the motor goes on with no jump.
-        self.is_catching_up = !is_in_reach || way != asked;
+        self.is_catching_up = !is_in_reach || distance != asked;
         self.is_limited = self.is_catching_up;
-        way
+        distance
     }
 
-    /// The way in this period on a ramp that ends with the set-points, at their velocity.
+    /// The distance in this period on a ramp that ends with the set-points, at their velocity.
     fn chase(&self, need: i64, pace: i64, most: i64, (up, down): (i64, i64)) -> i64 {
         let behind = need.saturating_sub(pace);
-        let gained = braking_way(behind.saturating_abs(), down).min(behind.saturating_abs());
+        let gained = braking_distance(behind.saturating_abs(), down).min(behind.saturating_abs());
         let gained = if behind < 0 {
             gained.wrapping_neg()
         } else {
@@ -376,42 +376,42 @@ impl Following {
             .saturating_add(gained)
             .max(most.wrapping_neg())
             .min(most);
-        let grows = wanted.saturating_abs() > self.way.saturating_abs();
+        let grows = wanted.saturating_abs() > self.distance.saturating_abs();
         let step = if grows { up } else { down };
         wanted
-            .max(self.way.saturating_sub(step))
-            .min(self.way.saturating_add(step))
+            .max(self.distance.saturating_sub(step))
+            .min(self.distance.saturating_add(step))
     }
 
-    /// The way, if no limit switch bars it.
-    fn unbarred(way: i64, context: &Context<'_>) -> i64 {
-        let is_free = context.motor.is_free(way).is_ok();
-        if is_free { way } else { 0 }
+    /// The distance, if no limit switch bars it.
+    fn unbarred(distance: i64, context: &Context<'_>) -> i64 {
+        let is_free = context.motor.is_free(distance).is_ok();
+        if is_free { distance } else { 0 }
     }
 
-    /// The way that still lets the motor stop at a software limit.
-    fn before_limit(&self, way: i64, seconds: u64, context: &Context<'_>) -> i64 {
+    /// The distance that still lets the motor stop at a software limit.
+    fn before_limit(&self, distance: i64, seconds: u64, context: &Context<'_>) -> i64 {
         let (low, high) = context.travel.increments;
-        let room = match way {
+        let room = match distance {
             1.. => fine_way(high).saturating_sub(self.at),
             ..=-1 => self.at.saturating_sub(fine_way(low)),
             0 => return 0,
         };
         // Far enough away that there is no need to look closely.
         if room == i64::MAX {
-            return way;
+            return distance;
         }
         let down = gain(context.deceleration(StopRamp::QuickStop), seconds);
-        if may_brake_behind(way.unsigned_abs(), room, down) {
-            return way;
+        if may_brake_behind(distance.unsigned_abs(), room, down) {
+            return distance;
         }
-        let most = braking_way(room.max(0), down);
-        way.max(most.wrapping_neg()).min(most)
+        let most = braking_distance(room.max(0), down);
+        distance.max(most.wrapping_neg()).min(most)
     }
 
-    /// Gives a set-point to the axis; on a cubic the one before it. What the axis does not take, the next way makes up for.
+    /// Gives a set-point to the axis; on a cubic the one before it. What the axis does not take, the next distance makes up for.
     fn give(&mut self, knot: Knot, before: i64, is_cubic: bool, motor: &mut Motor) {
-        let stands = before == 0 && knot.way == 0;
+        let stands = before == 0 && knot.distance == 0;
         let Some(waiting) = self.waiting else {
             if stands {
                 return;
@@ -428,8 +428,8 @@ impl Following {
             return;
         };
         let first = motor.course_to(waiting.end).distance >> (32 - POINT);
-        let before = over(waiting.way, waiting.interval, knot.interval);
-        let slope = slope(before, knot.way);
+        let before = over(waiting.distance, waiting.interval, knot.interval);
+        let slope = slope(before, knot.distance);
         let last = over(slope, knot.interval, waiting.interval);
         let curve = is_tame(first, last, waiting).then_some((to(slope), knot.interval));
         let _ = motor.follow(waiting.end, to(waiting.at), curve);
@@ -437,7 +437,7 @@ impl Following {
     }
 }
 
-/// By how much a way may grow and shrink from period to period while the motor catches up.
+/// By how much a distance may grow and shrink from period to period while the motor catches up.
 fn ramps(seconds: u64, context: &Context<'_>) -> (i64, i64) {
     let (limits, _) = context.within(Limits {
         velocity: Speed::ZERO,
@@ -455,16 +455,16 @@ const fn away(at: i64, position: Position) -> i64 {
     if away == -1 || away == 1 { 0 } else { away }
 }
 
-/// A way in so much time, over another time.
-fn over(way: i64, time: Fine, another: Fine) -> i64 {
-    if way == 0 || time == another {
-        return way;
+/// A distance in so much time, over another time.
+fn over(distance: i64, time: Fine, another: Fine) -> i64 {
+    if distance == 0 || time == another {
+        return distance;
     }
     let ratio = (another << POINT).checked_div(time).unwrap_or(0);
-    (i128::from(way).wrapping_mul(ratio.into()) >> POINT) as i64
+    (i128::from(distance).wrapping_mul(ratio.into()) >> POINT) as i64
 }
 
-/// The velocity between two ways, as a way: the mean of them, but so that no cubic passes its ends.
+/// The velocity between two distances, as a distance: the mean of them, but so that no cubic passes its ends.
 fn slope(before: i64, behind: i64) -> i64 {
     if (before < 0) != (behind < 0) {
         return 0;
@@ -477,10 +477,10 @@ fn slope(before: i64, behind: i64) -> i64 {
 
 /// Whether a cubic that begins and ends with these velocities goes on in its direction all along, and no faster than it may.
 const fn is_tame(first: i64, last: i64, knot: Knot) -> bool {
-    let sign = knot.way.signum();
-    let way = knot.way.saturating_abs();
+    let sign = knot.distance.signum();
+    let distance = knot.distance.saturating_abs();
     let (first, last) = (first.saturating_mul(sign), last.saturating_mul(sign));
-    let (within, most) = (way.saturating_mul(3), knot.most);
+    let (within, most) = (distance.saturating_mul(3), knot.most);
     // The middle one of the three points that span the velocity.
     let middle = within.saturating_sub(first).saturating_sub(last);
     0 <= first
@@ -496,14 +496,14 @@ const fn whole(at: i64) -> i32 {
     (at >> POINT) as i32
 }
 
-/// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two ways.
+/// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two distances.
 fn rounding(context: &Context<'_>) -> i64 {
     let unit = context.configuration.units.position(1).saturating_abs();
     let most = unit.max(1).saturating_add(1).saturating_mul(2);
     most.min(1 << 40) << POINT
 }
 
-/// The way that stays within the software limits, or leads back to them.
+/// The distance that stays within the software limits, or leads back to them.
 fn within_travel(at: i64, need: i64, travel: Travel) -> i64 {
     let (low, high) = travel.increments;
     let low = fine_way(low).min(at);
@@ -527,17 +527,17 @@ pub(super) fn seconds(time: Fine) -> u64 {
         .wrapping_add(low.wrapping_mul(PER_TICK) >> 32)
 }
 
-/// The way at a velocity.
+/// The distance at a velocity.
 pub(super) fn way_at(velocity: Speed, seconds: u64) -> i64 {
-    let way = scaled(velocity.bits(), seconds);
-    i64::try_from(way >> (32 - POINT)).unwrap_or(i64::MAX)
+    let distance = scaled(velocity.bits(), seconds);
+    i64::try_from(distance >> (32 - POINT)).unwrap_or(i64::MAX)
 }
 
-/// By how much the way in a period grows from one to the next, at an acceleration in increments/s².
+/// By how much the distance in a period grows from one to the next, at an acceleration in increments/s².
 pub(super) fn gain(acceleration: u32, seconds: u64) -> i64 {
     let velocity = scaled(u64::from(acceleration) << (32 - POINT), seconds);
-    let way = scaled(velocity, seconds).min(1 << 61);
-    way.cast_signed().clamp(1, i64::MAX / 4)
+    let distance = scaled(velocity, seconds).min(1 << 61);
+    distance.cast_signed().clamp(1, i64::MAX / 4)
 }
 
 /// A number times another in Q32. One too large for a number is the largest.
@@ -551,22 +551,22 @@ fn scaled(number: u64, by: u64) -> u64 {
         .wrapping_add(low.wrapping_mul(by) >> 32)
 }
 
-/// Whether the motor can still stop within `room` after a way in a period, for certain: s² ≤ 2g·(room − s). False where it cannot,
-/// and for ways so long that it is not looked at.
-fn may_brake_behind(way: u64, room: i64, gain: i64) -> bool {
+/// Whether the motor can still stop within `room` after a distance in a period, for certain: s² ≤ 2g·(room − s). False where it cannot,
+/// and for distances so long that it is not looked at.
+fn may_brake_behind(distance: u64, room: i64, gain: i64) -> bool {
     let (room, gain) = (room.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
-    let is_short = u32::try_from(way).is_ok();
+    let is_short = u32::try_from(distance).is_ok();
     is_short
-        && room.checked_sub(way).is_some_and(|behind| {
-            way.wrapping_mul(way) <= gain.saturating_mul(2).saturating_mul(behind)
+        && room.checked_sub(distance).is_some_and(|behind| {
+            distance.wrapping_mul(distance) <= gain.saturating_mul(2).saturating_mul(behind)
         })
 }
 
 /// Increments with their bits behind the point. What has no room is the end of the numbers.
 const fn fine_way(increments: i64) -> i64 {
-    let way = increments.wrapping_shl(POINT);
-    if way >> POINT == increments {
-        way
+    let distance = increments.wrapping_shl(POINT);
+    if distance >> POINT == increments {
+        distance
     } else if increments < 0 {
         i64::MIN
     } else {
@@ -574,9 +574,9 @@ const fn fine_way(increments: i64) -> i64 {
     }
 }
 
-/// The longest way in a period after which the motor can still stop within `room`, when the way can be less by `gain` in each
+/// The longest distance in a period after which the motor can still stop within `room`, when the distance can be less by `gain` in each
 /// period: s + s²/2g ≤ room.
-pub(super) fn braking_way(room: i64, gain: i64) -> i64 {
+pub(super) fn braking_distance(room: i64, gain: i64) -> i64 {
     let (room, gain) = (room.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
     let squares = u128::from(gain)
         .wrapping_mul(gain.into())

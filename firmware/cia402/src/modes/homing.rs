@@ -137,7 +137,7 @@ impl Homing {
             if !is_asked {
                 self.interrupt(context);
             } else if !context.is_early || context.is_held() {
-                // A halt does not wait for the regular beat, and everything else goes by it: when the motor stands, too.
+                // A halt does not wait for the regular ticks, and everything else goes by them: when the motor stands, too.
                 self.go_on(context);
             }
         } else if edge {
@@ -300,8 +300,8 @@ fn carry_out(order: Order, search: &mut Search, context: &mut Context<'_>) -> Re
             }
             // The short way.
             let from = context.position;
-            let way = target.wrapping_add(search.shift).wrapping_sub(from as i32);
-            let target = from.saturating_add(way.into());
+            let distance = target.wrapping_add(search.shift).wrapping_sub(from as i32);
+            let target = from.saturating_add(distance.into());
             return context.motor.move_to(target, limits);
         }
         Order::CutOff => context.motor.cut_off(),

@@ -153,10 +153,10 @@ const fn end_of(order: Order) -> i64 {
     }
 }
 
-/// Whether a motion to a limit can be planned, the way to stop included.
+/// Whether a motion to a limit can be planned, the distance to stop included.
 fn is_within_reach(end: i64, motor: &Motor) -> bool {
-    let way = end.saturating_sub(motor.committed_position());
-    way.unsigned_abs() < REACH.unsigned_abs() / 2
+    let distance = end.saturating_sub(motor.committed_position());
+    distance.unsigned_abs() < REACH.unsigned_abs() / 2
 }
 
 /// Plans the motion. Returns what has become of it, and the sign of the velocity that is lost on a harder ramp; 0 for none.

@@ -129,7 +129,7 @@ impl Mode {
         }
     }
 
-    /// Whether the mode goes by the beat of the network.
+    /// Whether the mode goes by the sync events of the network.
     pub(crate) const fn is_cyclic(self) -> bool {
         matches!(
             self,
@@ -177,7 +177,7 @@ pub(crate) struct Context<'a> {
     pub(crate) slots: &'a [Slot],
     /// The data records that wait.
     pub(crate) buffer: &'a mut Buffer,
-    /// From a beat to the next, and the time it takes until pulses that are handed out now have left.
+    /// From a sync event to the next, and the time it takes until what is committed now have left.
     pub(crate) pipeline: &'a Pipeline,
     /// A regular tick follows in less than a period.
     pub(crate) is_early: bool,

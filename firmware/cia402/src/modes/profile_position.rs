@@ -134,8 +134,8 @@ impl ProfilePosition {
     /// was turning round to it.
     pub(super) fn limit_met(&mut self, motor: &Motor) {
         let leads_away = self.current.is_some_and(|set_point| {
-            let way = set_point.target.saturating_sub(motor.committed_position());
-            motor.is_free(way).is_ok()
+            let distance = set_point.target.saturating_sub(motor.committed_position());
+            motor.is_free(distance).is_ok()
         });
         if leads_away && self.progress == Progress::UnderWay {
             self.starts_anew = true;
@@ -321,8 +321,8 @@ impl ProfilePosition {
                 self.progress = Progress::Done;
             }
         } else {
-            let way = set_point.target.saturating_sub(motor.committed_position());
-            if way.saturating_mul(self.direction) <= 0 {
+            let distance = set_point.target.saturating_sub(motor.committed_position());
+            if distance.saturating_mul(self.direction) <= 0 {
                 self.progress = Progress::Passed;
             }
         }
@@ -341,8 +341,8 @@ impl ProfilePosition {
 
     /// The target of a set-point is the one that counts from now on.
     fn head_for(&mut self, set_point: &mut SetPoint, context: &mut Context<'_>) {
-        let way = (set_point.target).saturating_sub(context.motor.committed_position());
-        self.direction = way.signum();
+        let distance = (set_point.target).saturating_sub(context.motor.committed_position());
+        self.direction = distance.signum();
         set_point.end_within(context.travel, self.direction, context.motor.window());
         self.target = set_point.target;
         self.user = Some(set_point.user);
@@ -353,9 +353,9 @@ impl ProfilePosition {
     /// The set-point under way as it is left for the one that waits: with bit 9 without slowing down more than needed.
     fn blended(&self, mut current: SetPoint, motor: &Motor) -> SetPoint {
         if let Some(next) = self.next.filter(|next| next.blends) {
-            let way = next.target.saturating_sub(current.target);
-            if way.signum() == self.direction {
-                current.blend(&next, way.unsigned_abs(), motor.window());
+            let distance = next.target.saturating_sub(current.target);
+            if distance.signum() == self.direction {
+                current.blend(&next, distance.unsigned_abs(), motor.window());
             }
         }
         current
@@ -537,7 +537,7 @@ impl ProfilePosition {
     }
 }
 
-/// Those of the ramps that may be planned for which most is handed out before; `None` if none is.
+/// Those of the ramps that may be planned for which most is committed before; `None` if none is.
 fn dearest(planned: [Option<Ramps>; 3]) -> Option<Ramps> {
     let is_dear = |ramps: &Ramps| matches!(ramps, Ramps::JerkLimited(_));
     let mut ramps = planned.into_iter().flatten();
@@ -567,8 +567,10 @@ fn longest_stop(context: &Context<'_>, set_point: &SetPoint) -> i64 {
         .deceleration
         .min(context.configuration.max_deceleration);
     let accelerations = (set_point.asked.acceleration, deceleration);
-    let way = braking::way(velocity, accelerations, set_point.ramps);
-    i64::try_from(way).unwrap_or(i64::MAX).saturating_add(1)
+    let distance = braking::distance(velocity, accelerations, set_point.ramps);
+    i64::try_from(distance)
+        .unwrap_or(i64::MAX)
+        .saturating_add(1)
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ macro_rules! every_parameter {
                 /// The inputs that are active while they are low; input `n` is bit `n − 1`.
                 setting InputsInverted inputs_inverted 0x2032:0 u8 = 0, "";
                 setting InputDebounce input_debounce 0x2033:0 u8 = 0, "ms";
-                /// 0 no beat, 1 the loop is settling, 2 locked.
+                /// 0 no sync events, 1 the loop is settling, 2 locked.
                 shown SyncState set_sync_state 0x2050:1 u8 = _, "";
                 shown SyncPeriod set_sync_period 0x2050:2 u32 = _, "ns";
                 shown SyncJitter set_sync_jitter 0x2050:3 u32 = _, "ns";

@@ -51,11 +51,11 @@ impl AnalogueInput {
         let time = u32::from(configuration.filter).wrapping_mul(1000);
         self.smooth = Some(match self.smooth {
             Some(smooth) if time > elapsed => {
-                let way = i64::from(target.wrapping_sub(smooth));
-                let step = way
+                let distance = i64::from(target.wrapping_sub(smooth));
+                let step = distance
                     .wrapping_mul(elapsed.into())
                     .checked_div(time.into())
-                    .unwrap_or(way);
+                    .unwrap_or(distance);
                 smooth.wrapping_add(step as i32)
             }
             _ => target,

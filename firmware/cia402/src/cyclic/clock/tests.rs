@@ -28,7 +28,7 @@ impl Network {
     /// A SYNC with this set-point. Returns what is in the slot, if there is one.
     fn sync(&mut self, position: Option<i32>) -> Option<Option<i32>> {
         self.now += CYCLE;
-        let beat = Beat {
+        let event = SyncEvent {
             at: Instant::from_ticks(self.now),
             is_sync: true,
             position,
@@ -38,10 +38,11 @@ impl Network {
         };
         let mut slots = Slots::new();
         let times = (self.interpolation << POINT, 0);
-        self.clock.hear(beat, position.is_some(), times, &mut slots);
+        self.clock
+            .hear(event, position.is_some(), times, &mut slots);
         assert!(slots.len() <= 1);
         let slot = slots.first()?;
-        Some(slot.beat.and_then(|beat| beat.position))
+        Some(slot.event.and_then(|event| event.position))
     }
 
     /// Set-points, each this many SYNCs after the one before; returns what is in the slots, each with the SYNCs since the slot before.

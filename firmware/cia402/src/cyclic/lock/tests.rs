@@ -1,4 +1,4 @@
-//! The loop alone: beats with jitter, with gaps, with strays.
+//! The loop alone: sync events with jitter, with gaps, with strays.
 
 use proptest::prelude::*;
 
@@ -10,7 +10,7 @@ fn micros(time: i64) -> Fine {
     time.unsigned_abs() << POINT
 }
 
-/// Lets the loop hear evenly spaced beats, each so many microseconds off; returns the moments.
+/// Lets the loop hear evenly spaced sync events, each so many microseconds off; returns the moments.
 fn run(lock: &mut Lock, period: i64, offs: &[i64]) -> std::vec::Vec<Fine> {
     let begin = 1_000_000;
     (0..)
@@ -24,7 +24,7 @@ fn run(lock: &mut Lock, period: i64, offs: &[i64]) -> std::vec::Vec<Fine> {
 }
 
 proptest! {
-    /// Once the loop has settled, moments are a period apart to 1 %, and never far from where beats should be.
+    /// Once the loop has settled, moments are a period apart to 1 %, and never far from where sync events should be.
     #[test]
     fn y10_moments_are_even_whatever_the_jitter(
         period in prop::sample::select(std::vec![1_000_i64, 2_000, 2_500, 4_000, 10_000]),

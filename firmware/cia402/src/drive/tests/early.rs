@@ -7,7 +7,7 @@ use motion::{Ramps, SignedSpeed};
 
 use crate::actuator::Actuator;
 use crate::configuration::HomingConfiguration;
-use crate::cyclic::Beat;
+use crate::cyclic::SyncEvent;
 use crate::exchange::Actuals;
 use crate::inputs::{Edge, Edges, InputConfiguration};
 use crate::state_machine::State;
@@ -148,7 +148,7 @@ fn what_is_set_up_of_the_beat_just_before_a_stop_is_seen() {
     rig.configuration.cyclic.period = 1_000;
     rig.enable();
     for number in 0..100 {
-        beat(&mut rig, Some(5 * number));
+        sync_event(&mut rig, Some(5 * number));
         rig.tick();
     }
     assert!(rig.actuals().is_moving && !rig.has(WARNING));
@@ -240,13 +240,13 @@ fn records_behind_a_stop(stop: Act, again: Act) -> Rig {
     for number in 1..=30 {
         rig.exchange.record(5 * number);
         if number > 10 {
-            beat(&mut rig, None);
+            sync_event(&mut rig, None);
         }
         rig.tick();
     }
     assert!(rig.actuals().is_moving && rig.actuals().sync.buffered > 5);
     rig.exchange.record(200);
-    beat(&mut rig, None);
+    sync_event(&mut rig, None);
     rig.tick_and_play(Duration::micros(200));
     rig.exchange.record(205);
     rig.motor_plays(Duration::micros(100));
@@ -259,8 +259,8 @@ fn records_behind_a_stop(stop: Act, again: Act) -> Rig {
 }
 
 /// A SYNC, 250 µs behind the tick that was last.
-fn beat(rig: &mut Rig, position: Option<i32>) {
-    rig.exchange.beat(Beat {
+fn sync_event(rig: &mut Rig, position: Option<i32>) {
+    rig.exchange.sync_event(SyncEvent {
         at: rig.now() - Duration::micros(750),
         is_sync: true,
         position,
@@ -444,7 +444,7 @@ fn m63_early_ticks_take_no_set_point_twice_and_leave_sync_its_beat() {
         rig
     };
     /// A SYNC in each millisecond, 250 µs behind the tick that is next, with a set-point.
-    fn beat(rig: &mut Rig, number: u64) {
+    fn sync_event(rig: &mut Rig, number: u64) {
         let at = rig.now() - Duration::micros(750);
         // There and back, with breaks of which one is too long.
         let is_there = number % 200 != 7 && !(1_000..1_003).contains(&number);
@@ -454,7 +454,7 @@ fn m63_early_ticks_take_no_set_point_twice_and_leave_sync_its_beat() {
         } else {
             3_000 - way
         };
-        rig.exchange.beat(Beat {
+        rig.exchange.sync_event(SyncEvent {
             at: Instant::from_ticks(at.ticks()),
             is_sync: true,
             position: is_there.then_some(position),
@@ -463,8 +463,8 @@ fn m63_early_ticks_take_no_set_point_twice_and_leave_sync_its_beat() {
             velocity_offset: SignedSpeed::ZERO,
         });
     }
-    is_undisturbed(|| cyclic(8), beat);
-    is_undisturbed(|| cyclic(9), beat);
+    is_undisturbed(|| cyclic(8), sync_event);
+    is_undisturbed(|| cyclic(9), sync_event);
     is_undisturbed(
         || cyclic(7),
         |rig, number| {
@@ -472,7 +472,7 @@ fn m63_early_ticks_take_no_set_point_twice_and_leave_sync_its_beat() {
                 rig.write(0x1F);
             }
             rig.exchange.record(5 * i32::try_from(number).unwrap());
-            beat(rig, number);
+            sync_event(rig, number);
         },
     );
 }

@@ -1,7 +1,7 @@
 //! Whether set-points keep to 60C5h and 60C6h, as far as whole numbers let it be known.
 //!
-//! Set-points are whole units of the user, so a steady motion has ways that differ by a unit from one period to the next, and that may be
-//! many times what the limits allow. Over longer spans it counts for less. Of two spans of N periods T next to each other the ways differ
+//! Set-points are whole units of the user, so a steady motion has distances that differ by a unit from one period to the next, and that may be
+//! many times what the limits allow. Over longer spans it counts for less. Of two spans of N periods T next to each other the distances differ
 //! by no more than a·(N·T)², and by two units because of the four ends that are rounded. So spans of 1, 2, 4, 8 and 16 periods are
 //! looked at: what keeps to the limits never breaks this, and what breaks it does not keep to them.
 
@@ -40,8 +40,8 @@ pub(super) struct SetPoints {
     count: usize,
     /// Where the next one goes.
     next: usize,
-    /// The way to the last one, and how many in a row before it were the same.
-    way: i32,
+    /// The distance to the last one, and how many in a row before it were the same.
+    distance: i32,
     alike: u8,
 }
 
@@ -51,7 +51,7 @@ impl SetPoints {
             kept: [0; KEPT],
             count: 0,
             next: 0,
-            way: 0,
+            distance: 0,
             alike: 0,
         }
     }
@@ -66,13 +66,13 @@ impl SetPoints {
 
     /// The motor goes to this one.
     pub(super) fn keep(&mut self, at: i32) {
-        let way = at.wrapping_sub(self.before(1));
-        self.alike = if way == self.way {
+        let distance = at.wrapping_sub(self.before(1));
+        self.alike = if distance == self.distance {
             self.alike.saturating_add(1)
         } else {
             0
         };
-        self.way = way;
+        self.distance = distance;
         if let Some(place) = self.kept.get_mut(self.next % KEPT) {
             *place = at;
         }
@@ -87,13 +87,13 @@ impl SetPoints {
 
     /// Whether all of them are the same.
     pub(super) const fn stand(&self) -> bool {
-        self.are_even() && self.way == 0
+        self.are_even() && self.distance == 0
     }
 
     /// Whether `at`, one period behind the last set-point, keeps to the limits.
     pub(super) fn may_be_followed_by(&self, at: i32, most: Most) -> bool {
         let mut middle = self.before(1);
-        if self.are_even() && at.wrapping_sub(middle) == self.way {
+        if self.are_even() && at.wrapping_sub(middle) == self.distance {
             return true;
         }
         for doublings in 0..=LONGEST.ilog2() {
@@ -101,10 +101,10 @@ impl SetPoints {
             if span > self.count {
                 break;
             }
-            let way = at.wrapping_sub(middle);
+            let distance = at.wrapping_sub(middle);
             let start = self.before(span);
             let before = middle.wrapping_sub(start);
-            if !may_change(before, way, doublings, most) {
+            if !may_change(before, distance, doublings, most) {
                 return false;
             }
             middle = start;
@@ -119,20 +119,20 @@ impl SetPoints {
     }
 }
 
-/// Whether the way of 2ⁿ periods may become another, in increments.
-fn may_change(before: i32, way: i32, doublings: u32, most: Most) -> bool {
-    // More than ways of 32 bits differ by; so nothing here is too large for its number.
+/// Whether the distance of 2ⁿ periods may become another, in increments.
+fn may_change(before: i32, distance: i32, doublings: u32, most: Most) -> bool {
+    // More than distances of 32 bits differ by; so nothing here is too large for its number.
     const ROOM: i64 = 1 << 50;
-    let change = i64::from(way.abs_diff(before)) << super::POINT;
+    let change = i64::from(distance.abs_diff(before)) << super::POINT;
     let rounding = most.rounding.min(ROOM);
     // So it is in a steady motion.
     if change <= rounding {
         return true;
     }
-    let turns = (before < 0) != (way < 0) && before != 0 && way != 0;
+    let turns = (before < 0) != (distance < 0) && before != 0 && distance != 0;
     let gain = if turns {
         most.up.max(most.down)
-    } else if way.unsigned_abs() > before.unsigned_abs() {
+    } else if distance.unsigned_abs() > before.unsigned_abs() {
         most.up
     } else {
         most.down
@@ -178,13 +178,13 @@ mod tests {
             unit in 1..50_i64,
             begin in any::<i32>(),
         ) {
-            let (mut at, mut way) = (0, 0);
+            let (mut at, mut distance) = (0, 0);
             let mut positions = vec![begin; 5];
             for (percent, periods) in ramps {
                 for _ in 0..periods {
-                    let next = way + gain * percent / 100;
-                    at += (way + next) / 2;
-                    way = next;
+                    let next = distance + gain * percent / 100;
+                    at += (distance + next) / 2;
+                    distance = next;
                     let units = (at + unit * ONE / 2).div_euclid(unit * ONE);
                     positions.push(begin.wrapping_add((units * unit) as i32));
                 }
@@ -196,9 +196,9 @@ mod tests {
         #[test]
         fn m39_a_velocity_out_of_nothing_is_found_out(
             gain in 1..ONE / 10,
-            way in 5..1_000_000_i32,
+            distance in 5..1_000_000_i32,
         ) {
-            let jump = (0..40).map(|_| 0).chain((1..=3).map(|k| k * way));
+            let jump = (0..40).map(|_| 0).chain((1..=3).map(|k| k * distance));
             let found = found(jump, most(gain, gain, 1));
             prop_assert!(found.is_some_and(|at| at <= 42), "{:?}", found);
         }
@@ -219,12 +219,12 @@ mod tests {
     #[test]
     fn m39_60c5h_counts_while_the_speed_grows_and_60c6h_while_it_falls() {
         let ramp = |up: i32, down: i32, sign: i32| {
-            let ways = (0..50).map(move |k| k * up);
+            let distances = (0..50).map(move |k| k * up);
             let back = (0..)
                 .map(move |k| 50 * up - k * down)
-                .take_while(|way| *way >= 0);
-            ways.chain(back).scan(0, move |at, way| {
-                *at += sign * way;
+                .take_while(|distance| *distance >= 0);
+            distances.chain(back).scan(0, move |at, distance| {
+                *at += sign * distance;
                 Some(*at)
             })
         };

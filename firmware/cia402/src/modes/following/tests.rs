@@ -61,7 +61,7 @@ proptest! {
         });
         prop_assert_eq!(is_enough, fits && way <= u64::from(u32::MAX));
         if g * g + 2 * g * r < 1 << 64 {
-            let allowed = s <= u128::from(braking_way(room, gain).unsigned_abs());
+            let allowed = s <= u128::from(braking_distance(room, gain).unsigned_abs());
             prop_assert_eq!(is_enough, allowed);
         }
     }
@@ -76,7 +76,7 @@ proptest! {
         let mut left = room;
         let mut way = begin;
         for _ in 0..200 {
-            let most = braking_way(left, gain);
+            let most = braking_distance(left, gain);
             let slowest = way.saturating_sub(gain).max(0);
             // After the first period the ramp is gentle enough to be kept.
             way = most.min(way);

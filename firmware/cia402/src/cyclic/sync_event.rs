@@ -1,18 +1,18 @@
-//! A beat: the moment of a SYNC and the set-points that hold at it.
+//! A sync event: the moment of a SYNC and the set-points that hold at it.
 
 use canopen::Instant;
 use motion::SignedSpeed;
 
 /// A SYNC, or a set-point that came where there is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Beat {
+pub struct SyncEvent {
     /// When it arrived.
     pub at: Instant,
     /// It is a SYNC.
     pub is_sync: bool,
-    /// 607Ah in user units, if it was written since the beat before.
+    /// 607Ah in user units, if it was written since the sync event before.
     pub position: Option<i32>,
-    /// 60FFh, if it was written since the beat before.
+    /// 60FFh, if it was written since the sync event before.
     pub velocity: Option<SignedSpeed>,
     /// 60B0h in user units.
     pub position_offset: i32,
