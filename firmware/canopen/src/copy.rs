@@ -40,7 +40,7 @@ fn copy_many(to: &mut [u8], from: &[u8], length: usize) {
 }
 
 /// Copies up to eight bytes, if both have them.
-#[inline]
+#[inline(never)]
 pub(crate) fn copy_few(to: &mut [u8], from: &[u8], length: usize) {
     if length == 8 {
         copy_chunk::<8>(to, from);
@@ -60,7 +60,10 @@ pub(crate) fn copy_few(to: &mut [u8], from: &[u8], length: usize) {
 
 /// Copies `N` bytes if both have them; returns what is behind them.
 #[inline]
-fn copy_chunk<'a, const N: usize>(to: &'a mut [u8], from: &'a [u8]) -> (&'a mut [u8], &'a [u8]) {
+pub(crate) fn copy_chunk<'a, const N: usize>(
+    to: &'a mut [u8],
+    from: &'a [u8],
+) -> (&'a mut [u8], &'a [u8]) {
     match (
         to.split_first_chunk_mut::<N>(),
         from.split_first_chunk::<N>(),

@@ -20,6 +20,7 @@
 //! - A frame that is malformed, too short, remote or not for this device is ignored or answered as the standard says; it
 //!   changes nothing else.
 
+pub(crate) mod cob_ids;
 pub mod emergency;
 pub mod error_behaviour;
 pub mod error_report;

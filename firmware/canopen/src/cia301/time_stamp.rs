@@ -10,10 +10,9 @@
 //! - A producer sends TIME when the firmware asks for it, never by itself: CiA 301 has no period for it.
 //! - The time of day outlives resets: it is no parameter.
 
-use crate::cia301::sdo::AbortCode;
 use crate::od::{self, Dictionary};
 use crate::time::Instant;
-use crate::wire::cob_id::{CobId, is_restricted};
+use crate::wire::cob_id::CobId;
 
 /// Index of the object COB-ID TIME.
 pub const COB_ID: u16 = 0x1012;
@@ -71,15 +70,32 @@ impl TimeOfDay {
         [a, b, c, d, low, high]
     }
 
-    /// So many milliseconds later. The calendar ends in 2163 and begins again.
-    const fn after(self, milliseconds: u64) -> Self {
-        const LENGTH: u64 = DAY as u64;
+    /// So many microseconds later. The calendar ends in 2163 and begins again.
+    const fn after(self, microseconds: u64) -> Self {
+        let (milliseconds, _) = divide(microseconds, 1000);
         let total = milliseconds.saturating_add(self.milliseconds as u64);
+        let (days, milliseconds) = divide(total, DAY);
         Self {
-            days: self.days.wrapping_add((total / LENGTH) as u16),
-            milliseconds: (total % LENGTH) as u32,
+            days: self.days.wrapping_add(days as u16),
+            milliseconds,
         }
     }
+}
+
+/// Quotient and remainder, bit by bit: a division of 64 bits by the run-time library would take a kilobyte for the sake of it.
+#[inline(never)]
+const fn divide(number: u64, by: u32) -> (u64, u32) {
+    let (mut quotient, mut rest, mut bit) = (0, 0, 64_u32);
+    while bit > 0 {
+        bit -= 1;
+        rest = rest << 1 | number >> bit & 1;
+        quotient <<= 1;
+        if rest >= by as u64 {
+            rest -= by as u64;
+            quotient |= 1;
+        }
+    }
+    (quotient, rest as u32)
 }
 
 /// The TIME producer and consumer of a device, and its clock.
@@ -106,7 +122,7 @@ impl TimeStamp {
     /// Takes 1012h, after power-on values were loaded and when it was written; a device without 1012h has no TIME.
     pub fn configure<D: Dictionary>(&mut self, dictionary: &D) {
         let cob_id = CobId(od::read_u32(dictionary, COB_ID, 0).unwrap_or(0));
-        let is_used = is_base_frame(cob_id) && cob_id.0 & (CONSUME | PRODUCE) != 0;
+        let is_used = cob_id.is_base_frame() && cob_id.0 & (CONSUME | PRODUCE) != 0;
         self.is_consumer = is_used && cob_id.0 & CONSUME != 0;
         self.is_producer = is_used && cob_id.0 & PRODUCE != 0;
         self.cob_id = if is_used {
@@ -114,27 +130,6 @@ impl TimeStamp {
         } else {
             NOT_IN_USE
         };
-    }
-
-    /// Whether 1012h may get this value. Called when it has passed the dictionary's own checks.
-    ///
-    /// # Errors
-    /// [`AbortCode::InvalidValue`]: a 29-bit or a restricted identifier, or another one while TIME is in use before and after
-    /// (CiA 301, 7.5.2.15).
-    pub fn validate<D: Dictionary>(&self, dictionary: &D, value: &[u8]) -> Result<(), AbortCode> {
-        let value = value.try_into().map_err(|_| AbortCode::LengthMismatch)?;
-        let wanted = CobId(u32::from_le_bytes(value));
-        let present = CobId(od::read_u32(dictionary, COB_ID, 0).unwrap_or(0));
-        let is_used = |cob_id: CobId| cob_id.0 & (CONSUME | PRODUCE) != 0;
-        let is_moved = present.identifier() != wanted.identifier();
-        let is_refused = !is_base_frame(wanted)
-            || is_restricted(wanted.identifier())
-            || is_moved && is_used(present) && is_used(wanted);
-        if is_refused {
-            Err(AbortCode::InvalidValue)
-        } else {
-            Ok(())
-        }
     }
 
     /// The identifier of TIME; above 7FFh when it is not used.
@@ -169,7 +164,7 @@ impl TimeStamp {
     pub fn get(&self, now: Instant) -> Option<TimeOfDay> {
         let (time, at) = self.clock?;
         let passed = now.ticks().saturating_sub(at.ticks());
-        Some(time.after(passed / 1000))
+        Some(time.after(passed))
     }
 }
 
@@ -177,11 +172,6 @@ impl Default for TimeStamp {
     fn default() -> Self {
         Self::new()
     }
-}
-
-/// Whether this is an 11-bit identifier, whatever the device does with it.
-const fn is_base_frame(cob_id: CobId) -> bool {
-    CobId(cob_id.0 & !(CONSUME | PRODUCE)).is_base_frame()
 }
 
 #[cfg(test)]

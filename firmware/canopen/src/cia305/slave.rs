@@ -493,6 +493,7 @@ fn error_code(result: Result<(), [u8; 2]>) -> [u8; 2] {
 }
 
 /// An answer: command specifier, data, zeros.
+#[inline(never)]
 fn message(specifier: u8, data: &[u8]) -> [u8; 8] {
     let mut bytes = [0; 8];
     for (to, from) in bytes

@@ -30,6 +30,7 @@ impl Identifiers {
     }
 
     /// Adds one; "no identifier" (above 7FFh) is not added.
+    #[inline(never)]
     fn add(&mut self, cob_id: u16) {
         if let Some(bits) = self.0.get_mut(usize::from(cob_id >> 5)) {
             *bits |= 1 << (cob_id % 32);

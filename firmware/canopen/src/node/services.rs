@@ -2,6 +2,7 @@
 //! place that knows which code owns which index.
 
 use crate::application::Application;
+use crate::cia301::cob_ids;
 use crate::cia301::emergency::{self, Emergency, Meant};
 use crate::cia301::error_behaviour::{self, CommunicationError};
 use crate::cia301::error_report::ErrorReport;
@@ -31,8 +32,8 @@ pub(super) struct Services<C: Counts> {
     pub(super) synced: bool,
     pub(super) time: TimeStamp,
     pub(super) parameters: Parameters,
-    pub(super) rpdos: pdo::Receive<C::Rpdos, C::RpdoObjects>,
-    pub(super) tpdos: pdo::Transmit<C::Tpdos, C::TpdoObjects>,
+    pub(super) rpdos: pdo::Receive<C::Rpdos, C::PdoObjects>,
+    pub(super) tpdos: pdo::Transmit<C::Tpdos, C::PdoObjects>,
     /// Whether a timer may end earlier than the node knows.
     pub(super) timers_changed: bool,
     /// Whether a value of the dictionary may have changed since transmit PDOs were compared with it.
@@ -90,14 +91,14 @@ impl<C: Counts> Services<C> {
         }
         self.rpdos.configure_all(dictionary, node_id.get());
         self.tpdos.configure_all(dictionary, node_id.get());
-        self.watch_values::<D>();
+        self.watch_values();
         self.report_errors(dictionary, now);
         self.emergency.show_register(dictionary);
     }
 
     /// Whether a communication object may get this value, which has passed the dictionary's own checks.
     pub(super) fn validate<D: Dictionary>(
-        &self,
+        &mut self,
         dictionary: &D,
         entry: &Entry,
         value: &[u8],
@@ -107,13 +108,12 @@ impl<C: Counts> Services<C> {
             sync::COB_ID | sync::COUNTER_OVERFLOW if D::FEATURES.sync => {
                 self.sync.validate(dictionary, entry, value)
             }
-            time_stamp::COB_ID if D::FEATURES.time => self.time.validate(dictionary, value),
             parameters::STORE | parameters::RESTORE if D::FEATURES.parameters => {
                 self.parameters.validate(entry, value)
             }
             heartbeat::CONSUMER_INDEX => self.consumers.validate(entry, value),
-            emergency::consumer::CONSUMER_INDEX if D::FEATURES.emergency_consumer => {
-                emergency::consumer::validate(dictionary, entry, value)
+            time_stamp::COB_ID | emergency::consumer::CONSUMER_INDEX => {
+                cob_ids::validate(dictionary, entry, value, true)
             }
             startup::INDEX => startup::validate(value),
             0x1200..=0x127F => sdo::parameters::validate(dictionary, entry, value),
@@ -170,12 +170,12 @@ impl<C: Counts> Services<C> {
             }
             0x1400..=0x17FF => {
                 self.rpdos.written(dictionary, entry);
-                self.watch_values::<D>();
+                self.watch_values();
                 self.report_errors(dictionary, now);
             }
             0x1800..=0x1BFF => {
                 self.tpdos.written(dictionary, entry, now);
-                self.watch_values::<D>();
+                self.watch_values();
             }
             _ => {}
         }
@@ -280,9 +280,9 @@ impl<C: Counts> Services<C> {
     }
 
     /// Finds out whose changes the event-driven transmit PDOs look at.
-    fn watch_values<D: Dictionary>(&mut self) {
+    fn watch_values(&mut self) {
         let watched = self.tpdos.watched();
-        self.rpdos.watch::<D>(&watched);
+        self.rpdos.watch(&watched);
         self.errors_are_watched = self.emergency.shows_in(&watched);
     }
 
@@ -293,16 +293,12 @@ impl<C: Counts> Services<C> {
     }
 
     /// Passes on what SYNC and receive PDOs have found wrong with the length of frames, or right again.
-    #[inline]
-    pub(super) fn report_errors<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
-        if self.sync.has_report() || self.rpdos.has_report() {
-            self.report_changed_errors(dictionary, now);
-        }
-    }
-
     #[cold]
     #[inline(never)]
-    fn report_changed_errors<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
+    pub(super) fn report_errors<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
+        if !self.sync.has_report() && !self.rpdos.has_report() {
+            return;
+        }
         // The deadline of a receive PDO may have begun.
         self.timers_changed = true;
         let next = |services: &mut Self| {

@@ -6,7 +6,7 @@
 use core::fmt::Debug;
 
 use crate::cia301::heartbeat::Consumer;
-use crate::cia301::pdo::{Destination, ReceivePdo, Source, TransmitPdo};
+use crate::cia301::pdo::{Mapped, ReceivePdo, TransmitPdo};
 use crate::cia301::sdo::Server;
 
 /// The places of a service, one for each of what it serves: `[T; N]`.
@@ -35,14 +35,12 @@ impl<T: Unused + Debug, const N: usize> Slots<T> for [T; N] {}
 
 /// The places of all services that are counted. [`Count`] implements it.
 pub trait Counts: Debug {
-    /// The objects that a receive PDO may map, sub-indices of 1600h and up.
-    type RpdoObjects: Slots<Destination>;
-    /// The objects that a transmit PDO may map, sub-indices of 1A00h and up.
-    type TpdoObjects: Slots<Source>;
+    /// The objects that a PDO may map, sub-indices of 1600h, 1A00h and up.
+    type PdoObjects: Slots<Mapped>;
     /// Receive PDOs, 1400h and up.
-    type Rpdos: Slots<ReceivePdo<Self::RpdoObjects>>;
+    type Rpdos: Slots<ReceivePdo<Self::PdoObjects>>;
     /// Transmit PDOs, 1800h and up.
-    type Tpdos: Slots<TransmitPdo<Self::TpdoObjects>>;
+    type Tpdos: Slots<TransmitPdo<Self::PdoObjects>>;
     /// SDO servers, 1200h and up; at least one.
     type SdoServers: Slots<Server<Self::SdoBuffer>>;
     /// The buffer of an SDO server, where values in RAM are whole while they travel in pieces.
@@ -73,10 +71,9 @@ impl<
     const SDO_BUFFER: usize,
 > Counts for Count<RPDOS, TPDOS, SDO_SERVERS, HEARTBEAT_CONSUMERS, MAPPED_OBJECTS, SDO_BUFFER>
 {
-    type RpdoObjects = [Destination; MAPPED_OBJECTS];
-    type TpdoObjects = [Source; MAPPED_OBJECTS];
-    type Rpdos = [ReceivePdo<Self::RpdoObjects>; RPDOS];
-    type Tpdos = [TransmitPdo<Self::TpdoObjects>; TPDOS];
+    type PdoObjects = [Mapped; MAPPED_OBJECTS];
+    type Rpdos = [ReceivePdo<Self::PdoObjects>; RPDOS];
+    type Tpdos = [TransmitPdo<Self::PdoObjects>; TPDOS];
     type SdoServers = [Server<[u8; SDO_BUFFER]>; SDO_SERVERS];
     type SdoBuffer = [u8; SDO_BUFFER];
     type HeartbeatConsumers = [Consumer; HEARTBEAT_CONSUMERS];

@@ -3,8 +3,7 @@
 //! Each sub-index has the COB-ID of one other device, bit 31 set while it is not listened to. A message has eight bytes; anything
 //! else is ignored.
 
-use crate::cia301::sdo::AbortCode;
-use crate::od::{self, Dictionary, Entry};
+use crate::od::{self, Dictionary};
 use crate::wire::Frame;
 use crate::wire::cob_id::CobId;
 
@@ -49,22 +48,4 @@ pub fn receive<D: Dictionary>(
         register,
         info: *info,
     })
-}
-
-/// Whether an entry of 1028h may get this value. Called when it has passed the dictionary's own checks.
-///
-/// # Errors
-/// [`AbortCode::InvalidValue`]: an extended or restricted identifier, or another one while the present one is valid.
-pub fn validate<D: Dictionary>(
-    dictionary: &D,
-    entry: &Entry,
-    value: &[u8],
-) -> Result<(), AbortCode> {
-    let cob_id = |bytes: &[u8]| CobId(bytes.try_into().map_or(CobId::INVALID, u32::from_le_bytes));
-    let present = cob_id(od::value(dictionary, entry));
-    if entry.sub == 0 || super::parameters::may_become(present, cob_id(value)) {
-        Ok(())
-    } else {
-        Err(AbortCode::InvalidValue)
-    }
 }

@@ -2,10 +2,11 @@
 
 use super::Producer;
 use super::history;
+use crate::cia301::cob_ids;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{self, Dictionary, Entry};
 use crate::time::Duration;
-use crate::wire::cob_id::{CobId, is_restricted};
+use crate::wire::cob_id::CobId;
 
 /// COB-ID EMCY.
 const COB_ID: u16 = 0x1014;
@@ -38,11 +39,7 @@ impl Producer {
     ) -> Result<(), AbortCode> {
         let is_allowed = match entry.index {
             history::INDEX => value == [0],
-            COB_ID => {
-                let present = CobId(od::read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::INVALID));
-                let wanted = CobId(value.try_into().map_or(CobId::INVALID, u32::from_le_bytes));
-                may_become(present, wanted)
-            }
+            COB_ID => return cob_ids::validate(dictionary, entry, value, true),
             _ => true,
         };
         if is_allowed {
@@ -69,18 +66,4 @@ impl Producer {
         self.queue
             .set_inhibit_time(Duration::from_ticks(u64::from(units) * INHIBIT_UNIT));
     }
-}
-
-/// The rules of 1014h and 1028h: a COB-ID must be switched off (bit 31) before its identifier changes; bit 30 is reserved, and there are no
-/// 29-bit identifiers.
-pub(super) fn may_become(present: CobId, wanted: CobId) -> bool {
-    const RESERVED: u32 = 1 << 30;
-    if !wanted.is_base_frame() || wanted.0 & RESERVED != 0 {
-        return false;
-    }
-    if !wanted.is_valid() {
-        return true;
-    }
-    let is_same = wanted.identifier() == present.identifier();
-    !is_restricted(wanted.identifier()) && (is_same || !present.is_valid())
 }

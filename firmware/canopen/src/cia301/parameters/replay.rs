@@ -3,6 +3,7 @@
 use core::ops::RangeInclusive;
 
 use super::walk::{MAPPING, Place, Records, place, set_of};
+use crate::cia301::cob_ids::Rule;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{self, Attributes, Dictionary, Entry};
 
@@ -63,20 +64,6 @@ struct Pdo {
     is_good: bool,
     /// Its COB-ID is loaded, or is not among what is stored.
     is_complete: bool,
-}
-
-/// A COB-ID whose identifier must not change while it is valid: the bits to set and those to clear first.
-const fn switched_off(entry: &Entry) -> Option<(u32, u32)> {
-    const INVALID: u32 = 1 << 31;
-    const PRODUCE: u32 = 1 << 30;
-    match entry.index {
-        0x1005 => Some((0, PRODUCE)),
-        0x1012 => Some((0, INVALID | PRODUCE)),
-        0x1014 => Some((INVALID, 0)),
-        0x1028 if entry.sub > 0 => Some((INVALID, 0)),
-        0x1200..=0x12FF if entry.sub == 1 || entry.sub == 2 => Some((INVALID, 0)),
-        _ => None,
-    }
 }
 
 /// Index of the communication cycle period, which must be 0 while 1019h changes.
@@ -239,9 +226,9 @@ fn write<W: Writer>(
     if od::value(writer.dictionary(), entry) == value {
         return Ok(());
     }
-    if let Some((set, clear)) = switched_off(entry) {
+    if let Some(rule) = Rule::of(entry) {
         let present = number(writer, entry);
-        let off = (present | set) & !clear;
+        let off = rule.switched_off(present);
         writer.write(entry, &off.to_le_bytes())?;
         return writer.write(entry, value).inspect_err(|_| {
             let _ = writer.write(entry, &present.to_le_bytes());

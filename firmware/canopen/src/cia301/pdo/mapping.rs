@@ -1,4 +1,5 @@
-//! Mapping parameters (1600h to 17FFh, 1A00h to 1BFFh): from the numbers that a master writes to entries of the dictionary.
+//! Mapping parameters (1600h to 17FFh, 1A00h to 1BFFh): from the numbers that a master writes to entries of the dictionary, and
+//! from those to the bytes of a frame, either way.
 //!
 //! One mapping entry is an UNSIGNED32: index (bits 16 to 31), sub-index (bits 8 to 15), length in bits (bits 0 to 7).
 //! The indices 0001h to 001Bh are data types; in a receive PDO they stand for bits that are skipped (dummy mapping).
@@ -6,10 +7,19 @@
 //! Objects follow each other without a gap, the first in the lowest bit of the first byte. The length of an object is its own;
 //! a BOOLEAN has one bit, or eight as in the dictionary. Of an unsigned number the low bits may be mapped, if they are no
 //! whole bytes: whole bytes are the length of another type, and so a mistake.
+//!
+//! Values lie in the dictionary as they travel on the bus: an object is a copy of bytes, and a frame whose objects are neighbours
+//! in memory is one copy.
 
+use core::ops::Range;
+
+use super::bits;
 use super::multiplexed::Addressing;
 use crate::cia301::sdo::AbortCode;
-use crate::od::{Attributes, DataType, Entry, Location, Table};
+use crate::copy::{copy, copy_chunk, copy_few};
+use crate::od::{
+    Attributes, DataType, Dictionary, Entry, Location, Slots, Table, Unused, check, put, value,
+};
 
 /// Most bits in one PDO.
 pub(super) const MOST_BITS: u8 = 64;
@@ -41,12 +51,12 @@ impl MappingEntry {
         sub
     }
 
-    fn bits(self) -> u8 {
+    pub(super) fn bits(self) -> u8 {
         let [bits, _, _, _] = self.0.to_le_bytes();
         bits
     }
 
-    /// What the bits of this mapping entry are.
+    /// The position in the table of the object of this mapping entry; `None` for a dummy.
     ///
     /// # Errors
     /// - [`AbortCode::NoObject`], [`AbortCode::NoSubIndex`]: there is no such object.
@@ -58,28 +68,20 @@ impl MappingEntry {
         table: &Table,
         dummies: u32,
         direction: Direction,
-    ) -> Result<Target, AbortCode> {
+    ) -> Result<Option<u16>, AbortCode> {
         if let Some((data_type, bytes)) = dummy(self.index()) {
             let is_dummy = direction == Direction::Receive
                 && dummies >> (self.index() % 32) & 1 != 0
                 && self.sub() == 0
                 && is_whole(data_type, u16::from(bytes), self.bits());
-            return if is_dummy {
-                Ok(Target::Dummy(self.bits()))
-            } else {
-                Err(AbortCode::NotMappable)
-            };
+            return is_dummy.then_some(None).ok_or(AbortCode::NotMappable);
         }
         let position = table.position(self.index(), self.sub())?;
         let entry = table.entries.get(position).ok_or(AbortCode::NoObject)?;
         let has_length = is_whole(entry.data_type, entry.size(), self.bits())
             || is_part(entry.data_type, entry.size(), self.bits());
         match u16::try_from(position) {
-            Ok(position) if has_length && is_mappable(entry, direction) => Ok(Target::Object {
-                position,
-                entry,
-                bits: self.bits(),
-            }),
+            Ok(position) if has_length && is_mappable(entry, direction) => Ok(Some(position)),
             _ => Err(AbortCode::NotMappable),
         }
     }
@@ -122,51 +124,306 @@ fn is_part(data_type: DataType, size: u16, bits: u8) -> bool {
     is_unsigned && !bits.is_multiple_of(8) && u32::from(bits) < u32::from(size) * 8
 }
 
-/// What a mapping entry stands for.
+/// An object in a frame: four bytes of RAM for each that the data sheet allows in a mapping.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Target {
-    /// An object of the dictionary.
-    Object {
-        /// The position of its entry in the table.
-        position: u16,
-        /// The entry.
-        entry: &'static Entry,
-        /// Bits in the frame.
-        bits: u8,
-    },
-    /// So many bits that are skipped.
-    Dummy(u8),
+pub struct Mapped {
+    /// The position of its entry in the table.
+    entry: u16,
+    /// Its first bit in the frame (0 to 63), and [`Mapped::LIMITED`].
+    position: u8,
+    /// Bits in the frame, 1 to 64.
+    bits: u8,
 }
 
-impl Target {
-    /// Bits in the frame.
-    pub(super) const fn bits(&self) -> u8 {
-        match *self {
-            Self::Object { bits, .. } | Self::Dummy(bits) => bits,
+impl Unused for Mapped {
+    const UNUSED: Self = Self {
+        entry: 0,
+        position: 0,
+        bits: 0,
+    };
+}
+
+impl Mapped {
+    /// The object refuses some values that fit into its bits.
+    const LIMITED: u8 = 1 << 7;
+
+    /// Its first bit in the frame.
+    #[inline]
+    const fn position(self) -> u8 {
+        self.position & !Self::LIMITED
+    }
+
+    /// Whether it is whole bytes at whole bytes.
+    #[inline]
+    const fn is_bytes(self) -> bool {
+        bits::are_bytes(self.position(), self.bits)
+    }
+
+    /// Its descriptor.
+    #[inline]
+    pub(super) fn entry(self, table: &Table) -> Option<&'static Entry> {
+        table.entries.get(usize::from(self.entry))
+    }
+
+    /// Its value in a frame, as many bytes as the object has. Bits that are not mapped are 0; `room` is for a value that is not
+    /// whole bytes in the frame.
+    #[inline]
+    pub(super) fn value<'a>(
+        self,
+        entry: &Entry,
+        frame: &'a [u8; 8],
+        room: &'a mut [u8; 8],
+    ) -> &'a [u8] {
+        if self.is_bytes() {
+            let begin = usize::from(self.position() / 8);
+            let end = begin.saturating_add(usize::from(self.bits / 8));
+            return frame.get(begin..end).unwrap_or(&[]);
+        }
+        *room = self.odd_value(frame);
+        room.get(..usize::from(entry.size())).unwrap_or(&[])
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn odd_value(self, frame: &[u8; 8]) -> [u8; 8] {
+        bits::get(frame, self.position(), self.bits).to_le_bytes()
+    }
+
+    /// Whether its value in a frame is within the limits of the data sheet.
+    #[inline]
+    pub(super) fn is_within_limits(self, table: &Table, entry: &Entry, value: &[u8]) -> bool {
+        self.position & Self::LIMITED == 0 || check(table, entry, value).is_ok()
+    }
+
+    /// Writes its value in a frame, without any check.
+    pub(super) fn unpack<D: Dictionary>(self, frame: &[u8; 8], dictionary: &mut D) {
+        if let Some(entry) = self.entry(D::TABLE) {
+            put(dictionary, entry, self.value(entry, frame, &mut [0; 8]));
+        }
+    }
+
+    /// Adds its value to a frame, whose bits are 0 there.
+    fn pack<D: Dictionary>(self, frame: &mut [u8; 8], dictionary: &D) {
+        let Some(entry) = self.entry(D::TABLE) else {
+            return;
+        };
+        let from = value(dictionary, entry);
+        if self.is_bytes() {
+            if let Some(to) = frame.get_mut(usize::from(self.position() / 8)..) {
+                copy_few(to, from, usize::from(self.bits / 8));
+            }
+        } else {
+            let mut room = [0; 8];
+            copy(&mut room, from);
+            let number = u64::from_le_bytes(room);
+            let present = u64::from_le_bytes(*frame);
+            *frame = bits::with(present, self.position(), self.bits, number).to_le_bytes();
         }
     }
 }
 
-/// A mapping in the making: targets are put one behind the other.
-pub(super) trait Layout: Sized {
+/// What is known of all objects of a mapping together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layout {
+    /// Where the whole frame lies in RAM, whose objects lie there as they lie in the frame: the offset and 1; 0 if they do not.
+    run: u16,
+    /// The places in RAM that objects lie in, as one range; empty if there are none.
+    ram: (u16, u16),
+    count: u8,
+    /// Bits of the frame, dummies included; 0 when nothing is mapped.
+    bits: u8,
+    /// Whether an object refuses some values that fit into its bits.
+    is_limited: bool,
+    /// Whose object the frame names, if it does.
+    pub(super) addressing: Option<Addressing>,
+}
+
+impl Layout {
     /// Nothing mapped.
-    const NOTHING: Self;
+    pub(super) const NOTHING: Self = Self {
+        run: 0,
+        ram: (0, 0),
+        count: 0,
+        bits: 0,
+        is_limited: false,
+        addressing: None,
+    };
 
     /// A mapping without objects: the frame names its object.
-    fn addressed(addressing: Addressing) -> Self;
+    pub(super) const fn addressed(addressing: Addressing) -> Self {
+        Self {
+            bits: MOST_BITS,
+            addressing: Some(addressing),
+            ..Self::NOTHING
+        }
+    }
 
-    /// Puts one more target behind those that are there.
+    /// Whether nothing is mapped.
+    pub(super) const fn is_empty(&self) -> bool {
+        self.bits == 0
+    }
+
+    /// Whether the frame names its object.
+    pub(super) const fn is_addressed(&self) -> bool {
+        self.addressing.is_some()
+    }
+
+    /// Puts one more object, or bits that are skipped, behind those that are there.
     ///
     /// # Errors
     /// [`AbortCode::PdoLengthExceeded`]: more than 64 bits, or more objects than the data sheet has room for.
-    fn push(&mut self, target: Target) -> Result<(), AbortCode>;
+    pub(super) fn push(
+        &mut self,
+        objects: &mut [Mapped],
+        table: &Table,
+        object: Option<u16>,
+        bits: u8,
+    ) -> Result<(), AbortCode> {
+        let total = self.bits.saturating_add(bits);
+        if total > MOST_BITS {
+            return Err(AbortCode::PdoLengthExceeded);
+        }
+        let mut run = 0;
+        if let Some(position) = object
+            && let Some(entry) = table.entries.get(usize::from(position))
+        {
+            let place = objects.get_mut(usize::from(self.count));
+            let is_limited =
+                entry.has_limits() || (entry.data_type == DataType::Boolean && bits != 1);
+            *place.ok_or(AbortCode::PdoLengthExceeded)? = Mapped {
+                entry: position,
+                position: self.bits | if is_limited { Mapped::LIMITED } else { 0 },
+                bits,
+            };
+            self.count = self.count.saturating_add(1);
+            self.is_limited |= is_limited;
+            if let Location::Ram(offset) = entry.location() {
+                if bits::are_bytes(self.bits, bits) {
+                    let begin = offset
+                        .wrapping_add(1)
+                        .wrapping_sub(u16::from(self.bits / 8));
+                    if self.bits == 0 || begin == self.run {
+                        run = begin;
+                    }
+                }
+                let end = offset.saturating_add(entry.size());
+                self.ram = around(self.ram, (offset, end));
+            }
+        }
+        self.run = run;
+        self.bits = total;
+        Ok(())
+    }
 }
 
-/// The bits of a mapping that has `bits` of them with one more target.
-pub(super) fn with_target(bits: u8, target: &Target) -> Result<u8, AbortCode> {
-    match bits.checked_add(target.bits()) {
-        Some(bits) if bits <= MOST_BITS => Ok(bits),
-        _ => Err(AbortCode::PdoLengthExceeded),
+/// The shortest range with the places of both.
+pub(super) fn around(first: (u16, u16), second: (u16, u16)) -> (u16, u16) {
+    match (first, second) {
+        ((_, 0), other) | (other, (_, 0)) => other,
+        _ => (first.0.min(second.0), first.1.max(second.1)),
+    }
+}
+
+/// The objects of a PDO, in places `M`.
+#[derive(Debug)]
+pub(super) struct Mapping<M> {
+    pub(super) objects: M,
+    pub(super) layout: Layout,
+}
+
+impl<M: Slots<Mapped>> Mapping<M> {
+    pub(super) const NOTHING: Self = Self {
+        objects: M::UNUSED,
+        layout: Layout::NOTHING,
+    };
+
+    /// Bytes of the frame.
+    #[inline]
+    pub(super) const fn length(&self) -> u8 {
+        self.layout.bits.saturating_add(7) / 8
+    }
+
+    /// The objects in their order.
+    #[inline]
+    pub(super) fn objects(&self) -> &[Mapped] {
+        let objects = self.objects.as_ref();
+        objects
+            .get(..usize::from(self.layout.count))
+            .unwrap_or(objects)
+    }
+
+    /// Whose object the frame names; `None` for a mapping of objects.
+    #[inline]
+    pub(super) const fn addressing(&self) -> Option<Addressing> {
+        self.layout.addressing
+    }
+
+    /// Whether an object refuses some values that fit into its bits.
+    #[inline]
+    pub(super) const fn is_limited(&self) -> bool {
+        self.layout.is_limited
+    }
+
+    /// The places in RAM that its objects lie in, as one range.
+    pub(super) const fn ram(&self) -> (u16, u16) {
+        self.layout.ram
+    }
+
+    /// Whether one of these places in RAM may be written.
+    pub(super) fn writes(&self, watched: &Range<u16>) -> bool {
+        let (start, end) = self.layout.ram;
+        self.layout.addressing.is_some() || (start < watched.end && watched.start < end)
+    }
+
+    /// The place in RAM of a frame that is one copy.
+    #[inline]
+    fn run(&self) -> usize {
+        usize::from(self.layout.run).wrapping_sub(1)
+    }
+
+    /// Copies a frame to all its objects, without any check.
+    #[inline]
+    pub(super) fn unpack<D: Dictionary>(&self, frame: &[u8; 8], dictionary: &mut D) {
+        // Mostly a frame is one copy of eight bytes.
+        match dictionary.ram_mut().get_mut(self.run()..) {
+            Some(to) if self.layout.bits == MOST_BITS => {
+                copy_chunk::<8>(to, frame);
+            }
+            _ => self.unpack_objects(frame, dictionary),
+        }
+    }
+
+    #[inline(never)]
+    fn unpack_objects<D: Dictionary>(&self, frame: &[u8; 8], dictionary: &mut D) {
+        for object in self.objects() {
+            object.unpack(frame, dictionary);
+        }
+    }
+
+    /// The frame's bytes from the dictionary; bits beyond the mapping are 0.
+    #[inline]
+    pub(super) fn pack<D: Dictionary>(&self, dictionary: &D) -> [u8; 8] {
+        // Mostly a frame is one copy of eight bytes.
+        let from = dictionary.ram().get(self.run()..).unwrap_or(&[]);
+        match from.first_chunk() {
+            Some(frame) if self.layout.bits == MOST_BITS => *frame,
+            _ => self.pack_objects(dictionary),
+        }
+    }
+
+    #[inline(never)]
+    fn pack_objects<D: Dictionary>(&self, dictionary: &D) -> [u8; 8] {
+        let mut frame = [0; 8];
+        for object in self.objects() {
+            object.pack(&mut frame, dictionary);
+        }
+        frame
+    }
+
+    /// Whether a frame is one copy.
+    #[cfg(test)]
+    pub(super) const fn is_one_copy(&self) -> bool {
+        self.layout.run != 0
     }
 }
 

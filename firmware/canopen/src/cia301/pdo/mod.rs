@@ -18,13 +18,12 @@ mod bits;
 mod errors;
 mod mapping;
 mod multiplexed;
-mod pack;
 mod parameters;
 mod receive;
 mod receive_pdo;
+mod record;
 mod transmit;
 mod transmit_pdo;
-mod unpack;
 
 #[cfg(test)]
 pub(crate) mod tests;
@@ -32,12 +31,11 @@ pub(crate) mod tests;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry};
 
-pub use pack::Source;
+pub use mapping::Mapped;
 pub use receive::Receive;
 pub use receive_pdo::{ReceivePdo, Received};
 pub use transmit::{NotSent, Transmit};
 pub use transmit_pdo::TransmitPdo;
-pub use unpack::Destination;
 
 /// Whether an entry of a scanner or dispatcher list (1FA0h to 1FFFh) may get this value, which has passed the dictionary's own
 /// checks. It counts from there on.
@@ -48,5 +46,5 @@ pub fn validate_list<D: Dictionary>(entry: &Entry, value: &[u8]) -> Result<(), A
     multiplexed::validate::<D>(entry, value)
 }
 
-/// The COB-ID of a PDO that is not in use: no 11-bit identifier is equal to it.
+/// Stands for "no identifier": no 11-bit identifier is equal to it.
 const NOT_IN_USE: u16 = u16::MAX;

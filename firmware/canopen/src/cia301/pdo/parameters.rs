@@ -12,11 +12,12 @@
 //! | mapping sub-index 0: 65 to 253, more than the record has, or more than 64 bits together | 06040042h |
 //! | mapping sub-index 0: counts an empty entry | 06040041h |
 
-use super::mapping::{Direction, Layout, MOST_BITS, MappingEntry, Target, with_target};
+use super::mapping::{Direction, Layout, MOST_BITS, Mapped, MappingEntry};
 use super::multiplexed::Addressing;
+use crate::cia301::cob_ids;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, find, value};
-use crate::wire::cob_id::{CobId, is_restricted};
+use crate::wire::cob_id::CobId;
 
 /// Bit 30 of the COB-ID of a transmit PDO: no remote frame may ask for it.
 const NO_RTR: u32 = 1 << 30;
@@ -24,86 +25,69 @@ const NO_RTR: u32 = 1 << 30;
 /// The highest SYNC counter (object 1019h), and with it the highest SYNC start value.
 const MOST_START: u8 = 240;
 
-/// Whether a PDO with the COB-ID `present` may get `new` (CiA 301, 7.5.2.35 and 7.5.2.37). Bit 30 of a transmit PDO (no RTR)
-/// may change at any time.
-fn check_cob_id(present: CobId, new: CobId) -> Result<(), AbortCode> {
-    let moved = present.is_valid() && new.is_valid() && present.identifier() != new.identifier();
-    let taken = new.is_valid() && is_restricted(new.identifier());
-    if !new.is_base_frame() || moved || taken {
-        Err(AbortCode::InvalidValue)
-    } else {
-        Ok(())
-    }
-}
-
-/// Transmission types (CiA 301, 7.5.2.35 and 7.5.2.37).
+/// A transmission type (CiA 301, 7.5.2.35 and 7.5.2.37): 1 to 240 for every n-th SYNC, and those that have names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum TransmissionType {
-    /// 0: synchronous, after an event.
-    Acyclic,
-    /// 1 to 240: synchronous, every n-th SYNC.
-    Cyclic(u8),
-    /// 252: on request, with the values of the last SYNC.
-    SampledRequest,
-    /// 253: on request, with the present values.
-    Request,
-    /// 254 and 255: event-driven.
-    Event,
-    /// 254 and 255, and the frame names its object.
-    Multiplexed(Addressing),
-}
+pub(super) struct TransmissionType(pub(super) u8);
 
 impl TransmissionType {
+    /// 0: synchronous, after an event; in a receive PDO at the next SYNC, as for 1 to 240.
+    pub(super) const ACYCLIC: Self = Self(0);
+    /// 252: on request, with the values of the last SYNC.
+    pub(super) const SAMPLED_REQUEST: Self = Self(252);
+    /// 253: on request, with the present values.
+    pub(super) const REQUEST: Self = Self(253);
+    /// 254 and 255: event-driven. Those of multiplexed PDOs are.
+    pub(super) const EVENT: Self = Self(254);
+
     /// From its number; `None` for 241 to 251, and for 252 and 253 of a receive PDO.
     const fn new(number: u8, direction: Direction) -> Option<Self> {
         match (number, direction) {
-            (0, _) => Some(Self::Acyclic),
-            (1..=240, _) => Some(Self::Cyclic(number)),
-            (252, Direction::Transmit) => Some(Self::SampledRequest),
-            (253, Direction::Transmit) => Some(Self::Request),
-            (254 | 255, _) => Some(Self::Event),
-            (241..=253, _) => None,
+            (254 | 255, _) => Some(Self::EVENT),
+            (0..=240, Direction::Receive) => Some(Self::ACYCLIC),
+            (0..=240 | 252 | 253, Direction::Transmit) => Some(Self(number)),
+            _ => None,
         }
     }
 
-    /// That of a mapping; `None` if they do not fit.
-    pub(super) const fn with(self, addressing: Option<Addressing>) -> Option<Self> {
-        match (self, addressing) {
-            (_, None) => Some(self),
-            (Self::Event, Some(addressing)) => Some(Self::Multiplexed(addressing)),
-            (_, Some(_)) => None,
-        }
+    /// Of types 1 to 240 the number, of others 0.
+    #[inline]
+    pub(super) const fn every(self) -> u8 {
+        if self.0 <= 240 { self.0 } else { 0 }
     }
 
     /// Whether SYNC makes the moment.
+    #[inline]
     pub(super) const fn is_synchronous(self) -> bool {
-        matches!(self, Self::Acyclic | Self::Cyclic(_) | Self::SampledRequest)
+        self.0 <= Self::SAMPLED_REQUEST.0
     }
-}
-
-/// Which of the two records.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Record {
-    /// 1400h, 1800h and on.
-    Communication,
-    /// 1600h, 1A00h and on.
-    Mapping,
 }
 
 /// What a communication parameter says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Communication {
-    /// An 11-bit identifier.
+    /// An 11-bit identifier; 0 for a PDO that is not in use.
     pub(super) cob_id: u16,
+    /// The inhibit time in multiples of 100 µs; 0 for none.
+    pub(super) inhibit_time: u16,
+    /// The event timer in milliseconds, of a receive PDO its deadline; 0 for none.
+    pub(super) event_timer: u16,
+    pub(super) transmission_type: TransmissionType,
     /// Whether a remote frame may ask for the PDO (bit 30 of the COB-ID is 0).
     pub(super) allows_request: bool,
-    pub(super) transmission_type: TransmissionType,
     /// The SYNC counter that a cyclic PDO starts with; 0 for any.
     pub(super) sync_start: u8,
-    /// The inhibit time in multiples of 100 µs; 0 for none.
-    pub(super) inhibit_time: u32,
-    /// The event timer in milliseconds, of a receive PDO its deadline; 0 for none.
-    pub(super) event_timer: u32,
+}
+
+impl Communication {
+    /// A PDO that is not in use.
+    pub(super) const NONE: Self = Self {
+        cob_id: 0,
+        inhibit_time: 0,
+        event_timer: 0,
+        transmission_type: TransmissionType::ACYCLIC,
+        allows_request: false,
+        sync_start: 0,
+    };
 }
 
 /// The records of one PDO.
@@ -122,22 +106,12 @@ impl Parameters {
         Self { direction, number }
     }
 
-    /// The PDO that an object of this direction belongs to.
-    pub(super) fn of(direction: Direction, index: u16) -> Option<(Self, Record)> {
-        let offset = index.checked_sub(Self::new(direction, 0).communication())?;
-        let (record, number) = match offset {
-            0..Self::MOST => (Record::Communication, offset),
-            _ => (Record::Mapping, offset.checked_sub(Self::MOST)?),
-        };
-        (number < Self::MOST).then_some((Self::new(direction, number), record))
+    /// Whether an entry is the event timer, of a receive PDO the deadline.
+    pub(super) const fn is_event_timer(self, entry: &Entry) -> bool {
+        entry.index < self.mapping() && entry.sub == 5
     }
 
-    /// 0 for the first PDO.
-    pub(super) fn number(self) -> usize {
-        usize::from(self.number)
-    }
-
-    fn communication(self) -> u16 {
+    const fn communication(self) -> u16 {
         let first = match self.direction {
             Direction::Receive => 0x1400_u16,
             Direction::Transmit => 0x1800,
@@ -145,7 +119,7 @@ impl Parameters {
         first.saturating_add(self.number)
     }
 
-    fn mapping(self) -> u16 {
+    const fn mapping(self) -> u16 {
         self.communication().saturating_add(Self::MOST)
     }
 
@@ -161,42 +135,81 @@ impl Parameters {
 
     /// What the communication parameter says; `None` for a PDO that is not valid, that cannot have an 11-bit identifier, or whose
     /// transmission type is not supported or missing.
-    #[inline(never)]
-    pub(super) fn communicate<D: Dictionary>(self, dictionary: &D) -> Option<Communication> {
+    fn communicate<D: Dictionary>(self, dictionary: &D) -> Option<Communication> {
         let cob_id = self.cob_id(dictionary);
         if !cob_id.is_valid() || !cob_id.is_base_frame() {
             return None;
         }
         let number = |sub| number(dictionary, self.communication(), sub).unwrap_or(0);
+        let is_sent = self.direction == Direction::Transmit;
         Some(Communication {
             cob_id: cob_id.identifier(),
-            allows_request: cob_id.0 & NO_RTR == 0,
+            inhibit_time: if is_sent { number(3) as u16 } else { 0 },
+            event_timer: number(5) as u16,
             transmission_type: self.transmission_type(dictionary)?,
-            sync_start: u8::try_from(number(6)).unwrap_or(0),
-            inhibit_time: number(3),
-            event_timer: number(5),
+            allows_request: is_sent && cob_id.0 & NO_RTR == 0,
+            sync_start: if is_sent { number(6) as u8 } else { 0 },
         })
     }
 
     /// The event timer in milliseconds, of a receive PDO its deadline; 0 for none.
-    pub(super) fn event_timer<D: Dictionary>(self, dictionary: &D) -> u32 {
-        number(dictionary, self.communication(), 5).unwrap_or(0)
+    pub(super) fn event_timer<D: Dictionary>(self, dictionary: &D) -> u16 {
+        number(dictionary, self.communication(), 5).unwrap_or(0) as u16
     }
 
-    /// The mapping that the dictionary holds, resolved.
+    /// What the dictionary holds. A PDO that is not valid, maps nothing, or whose records do not fit each other is not in use.
+    #[inline(never)]
+    pub(super) fn read<D: Dictionary>(
+        self,
+        dictionary: &D,
+        objects: &mut [Mapped],
+    ) -> (Communication, Layout) {
+        let layout = self.resolve(dictionary, self.count(dictionary), objects);
+        let (Some(communication), Ok(layout)) = (self.communicate(dictionary), layout) else {
+            return (Communication::NONE, Layout::NOTHING);
+        };
+        if layout.is_empty() || !fits(&layout, Some(communication.transmission_type)) {
+            return (Communication::NONE, Layout::NOTHING);
+        }
+        (communication, layout)
+    }
+
+    /// The first `count` mapping entries of the dictionary, which `objects` are made of.
     ///
     /// # Errors
     /// As for a write of sub-index 0.
-    pub(super) fn resolve<D: Dictionary, L: Layout>(self, dictionary: &D) -> Result<L, AbortCode> {
-        let count = self.count(dictionary);
-        if let Some(addressing) = self.check_count(dictionary, count)? {
-            return Ok(L::addressed(addressing));
+    #[inline(never)]
+    fn resolve<D: Dictionary>(
+        self,
+        dictionary: &D,
+        count: u8,
+        objects: &mut [Mapped],
+    ) -> Result<Layout, AbortCode> {
+        let mut layout = Layout::NOTHING;
+        if D::FEATURES.multiplexed_pdo
+            && let Some(addressing) = Addressing::new(count)
+        {
+            return Ok(Layout::addressed(addressing));
         }
-        let mut mapping = L::NOTHING;
+        // An object has one bit at least.
+        if count > MOST_BITS {
+            return Err(AbortCode::PdoLengthExceeded);
+        }
+        // That there are as many goes before what is wrong with one of them.
+        if count > 0 && number(dictionary, self.mapping(), count).is_none() {
+            return Err(AbortCode::PdoLengthExceeded);
+        }
         for sub in 1..=count {
-            mapping.push(self.target(dictionary, sub)?)?;
+            let entry = number(dictionary, self.mapping(), sub)
+                .map(MappingEntry)
+                .ok_or(AbortCode::PdoLengthExceeded)?;
+            if entry == MappingEntry::EMPTY {
+                return Err(AbortCode::NotMappable);
+            }
+            let object = entry.resolve(D::TABLE, D::FEATURES.dummies, self.direction)?;
+            layout.push(objects, D::TABLE, object, entry.bits())?;
         }
-        Ok(mapping)
+        Ok(layout)
     }
 
     /// Sub-index 0 of the mapping.
@@ -205,65 +218,8 @@ impl Parameters {
         u8::try_from(count).unwrap_or(u8::MAX)
     }
 
-    /// Whose object the frame names with this sub-index 0, if it does; otherwise it counts mapping entries.
-    ///
-    /// # Errors
-    /// [`AbortCode::PdoLengthExceeded`]: it counts more than there are.
-    fn check_count<D: Dictionary>(
-        self,
-        dictionary: &D,
-        count: u8,
-    ) -> Result<Option<Addressing>, AbortCode> {
-        if D::FEATURES.multiplexed_pdo
-            && let Some(addressing) = Addressing::new(count)
-        {
-            return Ok(Some(addressing));
-        }
-        // An object has one bit at least.
-        let has_room = count == 0 || number(dictionary, self.mapping(), count).is_some();
-        if count > MOST_BITS || !has_room {
-            return Err(AbortCode::PdoLengthExceeded);
-        }
-        Ok(None)
-    }
-
-    /// What a mapping entry of the dictionary stands for.
-    #[inline(never)]
-    fn target<D: Dictionary>(self, dictionary: &D, sub: u8) -> Result<Target, AbortCode> {
-        let entry = number(dictionary, self.mapping(), sub)
-            .map(MappingEntry)
-            .ok_or(AbortCode::PdoLengthExceeded)?;
-        if entry == MappingEntry::EMPTY {
-            return Err(AbortCode::NotMappable);
-        }
-        entry.resolve(D::TABLE, D::FEATURES.dummies, self.direction)
-    }
-
-    /// Whether a PDO with room for so many objects can be made of the first `count` mapping entries, and whose object its frame
-    /// names, if it does. The same for all PDOs: it makes no [`Layout`].
-    #[inline(never)]
-    fn check_first<D: Dictionary>(
-        self,
-        dictionary: &D,
-        count: u8,
-        room: usize,
-    ) -> Result<Option<Addressing>, AbortCode> {
-        let addressing = self.check_count(dictionary, count)?;
-        if addressing.is_some() {
-            return Ok(addressing);
-        }
-        let (mut bits, mut room) = (0, room);
-        for sub in 1..=count {
-            let target = self.target(dictionary, sub)?;
-            bits = with_target(bits, &target)?;
-            if let Target::Object { .. } = target {
-                room = room.checked_sub(1).ok_or(AbortCode::PdoLengthExceeded)?;
-            }
-        }
-        Ok(None)
-    }
-
-    /// Whether an entry of the records may get this value; there are so many PDOs, each with room for so many objects. Nothing changes.
+    /// Whether an entry of the records may get this value; there are so many PDOs. A mapping is made to find
+    /// out, in the `objects` of the PDO, which is not in use then.
     ///
     /// # Errors
     /// Those of the table above.
@@ -273,44 +229,49 @@ impl Parameters {
         dictionary: &D,
         entry: &Entry,
         value: &[u8],
-        (pdos, room): (usize, usize),
+        objects: Option<&mut [Mapped]>,
     ) -> Result<(), AbortCode> {
-        let (parameters, record) = Self::of(direction, entry.index)
-            .filter(|(parameters, _)| parameters.number() < pdos)
-            .ok_or(AbortCode::NoObject)?;
-        match record {
-            Record::Communication => {
-                parameters.validate_communication(dictionary, entry.sub, value, room)
-            }
-            Record::Mapping => parameters.validate_mapping(dictionary, entry.sub, value, room),
+        let objects = objects.ok_or(AbortCode::NoObject)?;
+        let parameters = Self::new(direction, number_of(entry) as u16);
+        if entry.index < parameters.mapping() {
+            parameters.validate_communication(dictionary, entry, value, objects)
+        } else {
+            parameters.validate_mapping(dictionary, entry.sub, value, objects)
         }
     }
 
     fn validate_communication<D: Dictionary>(
         self,
         dictionary: &D,
-        sub: u8,
+        entry: &Entry,
         value: &[u8],
-        room: usize,
+        objects: &mut [Mapped],
     ) -> Result<(), AbortCode> {
+        let sub = entry.sub;
         let present = self.cob_id(dictionary);
         match (sub, self.direction) {
             (1, _) => {
                 let new = CobId(u32::from_le_bytes(bytes(value)?));
-                check_cob_id(present, new)?;
+                cob_ids::validate(dictionary, entry, value, true)?;
                 if new.is_valid() && !present.is_valid() {
                     // A mapping that came from elsewhere than a checked write must not be found out by its first frame.
-                    self.check_type(dictionary, self.transmission_type(dictionary), room)?;
+                    let layout = self.resolve(dictionary, self.count(dictionary), objects)?;
+                    if !fits(&layout, self.transmission_type(dictionary)) {
+                        return Err(AbortCode::InvalidValue);
+                    }
                 }
                 Ok(())
             }
             (2, _) => {
                 let [number] = bytes(value)?;
                 let new = TransmissionType::new(number, self.direction);
-                if present.is_valid() {
-                    self.check_type(dictionary, new, room)?;
+                let is_addressed = D::FEATURES.multiplexed_pdo
+                    && Addressing::new(self.count(dictionary)).is_some();
+                let must_be_event = present.is_valid() && is_addressed;
+                match new {
+                    Some(new) if !must_be_event || new == TransmissionType::EVENT => Ok(()),
+                    _ => Err(AbortCode::InvalidValue),
                 }
-                new.map(|_| ()).ok_or(AbortCode::InvalidValue)
             }
             (3 | 6, Direction::Transmit) if present.is_valid() => {
                 let is_same = sub == 3
@@ -327,34 +288,19 @@ impl Parameters {
         }
     }
 
-    /// Whether the mapping that is there can be used with this transmission type.
-    fn check_type<D: Dictionary>(
-        self,
-        dictionary: &D,
-        transmission_type: Option<TransmissionType>,
-        room: usize,
-    ) -> Result<(), AbortCode> {
-        let addressing = self.check_first(dictionary, self.count(dictionary), room)?;
-        if addressing.is_some() && transmission_type != Some(TransmissionType::Event) {
-            Err(AbortCode::InvalidValue)
-        } else {
-            Ok(())
-        }
-    }
-
     fn validate_mapping<D: Dictionary>(
         self,
         dictionary: &D,
         sub: u8,
         value: &[u8],
-        room: usize,
+        objects: &mut [Mapped],
     ) -> Result<(), AbortCode> {
         if self.cob_id(dictionary).is_valid() {
             return Err(AbortCode::UnsupportedAccess);
         }
         if sub == 0 {
             let [count] = bytes(value)?;
-            return self.check_first(dictionary, count, room).map(|_| ());
+            return self.resolve(dictionary, count, objects).map(|_| ());
         }
         if number(dictionary, self.mapping(), 0) != Some(0) {
             return Err(AbortCode::UnsupportedAccess);
@@ -367,6 +313,16 @@ impl Parameters {
             }
         }
     }
+}
+
+/// The PDO that an entry of 1400h to 1BFFh belongs to, 0 for the first of its direction.
+pub(super) const fn number_of(entry: &Entry) -> usize {
+    (entry.index & (Parameters::MOST - 1)) as usize
+}
+
+/// Whether a mapping can be used with this transmission type.
+fn fits(layout: &Layout, transmission_type: Option<TransmissionType>) -> bool {
+    !layout.is_addressed() || transmission_type == Some(TransmissionType::EVENT)
 }
 
 /// The bytes of a number with `N` bytes.

@@ -17,11 +17,9 @@
 use core::marker::PhantomData;
 use core::ops::Range;
 
-use super::NOT_IN_USE;
-use super::mapping::Direction;
-use super::parameters::{Parameters, Record};
+use super::mapping::{Direction, Mapped};
+use super::parameters::{self, Parameters};
 use super::receive_pdo::{Circumstances, ReceivePdo, Received};
-use super::unpack::Destination;
 use crate::application::Application;
 use crate::cia301::error_report::ErrorReport;
 use crate::cia301::sdo::AbortCode;
@@ -36,16 +34,12 @@ pub struct Receive<S, M> {
     pdos: S,
     is_operational: bool,
     circumstances: Circumstances,
-    /// Whether two PDOs have the same COB-ID.
-    has_twins: bool,
     /// Whether a PDO waits for SYNC.
     has_synchronous: bool,
-    /// That of the device.
-    node_id: u8,
     objects: PhantomData<M>,
 }
 
-impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
+impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
     /// No PDO is in use until [`Receive::configure_all`].
     pub fn new() -> Self {
         Self {
@@ -54,10 +48,9 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
             circumstances: Circumstances {
                 is_window_over: false,
                 has_news: false,
+                node_id: 0,
             },
-            has_twins: false,
             has_synchronous: false,
-            node_id: 0,
             objects: PhantomData,
         }
     }
@@ -65,17 +58,13 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
     /// Takes all parameters from the dictionary, after power-on values were loaded; the device has this node-ID. Operational is
     /// left, and errors end: ask [`Receive::report`] afterwards.
     pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D, node_id: u8) {
-        self.node_id = node_id;
+        self.circumstances.node_id = node_id;
         self.is_operational = false;
         self.circumstances.is_window_over = false;
         self.circumstances.has_news = true;
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
             pdo.reset();
-            pdo.configure(
-                dictionary,
-                Parameters::new(Direction::Receive, number),
-                node_id,
-            );
+            pdo.configure(dictionary, Parameters::new(Direction::Receive, number));
         }
     }
 
@@ -100,27 +89,28 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
     /// CiA 301's rules for PDO parameters: 06090030h for a COB-ID, transmission type or time, 06010000h for a mapping
     /// that is in use, 06020000h, 06090011h, 06040041h, 06040042h for what cannot be mapped.
     pub fn validate<D: Dictionary>(
-        &self,
+        &mut self,
         dictionary: &D,
         entry: &Entry,
         value: &[u8],
     ) -> Result<(), AbortCode> {
-        let (pdos, room) = (self.pdos.as_ref().len(), M::UNUSED.as_ref().len());
-        Parameters::validate(Direction::Receive, dictionary, entry, value, (pdos, room))
+        let number = parameters::number_of(entry);
+        let pdo = self.pdos.as_mut().get_mut(number);
+        let places = pdo.map(ReceivePdo::places);
+        Parameters::validate(Direction::Receive, dictionary, entry, value, places)
     }
 
     /// An entry of 1400h to 17FFh was written: the PDO follows from the next frame on. Ask [`Receive::report`] afterwards.
     pub fn written<D: Dictionary>(&mut self, dictionary: &D, entry: &Entry) {
-        let Some((parameters, record)) = Parameters::of(Direction::Receive, entry.index) else {
+        let number = parameters::number_of(entry);
+        let Some(pdo) = self.pdos.as_mut().get_mut(number) else {
             return;
         };
-        let Some(pdo) = self.pdos.as_mut().get_mut(parameters.number()) else {
-            return;
-        };
-        if record == Record::Communication && entry.sub == 5 {
+        let parameters = Parameters::new(Direction::Receive, number as u16);
+        if parameters.is_event_timer(entry) {
             pdo.set_deadline(parameters.event_timer(dictionary));
         } else {
-            pdo.configure(dictionary, parameters, self.node_id);
+            pdo.configure(dictionary, parameters);
         }
         self.circumstances.has_news |= pdo.has_report();
     }
@@ -129,24 +119,17 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
     /// and [`Receive::written`] only.
     pub fn cob_ids(&self) -> impl Iterator<Item = u16> {
         let in_use = self.pdos.as_ref().iter().map(ReceivePdo::cob_id);
-        in_use.filter(|cob_id| *cob_id != NOT_IN_USE)
+        in_use.filter(|cob_id| *cob_id != 0)
     }
 
     /// These places in RAM are looked at by event-driven transmit PDOs ([`super::Transmit::watched`]). To be called after
     /// [`Receive::configure_all`], [`Receive::written`] and their like of the transmit PDOs.
-    pub fn watch<D: Dictionary>(&mut self, places: &Range<u16>) {
+    pub fn watch(&mut self, places: &Range<u16>) {
+        self.has_synchronous = false;
         for pdo in self.pdos.as_mut() {
-            pdo.watch(D::TABLE, places);
+            pdo.watch(places);
+            self.has_synchronous |= pdo.is_synchronous();
         }
-        let pdos = self.pdos.as_ref();
-        self.has_synchronous = pdos.iter().any(ReceivePdo::is_synchronous);
-        self.has_twins = pdos.iter().enumerate().any(|(number, pdo)| {
-            let others = pdos.iter().skip(number.saturating_add(1));
-            pdo.cob_id() != NOT_IN_USE
-                && others
-                    .into_iter()
-                    .any(|other| other.cob_id() == pdo.cob_id())
-        });
     }
 
     /// A data frame with an 11-bit identifier arrived; `now` is when. [`Receive::report`] may have something to tell afterwards.
@@ -163,41 +146,19 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
         if !self.is_operational {
             return Received::Nothing;
         }
-        if self.has_twins {
-            return self.receive_by_twins(cob_id, frame, now, dictionary, application);
+        let mut received = Received::Nothing;
+        for pdo in self.pdos.as_mut() {
+            if pdo.cob_id() != cob_id {
+                continue;
+            }
+            let circumstances = &mut self.circumstances;
+            let of_this = match pdo.receive_plain(frame, dictionary, application) {
+                Some(received) => received,
+                None => pdo.receive(frame, now, circumstances, dictionary, application),
+            };
+            received = received.and(of_this);
         }
-        let mut pdos = self.pdos.as_mut().iter_mut();
-        let Some(pdo) = pdos.find(|pdo| pdo.cob_id() == cob_id) else {
-            return Received::Nothing;
-        };
-        match pdo.receive_plain(frame, dictionary, application) {
-            Some(received) => received,
-            None => pdo.receive(frame, now, &mut self.circumstances, dictionary, application),
-        }
-    }
-
-    /// Several PDOs may want the frame.
-    #[cold]
-    #[inline(never)]
-    fn receive_by_twins<D: Dictionary, A: Application<D>>(
-        &mut self,
-        cob_id: u16,
-        frame: &Frame,
-        now: Instant,
-        dictionary: &mut D,
-        application: &mut A,
-    ) -> Received {
-        let pdos = self.pdos.as_mut().iter_mut();
-        pdos.filter(|pdo| pdo.cob_id() == cob_id)
-            .fold(Received::Nothing, |received, pdo| {
-                received.and(pdo.receive(
-                    frame,
-                    now,
-                    &mut self.circumstances,
-                    dictionary,
-                    application,
-                ))
-            })
+        received
     }
 
     /// A SYNC arrived: what waited for it is applied. Returns whether transmit PDOs have to look for changes. Called after
@@ -263,7 +224,7 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Receive<S, M> {
     }
 }
 
-impl<S: Slots<ReceivePdo<M>>, M: Slots<Destination>> Default for Receive<S, M> {
+impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Default for Receive<S, M> {
     fn default() -> Self {
         Self::new()
     }

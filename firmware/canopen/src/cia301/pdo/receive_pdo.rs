@@ -2,15 +2,14 @@
 
 use core::ops::Range;
 
-use super::NOT_IN_USE;
 use super::errors::Errors;
-use super::mapping::{Direction, Layout};
+use super::mapping::{Direction, Mapped};
 use super::multiplexed::{self, Addressing, Message};
-use super::parameters::{Parameters, TransmissionType};
-use super::unpack::{Destination, Unpacking};
+use super::parameters::{Communication, Parameters};
+use super::record::Record;
 use crate::application::Application;
 use crate::cia301::error_report::ErrorReport;
-use crate::od::{Dictionary, Slots, Table, Unused, check, put};
+use crate::od::{Dictionary, Slots, Unused, check, put};
 use crate::time::{Duration, Instant, NEVER, has_come};
 use crate::wire::Frame;
 
@@ -43,27 +42,8 @@ pub(super) struct Circumstances {
     pub(super) is_window_over: bool,
     /// Whether an error may not be as the emergency producer knows it, or a deadline has begun.
     pub(super) has_news: bool,
-}
-
-/// What a frame does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    /// It is applied when it comes.
-    Event,
-    /// It waits for SYNC.
-    Synchronous,
-    /// It says which object it is for, which is written when it comes.
-    Multiplexed(Addressing),
-}
-
-impl Kind {
-    const fn new(transmission_type: TransmissionType) -> Self {
-        match transmission_type {
-            TransmissionType::Multiplexed(addressing) => Self::Multiplexed(addressing),
-            other if other.is_synchronous() => Self::Synchronous,
-            _ => Self::Event,
-        }
-    }
+    /// That of the device.
+    pub(super) node_id: u8,
 }
 
 /// No frame has this length.
@@ -72,12 +52,10 @@ const NEVER_PLAIN: u8 = u8::MAX;
 /// One receive PDO; `M` is its place for mapped objects.
 #[derive(Debug)]
 pub struct ReceivePdo<M> {
-    /// Its identifier, or [`NOT_IN_USE`].
-    cob_id: u16,
+    record: Record<M>,
     /// The length of a frame that is applied without a second thought: the PDO is event-driven, nobody waits for it, no object
     /// has limits, and no error stands. [`NEVER_PLAIN`] otherwise.
     plain_length: u8,
-    kind: Kind,
     /// Whether an object of it is in an event-driven transmit PDO.
     is_watched: bool,
     /// Whether `waiting` is a frame for the next SYNC.
@@ -85,110 +63,79 @@ pub struct ReceivePdo<M> {
     errors: Errors,
     /// As the emergency producer knows them.
     reported: Errors,
-    /// That of the device.
-    node_id: u8,
-    mapping: Unpacking<M>,
     /// The newest frame.
     waiting: [u8; 8],
-    /// Longest time between two frames; zero for any.
-    deadline: Duration,
     /// When the next frame must have come; [`NEVER`] until the first one.
     expires_at: Instant,
 }
 
-impl<M: Slots<Destination>> Unused for ReceivePdo<M> {
+impl<M: Slots<Mapped>> Unused for ReceivePdo<M> {
     const UNUSED: Self = Self {
-        cob_id: NOT_IN_USE,
+        record: Record::NONE,
         plain_length: NEVER_PLAIN,
-        kind: Kind::Event,
         is_watched: false,
         is_waiting: false,
         errors: Errors::NONE,
         reported: Errors::NONE,
-        node_id: 0,
-        mapping: Unpacking::NOTHING,
         waiting: [0; 8],
-        deadline: Duration::from_ticks(0),
         expires_at: NEVER,
     };
 }
 
-impl<M: Slots<Destination>> ReceivePdo<M> {
+impl<M: Slots<Mapped>> ReceivePdo<M> {
     /// Takes its parameters from the dictionary. What waits, the errors and the deadline end if they are others than before.
-    pub(super) fn configure<D: Dictionary>(
-        &mut self,
-        dictionary: &D,
-        parameters: Parameters,
-        node_id: u8,
-    ) {
-        let mut next = Self::UNUSED;
-        next.node_id = node_id;
-        next.take_parameters(dictionary, parameters);
-        let is_same = next.cob_id == self.cob_id
-            && next.kind == self.kind
-            && next.deadline == self.deadline
-            && next.mapping == self.mapping;
-        if !is_same {
-            next.reported = self.reported;
-            *self = next;
+    pub(super) fn configure<D: Dictionary>(&mut self, dictionary: &D, parameters: Parameters) {
+        if self.record.configure(dictionary, parameters) {
+            self.stop();
+            self.errors = Errors::NONE;
             self.find_plain_length();
         }
     }
 
+    /// The places for its objects.
+    pub(super) fn places(&mut self) -> &mut [Mapped] {
+        self.record.mapping.objects.as_mut()
+    }
+
     fn find_plain_length(&mut self) {
-        let is_plain = self.kind == Kind::Event
-            && self.deadline.ticks() == 0
+        let is_plain = !self.record.is_synchronous()
+            && self.addressing().is_none()
+            && self.record.communication.event_timer == 0
             && self.errors == Errors::NONE
-            && !self.mapping.is_limited();
+            && !self.record.mapping.is_limited();
         self.plain_length = if is_plain {
-            self.mapping.length()
+            self.record.mapping.length()
         } else {
             NEVER_PLAIN
         };
     }
 
     /// These places in RAM are looked at by event-driven transmit PDOs.
-    pub(super) fn watch(&mut self, table: &Table, places: &Range<u16>) {
-        self.is_watched = self.mapping.writes(table, places);
+    pub(super) fn watch(&mut self, places: &Range<u16>) {
+        self.is_watched = self.record.mapping.writes(places);
     }
 
     /// Whether its frames wait for SYNC.
-    pub(super) fn is_synchronous(&self) -> bool {
-        self.kind == Kind::Synchronous
+    pub(super) const fn is_synchronous(&self) -> bool {
+        self.record.is_synchronous()
     }
 
-    /// For a PDO that has just been made.
-    fn take_parameters<D: Dictionary>(&mut self, dictionary: &D, parameters: Parameters) {
-        let (Some(communication), Ok(mapping)) = (
-            parameters.communicate(dictionary),
-            parameters.resolve::<D, Unpacking<M>>(dictionary),
-        ) else {
-            return;
-        };
-        let transmission_type = communication.transmission_type;
-        if mapping.length() > 0
-            && let Some(transmission_type) = transmission_type.with(mapping.addressing())
-        {
-            self.cob_id = communication.cob_id;
-            self.kind = Kind::new(transmission_type);
-            self.mapping = mapping;
-            self.deadline = milliseconds(communication.event_timer);
-        }
+    const fn addressing(&self) -> Option<Addressing> {
+        self.record.mapping.addressing()
     }
 
     /// Forgets everything, but what the emergency producer has heard.
     pub(super) fn reset(&mut self) {
-        *self = Self {
-            reported: self.reported,
-            ..Self::UNUSED
-        };
+        self.record.communication = Communication::NONE;
+        self.stop();
+        self.errors = Errors::NONE;
+        self.plain_length = NEVER_PLAIN;
     }
 
     /// A new deadline in milliseconds, 0 for none; it counts from the next frame on, as at the beginning (CiA 301, 7.5.2.35).
-    pub(super) fn set_deadline(&mut self, time: u32) {
-        let deadline = milliseconds(time);
-        if deadline != self.deadline {
-            self.deadline = deadline;
+    pub(super) fn set_deadline(&mut self, time: u16) {
+        if self.record.is_in_use() && time != self.record.communication.event_timer {
+            self.record.communication.event_timer = time;
             self.expires_at = NEVER;
             self.errors = self.errors.without(Errors::LATE);
             self.find_plain_length();
@@ -201,10 +148,10 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         self.expires_at = NEVER;
     }
 
-    /// Its identifier; above 7FFh when it is not in use.
+    /// Its identifier; 0 when it is not in use.
     #[inline]
     pub(super) const fn cob_id(&self) -> u16 {
-        self.cob_id
+        self.record.cob_id()
     }
 
     /// Whether the emergency producer has to hear of a change.
@@ -250,7 +197,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         dictionary: &mut D,
         application: &mut A,
     ) -> Received {
-        if frame.length() != self.mapping.length() {
+        if frame.length() != self.record.mapping.length() {
             circumstances.has_news |= self.receive_other_length(frame.length());
             if self.errors.has(Errors::SHORT) {
                 return Received::Kept;
@@ -258,35 +205,36 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         } else if self.errors != Errors::NONE {
             circumstances.has_news |= self.end_errors();
         }
-        if self.deadline.ticks() != 0 {
+        if self.record.communication.event_timer != 0 {
             circumstances.has_news |= self.restart_deadline(now);
         }
-        match self.kind {
-            Kind::Synchronous => {
-                if !circumstances.is_window_over {
-                    self.waiting = *frame.bytes();
-                    self.is_waiting = true;
-                }
-                Received::Kept
-            }
-            Kind::Event => self.apply(frame.bytes(), dictionary, application),
-            Kind::Multiplexed(_) if !D::FEATURES.multiplexed_pdo => Received::Kept,
-            Kind::Multiplexed(addressing) => {
-                circumstances.has_news |=
-                    self.dispatch(addressing, frame.bytes(), dictionary, application);
-                Received::Applied
-            }
+        if D::FEATURES.multiplexed_pdo
+            && let Some(addressing) = self.addressing()
+        {
+            let node_id = circumstances.node_id;
+            circumstances.has_news |=
+                self.dispatch(addressing, node_id, frame.bytes(), dictionary, application);
+            return Received::Applied;
         }
+        if !self.is_synchronous() {
+            return self.apply(frame.bytes(), dictionary, application);
+        }
+        if !circumstances.is_window_over {
+            self.waiting = *frame.bytes();
+            self.is_waiting = true;
+        }
+        Received::Kept
     }
 
     /// A good frame has come. Returns whether an error went.
     #[cold]
     fn end_errors(&mut self) -> bool {
         let before = self.errors;
-        self.errors = match self.kind {
-            // Whether its object is there shows when it is dispatched, and only if it is for this device.
-            Kind::Multiplexed(_) if before.has(Errors::NO_OBJECT) => Errors::NO_OBJECT,
-            _ => Errors::NONE,
+        // Whether its object is there shows when it is dispatched, and only if it is for this device.
+        self.errors = if before.has(Errors::NO_OBJECT) {
+            Errors::NO_OBJECT
+        } else {
+            Errors::NONE
         };
         self.find_plain_length();
         self.errors != before
@@ -297,7 +245,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
     #[inline(never)]
     fn receive_other_length(&mut self, length: u8) -> bool {
         let before = self.errors;
-        self.errors = if length < self.mapping.length() {
+        self.errors = if length < self.record.mapping.length() {
             // It is not processed: a deadline that is missed stays so.
             before.without(Errors::LONG).with(Errors::SHORT)
         } else {
@@ -310,7 +258,8 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
     /// Returns whether it was not running.
     fn restart_deadline(&mut self, now: Instant) -> bool {
         let was_running = self.expires_at.ticks() != NEVER.ticks();
-        self.expires_at = Instant::from_ticks(now.ticks().saturating_add(self.deadline.ticks()));
+        let deadline = u32::from(self.record.communication.event_timer) * 1000;
+        self.expires_at = now + Duration::from_ticks(deadline.into());
         !was_running
     }
 
@@ -346,6 +295,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
     fn dispatch<D: Dictionary, A: Application<D>>(
         &mut self,
         addressing: Addressing,
+        node_id: u8,
         frame: &[u8; 8],
         dictionary: &mut D,
         application: &mut A,
@@ -354,7 +304,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         if message.addressing != addressing {
             return false;
         }
-        let is_for_us = message.node_id == 0 || message.node_id == self.node_id;
+        let is_for_us = message.node_id == 0 || message.node_id == node_id;
         let entry = match addressing {
             Addressing::Destination if !is_for_us => return false,
             Addressing::Destination => {
@@ -390,7 +340,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         dictionary: &mut D,
         application: &mut A,
     ) -> Received {
-        let refused = if self.mapping.is_limited() {
+        let refused = if self.record.mapping.is_limited() {
             let beyond = self.beyond_limits(frame, dictionary);
             self.refused(beyond, frame, dictionary, application)
         } else {
@@ -411,8 +361,8 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         dictionary: &mut D,
         application: &mut A,
     ) -> Received {
-        self.mapping.unpack(frame, dictionary);
-        for object in self.mapping.objects() {
+        self.record.mapping.unpack(frame, dictionary);
+        for object in self.record.mapping.objects() {
             if let Some(entry) = object.entry(D::TABLE) {
                 application.written(dictionary, entry);
             }
@@ -429,7 +379,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
     fn beyond_limits<D: Dictionary>(&self, frame: &[u8; 8], _: &D) -> u64 {
         let mut beyond = 0;
         let mut bit = 1_u64;
-        for object in self.mapping.objects() {
+        for object in self.record.mapping.objects() {
             if let Some(entry) = object.entry(D::TABLE) {
                 let mut room = [0; 8];
                 let value = object.value(entry, frame, &mut room);
@@ -454,7 +404,7 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
     ) -> u64 {
         let mut refused = beyond;
         let mut bit = 1_u64;
-        for object in self.mapping.objects() {
+        for object in self.record.mapping.objects() {
             if let Some(entry) = object.entry(D::TABLE)
                 && beyond & bit == 0
             {
@@ -480,12 +430,12 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         application: &mut A,
     ) -> Received {
         let accepted = |number: u32| refused.wrapping_shr(number) & 1 == 0;
-        for (number, object) in (0..).zip(self.mapping.objects()) {
+        for (number, object) in (0..).zip(self.record.mapping.objects()) {
             if accepted(number) {
-                object.put(frame, dictionary);
+                object.unpack(frame, dictionary);
             }
         }
-        for (number, object) in (0..).zip(self.mapping.objects()) {
+        for (number, object) in (0..).zip(self.record.mapping.objects()) {
             if accepted(number)
                 && let Some(entry) = object.entry(D::TABLE)
             {
@@ -505,8 +455,4 @@ impl<M: Slots<Destination>> ReceivePdo<M> {
         self.reported = self.reported.with(error);
         Some(ErrorReport::Appeared(error.emergency(number)))
     }
-}
-
-fn milliseconds(time: u32) -> Duration {
-    Duration::from_ticks(u64::from(time).saturating_mul(1000))
 }

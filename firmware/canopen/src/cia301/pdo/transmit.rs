@@ -35,11 +35,10 @@ use core::marker::PhantomData;
 use core::ops::Range;
 
 use super::NOT_IN_USE;
-use super::mapping::Direction;
+use super::mapping::{Direction, Mapped, around};
 use super::multiplexed::{self, Addressing, Message};
-use super::pack::{NO_RAM, Source, around};
-use super::parameters::{Parameters, Record};
-use super::transmit_pdo::TransmitPdo;
+use super::parameters::{self, Parameters};
+use super::transmit_pdo::{TransmitPdo, Watch};
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, Slots};
 use crate::time::{Instant, NEVER, earlier};
@@ -66,11 +65,8 @@ pub struct Transmit<S, M> {
     lowest: u16,
     /// The PDO that it belongs to, 0 for the first.
     lowest_number: u16,
-    /// How many look for changes and nothing else, and how many wait for SYNC.
-    plain: u16,
-    synchronous: u16,
-    /// Whether there are PDOs with times to look at.
-    has_times: bool,
+    /// Whether there are PDOs to look at when values may have changed, or time has passed.
+    is_watching: bool,
     /// An inhibit time is to begin.
     needs_time: bool,
     /// Synchronous PDOs wait for the SYNC that they answer.
@@ -80,7 +76,7 @@ pub struct Transmit<S, M> {
     objects: PhantomData<M>,
 }
 
-impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
+impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
     /// No PDO is in use until [`Transmit::configure_all`].
     pub fn new() -> Self {
         Self {
@@ -88,9 +84,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             is_operational: false,
             lowest: NOT_IN_USE,
             lowest_number: 0,
-            plain: 0,
-            synchronous: 0,
-            has_times: false,
+            is_watching: false,
             needs_time: false,
             follows_sync: false,
             node_id: 0,
@@ -101,29 +95,29 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     /// Takes all parameters from the dictionary, after power-on values were loaded; the device has this node-ID. Operational is
     /// left.
     pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D, node_id: u8) {
-        *self = Self::new();
+        self.is_operational = false;
+        self.follows_sync = false;
+        self.needs_time = false;
         self.node_id = node_id;
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
+            pdo.reset();
             pdo.configure(dictionary, Parameters::new(Direction::Transmit, number));
         }
         self.count();
+        self.find_lowest();
     }
 
-    /// Counts who looks at what.
+    /// Finds out whether there is something to look at.
     fn count(&mut self) {
-        (self.plain, self.synchronous, self.has_times) = (0, 0, false);
-        for pdo in self.pdos.as_ref() {
-            self.plain = self.plain.saturating_add(pdo.is_plain().into());
-            let is_synchronous = pdo.is_synchronous();
-            self.synchronous = self.synchronous.saturating_add(is_synchronous.into());
-            self.has_times |= pdo.is_looked_at_closely();
-        }
+        let mut pdos = self.pdos.as_ref().iter();
+        self.is_watching = pdos.any(|pdo| pdo.watch() != Watch::No);
     }
 
     /// The places in RAM that event-driven PDOs look at for changes, as one range.
     pub fn watched(&self) -> Range<u16> {
         let pdos = self.pdos.as_ref().iter();
-        pdos.fold(NO_RAM, |range, pdo| around(&range, &pdo.watched()))
+        let (start, end) = pdos.fold((0, 0), |range, pdo| around(range, pdo.watched()));
+        start..end
     }
 
     /// Operational is entered: counters and timers start, and each PDO of type 254 or 255 is sent once. Nothing happens when
@@ -134,7 +128,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         }
         self.is_operational = true;
         for pdo in self.pdos.as_mut() {
-            pdo.start(dictionary.ram(), D::TABLE.rom, now);
+            pdo.start(dictionary, now);
         }
         self.find_lowest();
     }
@@ -155,25 +149,26 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     /// CiA 301's rules for PDO parameters: 06090030h for a COB-ID, transmission type or time, 06010000h for a mapping
     /// that is in use, 06020000h, 06090011h, 06040041h, 06040042h for what cannot be mapped.
     pub fn validate<D: Dictionary>(
-        &self,
+        &mut self,
         dictionary: &D,
         entry: &Entry,
         value: &[u8],
     ) -> Result<(), AbortCode> {
-        let (pdos, room) = (self.pdos.as_ref().len(), M::UNUSED.as_ref().len());
-        Parameters::validate(Direction::Transmit, dictionary, entry, value, (pdos, room))
+        let number = parameters::number_of(entry);
+        let pdo = self.pdos.as_mut().get_mut(number);
+        let places = pdo.map(TransmitPdo::places);
+        Parameters::validate(Direction::Transmit, dictionary, entry, value, places)
     }
 
     /// An entry of 1800h to 1BFFh was written. A new event timer starts now; with another change the PDO starts anew, as if
     /// Operational was entered (if it is). The value that was there already changes nothing.
     pub fn written<D: Dictionary>(&mut self, dictionary: &D, entry: &Entry, now: Instant) {
-        let Some((parameters, record)) = Parameters::of(Direction::Transmit, entry.index) else {
+        let number = parameters::number_of(entry);
+        let Some(pdo) = self.pdos.as_mut().get_mut(number) else {
             return;
         };
-        let Some(pdo) = self.pdos.as_mut().get_mut(parameters.number()) else {
-            return;
-        };
-        if record == Record::Communication && entry.sub == 5 {
+        let parameters = Parameters::new(Direction::Transmit, number as u16);
+        if parameters.is_event_timer(entry) {
             pdo.set_event_timer(parameters.event_timer(dictionary), now);
             self.count();
             return;
@@ -182,7 +177,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
             return;
         }
         if self.is_operational {
-            pdo.start(dictionary.ram(), D::TABLE.rom, now);
+            pdo.start(dictionary, now);
         }
         self.count();
         self.find_lowest();
@@ -191,23 +186,18 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     /// A SYNC arrived, with this counter if it has one: the synchronous PDOs that are due take the present values. Called before
     /// [`super::Receive::on_sync`].
     pub fn on_sync<D: Dictionary>(&mut self, counter: Option<u8>, dictionary: &D) {
-        let mut left = self.synchronous;
-        if !self.is_operational || left == 0 {
+        if !self.is_operational {
             return;
         }
-        for pdo in self.pdos.as_mut() {
+        for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
             if !pdo.is_synchronous() {
                 continue;
             }
-            let is_sent = pdo.on_sync(counter, dictionary.ram(), D::TABLE.rom);
+            let is_sent = pdo.on_sync(counter, dictionary);
             // One that waited before has been counted.
             if is_sent && !self.follows_sync && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
-                self.lowest_number = pdo.number();
-            }
-            left = left.saturating_sub(1);
-            if left == 0 {
-                break;
+                self.lowest_number = number;
             }
         }
     }
@@ -235,7 +225,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         }
         for pdo in self.pdos.as_mut() {
             if pdo.cob_id() == cob_id {
-                pdo.on_request(dictionary.ram(), D::TABLE.rom, now);
+                pdo.on_request(dictionary, now);
             }
         }
         self.find_lowest();
@@ -245,13 +235,13 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     /// [`Transmit::written`] only.
     pub fn cob_ids(&self) -> impl Iterator<Item = u16> {
         let in_use = self.pdos.as_ref().iter().map(TransmitPdo::cob_id);
-        in_use.filter(|cob_id| *cob_id != NOT_IN_USE)
+        in_use.filter(|cob_id| *cob_id != 0)
     }
 
     /// Whether a change of a value, or time, may cause one to be sent.
     #[inline]
     pub const fn is_watching(&self) -> bool {
-        self.is_operational && (self.plain != 0 || self.has_times)
+        self.is_operational && self.is_watching
     }
 
     /// Looks for changes and timers that have run out. Called whenever values may have changed; returns when it wants to be
@@ -261,43 +251,21 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
         if !self.is_operational {
             return NEVER;
         }
-        let mut left = self.plain;
-        if left != 0 {
-            for pdo in self.pdos.as_mut() {
-                if !pdo.is_plain() {
-                    continue;
-                }
-                let is_sent = pdo.look(dictionary.ram(), D::TABLE.rom, now);
-                // One that waited before has been counted.
-                if is_sent && pdo.cob_id() < self.lowest {
-                    self.lowest = pdo.cob_id();
-                    self.lowest_number = pdo.number();
-                }
-                left = left.saturating_sub(1);
-                if left == 0 {
-                    break;
-                }
-            }
-        }
-        if self.has_times {
-            self.look_at_times(dictionary, now)
-        } else {
-            NEVER
-        }
-    }
-
-    #[inline(never)]
-    fn look_at_times<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> Instant {
         let mut deadline = NEVER;
-        for pdo in self.pdos.as_mut() {
-            if !pdo.is_looked_at_closely() {
-                continue;
+        for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
+            match pdo.watch() {
+                Watch::No => continue,
+                Watch::Plain => pdo.look(dictionary, now),
+                Watch::Closely => {
+                    let next = pdo.look_closely(dictionary, self.node_id, now);
+                    deadline = earlier(deadline, next);
+                }
             }
-            deadline = earlier(deadline, pdo.look_closely(dictionary, self.node_id, now));
+            let may_leave = pdo.is_waiting() && !(self.follows_sync && pdo.is_synchronous());
             // One that waited before has been counted.
-            if pdo.is_waiting() && pdo.cob_id() < self.lowest {
+            if may_leave && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
-                self.lowest_number = pdo.number();
+                self.lowest_number = number;
             }
         }
         deadline
@@ -359,7 +327,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     fn send(&mut self, message: &Message, now: Instant) -> Result<(), NotSent> {
         let mut pdos = self.pdos.as_mut().iter_mut();
         let pdo = pdos
-            .find(|pdo| pdo.is_in_use() && pdo.addressing() == Some(message.addressing))
+            .find(|pdo| pdo.addressing() == Some(message.addressing))
             .filter(|_| self.is_operational)
             .ok_or(NotSent::NoPdo)?;
         if !pdo.send(message, now) {
@@ -418,17 +386,17 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Transmit<S, M> {
     /// ceased to wait.
     fn find_lowest(&mut self) {
         self.lowest = NOT_IN_USE;
-        for pdo in self.pdos.as_ref() {
+        for (number, pdo) in (0..).zip(self.pdos.as_ref()) {
             let may_leave = pdo.is_waiting() && !(self.follows_sync && pdo.is_synchronous());
             if may_leave && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
-                self.lowest_number = pdo.number();
+                self.lowest_number = number;
             }
         }
     }
 }
 
-impl<S: Slots<TransmitPdo<M>>, M: Slots<Source>> Default for Transmit<S, M> {
+impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Default for Transmit<S, M> {
     fn default() -> Self {
         Self::new()
     }

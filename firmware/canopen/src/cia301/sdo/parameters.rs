@@ -4,9 +4,10 @@
 //! their identifiers, sub-index 1 for requests and sub-index 2 for answers, are valid; a change counts at once.
 
 use super::AbortCode;
+use crate::cia301::cob_ids;
 use crate::od::{Dictionary, Entry, read_u32};
 use crate::settings::NodeId;
-use crate::wire::cob_id::{self, CobId, is_restricted};
+use crate::wire::cob_id::{self, CobId};
 
 /// The object of the first server.
 const FIRST: u16 = 0x1200;
@@ -14,9 +15,6 @@ const FIRST: u16 = 0x1200;
 const REQUEST: u8 = 1;
 /// COB-ID from server to client.
 const RESPONSE: u8 = 2;
-
-/// Bit 30: the identifier was assigned for a while, by an SDO manager.
-const DYNAMIC: u32 = 1 << 30;
 
 /// The identifiers of a server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,23 +58,14 @@ pub(crate) fn validate<D: Dictionary>(
     entry: &Entry,
     value: &[u8],
 ) -> Result<(), AbortCode> {
-    let other = match entry.sub {
-        REQUEST => RESPONSE,
-        RESPONSE => REQUEST,
-        _ => return Ok(()),
-    };
-    let Ok(value) = value.try_into() else {
-        return Err(AbortCode::LengthMismatch);
-    };
-    let new = CobId(u32::from_le_bytes(value));
-    let present = identifier(dictionary, entry.index, entry.sub);
-    let opposite = identifier(dictionary, entry.index, other);
-    let is_moved = opposite.is_some() && present.is_some_and(|present| present != new.identifier());
-    let is_taken = is_restricted(new.identifier()) || opposite == Some(new.identifier());
-    let is_unknown = !new.is_base_frame() || new.0 & DYNAMIC != 0;
-    if is_unknown || new.is_valid() && (is_moved || is_taken) {
-        Err(AbortCode::InvalidValue)
-    } else {
-        Ok(())
+    if !matches!(entry.sub, REQUEST | RESPONSE) {
+        return Ok(());
     }
+    let other = REQUEST + RESPONSE - entry.sub;
+    let opposite = identifier(dictionary, entry.index, other);
+    let wanted = CobId(value.try_into().map_or(CobId::INVALID, u32::from_le_bytes));
+    if wanted.is_valid() && opposite == Some(wanted.identifier()) {
+        return Err(AbortCode::InvalidValue);
+    }
+    cob_ids::validate(dictionary, entry, value, opposite.is_some())
 }

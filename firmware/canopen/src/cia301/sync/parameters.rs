@@ -1,10 +1,11 @@
 //! What a master may write to the objects of SYNC: 1005h, 1006h, 1007h, 1019h.
 
 use super::{COB_ID, COUNTER_OVERFLOW, MOST_COUNTER, NOT_IN_USE, PERIOD, Sync, WINDOW};
+use crate::cia301::cob_ids;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, read_u8, read_u32};
 use crate::time::{Duration, Instant, NEVER};
-use crate::wire::cob_id::{CobId, is_restricted};
+use crate::wire::cob_id::CobId;
 
 /// Bit 30 of 1005h: the device produces SYNC.
 const PRODUCE: u32 = 1 << 30;
@@ -36,15 +37,7 @@ impl Sync {
         value: &[u8],
     ) -> Result<(), AbortCode> {
         match (entry.index, value) {
-            (COB_ID, _) => {
-                let value = value.try_into().map_err(|_| AbortCode::LengthMismatch)?;
-                let present = CobId(read_u32(dictionary, COB_ID, 0).unwrap_or(0));
-                if may_become(present, CobId(u32::from_le_bytes(value))) {
-                    Ok(())
-                } else {
-                    Err(AbortCode::InvalidValue)
-                }
-            }
+            (COB_ID, _) => cob_ids::validate(dictionary, entry, value, true),
             (COUNTER_OVERFLOW, _) if read_u32(dictionary, PERIOD, 0).unwrap_or(0) != 0 => {
                 Err(AbortCode::DeviceState)
             }
@@ -58,7 +51,7 @@ impl Sync {
     pub fn written<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
         let cob_id = CobId(read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::EXTENDED));
         let before = (self.cob_id, self.is_producer, self.period);
-        self.cob_id = if is_base_frame(cob_id) {
+        self.cob_id = if cob_id.is_base_frame() {
             cob_id.identifier()
         } else {
             NOT_IN_USE
@@ -89,16 +82,4 @@ impl Sync {
 
 fn microseconds<D: Dictionary>(dictionary: &D, index: u16) -> Duration {
     Duration::from_ticks(read_u32(dictionary, index, 0).unwrap_or(0).into())
-}
-
-/// Whether this is an 11-bit identifier. Bit 31 is "do not care", bit 30 makes the device the producer.
-const fn is_base_frame(cob_id: CobId) -> bool {
-    CobId(cob_id.0 & !PRODUCE).is_base_frame()
-}
-
-/// The rules of 1005h: no 29-bit identifier, none that is restricted, no other one while SYNC is produced.
-const fn may_become(present: CobId, wanted: CobId) -> bool {
-    let is_moved = present.identifier() != wanted.identifier();
-    let is_producer = present.0 & PRODUCE != 0;
-    is_base_frame(wanted) && !is_restricted(wanted.identifier()) && !(is_moved && is_producer)
 }

@@ -6,7 +6,7 @@ use super::objects::Objects;
 use crate::application::Application;
 use crate::cia301::error_report::ErrorReport;
 use crate::cia301::pdo::{
-    Destination, Receive, ReceivePdo, Received, Source, Transmit, TransmitPdo, validate_list,
+    Mapped, Receive, ReceivePdo, Received, Transmit, TransmitPdo, validate_list,
 };
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, check, find, put, read_u8, set, value, write_u8, write_u32};
@@ -33,17 +33,14 @@ impl Application<Objects> for Recorder {
     }
 }
 
-/// The places for the objects of a mapping to receive.
-pub(super) type Destinations = [Destination; 64];
-
-/// The places for the objects of a mapping to transmit.
-pub(super) type Sent = [Source; 64];
+/// The places for the objects of a mapping.
+pub(super) type Places = [Mapped; 64];
 
 #[derive(Debug)]
 pub(super) struct Device {
     pub(super) objects: Objects,
-    pub(super) receive: Receive<[ReceivePdo<Destinations>; 4], Destinations>,
-    pub(super) transmit: Transmit<[TransmitPdo<Sent>; 4], Sent>,
+    pub(super) receive: Receive<[ReceivePdo<Places>; 4], Places>,
+    pub(super) transmit: Transmit<[TransmitPdo<Places>; 4], Places>,
     pub(super) recorder: Recorder,
     pub(super) now: Instant,
 }
@@ -116,7 +113,7 @@ impl Device {
             0x1800..=0x1BFF => self.transmit.written(&self.objects, entry, self.now),
             _ => {}
         }
-        self.receive.watch::<Objects>(&self.transmit.watched());
+        self.receive.watch(&self.transmit.watched());
         Ok(())
     }
 
