@@ -1,20 +1,15 @@
 //! The boards the firmware runs on.
 //!
-//! A board is a type that implements [`Board`]; the feature of the same name makes it [`Selected`]. The tasks in
-//! `main.rs` are the same on all of them: every interrupt is bound on every board, and a board without the peripheral
-//! never raises it.
+//! A board is a type that implements [`Board`], in a module that makes the app of it by the macro [`app`](macro@crate::app): with its
+//! peripheral access crate and the interrupts that it has. The feature of the same name makes it [`Selected`], and nothing outside of
+//! its module names its chip. To add one: its module, its feature, its line below, and its memory in `memory.x`.
 //!
-//! Of the firmware this folder is the only place with `unsafe` code and the only one that touches peripherals (RTIC's
-//! own code, which its macro writes into `main.rs`, aside). The two other images have some of their own: `bin/bench`
+//! Of the firmware this folder is the only place with `unsafe` code (RTIC's own among it) and the only one that touches peripherals. The two other images have some of their own: `bin/bench`
 //! reads the timer that counts and handles the hard fault, `bin/no_panic.rs` has cells the compiler cannot see through
 //! and the function that does not exist.
 
 use canopen::settings::Wish;
-use canopen::{Duration, Instant};
-use cia402::cyclic::TickTimer;
-use cortex_m::peripheral::SYST;
 use embedded_storage::nor_flash::NorFlash;
-use stm32f4xx_hal::pac;
 
 use crate::machine::Room;
 use motion::PulseSink;
@@ -23,6 +18,7 @@ use runtime::{Controller, Inbox, Lights};
 #[cfg(feature = "rtt")]
 use defmt_rtt as _;
 
+mod control_timer;
 #[cfg(not(feature = "rtt"))]
 mod no_log;
 #[cfg(feature = "qemu")]
@@ -32,6 +28,7 @@ mod scope_memory;
 mod stm32f405;
 mod user_memory;
 
+pub use control_timer::ControlTimer;
 #[cfg(feature = "qemu")]
 pub use qemu::Qemu as Selected;
 pub use scope_memory::SCOPE_MEMORY;
@@ -60,10 +57,10 @@ pub trait Board: Sized {
     type Pulses: Pulses + Send;
     /// What step pulses and captured positions need of an interrupt.
     type Steps: Steps + Send;
-    /// The receiving half of the CAN controller.
+    /// The interrupts of the CAN controller.
     type Receiver: Receive<Self::Bus> + Send;
-    /// The sending half of the CAN controller.
-    type Bus: Bus + Send;
+    /// The CAN controller.
+    type Bus: Controller + Send;
     /// The power stage and what watches it.
     type Stage: Stage + Send;
     /// The lights.
@@ -73,9 +70,12 @@ pub trait Board: Sized {
     /// The flash sectors of the parameter store, all of them and nothing else, from address 0.
     type Parameters: NorFlash + Send;
 
+    /// The peripherals of the chip.
+    type Device;
+
     /// Sets up clocks and peripherals. Called once, with interrupts off. The power stage is off, the CAN controller silent
-    /// until [`Bus::start`].
-    fn start(device: pac::Peripherals) -> Parts<Self>;
+    /// until [`Controller::start`].
+    fn start(device: Self::Device) -> Parts<Self>;
 
     /// A free-running counter of 32 bits, [`Board::TICKS_PER_MICROSECOND`] a microsecond. Any task may read it.
     fn ticks() -> u32;
@@ -85,6 +85,12 @@ pub trait Board: Sized {
 
     /// The interrupt between two control ticks has been served.
     fn refill_done();
+
+    /// Raises the wake interrupt after so many microseconds, fewer than a control tick has, in place of one that was to come.
+    fn wake_in(microseconds: u32);
+
+    /// The wake interrupt has been served.
+    fn woken();
 
     /// What the processor does when there is nothing to do; returns at the latest with the next interrupt.
     fn idle();
@@ -133,29 +139,18 @@ pub trait Pulses: PulseSink {
 
 /// The interrupts of the step pulses.
 pub trait Steps {
-    /// The step interrupt.
+    /// A step is due, where the timer needs help with each; or the outputs were cut off by the break input, and what makes the pulses is
+    /// to stop.
     fn on_interrupt(&mut self);
-
-    /// The interrupt of the break input: the outputs were cut off, and what makes the pulses is to stop.
-    fn on_break(&mut self);
 
     /// What the counter of steps showed when an edge of this input came (counted from 0), as nearly as the board can tell.
     fn count(&mut self, input: usize) -> u32;
 }
 
-/// The receiving half of a CAN controller.
+/// The interrupts of a CAN controller.
 pub trait Receive<B> {
-    /// Puts every frame that has arrived into the inbox. Called from the receive interrupt.
-    fn receive(&mut self, bus: &mut B, inbox: &mut Inbox);
-}
-
-/// The sending half of a CAN controller, and the state of the whole.
-pub trait Bus: Controller {
-    /// The transmit interrupt.
-    fn on_sent(&mut self);
-
-    /// The error interrupt.
-    fn on_error(&mut self);
+    /// Puts every frame that has arrived into the inbox, and takes note of what was sent and of errors.
+    fn on_interrupt(&mut self, bus: &mut B, inbox: &mut Inbox);
 }
 
 /// The interrupt of the digital inputs.
@@ -188,38 +183,4 @@ pub trait Stage {
 
     /// Every task is alive.
     fn feed_watchdog(&mut self);
-}
-
-/// The system timer, which makes the control tick.
-pub struct ControlTimer {
-    timer: SYST,
-    /// Counts of a nominal tick.
-    nominal: u32,
-    rhythm: TickTimer,
-}
-
-impl ControlTimer {
-    /// Starts the timer.
-    pub fn start<B: Board>(mut timer: SYST, rate_hz: u32) -> Self {
-        let nominal = B::SYSTEM_TIMER_HZ / rate_hz;
-        timer.set_clock_source(cortex_m::peripheral::syst::SystClkSource::Core);
-        timer.set_reload(nominal - 1);
-        timer.clear_current();
-        timer.enable_interrupt();
-        timer.enable_counter();
-        Self {
-            timer,
-            nominal,
-            rhythm: TickTimer::new(Duration::micros((1_000_000 / rate_hz).into())),
-        }
-    }
-
-    /// The tick that runs at `now` says when the next one is due. The timer is counting to that one already, so what is said changes the
-    /// tick behind it; the rhythm is the same, one tick later.
-    pub fn schedule<B: Board>(&mut self, now: Instant, next: Option<Instant>) {
-        let counts = self.rhythm.next(now, next).map_or(self.nominal, |length| {
-            length * (B::SYSTEM_TIMER_HZ / 1_000_000)
-        });
-        self.timer.set_reload(counts - 1);
-    }
 }

@@ -14,6 +14,7 @@ mod refill_timer;
 mod semihosting;
 mod serial;
 mod step_timer;
+mod wake_timer;
 
 use core::ptr::addr_of_mut;
 
@@ -27,6 +28,16 @@ use runtime::Lights;
 
 use super::{user_memory, Board, Parts, Stage};
 use crate::control::{RATE_HZ, TIMING};
+
+app! {
+    device: stm32f4xx_hal::pac,
+    dispatchers: [SPI1, SPI2, SPI3],
+    pulses: [step: TIM2],
+    edge: [edge: EXTI9_5],
+    can: [received: USART2],
+    refill: [refill: TIM3],
+    wake: [wake: TIM4],
+}
 
 /// The emulated board.
 pub struct Qemu;
@@ -49,11 +60,14 @@ impl Board for Qemu {
     type InputLines = inputs::Lines;
     type Parameters = parameter_file::ParameterFile;
 
+    type Device = pac::Peripherals;
+
     fn start(device: pac::Peripherals) -> Parts<Self> {
         let timer = step_timer::AlarmTimer::new(device.TIM2);
         // SAFETY: the peripherals exist once, so this function is called once, and nobody else names the memory.
         let shared = unsafe { &mut *addr_of_mut!(STEPS) };
         let (queue, player) = step_interrupt::split(shared, timer, TIMING);
+        wake_timer::start(&device.TIM4);
         refill_timer::start(device.TIM3, Self::STEP_CLOCK_HZ / RATE_HZ / Self::REFILLS);
         Parts {
             pulses: pulses::InterruptPulses(queue),
@@ -86,6 +100,14 @@ impl Board for Qemu {
 
     fn refill_done() {
         refill_timer::done();
+    }
+
+    fn wake_in(microseconds: u32) {
+        wake_timer::wake_in(microseconds * Self::TICKS_PER_MICROSECOND);
+    }
+
+    fn woken() {
+        wake_timer::woken();
     }
 
     fn idle() {

@@ -58,8 +58,6 @@ impl Steps for StepPlayer {
         self.axis.pass(self.player.position());
     }
 
-    fn on_break(&mut self) {}
-
     fn count(&mut self, _input: usize) -> u32 {
         self.player.position().cast_unsigned()
     }

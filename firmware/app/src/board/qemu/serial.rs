@@ -10,7 +10,7 @@ use cortex_m::peripheral::NVIC;
 use slcan::{Channel, Decoder};
 use stm32f4xx_hal::pac;
 
-use crate::board::{Bus, Receive};
+use crate::board::Receive;
 use crate::clock;
 use runtime::{Controller, Inbox, Unreachable};
 
@@ -88,12 +88,6 @@ impl Controller for SerialBus {
     }
 }
 
-impl Bus for SerialBus {
-    fn on_sent(&mut self) {}
-
-    fn on_error(&mut self) {}
-}
-
 /// Bytes on their way to become frames.
 pub struct Receiver {
     decoder: Decoder,
@@ -112,7 +106,7 @@ impl Receiver {
 }
 
 impl Receive<SerialBus> for Receiver {
-    fn receive(&mut self, bus: &mut SerialBus, inbox: &mut Inbox) {
+    fn on_interrupt(&mut self, bus: &mut SerialBus, inbox: &mut Inbox) {
         loop {
             if let Some(frame) = self.waiting.take() {
                 if inbox.is_full() {

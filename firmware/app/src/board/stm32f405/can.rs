@@ -21,7 +21,7 @@ use stm32f4xx_hal::can::Can;
 use stm32f4xx_hal::pac;
 
 use super::bit_timing;
-use crate::board::{Bus, Receive};
+use crate::board::Receive;
 use crate::clock;
 use runtime::{Controller as _, Inbox, Unreachable};
 
@@ -88,6 +88,17 @@ impl Mailboxes for Controller {
 }
 
 impl Controller {
+    /// The error interrupt, if there is one.
+    fn note_errors(&mut self) {
+        if registers().msr().read().erri().bit_is_clear() {
+            return;
+        }
+        registers().msr().write(|w| w.erri().set_bit());
+        if self.state() == ControllerState::BusOff {
+            defmt::warn!("bus-off: the controller left the bus after too many errors");
+        }
+    }
+
     /// Goes on the bus at this rate, or listens to it in silence.
     fn enter(&mut self, bit_rate: BitRate, silent: bool) -> Result<(), Unreachable> {
         let timing = bit_timing::register(bit_rate).ok_or(Unreachable)?;
@@ -148,24 +159,13 @@ impl runtime::Controller for Controller {
     }
 }
 
-impl Bus for Controller {
-    fn on_sent(&mut self) {
-        self.can.clear_tx_interrupt();
-    }
-
-    fn on_error(&mut self) {
-        registers().msr().write(|w| w.erri().set_bit());
-        if self.state() == ControllerState::BusOff {
-            defmt::warn!("bus-off: the controller left the bus after too many errors");
-        }
-    }
-}
-
 /// The receive FIFO; the controller is reached through [`Controller`].
 pub struct Receiver;
 
 impl Receive<Controller> for Receiver {
-    fn receive(&mut self, bus: &mut Controller, inbox: &mut Inbox) {
+    fn on_interrupt(&mut self, bus: &mut Controller, inbox: &mut Inbox) {
+        bus.can.clear_tx_interrupt();
+        bus.note_errors();
         loop {
             match bus.can.receive() {
                 Ok(frame) => {

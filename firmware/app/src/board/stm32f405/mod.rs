@@ -20,7 +20,7 @@
 //! | PC6, PC7 | green light, red light, or one with two colours | high is on |
 //! | PC12 | light of the drive | high is on |
 //!
-//! Core 168 MHz, TIM1 168 MHz (step pulses), APB1 42 MHz (CAN), its timers 84 MHz (TIM2 counts steps, TIM3 refills, TIM5 time).
+//! Core 168 MHz, TIM1 168 MHz (step pulses), APB1 42 MHz (CAN), its timers 84 MHz (TIM2 counts steps, TIM3 refills, TIM5 time and the deadlines of the node).
 
 mod bit_timing;
 mod can;
@@ -43,6 +43,16 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use super::{user_memory, Board, Parts};
 use crate::control::RATE_HZ;
 
+app! {
+    device: stm32f4xx_hal::pac,
+    dispatchers: [SPI1, SPI2, SPI3],
+    pulses: [cut_off: TIM1_BRK_TIM9],
+    edge: [edge_of_first: EXTI4, edge: EXTI9_5],
+    can: [received: CAN1_RX0, sent: CAN1_TX, error: CAN1_SCE],
+    refill: [refill: TIM3],
+    wake: [wake: TIM5],
+}
+
 /// The board.
 pub struct Stm32f405;
 
@@ -58,8 +68,8 @@ const TIMERS_HZ: u32 = 84_000_000;
 const WATCHDOG_MS: u32 = 3_000;
 
 impl Board for Stm32f405 {
-    const TICKS_PER_MICROSECOND: u32 = 84;
-    const STEP_CLOCK_HZ: u32 = 168_000_000;
+    const TICKS_PER_MICROSECOND: u32 = TIMERS_HZ / 1_000_000;
+    const STEP_CLOCK_HZ: u32 = CORE_HZ;
     const REFILLS: u32 = 4;
     const SYSTEM_TIMER_HZ: u32 = CORE_HZ;
 
@@ -72,6 +82,8 @@ impl Board for Stm32f405 {
     type Lights = stage::PinLights<PC6<Output>, PC7<Output>, PC12<Output>>;
     type Parameters = flash::ParameterSectors;
 
+    type Device = pac::Peripherals;
+
     fn start(device: pac::Peripherals) -> Parts<Self> {
         // First of all: a crystal that does not start then means another try, not silence for ever.
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
@@ -79,7 +91,7 @@ impl Board for Stm32f405 {
         watchdog.start(WATCHDOG_MS.millis());
 
         let clocks = Config::hse(8.MHz())
-            .sysclk(168.MHz())
+            .sysclk(CORE_HZ.Hz())
             .pclk1(42.MHz())
             .pclk2(84.MHz());
         let mut rcc = device.RCC.freeze(clocks);
@@ -202,7 +214,7 @@ impl Board for Stm32f405 {
     }
 
     fn ticks() -> u32 {
-        // SAFETY: reading the counter of TIM5 has no effect, and nobody writes the timer once it runs.
+        // SAFETY: reading the counter of TIM5 has no effect, and nobody writes it once it runs.
         unsafe { (*pac::TIM5::ptr()).cnt().read().bits() }
     }
 
@@ -215,6 +227,29 @@ impl Board for Stm32f405 {
         unsafe {
             let timer = &*pac::TIM3::ptr();
             timer.sr().write(|w| w.uif().clear_bit());
+            // The write is through before the interrupt is left, or it would come once more.
+            let _ = timer.sr().read();
+        }
+    }
+
+    fn wake_in(microseconds: u32) {
+        let at = Self::ticks().wrapping_add(microseconds * Self::TICKS_PER_MICROSECOND);
+        // SAFETY: the node task alone writes these registers, which have the compare interrupt of TIM5 and nothing of its counter. A
+        // moment that has passed before it is written is missed, and the next control tick runs the task.
+        unsafe {
+            let timer = &*pac::TIM5::ptr();
+            timer.ccr1().write(|w| w.bits(at));
+            timer.sr().write(|w| w.cc1if().clear_bit());
+            timer.dier().write(|w| w.cc1ie().set_bit());
+        }
+    }
+
+    fn woken() {
+        // SAFETY: as in `wake_in`; the interrupt has the priority of the node task.
+        unsafe {
+            let timer = &*pac::TIM5::ptr();
+            timer.dier().write(|w| w.cc1ie().clear_bit());
+            timer.sr().write(|w| w.cc1if().clear_bit());
             // The write is through before the interrupt is left, or it would come once more.
             let _ = timer.sr().read();
         }

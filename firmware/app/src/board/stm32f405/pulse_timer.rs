@@ -229,9 +229,7 @@ impl Pulses for TimerPulses {
 pub struct Interrupts(Timers);
 
 impl Steps for Interrupts {
-    fn on_interrupt(&mut self) {}
-
-    fn on_break(&mut self) {
+    fn on_interrupt(&mut self) {
         on_break(&mut self.0);
     }
 

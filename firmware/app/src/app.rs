@@ -1,0 +1,154 @@
+//! The RTIC app of a board. RTIC binds interrupts by their names in one device, so each board makes the app of itself; the tasks are the
+//! same on all of them, and an image has the handlers of its own board only.
+
+/// Makes the app of a board. `device` is its peripheral access crate; `dispatchers` are three interrupts that nothing uses, for the software
+/// tasks. Behind each kind of task stand those of the board, each with its interrupt: none, one or several.
+macro_rules! app {
+    (
+        device: $($device:ident)::+,
+        dispatchers: [$($dispatcher:ident),+],
+        pulses: [$($pulses:ident: $pulses_interrupt:ident),*],
+        edge: [$($edge:ident: $edge_interrupt:ident),*],
+        can: [$($can:ident: $can_interrupt:ident),*],
+        refill: [$($refill:ident: $refill_interrupt:ident),*],
+        wake: [$($wake:ident: $wake_interrupt:ident),*],
+    ) => {
+        #[rtic::app(device = $($device)::+, peripherals = true, dispatchers = [$($dispatcher),+])]
+        mod app {
+            use cia402::inputs::Capture;
+            use cia402::Exchange;
+            use runtime::{inbox, Lost, Signals};
+
+            use crate::board::{Board, ControlTimer, Selected};
+            use crate::control::Control;
+            use crate::tasks::{self, CanBus, Firmware, NodeTask, Panel, Reception, Step};
+
+            #[shared]
+            struct Shared {
+                exchange: Exchange,
+                bus: CanBus,
+                alive: bool,
+                #[lock_free]
+                reception: Reception,
+                #[lock_free]
+                control: Control,
+                #[lock_free]
+                node: NodeTask,
+                #[lock_free]
+                step: Step,
+            }
+
+            #[local]
+            struct Local {
+                timer: ControlTimer,
+                panel: Panel,
+            }
+
+            #[init(local = [
+                frames: inbox::Memory = inbox::Memory::new(),
+                lost: Lost = Lost::new(),
+                edges: Capture = Capture::new(),
+            ])]
+            fn init(cx: init::Context) -> (Shared, Local, init::Monotonics) {
+                let memory = (cx.local.frames, &*cx.local.lost, &*cx.local.edges);
+                let Firmware {
+                    exchange,
+                    bus,
+                    reception,
+                    control,
+                    node,
+                    step,
+                    timer,
+                    panel,
+                } = tasks::start(cx.device, cx.core.SYST, memory);
+                let shared = Shared {
+                    exchange,
+                    bus,
+                    alive: true,
+                    reception,
+                    control,
+                    node,
+                    step,
+                };
+                (shared, Local { timer, panel }, init::Monotonics())
+            }
+
+            #[idle]
+            fn idle(_: idle::Context) -> ! {
+                loop {
+                    Selected::idle();
+                }
+            }
+
+            $(
+                #[task(binds = $pulses_interrupt, priority = 5, shared = [step])]
+                fn $pulses(cx: $pulses::Context) {
+                    cx.shared.step.on_interrupt();
+                }
+            )*
+
+            $(
+                #[task(binds = $edge_interrupt, priority = 5, shared = [step])]
+                fn $edge(cx: $edge::Context) {
+                    cx.shared.step.on_edge();
+                }
+            )*
+
+            $(
+                #[task(binds = $can_interrupt, priority = 4, shared = [bus, reception])]
+                fn $can(mut cx: $can::Context) {
+                    let reception = cx.shared.reception;
+                    cx.shared.bus.lock(|bus| reception.on_interrupt(bus));
+                    // An error says that the task is on its way already.
+                    node::spawn().ok();
+                }
+            )*
+
+            #[task(binds = SysTick, priority = 3, shared = [exchange, alive, control], local = [timer])]
+            fn control(mut cx: control::Context) {
+                let alive = cx.shared.alive.lock(core::mem::take);
+                let (now, next) = cx.shared.control.tick(cx.shared.exchange, alive);
+                cx.local.timer.schedule::<Selected>(now, next);
+                node::spawn().ok();
+            }
+
+            #[task(priority = 3, shared = [exchange, control])]
+            fn stop(cx: stop::Context) {
+                cx.shared.control.stop(cx.shared.exchange);
+                node::spawn().ok();
+            }
+
+            $(
+                #[task(binds = $refill_interrupt, priority = 3, shared = [control])]
+                fn $refill(cx: $refill::Context) {
+                    cx.shared.control.refill();
+                }
+            )*
+
+            #[task(priority = 2, shared = [exchange, bus, alive, node])]
+            fn node(mut cx: node::Context) {
+                cx.shared.alive.lock(|alive| *alive = true);
+                let stop = || {
+                    stop::spawn().ok();
+                };
+                let signals = cx.shared.node.run(cx.shared.exchange, cx.shared.bus, stop);
+                if let Some(signals) = signals {
+                    lights::spawn(signals).ok();
+                }
+            }
+
+            $(
+                #[task(binds = $wake_interrupt, priority = 2)]
+                fn $wake(_: $wake::Context) {
+                    Selected::woken();
+                    node::spawn().ok();
+                }
+            )*
+
+            #[task(priority = 1, local = [panel])]
+            fn lights(cx: lights::Context, signals: Signals) {
+                cx.local.panel.advance(&signals);
+            }
+        }
+    };
+}

@@ -1,0 +1,183 @@
+//! What the tasks own, and how they begin.
+
+use cia402::inputs::Capture;
+use cia402::Exchange;
+use cortex_m::peripheral::SYST;
+use embedded_storage::nor_flash::ReadNorFlash;
+use rtic::Mutex;
+use runtime::{inbox, Controller, Inbox, Lost, Node, PowerUp, Received, Signals};
+use store::Store;
+
+use crate::board::{self, Board, ControlTimer, InputLines, Parts, Receive, Selected, Steps};
+use crate::clock;
+use crate::control::{Control, RATE_HZ};
+use crate::dictionary::Dictionary;
+use crate::machine::Machine;
+use crate::settings::BUILD;
+use crate::share::{Alone, Around, LockedBus};
+
+/// The CAN controller.
+pub type CanBus = <Selected as Board>::Bus;
+
+/// The lights.
+pub type Panel = runtime::Panel<<Selected as Board>::Lights>;
+
+/// In a control tick the node runs anyway, in microseconds.
+const TICK: u64 = 1_000_000 / RATE_HZ as u64;
+
+/// A deadline is no nearer than this, in microseconds: whatever is asked for, other tasks get their part of the processor.
+const NEAREST: u64 = 50;
+
+/// What all tasks own.
+pub struct Firmware {
+    pub exchange: Exchange,
+    pub bus: CanBus,
+    pub reception: Reception,
+    pub control: Control,
+    pub node: NodeTask,
+    pub step: Step,
+    pub timer: ControlTimer,
+    pub panel: Panel,
+}
+
+/// Received frames, and the inbox for them.
+pub struct Reception {
+    receiver: <Selected as Board>::Receiver,
+    inbox: Inbox,
+}
+
+impl Reception {
+    /// Frames have arrived or were sent, or the controller has seen errors.
+    pub fn on_interrupt(&mut self, bus: &mut CanBus) {
+        self.receiver.on_interrupt(bus, &mut self.inbox);
+    }
+}
+
+/// What step pulses and captured positions need of interrupts.
+pub struct Step {
+    steps: <Selected as Board>::Steps,
+    lines: <Selected as Board>::InputLines,
+    edges: &'static Capture,
+}
+
+impl Step {
+    /// An interrupt of the pulses.
+    pub fn on_interrupt(&mut self) {
+        self.steps.on_interrupt();
+    }
+
+    /// Some input has had an edge.
+    pub fn on_edge(&mut self) {
+        let Self {
+            steps,
+            lines,
+            edges,
+        } = self;
+        let ticks = Selected::ticks();
+        edges.note(
+            lines.take(),
+            Selected::input_levels(),
+            |input| steps.count(input),
+            ticks,
+        );
+    }
+}
+
+/// The node, with the frames that wait for it.
+pub struct NodeTask {
+    node: Node<Dictionary, Machine, Store<<Selected as Board>::Parameters>>,
+    received: Received,
+}
+
+impl NodeTask {
+    /// Everything there is to do. `stop` is called as soon as the motor is to stop before the next control tick. Gives what the
+    /// lights are to say, once for each step of their patterns.
+    pub fn run(
+        &mut self,
+        mut exchange: impl Mutex<T = Exchange>,
+        mut bus: impl Mutex<T = CanBus>,
+        stop: impl FnMut(),
+    ) -> Option<Signals> {
+        let mut around = Around {
+            exchange: &mut exchange,
+            stop,
+        };
+        let deadline = (self.node).run(&mut around, &mut LockedBus(&mut bus), &mut self.received);
+        let now = clock::now();
+        let wait = deadline.ticks().saturating_sub(now.ticks()).max(NEAREST);
+        if wait < TICK {
+            // Shorter than a tick.
+            Selected::wake_in(wait as u32);
+        }
+        self.node.signal(now)
+    }
+}
+
+/// Starts the board and the node.
+pub fn start(
+    device: <Selected as Board>::Device,
+    timer: SYST,
+    (frames, lost, edges): (&'static mut inbox::Memory, &'static Lost, &'static Capture),
+) -> Firmware {
+    let Parts {
+        pulses,
+        steps,
+        receiver,
+        bus,
+        stage,
+        lights,
+        input_lines,
+        parameters,
+        switches,
+        factory_reset,
+        serial_number,
+        user_memory,
+    } = Selected::start(device);
+    edges.begin(Selected::input_levels());
+
+    // All of the board's sectors. They are far smaller than 4 GiB.
+    let sectors = 0..parameters.capacity() as u32;
+    let mut store = Store::new(parameters, sectors).ok();
+    if store.is_none() {
+        defmt::error!("the parameter sectors do not suit the store");
+    }
+    let power_up = PowerUp {
+        build: BUILD,
+        switches,
+        factory_reset,
+    };
+    let power_on = power_up.choose(&mut store, CanBus::BIT_RATES);
+
+    let (inbox, received) = Inbox::new(frames, lost);
+    let [value, spare] = user_memory;
+    let machine = Machine::new(value, spare, &board::SCOPE_MEMORY);
+    let mut node = Node::new(
+        Dictionary::new(),
+        machine,
+        &power_on,
+        serial_number,
+        CanBus::BIT_RATES,
+        store,
+    );
+    let (mut exchange, mut bus) = (Alone(Exchange::new()), Alone(bus));
+    let mut around = Around {
+        exchange: &mut exchange,
+        // Nothing moves yet.
+        stop: || {},
+    };
+    node.power_on(&mut around, &mut LockedBus(&mut bus));
+    Firmware {
+        exchange: exchange.0,
+        bus: bus.0,
+        reception: Reception { receiver, inbox },
+        control: Control::new(pulses, stage, lost, edges, &board::SCOPE_MEMORY),
+        node: NodeTask { node, received },
+        step: Step {
+            steps,
+            lines: input_lines,
+            edges,
+        },
+        timer: ControlTimer::start::<Selected>(timer, RATE_HZ),
+        panel: Panel::new(lights),
+    }
+}
