@@ -13,7 +13,7 @@ use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
 use crate::parameters::every_parameter;
 use crate::periphery::digital_outputs::OutputConfiguration;
-use crate::periphery::touch_probe::Source;
+use crate::periphery::touch_probe::source::Source;
 use crate::profile::ProfileConfiguration;
 use crate::pulse_timing::PulseTiming;
 use crate::units::{Ratio, Units};

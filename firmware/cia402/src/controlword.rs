@@ -64,6 +64,13 @@ impl Command {
     }
 }
 
+/// Whether data records of interpolated position that come with this controlword are taken: under the command "enable
+/// operation", but not under halt while bit 4 is 0.
+pub(crate) const fn takes_records(controlword: u16) -> bool {
+    const OPERATES: u16 = SWITCH_ON | ENABLE_VOLTAGE | QUICK_STOP | ENABLE_OPERATION;
+    controlword & OPERATES == OPERATES && controlword & (HALT | NEW_SET_POINT) != HALT
+}
+
 /// What a master wrote to the controlword between two control ticks, frame by frame. A tick takes the last value; what must
 /// not be missed because it was overwritten is remembered here: every rising edge, the strongest command to stop, that
 /// "shutdown" came first, so that a master that writes 6, 7 and Fh without waiting gets to operation enabled, and the command before

@@ -18,8 +18,6 @@ mod fleeting;
 mod periphery;
 mod storage;
 
-pub(crate) use controller::{RESTART_DELAY, SDO_TIME_OUT};
-
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
 use canopen::cia301::sync;

@@ -4,7 +4,6 @@
 //! the next segments, and publishes statusword, mode display and actual values together. `Drive::run` is the list of its steps; an early
 //! tick takes a part of them. The motor has power in operation enabled, quick stop active and fault reaction active, and nowhere else.
 
-mod board;
 mod command;
 mod network;
 mod operation;
@@ -12,6 +11,7 @@ mod periphery;
 mod report;
 mod stopping;
 mod transitions;
+mod waiting;
 
 use core::marker::PhantomData;
 
@@ -19,13 +19,16 @@ use canopen::Instant;
 use motion::PulseSink;
 
 use crate::actuator::{Actuator, StepAxis};
+use crate::board::{DriveConfig, Inputs, Outputs, outlast_tick};
 use crate::brake::Brakes;
+use crate::commands::Commands;
 use crate::configuration::Configuration;
 use crate::cyclic::{Cyclic, fine};
-use crate::exchange::{Actuals, Commands, Exchange, Share, Waiting};
+use crate::exchange::{Actuals, Exchange, Share, Waiting};
 use crate::faults::{EXTERNAL, Faults};
 use crate::inputs::{DigitalInputs, Switches};
-use crate::modes::{Mode, Modes};
+use crate::mode::Mode;
+use crate::modes::Modes;
 use crate::monitor::Monitor;
 use crate::motor::Motor;
 use crate::objects::{Everything, Objects};
@@ -34,12 +37,7 @@ use crate::recorder;
 use crate::state_machine::{State, StateMachine};
 use crate::units::{Frame, SoftwareLimits};
 
-use board::outlast_tick;
-use command::Orders;
-use network::Network;
-use stopping::Stopping;
-
-pub use board::{DriveConfig, Inputs, Outputs};
+use waiting::{Network, Orders, Stopping};
 
 /// The drive of a dictionary `D`: what the data sheet does not list is not linked.
 #[derive(Debug)]

@@ -7,7 +7,7 @@
 use canopen::cia301::emergency::{Emergency, ErrorRegister};
 use heapless::{Deque, Vec};
 
-use crate::drive::Inputs;
+use crate::board::Inputs;
 use crate::periphery::power_stage::{PowerStage, Warnings};
 
 /// 3210h, DC link over-voltage: the supply is above 2073h:4.

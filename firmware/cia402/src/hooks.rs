@@ -18,11 +18,10 @@ use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{self, Dictionary, Entry, write_u32};
 use canopen::{Application, Instant};
 
+use crate::commands::Commands;
 use crate::controlword::ControlwordHistory;
 use crate::cyclic::{CyclicConfiguration, SyncEvent};
 use crate::device::commissioning::Commissioning;
-use crate::device::{RESTART_DELAY, SDO_TIME_OUT};
-use crate::exchange::Commands;
 use crate::objects::Objects;
 use crate::parameters::Parameter;
 use crate::protection::{PASSWORD, PRODUCTION, Protection};
@@ -31,6 +30,10 @@ use crate::rules;
 use crate::units::Units;
 
 const SYNC_PERIOD: u16 = canopen::cia301::sync::PERIOD;
+/// How long the controller stays off the bus after bus-off.
+pub(crate) const RESTART_DELAY: u16 = 0x2011;
+/// How long an SDO server waits for the next frame of a client.
+pub(crate) const SDO_TIME_OUT: u16 = 0x5FF3;
 const IDENTITY: u16 = 0x1018;
 const SERIAL_NUMBER: u8 = 4;
 /// What the network is to the drive.

@@ -16,12 +16,28 @@
 
 mod capture;
 
+use motion::Direction;
 use motion::homing::SwitchState;
 
-use crate::motor::Barred;
 use crate::objects::Objects;
 
 pub use capture::{Capture, time_of_edge};
+
+/// The directions that limit switches bar.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Barred {
+    pub(crate) reverse: bool,
+    pub(crate) forward: bool,
+}
+
+impl Barred {
+    pub(crate) const fn bars(self, direction: Direction) -> bool {
+        match direction {
+            Direction::Forward => self.forward,
+            Direction::Reverse => self.reverse,
+        }
+    }
+}
 
 /// How many inputs there may be.
 pub const COUNT: usize = 6;

@@ -6,32 +6,14 @@
 
 use core::ops::{Deref, DerefMut};
 
-use motion::{
-    AxisConfig, Direction, FollowError, Limits, Position, PulseSink, Ramps, SignedSpeed, Speed,
-};
+use motion::{AxisConfig, FollowError, Limits, Position, PulseSink, Ramps, SignedSpeed, Speed};
 
 use crate::actuator::{Actuator, Directed, Refused, StepAxis, near};
 use crate::cyclic::Fine;
-use crate::inputs::Count;
+use crate::inputs::{Barred, Count};
 
 /// The longest distance of one motion, in steps.
 pub(crate) const REACH: i64 = u32::MAX as i64;
-
-/// The directions that limit switches bar.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Barred {
-    pub(crate) reverse: bool,
-    pub(crate) forward: bool,
-}
-
-impl Barred {
-    const fn bars(self, direction: Direction) -> bool {
-        match direction {
-            Direction::Forward => self.forward,
-            Direction::Reverse => self.reverse,
-        }
-    }
-}
 
 /// A motor. The modes see it without knowing what moves it.
 #[derive(Debug)]

@@ -4,9 +4,10 @@ use canopen::{Duration, Instant};
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink, Record, Ticks};
 use std::collections::VecDeque;
 
+use crate::commands::Commands;
 use crate::configuration::Configuration;
 use crate::controlword::ControlwordHistory;
-use crate::exchange::{Actuals, Commands, Exchange};
+use crate::exchange::{Actuals, Exchange};
 use crate::faults::FaultNotice;
 use crate::inputs::DigitalInputs;
 use crate::option_codes::QuickStopOption;

@@ -10,7 +10,7 @@ use super::rhythm::Rhythm;
 use super::schedule::Schedule;
 use super::{CyclicConfiguration, Fine, POINT, SyncEvent, SyncStatus, fine};
 use crate::exchange::{Exchange, Share, Waiting};
-use crate::modes::Mode;
+use crate::mode::Mode;
 
 /// The clock of the network, the rhythm of the control ticks, and what waits.
 #[derive(Debug)]

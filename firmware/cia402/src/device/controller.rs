@@ -14,11 +14,10 @@ use canopen::{Application, ControllerState, Duration, Instant};
 
 use super::{Device, Phase};
 use crate::exchange::{Actuals, Share};
+use crate::hooks::{RESTART_DELAY, SDO_TIME_OUT};
 use crate::objects::Objects;
 
 const COUNTERS: u16 = 0x2010;
-pub(crate) const RESTART_DELAY: u16 = 0x2011;
-pub(crate) const SDO_TIME_OUT: u16 = 0x5FF3;
 
 /// Emergency error code "CAN overrun" (CiA 301, table 26).
 const OVERRUN: u16 = 0x8110;

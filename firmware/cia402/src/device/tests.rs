@@ -10,8 +10,8 @@ use std::format;
 use canopen::cia301::nmt::NmtState;
 use canopen::{ControllerState, Event};
 
+use crate::commands::Commands;
 use crate::configuration::Configuration;
-use crate::exchange::Commands;
 use crate::state_machine::State;
 use crate::statusword::{REMOTE, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
 use rig::Station;

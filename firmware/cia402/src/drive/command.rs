@@ -7,26 +7,6 @@ use crate::faults::Reaction;
 use crate::objects::Objects;
 use crate::state_machine::State;
 
-/// What a master has ordered that waits for its moment.
-#[derive(Debug, Default)]
-pub(super) struct Orders {
-    /// "Shutdown" was written before the command that stands, and has not been carried out yet.
-    shutdown_first: bool,
-    /// "Shutdown" or "disable operation" was the last command, and waits for the motor to stand.
-    pending: Option<Command>,
-    /// The fault reaction is over, and goes on only to be seen.
-    is_only_shown: bool,
-    /// A fault was reset meanwhile.
-    resets_early: bool,
-}
-
-impl Orders {
-    /// The fault that was reset is none any more.
-    pub(super) const fn forget_reset(&mut self) {
-        self.resets_early = false;
-    }
-}
-
 impl<D: Objects> Drive<D> {
     /// The command of this tick: that of the controlword; or, as a controlword with bit 7 is none, the one before it to leave
     /// operation enabled, while that waits for the motor.

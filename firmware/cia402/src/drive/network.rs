@@ -8,17 +8,6 @@ use crate::objects::Objects;
 use crate::option_codes::AbortConnectionOption;
 use crate::state_machine::State;
 
-/// What the drive has made of the network so far.
-#[derive(Debug, Default)]
-pub(super) struct Network {
-    /// The network may command the drive, or 6007h lets it go on without.
-    is_commanding: bool,
-    /// The fault that 6007h = 1 makes of a loss of the network has been raised.
-    is_abandoned: bool,
-    /// The restart that is asked for has been done.
-    pub(super) has_restarted: bool,
-}
-
 /// What is left of remote control in a tick.
 pub(super) struct Control {
     /// The network may command the drive.

@@ -6,7 +6,7 @@ use canopen::Instant;
 use super::{Drive, Inputs};
 use crate::actuator::Actuator;
 use crate::exchange::Actuals;
-use crate::modes::Mode;
+use crate::mode::Mode;
 use crate::objects::Objects;
 use crate::state_machine::State;
 use crate::statusword;

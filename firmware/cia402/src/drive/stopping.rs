@@ -5,8 +5,8 @@ use canopen::{Duration, Instant};
 use super::Drive;
 use crate::actuator::Actuator;
 use crate::controlword::Command;
-use crate::modes::Mode;
-use crate::motor::Barred;
+use crate::inputs::Barred;
+use crate::mode::Mode;
 use crate::objects::Objects;
 use crate::option_codes::{Stop, StopRamp};
 use crate::state_machine::State;
@@ -14,32 +14,6 @@ use crate::statusword;
 
 /// So long does a state wait for a transmit PDO.
 const LONGEST_SHOWN: Duration = Duration::from_ticks(50_000);
-
-/// How long states and stops last.
-#[derive(Debug)]
-pub(super) struct Stopping {
-    /// When the state began.
-    entered: Instant,
-    /// The state has been seen on the bus, or nobody looks.
-    pub(super) is_seen: bool,
-    /// When the drive began to stop on its own: no remote control, or a fault. Until the power is off.
-    own_stop: Option<Instant>,
-}
-
-impl Stopping {
-    pub(super) const fn new() -> Self {
-        Self {
-            entered: Instant::from_ticks(0),
-            is_seen: true,
-            own_stop: None,
-        }
-    }
-
-    /// Another state has begun.
-    pub(super) const fn enter(&mut self, now: Instant) {
-        self.entered = now;
-    }
-}
 
 impl<D: Objects> Drive<D> {
     /// Whether the state is about to be left with the power going off, once the motor stands.

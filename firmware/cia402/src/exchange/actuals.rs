@@ -4,7 +4,7 @@ use canopen::Instant;
 
 use crate::copied::copy_fields;
 use crate::cyclic::SyncStatus;
-use crate::modes::Mode;
+use crate::mode::Mode;
 use crate::state_machine::State;
 
 /// Everything the bus may know of the drive: made together in one control tick.

@@ -14,19 +14,11 @@
 use super::Context;
 use super::cyclic_position::bits;
 use super::following::{Following, Outcome};
-use crate::controlword::{HALT, NEW_SET_POINT};
+use crate::controlword::NEW_SET_POINT;
 use crate::statusword::TARGET_REACHED;
 
 /// Controlword bit 4 in this mode.
 const ENABLE: u16 = NEW_SET_POINT;
-
-/// The bits of the command "enable operation".
-const OPERATES: u16 = 0x0F;
-
-/// Whether records that come with this controlword are taken: under the command "enable operation", but not under halt while bit 4 is 0.
-pub(super) const fn takes_records(controlword: u16) -> bool {
-    controlword & OPERATES == OPERATES && controlword & (HALT | ENABLE) != HALT
-}
 
 /// The mode.
 #[derive(Debug)]

@@ -32,9 +32,9 @@ use super::Context;
 use super::braking::{self, Ramp};
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::actuator::Refused;
+use crate::commands;
 use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, NEW_SET_POINT, RELATIVE};
 use crate::dwell::Dwell;
-use crate::exchange;
 use crate::motor::{Motor, REACH};
 use crate::option_codes::StopRamp;
 use crate::statusword::{INTERNAL_LIMIT, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
@@ -230,7 +230,7 @@ impl ProfilePosition {
     }
 
     /// A set-point within all limits.
-    fn read(&self, given: exchange::SetPoint, context: &mut Context<'_>, waits: bool) -> SetPoint {
+    fn read(&self, given: commands::SetPoint, context: &mut Context<'_>, waits: bool) -> SetPoint {
         let here = self.base(context, waits);
         let mut set_point = SetPoint::new(
             given,
@@ -281,7 +281,7 @@ impl ProfilePosition {
     /// The target that is asked for, in units of the user, on the count that goes on behind the ends of 607Bh. `here` is its base.
     fn wanted(
         &self,
-        given: exchange::SetPoint,
+        given: commands::SetPoint,
         context: &mut Context<'_>,
         waits: bool,
         here: i64,

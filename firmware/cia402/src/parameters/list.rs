@@ -177,7 +177,7 @@ macro_rules! every_parameter {
                 setting InterpolationBufferClear interpolation_buffer_clear 0x60C4:6 u8 = 1, "";
                 setting MaxAcceleration max_acceleration 0x60C5:0 u32 = u32::MAX, "acceleration units" from 1 => max_acceleration: acceleration;
                 setting MaxDeceleration max_deceleration 0x60C6:0 u32 = u32::MAX, "acceleration units" from 1 => max_deceleration: acceleration;
-                /// See [`crate::periphery::touch_probe::Source`].
+                /// See [`crate::periphery::touch_probe::source::Source`].
                 setting TouchProbe1Source touch_probe_1_source 0x60D0:1 i16 = 1, "" only [Source::from_code];
                 setting TouchProbe2Source touch_probe_2_source 0x60D0:2 i16 = 2, "" only [Source::from_code];
                 shown TouchProbe1PositiveTime set_touch_probe_1_positive_time 0x60D1:0 u32 = _, "ns";

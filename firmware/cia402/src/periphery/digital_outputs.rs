@@ -10,7 +10,7 @@
 //!
 //! 2061h inverts outputs: an inverted one is low where it would be high. After power-on, and while the processor is reset, all are low.
 
-use crate::exchange::Commands;
+use crate::commands::Commands;
 use crate::objects::Objects;
 use crate::state_machine::State;
 use crate::statusword;

@@ -11,8 +11,8 @@ pub mod motor_current;
 pub mod power_stage;
 pub mod touch_probe;
 
+use crate::board::Inputs;
 use crate::configuration::Configuration;
-use crate::drive::Inputs;
 use crate::objects::Objects;
 
 use analogue_input::AnalogueInput;

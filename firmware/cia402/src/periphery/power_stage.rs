@@ -14,8 +14,8 @@
 //!
 //! A threshold of 0 V is off.
 
+use crate::board::Inputs;
 use crate::configuration::Thresholds;
-use crate::drive::Inputs;
 
 /// What is beyond its threshold, and whether there is a supply.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

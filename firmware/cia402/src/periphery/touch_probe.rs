@@ -17,14 +17,16 @@
 //! Probes look at the captured edges that homing looks at, and take none away from it.
 
 mod look;
+pub mod source;
 
 use canopen::Instant;
 
+use crate::commands::Commands;
 use crate::configuration::Configuration;
-use crate::exchange::Commands;
 use crate::inputs::{Count, DigitalInputs, Edge, Edges, InputConfiguration};
 
 use look::Look;
+use source::Source;
 
 /// 60B8h and 60B9h: the probe is on.
 const ENABLE: u8 = 1 << 0;
@@ -46,44 +48,6 @@ pub(crate) const fn functions(value: u16) -> Option<[u8; 2]> {
         Some([first, second])
     } else {
         None
-    }
-}
-
-/// A source of 60D0h.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// 1: the input of probe 1.
-    Probe1,
-    /// 2: the input of probe 2.
-    Probe2,
-    /// 5: the index pulse.
-    Index,
-    /// −1 to −6: digital input 1 to 6, whatever its function is. This is its mask.
-    Input(u8),
-}
-
-impl Source {
-    /// The source with this number; `None` if there is none.
-    pub fn from_code(code: i16) -> Option<Self> {
-        match code {
-            1 => Some(Self::Probe1),
-            2 => Some(Self::Probe2),
-            5 => Some(Self::Index),
-            -6..=-1 => {
-                let input = u32::from(code.unsigned_abs()).wrapping_sub(1);
-                Some(Self::Input(1_u8.wrapping_shl(input)))
-            }
-            _ => None,
-        }
-    }
-
-    /// Its inputs.
-    const fn mask(self, inputs: &InputConfiguration) -> u8 {
-        match (self, inputs.touch_probes) {
-            (Self::Probe1, [mask, _]) | (Self::Probe2, [_, mask]) => mask,
-            (Self::Index, _) => inputs.index,
-            (Self::Input(mask), _) => mask,
-        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! What can be recorded: the values that a control tick has at hand, by the objects that show them.
 
-use crate::exchange::{Actuals, Commands};
+use crate::commands::Commands;
+use crate::exchange::Actuals;
 use crate::units::Units;
 
 /// A control tick, behind its end.

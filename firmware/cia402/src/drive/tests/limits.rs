@@ -2,7 +2,7 @@
 
 use crate::configuration::VelocityConfiguration;
 use crate::inputs::InputConfiguration;
-use crate::modes::Mode;
+use crate::mode::Mode;
 use crate::option_codes::{AbortConnectionOption, Stop};
 use crate::state_machine::State;
 use crate::testing::{Rig, quick_stop};

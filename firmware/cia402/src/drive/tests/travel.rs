@@ -1,6 +1,6 @@
 //! Stops that would end beyond a software limit.
 
-use crate::modes::Mode;
+use crate::mode::Mode;
 use crate::option_codes::{AbortConnectionOption, Stop, StopRamp};
 use crate::testing::{Rig, quick_stop};
 

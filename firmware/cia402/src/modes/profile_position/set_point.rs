@@ -2,7 +2,7 @@
 
 use motion::{Limits, Ramps, Speed};
 
-use crate::exchange;
+use crate::commands;
 use crate::modes::{Context, braking};
 use crate::motor::Motor;
 use crate::units::{Travel, Units};
@@ -51,7 +51,7 @@ impl SetPoint {
     /// The set-point that is asked for; not within any limits yet. `wanted` is its target and `start`
     /// where it begins, in units of the user.
     pub(super) const fn new(
-        given: exchange::SetPoint,
+        given: commands::SetPoint,
         (start, wanted): (i64, i64),
         ramps: Ramps,
     ) -> Self {

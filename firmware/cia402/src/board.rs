@@ -10,9 +10,9 @@ use crate::inputs::DigitalInputs;
 pub struct DriveConfig {
     /// The step generator: clock, segment length, timing of the motor driver.
     pub axis: AxisConfig,
-    /// The period of the control tick, the nominal time between two calls of [`Drive::tick`].
+    /// The period of the control tick, the nominal time between two calls of [`crate::Drive::tick`].
     pub tick: Duration,
-    /// How often in a tick pulses are committed, at least 1: by [`Drive::tick`], and by [`Drive::refill`] the other times. Two
+    /// How often in a tick pulses are committed, at least 1: by [`crate::Drive::tick`], and by [`crate::Drive::refill`] the other times. Two
     /// segments are committed ahead; a segment shorter than the time between is stretched to it, so that one may come late by
     /// as much.
     pub refills: u32,
@@ -67,7 +67,7 @@ pub struct Outputs {
 }
 
 /// The axis with segments at least as long as the time from one commitment to the next, so that with two of them one may come late by as much.
-pub(super) fn outlast_tick(config: DriveConfig) -> AxisConfig {
+pub(crate) fn outlast_tick(config: DriveConfig) -> AxisConfig {
     let tick = u64::from(config.axis.clock.hz()).saturating_mul(config.tick.ticks()) / 1_000_000;
     let apart = tick.checked_div(config.refills.into()).unwrap_or(tick);
     let least = u32::try_from(apart).unwrap_or(u32::MAX);
