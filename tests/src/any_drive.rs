@@ -155,9 +155,11 @@ impl Bench {
         }
     }
 
-    /// A frame comes. LSS may neither silence the node for two minutes nor give it another node-ID.
+    /// A frame comes. Nobody gives the node another node-ID or bit rate, or silences it for two minutes: neither LSS nor 5FF0h to 5FF3h.
     fn receive(&mut self, id: u16, data: &[u8]) {
-        if id == 0x7E5 && matches!(data, [0x11 | 0x15, ..]) {
+        if id == 0x7E5 && matches!(data, [0x11 | 0x15, ..])
+            || matches!(data, [_, 0xF0..=0xF3, 0x5F, ..])
+        {
             return;
         }
         let id = Id::from(StandardId::new(id).expect("an identifier"));

@@ -7,8 +7,9 @@ use crate::bytes::Bytes;
 /// Orders of a sequence at most.
 const ORDERS: usize = 12;
 
-/// A position that is rounded anew may differ by so much of a step, × 2⁻³².
+/// A position that is rounded anew may differ by so much of a step, × 2⁻³²; and, where a ramp has lasted for years, by so much of its ticks.
 const ROUNDED: u64 = 1 << 16;
+const ROUNDED_OF_YEARS: u32 = 36;
 
 /// The fastest there is: half a step in a tick, × 2⁵⁶.
 const FASTEST: u64 = 1 << 55;
@@ -42,7 +43,12 @@ pub fn check(bytes: &[u8]) {
         };
         let now = next.state_at(at);
         let jump = now.position.bits().wrapping_sub(before.position.bits());
-        assert!(jump.unsigned_abs() < ROUNDED, "{goal:?}: jumps by {jump}");
+        let order = format!("{goal:?}, {limits:?}, {ramps:?} from {before:?} at {at}, {hz} Hz");
+        let years = (at - plan.map_or(at, |plan| plan.start())) >> ROUNDED_OF_YEARS;
+        assert!(
+            jump.unsigned_abs() < ROUNDED + years,
+            "jumps by {jump}: {order}"
+        );
         ends(&next, goal);
         let limit = Velocity::from_speed(clock, limits.velocity.signed(false));
         let is_linear = matches!(ramps, Ramps::Linear | Ramps::MovingAverage(_));
@@ -61,7 +67,7 @@ pub fn check(bytes: &[u8]) {
         let ticks = all_over(&next, at, clock);
         for t in &ticks {
             let velocity = next.state_at(*t).velocity.bits().unsigned_abs();
-            assert!(velocity <= top, "{velocity} of {top} at {t}");
+            assert!(velocity <= top, "{velocity} of {top} at {t}: {order}");
         }
         if is_linear {
             holds_acceleration(&next, &ticks, clock, limits);
