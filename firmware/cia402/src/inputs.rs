@@ -14,30 +14,15 @@
 //! 60FDh shows the switches in bits 0 (negative limit), 1 (positive limit) and 2 (home), and the bare levels of inputs 1 to 6
 //! in bits 16 to 21.
 
+mod barred;
 mod capture;
 
-use motion::Direction;
 use motion::homing::SwitchState;
 
 use crate::objects::Objects;
 
+pub(crate) use barred::Barred;
 pub use capture::{Capture, time_of_edge};
-
-/// The directions that limit switches bar.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Barred {
-    pub(crate) reverse: bool,
-    pub(crate) forward: bool,
-}
-
-impl Barred {
-    pub(crate) const fn bars(self, direction: Direction) -> bool {
-        match direction {
-            Direction::Forward => self.forward,
-            Direction::Reverse => self.reverse,
-        }
-    }
-}
 
 /// How many inputs there may be.
 pub const COUNT: usize = 6;

@@ -9,7 +9,7 @@
 //! What the option codes leave open:
 //! - disable operation (605Ch) and shutdown (605Bh): with a ramp, transitions 5 and 8 follow once the motor stands; with
 //!   power off they follow at once.
-//! - fault reaction (605Eh): transition 14 follows once the motor stands.
+//! - fault reaction (605Eh): transition 14 follows once the motor stands; "disable voltage" takes the power away before that.
 //! - transition 16 needs an option code that stays, and the motor at rest: a quick stop is never cut short.
 //! - no remote control, where 6007h does not say otherwise: as the command "quick stop" with option code 2, for as long as it
 //!   lasts; but "disable voltage" is obeyed.

@@ -15,11 +15,15 @@
 //!   moves; where the last set-point was the only one, the motor stays there.
 
 mod acceleration;
+mod period;
 
-use motion::{Limits, Position, Speed};
+use motion::{Limits, Speed};
 
 use super::Context;
 use acceleration::{Most, SetPoints};
+use period::{away, distance_at, fine_distance, may_brake_behind, over, slope, to, whole};
+
+pub(super) use period::{braking_distance, gain, seconds};
 
 use crate::cyclic::{Fine, Slot};
 use crate::motor::{Motor, REACH};
@@ -179,7 +183,7 @@ impl Following {
         };
         let before = self.distance;
         let seconds = seconds(leg.interval);
-        let most = way_at(context.max_velocity(), seconds);
+        let most = distance_at(context.max_velocity(), seconds);
         let is_usual = leg.interval.abs_diff(slot.period) <= slot.period / 64;
         let pace = if is_usual {
             self.pace
@@ -393,8 +397,8 @@ impl Following {
     fn before_limit(&self, distance: i64, seconds: u64, context: &Context<'_>) -> i64 {
         let (low, high) = context.travel.increments;
         let room = match distance {
-            1.. => fine_way(high).saturating_sub(self.at),
-            ..=-1 => self.at.saturating_sub(fine_way(low)),
+            1.. => fine_distance(high).saturating_sub(self.at),
+            ..=-1 => self.at.saturating_sub(fine_distance(low)),
             0 => return 0,
         };
         // Far enough away that there is no need to look closely.
@@ -448,33 +452,6 @@ fn ramps(seconds: u64, context: &Context<'_>) -> (i64, i64) {
     (up, gain(limits.deceleration, seconds))
 }
 
-/// How far the axis is from a position.
-const fn away(at: i64, position: Position) -> i64 {
-    let away = position.bits().wrapping_sub(to(at).bits()) >> (32 - POINT);
-    // What is rounded off does not count.
-    if away == -1 || away == 1 { 0 } else { away }
-}
-
-/// A distance in so much time, over another time.
-fn over(distance: i64, time: Fine, another: Fine) -> i64 {
-    if distance == 0 || time == another {
-        return distance;
-    }
-    let ratio = (another << POINT).checked_div(time).unwrap_or(0);
-    (i128::from(distance).wrapping_mul(ratio.into()) >> POINT) as i64
-}
-
-/// The velocity between two distances, as a distance: the mean of them, but so that no cubic passes its ends.
-fn slope(before: i64, behind: i64) -> i64 {
-    if (before < 0) != (behind < 0) {
-        return 0;
-    }
-    let least = before.saturating_abs().min(behind.saturating_abs());
-    let most = least.saturating_mul(3);
-    let mean = before.wrapping_add(behind) / 2;
-    mean.max(most.wrapping_neg()).min(most)
-}
-
 /// Whether a cubic that begins and ends with these velocities goes on in its direction all along, and no faster than it may.
 const fn is_tame(first: i64, last: i64, knot: Knot) -> bool {
     let sign = knot.distance.signum();
@@ -491,11 +468,6 @@ const fn is_tame(first: i64, last: i64, knot: Knot) -> bool {
         && middle <= most
 }
 
-/// The whole increments of a position, modulo 2³².
-const fn whole(at: i64) -> i32 {
-    (at >> POINT) as i32
-}
-
 /// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two distances.
 fn rounding(context: &Context<'_>) -> i64 {
     let unit = context.configuration.units.position(1).saturating_abs();
@@ -506,89 +478,12 @@ fn rounding(context: &Context<'_>) -> i64 {
 /// The distance that stays within the software limits, or leads back to them.
 fn within_travel(at: i64, need: i64, travel: Travel) -> i64 {
     let (low, high) = travel.increments;
-    let low = fine_way(low).min(at);
-    let high = fine_way(high).max(at);
+    let low = fine_distance(low).min(at);
+    let high = fine_distance(high).max(at);
     at.saturating_add(need)
         .max(low)
         .min(high)
         .saturating_sub(at)
-}
-
-/// A position for the axis.
-const fn to(at: i64) -> Position {
-    Position::from_bits(at.wrapping_shl(32 - POINT))
-}
-
-/// A time in seconds, Q32.
-pub(super) fn seconds(time: Fine) -> u64 {
-    const PER_TICK: u64 = (1 << 48) / 1_000_000;
-    let (high, low) = (time >> 32, time & u64::from(u32::MAX));
-    high.wrapping_mul(PER_TICK)
-        .wrapping_add(low.wrapping_mul(PER_TICK) >> 32)
-}
-
-/// The distance at a velocity.
-pub(super) fn way_at(velocity: Speed, seconds: u64) -> i64 {
-    let distance = scaled(velocity.bits(), seconds);
-    i64::try_from(distance >> (32 - POINT)).unwrap_or(i64::MAX)
-}
-
-/// By how much the distance in a period grows from one to the next, at an acceleration in increments/s².
-pub(super) fn gain(acceleration: u32, seconds: u64) -> i64 {
-    let velocity = scaled(u64::from(acceleration) << (32 - POINT), seconds);
-    let distance = scaled(velocity, seconds).min(1 << 61);
-    distance.cast_signed().clamp(1, i64::MAX / 4)
-}
-
-/// A number times another in Q32. One too large for a number is the largest.
-fn scaled(number: u64, by: u64) -> u64 {
-    if u32::try_from(by).is_err() {
-        let product = u128::from(number).wrapping_mul(by.into()) >> 32;
-        return u64::try_from(product).unwrap_or(u64::MAX);
-    }
-    let (high, low) = (number >> 32, number & u64::from(u32::MAX));
-    high.wrapping_mul(by)
-        .wrapping_add(low.wrapping_mul(by) >> 32)
-}
-
-/// Whether the motor can still stop within `room` after a distance in a period, for certain: s² ≤ 2g·(room − s). False where it cannot,
-/// and for distances so long that it is not looked at.
-fn may_brake_behind(distance: u64, room: i64, gain: i64) -> bool {
-    let (room, gain) = (room.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
-    let is_short = u32::try_from(distance).is_ok();
-    is_short
-        && room.checked_sub(distance).is_some_and(|behind| {
-            distance.wrapping_mul(distance) <= gain.saturating_mul(2).saturating_mul(behind)
-        })
-}
-
-/// Increments with their bits behind the point. What has no room is the end of the numbers.
-const fn fine_way(increments: i64) -> i64 {
-    let distance = increments.wrapping_shl(POINT);
-    if distance >> POINT == increments {
-        distance
-    } else if increments < 0 {
-        i64::MIN
-    } else {
-        i64::MAX
-    }
-}
-
-/// The longest distance in a period after which the motor can still stop within `room`, when the distance can be less by `gain` in each
-/// period: s + s²/2g ≤ room.
-pub(super) fn braking_distance(room: i64, gain: i64) -> i64 {
-    let (room, gain) = (room.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
-    let squares = u128::from(gain)
-        .wrapping_mul(gain.into())
-        .saturating_add(u128::from(gain).wrapping_mul(room.into()) << 1);
-    root(squares).saturating_sub(gain).cast_signed()
-}
-
-/// The square root, rounded down.
-fn root(square: u128) -> u64 {
-    let wide = 64u32.saturating_sub((square >> 64).leading_zeros().saturating_sub(64));
-    let shift = wide.div_ceil(2).wrapping_mul(2);
-    ((square >> shift) as u64).isqrt().wrapping_shl(shift / 2)
 }
 
 #[cfg(test)]

@@ -25,6 +25,7 @@
 //! end velocity, when the target is passed. During halt it says that the motor stands.
 
 mod set_point;
+mod taking;
 
 use motion::{Limits, Ramps, SignedSpeed, Speed};
 
@@ -32,13 +33,12 @@ use super::Context;
 use super::braking::{self, Ramp};
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::actuator::Refused;
-use crate::commands;
-use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, NEW_SET_POINT, RELATIVE};
+use crate::controlword::NEW_SET_POINT;
 use crate::dwell::Dwell;
-use crate::motor::{Motor, REACH};
+use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 use crate::statusword::{INTERNAL_LIMIT, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
-use crate::units::{Rotation, Travel};
+use crate::units::Travel;
 use set_point::{Limited, SetPoint};
 
 /// 6067h: the window is not looked at.
@@ -200,114 +200,6 @@ impl ProfilePosition {
             self.acknowledge = false;
         }
         self.bits(context, taken)
-    }
-
-    /// Takes the set-point in the commands, if there is room. Returns whether it did.
-    fn take(&mut self, context: &mut Context<'_>) -> bool {
-        let given = context.commands.set_point();
-        let controlword = given.controlword;
-        let immediately = controlword & CHANGE_IMMEDIATELY != 0;
-        let waits = !immediately && self.progress == Progress::UnderWay;
-        self.travel = context.travel;
-        let mut set_point = self.read(given, context, waits);
-        if !waits {
-            self.next = None;
-            self.begin(set_point, context);
-        } else if self.next.is_none() {
-            set_point.blends = controlword & CHANGE_ON_SET_POINT != 0;
-            self.next = Some(set_point);
-            if let Some(current) = self.current {
-                let blended = self.blended(current, context.motor);
-                if blended != current {
-                    self.current = Some(blended);
-                    self.starts_anew = true;
-                }
-            }
-        } else {
-            return false;
-        }
-        true
-    }
-
-    /// A set-point within all limits.
-    fn read(&self, given: commands::SetPoint, context: &mut Context<'_>, waits: bool) -> SetPoint {
-        let here = self.base(context, waits);
-        let mut set_point = SetPoint::new(
-            given,
-            (here, self.wanted(given, context, waits, here)),
-            context.configuration.profile.ramps,
-        );
-        set_point.pace(context);
-        self.aim(&mut set_point, context, waits);
-        set_point
-    }
-
-    /// Gives a set-point its target within the software limits, and within what one motion can lead.
-    fn aim(&self, set_point: &mut SetPoint, context: &Context<'_>, waits: bool) {
-        let here = self.base(context, waits);
-        let (start, stop) = if waits {
-            (self.target, 0)
-        } else {
-            let committed = context.motor.committed_position();
-            // In motion, the way to stop and to come back is part of it.
-            (committed, longest_stop(context, set_point))
-        };
-        let reach = REACH.saturating_sub(stop.saturating_mul(4));
-        let reach = (start.saturating_sub(reach), start.saturating_add(reach));
-        if waits {
-            // What a limit has left of the target before it.
-            set_point.begins_at(here);
-        }
-        set_point.aim(context, here, reach);
-    }
-
-    /// Where the motor should be, or will be when a set-point that waits begins, in units of the user.
-    fn base(&self, context: &Context<'_>, waits: bool) -> i64 {
-        if waits {
-            self.previous(context)
-        } else {
-            let units = &context.configuration.units;
-            context.frame.position(context.demand.position, units)
-        }
-    }
-
-    /// The previous target in units of the user.
-    fn previous(&self, context: &Context<'_>) -> i64 {
-        let units = &context.configuration.units;
-        self.user
-            .unwrap_or_else(|| context.frame.position(self.target, units))
-    }
-
-    /// The target that is asked for, in units of the user, on the count that goes on behind the ends of 607Bh. `here` is its base.
-    fn wanted(
-        &self,
-        given: commands::SetPoint,
-        context: &mut Context<'_>,
-        waits: bool,
-        here: i64,
-    ) -> i64 {
-        let units = &context.configuration.units;
-        let asked = i64::from(given.target_position);
-        if given.controlword & RELATIVE != 0 {
-            let base = match given.positioning_option & RELATIVE_TO {
-                1 => here,
-                2 if !waits => context.frame.position(context.position, units),
-                _ => self.previous(context),
-            };
-            return base.saturating_add(asked);
-        }
-        let rotation = Rotation::of(given.positioning_option);
-        if waits || rotation == Rotation::Linear {
-            return units.range().target(asked, here, rotation);
-        }
-        let rest = rest(context, given.profile_deceleration);
-        let from = match rotation {
-            Rotation::Linear | Rotation::Shortest => context.frame.position(rest, units),
-            // Half a unit back would be the wrong direction.
-            Rotation::Positive => context.frame.position_beyond(rest, units, true),
-            Rotation::Negative => context.frame.position_beyond(rest, units, false),
-        };
-        units.range().target(asked, from, rotation)
     }
 
     /// The set-point under way may have come to its end.

@@ -69,7 +69,7 @@ macro_rules! every_parameter {
                 setting SmoothQuickStop smooth_quick_stop 0x20A0:0 u8 = 0, "" only (0 | 1);
                 /// How long a stop may take that the drive makes on its own.
                 setting LongestStop longest_stop 0x20A1:0 u16 = 2_000, "ms" from 1 => longest_stop: plain;
-                /// 20A2h: 0, pulses that come too late are told; 1, they are a fault.
+                /// 0: pulses that come too late are told; 1: they are a fault.
                 setting LatePulseReaction late_pulse_reaction 0x20A2:0 u8 = 1, "" only (0 | 1) => late_is_fault: flag;
                 /// See [`crate::pulse_timing::PulseTiming`].
                 setting PulseDriver pulse_driver 0x20B0:1 u8 = 0, "" only [PulseTiming::from_code] locked Powered;

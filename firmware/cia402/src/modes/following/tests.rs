@@ -2,14 +2,15 @@
 
 use proptest::prelude::*;
 
+use super::period::*;
 use super::*;
 
 #[test]
 fn a_way_is_velocity_times_time() {
     let millisecond = seconds(1_000 << POINT);
-    assert_eq!(way_at(1_000_000.into(), millisecond) >> POINT, 999);
+    assert_eq!(distance_at(1_000_000.into(), millisecond) >> POINT, 999);
     assert_eq!(
-        way_at(2_000_000.into(), seconds(500_000 << POINT)) >> POINT,
+        distance_at(2_000_000.into(), seconds(500_000 << POINT)) >> POINT,
         999_999
     );
     // 100,000 increments/s² in a period of 10 ms: 10 more in each.
@@ -44,7 +45,7 @@ proptest! {
         let velocity = (u128::from(acceleration) * u128::from(seconds)) >> POINT;
         let change = ((velocity * u128::from(seconds)) >> 32).clamp(1, (i64::MAX / 4) as u128);
         prop_assert_eq!(u128::from(gain(acceleration, seconds).unsigned_abs()), change);
-        prop_assert_eq!(fine_way(number.cast_signed()), number.cast_signed().saturating_mul(1 << POINT));
+        prop_assert_eq!(fine_distance(number.cast_signed()), number.cast_signed().saturating_mul(1 << POINT));
     }
 
     /// Where there is plainly room no root is needed: the way is within it, and the root says so too where it is exact.
