@@ -13,11 +13,11 @@
 //! comes to a corner. What was before a window begins is such a line, too, and takes no memory.
 
 use crate::clock::{Clock, Ticks};
-use crate::divide::{by_digit, quotient};
-use crate::fixed::{Exact, Position, State, Velocity};
-use crate::plan::phase::{Phase, product};
+use crate::divide::by_digit;
+use crate::fixed::{Exact, Position, Q96, State, Velocity, product};
+use crate::plan::phase::Phase;
 use crate::plan::{Limits, Plan};
-use crate::train::Chord;
+use crate::stepper::piece::Piece;
 
 /// The greatest number by whose parts is divided.
 const MOST: u64 = u64::MAX >> 1;
@@ -35,8 +35,6 @@ pub(crate) struct Window {
     count: u16,
     /// Ticks from one sample to the next.
     grid: u32,
-    /// The longest chord in that time, so that chords are of one length.
-    share: u32,
 }
 
 impl Window {
@@ -57,11 +55,9 @@ impl Window {
         let ticks = ticks.max(segment);
         let count = ticks.div_ceil(segment).min(SAMPLES as u32);
         let grid = ticks.div_ceil(count.max(1));
-        let chords = grid.div_ceil(segment).max(1);
         Self {
             count: count as u16,
             grid,
-            share: grid.div_ceil(chords),
         }
     }
 
@@ -98,11 +94,10 @@ impl Window {
 #[repr(C)]
 pub(crate) struct Average {
     window: Window,
-    /// ⌊2⁶³ / window⌋ and ⌊2⁶³ / count⌋.
+    /// ⌊2⁶³ / window⌋, ⌊2⁶³ / grid⌋ and ⌊2⁶³ / count⌋.
     per_window: u64,
+    per_grid: u64,
     per_count: u64,
-    /// As much as the velocity may change in an interval of the grid that is gone in one chord, Q24; 0 if none is.
-    flat: u32,
     /// Where the oldest sample is in the ring.
     place: u32,
     /// Samples that are still older than the ring: the next one, and how far from one to the next.
@@ -165,14 +160,10 @@ impl Walk {
 impl Average {
     pub(crate) const fn new() -> Self {
         Self {
-            window: Window {
-                count: 1,
-                grid: 1,
-                share: 1,
-            },
+            window: Window { count: 1, grid: 1 },
             per_window: MOST,
+            per_grid: MOST,
             per_count: MOST,
-            flat: 0,
             ring: [0; SAMPLES],
             place: 0,
             before: 0,
@@ -212,13 +203,8 @@ impl Average {
         let per = |number: u64, divisor: u32| by_digit(number, divisor).0;
         self.window = window;
         self.per_window = per(MOST, window.ticks());
+        self.per_grid = per(MOST, window.grid);
         self.per_count = per(MOST, window.count.into());
-        // Off by change · grid / 8, which is to be a quarter of a step at most.
-        self.flat = if window.share == window.grid {
-            (2_u32 << 24).checked_div(window.grid).unwrap_or(0)
-        } else {
-            0
-        };
         self.anchor(at, Self::ahead(window, mean));
         self.fresh = Some(mean);
     }
@@ -287,6 +273,7 @@ impl Average {
     }
 
     /// Up to which tick the mean is known.
+    #[cfg(test)]
     pub(crate) const fn until(&self) -> Ticks {
         self.until
     }
@@ -306,58 +293,51 @@ impl Average {
         self.straight() >= self.window.count.into()
     }
 
-    /// The curve of the mean.
-    pub(crate) fn phase(&self) -> Phase {
-        if let Some((start, line)) = self.line {
-            return Phase::parabola(start, line, 0);
+    /// How the mean goes on from tick `t`, which is not before the curve that it is on: up to the next sample, where it is a parabola, or as long as it
+    /// is a line.
+    pub(crate) fn piece_at(&mut self, plan: &Plan, t: Ticks) -> Piece {
+        if self.until <= t {
+            self.fresh = None;
+            if self.walk.left == 0 {
+                self.look_on(plan);
+            } else {
+                self.step();
+            }
         }
-        // Q56, of which 2⁹⁶ are 2⁴⁰; a grid is shorter than 2³⁰ ticks.
-        let magnitude = u128::from(self.gain.unsigned_abs()) << 39;
-        let half = quotient(magnitude, 0, self.window.grid.into()).cast_signed();
-        let half = if self.gain < 0 {
-            half.wrapping_neg()
-        } else {
-            half
-        };
+        let (start, mut piece) = self.piece();
+        if t > start {
+            let there = self.exact_at(t);
+            (piece.position, piece.velocity) = (Q96(there.position), Q96(there.velocity));
+        }
+        piece
+    }
+
+    /// The curve of the mean, and when it begins.
+    #[inline]
+    fn piece(&self) -> (Ticks, Piece) {
+        if let Some((start, line)) = self.line {
+            return (start, Piece::line(self.until, line));
+        }
         let velocity = self.to.velocity.bits().wrapping_sub(self.gain);
         let from = State {
             position: Position::from_bits(self.to.position.bits().wrapping_sub(self.way)),
             velocity: Velocity::from_bits(velocity),
         };
-        let start = self.until.saturating_sub(self.since.into());
-        Phase::parabola(start, from.into(), half)
-    }
-
-    /// The next chord of the mean, from tick `begin` to the next sample, if there nothing of the plan has to be looked for, and one chord is as good
-    /// as the curve, within a quarter of a step. And the state at its end.
-    #[inline]
-    pub(crate) fn chord(&mut self, begin: Ticks) -> Option<(Chord, State)> {
-        // Not far from there.
-        if self.walk.left == 0 || self.until as u32 != begin as u32 {
-            return None;
-        }
-        let from = self.to.position;
-        self.step();
-        let chord = Chord {
-            begin,
-            length: self.window.grid,
-            from,
-            to: self.to.position,
-            speeding_up: (self.gain ^ self.to.velocity.bits()) >= 0,
-            steady: false,
+        // What it gains in an interval, Q56, over twice its ticks: 2³⁹ · gain / grid.
+        let gain = i128::from(self.gain) << 8;
+        let (high, low) = ((self.per_grid >> 32) as u32, self.per_grid as u32);
+        let half = product(gain, high) + (product(gain, low) >> 32);
+        let piece = Piece {
+            half: Q96(half),
+            ..Piece::line(self.until, from.into())
         };
-        let change = ((self.gain >> 32) as u32).wrapping_add(self.flat);
-        (change < self.flat << 1).then_some((chord, self.to))
+        (self.until.saturating_sub(self.since.into()), piece)
     }
 
-    /// The longest chord in so curved a phase of the mean, in ticks.
-    pub(crate) fn longest_chord(&self, phase: &Phase) -> u64 {
-        let longest = phase.longest_chord(phase.start());
-        if self.line.is_some() {
-            longest
-        } else {
-            longest.min(self.window.share.into())
-        }
+    /// The same as a phase of a plan.
+    pub(crate) fn phase(&self) -> Phase {
+        let (start, piece) = self.piece();
+        Phase::parabola(start, piece.exact(), piece.half.0)
     }
 
     /// The mean at tick `t`, from where its curve begins up to `until`.
@@ -381,9 +361,8 @@ impl Average {
 
     /// Goes on behind `until`.
     #[inline(never)]
-    pub(crate) fn go_on(&mut self, plan: &Plan) {
+    fn look_on(&mut self, plan: &Plan) {
         let at = self.until;
-        self.fresh = None;
         if self.line.is_some() {
             self.anchor_to(plan, at);
         }
@@ -536,7 +515,8 @@ impl Iterator for Mean {
         if self.average.until == Ticks::MAX || self.average.is_over() {
             return None;
         }
-        self.average.go_on(&self.plan);
+        let until = self.average.until;
+        self.average.piece_at(&self.plan, until);
         Some(self.average.phase())
     }
 }

@@ -10,12 +10,8 @@
 //! Every pulse is accounted for: [`Axis::committed_position`] is always the sum of the pulses handed to the sink.
 
 mod averaged;
-mod bow;
-mod leg;
+mod following;
 mod legs;
-mod line;
-mod slope;
-mod steady;
 mod trace;
 
 use crate::average::Average;
@@ -25,10 +21,12 @@ use crate::path::Path;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::speed::{SignedSpeed, Speed};
-use crate::train::{Chord, Train};
-use bow::Bow;
-use leg::Leg;
+use crate::stepper::piece::Piece;
+use crate::stepper::{CHORDS_PER_SEGMENT, Stepper};
 use trace::Trace;
+
+/// Chords that [`Axis::advance`] makes at most: those of four segments, and one for each piece of the shortest.
+const MOST_CHORDS: u32 = 4 * CHORDS_PER_SEGMENT + 32;
 
 /// What an axis is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,13 +49,22 @@ pub struct Demand {
     pub velocity: SignedSpeed,
 }
 
-/// Why [`Axis::advance`] has something to report. Nothing is lost either way.
+/// Why [`Axis::advance`] has something to report. Nothing is lost but where it says so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdvanceError {
     /// The sink took no more before two segments were committed. The rest is offered at the next call.
     SinkFull,
     /// The sink had nothing left to play while the axis was moving: the pulses went on late, with a pause.
     Underrun,
+    /// A bound that the axis keeps by construction was reached: pulses may be missing, and it is not known where the motor is.
+    Internal,
+}
+
+impl AdvanceError {
+    /// Whether the motor may not be where the pulses say.
+    pub const fn loses_steps(self) -> bool {
+        matches!(self, Self::Underrun | Self::Internal)
+    }
 }
 
 impl core::fmt::Display for AdvanceError {
@@ -65,6 +72,7 @@ impl core::fmt::Display for AdvanceError {
         f.write_str(match self {
             Self::SinkFull => "pulse sink is full",
             Self::Underrun => "pulse sink ran empty in motion",
+            Self::Internal => "internal fault of the axis",
         })
     }
 }
@@ -77,8 +85,6 @@ impl core::error::Error for AdvanceError {}
 #[derive(Debug, Clone)]
 #[repr(C)]
 pub struct Axis {
-    /// The commit horizon: up to here the plan has become records, but for one open period.
-    horizon: Ticks,
     /// Up to here records have been handed out.
     handed: Ticks,
     /// The sum of the pulses handed out, modulo 2³².
@@ -90,11 +96,7 @@ pub struct Axis {
     is_new: bool,
     /// The segment as it was configured; the driver may need a longer one.
     segment: u32,
-    train: Train,
-    /// Where the plan is one parabola from the horizon on; `None` elsewhere, at its corners and until the next chord finds it.
-    leg: Option<Leg>,
-    /// The same where its acceleration changes.
-    bow: Bow,
+    stepper: Stepper,
     clock: Clock,
     /// How the velocity changes in what is planned from now on.
     ramps: Ramps,
@@ -126,14 +128,11 @@ impl Axis {
             mean_jerk: 0,
             acceleration: 0,
             carry: 0,
-            train: Train::new(config.timing, config.segment, 0, 0),
+            stepper: Stepper::new(config.timing, config.segment, 0, 0),
             segment: config.segment,
-            horizon: 0,
             handed: 0,
             committed: 0,
             moving: false,
-            leg: None,
-            bow: Bow::NONE,
             trace: Trace::new(),
         };
         axis.stand_at(0);
@@ -214,7 +213,7 @@ impl Axis {
 
     /// Another driver, or another configuration of it. A motion is forgotten as by [`Axis::abort`].
     pub fn set_timing(&mut self, timing: DriverTiming) {
-        self.train = Train::new(timing, self.segment, self.committed, self.handed);
+        self.stepper = Stepper::new(timing, self.segment, self.committed, self.handed);
         self.stand_at(self.committed);
     }
 
@@ -232,7 +231,8 @@ impl Axis {
         self.stand_at(steps as i32);
     }
 
-    /// Hands out records until the sink has two segments to play, or the motion ends. To be called in every control tick.
+    /// Hands out records until the sink has two segments to play, or the motion ends. To be called in every control tick. It makes no more than
+    /// [`MOST_CHORDS`] chords.
     ///
     /// # Errors
     /// [`AdvanceError`]: the sink is full, or ran empty.
@@ -240,37 +240,31 @@ impl Axis {
         let pending = sink.pending();
         let starved = self.moving && pending == 0;
         let pending = u32::try_from(pending).unwrap_or(u32::MAX);
-        let missing = (self.train.segment() << 1).saturating_sub(pending);
-        let enough = self.handed.wrapping_add(missing.into());
-        let mut goes_on = false;
-        loop {
-            if self.train.is_waiting() {
-                self.hand_out(sink)?;
-            }
-            if self.handed >= enough {
+        let missing = (self.stepper.segment() * 2).saturating_sub(pending);
+        let enough = self.handed.saturating_add(missing.into());
+        let mut is_done = false;
+        for _ in 0..MOST_CHORDS {
+            self.hand_out(sink)?;
+            is_done = self.handed >= enough;
+            if is_done {
                 break;
             }
-            goes_on = self.go_straight_on(enough);
-            if goes_on {
-                continue;
-            }
-            if self.is_at_rest() {
+            if self.stepper.is_on_piece() || self.enter_piece() {
+                self.stepper.emit(enough);
+            } else if self.stepper.is_closed() {
+                is_done = true;
                 break;
+            } else {
+                self.stepper.close();
             }
-            let far = self.train.far_behind(enough);
-            if self.horizon < far {
-                self.compose();
-            }
-            // In one go with the chord: handing out costs as much as working it out. Most chords have pulses up to there.
-            if self.train.pen() < enough && self.horizon >= far {
-                self.train.flush(self.horizon);
-            }
+            self.mark();
         }
-        // A velocity that stays does so behind the horizon too.
-        if !goes_on && self.moving && self.is_at_rest() {
+        if !self.stepper.is_on_piece() && self.moving && self.is_at_rest() {
             self.settle();
         }
-        if starved {
+        if !is_done || self.stepper.overrun() {
+            Err(AdvanceError::Internal)
+        } else if starved {
             Err(AdvanceError::Underrun)
         } else {
             Ok(())
@@ -290,41 +284,32 @@ impl Axis {
     /// Whether the motion has ended and all its records have been handed out. The sink may still be playing them.
     #[inline]
     pub fn is_at_rest(&self) -> bool {
-        // A leg and a bow end at a corner at the latest, and the end is one.
-        if self.leg.is_some() {
-            return false;
-        }
-        let is_under_way = match &self.path {
-            Some(path) => path.rest() > self.horizon,
-            None => self.is_averaged || self.bow.is_left(),
-        };
-        !is_under_way && self.has_ended()
+        !self.stepper.is_on_piece() && self.has_ended()
     }
 
     #[inline(never)]
     fn has_ended(&self) -> bool {
-        self.end().is_some_and(|end| end <= self.horizon)
-            && self.train.waiting().is_empty()
-            && self.train.is_closed(self.horizon)
-            && self.train.due(self.state_at(self.horizon).position) == 0
+        self.end().is_some_and(|end| end <= self.horizon())
+            && self.stepper.is_closed()
+            && self.stepper.due(self.state_at(self.horizon()).position) == 0
     }
 
     /// The velocity at the commit horizon: that from which the next command begins.
     pub fn committed_velocity(&self) -> SignedSpeed {
-        self.demand_of(self.state_at(self.horizon)).velocity
+        self.demand_of(self.state_at(self.horizon())).velocity
     }
 
     /// Whether the commit horizon has reached the last phase of the motion, the ramp to rest, or its end.
     pub fn is_ending(&self) -> bool {
         if let Some(path) = &self.path {
-            return path.end().0 <= self.horizon;
+            return path.end().0 <= self.horizon();
         }
-        self.plan.end().is_some() && self.plan.last_ramp() <= self.horizon
+        self.plan.end().is_some() && self.plan.last_ramp() <= self.horizon()
     }
 
     /// The direction in which the axis moves at the commit horizon; `None` if it stands there.
     pub fn heading(&self) -> Option<Direction> {
-        match self.state_at(self.horizon).velocity.bits() {
+        match self.state_at(self.horizon()).velocity.bits() {
             0 => None,
             1.. => Some(Direction::Forward),
             _ => Some(Direction::Reverse),
@@ -336,14 +321,14 @@ impl Axis {
     pub fn target(&self) -> i64 {
         let rest = match (&self.path, self.plan.destination()) {
             (None, Some(rest)) => rest,
-            _ => self.state_at(self.end().unwrap_or(self.horizon)),
+            _ => self.state_at(self.end().unwrap_or(self.horizon())),
         };
         rest.position.whole_steps()
     }
 
     /// The highest velocity that driver and clock allow, a whole number of steps/s. Limits above it are cut to it.
     pub fn max_velocity(&self) -> Speed {
-        let hz = self.clock.hz().checked_div(self.train.shortest_period());
+        let hz = self.clock.hz().checked_div(self.stepper.shortest_period());
         hz.map_or(Speed::ZERO, Speed::per_second)
     }
 
@@ -361,145 +346,86 @@ impl Axis {
         }
     }
 
+    /// The commit horizon: up to here the motion has become records, but for one open period.
+    #[inline]
+    const fn horizon(&self) -> Ticks {
+        self.stepper.horizon()
+    }
+
     /// Hands out the records made.
     #[inline]
     fn hand_out<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
-        let waiting = self.train.waiting();
+        let waiting = self.stepper.waiting();
+        if waiting.is_empty() {
+            return Ok(());
+        }
         let taken = sink.push_all(waiting);
         if taken < waiting.len() {
             self.handed_out_part(taken);
             return Err(AdvanceError::SinkFull);
         }
         self.moving = true;
-        self.train.handed_out();
-        self.handed = self.train.pen();
-        self.committed = self.train.steps_at_pen();
+        self.stepper.handed_out();
+        (self.handed, self.committed) = self.stepper.made();
         Ok(())
     }
 
     /// The sink has taken only so many of the records made.
     #[cold]
     fn handed_out_part(&mut self, taken: usize) {
-        for record in self.train.waiting().iter().take(taken) {
+        for record in self.stepper.waiting().iter().take(taken) {
             self.handed = self.handed.wrapping_add(record.ticks());
             self.committed = self.committed.wrapping_add(record.steps());
             self.moving = true;
         }
-        self.train.handed_out_part(taken);
+        self.stepper.handed_out_part(taken);
     }
 
-    /// Makes the records of the next chord.
+    /// Enters the piece of the motion that begins at the horizon, if it has not ended there.
     #[inline(never)]
-    fn compose(&mut self) {
-        if self.leg.as_ref().is_some_and(Leg::is_rounded) {
-            self.renew_leg();
+    fn enter_piece(&mut self) -> bool {
+        let begin = self.horizon();
+        let piece = match &self.path {
+            Some(path) => path.piece_at(begin),
+            None if self.is_averaged => Some(self.average.piece_at(&self.plan, begin)),
+            None => self.plan.piece_at(begin),
+        };
+        let piece = piece.or_else(|| {
+            // Pulses that were held back by the driver's times are due all the same.
+            let stands = self.exact_at(begin);
+            let is_due = self.stepper.due(stands.rounded().position) != 0;
+            is_due.then(|| Piece::line(begin + u64::from(self.stepper.longest()), stands))
+        });
+        if let Some(piece) = piece {
+            self.stepper.enter(piece);
         }
-        let on_leg = match &mut self.leg {
-            Some(leg) => leg.go_on(self.horizon, &self.train),
-            None => {
-                let is_done = if self.is_averaged {
-                    self.go_on_average()
-                } else {
-                    self.bow.is_left() && self.go_on_bow()
-                };
-                if is_done {
-                    return;
-                }
-                None
-            }
-        };
-        let next = on_leg.or_else(|| self.chord_on_line());
-        let Some((chord, to)) = next.or_else(|| self.next_chord()) else {
-            return;
-        };
-        self.train.draw(&chord);
-        self.go_to(chord.begin.wrapping_add(chord.length.into()), to);
+        piece.is_some()
     }
 
     /// The commit horizon is here now. Points that lie close together are thinned out.
     #[inline]
-    fn go_to(&mut self, horizon: Ticks, state: State) {
-        self.horizon = horizon;
-        let least = self.train.segment() / 4;
+    fn mark(&mut self) {
+        let horizon = self.horizon();
+        let mut state = self.stepper.state();
+        if !self.stepper.is_on_piece() {
+            // Where the mean stands it is where the plan stands, and the plan is followed.
+            self.is_averaged &= !self.average.is_over();
+            if self.path.is_none() {
+                self.plan.complete_up_to(horizon);
+            }
+            if self.end().is_some_and(|end| end <= horizon) {
+                state = self.state_at(horizon);
+            }
+        }
+        let least = self.stepper.segment() / 4;
         self.trace.mark(horizon, state, least);
-    }
-
-    /// The next chord, wherever the axis is: on a path, between two phases, at the end. Where the axis stands there is none; it closes what
-    /// is open.
-    #[inline(never)]
-    fn next_chord(&mut self) -> Option<(Chord, State)> {
-        self.leave();
-        self.average_on();
-        let begin = self.horizon;
-        self.plan_up_to(begin);
-        if self.path.is_none() && !self.is_averaged {
-            self.plan.enter(begin);
-        }
-        let from = self.state_at(begin);
-        if self.end().is_some_and(|end| end <= begin) && self.train.due(from.position) == 0 {
-            self.train.close(begin);
-            let closed = begin.max(self.train.pen());
-            self.go_to(closed, self.state_at(closed));
-            return None;
-        }
-        let mut averaged = None;
-        let (corner, longest) = match &self.path {
-            None if self.is_averaged => {
-                let phase = self.average.phase();
-                averaged = Some(phase);
-                (
-                    Some(self.average.until()),
-                    self.average.longest_chord(&phase),
-                )
-            }
-            None => self.plan.ahead(begin),
-            Some(path) => (path.next_corner(begin), path.longest_chord(begin)),
-        };
-        let longest = u32::try_from(longest).unwrap_or(u32::MAX);
-        let length = self.train.chord(from.velocity, longest);
-        let corner = corner.unwrap_or(Ticks::MAX);
-        let left = corner.saturating_sub(begin);
-        let length = u32::try_from(left).map_or(length, |left| length.min(left));
-        let mut length = length;
-        let mut end = begin.saturating_add(length.into());
-        self.plan_up_to(end);
-        let mut to = self.state_at(end);
-        let due = self.train.due(to.position);
-        if due != 0 && to.velocity.creeps() {
-            // The chord ends at its pulse, or begins there if that is behind it already; so the pulse is at its tick.
-            let late = self.exact_at(end).since_middle(self.train.step(due));
-            if late < length.into() {
-                length = length.wrapping_sub(late as u32);
-                end = begin.saturating_add(length.into());
-                to = self.state_at(end);
-            }
-        }
-        if self.path.is_none()
-            && end < corner
-            && let Some(phase) = averaged.as_ref().or_else(|| self.plan.entered(begin))
-        {
-            if phase.is_parabola() {
-                self.leg = Some(Leg::new(phase, (end, corner), longest, &self.train));
-            } else if length == self.train.chord(to.velocity, longest) && !to.velocity.creeps() {
-                self.bow = Bow::new(phase, end, corner, length).unwrap_or(Bow::NONE);
-            }
-        }
-        self.end_average(end);
-        Some((Chord::between((begin, from), (length, to)), to))
-    }
-
-    /// Nothing is known any more of how the plan goes on.
-    #[inline]
-    const fn leave(&mut self) {
-        self.leg = None;
-        self.bow = Bow::NONE;
     }
 
     /// The motion has ended: from now on the axis stands on the whole step that the pulses have reached.
     #[inline(never)]
     fn settle(&mut self) {
-        self.leave();
-        self.plan = Plan::at_rest(self.committed.into(), self.horizon);
+        self.stepper.leave();
+        self.plan = Plan::at_rest(self.committed.into(), self.horizon());
         self.path = None;
         self.is_averaged = false;
         self.acceleration = 0;
@@ -508,12 +434,11 @@ impl Axis {
 
     /// Stands at `steps`, with nothing more to hand out.
     fn stand_at(&mut self, steps: i32) {
-        self.horizon = self.handed;
         self.committed = steps;
-        self.train.reset(steps, self.handed);
+        self.stepper.reset(steps, self.handed);
         self.settle();
-        let standing = self.plan.state_at(self.horizon);
-        self.trace.restart(self.horizon, standing);
+        let standing = self.plan.state_at(self.horizon());
+        self.trace.restart(self.horizon(), standing);
     }
 
     fn demand_of(&self, state: State) -> Demand {

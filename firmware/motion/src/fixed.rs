@@ -130,6 +130,89 @@ impl Velocity {
     }
 }
 
+/// A number with 96 bits behind the point, modulo 2³²: the span of a position. What is no position is less than that.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Q96(pub(crate) i128);
+
+impl Q96 {
+    pub(crate) const ZERO: Self = Self(0);
+
+    #[inline]
+    pub(crate) const fn plus(self, other: Self) -> Self {
+        Self(self.0.wrapping_add(other.0))
+    }
+
+    #[inline]
+    pub(crate) const fn minus(self, other: Self) -> Self {
+        Self(self.0.wrapping_sub(other.0))
+    }
+
+    #[inline]
+    pub(crate) fn times(self, factor: u32) -> Self {
+        Self(product(self.0, factor))
+    }
+
+    /// self · factor / 2⁶⁴.
+    pub(crate) const fn part(self, factor: u64) -> Self {
+        Self(part(self.0, factor))
+    }
+
+    /// Q32, rounded down.
+    #[inline]
+    pub(crate) const fn floor(self) -> i64 {
+        (self.0 >> 64) as i64
+    }
+}
+
+/// A number with 128 bits behind the point, less than a half: a sixth of a jerk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Q128(pub(crate) i128);
+
+impl Q128 {
+    pub(crate) const ZERO: Self = Self(0);
+
+    #[inline]
+    pub(crate) fn times(self, factor: u32) -> Q96 {
+        Q96(product(self.0, factor) >> 32)
+    }
+
+    /// self · factor / 2⁶⁴.
+    pub(crate) const fn part(self, factor: u64) -> Self {
+        Self(part(self.0, factor))
+    }
+}
+
+impl From<Q96> for Q128 {
+    fn from(value: Q96) -> Self {
+        Self(value.0 << 32)
+    }
+}
+
+/// A product modulo 2¹²⁸, of four short ones.
+#[inline]
+pub(crate) fn product(value: i128, factor: u32) -> i128 {
+    let value = value.cast_unsigned();
+    let mut carry = 0;
+    let mut digit = |shift: u32| {
+        let digit = u64::from((value >> shift) as u32);
+        let sum = digit.wrapping_mul(factor.into()).wrapping_add(carry);
+        carry = sum >> 32;
+        u64::from(sum as u32)
+    };
+    let low = digit(0) | digit(32) << 32;
+    let high = digit(64) | digit(96) << 32;
+    (u128::from(high) << 64 | u128::from(low)).cast_signed()
+}
+
+/// ⌊value · factor / 2⁶⁴⌋.
+#[allow(clippy::cast_lossless, reason = "From is not const; the casts widen")]
+const fn part(value: i128, factor: u64) -> i128 {
+    let low = (value as u64 as u128).wrapping_mul(factor as u128) >> 64;
+    (value >> 64)
+        .wrapping_mul(factor as i128)
+        .wrapping_add(low.cast_signed())
+}
+
 /// Where an axis is and how fast it moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct State {

@@ -1,12 +1,39 @@
 //! Exact integer motion: where a stepper axis is to be at every tick of its timer, and the pulses that take it there.
 //!
-//! A command becomes a [`Plan`], a closed form of at most five phases that ends on the target by construction. An [`Axis`] walks
-//! along its plan in chords and turns them into [`Record`]s, which a [`PulseSink`] plays: a DMA ring, an interrupt, a simulated
-//! motor. The pulses that were sent always add up to the distance that was commanded, whatever happened on the way.
+//! A command becomes a [`Plan`], a closed form that ends on the target by construction. An [`Axis`] follows it, or its [`Mean`], or a path of
+//! set-points, as pieces of polynomials; one stepper walks along these and turns them into [`Record`]s, which a [`PulseSink`] plays: a DMA ring,
+//! an interrupt, a simulated motor. The pulses that were sent always add up to the distance that was commanded, whatever happened on the way.
 //!
-//! The contract:
-//! - Integers only. Positions are Q32 steps, velocities Q56 steps per tick, times ticks; plans keep all of them in Q96. What is asked
-//!   for and shown are steps/s, Q32: from one step in an hour to the timer's ceiling nothing changes but the number.
+//! # Glossary
+//!
+//! | word | what is meant |
+//! |---|---|
+//! | tick | a period of the step timer's clock; all times are whole numbers of them |
+//! | step | a microstep, the unit of all positions; a *whole step* is what a pulse makes |
+//! | distance | from one position to another |
+//! | trajectory | where the axis is at every tick: a plan, the mean of a plan, or a path |
+//! | plan | a trajectory in closed form from a state to a goal within limits; made of *phases* |
+//! | phase | a stretch of a plan with constant acceleration or constant jerk |
+//! | corner | the tick at which one phase or segment ends and the next begins |
+//! | ramp | a change of velocity: linear, sin², with limited jerk, or the moving average of a linear one |
+//! | mean | the moving average of a plan over a *window* of time, taken from samples on a *grid* |
+//! | path | set-points with their ticks, as cyclic modes give them; from one to the next is a *segment* of it |
+//! | piece | a polynomial of degree 3 at most with an end tick: what every trajectory comes as |
+//! | chord | as much of a piece as becomes pulses in one go: evenly spaced between its first crossing and its last |
+//! | crossing | where the position passes the middle between two whole steps: there the pulse belongs |
+//! | record | a run of equal periods, each with a pulse, or silence; what a sink plays |
+//! | train | the account of steps and ticks that makes records of chords |
+//! | open period | the time behind the last pulse, which becomes a record when it is known how long it is |
+//! | segment | a quarter of a millisecond on the board: a refill hands out one, and two are committed |
+//! | committed | handed out as records: it will be played, whatever is ordered |
+//! | horizon | the tick up to which the trajectory has become records; a new order plans from the state there |
+//! | refill | a call of [`Axis::advance`], which commits up to two segments |
+//! | rest | standstill at the end of a motion, on a whole step |
+//!
+//! # The contract
+//!
+//! - No floats in positions or times: positions are Q32 steps, velocities Q56 steps per tick, times ticks; plans keep all of them in Q96, and a sixth of a
+//!   jerk in Q128. What is asked for and shown are steps/s, Q32: from one step in an hour to the timer's ceiling nothing changes but the number.
 //! - Limits are never exceeded; zero limits are refused with a [`PlanError`].
 //! - No input makes it panic, block or loop without bound.
 //! - It knows no bus, no register and no clock but the count of ticks it is given.
@@ -30,7 +57,6 @@ pub mod advanced_timer;
 mod average;
 pub mod axis;
 pub mod clock;
-mod crossings;
 mod divide;
 pub mod driver;
 pub mod fixed;
@@ -41,7 +67,7 @@ pub mod record;
 mod root;
 pub mod speed;
 pub mod step_interrupt;
-mod train;
+mod stepper;
 #[cfg(test)]
 mod vectors;
 mod wide;

@@ -63,7 +63,7 @@ impl<'a> Rig<'a> {
         self.output.service();
         match self.axis.advance(&mut self.output) {
             Ok(()) | Err(AdvanceError::SinkFull) => {}
-            Err(AdvanceError::Underrun) => self.underruns += 1,
+            Err(AdvanceError::Underrun | AdvanceError::Internal) => self.underruns += 1,
         }
         self.model.run(ticks);
     }

@@ -94,7 +94,7 @@ impl StepAxis {
     }
 
     fn look_at(&mut self, result: Result<(), AdvanceError>) {
-        self.is_late |= result == Err(AdvanceError::Underrun);
+        self.is_late |= result.is_err_and(AdvanceError::loses_steps);
     }
 
     /// Whether pulses came too late since the last call, and the motor had none for a moment. All of them are sent, but it may not have

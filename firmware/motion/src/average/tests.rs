@@ -59,11 +59,7 @@ impl Course {
     fn run(&mut self, t: Ticks) {
         while self.average.until() < t && !self.average.is_over() {
             let until = self.average.until();
-            // As the axis does it.
-            let _ = self.average.chord(until);
-            if self.average.until() == until {
-                self.average.go_on(&self.plans.last().unwrap().1);
-            }
+            self.average.piece_at(&self.plans.last().unwrap().1, until);
             self.pieces
                 .push((self.average.until(), self.average.phase()));
         }
@@ -228,7 +224,7 @@ proptest! {
         prop_assert!(u128::from(ticks) * u128::from(jerk) >= u128::from(change) * u128::from(hz));
         prop_assert!(ticks >= least);
         prop_assert!(ticks < (1 << 30) + SAMPLES as u64);
-        prop_assert!(usize::from(window.count) <= SAMPLES && window.share <= segment && window.share <= window.grid);
+        prop_assert!(usize::from(window.count) <= SAMPLES);
         // And hardly longer, and nothing is cut without need.
         let exact = (u128::from(change) * u128::from(hz)).div_ceil(jerk.into());
         prop_assert!(u128::from(ticks) < exact.max(segment.into()) + SAMPLES as u128);

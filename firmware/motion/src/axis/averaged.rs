@@ -46,7 +46,7 @@ impl Axis {
     /// Whether it moves and has less than a segment and a half left, of `pending` ticks that the sink still plays: what takes long may then make a
     /// pause, so [`Axis::advance`] comes first.
     pub const fn runs_short(&self, pending: Ticks) -> bool {
-        let segment = self.train.segment() as Ticks;
+        let segment = self.stepper.segment() as Ticks;
         self.moving && pending < segment + segment / 2
     }
 
@@ -57,7 +57,7 @@ impl Axis {
             ..limits
         };
         let ramps = self.ramps;
-        self.leave();
+        self.stepper.leave();
         let result = if let Ramps::MovingAverage(jerk) = ramps {
             self.redirect_averaged(goal, limits, jerk)
         } else {
@@ -72,7 +72,7 @@ impl Axis {
 
     /// The plan itself is followed.
     fn redirect_plan(&mut self, goal: Goal, limits: Limits) -> Result<(), PlanError> {
-        let (clock, horizon, ramps) = (self.clock, self.horizon, self.ramps);
+        let (clock, horizon, ramps) = (self.clock, self.horizon(), self.ramps);
         if self.path.is_none() && !self.is_averaged {
             let goal = self.across(goal, &self.plan, horizon);
             return self.plan.leave_for(clock, horizon, goal, limits, ramps);
@@ -127,7 +127,7 @@ impl Axis {
         limits: Limits,
         jerk: u32,
     ) -> Result<(), PlanError> {
-        let (clock, horizon, ramps) = (self.clock, self.horizon, self.ramps);
+        let (clock, horizon, ramps) = (self.clock, self.horizon(), self.ramps);
         let limits = Window::within(clock, limits, jerk);
         let fresh = self.average.fresh().filter(|_| self.is_averaged);
         if self.is_averaged && fresh.is_none() {
@@ -142,7 +142,7 @@ impl Axis {
             self.mean_jerk = self.mean_jerk.max(jerk);
             return Ok(());
         }
-        let segment = self.train.longest();
+        let segment = self.stepper.longest();
         let window = |change: u64| Window::new(clock, change, jerk, segment);
         // A stop has no acceleration, but one may come behind it.
         let expected = Limits {
@@ -183,36 +183,6 @@ impl Axis {
         self.mean_jerk = jerk;
         self.path = None;
         Ok(())
-    }
-
-    /// Where the axis is between here and the next corner, and the mean is known up to there.
-    pub(super) fn average_on(&mut self) {
-        if self.is_averaged && self.average.until() <= self.horizon {
-            self.average.go_on(&self.plan);
-        }
-    }
-
-    /// The horizon goes to tick `end`. If the mean stands from there on, it is where the plan stands, and the plan is followed.
-    #[inline]
-    pub(super) fn end_average(&mut self, end: Ticks) {
-        if self.is_averaged && self.average.is_over() && self.average.until() <= end {
-            self.is_averaged = false;
-        }
-    }
-
-    /// Makes the records of the next chord of a mean, if that is one from this sample to the next: so it is unless the window is very long. Whether
-    /// it did.
-    #[inline(always)]
-    pub(super) fn go_on_average(&mut self) -> bool {
-        let Some((chord, to)) = self.average.chord(self.horizon) else {
-            return false;
-        };
-        if !self.train.is_easy(to.velocity) {
-            return false;
-        }
-        self.train.draw(&chord);
-        self.go_to(self.average.until(), to);
-        true
     }
 
     /// Where plan, path or mean are at tick `t`.

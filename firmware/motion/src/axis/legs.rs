@@ -1,7 +1,6 @@
 //! When the second leg of a motion is planned that has to come to rest before it goes on.
 
 use super::{AdvanceError, Axis};
-use crate::clock::Ticks;
 use crate::record::PulseSink;
 
 impl Axis {
@@ -22,13 +21,5 @@ impl Axis {
         let result = self.advance(sink);
         self.plan.complete();
         result
-    }
-
-    /// The commit horizon goes to tick `t`: the plan must be known up to there.
-    #[inline]
-    pub(super) fn plan_up_to(&mut self, t: Ticks) {
-        if self.path.is_none() && self.plan.waits_from().is_some_and(|from| from <= t) {
-            self.plan.complete();
-        }
     }
 }

@@ -5,7 +5,6 @@ mod behaviour;
 mod forms;
 mod hours;
 mod legs;
-mod lines;
 mod mean;
 mod prepare;
 mod random;
@@ -47,7 +46,7 @@ fn config(timing: DriverTiming) -> AxisConfig {
 
 fn axis(timing: DriverTiming) -> (Axis, Replay) {
     let axis = Axis::new(config(timing));
-    let replay = Replay::new(timing, axis.train.segment().into());
+    let replay = Replay::new(timing, axis.stepper.segment().into());
     (axis, replay)
 }
 
@@ -60,7 +59,7 @@ fn run(axis: &mut Axis, sink: &mut Replay) {
             sink.play_out();
             return;
         }
-        sink.play(axis.train.segment().into());
+        sink.play(axis.stepper.segment().into());
     }
     panic!("the motion does not end");
 }

@@ -33,6 +33,7 @@ use core::fmt;
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Exact, State};
 use crate::speed::{SignedSpeed, Speed};
+use crate::stepper::piece::Piece;
 use course::Course;
 use draft::{Draft, MOST_RAMPS};
 use phase::{Frame, Phase};
@@ -495,16 +496,19 @@ impl Plan {
         })
     }
 
-    /// The next corner behind tick `t` of the phase that was entered, and the longest chord from there, in ticks.
-    #[inline]
-    pub(crate) fn ahead(&self, t: Ticks) -> (Option<Ticks>, u64) {
-        match self.entered(t) {
-            Some(phase) => (
-                Some(self.entered_until).filter(|until| *until < Ticks::MAX),
-                phase.longest_chord(t),
-            ),
-            None => (self.next_corner(t), u64::MAX),
+    /// The plan must be known up to tick `t`.
+    pub(crate) fn complete_up_to(&mut self, t: Ticks) {
+        if self.waits_from().is_some_and(|from| from <= t) {
+            self.complete();
         }
+    }
+
+    /// How the plan goes on from tick `t`; `None` where it stands. The phase there is entered.
+    pub(crate) fn piece_at(&mut self, t: Ticks) -> Option<Piece> {
+        self.complete_up_to(t);
+        self.enter(t);
+        let end = self.entered_until;
+        self.entered(t).map(|phase| phase.piece(t, end))
     }
 
     pub(crate) fn exact_at(&self, t: Ticks) -> Exact {

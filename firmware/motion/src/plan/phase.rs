@@ -7,7 +7,8 @@
 
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::Divisor;
-use crate::fixed::{Exact, State};
+use crate::fixed::{Exact, Q96, Q128, State, product};
+use crate::stepper::piece::Piece as Polynomial;
 use crate::wide::Wide;
 
 use super::rough::Rough;
@@ -203,6 +204,26 @@ impl Phase {
         }
     }
 
+    /// How it goes on from tick `t` up to `end`, its own or an earlier one, as a polynomial: as much of it as is one.
+    pub(crate) fn piece(&self, t: Ticks, end: Ticks) -> Polynomial {
+        let sixth = match &self.curve {
+            Curve::Parabola => Q128::ZERO,
+            Curve::Cubic(sixth_jerk) => Q128(*sixth_jerk),
+            Curve::Sine(_) => {
+                // A 32nd of the ramp is a cubic, but for 0.001 steps.
+                let part = (end.saturating_sub(self.start) >> 5).max(1 << 13);
+                let length = part.min(end.saturating_sub(t)).clamp(1, 1 << 31) as u32;
+                let end = t.saturating_add(length.into());
+                return Polynomial::between(self.at(t), (end, self.at(end)), length);
+            }
+        };
+        Polynomial {
+            half: Q96(self.pull(t) >> 1),
+            sixth,
+            ..Polynomial::line(end, self.at(t))
+        }
+    }
+
     fn since_anchor(&self, t: Ticks) -> i128 {
         i128::from(t.wrapping_sub(self.anchor).cast_signed())
     }
@@ -217,16 +238,7 @@ impl Phase {
         self.half_acceleration
     }
 
-    /// By which part of it, Q64, less than a half, what a chord of so many ticks grows by bends back from chord to chord: 0 where the jerk is constant;
-    /// `None` for so long a chord of a sin² ramp that it is not worked out.
-    pub(crate) fn bend(&self, length: u32) -> Option<u64> {
-        match &self.curve {
-            Curve::Sine(sine) => sine.bend(length),
-            Curve::Parabola | Curve::Cubic(_) => Some(0),
-        }
-    }
-
-    /// Whether it is one parabola, so that the longest chord is the same everywhere.
+    /// Whether it is one parabola.
     pub(crate) const fn is_parabola(&self) -> bool {
         matches!(self.curve, Curve::Parabola)
     }
@@ -234,22 +246,6 @@ impl Phase {
     /// Whether its velocity stays.
     pub(crate) const fn is_line(&self) -> bool {
         self.is_parabola() && self.half_acceleration == 0
-    }
-
-    /// The longest chord from tick `t`, in ticks, that stays within a quarter of a step of the curve: ½a·len²/4 ≤ ¼.
-    pub(crate) fn longest_chord(&self, t: Ticks) -> u64 {
-        let longest = |half_acceleration: u128| {
-            let bits = 128u32.wrapping_sub(half_acceleration.leading_zeros());
-            1u64.wrapping_shl(96u32.saturating_sub(bits) / 2)
-        };
-        let Curve::Cubic(sixth_jerk) = &self.curve else {
-            return longest(self.half_acceleration.unsigned_abs());
-        };
-        // The acceleration may grow on the way.
-        let now = self.pull(t).unsigned_abs() >> 1;
-        let first = longest(now).min(1 << 28);
-        let growth = sixth_jerk.unsigned_abs().wrapping_mul(first.into()) >> 32;
-        longest(now.saturating_add(growth.saturating_mul(3)))
     }
 }
 
@@ -265,22 +261,6 @@ fn times(value: i128, ticks: i128) -> i128 {
     } else {
         product
     }
-}
-
-/// A product modulo 2¹²⁸, of four short ones.
-#[inline]
-pub(crate) fn product(value: i128, factor: u32) -> i128 {
-    let value = value.cast_unsigned();
-    let mut carry = 0;
-    let mut digit = |shift: u32| {
-        let digit = u64::from((value >> shift) as u32);
-        let sum = digit.wrapping_mul(factor.into()).wrapping_add(carry);
-        carry = sum >> 32;
-        u64::from(sum as u32)
-    };
-    let low = digit(0) | digit(32) << 32;
-    let high = digit(64) | digit(96) << 32;
-    (u128::from(high) << 64 | u128::from(low)).cast_signed()
 }
 
 /// From where a plan counts: its positions from an origin, positive in the direction of the motion; its times from a tick.

@@ -138,24 +138,6 @@ impl Sine {
         mean.times(lead).times(Rough::power(unit.max(-126)))
     }
 
-    /// 2·(1 − cos θ) in Q64, where θ is how far the sine of the acceleration goes in so many ticks: the second difference of a sine is less than
-    /// nothing by that part of it. `None` for a 32nd of the ramp or more.
-    pub(super) fn bend(&self, length: u32) -> Option<u64> {
-        let s = self.part(i128::from(length) << 32);
-        if s >> 59 != 0 {
-            return None;
-        }
-        // A half in Q61 is as much as the whole in Q60.
-        let square = times(s, s);
-        let square = (u128::from(square).wrapping_mul(HALF_PI_SQUARED.into()) >> 60) as u64;
-        // θ² − θ⁴/12 + θ⁶/360 − θ⁸/20160
-        let series = |less: u64, divisor: u64| {
-            let term = times(square, less).checked_div(divisor).unwrap_or(0);
-            u64::MAX.wrapping_sub(term)
-        };
-        Some(times(square, series(series(series(u64::MAX, 56), 30), 12)))
-    }
-
     /// How much of the ramp's time that is, Q64.
     fn part(&self, away: i128) -> u64 {
         let away = away.unsigned_abs().min(self.time);

@@ -135,6 +135,7 @@ impl Bench {
         match self.axis.advance(&mut self.sink) {
             Ok(()) => {}
             Err(AdvanceError::SinkFull) => assert_eq!(self.sink.free(), 0),
+            Err(AdvanceError::Internal) => panic!("a bound was reached"),
             Err(AdvanceError::Underrun) => assert!(was_empty),
         }
         self.account();

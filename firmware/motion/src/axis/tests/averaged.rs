@@ -26,7 +26,7 @@ fn averaged() -> (Axis, Replay) {
 
 /// Plays for so many milliseconds, and what is pending stays.
 pub(super) fn fly(axis: &mut Axis, sink: &mut Replay, milliseconds: u64) {
-    let quarter = u64::from(axis.train.segment() / 4);
+    let quarter = u64::from(axis.stepper.segment() / 4);
     for _ in 0..milliseconds * 16 {
         axis.advance(sink).unwrap();
         sink.account(axis);
@@ -45,7 +45,7 @@ fn seconds(v: &Smooth, window: Option<f64>) -> f64 {
     };
     axis.move_to(v.distance, limits).unwrap();
     if let Some(seconds) = window {
-        let window = Window::of((seconds * f64::from(HZ)) as u32, axis.train.segment());
+        let window = Window::of((seconds * f64::from(HZ)) as u32, axis.stepper.segment());
         let from = axis.plan.exact_at(0);
         axis.average.begin(window, 0, from);
     }
@@ -115,7 +115,7 @@ fn a_move_with_a_cruise_waits_for_the_harder_ramp_only() {
         assert_eq!(sink.position, distance);
         let late = sink.ticks - end;
         assert!(
-            late.abs_diff(ms(window)) <= u64::from(axis.train.segment()),
+            late.abs_diff(ms(window)) <= u64::from(axis.stepper.segment()),
             "{late} ticks behind the plan of {distance} steps"
         );
     }
@@ -132,7 +132,7 @@ fn the_window_is_chosen_at_rest_and_kept_until_then() {
     sink.follow(&axis);
     let end = axis.plan.end().unwrap();
     run(&mut axis, &mut sink);
-    assert!((sink.ticks - end).abs_diff(ms(100)) <= u64::from(axis.train.segment()));
+    assert!((sink.ticks - end).abs_diff(ms(100)) <= u64::from(axis.stepper.segment()));
     axis.move_to(0, T01).unwrap();
     let end = axis.plan.end().unwrap();
     sink.follow(&axis);
@@ -182,7 +182,7 @@ fn what_is_asked_of_the_axis_is_that_of_the_mean() {
     sink.follow(&axis);
     assert_eq!(axis.target(), 60_000);
     assert_eq!(axis.heading(), None);
-    let segment = u64::from(axis.train.segment());
+    let segment = u64::from(axis.stepper.segment());
     while !axis.is_at_rest() {
         axis.advance(&mut sink).unwrap();
         if axis.is_at_rest() {
@@ -191,12 +191,12 @@ fn what_is_asked_of_the_axis_is_that_of_the_mean() {
         // Two segments ahead, as linear motions are.
         assert!(sink.pending() <= 3 * segment + 100);
         assert_eq!(axis.target(), 60_000);
-        let there = sink.curves[0].state_at(axis.horizon);
+        let there = sink.curves[0].state_at(axis.horizon());
         let speed = there.velocity.speed(axis.clock);
         assert!(axis.committed_velocity().abs_diff(speed) <= Speed::from_bits(1 << 20));
         let heading = (there.velocity.bits() > 0).then_some(Direction::Forward);
         assert_eq!(axis.heading(), heading);
-        assert_eq!(axis.is_ending(), axis.horizon >= axis.plan.last_ramp());
+        assert_eq!(axis.is_ending(), axis.horizon() >= axis.plan.last_ramp());
         let played = sink.curves[0].state_at(sink.ticks - sink.pending());
         let demand = axis.demand(sink.pending());
         assert!((demand.position - played.position.whole_steps()).abs() <= 1);
@@ -214,14 +214,14 @@ fn a_stop_in_a_cruise_is_felt_at_the_horizon() {
     axis.ramp_to(80_000.into(), T01).unwrap();
     sink.follow(&axis);
     fly(&mut axis, &mut sink, 500);
-    let (horizon, before) = (axis.horizon, axis.committed_velocity());
+    let (horizon, before) = (axis.horizon(), axis.committed_velocity());
     assert_eq!(before.whole(), 80_000);
     axis.stop(250_000).unwrap();
     sink.follow(&axis);
     let rest = axis.target();
-    while axis.horizon < horizon + ms(1) {
+    while axis.horizon() < horizon + ms(1) {
         axis.advance(&mut sink).unwrap();
-        sink.play(u64::from(axis.train.segment() / 4));
+        sink.play(u64::from(axis.stepper.segment() / 4));
     }
     // ½·j·t² with the jerk d / window, 0.83 steps/s in a millisecond.
     let lost = before.abs_diff(axis.committed_velocity());
@@ -243,7 +243,7 @@ fn two_segments_are_committed_before_limited_jerk_replaces_an_average() {
         axis.move_to(60_000, T01).unwrap();
         fly(&mut axis, &mut sink, 120);
         axis.advance(&mut sink).unwrap();
-        let segment = u64::from(axis.train.segment());
+        let segment = u64::from(axis.stepper.segment());
         sink.play(segment);
         assert!(sink.pending() < 2 * segment);
         axis.prepare(ramps, &mut sink).unwrap();
@@ -273,7 +273,7 @@ fn ramps_change_in_motion_without_a_jump() {
             axis.move_to(60_000, T01).unwrap();
             sink.follow(&axis);
             fly(&mut axis, &mut sink, milliseconds);
-            let (horizon, was) = (axis.horizon, axis.state_at(axis.horizon));
+            let (horizon, was) = (axis.horizon(), axis.state_at(axis.horizon()));
             axis.set_ramps(then);
             axis.move_to(40_000, T01).unwrap();
             sink.follow(&axis);
@@ -295,7 +295,7 @@ fn stop_within_velocity(axis: &mut Axis, sink: &mut Replay, deceleration: u32) {
     while !axis.is_at_rest() {
         axis.advance(sink).unwrap();
         assert!(axis.committed_velocity().unsigned_abs() <= T01.velocity);
-        sink.play(u64::from(axis.train.segment()) / 4);
+        sink.play(u64::from(axis.stepper.segment()) / 4);
     }
 }
 
@@ -324,7 +324,7 @@ fn an_average_with_harder_ramps_is_left_at_their_jerk() {
     // In the midst of the ramp.
     while axis.committed_velocity().unsigned_abs() < Speed::per_second(90_000) {
         axis.advance(&mut sink).unwrap();
-        sink.play(u64::from(axis.train.segment()) / 4);
+        sink.play(u64::from(axis.stepper.segment()) / 4);
     }
     axis.set_ramps(Ramps::JerkLimited(JERK));
     stop_within_velocity(&mut axis, &mut sink, hard.deceleration);
@@ -338,11 +338,11 @@ fn a_linear_stop_leaves_the_average() {
     sink.follow(&axis);
     fly(&mut axis, &mut sink, 500);
     axis.set_ramps(Ramps::Linear);
-    let (horizon, there) = (axis.horizon, axis.state_at(axis.horizon));
+    let (horizon, there) = (axis.horizon(), axis.state_at(axis.horizon()));
     axis.stop(800_000).unwrap();
     sink.follow(&axis);
     run(&mut axis, &mut sink);
-    assert!(sink.ticks - horizon <= ms(100) + u64::from(axis.train.segment()));
+    assert!(sink.ticks - horizon <= ms(100) + u64::from(axis.stepper.segment()));
     // v² / 2d
     let way = sink.position - there.position.whole_steps();
     assert!((way - 4000).abs() <= 1, "{way} steps");
@@ -355,7 +355,7 @@ fn set_points_take_over_from_the_mean() {
     sink.follow(&axis);
     fly(&mut axis, &mut sink, 500);
     let (from, state) = axis.course_end();
-    assert_eq!(state, axis.state_at(axis.horizon));
+    assert_eq!(state, axis.state_at(axis.horizon()));
     let to = Position::from_steps(state.position.whole_steps() + 100);
     axis.follow(from + ms(10), to).unwrap();
     assert_eq!(axis.course_end().1.position, to);

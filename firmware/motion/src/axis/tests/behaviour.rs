@@ -26,7 +26,7 @@ pub(super) fn fly(axis: &mut Axis, sink: &mut Replay, ticks: u64) {
     while sink.ticks - sink.pending() < until && !axis.is_at_rest() {
         axis.advance(sink).unwrap();
         sink.account(axis);
-        sink.play(u64::from(axis.train.segment() / 2));
+        sink.play(u64::from(axis.stepper.segment() / 2));
     }
 }
 
@@ -65,7 +65,7 @@ fn a_move_begins_when_it_is_commanded() {
 #[test]
 fn two_segments_are_committed_and_little_more() {
     let (mut axis, mut sink) = axis(FAST);
-    let segment = u64::from(axis.train.segment());
+    let segment = u64::from(axis.stepper.segment());
     for velocity in [100_000, 10_000, 500] {
         command(
             &mut axis,
@@ -85,7 +85,7 @@ fn two_segments_are_committed_and_little_more() {
                 sink.pending()
             );
             // A command now takes effect at the horizon: within 0.75 ms.
-            assert!(axis.horizon - (sink.ticks - sink.pending()) <= 3 * segment + 100);
+            assert!(axis.horizon() - (sink.ticks - sink.pending()) <= 3 * segment + 100);
             sink.play(segment / 4);
         }
     }
@@ -96,7 +96,7 @@ fn r1_target_moved_behind_in_full_flight() {
     let (mut axis, mut sink) = axis(FAST);
     command(&mut axis, &mut sink, 100_000, T01);
     fly(&mut axis, &mut sink, ms(500));
-    let horizon = axis.horizon;
+    let horizon = axis.horizon();
     let turn = axis.plan.state_at(horizon).position.whole_steps() + 10_000;
     command(&mut axis, &mut sink, 20_000, T01);
     let mut highest = 0;
@@ -104,7 +104,7 @@ fn r1_target_moved_behind_in_full_flight() {
         axis.advance(&mut sink).unwrap();
         sink.account(&axis);
         highest = highest.max(sink.position);
-        sink.play(axis.train.segment().into());
+        sink.play(axis.stepper.segment().into());
     }
     assert_eq!(sink.position, 20_000);
     assert!(
@@ -137,7 +137,7 @@ fn r3_halt_and_go_on() {
     axis.ramp_to(100_000.into(), T01).unwrap();
     sink.follow(&axis);
     fly(&mut axis, &mut sink, ms(300));
-    let before = axis.plan.state_at(axis.horizon).position.whole_steps();
+    let before = axis.plan.state_at(axis.horizon()).position.whole_steps();
     axis.stop(500_000).unwrap();
     sink.follow(&axis);
     run(&mut axis, &mut sink);
@@ -169,7 +169,7 @@ fn a_stop_rests_on_a_whole_step_and_loses_none() {
         run(&mut axis, &mut sink);
         assert_eq!(axis.target(), sink.position);
         assert_eq!(
-            axis.plan.state_at(axis.horizon).position.bits(),
+            axis.plan.state_at(axis.horizon()).position.bits(),
             sink.position << 32
         );
         assert_eq!(
@@ -256,7 +256,7 @@ fn a_full_sink_loses_nothing() {
             Err(error) => panic!("{error}"),
         }
         sink.account(&axis);
-        sink.play(u64::from(axis.train.segment() / 8));
+        sink.play(u64::from(axis.stepper.segment() / 8));
     }
     assert!(refused > 10);
     assert_eq!((sink.position, sink.pulses), (5_000, 5_000));
@@ -499,9 +499,9 @@ fn a_target_is_as_far_as_its_number_says_where_the_plan_has_wrapped() {
             for _ in 0..10_000 {
                 axis.advance(&mut sink).unwrap();
                 let joint = if axis.is_averaged {
-                    axis.average.joint(axis.horizon)
+                    axis.average.joint(axis.horizon())
                 } else {
-                    axis.horizon
+                    axis.horizon()
                 };
                 let planned = axis.plan.exact_at(joint).position;
                 let committed = axis.committed_position();
@@ -515,11 +515,11 @@ fn a_target_is_as_far_as_its_number_says_where_the_plan_has_wrapped() {
                         let end = axis.plan.end().unwrap();
                         let gone = axis.plan.state_at(end).position.whole_steps();
                         assert_eq!(gone as i32, target as i32, "{ramps:?}, {way}");
-                        let time = end - axis.horizon;
+                        let time = end - axis.horizon();
                         assert!(time < 4 * u64::from(HZ), "{ramps:?}, {way}: {time} ticks");
                     }
                 }
-                sink.play(u64::from(axis.train.segment() / 4));
+                sink.play(u64::from(axis.stepper.segment() / 4));
             }
             assert!(apart > 0, "{ramps:?}, {forward}");
         }

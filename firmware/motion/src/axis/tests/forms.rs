@@ -202,7 +202,7 @@ fn check_ramp(id: &str) {
         let until = ticks(duration + 0.1) as Ticks;
         while axis.handed < until && !axis.is_at_rest() {
             axis.advance(&mut sink).unwrap();
-            sink.play(axis.train.segment().into());
+            sink.play(axis.stepper.segment().into());
         }
         if v.v1 == 0 {
             assert_end(form, axis.handed, ticks(duration));
@@ -248,9 +248,9 @@ fn every_vector_is_played_with_each_form() {
 /// Where the next plan begins: at the commit horizon, and of a mean at the next sample of its plan.
 fn joint(axis: &Axis) -> (Ticks, f64) {
     let at = if axis.is_averaged {
-        axis.average.joint(axis.horizon)
+        axis.average.joint(axis.horizon())
     } else {
-        axis.horizon
+        axis.horizon()
     };
     (at, steps(axis.plan.state_at(at)))
 }
@@ -284,7 +284,7 @@ fn r1_target_moved_behind_in_full_flight_with_each_form() {
             axis.advance(&mut sink).unwrap();
             sink.account(&axis);
             highest = highest.max(sink.position);
-            sink.play(axis.train.segment().into());
+            sink.play(axis.stepper.segment().into());
         }
         assert_eq!(sink.position, 20_000, "{form:?}");
         let (time, way) = full_ramp(form);
@@ -325,13 +325,13 @@ fn r2_velocity_lowered_on_the_way_with_each_form() {
             ((0.15, 9_375.0), (0.05, 625.0))
         };
         let cruise = (100_000.0 - from - brake.1 - stop.1) / 25_000.0;
-        let slow = at + ticks(brake.0 + window) as Ticks + 2 * u64::from(axis.train.segment());
+        let slow = at + ticks(brake.0 + window) as Ticks + 2 * u64::from(axis.stepper.segment());
         while axis.handed < slow {
             let before = axis.committed_velocity();
             axis.advance(&mut sink).unwrap();
             let faster = axis.committed_velocity().bits() - before.bits();
             assert!(faster < 1 << 10, "{form:?}: it is {faster} faster");
-            sink.play(axis.train.segment().into());
+            sink.play(axis.stepper.segment().into());
         }
         assert_eq!(axis.committed_velocity().whole(), 25_000, "{form:?}");
         run(&mut axis, &mut sink);
@@ -359,7 +359,7 @@ fn r3_halt_and_go_on_with_each_form() {
         assert!(off.abs() <= 0.51, "{form:?}: {off} steps off");
         assert_end(form, sink.ticks, at as f64 + ticks(time + window));
         // And up again, from that step.
-        let (begin, stands) = (axis.horizon, sink.position);
+        let (begin, stands) = (axis.horizon(), sink.position);
         axis.ramp_to(100_000.into(), T01).unwrap();
         sink.follow(&axis);
         let up = time + seconds_of_window(&axis);

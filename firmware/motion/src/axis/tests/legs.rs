@@ -133,7 +133,7 @@ fn tick(axis: &mut Axis, sink: &mut Replay) {
     axis.plan_on(sink).unwrap();
     for _ in 0..4 {
         axis.advance(sink).unwrap();
-        sink.play(axis.train.segment().into());
+        sink.play(axis.stepper.segment().into());
     }
 }
 
@@ -148,7 +148,7 @@ fn a_second_leg_is_planned_in_the_tick_behind_that_of_its_order() {
         tick(&mut axis, &mut sink);
         assert!(axis.plan.waits_from().is_some());
     }
-    let segment = u64::from(axis.train.segment());
+    let segment = u64::from(axis.stepper.segment());
     axis.plan_on(&mut sink).unwrap();
     assert_eq!(axis.plan.waits_from(), None);
     // With as much to play as a plan may need.
@@ -164,13 +164,13 @@ fn a_refill_plans_a_second_leg_only_where_it_begins() {
     axis.move_to(-20_000, T01).unwrap();
     sink.follow(&axis);
     let turn = axis.plan.waits_from().unwrap();
-    while axis.horizon < turn {
+    while axis.horizon() < turn {
         assert_eq!(axis.plan.waits_from(), Some(turn));
-        let left = axis.horizon;
+        let left = axis.horizon();
         axis.advance(&mut sink).unwrap();
         sink.account(&axis);
-        sink.play(u64::from(axis.train.segment()) / 4);
-        assert!(axis.horizon < turn || turn - left <= 3 * u64::from(axis.train.segment()));
+        sink.play(u64::from(axis.stepper.segment()) / 4);
+        assert!(axis.horizon() < turn || turn - left <= 3 * u64::from(axis.stepper.segment()));
     }
     assert_eq!(axis.plan.waits_from(), None);
     super::run(&mut axis, &mut sink);

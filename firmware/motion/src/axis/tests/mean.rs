@@ -142,18 +142,18 @@ proptest! {
         let (mut is_turned, mut is_late) = (false, false);
         loop {
             // The horizon may lie at a pulse, which is rounded to a tick: behind the first that differs so all may come a little later.
-            let late = one.horizon.abs_diff(other.horizon);
-            prop_assert!(late <= one.train.segment().into(), "{late} ticks apart at {}", one.horizon);
+            let late = one.horizon().abs_diff(other.horizon());
+            prop_assert!(late <= one.stepper.segment().into(), "{late} ticks apart at {}", one.horizon());
             is_late |= late != 0;
             if !is_late {
-                let (here, there) = (one.state_at(one.horizon), other.state_at(other.horizon));
+                let (here, there) = (one.state_at(one.horizon()), other.state_at(other.horizon()));
                 // Samples are rounded downwards to 2⁻³² steps, in either direction.
                 let apart = here.position.bits() + there.position.bits();
-                prop_assert!(apart.abs() <= 16, "{apart} Q32 steps apart at {}", one.horizon);
+                prop_assert!(apart.abs() <= 16, "{apart} Q32 steps apart at {}", one.horizon());
                 let apart = here.velocity.bits() + there.velocity.bits();
-                prop_assert!(apart.abs() <= 1 << 12, "{apart} Q56 apart at {}", one.horizon);
+                prop_assert!(apart.abs() <= 1 << 12, "{apart} Q56 apart at {}", one.horizon());
             }
-            if one.horizon >= at && !is_turned {
+            if one.horizon() >= at && !is_turned {
                 one.move_to(targets.1, limits).unwrap();
                 other.move_to(-targets.1, limits).unwrap();
                 is_turned = true;
@@ -191,7 +191,7 @@ proptest! {
         for at in cuts {
             fly(&mut axis, &mut sink, at);
             // Behind the plan's end only its mean is under way: the order is one that changes nothing.
-            if axis.is_averaged && axis.horizon > 0 {
+            if axis.is_averaged && axis.horizon() > 0 {
                 axis.move_to(target, limits).unwrap();
                 orders += 1;
                 prop_assert_eq!(axis.window(), window);

@@ -9,7 +9,7 @@ const JERK: u32 = 20_000_000;
 
 /// Plays a segment, so that the next refill is due, and tells what is left behind that and behind the preparation, in tenths of a segment.
 fn before_and_behind(axis: &mut Axis, sink: &mut Replay, ramps: Ramps) -> (u64, u64) {
-    let segment = u64::from(axis.train.segment());
+    let segment = u64::from(axis.stepper.segment());
     axis.advance(sink).unwrap();
     sink.play(segment);
     let before = sink.pending();
@@ -55,7 +55,7 @@ fn two_segments_of_a_linear_motion_are_committed_before_limited_jerk_alone() {
 #[test]
 fn it_runs_short_with_less_than_a_segment_and_a_half() {
     let (mut axis, mut sink) = axis(FAST);
-    let segment = u64::from(axis.train.segment());
+    let segment = u64::from(axis.stepper.segment());
     assert!(!axis.runs_short(0));
     command(&mut axis, &mut sink, 30_000, T01);
     fly(&mut axis, &mut sink, ms(50));

@@ -74,6 +74,7 @@ fn advance(axis: &mut Axis, sink: &mut Replay, starved: bool) {
     match result {
         Ok(()) => {}
         Err(AdvanceError::SinkFull) => assert!(full),
+        Err(AdvanceError::Internal) => panic!("a bound was reached"),
         Err(AdvanceError::Underrun) => assert!(starved),
     }
     sink.account(axis);
@@ -96,9 +97,9 @@ fn follow(axis: &mut Axis, sink: &mut Replay, reverse: bool, points: &[(i16, u16
         };
         assert_eq!(taken, Ok(()), "{length} ticks behind {from}");
         sink.follow(axis);
-        while axis.horizon < from {
+        while axis.horizon() < from {
             advance(axis, sink, true);
-            sink.play(u64::from(axis.train.segment() / 4));
+            sink.play(u64::from(axis.stepper.segment() / 4));
         }
     }
 }
@@ -107,7 +108,7 @@ fn follow(axis: &mut Axis, sink: &mut Replay, reverse: bool, points: &[(i16, u16
 /// period before eight pulses or more may be one of theirs if it is as long but for an eighth; and pulses, n in T ticks as two runs, stand
 /// n²/(4·T) away from their even places. What is left is roundings at the highest rate of the driver, where nothing is caught up.
 fn tolerance(axis: &Axis) -> f64 {
-    let segment = f64::from(axis.train.segment());
+    let segment = f64::from(axis.stepper.segment());
     let fastest = axis.max_velocity().whole().min(1_000_000);
     let pulses = f64::from(fastest) * segment / f64::from(HZ);
     0.5 + 0.25 + 0.125 + pulses.powi(2) / 4.0 / segment + 0.01
@@ -118,7 +119,7 @@ fn play(ramps: Ramps, commands: &[Command], timing: crate::DriverTiming, capacit
     sink.capacity = capacity;
     // A small sink delays commands, never pulses of the stream, so the plan is followed all the same.
     sink.tolerance = tolerance(&axis);
-    let quarter = u64::from(axis.train.segment() / 4);
+    let quarter = u64::from(axis.stepper.segment() / 4);
     let mut starved = false;
     axis.set_ramps(ramps);
     for command in commands {

@@ -21,7 +21,7 @@ impl Curve {
     /// What an axis follows from now on. A plan that is to be kept for long has few phases, and so has its mean.
     fn of(axis: &Axis) -> Self {
         if let Some(path) = &axis.path {
-            return Self::Path(path.clone(), axis.horizon);
+            return Self::Path(path.clone(), axis.horizon());
         }
         if !axis.is_averaged {
             let mut whole = axis.plan;
@@ -31,7 +31,8 @@ impl Curve {
         let mut average = axis.average.clone();
         let mut phases: Vec<_> = [average.phase()].into();
         while average.until() < Ticks::MAX && !average.is_over() {
-            average.go_on(&axis.plan);
+            let until = average.until();
+            average.piece_at(&axis.plan, until);
             phases.push(average.phase());
         }
         Self::Mean(phases, average.until(), axis.plan)

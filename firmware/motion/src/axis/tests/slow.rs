@@ -60,7 +60,7 @@ fn limits(velocity: Speed, acceleration: u32) -> Limits {
 
 /// Advances until so many pulses are there.
 fn play(axis: &mut Axis, sink: &mut Ticker, pulses: usize) {
-    let segment = Ticks::from(axis.train.segment());
+    let segment = Ticks::from(axis.stepper.segment());
     while sink.pulses.len() < pulses {
         axis.advance(sink).unwrap();
         sink.pending = sink.pending.saturating_sub(segment);

@@ -15,7 +15,7 @@ fn a_velocity_that_stays_takes_few_records_and_each_pulse_is_at_its_tick() {
     for velocity in VELOCITIES {
         for sign in [1, -1] {
             let (mut axis, mut sink) = axis(FAST);
-            let segment = u64::from(axis.train.segment());
+            let segment = u64::from(axis.stepper.segment());
             let limits = Limits {
                 velocity: velocity.into(),
                 acceleration: velocity * 50,
@@ -68,7 +68,7 @@ fn a_refill_right_behind_another_costs_no_rate() {
     for velocity in [2_100_000, 3_333_333, 4_444_444, 4_900_000, 4_941_176] {
         for behind in [0, 1, 20, 34, 50, 68, 84, 100, 130, 168, 200] {
             let (mut axis, mut sink) = axis(FAST);
-            let segment = u64::from(axis.train.segment());
+            let segment = u64::from(axis.stepper.segment());
             let limits = Limits {
                 velocity: velocity.into(),
                 acceleration: velocity * 20,

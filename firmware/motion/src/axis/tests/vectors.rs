@@ -20,7 +20,7 @@ fn play(id: &str, hz: u32, segment: u32) {
         segment: hz / 1_000_000 * segment,
         timing,
     });
-    let mut sink = Replay::new(timing, axis.train.segment().into());
+    let mut sink = Replay::new(timing, axis.stepper.segment().into());
     sink.sparse = v.distance > 1_000_000_000;
     sink.capacity = 4096;
     if v.velocity > 1_000_000 {

@@ -20,10 +20,10 @@ const TIMING: DriverTiming = DriverTiming {
 /// So many periods in so many ticks.
 fn spaced(gaps: u32, span: u32) -> Vec<Record> {
     let mut train = Train::new(TIMING, 42_000, 0, 0);
-    train.space(gaps, span, true, Direction::Forward);
+    train.space((gaps, span / gaps), span, true, Direction::Forward);
     let records = train.waiting().to_vec();
     let ticks: u64 = records.iter().map(Record::ticks).sum();
-    assert_eq!(ticks, train.pen());
+    assert_eq!(ticks, train.pen);
     records
 }
 

@@ -1,12 +1,10 @@
-//! Along a path of set-points, from one straight line to the next: what a cyclic mode does in each of its periods.
+//! Along a path of set-points: what a cyclic mode does in each of its periods.
 
-use super::leg::Leg;
 use super::{Axis, Demand};
 use crate::clock::Ticks;
 use crate::fixed::{Position, State, Velocity};
 use crate::path::{FollowError, Manner, Path};
 use crate::speed::SignedSpeed;
-use crate::train::Chord;
 
 impl Axis {
     /// Follows set-points: goes in a straight line from the one before, or from where the axis is at the commit horizon, and is at `to`
@@ -31,7 +29,7 @@ impl Axis {
         to: Position,
         velocity: Velocity,
     ) -> Result<(), FollowError> {
-        self.go_on(end, to, Manner::Bent(velocity))
+        self.go_on(end, to, Manner::Cubic(velocity))
     }
 
     /// Changes the velocity evenly to `velocity` (cut to [`Axis::max_velocity`]) until tick `end` of the axis' time; on
@@ -49,17 +47,17 @@ impl Axis {
         let length = end.saturating_sub(start);
         let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
         let both = i128::from(from.velocity.bits()).wrapping_add(velocity.bits().into());
-        // Twice the way in Q56: what a position cannot hold of it is kept for the next one, or slow velocities would drift.
-        let way = both.wrapping_mul(length.into());
-        let way = way.wrapping_add(self.carry.into());
-        let to = from.position.bits().wrapping_add((way >> 25) as i64);
+        // Twice the distance in Q56: what a position cannot hold of it is kept for the next one, or slow velocities would drift.
+        let distance = both.wrapping_mul(length.into());
+        let distance = distance.wrapping_add(self.carry.into());
+        let to = from.position.bits().wrapping_add((distance >> 25) as i64);
         let manner = if from.velocity == velocity {
             Manner::Steady(velocity)
         } else {
-            Manner::Bent(velocity)
+            Manner::Cubic(velocity)
         };
         self.go_on(end, Position::from_bits(to), manner)?;
-        self.carry = way as u32 & 0x1FF_FFFF;
+        self.carry = distance as u32 & 0x1FF_FFFF;
         Ok(())
     }
 
@@ -74,8 +72,8 @@ impl Axis {
         self.path.as_ref().is_some_and(|path| {
             let rest = path.rest();
             path.ends_in_motion()
-                && self.horizon < rest
-                && rest <= self.horizon.saturating_add(ticks)
+                && self.horizon() < rest
+                && rest <= self.horizon().saturating_add(ticks)
         })
     }
 
@@ -87,50 +85,27 @@ impl Axis {
     /// Where the next set-point is gone to from, and at which tick: the last set-point, or the commit horizon if that is later.
     pub fn course_end(&self) -> (Ticks, State) {
         match &self.path {
-            Some(path) if path.end().0 >= self.horizon => path.end(),
-            _ => (self.horizon, self.state_at(self.horizon)),
+            Some(path) if path.end().0 >= self.horizon() => path.end(),
+            _ => (self.horizon(), self.state_at(self.horizon())),
         }
     }
 
     fn go_on(&mut self, end: Ticks, to: Position, manner: Manner) -> Result<(), FollowError> {
-        let horizon = self.horizon;
+        let horizon = self.horizon();
         if let Some(path) = &mut self.path {
-            // The line that the axis is on stays as it is.
+            // The segment that the axis is on stays as it is.
+            if path.end().0 < horizon {
+                self.stepper.leave();
+            }
             return path.go_on(horizon, end, to, manner);
         }
-        self.leave();
-        let grace = Ticks::from(self.train.segment()) << 1;
+        self.stepper.leave();
+        let grace = self.stepper.segment() * 2;
         let mut path = Path::new(horizon, self.state_at(horizon), grace);
         path.go_on(horizon, end, to, manner)?;
         self.is_averaged = false;
         self.acceleration = 0;
         self.path = Some(path);
         Ok(())
-    }
-
-    /// The next chord, and the state at its end, if the axis is on a straight line of a path. None on a cubic, behind the last set-point, on
-    /// a plan, and where it goes so slowly that the tick of a pulse must be looked for.
-    #[inline(never)]
-    pub(super) fn chord_on_line(&mut self) -> Option<(Chord, State)> {
-        let path = self.path.as_ref()?;
-        let begin = self.horizon;
-        let line = path.line_at(begin)?;
-        let from = line.begin;
-        let length = self.train.chord(from.velocity, u32::MAX);
-        let left = line.end.wrapping_sub(begin);
-        let to = if Ticks::from(length) < left {
-            let exact = path.exact_on_line(&line, begin.wrapping_add(length.into()));
-            self.leg = Some(Leg::on_line(exact, line.end));
-            exact.rounded()
-        } else {
-            self.leg = None;
-            path.behind_line(&line)
-        };
-        if to.velocity.creeps() && to.velocity != Velocity::ZERO {
-            return None;
-        }
-        // The lesser of them, so 32 bits hold it.
-        let length = left.min(length.into()) as u32;
-        Some((Chord::between((begin, from), (length, to)), to))
     }
 }

@@ -1,0 +1,344 @@
+//! The stepper: from pieces of a trajectory to pulses.
+//!
+//! Whatever the motion is, a ramp, a mean or a path, it comes as polynomials of degree 3 at most, and here is the one way from these to records. The
+//! stepper walks along its piece in *chords*: it goes on by some ticks, in integers and without rounding, counts the steps between, and finds the
+//! ticks of the first pulse and of the last one. In between they are evenly spaced.
+//!
+//! Where pulses are many, a tick is found from the velocity there, by one division of 32 bits, and a chord goes on with the period of
+//! the one before. Where they are few, the position counts as a straight line over the chord, which is short enough for that to be true within
+//! a quarter of a step. Where a tick is less than a position in Q32 can tell, it is found from the whole of it.
+
+pub(crate) mod piece;
+mod train;
+
+use crate::clock::Ticks;
+use crate::divide::by_digit;
+use crate::fixed::{Position, State, Velocity};
+use crate::record::{Direction, DriverTiming, Record};
+use piece::Piece;
+use train::{CROWDED, MOST_IN_CHORD, Pulses, Train};
+
+/// Chords per segment at most, however hard the acceleration: it bounds the work of a control tick.
+pub(crate) const CHORDS_PER_SEGMENT: u32 = 32;
+
+/// Pulses of a chord at most: in three runs they are off by an eighth of that in ticks.
+const MOST_PULSES: u32 = 8 * CROWDED;
+
+/// A period is shorter than so many parts of the longest chord: within one the velocity may be taken for constant.
+const PERIODS_PER_CHORD: u32 = 16;
+
+/// From this velocity on, Q32 steps per tick, the ticks of a part of a period are a division by 32 bits, to within a tick.
+const FAST: u32 = 1 << 17;
+
+/// Walks along a piece, and makes records of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Stepper {
+    /// Up to here the motion has become records, but for one open period.
+    horizon: Ticks,
+    /// The motion from there on.
+    piece: Piece,
+    /// Of the piece: the longest chord in ticks, and from which velocity on pulses are many, Q32 steps per tick.
+    reach: u32,
+    fast: u32,
+    /// The longest chord of all, the velocity up to which it may be so long, Q32 steps per tick, and the shortest of bent pieces.
+    longest: u32,
+    easy: u32,
+    least: u32,
+    train: Train,
+}
+
+impl Stepper {
+    /// A stepper that stands at `steps` at tick `now`. `segment` is brought into a range that `timing` allows.
+    pub(crate) fn new(timing: DriverTiming, segment: u32, steps: i32, now: Ticks) -> Self {
+        let train = Train::new(timing, segment, steps, now);
+        let segment = train.segment;
+        // With the open period in front of it, it is one run.
+        let longest = segment.min(train.shortest.saturating_mul(MOST_IN_CHORD));
+        Self {
+            horizon: now,
+            piece: Piece::NONE,
+            reach: longest,
+            fast: FAST,
+            longest,
+            easy: (u64::from(MOST_PULSES) << 32)
+                .checked_div(longest.into())
+                .map_or(u32::MAX, |easy| easy.min(1 << 31) as u32),
+            least: longest.min(segment / CHORDS_PER_SEGMENT),
+            train,
+        }
+    }
+
+    /// Starts anew at `steps` and `now`: what was open or not handed out is dropped.
+    pub(crate) fn reset(&mut self, steps: i32, now: Ticks) {
+        self.horizon = now;
+        self.leave();
+        self.train.reset(steps, now);
+    }
+
+    /// The commit horizon: up to here the motion has become records, but for one open period.
+    #[inline]
+    pub(crate) const fn horizon(&self) -> Ticks {
+        self.horizon
+    }
+
+    /// The length of a segment in ticks. No record is longer, but for a run that begins with the last pulse before its chord.
+    #[inline]
+    pub(crate) const fn segment(&self) -> u32 {
+        self.train.segment
+    }
+
+    /// The longest chord, in ticks.
+    pub(crate) const fn longest(&self) -> u32 {
+        self.longest
+    }
+
+    /// The shortest period between two pulses, in ticks.
+    pub(crate) const fn shortest_period(&self) -> u32 {
+        self.train.shortest
+    }
+
+    /// The tick up to which there are records, and the steps up to there, modulo 2³².
+    #[inline]
+    pub(crate) const fn made(&self) -> (Ticks, i32) {
+        (self.train.pen, self.train.steps_at_pen())
+    }
+
+    /// The records to hand out.
+    #[inline]
+    pub(crate) fn waiting(&self) -> &[Record] {
+        self.train.waiting()
+    }
+
+    /// All of them have been handed out.
+    #[inline]
+    pub(crate) const fn handed_out(&mut self) {
+        self.train.handed_out();
+    }
+
+    /// Only the first `records` of them have been handed out.
+    pub(crate) fn handed_out_part(&mut self, records: usize) {
+        self.train.handed_out_part(records);
+    }
+
+    /// Whether a record was lost since this was asked last: there is room for all that a chord can make.
+    #[inline]
+    pub(crate) const fn overrun(&mut self) -> bool {
+        self.train.overrun()
+    }
+
+    /// Steps due when the axis is at `position`, with their sign.
+    pub(crate) const fn due(&self, position: Position) -> i32 {
+        // Positions wrap at 2³² steps, and so does the difference.
+        (position.whole_steps() as i32).wrapping_sub(self.train.steps)
+    }
+
+    /// Whether all that was made has been handed out, and nothing is open at the horizon.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.train.waiting().is_empty() && self.train.is_closed(self.horizon)
+    }
+
+    /// Closes the open period at the horizon, or as soon after it as the driver allows. The axis stands.
+    pub(crate) fn close(&mut self) {
+        self.train.close(self.horizon);
+        self.horizon = self.horizon.max(self.train.pen);
+    }
+
+    /// Whether the piece goes on from the horizon.
+    #[inline]
+    pub(crate) const fn is_on_piece(&self) -> bool {
+        self.piece.end > self.horizon
+    }
+
+    /// Nothing is known any more of how the motion goes on.
+    pub(crate) const fn leave(&mut self) {
+        self.piece.end = 0;
+    }
+
+    /// The piece on which the motion goes on from the horizon.
+    pub(crate) fn enter(&mut self, piece: Piece) {
+        self.piece = piece;
+        if piece.is_line() {
+            (self.reach, self.fast) = (self.longest, FAST);
+            return;
+        }
+        let chord = piece.longest_chord(self.horizon);
+        self.reach = u32::try_from(chord).map_or(self.longest, |chord| chord.min(self.longest));
+        self.reach = self.reach.max(self.least);
+        let fast = (u64::from(PERIODS_PER_CHORD) << 32) >> chord.trailing_zeros();
+        self.fast = u32::try_from(fast).unwrap_or(u32::MAX).max(FAST);
+    }
+
+    /// The state at the horizon.
+    #[inline]
+    pub(crate) const fn state(&self) -> State {
+        State {
+            position: Position::from_bits(self.piece.position.floor()),
+            velocity: Velocity::from_bits((self.piece.velocity.0 >> 40) as i64),
+        }
+    }
+
+    /// Makes the records of a chord: such a one that they lead up to tick `enough`, if one chord can do that. No chord where the one before leads there.
+    pub(crate) fn emit(&mut self, enough: Ticks) {
+        if !self.train.flush(self.horizon, enough) {
+            self.walk(enough);
+            self.train.flush(self.horizon, enough);
+        }
+    }
+
+    #[inline(never)]
+    fn walk(&mut self, enough: Ticks) {
+        let begin = self.horizon;
+        let (from, first_rate) = (self.piece.position.floor(), speed(&self.piece));
+        let length = self.length(enough, first_rate);
+        self.horizon = begin.wrapping_add(length.into());
+        self.piece.walk(length);
+        let rate = speed(&self.piece);
+        if rate < self.fast || rate > self.easy {
+            self.chord(begin, (from, length), None);
+            return;
+        }
+        // −1 if it goes backwards.
+        let mask = (self.piece.velocity.0 >> 127) as i64;
+        let beyond = self.beyond(self.piece.position.floor(), mask);
+        let Some(count) = crossed(beyond) else {
+            return;
+        };
+        let last = length.saturating_sub(over(beyond as u32, rate));
+        let sign = mask as i32 | 1;
+        let speeding_up = rate >= first_rate;
+        if !self.train.goes_on(begin, (count, last), sign, speeding_up) {
+            self.chord(begin, (from, length), Some(first_rate));
+        }
+    }
+
+    /// From the middle before the last step made to a position, as if it went forward if the mask is −1: Q32 steps.
+    #[inline]
+    fn beyond(&self, position: i64, mask: i64) -> i64 {
+        let made = i64::from(self.train.steps) << 32;
+        (position.wrapping_sub(made) ^ mask).wrapping_add(1 << 31)
+    }
+
+    /// How long the next chord is, in ticks.
+    #[inline]
+    fn length(&self, enough: Ticks, rate: u32) -> u32 {
+        let begin = self.horizon;
+        let most = if rate <= self.easy {
+            self.reach
+        } else {
+            self.shorter(rate)
+        };
+        let left = self.piece.end - begin;
+        if left <= most.into() {
+            return left as u32;
+        }
+        // Up to there, and on to the pulse behind it, or so far that silence can be made up to there. Neither is far from what was handed out.
+        let wanted = (enough as u32).wrapping_sub(begin as u32).cast_signed();
+        let wanted = wanted.max(0).cast_unsigned().min(most);
+        let period = if rate < FAST { 0 } else { over(u32::MAX, rate) };
+        let beyond = (period + (period >> 4)).max(self.train.behind());
+        // In the latter case the next one begins a little early, for which there is an eighth to spare, where pulses are many and the acceleration is not hard.
+        let is_gentle = most == self.longest && period < most >> 1;
+        let spare = if is_gentle { period.min(most >> 3) } else { 0 };
+        let length = (wanted + beyond).min(most + spare);
+        u32::try_from(left).map_or(length, |left| left.min(length))
+    }
+
+    /// The longest chord at a velocity that is not easy: so that it has no more than [`MOST_PULSES`].
+    #[cold]
+    fn shorter(&self, rate: u32) -> u32 {
+        let (most, _) = by_digit(u64::from(MOST_PULSES) << 32, rate);
+        self.reach.min(most as u32).max(self.least)
+    }
+
+    /// Makes the pulses of a chord whatever the one before was: from a position, so many ticks behind `begin`, to where the piece is now. The velocity at both ends
+    /// tells where the first and the last of them are, if that at the beginning is given.
+    #[inline(never)]
+    fn chord(&mut self, begin: Ticks, (from, length): (i64, u32), first_rate: Option<u32>) {
+        let to = self.piece.position.floor();
+        let distance = to.wrapping_sub(from);
+        let due = self.due(Position::from_bits(to));
+        // The motion knows where it goes. Steps due the other way are rounding at a turning point, unless it stands.
+        let direction = match distance {
+            0 if due < 0 => Direction::Reverse,
+            0.. => Direction::Forward,
+            _ => Direction::Reverse,
+        };
+        let mask = i64::from(direction.sign() >> 1);
+        let beyond = self.beyond(to, mask);
+        let Some(count) = crossed(beyond) else {
+            return;
+        };
+        // To the first crossing from the beginning, and from the last one to the end.
+        let to_first = (1_i64 << 32).saturating_sub(self.beyond(from, mask));
+        let to_first = to_first.max(0).cast_unsigned();
+        let rate = speed(&self.piece);
+        let (first, back) = if let Some(first_rate) = first_rate {
+            (over(to_first as u32, first_rate), over(beyond as u32, rate))
+        } else {
+            let part = |distance_to: u64| part_of(length, distance_to, distance.unsigned_abs());
+            let back = self.since_crossing(count);
+            (
+                part(to_first),
+                back.unwrap_or_else(|| part(u64::from(beyond as u32))),
+            )
+        };
+        let last = length.saturating_sub(back);
+        let first = if count == 1 { last } else { first.min(last) };
+        let pulses = Pulses {
+            count,
+            first,
+            last,
+            direction,
+            speeding_up: self.is_speeding_up(),
+        };
+        self.train.run(begin, length, &pulses);
+    }
+
+    /// Whether the speed grows where the piece has been walked to.
+    fn is_speeding_up(&self) -> bool {
+        (self.piece.half.0 ^ self.piece.velocity.0) >= 0
+    }
+
+    /// How many ticks ago the last of the steps due was crossed, where it is so slow that a tick is less than 2⁻³² steps.
+    fn since_crossing(&self, count: u32) -> Option<u32> {
+        let exact = self.piece.exact();
+        if count != 1 || exact.velocity == 0 || !exact.rounded().velocity.creeps() {
+            return None;
+        }
+        let step = self
+            .train
+            .steps
+            .wrapping_add(self.due(exact.rounded_position()));
+        u32::try_from(exact.since_middle(step)).ok()
+    }
+}
+
+/// How fast a piece is where it has been walked to, either way, Q32 steps per tick; `u32::MAX` if it is faster than there are pulses.
+#[inline]
+fn speed(piece: &Piece) -> u32 {
+    let velocity = piece.velocity.floor();
+    u32::try_from(velocity ^ (velocity >> 63)).unwrap_or(u32::MAX)
+}
+
+/// The steps crossed, if any, on the way beyond the middle before the last one.
+#[inline]
+fn crossed(beyond: i64) -> Option<u32> {
+    u32::try_from(beyond >> 32).ok().filter(|count| *count > 0)
+}
+
+/// The ticks for a part of a step, Q32, at a velocity, Q32 steps per tick: to the nearest, as many velocities have steps of whole ticks.
+#[inline]
+fn over(part: u32, rate: u32) -> u32 {
+    let part = part.saturating_add(rate >> 1);
+    part.checked_div(rate).unwrap_or(0)
+}
+
+/// How many of so many ticks a part of a distance takes, to the nearest.
+fn part_of(ticks: u32, part: u64, distance: u64) -> u32 {
+    let shift = 32_u32.saturating_sub(distance.leading_zeros());
+    let (distance, part) = (distance >> shift, part >> shift);
+    let part = part.min(distance) as u32;
+    let product = u64::from(part) * u64::from(ticks);
+    let (ticks, _) = by_digit(product + (distance >> 1), distance as u32);
+    ticks as u32
+}
