@@ -13,7 +13,6 @@ use crate::cia301::nmt::NmtState;
 use crate::cia305;
 use crate::od::Dictionary;
 use crate::outbox::Pending;
-use crate::settings::NodeId;
 use crate::time::Instant;
 use crate::wire::{Frame, cob_id};
 
@@ -23,8 +22,8 @@ const MOST_LSS_ANSWERS: usize = 4;
 /// What waits, beside emergency messages and PDOs, which wait with their producers.
 #[derive(Debug)]
 pub(super) struct TransmitQueue {
-    /// The bits of [`waiting`].
-    waiting: u8,
+    /// The bits of [`waiting`], but for emergency messages and PDOs.
+    waiting: u16,
     lss: Deque<[u8; 8], MOST_LSS_ANSWERS>,
     /// The counter of the SYNC that waits.
     sync: Option<u8>,
@@ -33,19 +32,17 @@ pub(super) struct TransmitQueue {
     overflows: u32,
 }
 
-/// What may wait, the lowest identifier in the lowest bit.
+/// What may wait: a bit for each. Of equal identifiers the lowest bit goes first.
 mod waiting {
-    pub const BOOT_UP: u8 = 1 << 0;
-    pub const ANSWER: u8 = 1 << 1;
-    pub const HEARTBEAT: u8 = 1 << 2;
-    pub const GUARDING: u8 = 1 << 3;
-    pub const LSS: u8 = 1 << 4;
-    pub const SYNC: u8 = 1 << 5;
-    pub const TIME: u8 = 1 << 6;
-    /// Both have identifiers that a master chooses.
-    pub const TIMING: u8 = SYNC | TIME;
-    /// Both have the identifier of error control.
-    pub const ERROR_CONTROL: u8 = HEARTBEAT | GUARDING;
+    pub const BOOT_UP: u16 = 1 << 0;
+    pub const EMERGENCY: u16 = 1 << 1;
+    pub const PDO: u16 = 1 << 2;
+    pub const SYNC: u16 = 1 << 3;
+    pub const TIME: u16 = 1 << 4;
+    pub const ANSWER: u16 = 1 << 5;
+    pub const HEARTBEAT: u16 = 1 << 6;
+    pub const GUARDING: u16 = 1 << 7;
+    pub const LSS: u16 = 1 << 8;
 }
 
 impl TransmitQueue {
@@ -109,11 +106,6 @@ impl TransmitQueue {
         self.waiting |= waiting::GUARDING;
     }
 
-    /// Heartbeats have taken over.
-    pub(super) fn drop_guarding(&mut self) {
-        self.waiting &= !waiting::GUARDING;
-    }
-
     /// An SDO request is lost, as its answer has no room.
     pub(super) fn count_lost_request(&mut self) {
         self.overflows = self.overflows.saturating_add(1);
@@ -130,21 +122,6 @@ impl TransmitQueue {
     /// SDO requests and LSS answers that were lost because too many answers waited.
     pub(super) fn overflows(&self) -> u32 {
         self.overflows
-    }
-
-    fn has(&self, what: u8) -> bool {
-        self.waiting & what != 0
-    }
-
-    /// The lowest identifier that waits, SDO and the boot-up message left out.
-    fn pending(&self, node_id: NodeId) -> Option<u16> {
-        if self.has(waiting::ERROR_CONTROL) {
-            Some(cob_id::error_control(node_id))
-        } else if self.has(waiting::LSS) {
-            Some(cia305::RESPONSE_COB_ID)
-        } else {
-            None
-        }
     }
 
     /// The oldest LSS answer, removed. Out of the way of what is sent often.
@@ -168,13 +145,12 @@ impl<D: Dictionary> Node<D> {
     /// one of higher priority shall go first) cannot be put back here.
     #[inline]
     pub fn transmit<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
-        let may_wait = self.queue.waiting != 0
-            || self.services.tpdos.is_pending()
-            || self.services.emergency.is_pending();
-        if may_wait && !self.is_mute {
-            self.transmit_next(application)
-        } else {
-            None
+        if self.is_mute {
+            return None;
+        }
+        match self.waiting() {
+            0 => None,
+            waiting => self.transmit_one(self.first(waiting), application),
         }
     }
 
@@ -191,146 +167,128 @@ impl<D: Dictionary> Node<D> {
     /// What [`Node::transmit`] would give now: a controller that has no room for it is better not asked to take it, as process data
     /// is replaced by newer data here. [`Outbox`](crate::Outbox) sees to that.
     pub fn pending(&self) -> Option<Pending> {
-        if self.is_mute {
+        let waiting = self.waiting();
+        if self.is_mute || waiting == 0 {
             return None;
         }
-        if self.queue.has(waiting::BOOT_UP) {
-            return Some(Pending {
-                cob_id: cob_id::error_control(self.node_id),
-                is_process_data: false,
-            });
-        }
-        let emergency = self.services.emergency.pending().unwrap_or(NO_COB_ID);
-        let pdo = self.services.tpdos.pending().unwrap_or(NO_COB_ID);
-        let fixed = self.pending_fixed().unwrap_or(NO_COB_ID);
-        let (cob_id, is_process_data) = if emergency <= pdo && emergency <= fixed {
-            (emergency, false)
-        } else if pdo <= fixed {
-            (pdo, self.services.tpdos.is_pending_replaced())
-        } else {
-            let (timing, _) = self.pending_timing();
-            (fixed, fixed == timing)
-        };
-        (cob_id != NO_COB_ID).then_some(Pending {
-            cob_id,
-            is_process_data,
+        let first = self.first(waiting);
+        Some(Pending {
+            cob_id: self.identifier(first),
+            is_process_data: match first {
+                waiting::PDO => self.services.tpdos.is_pending_replaced(),
+                _ => first & (waiting::SYNC | waiting::TIME) != 0,
+            },
         })
     }
 
     /// The SYNC of this device that [`Node::pending`] answers: what its controller holds must not be overtaken.
     pub fn follows(&self) -> Option<u16> {
-        let sync = &self.services.sync;
-        let tpdos = &self.services.tpdos;
-        let is_pdo = || self.pending().map(|next| next.cob_id) == tpdos.pending();
-        let follows = sync.is_producer() && tpdos.is_pending_synchronous() && is_pdo();
+        let (sync, tpdos) = (&self.services.sync, &self.services.tpdos);
+        let follows = sync.is_producer()
+            && tpdos.is_pending_synchronous()
+            && self.first(self.waiting()) == waiting::PDO;
         follows.then_some(sync.cob_id())
     }
 
-    #[inline(never)]
-    fn transmit_next<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
-        if self.queue.has(waiting::BOOT_UP) {
-            self.queue.waiting &= !waiting::BOOT_UP;
-            return Some(self.error_control(NmtState::Initialisation));
+    /// The bits of [`waiting`] of what may leave now.
+    #[inline]
+    fn waiting(&self) -> u16 {
+        let mut waiting = self.queue.waiting;
+        if self.services.tpdos.is_pending() {
+            waiting |= waiting::PDO;
         }
-        let is_pdo = self.services.tpdos.is_pending();
-        let is_emergency = self.services.emergency.is_pending();
+        if self.services.emergency.is_pending() {
+            waiting |= waiting::EMERGENCY;
+        }
+        waiting
+    }
+
+    /// The one of these bits that goes first: the boot-up message, then the lowest identifier.
+    #[inline]
+    fn first(&self, waiting: u16) -> u16 {
         // Mostly one thing waits.
-        match (is_emergency, is_pdo, self.queue.waiting) {
-            (false, false, waiting::ANSWER) => self.take_answer(application),
-            (false, true, 0) => self.take_pdo(),
-            (false, false, _) => self.take_fixed(application),
-            (true, false, 0) => self.take_emergency(),
-            _ => self.take_lowest(application),
+        if waiting & waiting.wrapping_sub(1) == 0 {
+            waiting
+        } else {
+            self.lowest(waiting)
         }
     }
 
-    /// The PDO to send first; its inhibit time begins with the next [`Node::poll`].
-    #[inline]
-    fn take_pdo(&mut self) -> Option<Frame> {
-        let frame = self.services.tpdos.take();
-        self.services.values_changed |= self.services.tpdos.needs_time();
-        frame
-    }
-
-    /// The emergency message that may leave first; [`Node::poll`] finds out when the next one may.
-    #[inline]
-    fn take_emergency(&mut self) -> Option<Frame> {
-        self.services.timers_changed |= self.services.emergency.needs_time();
-        self.services.emergency.take()
-    }
-
-    /// The frame with the lowest identifier, whatever it is. Of equals an emergency message goes first, then a PDO.
     #[inline(never)]
-    fn take_lowest<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
-        let or_none = |cob_id: Option<u16>| cob_id.unwrap_or(NO_COB_ID);
-        let emergency = or_none(self.services.emergency.pending());
-        let pdo = or_none(self.services.tpdos.pending());
-        let fixed = or_none(self.pending_fixed());
-        if emergency <= pdo && emergency <= fixed {
-            self.take_emergency()
-        } else if pdo <= fixed {
-            self.take_pdo()
-        } else {
-            self.take_fixed(application)
+    fn lowest(&self, waiting: u16) -> u16 {
+        let (mut rest, mut first, mut lowest) = (waiting, waiting::BOOT_UP, NO_COB_ID);
+        if waiting & waiting::BOOT_UP != 0 {
+            return first;
         }
-    }
-
-    /// The lowest identifier of what waits beside emergency messages and PDOs.
-    fn pending_fixed(&self) -> Option<u16> {
-        let sdo = self.sdo.pending();
-        let fixed = sdo.or_else(|| self.queue.pending(self.node_id));
-        if self.queue.has(waiting::TIMING) {
-            let (timing, _) = self.pending_timing();
-            Some(fixed.map_or(timing, |fixed| timing.min(fixed)))
-        } else {
-            fixed
-        }
-    }
-
-    /// The lower identifier of SYNC and TIME, of those that wait, and which it is.
-    fn pending_timing(&self) -> (u16, u8) {
-        let cob_id = |what, cob_id| {
-            if self.queue.has(what) {
-                cob_id
-            } else {
-                NO_COB_ID
+        while rest != 0 {
+            let bit = rest & rest.wrapping_neg();
+            rest ^= bit;
+            let cob_id = self.identifier(bit);
+            if cob_id < lowest {
+                (first, lowest) = (bit, cob_id);
             }
-        };
-        let sync = cob_id(waiting::SYNC, self.services.sync.cob_id());
-        let time = cob_id(waiting::TIME, self.services.time.cob_id());
-        if sync <= time {
-            (sync, waiting::SYNC)
-        } else {
-            (time, waiting::TIME)
         }
+        first
     }
 
-    /// SYNC or TIME waits, and something else perhaps. Seldom, compared to the others.
-    #[cold]
+    /// The identifier of what waits.
     #[inline(never)]
-    fn take_with_timing<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
-        let (cob_id, which) = self.pending_timing();
-        if Some(cob_id) > self.pending_fixed() {
-            return self.take_answer_or_error_control(application);
-        }
-        self.queue.waiting &= !which;
-        if which == waiting::SYNC {
-            self.services.tpdos.follow_sync(false);
-        }
-        Some(match (which, self.queue.sync) {
-            (waiting::TIME, _) => Frame::data_frame(cob_id, &self.queue.time),
-            (_, Some(counter)) => Frame::data_frame(cob_id, &[counter]),
-            (_, None) => Frame::data_frame(cob_id, &[]),
-        })
+    fn identifier(&self, waiting: u16) -> u16 {
+        let cob_id = match waiting {
+            waiting::EMERGENCY => self.services.emergency.pending(),
+            waiting::PDO => self.services.tpdos.pending(),
+            waiting::SYNC => Some(self.services.sync.cob_id()),
+            waiting::TIME => Some(self.services.time.cob_id()),
+            waiting::ANSWER => self.sdo.pending(),
+            waiting::LSS => Some(cia305::RESPONSE_COB_ID),
+            _ => Some(cob_id::error_control(self.node_id)),
+        };
+        cob_id.unwrap_or(NO_COB_ID)
     }
 
-    /// What has identifiers other than emergency messages and PDOs.
-    #[inline]
-    fn take_fixed<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
-        if (D::FEATURES.sync || D::FEATURES.time) && self.queue.has(waiting::TIMING) {
-            self.take_with_timing(application)
-        } else {
-            self.take_answer_or_error_control(application)
+    /// The frame of what waits. PDOs and answers leave by a short way.
+    #[inline(never)]
+    fn transmit_one<A: Application<D>>(
+        &mut self,
+        first: u16,
+        application: &mut A,
+    ) -> Option<Frame> {
+        match first {
+            waiting::PDO => {
+                let frame = self.services.tpdos.take();
+                self.services.values_changed |= self.services.tpdos.needs_time();
+                frame
+            }
+            waiting::ANSWER => self.take_answer(application),
+            waiting::EMERGENCY => {
+                self.services.timers_changed |= self.services.emergency.needs_time();
+                self.services.emergency.take()
+            }
+            waiting::LSS => self.queue.take_lss(),
+            _ => Some(self.take_seldom(first)),
+        }
+    }
+
+    /// The frame of what has one place, now empty.
+    #[inline(never)]
+    fn take_seldom(&mut self, what: u16) -> Frame {
+        self.queue.waiting &= !what;
+        let cob_id = self.identifier(what);
+        match what {
+            waiting::SYNC => {
+                self.services.tpdos.follow_sync(false);
+                match self.queue.sync {
+                    Some(counter) => Frame::data_frame(cob_id, &[counter]),
+                    None => Frame::data_frame(cob_id, &[]),
+                }
+            }
+            waiting::TIME => Frame::data_frame(cob_id, &self.queue.time),
+            waiting::BOOT_UP => Frame::data_frame(cob_id, &[NmtState::Initialisation as u8]),
+            waiting::GUARDING => {
+                let state = self.state as u8 | self.services.guarding.next_toggle();
+                Frame::data_frame(cob_id, &[state])
+            }
+            _ => Frame::data_frame(cob_id, &[self.state as u8]),
         }
     }
 
@@ -349,31 +307,5 @@ impl<D: Dictionary> Node<D> {
             self.services.timers_changed = true;
         }
         frame
-    }
-
-    /// SDO, heartbeats and LSS answers, in the order of their identifiers: those above 700h are restricted to error control
-    /// and LSS.
-    fn take_answer_or_error_control<A: Application<D>>(
-        &mut self,
-        application: &mut A,
-    ) -> Option<Frame> {
-        if self.queue.has(waiting::ANSWER) {
-            self.take_answer(application)
-        } else if self.queue.has(waiting::HEARTBEAT) {
-            self.queue.waiting &= !waiting::HEARTBEAT;
-            Some(self.error_control(self.state))
-        } else if self.queue.has(waiting::GUARDING) {
-            self.queue.drop_guarding();
-            let state = self.state as u8 | self.services.guarding.next_toggle();
-            let cob_id = cob_id::error_control(self.node_id);
-            Some(Frame::data_frame(cob_id, &[state]))
-        } else {
-            self.queue.take_lss()
-        }
-    }
-
-    /// Boot-up message or heartbeat.
-    fn error_control(&self, state: NmtState) -> Frame {
-        Frame::data_frame(cob_id::error_control(self.node_id), &[state as u8])
     }
 }

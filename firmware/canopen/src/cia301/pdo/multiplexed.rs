@@ -36,9 +36,9 @@ const MOST_BYTES: u16 = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Addressing {
     /// The sender's.
-    Source,
+    Source = 1,
     /// The receiver's.
-    Destination,
+    Destination = 2,
 }
 
 impl Addressing {

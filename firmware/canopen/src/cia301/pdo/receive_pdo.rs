@@ -46,14 +46,17 @@ pub(super) struct Circumstances {
     pub(super) node_id: u8,
 }
 
-/// No frame has this length.
-const NEVER_PLAIN: u8 = u8::MAX;
+/// No frame has this length, the complement of [`ReceivePdo::plain_length`]. All of a PDO that is not in use is zero.
+const NEVER_PLAIN: u8 = 0;
+
+/// A deadline that has not begun.
+const NOT_RUNNING: Instant = Instant::from_ticks(0);
 
 /// One receive PDO; `M` is its place for mapped objects.
 #[derive(Debug)]
 pub struct ReceivePdo<M> {
     record: Record<M>,
-    /// The length of a frame that is applied without a second thought: the PDO is event-driven, nobody waits for it, no object
+    /// The complement of the length of a frame that is applied without a second thought: the PDO is event-driven, nobody waits for it, no object
     /// has limits, and no error stands. [`NEVER_PLAIN`] otherwise.
     plain_length: u8,
     /// Whether an object of it is in an event-driven transmit PDO.
@@ -65,7 +68,7 @@ pub struct ReceivePdo<M> {
     reported: Errors,
     /// The newest frame.
     waiting: [u8; 8],
-    /// When the next frame must have come; [`NEVER`] until the first one.
+    /// When the next frame must have come; 0 until the first one.
     expires_at: Instant,
 }
 
@@ -78,7 +81,7 @@ impl<M: Slots<Mapped>> Unused for ReceivePdo<M> {
         errors: Errors::NONE,
         reported: Errors::NONE,
         waiting: [0; 8],
-        expires_at: NEVER,
+        expires_at: NOT_RUNNING,
     };
 }
 
@@ -104,7 +107,7 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
             && self.errors == Errors::NONE
             && !self.record.mapping.is_limited();
         self.plain_length = if is_plain {
-            self.record.mapping.length()
+            !self.record.mapping.length()
         } else {
             NEVER_PLAIN
         };
@@ -136,7 +139,7 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
     pub(super) fn set_deadline(&mut self, time: u16) {
         if self.record.is_in_use() && time != self.record.communication.event_timer {
             self.record.communication.event_timer = time;
-            self.expires_at = NEVER;
+            self.expires_at = NOT_RUNNING;
             self.errors = self.errors.without(Errors::LATE);
             self.find_plain_length();
         }
@@ -145,7 +148,7 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
     /// Operational is left: what waits is dropped, and nothing is expected.
     pub(super) fn stop(&mut self) {
         self.is_waiting = false;
-        self.expires_at = NEVER;
+        self.expires_at = NOT_RUNNING;
     }
 
     /// Its identifier; 0 when it is not in use.
@@ -163,7 +166,11 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
 
     /// When its deadline ends.
     pub(super) const fn expires_at(&self) -> Instant {
-        self.expires_at
+        if self.expires_at.ticks() == 0 {
+            NEVER
+        } else {
+            self.expires_at
+        }
     }
 
     /// Takes a frame that is applied without a second thought; `None` if this one is not.
@@ -174,7 +181,7 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
         dictionary: &mut D,
         application: &mut A,
     ) -> Option<Received> {
-        if frame.length() != self.plain_length {
+        if !frame.length() != self.plain_length {
             return None;
         }
         let frame = frame.bytes();
@@ -257,7 +264,7 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
 
     /// Returns whether it was not running.
     fn restart_deadline(&mut self, now: Instant) -> bool {
-        let was_running = self.expires_at.ticks() != NEVER.ticks();
+        let was_running = self.expires_at != NOT_RUNNING;
         let deadline = u32::from(self.record.communication.event_timer) * 1000;
         self.expires_at = now + Duration::from_ticks(deadline.into());
         !was_running
@@ -265,9 +272,9 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
 
     /// Looks at the deadline; returns whether it has been missed just now.
     pub(super) fn poll(&mut self, now: Instant) -> bool {
-        let is_late = has_come(self.expires_at, now);
+        let is_late = has_come(self.expires_at(), now);
         if is_late {
-            self.expires_at = NEVER;
+            self.expires_at = NOT_RUNNING;
             self.errors = self.errors.with(Errors::LATE);
             self.find_plain_length();
         }

@@ -22,6 +22,9 @@ pub(super) enum Watch {
 /// Between two objects of a scan, unless the inhibit time is longer: a scan leaves the bus to others.
 const STEP: Duration = Duration::from_ticks(1000);
 
+/// A span that has not begun. All of a PDO that is not in use is zero.
+const NOT_RUNNING: Instant = Instant::from_ticks(0);
+
 /// One transmit PDO; `M` is its place for mapped objects.
 #[derive(Debug)]
 pub struct TransmitPdo<M> {
@@ -44,6 +47,7 @@ pub struct TransmitPdo<M> {
     content: [u8; 8],
     /// When the inhibit time has begun; 0 if it never has.
     left_at: Instant,
+    /// When the event timer runs out; 0 if it does not run.
     event_at: Instant,
 }
 
@@ -58,8 +62,8 @@ impl<M: Slots<Mapped>> Unused for TransmitPdo<M> {
         has_left: false,
         scan: Scan::START,
         content: [0; 8],
-        left_at: Instant::from_ticks(0),
-        event_at: NEVER,
+        left_at: NOT_RUNNING,
+        event_at: NOT_RUNNING,
     };
 }
 
@@ -74,7 +78,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         let is_changed = self.record.configure(dictionary, parameters);
         if is_changed {
             self.stop();
-            self.event_at = NEVER;
+            self.event_at = NOT_RUNNING;
             self.find_watch();
         }
         is_changed
@@ -86,8 +90,8 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         self.stop();
         self.watch = Watch::No;
         self.has_left = false;
-        self.left_at = Instant::from_ticks(0);
-        self.event_at = NEVER;
+        self.left_at = NOT_RUNNING;
+        self.event_at = NOT_RUNNING;
     }
 
     /// The places for its objects.
@@ -136,7 +140,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         self.content = self.record.mapping.pack(dictionary);
         // Operational counts as an event. The inhibit time holds across a short visit to another state.
         self.is_due = self.watch != Watch::No;
-        self.event_at = NEVER;
+        self.event_at = NOT_RUNNING;
         if self.addressing().is_some() {
             self.scan = Scan::START;
             self.restart_event_timer(now);
@@ -271,7 +275,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         } else {
             self.is_due |= present != self.content;
         }
-        self.is_due |= has_come(self.event_at, now);
+        self.is_due |= has_come(self.timer_end(), now);
         if self.is_due && has_come(self.free_at(), now) {
             self.give_out(present);
             self.left_at = now;
@@ -279,6 +283,15 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         }
         if self.is_due {
             self.free_at()
+        } else {
+            self.timer_end()
+        }
+    }
+
+    /// When the event timer runs out.
+    fn timer_end(&self) -> Instant {
+        if self.event_at == NOT_RUNNING {
+            NEVER
         } else {
             self.event_at
         }
@@ -295,7 +308,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     #[cold]
     #[inline(never)]
     fn scan<D: Dictionary>(&mut self, dictionary: &D, node_id: u8, now: Instant) -> Instant {
-        if has_come(self.event_at, now) {
+        if has_come(self.timer_end(), now) {
             self.is_due = true;
             self.restart_event_timer(now);
         }
@@ -324,9 +337,9 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
             } else {
                 free_at
             };
-            earlier(self.event_at, next)
+            earlier(self.timer_end(), next)
         } else {
-            self.event_at
+            self.timer_end()
         }
     }
 
@@ -393,7 +406,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
 
     /// The end of the inhibit time.
     fn free_at(&self) -> Instant {
-        if self.left_at.ticks() == 0 {
+        if self.left_at == NOT_RUNNING {
             return self.left_at;
         }
         let inhibit_time = u32::from(self.record.communication.inhibit_time) * 100;
@@ -419,7 +432,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         let time = u32::from(self.record.communication.event_timer) * 1000;
         let has_timer = self.is_event_driven() || self.addressing() == Some(Addressing::Source);
         self.event_at = if time == 0 || !has_timer {
-            NEVER
+            NOT_RUNNING
         } else {
             after(now, Duration::from_ticks(time.into()))
         };
