@@ -86,3 +86,19 @@ fn a_question_of_a_guarding_master_gets_no_answer() {
     let mut node = node();
     assert_eq!(answer(&mut node, &Frame::remote_frame(0x704, 1)), None);
 }
+
+#[test]
+fn an_application_that_serves_no_stream_refuses_it_before_the_first_segment() {
+    let settings = Settings {
+        node_id: NodeId::new(4).unwrap(),
+        ..Settings::default()
+    };
+    let mut node = Node::new(Objects::new(), settings);
+    node.boot(Reset::Node, NOW, &mut ());
+    node.transmit(&mut ());
+    // Block upload of 2014h: 06010000h, unsupported access.
+    let request = Frame::full(0x604, [0xA4, 0x14, 0x20, 0, 0x7F, 0, 0, 0]);
+    node.receive(&request, NOW, &mut ());
+    let sent = node.transmit(&mut ()).unwrap();
+    assert_eq!(*sent.bytes(), [0x80, 0x14, 0x20, 0, 0, 0, 0x01, 0x06]);
+}

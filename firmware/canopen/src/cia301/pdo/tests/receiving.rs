@@ -1,6 +1,10 @@
 //! Receive PDOs at work.
 
 use super::device::{Device, mapped};
+use super::objects::Objects;
+use crate::cia301::pdo::Received;
+use crate::od::find;
+use crate::wire::Frame;
 
 const U8: u32 = mapped(0x2000, 0, 8);
 const U16: u32 = mapped(0x2001, 0, 16);
@@ -298,4 +302,30 @@ fn the_application_hears_of_each_object_in_the_order_of_the_mapping() {
     let mut device = operational(255, &[U32, U8, mapped(0x200A, 0, 16)]);
     device.frame(0x204, &[1, 2, 3, 4, 5, 6, 8]);
     assert_eq!(device.recorder.written, [0x2002, 0x2000, 0x200A]);
+}
+
+#[test]
+fn transmit_pdos_have_to_look_only_if_a_place_of_theirs_is_written() {
+    let mut device = operational(255, &[U16]);
+    let entry = find::<Objects>(0x2001, 0).unwrap();
+    let (start, end) = (entry.offset, entry.offset + entry.size());
+    // Behind it, before it, its last byte, its first byte, and nothing.
+    for (places, received) in [
+        (end..end + 4, Received::Kept),
+        (0..start, Received::Kept),
+        (end - 1..end + 4, Received::Applied),
+        (0..start + 1, Received::Applied),
+        (0..0, Received::Kept),
+    ] {
+        device.receive.watch(&places);
+        let frame = Frame::data_frame(0x204, &[1, 2]);
+        let objects = &mut device.objects;
+        assert_eq!(
+            device
+                .receive
+                .receive(0x204, &frame, device.now, objects, &mut ()),
+            received,
+            "{places:?}"
+        );
+    }
 }

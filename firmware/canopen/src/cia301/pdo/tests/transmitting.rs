@@ -321,3 +321,19 @@ fn a_pdo_that_waits_is_taken_once() {
     assert_eq!(device.transmit.pending(), None);
     assert_eq!(device.transmit.take(), None);
 }
+
+#[test]
+fn values_are_looked_at_only_where_a_change_may_be_sent() {
+    for (kind, is_watching) in [
+        (255, true),
+        (254, true),
+        (0, true),
+        (1, false),
+        (252, false),
+    ] {
+        let mut device = operational(kind, &[U8]);
+        assert_eq!(device.transmit.is_watching(), is_watching, "type {kind}");
+        device.leave_operational();
+        assert!(!device.transmit.is_watching(), "type {kind}");
+    }
+}
