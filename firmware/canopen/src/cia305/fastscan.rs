@@ -6,10 +6,22 @@
 //! exactly one slave is left.
 
 use super::identity::Identity;
-use super::request::Fastscan;
 
 /// The last word of the address, the serial number.
 const LAST_WORD: u8 = 3;
+
+/// The parameters of a fastscan request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Fastscan {
+    /// The word that the master is looking for.
+    pub(super) id_number: u32,
+    /// Lowest bit that counts, 0 to 31; 128 starts a scan.
+    pub(super) bit_check: u8,
+    /// Which word of the address `id_number` is.
+    pub(super) sub: u8,
+    /// Which word the master will ask for next.
+    pub(super) next: u8,
+}
 
 /// Where a slave is in a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

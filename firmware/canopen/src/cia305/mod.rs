@@ -22,8 +22,6 @@
 mod detection;
 mod fastscan;
 mod identity;
-mod request;
-mod sequence;
 mod slave;
 
 #[cfg(test)]

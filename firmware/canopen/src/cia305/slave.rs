@@ -1,9 +1,9 @@
 //! The LSS slave: its two states, and what it answers in each.
 
-use super::fastscan::{Outcome, Scan};
+mod configuration;
+
+use super::fastscan::{Fastscan, Outcome, Scan};
 use super::identity::Identity;
-use super::request::{Request, answer};
-use super::sequence::Sequence;
 use crate::node::StoreError;
 use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings, Source, Wish};
 use crate::time::{Duration, Instant, NEVER};
@@ -75,12 +75,6 @@ struct Undo {
     bit_timing: Option<(BitTiming, BitTiming)>,
 }
 
-/// Answer to 11h and 13h: an error of the manufacturer, whose number follows.
-const SPECIFIC_ERROR: u8 = 0xFF;
-
-/// The manufacturer's error: the build of this firmware has fixed it.
-const FIXED_BY_BUILD: u8 = 0x01;
-
 /// The LSS slave of a device.
 #[derive(Debug)]
 pub struct Slave {
@@ -96,7 +90,8 @@ pub struct Slave {
     undo: Undo,
     fixed: Fixed,
     supported: u16,
-    sequence: Sequence,
+    /// The message that goes on with a service of several, which come in order and with no other between them; 0 for none.
+    expected: u8,
     scan: Scan,
     switch: Option<Switch>,
     storing: Storing,
@@ -122,7 +117,7 @@ impl Slave {
                 bit_timing: false,
             },
             supported: !DETECTION,
-            sequence: Sequence::None,
+            expected: 0,
             scan: Scan::IDLE,
             switch: None,
             storing: Storing::Idle,
@@ -177,24 +172,43 @@ impl Slave {
         if self.is_silent(now) {
             return None;
         }
-        let request = Request::parse(request);
-        self.sequence.hear(request.as_ref());
-        match (request?, self.state) {
-            (Request::SwitchGlobal(mode), _) => self.switch_global(mode),
-            (Request::Identify { step, word }, _) => self
-                .sequence
-                .identify(step, word, identity)
-                .then(|| message(answer::IDENTIFIED, &[])),
-            (Request::IdentifyNonConfigured, _) => self
+        let [specifier, a, b, c, d, ..] = *request;
+        let word = u32::from_le_bytes([a, b, c, d]);
+        // Any other request ends a service of several messages, answered or not.
+        let is_next = core::mem::take(&mut self.expected) == specifier;
+        match (specifier, self.state) {
+            (0x04, _) => self.switch_global(a),
+            (0x40..=0x43, State::Waiting) => {
+                let is_mine = identity.words().get(usize::from(specifier & 3)) == Some(&word);
+                self.go_on(specifier, is_mine && (is_next || specifier == 0x40), 0x43)
+                    .then(|| {
+                        self.enter(State::Configuration);
+                        message(answer::SWITCHED_SELECTIVE, &[])
+                    })
+            }
+            (0x46..=0x4B, _) => {
+                let is_mine = match specifier {
+                    0x46 => identity.vendor_id == word,
+                    0x47 => identity.product_code == word,
+                    0x48 => identity.revision_number >= word,
+                    0x49 => identity.revision_number <= word,
+                    0x4A => identity.serial_number >= word,
+                    _ => identity.serial_number <= word,
+                };
+                self.go_on(specifier, is_mine && (is_next || specifier == 0x46), 0x4B)
+                    .then(|| message(answer::IDENTIFIED, &[]))
+            }
+            (0x4C, _) => self
                 .is_non_configured()
                 .then(|| message(answer::NON_CONFIGURED_IDENTIFIED, &[])),
-            (Request::SwitchSelective { step, word }, State::Waiting) => {
-                self.sequence.select(step, word, identity).then(|| {
-                    self.enter(State::Configuration);
-                    message(answer::SWITCHED_SELECTIVE, &[])
-                })
-            }
-            (Request::Fastscan(request), State::Waiting) if self.is_non_configured() => {
+            (0x51, State::Waiting) if self.is_non_configured() => {
+                let [.., bit_check, sub, next] = *request;
+                let request = Fastscan {
+                    id_number: word,
+                    bit_check,
+                    sub,
+                    next,
+                };
                 match self.scan.receive(request, identity) {
                     Outcome::Silent => return None,
                     Outcome::Answer => {}
@@ -202,9 +216,17 @@ impl Slave {
                 }
                 Some(message(answer::IDENTIFIED, &[]))
             }
-            (request, State::Configuration) => self.configure(request, identity, now),
+            (_, State::Configuration) => self.configure(specifier, [a, b], identity, now),
             (_, State::Waiting) => None,
         }
+    }
+
+    /// A message of a service of several, which fits or does not; returns whether it was the last one, and all have fitted.
+    fn go_on(&mut self, specifier: u8, fits: bool, last: u8) -> bool {
+        if fits && specifier != last {
+            self.expected = specifier.wrapping_add(1);
+        }
+        fits && specifier == last
     }
 
     /// Lets time pass: a new bit rate comes into force. Returns the next deadline.
@@ -255,7 +277,7 @@ impl Slave {
     /// comes into force, and the slave is in the waiting state. A switch of the bit rate and a store go on.
     pub fn reset(&mut self) -> NodeId {
         self.enter(State::Waiting);
-        self.sequence = Sequence::None;
+        self.expected = 0;
         self.active.node_id = self.pending.node_id;
         self.active.node_id
     }
@@ -367,90 +389,6 @@ impl Slave {
         !self.active.node_id.is_configured() && !self.pending.node_id.is_configured()
     }
 
-    /// Services of the configuration state.
-    fn configure(
-        &mut self,
-        request: Request,
-        identity: &Identity,
-        now: Instant,
-    ) -> Option<[u8; 8]> {
-        match request {
-            Request::ConfigureNodeId(number) => {
-                let node_id = NodeId::new(number).ok_or(OUT_OF_RANGE);
-                let result = node_id.and_then(|node_id| self.configure_node_id(node_id));
-                Some(message(answer::NODE_ID_CONFIGURED, &error_code(result)))
-            }
-            Request::ConfigureBitTiming { table, index } => {
-                // Tables above 0 belong to makers; this device has none.
-                let in_table = (table == 0)
-                    .then(|| BitTiming::from_table_index(index))
-                    .flatten()
-                    .ok_or(OUT_OF_RANGE);
-                let result = in_table.and_then(|timing| self.configure_bit_timing(timing));
-                Some(message(answer::BIT_TIMING_CONFIGURED, &error_code(result)))
-            }
-            Request::ActivateBitTiming(delay) => {
-                let delay = Duration::from_ticks(u64::from(delay) * 1000);
-                let at = after(now, delay);
-                self.switch_bit_rate(at, delay);
-                None
-            }
-            Request::Store => {
-                self.owes_answer = true;
-                self.store();
-                None
-            }
-            Request::InquireIdentity { step } => {
-                let word = identity.words().get(usize::from(step)).copied()?;
-                Some(message(
-                    answer::IDENTITY.wrapping_add(step),
-                    &word.to_le_bytes(),
-                ))
-            }
-            Request::InquireNodeId => Some(message(answer::NODE_ID, &[self.active.node_id.get()])),
-            _ => None,
-        }
-    }
-
-    /// A new node-ID, for the next reset communication and to be stored; refused with the error of service 11h.
-    fn configure_node_id(&mut self, node_id: NodeId) -> Result<(), [u8; 2]> {
-        if self.fixed.node_id {
-            return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
-        }
-        self.undo.node_id = None;
-        self.pending.node_id = node_id;
-        self.kept.node_id = node_id;
-        Ok(())
-    }
-
-    /// A new bit rate, for service 15h and to be stored; refused with the error of service 13h.
-    fn configure_bit_timing(&mut self, timing: BitTiming) -> Result<(), [u8; 2]> {
-        if self.fixed.bit_timing {
-            return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
-        }
-        if self.supported & bit(timing) == 0 {
-            return Err(OUT_OF_RANGE);
-        }
-        self.undo.bit_timing = None;
-        self.pending.bit_timing = timing;
-        self.kept.bit_timing = timing;
-        Ok(())
-    }
-
-    /// Activate bit timing: the pending bit rate comes into force at `at`, between two silences of `delay`.
-    fn switch_bit_rate(&mut self, at: Instant, delay: Duration) {
-        let to = self.pending.bit_timing;
-        let (end, event) = match to {
-            BitTiming::Fixed(bit_rate) => {
-                (after(at, delay), LssEvent::SwitchBitRate { bit_rate, at })
-            }
-            // Until the bit rate is found.
-            BitTiming::Automatic => (NEVER, LssEvent::FindBitRate { at }),
-        };
-        self.switch = Some(Switch { to, at, end });
-        self.event = Some(event);
-    }
-
     /// Switch state global: both ways without an answer; a mode that does not exist changes nothing.
     fn switch_global(&mut self, mode: u8) -> Option<[u8; 8]> {
         match mode {
@@ -476,6 +414,14 @@ impl Slave {
     }
 }
 
+/// The command specifiers of answers that are not those of their requests.
+mod answer {
+    pub(super) const STORED: u8 = 0x17;
+    pub(super) const SWITCHED_SELECTIVE: u8 = 0x44;
+    pub(super) const IDENTIFIED: u8 = 0x4F;
+    pub(super) const NON_CONFIGURED_IDENTIFIED: u8 = 0x50;
+}
+
 /// The bit of a bit rate in a mask, by its table index.
 const fn bit(timing: BitTiming) -> u16 {
     1_u16.wrapping_shl(timing.table_index() as u32)
@@ -483,14 +429,6 @@ const fn bit(timing: BitTiming) -> u16 {
 
 /// The bit of automatic detection.
 const DETECTION: u16 = bit(BitTiming::Automatic);
-
-/// The answer to 11h and 13h for what the device does not have.
-const OUT_OF_RANGE: [u8; 2] = [0x01, 0x00];
-
-/// Error code and specific error of an answer.
-fn error_code(result: Result<(), [u8; 2]>) -> [u8; 2] {
-    result.err().unwrap_or_default()
-}
 
 /// An answer: command specifier, data, zeros.
 #[inline(never)]

@@ -1,0 +1,108 @@
+//! Services of the configuration state: node-ID, bit rate, store, and what the slave tells of itself.
+
+use super::{LssEvent, Slave, Switch, after, bit, message};
+use crate::cia305::identity::Identity;
+use crate::settings::{BitTiming, NodeId};
+use crate::time::{Duration, Instant, NEVER};
+
+/// Answer to 11h and 13h: an error of the manufacturer, whose number follows.
+const SPECIFIC_ERROR: u8 = 0xFF;
+
+/// The manufacturer's error: the build of this firmware has fixed it.
+const FIXED_BY_BUILD: u8 = 0x01;
+
+/// The answer to 11h and 13h for what the device does not have.
+const OUT_OF_RANGE: [u8; 2] = [0x01, 0x00];
+
+/// Error code and specific error of an answer.
+fn error_code(result: Result<(), [u8; 2]>) -> [u8; 2] {
+    result.err().unwrap_or_default()
+}
+
+impl Slave {
+    /// Services of the configuration state.
+    pub(super) fn configure(
+        &mut self,
+        specifier: u8,
+        [first, second]: [u8; 2],
+        identity: &Identity,
+        now: Instant,
+    ) -> Option<[u8; 8]> {
+        match specifier {
+            0x11 => {
+                let node_id = NodeId::new(first).ok_or(OUT_OF_RANGE);
+                let result = node_id.and_then(|node_id| self.configure_node_id(node_id));
+                Some(message(specifier, &error_code(result)))
+            }
+            0x13 => {
+                // Tables above 0 belong to makers; this device has none.
+                let in_table = (first == 0)
+                    .then(|| BitTiming::from_table_index(second))
+                    .flatten()
+                    .ok_or(OUT_OF_RANGE);
+                let result = in_table.and_then(|timing| self.configure_bit_timing(timing));
+                Some(message(specifier, &error_code(result)))
+            }
+            0x15 => {
+                let delay = u16::from_le_bytes([first, second]);
+                let delay = Duration::from_ticks(u64::from(delay) * 1000);
+                let at = after(now, delay);
+                self.switch_bit_rate(at, delay);
+                None
+            }
+            0x17 => {
+                self.owes_answer = true;
+                self.store();
+                None
+            }
+            0x5A..=0x5D => {
+                let word = identity
+                    .words()
+                    .get(usize::from(specifier - 0x5A))
+                    .copied()?;
+                Some(message(specifier, &word.to_le_bytes()))
+            }
+            0x5E => Some(message(specifier, &[self.active.node_id.get()])),
+            _ => None,
+        }
+    }
+
+    /// A new node-ID, for the next reset communication and to be stored; refused with the error of service 11h.
+    fn configure_node_id(&mut self, node_id: NodeId) -> Result<(), [u8; 2]> {
+        if self.fixed.node_id {
+            return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
+        }
+        self.undo.node_id = None;
+        self.pending.node_id = node_id;
+        self.kept.node_id = node_id;
+        Ok(())
+    }
+
+    /// A new bit rate, for service 15h and to be stored; refused with the error of service 13h.
+    fn configure_bit_timing(&mut self, timing: BitTiming) -> Result<(), [u8; 2]> {
+        if self.fixed.bit_timing {
+            return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
+        }
+        if self.supported & bit(timing) == 0 {
+            return Err(OUT_OF_RANGE);
+        }
+        self.undo.bit_timing = None;
+        self.pending.bit_timing = timing;
+        self.kept.bit_timing = timing;
+        Ok(())
+    }
+
+    /// Activate bit timing: the pending bit rate comes into force at `at`, between two silences of `delay`.
+    fn switch_bit_rate(&mut self, at: Instant, delay: Duration) {
+        let to = self.pending.bit_timing;
+        let (end, event) = match to {
+            BitTiming::Fixed(bit_rate) => {
+                (after(at, delay), LssEvent::SwitchBitRate { bit_rate, at })
+            }
+            // Until the bit rate is found.
+            BitTiming::Automatic => (NEVER, LssEvent::FindBitRate { at }),
+        };
+        self.switch = Some(Switch { to, at, end });
+        self.event = Some(event);
+    }
+}
