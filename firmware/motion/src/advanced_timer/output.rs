@@ -76,6 +76,7 @@ impl<R> fmt::Debug for Output<'_, R> {
 impl<'a, R: Registers> Output<'a, R> {
     /// Sets up timers and stream. Both timers stand still, the outputs are low; the clocks of the peripherals are on.
     pub fn new(mut registers: R, ring: &'a Ring) -> Self {
+        ring.silence(0, SLOTS as u32, 0);
         set_up::timer(&mut registers, ring);
         set_up::counter(&mut registers);
         let mut output = Self {

@@ -27,22 +27,11 @@ pub struct Ring {
 }
 
 impl Ring {
-    /// Silent all around.
+    /// Before the first [`Output`](super::Output), which makes it silent all around: zeros, which take no flash.
     pub const fn new() -> Self {
         Self {
-            slots: [const { Self::silent_slot() }; SLOTS],
+            slots: [const { [const { AtomicU32::new(0) }; WORDS] }; SLOTS],
         }
-    }
-
-    const fn silent_slot() -> Slot {
-        let [reload, repetitions, width, level] = Words::silent(0).0;
-        [
-            AtomicU32::new(0),
-            AtomicU32::new(reload),
-            AtomicU32::new(repetitions),
-            AtomicU32::new(width),
-            AtomicU32::new(level),
-        ]
     }
 
     /// Where the DMA finds it: addresses have 32 bits on a board.

@@ -5,7 +5,7 @@ use std::vec::Vec;
 use proptest::prelude::*;
 
 use super::count::Course;
-use super::ring::Ring;
+use super::ring::{Ring, SLOTS};
 use super::slots::{LONGEST_PERIOD, LONGEST_RUN, MOST_PERIODS, Place, Remainder, Runs, Words};
 use crate::Direction::{Forward, Reverse};
 use crate::Record;
@@ -97,6 +97,7 @@ proptest! {
     #[test]
     fn slots_written_at_once_add_up_to_their_record(record in any_record(), first in 0u32..1_000, most in 0usize..192) {
         let ring = Ring::new();
+        ring.silence(0, SLOTS as u32, 0);
         let slots = ring.from(first);
         let slots = slots.get(..most).unwrap_or(slots);
         let mut place = Place::new(slots, LONGEST_PERIOD);
