@@ -8,7 +8,6 @@ mod stack;
 use anyhow::{Context, Result};
 
 use crate::firmware::Image;
-use crate::place;
 use crate::size::{self, Sizes};
 
 /// A file has no more lines than this.
@@ -36,15 +35,13 @@ pub fn figures(whole: &Sizes) -> Result<Vec<(String, u64)>> {
         "cia402: its largest function".to_owned(),
         whole.largest_function_of("cia402"),
     );
-    if place::root().join("eds/compact.eds").is_file() {
-        let compact = size::of(Image::Compact)?;
-        row("compact, flash".to_owned(), compact.total.flash);
-        let stack = stack_of(Image::Compact)?;
-        row(
-            "compact, RAM with the stack".to_owned(),
-            compact.total.ram + stack.start.max(stack.tasks),
-        );
-    }
+    let compact = size::of(Image::Compact)?;
+    row("compact, flash".to_owned(), compact.total.flash);
+    let stack = stack_of(Image::Compact)?;
+    row(
+        "compact, RAM with the stack".to_owned(),
+        compact.total.ram + stack.start.max(stack.tasks),
+    );
     for name in ["motion", "cia402"] {
         let folder = format!("firmware/{name}");
         row(
