@@ -16,8 +16,9 @@ use crate::place;
 /// What the processor saves of an interrupted program: 26 words with those of the floating-point unit, and one to align them.
 const SAVED: u64 = 27 * 4;
 
-/// Where the tasks and their priorities are written.
-const TASKS: &str = "firmware/app/src/main.rs";
+/// Where the tasks and their priorities are written, and which interrupts the board gives them.
+const TASKS: &str = "firmware/app/src/app.rs";
+const BOARD: &str = "firmware/app/src/board/stm32f405/mod.rs";
 
 /// How deep the stack can get, in bytes.
 #[derive(Clone, Copy, Debug)]
@@ -36,9 +37,11 @@ pub fn worst_case(image: &Path) -> Result<Depth> {
     let bytes = fs::read(image).with_context(|| format!("reading {}", image.display()))?;
     let file = object::File::parse(&*bytes).context("reading an ELF file")?;
     let program = Program::of(&file)?;
-    let tasks = place::root().join(TASKS);
-    let tasks = fs::read_to_string(&tasks).with_context(|| format!("reading {TASKS}"))?;
-    let priorities = priorities(&tasks);
+    let source = |name: &str| {
+        let file = place::root().join(name);
+        fs::read_to_string(file).with_context(|| format!("reading {name}"))
+    };
+    let priorities = priorities(&source(TASKS)?, &source(BOARD)?);
 
     let mut deepest: BTreeMap<u32, u64> = BTreeMap::new();
     for handler in &program.handlers {
@@ -79,35 +82,46 @@ const FATAL: [&str; 9] = [
     "main",
 ];
 
-/// The priority of each interrupt that RTIC binds: a task's own, and those that it gives software tasks, the first to the highest.
-fn priorities(source: &str) -> BTreeMap<String, u32> {
+/// The priority of each interrupt that RTIC binds: a task's own, and those that it gives software tasks, the first to the highest. `$name_interrupt`
+/// stands for those that the board lists as `name`.
+fn priorities(tasks: &str, board: &str) -> BTreeMap<String, u32> {
     let word = |text: &str, key: &str| -> Option<String> {
         let (_, value) = text.split_once(key)?;
         let value = value.trim_start_matches([' ', '=']);
-        Some(
-            value
-                .chars()
-                .take_while(|c| c.is_alphanumeric() || *c == '_')
-                .collect(),
-        )
+        let is_of_name = |c: &char| c.is_alphanumeric() || "_$".contains(*c);
+        Some(value.chars().take_while(is_of_name).collect())
+    };
+    let listed = |name: &str| -> Vec<String> {
+        let list = board.split_once(&format!("{name}: ["));
+        let list = list.and_then(|(_, list)| list.split_once(']'));
+        let (list, _) = list.unwrap_or_default();
+        let interrupt = |item: &str| item.rsplit(':').next().map(|name| name.trim().to_owned());
+        list.split(',').filter_map(interrupt).collect()
     };
     let mut bound = BTreeMap::new();
     let mut software = BTreeSet::new();
-    for task in source.split("#[task(").skip(1) {
+    for task in tasks.split("#[task(").skip(1) {
         let (task, _) = task.split_once(")]").unwrap_or((task, ""));
         let priority = word(task, "priority").and_then(|priority| priority.parse().ok());
         let priority = priority.unwrap_or(1);
-        match word(task, "binds") {
-            Some(interrupt) => drop(bound.insert(interrupt, priority)),
-            None => drop(software.insert(priority)),
-        }
+        let Some(interrupt) = word(task, "binds") else {
+            software.insert(priority);
+            continue;
+        };
+        let kind = interrupt.strip_prefix('$');
+        let kind = kind.and_then(|kind| kind.strip_suffix("_interrupt"));
+        let interrupts = kind.map_or_else(|| vec![interrupt.clone()], listed);
+        bound.extend(
+            interrupts
+                .into_iter()
+                .map(|interrupt| (interrupt, priority)),
+        );
     }
-    let dispatchers = source
-        .split_once("dispatchers = [")
-        .and_then(|(_, list)| list.split_once(']'))
-        .map_or("", |(list, _)| list);
-    let dispatchers = dispatchers.split(',').map(|name| name.trim().to_owned());
-    bound.extend(dispatchers.zip(software.into_iter().rev()));
+    bound.extend(
+        listed("dispatchers")
+            .into_iter()
+            .zip(software.into_iter().rev()),
+    );
     bound
 }
 
@@ -445,14 +459,24 @@ mod tests {
 
     #[test]
     fn software_tasks_have_the_dispatchers_from_the_highest_on() {
-        let source = "\
-#[rtic::app(device = pac, dispatchers = [SPI1, SPI2])]
-    #[task(binds = TIM2, priority = 5, shared = [step])]
+        let tasks = "\
+    #[task(binds = $pulses_interrupt, priority = 5, shared = [step])]
+    #[task(binds = SysTick, priority = 3, shared = [control])]
     #[task(priority = 1, local = [panel])]
     #[task(priority = 3)]
 ";
-        let priorities = priorities(source);
-        let expected = [("SPI1", 3), ("SPI2", 1), ("TIM2", 5)];
+        let board = "\
+    dispatchers: [SPI1, SPI2],
+    pulses: [cut_off: TIM1, step: TIM2],
+";
+        let priorities = priorities(tasks, board);
+        let expected = [
+            ("SPI1", 3),
+            ("SPI2", 1),
+            ("SysTick", 3),
+            ("TIM1", 5),
+            ("TIM2", 5),
+        ];
         assert!(
             priorities
                 .iter()

@@ -96,7 +96,7 @@ impl Ring {
 }
 
 /// Writes a slot.
-#[inline]
+#[inline(always)]
 pub(super) fn fill(
     [_, reload_cell, repetitions_cell, width_cell, level_cell]: &Slot,
     words: Words,
@@ -112,17 +112,14 @@ pub(super) fn fill(
 /// Writes slots that are all alike, several at a time: a loop around one is longer than its words.
 #[inline]
 fn fill_all(mut slots: &[Slot], words: Words) {
-    while let Some((four, rest)) = slots.split_first_chunk::<4>() {
-        four.iter().for_each(|slot| fill(slot, words));
+    while let [one, two, three, four, rest @ ..] = slots {
+        fill(one, words);
+        fill(two, words);
+        fill(three, words);
+        fill(four, words);
         slots = rest;
     }
-    if let Some((two, rest)) = slots.split_first_chunk::<2>() {
-        two.iter().for_each(|slot| fill(slot, words));
-        slots = rest;
-    }
-    if let Some(slot) = slots.first() {
-        fill(slot, words);
-    }
+    slots.iter().for_each(|slot| fill(slot, words));
 }
 
 impl Default for Ring {

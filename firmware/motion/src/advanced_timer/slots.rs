@@ -169,20 +169,36 @@ impl<'a> Place<'a> {
         Some(())
     }
 
-    /// In so many runs. Each has a period at least, as none is longer than a run.
+    /// In one run, two or three, each with a period at least, as none is longer than a run. Each is written out: loops around them are longer.
     #[inline]
     fn put_runs<const RUNS: usize>(&mut self, record: &Record) -> Option<()> {
         let (slots, room) = self.room.split_first_chunk::<RUNS>()?;
         self.room = room;
-        let (mut left, mut share) = (u32::from(record.repeat), 0);
-        for (slot, runs) in slots.iter().zip((1..=RUNS as u32).rev()) {
-            share = left / runs;
-            left = left.wrapping_sub(share);
-            let words = Words::run(record.period, share, record.width.into(), self.level);
-            fill(slot, words);
+        let repeat = u32::from(record.repeat);
+        match slots.as_slice() {
+            [slot] => self.put_run(slot, record, repeat),
+            [first, last] => {
+                let half = repeat / 2;
+                self.put_run(first, record, half);
+                self.put_run(last, record, repeat - half);
+            }
+            [first, second, last] => {
+                let third = repeat / 3;
+                let half = (repeat - third) / 2;
+                self.put_run(first, record, third);
+                self.put_run(second, record, half);
+                self.put_run(last, record, repeat - third - half);
+            }
+            _ => return None,
         }
-        self.last = record.period.wrapping_mul(share);
         Some(())
+    }
+
+    #[inline(always)]
+    fn put_run(&mut self, slot: &Slot, record: &Record, periods: u32) {
+        let width = u32::from(record.width);
+        fill(slot, Words::run(record.period, periods, width, self.level));
+        self.last = record.period.wrapping_mul(periods);
     }
 }
 
