@@ -15,13 +15,15 @@ macro_rules! app {
     ) => {
         #[rtic::app(device = $($device)::+, peripherals = true, dispatchers = [$($dispatcher),+])]
         mod app {
+            use core::mem::MaybeUninit;
+
             use cia402::inputs::Capture;
             use cia402::Exchange;
             use runtime::{inbox, Lost, Signals};
 
             use crate::board::{Board, ControlTimer, Selected};
             use crate::control::Control;
-            use crate::tasks::{self, CanBus, Firmware, NodeTask, Panel, Reception, Step};
+            use crate::tasks::{self, CanBus, Firmware, Memory, NodeTask, Panel, Reception, Step};
 
             #[shared]
             struct Shared {
@@ -31,9 +33,9 @@ macro_rules! app {
                 #[lock_free]
                 reception: Reception,
                 #[lock_free]
-                control: Control,
+                control: &'static mut Control,
                 #[lock_free]
-                node: NodeTask,
+                node: &'static mut NodeTask,
                 #[lock_free]
                 step: Step,
             }
@@ -48,9 +50,18 @@ macro_rules! app {
                 frames: inbox::Memory = inbox::Memory::new(),
                 lost: Lost = Lost::new(),
                 edges: Capture = Capture::new(),
+                // They begin where they stay: on the stack they would be more than all else that is ever there.
+                control: MaybeUninit<Control> = MaybeUninit::uninit(),
+                node: MaybeUninit<NodeTask> = MaybeUninit::uninit(),
             ])]
             fn init(cx: init::Context) -> (Shared, Local, init::Monotonics) {
-                let memory = (cx.local.frames, &*cx.local.lost, &*cx.local.edges);
+                let memory = Memory {
+                    frames: cx.local.frames,
+                    lost: cx.local.lost,
+                    edges: cx.local.edges,
+                    control: cx.local.control,
+                    node: cx.local.node,
+                };
                 let Firmware {
                     exchange,
                     bus,

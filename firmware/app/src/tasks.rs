@@ -1,5 +1,7 @@
 //! What the tasks own, and how they begin.
 
+use core::mem::MaybeUninit;
+
 use cia402::inputs::Capture;
 use cia402::Exchange;
 use cortex_m::peripheral::SYST;
@@ -33,11 +35,20 @@ pub struct Firmware {
     pub exchange: Exchange,
     pub bus: CanBus,
     pub reception: Reception,
-    pub control: Control,
-    pub node: NodeTask,
+    pub control: &'static mut Control,
+    pub node: &'static mut NodeTask,
     pub step: Step,
     pub timer: ControlTimer,
     pub panel: Panel,
+}
+
+/// Where it lies.
+pub struct Memory {
+    pub frames: &'static mut inbox::Memory,
+    pub lost: &'static Lost,
+    pub edges: &'static Capture,
+    pub control: &'static mut MaybeUninit<Control>,
+    pub node: &'static mut MaybeUninit<NodeTask>,
 }
 
 /// Received frames, and the inbox for them.
@@ -114,11 +125,7 @@ impl NodeTask {
 }
 
 /// Starts the board and the node.
-pub fn start(
-    device: <Selected as Board>::Device,
-    timer: SYST,
-    (frames, lost, edges): (&'static mut inbox::Memory, &'static Lost, &'static Capture),
-) -> Firmware {
+pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -> Firmware {
     let Parts {
         pulses,
         steps,
@@ -133,6 +140,13 @@ pub fn start(
         serial_number,
         user_memory,
     } = Selected::start(device);
+    let Memory {
+        frames,
+        lost,
+        edges,
+        control,
+        node,
+    } = memory;
     edges.begin(Selected::input_levels());
 
     // All of the board's sectors. They are far smaller than 4 GiB.
@@ -151,27 +165,37 @@ pub fn start(
     let (inbox, received) = Inbox::new(frames, lost);
     let [value, spare] = user_memory;
     let machine = Machine::new(value, spare, &board::SCOPE_MEMORY);
-    let mut node = Node::new(
-        Dictionary::new(),
-        machine,
-        &power_on,
-        serial_number,
-        CanBus::BIT_RATES,
-        store,
-    );
+    let node = node.write(NodeTask {
+        node: Node::new(
+            Dictionary::new(),
+            machine,
+            &power_on,
+            serial_number,
+            CanBus::BIT_RATES,
+            store,
+        ),
+        received,
+    });
     let (mut exchange, mut bus) = (Alone(Exchange::new()), Alone(bus));
     let mut around = Around {
         exchange: &mut exchange,
         // Nothing moves yet.
         stop: || {},
     };
-    node.power_on(&mut around, &mut LockedBus(&mut bus));
+    (node.node).power_on(&mut around, &mut LockedBus(&mut bus));
+    let control = control.write(Control::new(
+        pulses,
+        stage,
+        lost,
+        edges,
+        &board::SCOPE_MEMORY,
+    ));
     Firmware {
         exchange: exchange.0,
         bus: bus.0,
         reception: Reception { receiver, inbox },
-        control: Control::new(pulses, stage, lost, edges, &board::SCOPE_MEMORY),
-        node: NodeTask { node, received },
+        control,
+        node,
         step: Step {
             steps,
             lines: input_lines,
