@@ -212,7 +212,7 @@ pub(crate) struct Count {
     pub(crate) position: i64,
     /// What the master's count has beyond the board's, modulo 2³².
     pub(crate) shift: i32,
-    /// The board counts the other way.
+    /// The board counts in the other direction.
     pub(crate) is_reversed: bool,
 }
 
@@ -250,7 +250,7 @@ pub(crate) struct Switches {
     levels: u8,
     /// 60FDh.
     word: u32,
-    /// Nothing is under way: the same levels with the same configuration change nothing.
+    /// Nothing is being filtered: the same levels with the same configuration change nothing.
     is_settled: bool,
 }
 
@@ -293,7 +293,7 @@ impl Switches {
             position,
             count,
             elapsed,
-            debounce: u32::from(configuration.debounce).wrapping_mul(1000),
+            debounce: u32::from(configuration.debounce) * 1000,
         };
         self.negative_limit
             .observe(configuration.negative_limit, true, &look);

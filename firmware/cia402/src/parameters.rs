@@ -12,7 +12,7 @@ pub(crate) use list::every_parameter;
 /// the parameter's name, and in no other.
 pub const PROFILE: u16 = 0x6000;
 
-/// Which way a value goes.
+/// Who gives a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// The drive reads it: a master sets it, or the data sheet does.
@@ -86,7 +86,7 @@ pub struct Description {
     pub unit: &'static str,
     /// The least and the largest number that mean something to the drive.
     pub range: (i64, i64),
-    /// Which way it goes.
+    /// Who gives it.
     pub direction: Direction,
 }
 

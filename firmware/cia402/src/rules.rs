@@ -15,7 +15,7 @@ use crate::profile;
 use crate::pulse_timing::PulseTiming;
 use crate::units::{Factors, SiUnit, Units};
 
-/// 60F2h: what relative set-points count from, and which way a rotary axis goes.
+/// 60F2h: what relative set-points count from, and in which direction a rotary axis goes.
 const POSITIONING_OPTIONS: i64 = 0b1100_0011;
 /// 607Eh: of positions and of velocities.
 const POLARITIES: i64 = 0b1100_0000;

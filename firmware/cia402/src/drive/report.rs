@@ -62,7 +62,7 @@ impl<D: Objects> Drive<D> {
             position_actual,
             velocity_demand,
             velocity_actual,
-            following_error: units.way_in_units(observed.following_error),
+            following_error: units.distance_in_units(observed.following_error),
             digital_inputs: self.switches.word(),
             referenced: self.motor.is_referenced(),
             homing_failure: self.modes.homing_failure(),

@@ -48,15 +48,15 @@ impl AnalogueInput {
     ) {
         self.raw = raw.min(LARGEST);
         let target = i32::from(self.raw) << FRACTION;
-        let time = u32::from(configuration.filter).wrapping_mul(1000);
+        let time = u32::from(configuration.filter) * 1000;
         self.smooth = Some(match self.smooth {
             Some(smooth) if time > elapsed => {
-                let distance = i64::from(target.wrapping_sub(smooth));
-                let step = distance
-                    .wrapping_mul(elapsed.into())
+                let distance = i64::from(target - smooth);
+                // The time is more than `elapsed`, so it is not 0.
+                let step = (distance * i64::from(elapsed))
                     .checked_div(time.into())
                     .unwrap_or(distance);
-                smooth.wrapping_add(step as i32)
+                smooth + step as i32
             }
             _ => target,
         });
@@ -76,9 +76,9 @@ impl AnalogueInput {
 /// A value of the converter with its fraction in millivolts, rounded to the nearest.
 fn millivolts(value: i32, configuration: &AnalogueConfiguration) -> i32 {
     const DIVISOR: i64 = (LARGEST as i64) << FRACTION;
-    let product = i64::from(value).wrapping_mul(configuration.full_scale.into());
+    let product = i64::from(value) * i64::from(configuration.full_scale);
     let half = if product < 0 { -DIVISOR } else { DIVISOR } / 2;
-    let scaled = product.wrapping_add(half) / DIVISOR;
+    let scaled = (product + half) / DIVISOR;
     let shifted = scaled.saturating_add(configuration.offset.into());
     let end = if shifted < 0 { i32::MIN } else { i32::MAX };
     i32::try_from(shifted).unwrap_or(end)
@@ -144,7 +144,7 @@ mod tests {
             }
             input.shown(&configuration).filtered
         };
-        // 1 - 1/e of the way after a time constant.
+        // 1 - 1/e of it after a time constant.
         assert!((6_250..6_400).contains(&after(50)));
         assert_eq!(after(1_000), 10_000);
     }

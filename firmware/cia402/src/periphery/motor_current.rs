@@ -15,7 +15,7 @@ pub const RAMP: u32 = 20_000;
 pub(crate) struct Motion {
     /// There is power.
     pub(crate) power: bool,
-    /// The motor stands, and nothing is on its way to it.
+    /// The motor stands, and no pulse is pending.
     pub(crate) standstill: bool,
     /// The velocity demand in steps/s.
     pub(crate) velocity: i32,
@@ -60,7 +60,7 @@ impl MotorCurrent {
                 currents.run
             };
         }
-        let delay = u32::from(currents.hold_delay).wrapping_mul(1000);
+        let delay = u32::from(currents.hold_delay) * 1000;
         if self.since_motion >= delay {
             return currents.hold;
         }

@@ -82,7 +82,7 @@ impl PowerStage {
             let hysteresis = i32::from(thresholds.temperature_hysteresis);
             let above = |was, threshold: i16| {
                 let back = if was { hysteresis } else { 0 };
-                i32::from(temperature) >= i32::from(threshold).wrapping_sub(back)
+                i32::from(temperature) >= i32::from(threshold) - back
             };
             self.over_temperature = above(self.over_temperature, thresholds.over_temperature);
             self.warnings.temperature =

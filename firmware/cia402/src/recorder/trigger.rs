@@ -5,7 +5,7 @@
 
 use super::Signal;
 
-/// Which way the value goes.
+/// The direction in which the value passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edge {
     /// From below the level to the level or above it.

@@ -239,14 +239,14 @@ impl Units {
         self.with_position_polarity(self.position.to_units(increments))
     }
 
-    /// Increments of a way or an offset, with its sign (60B0h).
+    /// Increments of a distance or an offset, with its sign (60B0h).
     #[inline]
-    pub fn way(&self, user: i32) -> i64 {
+    pub fn distance(&self, user: i32) -> i64 {
         self.position(user.into())
     }
 
-    /// A way in units of the user, with its sign (60F4h).
-    pub fn way_in_units(&self, increments: i32) -> i32 {
+    /// A distance in units of the user, with its sign (60F4h).
+    pub fn distance_in_units(&self, increments: i32) -> i32 {
         nearest(self.position_in_units(increments.into()))
     }
 

@@ -7,7 +7,7 @@ pub struct Range {
     high: i32,
 }
 
-/// Which way a rotary axis goes to an absolute target, 60F2h bits 7 and 6.
+/// In which direction a rotary axis goes to an absolute target, 60F2h bits 7 and 6.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rotation {
     /// 0: as on a linear axis, within the turn in which the axis stands. A target outside of the range is turns away.
@@ -16,12 +16,12 @@ pub enum Rotation {
     Negative,
     /// 2: in positive direction only.
     Positive,
-    /// 3: the short way; of two that are equally long the positive one.
+    /// 3: the shorter distance; of two that are equally long the positive one.
     Shortest,
 }
 
 impl Rotation {
-    /// The way that 60F2h asks for.
+    /// The direction that 60F2h asks for.
     pub const fn of(positioning_option: u16) -> Self {
         match positioning_option >> 6 & 3 {
             0 => Self::Linear,

@@ -113,9 +113,9 @@ fn scaled(value: i64, numerator: u64, denominator: u64) -> i64 {
     let scaled = match (u32::try_from(numerator), u32::try_from(denominator)) {
         // So it is with all but odd factors and far positions.
         (Ok(numerator), Ok(denominator)) if amount >> 32 == 0 => {
-            let product = (amount & u64::from(u32::MAX)).wrapping_mul(numerator.into());
+            let product = (amount & u64::from(u32::MAX)) * u64::from(numerator);
             let (whole, rest) = by_digit(product, denominator);
-            whole.saturating_add(u64::from(rest >= denominator.wrapping_sub(rest)))
+            whole.saturating_add(u64::from(rest >= denominator - rest))
         }
         _ => wide(amount, numerator, denominator),
     };
@@ -132,18 +132,18 @@ fn scaled(value: i64, numerator: u64, denominator: u64) -> i64 {
 fn fine(value: u32, numerator: u64, denominator: u64) -> u64 {
     match (u32::try_from(numerator), u32::try_from(denominator)) {
         (Ok(numerator), Ok(denominator)) => {
-            let product = u64::from(value).wrapping_mul(numerator.into());
+            let product = u64::from(value) * u64::from(numerator);
             let (whole, rest) = by_digit(product, denominator);
             let Ok(whole) = u32::try_from(whole) else {
                 return u64::MAX;
             };
             // The rest is less than the denominator, so this is one digit.
             let (part, rest) = by_digit(u64::from(rest) << 32, denominator);
-            let half = u64::from(rest >= denominator.wrapping_sub(rest));
-            (u64::from(whole) << 32).saturating_add(part.wrapping_add(half))
+            let half = u64::from(rest >= denominator - rest);
+            (u64::from(whole) << 32).saturating_add(part + half)
         }
         _ => {
-            let product = u128::from(value).wrapping_mul(u128::from(numerator));
+            let product = u128::from(value) * u128::from(numerator);
             let amount = quotient(product, 1, denominator.into());
             rounded(amount, product << 32, denominator.into())
         }
@@ -155,15 +155,15 @@ fn fine(value: u32, numerator: u64, denominator: u64) -> u64 {
 fn coarse(value: u64, numerator: u64, denominator: u64) -> u64 {
     match (u32::try_from(numerator), u32::try_from(denominator)) {
         (Ok(numerator), Ok(denominator)) => {
-            let low = (value & u64::from(u32::MAX)).wrapping_mul(numerator.into());
-            let high = (value >> 32).wrapping_mul(numerator.into());
-            let (whole, rest) = by_digit(high.wrapping_add(low >> 32), denominator);
+            let low = (value & u64::from(u32::MAX)) * u64::from(numerator);
+            let high = (value >> 32) * u64::from(numerator);
+            let (whole, rest) = by_digit(high + (low >> 32), denominator);
             // Behind the point only whether it is half or more can count.
             let twice = u64::from(rest) << 1 | (low >> 31 & 1);
             whole.saturating_add(u64::from(twice >= denominator.into()))
         }
         _ => {
-            let product = u128::from(value).wrapping_mul(u128::from(numerator));
+            let product = u128::from(value) * u128::from(numerator);
             let denominator = u128::from(denominator) << 32;
             rounded(quotient(product, 0, denominator), product, denominator)
         }
@@ -182,7 +182,7 @@ fn rounded(whole: u128, numerator: u128, denominator: u128) -> u64 {
 #[cold]
 #[inline(never)]
 fn wide(value: u64, numerator: u64, denominator: u64) -> u64 {
-    let product = u128::from(value).wrapping_mul(u128::from(numerator));
+    let product = u128::from(value) * u128::from(numerator);
     let whole = quotient(product, 0, denominator.into());
     // The remainder is less than the denominator: the lower half has all of it.
     let rest = (product as u64).wrapping_sub((whole as u64).wrapping_mul(denominator));

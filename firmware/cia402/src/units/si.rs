@@ -42,9 +42,9 @@ impl SiUnit {
     /// Whether a value names a unit of this kind: bits 31 to 24 a prefix from 10⁻¹² to 10¹², bits 23 to 16 a length, an angle,
     /// increments, steps or nothing, bits 15 to 8 the time that fits, bits 7 to 0 none. 0 is no name.
     pub fn is_named_by(self, value: u32) -> bool {
-        let [reserved, time, way, prefix] = value.to_le_bytes();
-        let is_way = matches!(
-            way,
+        let [reserved, time, length, prefix] = value.to_le_bytes();
+        let is_length = matches!(
+            length,
             NONE | METRE
                 | RADIAN
                 | GON
@@ -63,7 +63,8 @@ impl SiUnit {
             Self::Acceleration => time == SECOND_SQUARED,
             Self::Jerk => time == SECOND_CUBED,
         };
-        value == 0 || reserved == 0 && is_way && is_time && PREFIXES.contains(&prefix.cast_signed())
+        value == 0
+            || reserved == 0 && is_length && is_time && PREFIXES.contains(&prefix.cast_signed())
     }
 }
 

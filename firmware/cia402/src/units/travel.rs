@@ -13,7 +13,7 @@ use crate::configuration::{Configuration, PositionLimitOptions};
 pub(crate) struct Travel {
     /// In units of the user.
     pub(crate) user: (i64, i64),
-    /// In increments; with a polarity they are the other way round.
+    /// In increments; with a polarity they change places.
     pub(crate) increments: (i64, i64),
 }
 

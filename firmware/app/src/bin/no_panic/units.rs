@@ -41,8 +41,8 @@ pub fn units() {
     };
     look_at(units.position(any_i64()));
     look_at(units.position_in_units(any_i64()));
-    look_at(units.way(any_i32()));
-    look_at(units.way_in_units(any_i32()).into());
+    look_at(units.distance(any_i32()));
+    look_at(units.distance_in_units(any_i32()).into());
     look_at(units.velocity(any_i32()).bits());
     look_at(
         units

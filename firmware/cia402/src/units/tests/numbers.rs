@@ -197,7 +197,7 @@ proptest! {
             let signed = number.cast_signed();
             units.velocity(signed);
             units.velocity_in_units(signed.into());
-            units.way_in_units(signed);
+            units.distance_in_units(signed);
         }
         for number in [i32::MIN, i32::MAX, number.cast_signed()] {
             let increments = units.position(number.into());
