@@ -482,8 +482,11 @@ impl<D: Dictionary> Node<D> {
             }
             deadline = earlier(deadline, self.services.heartbeat.deadline());
         }
-        deadline = earlier(deadline, self.services.emergency.poll(now));
-        self.services.timers_changed |= self.services.emergency.needs_time();
+        if self.services.emergency.needs_time() || self.services.emergency.holds_back() {
+            deadline = earlier(deadline, self.services.emergency.poll(now));
+            // The inhibit time of a message that waits for the bus begins when it has left: it is looked at every time.
+            self.services.timers_changed |= self.services.emergency.needs_time();
+        }
         deadline
     }
 

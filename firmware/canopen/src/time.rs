@@ -29,6 +29,7 @@ pub(crate) const fn earlier(first: Instant, second: Instant) -> Instant {
 
 /// When a span ends that has begun before, now that its length is another one. The beginning of time stands for a span that
 /// never began.
+#[inline(never)]
 pub(crate) const fn with_length(end: Instant, old: Duration, new: Duration) -> Instant {
     if end.ticks() == 0 {
         return end;

@@ -275,7 +275,7 @@ impl<C: Counts> Services<C> {
 
     /// A message may wait, and the errors may be mapped.
     fn errors_changed(&mut self) {
-        self.timers_changed = true;
+        self.timers_changed |= self.emergency.needs_time() || self.emergency.holds_back();
         self.values_changed |= self.errors_are_watched;
     }
 

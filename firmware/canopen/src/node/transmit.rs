@@ -145,12 +145,13 @@ impl<D: Dictionary> Node<D> {
     /// one of higher priority shall go first) cannot be put back here.
     #[inline]
     pub fn transmit<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
-        if self.is_mute {
-            return None;
-        }
-        match self.waiting() {
-            0 => None,
-            waiting => self.transmit_one(self.first(waiting), application),
+        let may_wait = self.queue.waiting != 0
+            || self.services.tpdos.is_pending()
+            || self.services.emergency.is_pending();
+        if may_wait && !self.is_mute {
+            self.transmit_one(application)
+        } else {
+            None
         }
     }
 
@@ -248,17 +249,18 @@ impl<D: Dictionary> Node<D> {
 
     /// The frame of what waits. PDOs and answers leave by a short way.
     #[inline(never)]
-    fn transmit_one<A: Application<D>>(
-        &mut self,
-        first: u16,
-        application: &mut A,
-    ) -> Option<Frame> {
+    fn transmit_one<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
+        let waiting = self.waiting();
+        // What is sent often, alone.
+        if waiting == waiting::PDO {
+            return self.take_pdo();
+        }
+        if waiting == waiting::ANSWER {
+            return self.take_answer(application);
+        }
+        let first = self.first(waiting);
         match first {
-            waiting::PDO => {
-                let frame = self.services.tpdos.take();
-                self.services.values_changed |= self.services.tpdos.needs_time();
-                frame
-            }
+            waiting::PDO => self.take_pdo(),
             waiting::ANSWER => self.take_answer(application),
             waiting::EMERGENCY => {
                 self.services.timers_changed |= self.services.emergency.needs_time();
@@ -267,6 +269,14 @@ impl<D: Dictionary> Node<D> {
             waiting::LSS => self.queue.take_lss(),
             _ => Some(self.take_seldom(first)),
         }
+    }
+
+    /// The PDO to send first; its inhibit time begins with the next [`Node::poll`].
+    #[inline]
+    fn take_pdo(&mut self) -> Option<Frame> {
+        let frame = self.services.tpdos.take();
+        self.services.values_changed |= self.services.tpdos.needs_time();
+        frame
     }
 
     /// The frame of what has one place, now empty.

@@ -34,6 +34,7 @@ impl History {
     }
 
     /// Looks it up. A sub-index that does not lie behind the one before it ends the field.
+    #[inline(never)]
     pub(super) fn configure<D: Dictionary>(&mut self) {
         *self = Self::new();
         let mut places =

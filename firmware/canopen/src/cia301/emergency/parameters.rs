@@ -61,6 +61,7 @@ impl Producer {
         }
     }
 
+    #[inline(never)]
     fn configure_inhibit_time<D: Dictionary>(&mut self, dictionary: &D) {
         let units = od::read_u16(dictionary, INHIBIT_TIME, 0).unwrap_or(0);
         self.queue

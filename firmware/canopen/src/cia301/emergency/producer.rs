@@ -137,6 +137,12 @@ impl Producer {
         self.queue.needs_time()
     }
 
+    /// Whether [`Producer::poll`] may have something to release.
+    #[inline]
+    pub fn holds_back(&self) -> bool {
+        self.queue.holds_back()
+    }
+
     /// The identifier of its messages; `None` while it is switched off.
     pub const fn cob_id(&self) -> Option<u16> {
         self.queue.cob_id()

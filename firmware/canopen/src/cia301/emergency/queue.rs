@@ -88,6 +88,7 @@ impl EmergencyQueue {
 
     /// Adds a message, unless the producer is switched off. The oldest one makes room for it in a full queue: the last
     /// message that the master gets always has the present error register.
+    #[inline(never)]
     pub(super) fn push(&mut self, message: [u8; 8], now: Instant) {
         if self.cob_id.is_none() {
             return;
@@ -126,6 +127,12 @@ impl EmergencyQueue {
     /// and once when it has left.
     pub(super) const fn needs_time(&self) -> bool {
         self.released > 0 && self.inhibit_time.ticks() != 0
+    }
+
+    /// Whether a message is held back.
+    #[inline]
+    pub(super) fn holds_back(&self) -> bool {
+        self.released != self.messages.len()
     }
 
     /// Whether a message may be sent now. None waits while the producer is switched off.

@@ -85,6 +85,7 @@ impl Unused for Consumer {
 }
 
 impl Consumer {
+    #[inline(never)]
     fn new(value: u32) -> Self {
         match watched(value) {
             Some((node_id, time)) => Self {

@@ -34,6 +34,8 @@ pub struct Receive<S, M> {
     pdos: S,
     is_operational: bool,
     circumstances: Circumstances,
+    /// Whether two PDOs have the same COB-ID.
+    has_twins: bool,
     /// Whether a PDO waits for SYNC.
     has_synchronous: bool,
     objects: PhantomData<M>,
@@ -50,6 +52,7 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
                 has_news: false,
                 node_id: 0,
             },
+            has_twins: false,
             has_synchronous: false,
             objects: PhantomData,
         }
@@ -130,6 +133,13 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
             pdo.watch(places);
             self.has_synchronous |= pdo.is_synchronous();
         }
+        let mut rest = self.pdos.as_ref();
+        self.has_twins = false;
+        while let [pdo, others @ ..] = rest {
+            let is_twin = |other: &ReceivePdo<M>| other.cob_id() == pdo.cob_id();
+            self.has_twins |= pdo.cob_id() != 0 && others.iter().any(is_twin);
+            rest = others;
+        }
     }
 
     /// A data frame with an 11-bit identifier arrived; `now` is when. [`Receive::report`] may have something to tell afterwards.
@@ -157,6 +167,9 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
                 None => pdo.receive(frame, now, circumstances, dictionary, application),
             };
             received = received.and(of_this);
+            if !self.has_twins {
+                break;
+            }
         }
         received
     }

@@ -65,8 +65,9 @@ pub struct Transmit<S, M> {
     lowest: u16,
     /// The PDO that it belongs to, 0 for the first.
     lowest_number: u16,
-    /// Whether there are PDOs to look at when values may have changed, or time has passed.
-    is_watching: bool,
+    /// How many are looked at when values may have changed or time has passed, and how many wait for SYNC.
+    watching: u16,
+    synchronous: u16,
     /// An inhibit time is to begin.
     needs_time: bool,
     /// Synchronous PDOs wait for the SYNC that they answer.
@@ -84,7 +85,8 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
             is_operational: false,
             lowest: NOT_IN_USE,
             lowest_number: 0,
-            is_watching: false,
+            watching: 0,
+            synchronous: 0,
             needs_time: false,
             follows_sync: false,
             node_id: 0,
@@ -107,10 +109,16 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         self.find_lowest();
     }
 
-    /// Finds out whether there is something to look at.
+    /// Counts who looks at what.
+    #[inline(never)]
     fn count(&mut self) {
-        let mut pdos = self.pdos.as_ref().iter();
-        self.is_watching = pdos.any(|pdo| pdo.watch() != Watch::No);
+        (self.watching, self.synchronous) = (0, 0);
+        for pdo in self.pdos.as_ref() {
+            let is_watched = pdo.watch() != Watch::No;
+            self.watching = self.watching.saturating_add(is_watched.into());
+            let is_synchronous = pdo.is_synchronous();
+            self.synchronous = self.synchronous.saturating_add(is_synchronous.into());
+        }
     }
 
     /// The places in RAM that event-driven PDOs look at for changes, as one range.
@@ -186,7 +194,8 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
     /// A SYNC arrived, with this counter if it has one: the synchronous PDOs that are due take the present values. Called before
     /// [`super::Receive::on_sync`].
     pub fn on_sync<D: Dictionary>(&mut self, counter: Option<u8>, dictionary: &D) {
-        if !self.is_operational {
+        let mut left = self.synchronous;
+        if !self.is_operational || left == 0 {
             return;
         }
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
@@ -198,6 +207,10 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
             if is_sent && !self.follows_sync && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
                 self.lowest_number = number;
+            }
+            left = left.saturating_sub(1);
+            if left == 0 {
+                break;
             }
         }
     }
@@ -241,7 +254,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
     /// Whether a change of a value, or time, may cause one to be sent.
     #[inline]
     pub const fn is_watching(&self) -> bool {
-        self.is_operational && self.is_watching
+        self.is_operational && self.watching != 0
     }
 
     /// Looks for changes and timers that have run out. Called whenever values may have changed; returns when it wants to be
@@ -251,7 +264,11 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         if !self.is_operational {
             return NEVER;
         }
+        let mut left = self.watching;
         let mut deadline = NEVER;
+        if left == 0 {
+            return deadline;
+        }
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
             match pdo.watch() {
                 Watch::No => continue,
@@ -266,6 +283,10 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
             if may_leave && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
                 self.lowest_number = number;
+            }
+            left = left.saturating_sub(1);
+            if left == 0 {
+                break;
             }
         }
         deadline

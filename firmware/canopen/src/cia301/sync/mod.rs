@@ -230,6 +230,7 @@ impl Sync {
     }
 
     /// The next SYNC is due one period from now, and missed after one and a half.
+    #[inline(never)]
     fn restart(&mut self, now: Instant) {
         let period = self.period.ticks();
         let patience = if self.is_producer {
