@@ -324,6 +324,18 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         }
     }
 
+    /// Posts what is set up.
+    #[cold]
+    #[inline(never)]
+    fn configure<X: Share>(&mut self, exchange: &mut X) {
+        let dictionary = self.node.dictionary();
+        let mut configuration = Configuration::of(dictionary);
+        configuration.cyclic.cycle = od::read_u32(dictionary, sync::PERIOD, 0).unwrap_or_default();
+        configuration.cyclic.is_measured = !self.hooks.has_period();
+        self.hooks.set_units(configuration.units);
+        exchange.lock(|exchange| exchange.configure(&configuration));
+    }
+
     /// Posts commands if something has changed.
     fn post<X: Share>(&mut self, exchange: &mut X) {
         self.follow_network(exchange);
@@ -338,13 +350,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             },
         };
         if self.hooks.take_configured() {
-            let dictionary = self.node.dictionary();
-            let mut configuration = Configuration::of(dictionary);
-            configuration.cyclic.cycle =
-                od::read_u32(dictionary, sync::PERIOD, 0).unwrap_or_default();
-            configuration.cyclic.is_measured = !self.hooks.has_period();
-            self.hooks.set_units(configuration.units);
-            exchange.lock(|exchange| exchange.configure(&configuration));
+            self.configure(exchange);
         }
         if D::DRIVE.scope
             && let Some(orders) = self.hooks.desk.take_orders()

@@ -153,7 +153,7 @@ impl<D: Objects> Drive<D> {
         self.run(true, (now, inputs), pulses, exchange)
     }
 
-    /// The steps of a tick.
+    /// The steps of a tick. The large ones are out of line, and so are the modes: no function is above 4 kB, and none comes twice.
     fn run<S: PulseSink, X: Share>(
         &mut self,
         is_early: bool,
@@ -203,6 +203,7 @@ impl<D: Objects> Drive<D> {
     }
 
     /// What has come from the network since the last tick.
+    #[inline(never)]
     fn take<X: Share>(&mut self, is_early: bool, exchange: &mut X) -> Waiting {
         let waiting = exchange.lock(|exchange| {
             if is_early {
@@ -335,6 +336,7 @@ impl<D: Objects> Drive<D> {
     }
 
     /// Compares what the motor does with what it should.
+    #[inline(never)]
     fn watch_motor(&mut self, tick: &Tick<'_>) {
         let (demand, is_counted) = (self.motor.demand(), tick.inputs.slack == 0);
         if !self.power {
@@ -396,6 +398,7 @@ impl<D: Objects> Drive<D> {
     }
 
     /// Publishes what the tick has made of the drive. Returns the statusword.
+    #[inline(never)]
     fn publish<X: Share>(
         &mut self,
         tick: &Tick<'_>,

@@ -24,6 +24,7 @@ impl<D: Objects> Drive<D> {
     }
 
     /// The mode of operation. Returns its bits of the statusword.
+    #[inline(never)]
     pub(super) fn operate(
         &mut self,
         tick: &Tick<'_>,

@@ -59,11 +59,9 @@ impl<D: Objects> Drive<D> {
 
     /// Whether the motor turns longer than it may.
     pub(super) fn is_overdue(&self, now: Instant) -> bool {
-        let longest = u64::from(self.configuration.longest_stop).saturating_mul(1_000);
-        self.stopping
-            .own_stop
-            .and_then(|since| now.checked_duration_since(since))
-            .is_some_and(|span| span.ticks() >= longest)
+        let longest = u64::from(self.configuration.longest_stop) * 1_000;
+        let since = self.stopping.own_stop;
+        since.is_some_and(|since| now.ticks().saturating_sub(since.ticks()) >= longest)
     }
 
     /// Whether the state may end by itself: a transmit PDO has shown it, or nobody has come to do so for long.

@@ -10,6 +10,7 @@ use crate::state_machine::{Conditions, State, Transition};
 
 impl<D: Objects> Drive<D> {
     /// Faults, then the state machine, then what a transition does to the motor.
+    #[inline(never)]
     pub(super) fn change_state(&mut self, tick: &Tick<'_>, command: Option<Command>) {
         let now = tick.now;
         let both_limits = self.switches.both_limits();

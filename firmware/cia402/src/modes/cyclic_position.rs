@@ -42,6 +42,7 @@ impl CyclicPosition {
     }
 
     /// One control tick; returns statusword bits 10 to 12.
+    #[inline(never)]
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         if context.is_held() {
             if !self.held {

@@ -312,6 +312,7 @@ impl Following {
     }
 
     /// The distance within all limits. Set-points are `pace` apart, and `most` is the longest distance allowed.
+    #[inline(never)]
     fn allowed(
         &mut self,
         need: i64,

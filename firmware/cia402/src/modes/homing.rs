@@ -125,6 +125,7 @@ impl Homing {
     }
 
     /// One control tick; returns statusword bits 10 to 13.
+    #[inline(never)]
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let begins = core::mem::replace(&mut self.begins, false);
         if begins && context.motor.is_referenced() && !context.configuration.homing.starts_afresh()

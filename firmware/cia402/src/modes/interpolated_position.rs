@@ -49,6 +49,7 @@ impl InterpolatedPosition {
     }
 
     /// One control tick; returns statusword bits 10 to 12.
+    #[inline(never)]
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let is_enabled = context.commands.controlword & ENABLE != 0;
         if context.is_held() || !is_enabled {

@@ -146,6 +146,7 @@ impl ProfilePosition {
     }
 
     /// One control tick; returns statusword bits 10 to 12.
+    #[inline(never)]
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let controlword = context.commands.controlword;
         let was_held = self.held;

@@ -55,6 +55,7 @@ impl ProfileVelocity {
     }
 
     /// One control tick; returns statusword bits 10 to 13.
+    #[inline(never)]
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         let asked = context.commands.target_velocity;
         let (limits, is_cut) = context.within(Limits {

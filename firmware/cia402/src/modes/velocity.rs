@@ -70,6 +70,7 @@ impl Velocity {
     }
 
     /// One control tick; returns statusword bits 10 and 11.
+    #[inline(never)]
     pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
         self.read(context);
         let before = self.control;
