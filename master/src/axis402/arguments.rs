@@ -14,7 +14,7 @@ use crate::{Identity, NmtCommand};
 
 /// A CANopen master for real buses: find devices, number them by LSS, read and write their objects, watch the traffic.
 #[derive(Debug, Parser)]
-#[command(name = "axis402", version, about)]
+#[command(name = "axis402", version)]
 pub(super) struct CommandLine {
     #[command(flatten)]
     pub(super) bus: Bus,
