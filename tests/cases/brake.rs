@@ -7,7 +7,7 @@ use sim::plant::Axis;
 use tests::DriveBench;
 use tests::drive::{OPERATION_ENABLED, SWITCHED_ON, TARGET_REACHED};
 
-/// The motor gives way so far under its load, in steps.
+/// The motor yields so far under its load, in steps.
 const PLAY: i64 = 16;
 
 /// The ready axis `name`.
@@ -125,8 +125,8 @@ fn every_ready_axis_works_as_it_is() {
         drive.begin_move(2_000);
         drive.reaches_target(5_000);
         drive.run_millis(100);
-        let way = drive.axis().plant().rotor() - start;
-        assert!((way - 2_000).abs() <= PLAY, "{name}: {way}");
+        let distance = drive.axis().plant().rotor() - start;
+        assert!((distance - 2_000).abs() <= PLAY, "{name}: {distance}");
         drive.reaches(OPERATION_ENABLED, 1);
         assert_eq!(drive.read_u16(0x603F, 0), 0, "{name}");
     }

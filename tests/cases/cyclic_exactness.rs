@@ -360,8 +360,8 @@ proptest! {
         // Half a turn is more than the motor is behind the set-points of the master.
         let cycle = i64::try_from(following.cycle).unwrap();
         let (steps, per) = units.ratio();
-        let way = i64::try_from(i128::from(fastest * cycle / 1_000_000) * per / steps).unwrap() + 2;
-        let size = way * size;
+        let distance = i64::try_from(i128::from(fastest * cycle / 1_000_000) * per / steps).unwrap() + 2;
+        let size = distance * size;
         let low = -size * share / 100;
         let ends = [low, low + size].map(|end| i32::try_from(end).unwrap());
         let units = Units { range: Some(ends.into()), ..units };

@@ -90,14 +90,14 @@ impl Walk {
     /// To a position with so many increments in each period; it begins and ends on a ramp of 1 a period.
     fn go(&mut self, target: i32, pace: i32) {
         let sign = (target - self.at).signum();
-        let mut way = 0;
+        let mut speed = 0;
         while self.at != target {
             let left = (target - self.at).abs();
-            way = (way + 1).min(pace);
-            while way * (way + 1) / 2 > left {
-                way -= 1;
+            speed = (speed + 1).min(pace);
+            while speed * (speed + 1) / 2 > left {
+                speed -= 1;
             }
-            self.step(self.at + way * sign);
+            self.step(self.at + speed * sign);
         }
     }
 
@@ -312,8 +312,11 @@ fn m60_a_following_error_in_cyclic_modes_stops_as_605eh_says() {
         for _ in 0..300 {
             walk.step(walk.at + 20);
         }
-        let way = walk.position() - begin;
-        assert!((ramp - 50..=ramp + 50).contains(&way), "{what}: {way}");
+        let distance = walk.position() - begin;
+        assert!(
+            (ramp - 50..=ramp + 50).contains(&distance),
+            "{what}: {distance}"
+        );
         assert!(FAULT.is_shown_by(walk.master.drive.statusword()), "{what}");
         assert!(walk.master.has(FOLLOWING_ERROR), "{what}");
         assert_eq!(walk.master.drive.read_u16(0x603F, 0), 0x8611, "{what}");
@@ -330,7 +333,7 @@ fn m60_a_following_error_in_cyclic_modes_stops_as_605eh_says() {
 #[test]
 fn m44_a_stop_out_of_cyclic_position_ends_before_the_software_limit() {
     type Stops = fn(&mut Master);
-    let ways: [(&str, Stops); 4] = [
+    let stops: [(&str, Stops); 4] = [
         ("halt", |master| master.controlword = 0x010F),
         ("disable operation", |master| master.controlword = 0x0007),
         ("605Ah = 1", |master| master.controlword = 0x0002),
@@ -339,7 +342,7 @@ fn m44_a_stop_out_of_cyclic_position_ends_before_the_software_limit() {
             master.drive.send_frame(Frame::data_frame(0x604, &mode));
         }),
     ];
-    for (what, stops) in ways {
+    for (what, stops) in stops {
         let mut master = Master::new(8, 1_000);
         master.drive.write_i32(0x607D, 1, -10_000);
         master.drive.write_i32(0x607D, 2, 10_000);
@@ -379,7 +382,7 @@ fn ramp(cycle: u64, acceleration: f64, velocity: f64, unit: i32) -> Vec<i32> {
 
 #[test]
 fn m39_set_points_within_60c5h_and_60c6h_are_followed_exactly() {
-    // Whole increments change the way of a millisecond by many times what 60C5h allows.
+    // Whole increments change the distance of a millisecond by many times what 60C5h allows.
     for (cycle, acceleration, velocity, unit) in [
         (1_000, 2_000.0, 300.0, 1),
         (1_000, 100_000.0, 20_000.0, 1),

@@ -154,7 +154,7 @@ impl Master {
     }
 }
 
-/// The greatest change of 6064h's way from one cycle to the next.
+/// The greatest change of 6064h's distance from one cycle to the next.
 pub(crate) fn hardest(shown: &[i32]) -> i32 {
     let bend = |three: &[i32]| (three[2] - 2 * three[1] + three[0]).abs();
     shown.windows(3).map(bend).max().unwrap()

@@ -28,7 +28,7 @@ fn master(cycle: u64, is_cubic: bool, lost: u8) -> Master {
 }
 
 /// How far the motor is from one sample to a later one, and the microseconds in between.
-fn way(from: &MotionSample, to: &MotionSample) -> (i64, i64) {
+fn distance(from: &MotionSample, to: &MotionSample) -> (i64, i64) {
     let time = (to.at - from.at).ticks().cast_signed();
     (to.position - from.position, time)
 }
@@ -37,10 +37,10 @@ fn way(from: &MotionSample, to: &MotionSample) -> (i64, i64) {
 fn is_within_607fh(samples: &[MotionSample]) -> Result<(), String> {
     for (first, from) in samples.iter().enumerate() {
         for to in samples.iter().skip(first + 1).take(40) {
-            let (way, time) = way(from, to);
+            let (distance, time) = distance(from, to);
             let most = FASTEST * time / 1_000_000 + 2;
-            if way.abs() > most {
-                return Err(format!("{way} in {time} us from {:?}", from.at));
+            if distance.abs() > most {
+                return Err(format!("{distance} in {time} us from {:?}", from.at));
             }
         }
     }
@@ -54,16 +54,16 @@ fn position_at(samples: &[MotionSample], time: i64) -> i64 {
     let (Some(from), Some(to)) = (samples.get(behind - 1), samples.get(behind)) else {
         return samples[samples.len() - 1].position;
     };
-    let (way, length) = way(from, to);
+    let (distance, length) = distance(from, to);
     let since = time - (from.at - samples[0].at).ticks() as i64;
-    from.position + way * since / length
+    from.position + distance * since / length
 }
 
-/// The way of 40 ms never differs from that of the 40 ms before by more than the ramp leads, where a set-point may take 60 ms
+/// The distance of 40 ms never differs from that of the 40 ms before by more than the ramp leads, where a set-point may take 60 ms
 /// as long as the period gets longer.
 fn is_on_the_ramp(samples: &[MotionSample]) -> Result<(), String> {
     const SPAN: i64 = 40_000;
-    let end = way(&samples[0], &samples[samples.len() - 1]).1;
+    let end = distance(&samples[0], &samples[samples.len() - 1]).1;
     let most = RAMP * SPAN / 1_000_000 * (SPAN + 60_000) / 1_000_000 + 4;
     for time in (0..end - 2 * SPAN).step_by(1_000) {
         let [a, b, c] = [0, SPAN, 2 * SPAN].map(|span| position_at(samples, time + span));
@@ -117,12 +117,12 @@ fn play(master: &mut Master, doings: &[Doing], mut target: i32) -> i32 {
     for doing in doings {
         let off = master.jitter();
         match *doing {
-            Doing::Gives(way) => {
-                target += way;
+            Doing::Gives(distance) => {
+                target += distance;
                 master.cycle(target, off);
             }
-            Doing::IsLate(way) => {
-                target += way;
+            Doing::IsLate(distance) => {
+                target += distance;
                 master.sync(off);
                 master.set_point(target);
             }

@@ -9,12 +9,12 @@ use crate::cyclic_master::{FOLLOWS, Master, expedited_sub, hardest, latency};
 /// A motion to and fro: `most` increments in a cycle at its fastest.
 fn to_and_fro(most: i32) -> impl Iterator<Item = i32> {
     (0..400).scan(0, move |target, k| {
-        let way = match k % 200 {
+        let distance = match k % 200 {
             up @ 0..50 => most * up / 50,
             50..100 => most,
             down => most - most * (down - 100) / 50,
         };
-        *target += way;
+        *target += distance;
         Some(*target)
     })
 }
@@ -84,7 +84,7 @@ fn m63_the_speed_of_the_pulses_ripples_by_less_than_half_a_percent_while_sync_ji
     const SPEED: i64 = 150;
     for cycle in [1_000, 2_000, 4_000] {
         let mut master = Master::new(8, cycle);
-        let way = i32::try_from(cycle / 1_000).unwrap() * SPEED as i32;
+        let distance = i32::try_from(cycle / 1_000).unwrap() * SPEED as i32;
         // It sets out at full speed.
         master.drive.write_u32(0x60C5, 0, u32::MAX);
         master.drive.write_u32(0x60C6, 0, u32::MAX);
@@ -95,18 +95,18 @@ fn m63_the_speed_of_the_pulses_ripples_by_less_than_half_a_percent_while_sync_ji
         master.drive.record_motion();
         for k in 1..=600 {
             let off = master.jitter();
-            master.cycle(k * way, off);
+            master.cycle(k * distance, off);
         }
         let samples = master.drive.axis().motion_samples();
         // Set-points that move apart by 4.5 us; and a pulse is there or not, at each end.
         let cruise = &samples[100..samples.len() - 20];
         for pair in cruise.windows(2) {
             let time = (pair[1].at - pair[0].at).ticks().cast_signed();
-            let way = (pair[1].position - pair[0].position) * 1_000;
+            let distance = (pair[1].position - pair[0].position) * 1_000;
             let even = SPEED * time;
             let most = 1_000 + even * 45 / (10 * cycle.cast_signed());
-            let off = (way - even).abs();
-            assert!(off <= most, "{cycle} us: {way} in place of {even}");
+            let off = (distance - even).abs();
+            assert!(off <= most, "{cycle} us: {distance} in place of {even}");
         }
     }
 }
@@ -166,7 +166,7 @@ fn m62_a_first_target_that_607fh_would_allow_in_one_period_is_caught_up_with_on_
     master.steps([900; 100]);
     assert_eq!(master.drive.position(), 900);
     assert!(master.has(FOLLOWS) && !master.has(INTERNAL_LIMIT));
-    // 100,000 increments/s² change the way of 10 ms by 10, and pulses are whole.
+    // 100,000 increments/s² change the distance of 10 ms by 10, and pulses are whole.
     let change = hardest(&master.shown);
     assert!(change <= 12, "6083h: {change}");
 }

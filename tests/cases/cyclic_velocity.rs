@@ -87,7 +87,7 @@ fn m19_cyclic_velocity_in_motion_awaits_its_set_points_as_the_mode_before() {
     let mut master = Master::new(8, 1_000);
     master.steps([0; 100]);
     master.steps((1..=200).map(|k| k * 20));
-    // No 60FFh comes: the motor is stopped, and on a ramp. 1,000,000 increments/s² change the way of 1 ms by 1.
+    // No 60FFh comes: the motor is stopped, and on a ramp. 1,000,000 increments/s² change the distance of 1 ms by 1.
     let mode = Frame::data_frame(0x604, &[0x2F, 0x60, 0x60, 0, 9, 0, 0, 0]);
     master.shown.clear();
     master.drive.send_frame(mode);
@@ -164,15 +164,15 @@ fn m43_cyclic_velocity_entered_at_rest_stands_until_sync_brings_a_set_point() {
     command(&mut master, 1_000);
     cycles(&mut master, 1_000);
     assert!(master.has(FOLLOWS));
-    let way = master.drive.position();
-    assert!((950..=1_000).contains(&way), "{way}");
+    let distance = master.drive.position();
+    assert!((950..=1_000).contains(&distance), "{distance}");
 }
 
-/// Writes of 607Ah and 60FFh without SYNC are the beat of the modes that go by one, and of no other: a master that changes a target now and
+/// Writes of 607Ah and 60FFh without SYNC are sync events of the modes that go by them, and of no other: a master that changes a target now and
 /// then does not lock the drive to that, nor does what such a mode has begun outlive it.
 #[test]
-fn m65_writes_without_sync_are_a_beat_in_the_cyclic_modes_alone() {
-    /// The period of the beat (2050h:2), 0 for none, behind 40 writes 4 ms apart.
+fn m65_writes_without_sync_are_sync_events_in_the_cyclic_modes_alone() {
+    /// The period of sync events (2050h:2), 0 for none, behind 40 writes 4 ms apart.
     fn period_of_writes(drive: &mut DriveBench, index: u16) -> u32 {
         for _ in 0..40 {
             drive.send_frame(Frame::data_frame(0x604, &expedited(index, 0)));
@@ -189,20 +189,23 @@ fn m65_writes_without_sync_are_a_beat_in_the_cyclic_modes_alone() {
     ] {
         let mut drive = DriveBench::started(4);
         drive.write_u8(0x60C2, 1, 4);
-        for (mode, is_beat) in [(mode, false), (cyclic, true), (mode, false)] {
+        for (mode, is_event) in [(mode, false), (cyclic, true), (mode, false)] {
             drive.write_u8(0x6060, 0, mode);
             drive.enable();
             let period = period_of_writes(&mut drive, index);
             let case = format!("{index:X}h in mode {mode}: {period} ns");
-            if is_beat {
+            if is_event {
                 assert!(period.abs_diff(4_000_000) < 200_000, "{case}");
             } else {
                 assert_eq!(period, 0, "{case}");
             }
             let tick = drive.axis().actuals().at;
             drive.run_millis(1);
-            let beat = (drive.axis().actuals().at - tick).ticks();
-            assert!(is_beat || beat == 1_000, "the tick of mode {mode}: {beat}");
+            let since = (drive.axis().actuals().at - tick).ticks();
+            assert!(
+                is_event || since == 1_000,
+                "the tick of mode {mode}: {since}"
+            );
             drive.command(0x00);
             drive.reaches(SWITCH_ON_DISABLED, 100);
         }

@@ -95,18 +95,18 @@ fn m42_606ch_of_a_motor_that_is_stuck_is_0_whatever_the_period_of_sync() {
         drive.write_u32(0x6065, 0, u32::MAX);
         let mut master = Master::of(drive, 8, cycle);
         master.steps([0; 100]);
-        let way = i32::try_from(cycle / 100).unwrap();
+        let distance = i32::try_from(cycle / 100).unwrap();
         for k in 1..=200 {
-            master.steps([k * way]);
+            master.steps([k * distance]);
             let actuals = master.drive.axis().actuals();
-            if master.drive.position() == 1_000 && actuals.following_error > 16 * way {
+            if master.drive.position() == 1_000 && actuals.following_error > 16 * distance {
                 assert_eq!(actuals.velocity_demand, 10_000);
                 let shown = actuals.velocity_actual;
                 assert!(shown.abs() <= 100, "{cycle} us: {shown}");
             }
         }
         assert!(
-            master.drive.read_i32(0x60F4, 0) > 100 * way / 2,
+            master.drive.read_i32(0x60F4, 0) > 100 * distance / 2,
             "{cycle} us"
         );
     }

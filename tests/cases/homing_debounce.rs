@@ -196,7 +196,7 @@ proptest! {
         seed: u64,
     ) {
         let method = if which < 14 { which + 1 } else { which + 3 };
-        // In percent of the way from an edge to where the motor comes to rest behind it.
+        // In percent of the distance from an edge to where the motor comes to rest behind it.
         let (v, a) = (u64::from(search), u64::from(acceleration));
         let rests = v * u64::from(debounce) / 1_000 + v * v / (2 * a);
         let width = i64::from(2 * hysteresis + 2).max((rests * width / 100).min(8_000) as i64);

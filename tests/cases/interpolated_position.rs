@@ -118,8 +118,8 @@ fn m68_a_command_to_leave_that_is_taken_back_leaves_no_record() {
     for _ in 0..50 {
         master.sync(0);
     }
-    let way = master.drive.position() - position;
-    assert!((0..250).contains(&way), "it stops: {way}");
+    let distance = master.drive.position() - position;
+    assert!((0..250).contains(&distance), "it stops: {distance}");
     assert!(OPERATION_ENABLED.is_shown_by(master.drive.statusword()));
 }
 
@@ -151,7 +151,7 @@ fn ahead_with_an_end() -> Master {
 #[test]
 fn m68_bit_4_stops_in_motion_on_the_ramp_of_605dh_and_enabled_again_the_records_go_on() {
     // 6084h and 6085h, in increments/s²: 2,000 increments/s are left in 100 ms or in 10 ms.
-    for (option, ways) in [(1, 80..=125), (2, 5..=35)] {
+    for (option, distances) in [(1, 80..=125), (2, 5..=35)] {
         for halt in [false, true] {
             let mut master = ahead_with_an_end();
             master.drive.write_u32(0x6084, 0, 20_000);
@@ -164,8 +164,11 @@ fn m68_bit_4_stops_in_motion_on_the_ramp_of_605dh_and_enabled_again_the_records_
                 master.sync(0);
             }
             let stands = master.drive.position();
-            let way = stands - begin;
-            assert!(ways.contains(&way), "605Dh = {option}: {way}");
+            let distance = stands - begin;
+            assert!(
+                distances.contains(&distance),
+                "605Dh = {option}: {distance}"
+            );
             assert!(!master.has(FOLLOWS));
             assert_eq!(master.has(1 << 10), halt, "bit 10");
             let left = master.drive.read_u16(0x60C4, 4);
@@ -188,7 +191,7 @@ fn m68_bit_4_stops_in_motion_on_the_ramp_of_605dh_and_enabled_again_the_records_
             }
             assert!(master.has(FOLLOWS));
             assert_eq!(master.drive.position(), 29 * 20);
-            // 100,000 increments/s² change the way of 10 ms by 10, and pulses are whole. The records themselves end all at once.
+            // 100,000 increments/s² change the distance of 10 ms by 10, and pulses are whole. The records themselves end all at once.
             let change = hardest(&master.shown[..15]);
             assert!(change <= 12, "6083h: {change}");
             assert!(OPERATION_ENABLED.is_shown_by(master.drive.statusword()));
@@ -228,8 +231,8 @@ fn without_sync() -> DriveBench {
     drive
 }
 
-/// The way in each 10 ms from when the motor begins to when it has made its last step.
-fn ways(drive: &mut DriveBench) -> Vec<i64> {
+/// The distance in each 10 ms from when the motor begins to when it has made its last step.
+fn distances(drive: &mut DriveBench) -> Vec<i64> {
     let samples: Vec<i64> = drive
         .axis()
         .motion_samples()
@@ -243,7 +246,10 @@ fn ways(drive: &mut DriveBench) -> Vec<i64> {
         .take_while(|pair| pair[0] != last)
         .map(|pair| pair[0])
         .collect();
-    moving.windows(11).map(|way| way[10] - way[0]).collect()
+    moving
+        .windows(11)
+        .map(|distance| distance[10] - distance[0])
+        .collect()
 }
 
 #[test]
@@ -273,9 +279,9 @@ fn m68_without_sync_records_leave_one_a_period_however_they_are_written() {
         drive.run_millis(200);
         assert_eq!(drive.position(), 190 * 20, "kind {kind}");
         assert!(OPERATION_ENABLED.is_shown_by(drive.statusword()));
-        let ways = ways(&mut drive);
-        assert!(ways.len() > 1_800, "kind {kind}: {}", ways.len());
-        let steady = &ways[100..ways.len() - 30];
+        let distances = distances(&mut drive);
+        assert!(distances.len() > 1_800, "kind {kind}: {}", distances.len());
+        let steady = &distances[100..distances.len() - 30];
         let (least, most) = (steady.iter().min().unwrap(), steady.iter().max().unwrap());
         assert!(
             *least >= 19 && *most <= 21,

@@ -26,7 +26,7 @@ fn moving() -> DriveBench {
     drive
 }
 
-/// Nobody hands out pulses for a while, and the motor plays all that it has.
+/// Nobody commits pulses for a while, and the motor plays all that it has.
 fn starve(drive: &mut DriveBench) {
     drive
         .axis()

@@ -154,11 +154,12 @@ fn m29_a_motor_that_turns_round_in_a_ramp_is_back_in_time() {
 #[test]
 fn m35_a_halt_has_the_profile_unless_it_is_on_the_quick_stop_ramp() {
     // At 605Dh = 1 v/2·(v/d + d/j), at 2 v²/2d; and what goes by until the command counts.
-    for (profile, option, way) in [(2, 1, 4_500), (2, 2, 2_000), (3, 1, 4_500), (3, 2, 2_000)] {
+    for (profile, option, distance) in [(2, 1, 4_500), (2, 2, 2_000), (3, 1, 4_500), (3, 2, 2_000)]
+    {
         let mut drive = enabled(profile);
         drive.write_i16(0x605D, 0, option);
         let real = way_of_stop(&mut drive, |drive| drive.command(0x010F));
-        assert_near(real, way + 60, 80);
+        assert_near(real, distance + 60, 80);
         assert_ne!(drive.statusword() & TARGET_REACHED, 0);
         drive.command(0x0F);
         drive.run_millis(1_000);
@@ -168,7 +169,7 @@ fn m35_a_halt_has_the_profile_unless_it_is_on_the_quick_stop_ramp() {
 
 #[test]
 fn a_quick_stop_is_linear_unless_it_is_to_be_smooth() {
-    for (option, smooth, way) in [
+    for (option, smooth, distance) in [
         (2, 0, 2_000),
         (6, 0, 2_000),
         (2, 1, 4_500),
@@ -180,7 +181,7 @@ fn a_quick_stop_is_linear_unless_it_is_to_be_smooth() {
             drive.write_i16(0x605A, 0, option);
             drive.write_u8(0x20A0, 0, smooth);
             let real = way_of_stop(&mut drive, |drive| drive.command(0x02));
-            assert_near(real, way + 60, 80);
+            assert_near(real, distance + 60, 80);
         }
     }
 }

@@ -95,7 +95,7 @@ fn the_hold_current_holds_a_weight_or_does_not() {
 
 #[test]
 fn finer_microsteps_go_a_shorter_way() {
-    for (microsteps, way) in [(8, 2_000), (16, 1_000), (32, 500)] {
+    for (microsteps, distance) in [(8, 2_000), (16, 1_000), (32, 500)] {
         let setup = Setup {
             axis: Some(on_motor(motor())),
             ..Setup::with_node_id(1, 4)
@@ -111,7 +111,7 @@ fn finer_microsteps_go_a_shorter_way() {
         drive.run_millis(100);
         assert_eq!(drive.read_i32(0x6064, 0), 1_000);
         let rotor = drive.axis().plant().rotor();
-        assert!((rotor - way).abs() <= 2, "{microsteps}: {rotor}");
+        assert!((rotor - distance).abs() <= 2, "{microsteps}: {rotor}");
     }
 }
 

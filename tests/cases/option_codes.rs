@@ -26,10 +26,10 @@ const QUICK_STOP: i64 = 250;
 #[track_caller]
 fn comes_to_rest(drive: &mut DriveBench, begin: i64, ramp: i64, end: State) {
     drive.reaches(end, 300);
-    let way = drive.position() - begin;
-    assert!((ramp..ramp + 60).contains(&way), "{way} steps");
+    let distance = drive.position() - begin;
+    assert!((ramp..ramp + 60).contains(&distance), "{distance} steps");
     drive.run_millis(50);
-    assert_eq!(drive.position() - begin, way);
+    assert_eq!(drive.position() - begin, distance);
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn d05_and_m05_operation_ends_as_605bh_and_605ch_say() {
     }
 }
 
-/// Wherever between two control ticks the frame comes, the drive has obeyed when it is over. The ticks keep their beat.
+/// Wherever between two control ticks the frame comes, the drive has obeyed when it is over. The regular ticks keep their time.
 #[test]
 fn m07_a_command_to_stop_does_not_wait_for_the_control_tick() {
     for (command, state) in [
@@ -81,8 +81,8 @@ fn d29_a_network_that_is_lost_stops_the_motor_before_the_control_tick() {
         let rest = (drive.now().ticks() - tick) % 1_000;
         drive.run_micros(1_400 - rest);
         drive.send("77F [1] 05");
-        let off_beat = |drive: &mut DriveBench| (drive.axis().actuals().at.ticks() - tick) % 1_000;
-        assert_eq!(off_beat(&mut drive), 0);
+        let off_time = |drive: &mut DriveBench| (drive.axis().actuals().at.ticks() - tick) % 1_000;
+        assert_eq!(off_time(&mut drive), 0);
         let is_enabled = |drive: &mut DriveBench| {
             OPERATION_ENABLED.is_shown_by(drive.axis().actuals().statusword)
         };
@@ -98,12 +98,12 @@ fn d29_a_network_that_is_lost_stops_the_motor_before_the_control_tick() {
                 .controller_changed(ControllerState::BusOff, now);
         }
         assert!(!is_enabled(&mut drive));
-        let behind = off_beat(&mut drive);
+        let behind = off_time(&mut drive);
         assert!((300..700).contains(&behind), "{behind} us behind a tick");
         drive.run_micros(1_000);
         for _ in 0..3 {
             drive.send("77F [1] 05");
-            assert_eq!(off_beat(&mut drive), 0);
+            assert_eq!(off_time(&mut drive), 0);
             drive.run_micros(1_000);
         }
     }

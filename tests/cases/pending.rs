@@ -24,7 +24,7 @@ fn turning(mode: u8) -> DriveBench {
 }
 
 /// How far the motor still goes.
-fn way(drive: &mut DriveBench) -> i64 {
+fn distance(drive: &mut DriveBench) -> i64 {
     let begin = drive.position();
     drive.run_millis(400);
     drive.position() - begin
@@ -45,8 +45,11 @@ fn m05_bit_7_takes_no_command_back_that_waits_for_the_motor() {
                 drive.run_millis(2);
                 assert!(OPERATION_ENABLED.is_shown_by(drive.statusword()));
                 drive.run_millis(400);
-                let way = drive.position() - begin;
-                assert!((1_000..1_100).contains(&way), "{command:X}h: {way}");
+                let distance = drive.position() - begin;
+                assert!(
+                    (1_000..1_100).contains(&distance),
+                    "{command:X}h: {distance}"
+                );
                 assert!(end.is_shown_by(drive.statusword()), "{command:X}h");
             }
         }
@@ -73,8 +76,8 @@ fn d15_a_mode_change_makes_no_stop_gentler() {
             }
         }
         drive.run_millis(400);
-        let way = drive.position() - begin;
-        assert!((250..330).contains(&way), "{order}: {way} steps");
+        let distance = drive.position() - begin;
+        assert!((250..330).contains(&distance), "{order}: {distance} steps");
         drive.drain(0);
         assert_eq!(drive.read_i8(0x6061, 0), 1);
     }
@@ -89,8 +92,11 @@ fn d15_a_mode_change_makes_no_stop_gentler() {
         }
         drive.run_millis(5);
         drive.queue("604: 2F 60 60 00 08");
-        let way = way(&mut drive);
-        assert!((180..260).contains(&way), "{is_fault}: {way} steps");
+        let distance = distance(&mut drive);
+        assert!(
+            (180..260).contains(&distance),
+            "{is_fault}: {distance} steps"
+        );
         drive.drain(0);
         assert_eq!(drive.read_i8(0x6061, 0), 8);
     }

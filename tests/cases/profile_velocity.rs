@@ -243,8 +243,8 @@ fn m41_a_velocity_goes_on_across_the_end_of_the_count() {
                 "{ahead}"
             );
             if let Some(last) = last {
-                let way = i64::from(position.wrapping_sub(last)) * direction;
-                assert!((0..=60).contains(&way), "{way} steps from {last}");
+                let distance = i64::from(position.wrapping_sub(last)) * direction;
+                assert!((0..=60).contains(&distance), "{distance} steps from {last}");
                 wrapped += u32::from(position.signum() != last.signum());
             }
             last = Some(position);
@@ -254,8 +254,8 @@ fn m41_a_velocity_goes_on_across_the_end_of_the_count() {
         drive.write_i32(0x60FF, 0, 0);
         drive.run_millis(200);
         assert_ne!(drive.statusword() & SPEED_ZERO, 0);
-        let way = (drive.position() - begin) * direction;
-        assert!(way > 4_000, "{way}");
+        let distance = (drive.position() - begin) * direction;
+        assert!(distance > 4_000, "{distance}");
         for index in [0x6062, 0x6063, 0x6064] {
             assert_eq!(
                 drive.read_i32(index, 0),

@@ -52,7 +52,7 @@ fn felt_after(drive: &mut DriveBench, controlword: u16) -> u64 {
     (end - frame).div_ceil(MICROSECOND)
 }
 
-/// Wherever in the millisecond of a control tick the frame ends. What is handed out ahead is played all the same, so it is never felt at once.
+/// Wherever in the millisecond of a control tick the frame ends. What is committed is played all the same, so it is never felt at once.
 #[test]
 fn m07_a_stop_is_felt_within_a_millisecond_of_its_frame() {
     for (profile, order) in [

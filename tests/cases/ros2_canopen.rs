@@ -12,15 +12,15 @@ use crate::ros2_driver::{
 
 /// Up and back, 60 increments in a cycle at its fastest.
 fn up_and_back() -> impl Iterator<Item = i32> {
-    let ways = (0..300).map(|k: i32| match k {
+    let distances = (0..300).map(|k: i32| match k {
         0..30 => 2 * k,
         30..120 => 60,
         120..180 => 60 - 2 * (k - 120),
         180..270 => -60,
         _ => -60 + 2 * (k - 270),
     });
-    ways.scan(0, |target, way| {
-        *target += way;
+    distances.scan(0, |target, distance| {
+        *target += distance;
         Some(*target)
     })
 }
@@ -64,7 +64,7 @@ fn d34_the_velocity_mode_of_ros2_canopen() {
             ros.target = Some(target);
             ros.cycles(30);
             assert_eq!(ros.velocity, target);
-            assert_eq!(ros.way(), expected);
+            assert_eq!(ros.distance(), expected);
         }
         ros.switches_mode(0);
         ros.cycles(5);
@@ -86,7 +86,7 @@ fn d34_the_profiled_velocity_mode_of_ros2_canopen() {
             ros.target = Some(target);
             ros.cycles(30);
             assert_eq!(ros.velocity, target);
-            assert_eq!(ros.way(), expected);
+            assert_eq!(ros.distance(), expected);
         }
         // A new mode out of motion, then off.
         ros.switches_mode(1);
@@ -191,14 +191,18 @@ fn d34_the_cyclic_velocity_mode_of_ros2_canopen() {
             ros.follows((0..=50).map(|k| top / 50 * k));
             ros.follows([top; 20]);
             assert_eq!(ros.velocity, top);
-            assert_eq!(ros.way(), top / 10);
+            assert_eq!(ros.distance(), top / 10);
             ros.follows((0..50).rev().map(|k| top / 50 * k));
             ros.follows([0; 20]);
             assert_eq!(ros.velocity, 0);
             // All that was commanded was gone, each velocity for one cycle.
             let sum: i32 = ros.commanded[begin..].iter().sum();
-            let way = *ros.shown.last().unwrap() - ros.shown[begin];
-            assert!((way - sum / 100).abs() <= 60, "{way} of {}", sum / 100);
+            let distance = *ros.shown.last().unwrap() - ros.shown[begin];
+            assert!(
+                (distance - sum / 100).abs() <= 60,
+                "{distance} of {}",
+                sum / 100
+            );
         }
         assert_eq!(ros.state(), OPERATION_ENABLED);
         assert_ne!(ros.status & FOLLOWS, 0);

@@ -455,8 +455,8 @@ impl Ros {
         }
     }
 
-    /// The way in ten cycles of SYNC.
-    pub(crate) fn way(&mut self) -> i32 {
+    /// The distance in ten cycles of SYNC.
+    pub(crate) fn distance(&mut self) -> i32 {
         self.cycles(12);
         let [begin, .., end] = self.shown[self.shown.len() - 11..] else {
             unreachable!("eleven SYNCs");

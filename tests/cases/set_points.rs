@@ -63,10 +63,13 @@ fn m31_60f2h_says_what_relative_set_points_count_from() {
         let begin = drive.position();
         hand_over(&mut drive, 2_000, 0x70);
         drive.run_millis(1_500);
-        let way = drive.position();
+        let distance = drive.position();
         match option {
-            0 => assert_eq!(way, 12_000),
-            _ => assert!((2_000..2_150).contains(&(way - begin)), "{way}, {begin}"),
+            0 => assert_eq!(distance, 12_000),
+            _ => assert!(
+                (2_000..2_150).contains(&(distance - begin)),
+                "{distance}, {begin}"
+            ),
         }
     }
     let mut drive = DriveBench::started(4);

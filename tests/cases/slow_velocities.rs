@@ -41,7 +41,7 @@ fn m73_a_velocity_of_a_step_in_an_hour_is_kept_shown_and_halted() {
         drive.run_micros(250);
         waited += 250;
     }
-    // A control tick takes the command, and the silence that was handed out is over at the one after the next.
+    // A control tick takes the command, and the silence that was committed is over at the one after the next.
     assert!(waited <= 4_000, "{waited} µs");
     drive.run_millis(20);
     assert_eq!(drive.read_i32(0x606C, 0), 0);
@@ -54,8 +54,8 @@ fn m73_a_velocity_of_a_step_in_an_hour_is_kept_shown_and_halted() {
     assert_eq!(drive.read_i32(0x606B, 0), -10_000 * SECOND);
     let begin = drive.position();
     drive.run_millis(100);
-    let way = drive.position() - begin;
-    assert!((-1_010..=-990).contains(&way), "{way}");
+    let distance = drive.position() - begin;
+    assert!((-1_010..=-990).contains(&distance), "{distance}");
     drive.write_i32(0x60FF, 0, -1);
     drive.run_millis(300);
     assert_eq!(drive.read_i32(0x606B, 0), -1);

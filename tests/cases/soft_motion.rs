@@ -354,14 +354,14 @@ fn soft_motion_starts_at_1_2_and_4_ms_with_four_pdos_each_way() {
 fn moves_with_an_offset(master: &mut SoftMotion) {
     let most = i32::try_from(master.cycle / 50).unwrap();
     for k in 0..600_i32 {
-        let way = match k % 300 {
+        let distance = match k % 300 {
             up @ 0..50 => most * up / 50,
             50..100 => most,
             down @ 100..200 => most - most * (down - 100) / 50,
             200..250 => -most,
             back => -most + most * (back - 250) / 50,
         };
-        master.outputs.target += way;
+        master.outputs.target += distance;
         master.outputs.position_offset = (k - 100).clamp(0, 200);
         let lit = k / 20 % 2 == 1;
         master.outputs.outputs = if lit { 0x0001_0000 } else { 0x0002_0000 };
@@ -375,7 +375,7 @@ fn moves_with_an_offset(master: &mut SoftMotion) {
         }
         let cruises = (80..100).contains(&(k % 300)) && k > 300;
         if cruises {
-            let speed = i64::from(way) * 1_000_000 / i64::try_from(master.cycle).unwrap();
+            let speed = i64::from(distance) * 1_000_000 / i64::try_from(master.cycle).unwrap();
             let off = (master.last().number(0x606C_0000) - speed).abs();
             // A SYNC that had to wait is off its moment, and so is the speed (docs/decisions.md, ripple).
             assert!(off * 1_000 <= speed, "606Ch is {off} off");
@@ -415,8 +415,8 @@ fn a_velocity_with_an_offset(master: &mut SoftMotion) {
     assert_eq!(master.last().number(0x606C_0000), 6_000);
     let begin = master.last().position();
     master.cycles(50);
-    let way = i64::try_from(50 * master.cycle).unwrap() * 6_000 / 1_000_000;
-    assert_eq!(master.last().position() - begin, way);
+    let distance = i64::try_from(50 * master.cycle).unwrap() * 6_000 / 1_000_000;
+    assert_eq!(master.last().position() - begin, distance);
     for k in (0..100).rev() {
         master.outputs.velocity = 50 * k;
         master.outputs.velocity_offset = 10 * k;

@@ -102,8 +102,8 @@ fn m73_velocities_and_ramps_are_in_units() {
     assert_eq!(drive.read_i32(0x606C, 0), 180_000);
     let begin = drive.position();
     drive.run_millis(100);
-    let way = drive.position() - begin;
-    assert!((985..=1_015).contains(&way), "{way}");
+    let distance = drive.position() - begin;
+    assert!((985..=1_015).contains(&distance), "{distance}");
     let greatest = drive.greatest_acceleration();
     assert!((95_000..=110_000).contains(&greatest), "{greatest}");
 }

@@ -45,9 +45,9 @@ fn m46_ramps_are_pairs_of_speed_and_time() {
     let begin = drive.position();
     drive.command(0x02);
     drive.run_millis(200);
-    let way = begin - drive.position();
+    let distance = begin - drive.position();
     // 10,000 steps/s on 100,000 steps/s².
-    assert!((500..540).contains(&way), "{way}");
+    assert!((500..540).contains(&distance), "{distance}");
     for index in [0x6048, 0x6049, 0x604A] {
         for sub in [1, 2] {
             let size = if sub == 1 { 4 } else { 2 };

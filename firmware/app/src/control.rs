@@ -72,7 +72,7 @@ impl Control {
         self.control.stop(&mut self.stage, exchange);
     }
 
-    /// Hands out pulses between two ticks.
+    /// Commits pulses between two ticks.
     pub fn refill(&mut self) {
         self.control.refill(&mut self.stage);
         Selected::refill_done();

@@ -7,7 +7,7 @@
 //! | `received`, `sent`, `error` | 4 | CAN controller | stamps frames and queues them; room for the next frame; errors |
 //! | `control` | 3 | system timer, 1 kHz or in step with SYNC | state machine, mode, planner |
 //! | `stop` | 3 | `node`, for a command to stop | the control tick for it, which does not wait for the next one |
-//! | `refill` | 3 | refill timer, 4 kHz | hands out pulses between control ticks |
+//! | `refill` | 3 | refill timer, 4 kHz | commits pulses between control ticks |
 //! | `node` | 2 | a frame, room to send, every control tick, a deadline of its own | CANopen; writes the parameter sectors |
 //! | `wake` | 2 | wake timer | runs `node` at its deadline |
 //! | `lights` | 1 | `node`, every 50 ms | green and red light |

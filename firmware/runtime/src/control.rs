@@ -95,7 +95,7 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
         true
     }
 
-    /// Hands out pulses between two ticks.
+    /// Commits pulses between two ticks.
     pub fn refill(&mut self, stage: &mut impl PowerStage) {
         stage.service();
         self.drive.refill(stage.pulses());

@@ -302,7 +302,7 @@ impl Comparison {
         if self.positions.last() != Some(&position) {
             self.moved = self.now;
         }
-        let way = position - self.positions.last().copied().unwrap_or(position);
+        let distance = position - self.positions.last().copied().unwrap_or(position);
         self.positions.push(position);
         self.settle();
         let actuals = self.drive.axis().actuals();
@@ -337,10 +337,10 @@ impl Comparison {
         prop_assert!(state != State::OperationEnabled || has_power, "no power");
         prop_assert!(
             has_power
-                || way.abs() <= 1
+                || distance.abs() <= 1
                 || self.moved < self.now
                 || self.passed[0].0 + 2 >= self.now,
-            "it moves without power: {way}"
+            "it moves without power: {distance}"
         );
         if matches!(self.table.network, Network::Resetting { .. }) {
             return Ok(());

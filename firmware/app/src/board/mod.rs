@@ -47,7 +47,7 @@ pub trait Board: Sized {
     const TICKS_PER_MICROSECOND: u32;
     /// Counts of the step timer in a second.
     const STEP_CLOCK_HZ: u32;
-    /// How often in a control tick pulses are handed out. If more than once, [`Board::refill_done`] belongs to the interrupt that
+    /// How often in a control tick pulses are committed. If more than once, [`Board::refill_done`] belongs to the interrupt that
     /// comes as often.
     const REFILLS: u32;
     /// Counts of the system timer in a second.
@@ -96,7 +96,7 @@ pub trait Board: Sized {
     fn idle();
 }
 
-/// What [`Board::start`] hands out.
+/// What [`Board::start`] gives.
 pub struct Parts<B: Board> {
     pub pulses: B::Pulses,
     pub steps: B::Steps,

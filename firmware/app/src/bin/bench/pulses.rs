@@ -127,7 +127,7 @@ pub fn run() {
 pub fn share() {
     for (name, velocity) in [
         ("pulses at 10 kHz, by the timer", 10_000),
-        // The dearest below 3.5 MHz: runs of two slots, and three of them.
+        // The worst case below 3.5 MHz: runs of two slots, and three of them.
         ("pulses at 999 kHz, by the timer", 999_000),
         ("pulses at 1 MHz, by the timer", 1_000_000),
         ("pulses at 2 MHz, by the timer", 1_988_165),
@@ -135,7 +135,7 @@ pub fn share() {
     ] {
         row(name, thousandths(refills(velocity, CRUISE, 4_000)));
     }
-    // The second in the middle of the two that the ramp takes. Slow ones are the dearest.
+    // The second in the middle of the two that the ramp takes. Slow ones are the worst case.
     for (name, velocity) in [
         ("pulses in a ramp to 20 kHz, by the timer", 20_000),
         ("pulses in a ramp to 500 kHz, by the timer", 500_000),
@@ -213,7 +213,7 @@ impl Registers for Still {
 }
 
 #[inline(never)]
-fn hand_out(axis: &mut Axis, output: &mut Output<'_, Still>) {
+fn commit(axis: &mut Axis, output: &mut Output<'_, Still>) {
     output.service();
     axis.advance(output).unwrap();
 }
@@ -241,7 +241,7 @@ fn refills(velocity: u32, before: u32, number: u32) -> u32 {
     let mut under_way = 1 << 12;
     let mut sum = 0;
     for turn in 0..before + number {
-        let (count, ()) = count(|| hand_out(&mut axis, &mut output));
+        let (count, ()) = count(|| commit(&mut axis, &mut output));
         if turn >= before {
             sum += count;
         }

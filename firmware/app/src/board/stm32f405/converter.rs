@@ -68,8 +68,8 @@ impl Converter {
     /// A reading of the sensor in tenths of a degree; `None` if the maker has not measured it.
     fn tenths(&self, raw: u16) -> Option<i16> {
         let (low, high) = self.calibration;
-        let way = 800 * (i32::from(raw) - i32::from(low));
-        let tenths = way.checked_div(i32::from(high) - i32::from(low))? + 300;
+        let above = 800 * (i32::from(raw) - i32::from(low));
+        let tenths = above.checked_div(i32::from(high) - i32::from(low))? + 300;
         i16::try_from(tenths).ok()
     }
 }

@@ -9,7 +9,7 @@ const PACE: i32 = 20;
 /// Steps/s of the motion.
 const SPEED: i32 = PACE * 1_000;
 
-/// A way to move the drive.
+/// A mode in which the drive moves.
 pub struct Mode {
     pub name: &'static str,
     /// 6060h.
@@ -26,7 +26,7 @@ pub struct Mode {
 pub struct Cost {
     pub at_rest: u32,
     pub moving: u32,
-    /// The dearest since operation was enabled, with the start and the end of the motion.
+    /// The worst case since operation was enabled, with the start and the end of the motion.
     pub worst: u32,
     /// Most instructions in one lock.
     pub longest: u32,
@@ -56,7 +56,7 @@ pub const ALL: [Mode; 9] = [
         }
     }),
     Mode::new("interpolated position", 7, 0x1F, |bench, mode, time| {
-        bench.write(0x60C1, 1, 4, way(time) * mode.units);
+        bench.write(0x60C1, 1, 4, distance(time) * mode.units);
         bench.sync();
     }),
     Mode::new("cyclic synchronous position", 8, 0x0F, follow),
@@ -103,7 +103,7 @@ fn go_to(bench: &mut Bench, mode: &Mode, time: i32) {
 /// A target in each millisecond, by RPDO 3, and SYNC.
 fn follow(bench: &mut Bench, mode: &Mode, time: i32) {
     let [c0, c1, ..] = mode.controlword.to_le_bytes();
-    let [t0, t1, t2, t3] = (way(time) * mode.units).to_le_bytes();
+    let [t0, t1, t2, t3] = (distance(time) * mode.units).to_le_bytes();
     bench.receive(0x40A, &[c0, c1, t0, t1, t2, t3]);
     bench.sync();
 }
@@ -124,7 +124,7 @@ fn pace(time: i32) -> i32 {
 }
 
 /// Steps until `time`.
-fn way(time: i32) -> i32 {
+fn distance(time: i32) -> i32 {
     (0..=time).map(pace).sum()
 }
 
