@@ -232,6 +232,8 @@ pub(super) struct Layout {
     count: u8,
     /// Bits of the frame, dummies included; 0 when nothing is mapped.
     bits: u8,
+    /// The bytes that they take.
+    length: u8,
     /// Whether an object refuses some values that fit into its bits.
     is_limited: bool,
     /// Whose object the frame names, if it does.
@@ -245,6 +247,7 @@ impl Layout {
         ram: (0, 0),
         count: 0,
         bits: 0,
+        length: 0,
         is_limited: false,
         addressing: None,
     };
@@ -253,6 +256,7 @@ impl Layout {
     pub(super) const fn addressed(addressing: Addressing) -> Self {
         Self {
             bits: MOST_BITS,
+            length: MOST_BITS / 8,
             addressing: Some(addressing),
             ..Self::NOTHING
         }
@@ -312,6 +316,7 @@ impl Layout {
         }
         self.run = run;
         self.bits = total;
+        self.length = total.div_ceil(8);
         Ok(())
     }
 }
@@ -340,7 +345,7 @@ impl<M: Slots<Mapped>> Mapping<M> {
     /// Bytes of the frame.
     #[inline]
     pub(super) const fn length(&self) -> u8 {
-        self.layout.bits.saturating_add(7) / 8
+        self.layout.length
     }
 
     /// The objects in their order.

@@ -156,19 +156,36 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
         if !self.is_operational {
             return Received::Nothing;
         }
+        if self.has_twins {
+            return self.receive_by_twins(cob_id, frame, now, dictionary, application);
+        }
+        let mut pdos = self.pdos.as_mut().iter_mut();
+        let Some(pdo) = pdos.find(|pdo| pdo.cob_id() == cob_id) else {
+            return Received::Nothing;
+        };
+        match pdo.receive_plain(frame, dictionary, application) {
+            Some(received) => received,
+            None => pdo.receive(frame, now, &mut self.circumstances, dictionary, application),
+        }
+    }
+
+    /// Several PDOs may want the frame.
+    #[cold]
+    #[inline(never)]
+    fn receive_by_twins<D: Dictionary, A: Application<D>>(
+        &mut self,
+        cob_id: u16,
+        frame: &Frame,
+        now: Instant,
+        dictionary: &mut D,
+        application: &mut A,
+    ) -> Received {
         let mut received = Received::Nothing;
         for pdo in self.pdos.as_mut() {
-            if pdo.cob_id() != cob_id {
-                continue;
-            }
-            let circumstances = &mut self.circumstances;
-            let of_this = match pdo.receive_plain(frame, dictionary, application) {
-                Some(received) => received,
-                None => pdo.receive(frame, now, circumstances, dictionary, application),
-            };
-            received = received.and(of_this);
-            if !self.has_twins {
-                break;
+            if pdo.cob_id() == cob_id {
+                let circumstances = &mut self.circumstances;
+                received =
+                    received.and(pdo.receive(frame, now, circumstances, dictionary, application));
             }
         }
         received

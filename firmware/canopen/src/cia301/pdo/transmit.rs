@@ -270,17 +270,17 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
             return deadline;
         }
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
-            match pdo.watch() {
+            let is_waiting = match pdo.watch() {
                 Watch::No => continue,
                 Watch::Plain => pdo.look(dictionary, now),
                 Watch::Closely => {
                     let next = pdo.look_closely(dictionary, self.node_id, now);
                     deadline = earlier(deadline, next);
+                    pdo.is_waiting() && !(self.follows_sync && pdo.is_synchronous())
                 }
-            }
-            let may_leave = pdo.is_waiting() && !(self.follows_sync && pdo.is_synchronous());
+            };
             // One that waited before has been counted.
-            if may_leave && pdo.cob_id() < self.lowest {
+            if is_waiting && pdo.cob_id() < self.lowest {
                 self.lowest = pdo.cob_id();
                 self.lowest_number = number;
             }

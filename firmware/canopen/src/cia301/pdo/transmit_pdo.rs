@@ -236,15 +236,16 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         }
     }
 
-    /// Looks for a change, for a plain PDO.
+    /// Looks for a change, for a plain PDO; returns whether it is sent.
     #[inline]
-    pub(super) fn look<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
+    pub(super) fn look<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> bool {
         let present = self.record.mapping.pack(dictionary);
-        if self.is_due || present != self.content {
-            // A new inhibit time counts from here.
-            self.left_at = now;
-            self.give_out(present);
+        if !self.is_due && present == self.content {
+            return false;
         }
+        // A new inhibit time counts from here.
+        self.left_at = now;
+        self.give_out(present)
     }
 
     /// Looks for a change, and at the times; returns the next deadline.
