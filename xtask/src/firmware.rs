@@ -52,8 +52,10 @@ impl Image {
     /// The features that choose the board, and whether there are logs.
     fn features(self) -> &'static [&'static str] {
         match self {
-            Self::Board | Self::BasicDevice | Self::NoPanic => &[],
-            Self::Whole | Self::Compact => &["--no-default-features", "--features", "stm32f405"],
+            Self::Board | Self::BasicDevice => &[],
+            Self::NoPanic | Self::Whole | Self::Compact => {
+                &["--no-default-features", "--features", "stm32f405"]
+            }
             Self::Qemu | Self::Bench => &["--no-default-features", "--features", "qemu"],
         }
     }

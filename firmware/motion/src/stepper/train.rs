@@ -129,7 +129,12 @@ impl Train {
 
     /// Only the first `records` of them have been handed out.
     pub(super) fn handed_out_part(&mut self, records: usize) {
-        self.made.rotate_left(records.min(MOST_RECORDS));
+        let made = self.made;
+        let left = made.get(records..).unwrap_or_default();
+        // What stays behind them is not looked at.
+        for (place, record) in self.made.iter_mut().zip(left) {
+            *place = *record;
+        }
         self.count = usize::from(self.count).saturating_sub(records) as u8;
     }
 
