@@ -30,10 +30,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         "end of a move, moves T01 to T22, ticks of 6 ns",
         ticks(duration::linear().ticks),
     );
-    row(
-        "end of a move with limited jerk, moves J01 to J06, ticks of 6 ns",
-        ticks(duration::jerk_limited().ticks),
-    );
 
     for (name, velocity) in [
         ("position error at 100 kHz, thousandths of a step", 100_000),
@@ -72,7 +68,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         for (ramps, profile) in [
             ("", Profile::Linear),
             (", sin² ramps", Profile::SinSquared),
-            (", limited jerk", Profile::JerkLimited),
             (", moving average", Profile::MovingAverage),
         ] {
             let worst = reaction(order, profile, Mode::ProfileVelocity)?;

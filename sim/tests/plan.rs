@@ -93,7 +93,15 @@ fn the_reference_moves_take_their_time_and_land() {
     assert_eq!(checked, 20);
 }
 
+#[cfg(not(feature = "limited-jerk"))]
+#[test]
+fn limited_jerk_has_to_be_built_in() {
+    let arguments = "--distance 1000 --velocity 1000 --acceleration 5000 --jerk 10000";
+    assert_refused(arguments, "limited jerk is not built in");
+}
+
 /// The jerk-limited reference vectors: the fastest move there is.
+#[cfg(feature = "limited-jerk")]
 #[test]
 fn jerk_limited_moves_take_the_least_time() {
     let vectors = include_str!("../../firmware/motion/tests/motion-vectors.json");

@@ -9,7 +9,7 @@ const VELOCITY: i32 = 100_000;
 /// Steps/s² of the stop, and of the ramp to the velocity.
 const STEEP: u32 = 5_000_000;
 
-/// Steps/s³ of ramps of limited jerk: all of [`STEEP`] within 2 ms.
+/// Steps/s³ of the moving average: half of [`STEEP`] within 2 ms.
 const JERK: u32 = 2_500_000_000;
 
 /// Ticks of the step clock in a microsecond.

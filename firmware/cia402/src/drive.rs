@@ -185,7 +185,7 @@ impl<D: Objects> Drive<D> {
         } else {
             self.change_state(tick, command);
             self.move_brake(now);
-            self.operate(tick, command, pulses)
+            self.operate(tick, command)
         };
         self.keep_records(tick, exchange);
         let next_tick = self.next_tick(tick);
@@ -388,9 +388,6 @@ impl<D: Objects> Drive<D> {
     /// Commits what the tick has decided; an early one only for a motor that stands, as the set-points of the cyclic modes count on what is
     /// committed when.
     fn commit<S: PulseSink>(&mut self, tick: &Tick<'_>, pulses: &mut S) {
-        if !tick.is_early {
-            self.motor.plan_on(pulses);
-        }
         if !tick.is_early || self.motor.is_at_rest() {
             self.motor.advance(pulses);
         }

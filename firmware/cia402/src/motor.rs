@@ -93,15 +93,6 @@ impl Motor<StepAxis> {
         self.actuator.look_again(pulses.pending());
     }
 
-    /// The orders of this regular tick have been given: what the ones before have left to be planned is.
-    pub(crate) fn plan_on<S: PulseSink>(&mut self, pulses: &mut S) {
-        let is_reversed = self.is_reversed;
-        self.actuator.plan_on(&mut Directed {
-            pulses,
-            is_reversed,
-        });
-    }
-
     /// Commits the pulses of the next segments.
     pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) {
         let is_reversed = self.is_reversed;
@@ -206,16 +197,6 @@ impl<A: Actuator + ?Sized> Motor<A> {
     /// Says how the velocity is to change, from the next motion on.
     pub(crate) const fn set_ramps(&mut self, ramps: Ramps) {
         self.ramps = ramps;
-    }
-
-    /// A motion with these ramps is to be planned in place of the one under way, which may take the processor long: commits up to the
-    /// horizon first. What begins in this tick begins behind that.
-    pub(crate) fn prepare(&mut self, ramps: Ramps, mut pulses: &mut dyn PulseSink) {
-        let mut pulses = Directed {
-            pulses: &mut pulses,
-            is_reversed: self.is_reversed,
-        };
-        self.actuator.prepare(ramps, &mut pulses);
     }
 
     /// Moves to a position, from whatever the motor does now. On an error nothing changes.
@@ -353,6 +334,18 @@ impl<A: Actuator + ?Sized> Motor<A> {
             self.planned_with(deceleration);
         } else {
             self.cut_off();
+        }
+    }
+
+    /// Where [`Motor::stop`] would end with these ramps. A sin² ramp under way counts as left if `leaves`: so it is for a target elsewhere.
+    pub(crate) fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
+        match self.stopping_at_limit {
+            None => self.actuator.stop_preview(deceleration, ramps, leaves),
+            Some(least) => {
+                let deceleration = deceleration.max(least);
+                self.actuator
+                    .stop_preview(deceleration, Ramps::Linear, leaves)
+            }
         }
     }
 

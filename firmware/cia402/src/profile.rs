@@ -1,8 +1,9 @@
 //! The motion profile type 6086h: how the velocity changes.
 //!
-//! 0 is the trapezoid; 1 has sin² ramps, as long as those of the trapezoid; 3 limits the jerk to 60A4h:1: from rest to rest there is none
-//! faster. 2, the jerk-free ramp of CiA 402-2, is the moving average of the trapezoid: it has the same jerk over the whole of a ramp, takes
-//! the processor a tenth of the work, and the motor is a window of (a + d) / j late. It counts in profile position, profile velocity, the
+//! 0 is the trapezoid; 1 has sin² ramps, as long as those of the trapezoid; 2, the jerk-free ramp of CiA 402-2, is the moving average of the
+//! trapezoid, at the jerk 60A4h:1: it has the same jerk over the whole of a ramp, and the motor is a window of (a + d) / j late. 3 has that
+//! jerk in closed form, so that from rest to rest there is none faster, if it is built in (cargo feature `limited-jerk`); otherwise it is
+//! the same as 2. The profile counts in profile position, profile velocity, the
 //! velocity mode and their halt, from the next set-point or target velocity on. Homing and stops at a limit switch have linear ramps.
 //!
 //! A stop on the quick stop ramp (codes 2 to 4 and 6 to 8 of 605Ah, 2 to 4 of 605Dh and 605Eh) is linear too, as it is to be short;
@@ -21,9 +22,26 @@ pub(crate) const fn ramps(code: i16, jerk: u32) -> Option<Ramps> {
         0 => Some(Ramps::Linear),
         1 => Some(Ramps::SinSquared),
         2 => Some(Ramps::MovingAverage(jerk)),
-        3 => Some(Ramps::JerkLimited(jerk)),
+        3 => Some(jerk_limited(jerk)),
         _ => None,
     }
+}
+
+/// 3: where limited jerk is not built in, the moving average has the same jerk.
+const fn jerk_limited(jerk: u32) -> Ramps {
+    #[cfg(feature = "limited-jerk")]
+    let ramps = Ramps::JerkLimited(jerk);
+    #[cfg(not(feature = "limited-jerk"))]
+    let ramps = Ramps::MovingAverage(jerk);
+    ramps
+}
+
+/// All that are built in, those with a jerk at this one.
+#[cfg(test)]
+pub(crate) fn all_ramps(jerk: u32) -> std::vec::Vec<Ramps> {
+    let mut ramps: std::vec::Vec<_> = (0..4).filter_map(|code| ramps(code, jerk)).collect();
+    ramps.dedup();
+    ramps
 }
 
 /// What is set up of the profile.
@@ -58,6 +76,19 @@ impl ProfileConfiguration {
             StopRamp::QuickStop | StopRamp::CurrentLimit | StopRamp::VoltageLimit => {
                 self.has_smooth_quick_stop
             }
+        }
+    }
+}
+
+#[cfg(all(test, not(feature = "limited-jerk")))]
+mod tests {
+    use super::{Ramps, ramps};
+
+    #[test]
+    fn three_is_the_moving_average_where_limited_jerk_is_not_built_in() {
+        for jerk in [1, 5_000_000, u32::MAX] {
+            assert_eq!(ramps(3, jerk), Some(Ramps::MovingAverage(jerk)));
+            assert_eq!(ramps(3, jerk), ramps(2, jerk));
         }
     }
 }

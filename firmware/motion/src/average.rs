@@ -528,7 +528,7 @@ const fn sample(position: i128) -> i64 {
 
 /// value · factor / 2⁶⁴, less 5 at most, for a factor below 2⁶³.
 #[inline]
-pub(crate) fn part(value: i64, factor: u64) -> i64 {
+fn part(value: i64, factor: u64) -> i64 {
     let (above, below) = ((value >> 32) as i32, value as u32);
     let (high, low) = ((factor >> 32) as i32, factor as u32);
     let product = |a: i32, b: i32| i64::from(a).wrapping_mul(b.into());

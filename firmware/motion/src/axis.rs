@@ -11,7 +11,7 @@
 
 mod averaged;
 mod following;
-mod legs;
+mod preview;
 mod trace;
 
 use crate::average::Average;
@@ -92,8 +92,6 @@ pub struct Axis {
     /// Whether records of the present motion have been handed out.
     moving: bool,
     is_averaged: bool,
-    /// The plan has been made since [`Axis::plan_on`] was called last.
-    is_new: bool,
     /// The segment as it was configured; the driver may need a longer one.
     segment: u32,
     stepper: Stepper,
@@ -120,7 +118,6 @@ impl Axis {
         let mut axis = Self {
             clock: config.clock,
             plan: Plan::at_rest(0, 0),
-            is_new: false,
             ramps: Ramps::Linear,
             path: None,
             average: Average::new(),
@@ -166,7 +163,7 @@ impl Axis {
     /// # Errors
     /// [`PlanError`]; the motion goes on as it was.
     pub fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), PlanError> {
-        self.redirect(Goal::Rest(target), limits)
+        self.replan(Goal::Rest(target), limits)
     }
 
     /// Moves through `target` with `end_velocity` and keeps that; see [`Plan::then_move_through`].
@@ -179,7 +176,7 @@ impl Axis {
         end_velocity: Speed,
         limits: Limits,
     ) -> Result<(), PlanError> {
-        self.redirect(Goal::Pass(target, end_velocity), limits)
+        self.replan(Goal::Pass(target, end_velocity), limits)
     }
 
     /// Ramps to `velocity` and keeps it.
@@ -187,7 +184,7 @@ impl Axis {
     /// # Errors
     /// [`PlanError`]; the motion goes on as it was.
     pub fn ramp_to(&mut self, velocity: SignedSpeed, limits: Limits) -> Result<(), PlanError> {
-        self.redirect(Goal::Velocity(velocity), limits)
+        self.replan(Goal::Velocity(velocity), limits)
     }
 
     /// Ramps to rest at `deceleration` steps/s²: halt and quick stop. The axis comes to rest on a whole step.
@@ -410,9 +407,6 @@ impl Axis {
         if !self.stepper.is_on_piece() {
             // Where the mean stands it is where the plan stands, and the plan is followed.
             self.is_averaged &= !self.average.is_over();
-            if self.path.is_none() {
-                self.plan.complete_up_to(horizon);
-            }
             if self.end().is_some_and(|end| end <= horizon) {
                 state = self.state_at(horizon);
             }

@@ -70,9 +70,9 @@ impl Clock {
         let whole = (speed.bits() >> 32) as u32;
         let part = speed.bits() as u32;
         // A second has 77 bits at most.
-        let mut fine = self.second.wrapping_mul(u128::from(whole));
+        let mut fine = self.second * u128::from(whole);
         if part != 0 {
-            fine = fine.wrapping_add(self.second.wrapping_mul(u128::from(part)) >> 32);
+            fine += (self.second * u128::from(part)) >> 32;
         }
         fine.min(TOP_SPEED)
     }
@@ -82,9 +82,7 @@ impl Clock {
     /// Half, because that is the coefficient of a parabola: x = x₀ + v·n + ½a·n².
     #[inline(never)]
     pub(crate) fn half_acceleration(self, steps_per_second_squared: u32) -> Fine {
-        self.second_squared
-            .wrapping_mul(u128::from(steps_per_second_squared))
-            >> 29
+        (self.second_squared * u128::from(steps_per_second_squared)) >> 29
     }
 
     /// A sixth of a limit in steps/s³, as Q128 steps/tick³. Rounded down, so that the limit holds, but never to nothing; cut to
@@ -92,10 +90,7 @@ impl Clock {
     ///
     /// A sixth, because that is the coefficient of a cubic.
     pub(crate) fn sixth_jerk(self, steps_per_second_cubed: u32) -> Fine {
-        (self
-            .sixth_second_cubed
-            .wrapping_mul(steps_per_second_cubed.into())
-            >> 28)
+        ((self.sixth_second_cubed * u128::from(steps_per_second_cubed)) >> 28)
             .clamp(1, TOP_SIXTH_JERK)
     }
 }

@@ -56,24 +56,20 @@ impl Divisor {
         let mut first = pair(0, d, shift);
         let mut second = u64::from(pair(d, c, shift)) << 32 | u64::from(pair(c, b, shift));
         let mut rest = u64::from(pair(b, a, shift)) << 32 | u64::from(a << shift);
-        let mut left = 5u32.wrapping_sub(self.length).wrapping_add(digits);
+        let mut left = 5 - self.length + digits;
         // Digits in front that are 0.
         while left != 0 && first == 0 && ((second >> 32) as u32) < self.high {
             first = (second >> 32) as u32;
             (second, rest) = (second << 32 | rest >> 32, rest << 32);
-            left = left.wrapping_sub(1);
+            left -= 1;
         }
         let mut result: u128 = 0;
         while left != 0 {
             let mut digit = self.digit(first, (second >> 32) as u32);
             // Remainder and next digit, less the product.
-            let low = (self.rest as u32 as u64).wrapping_mul(digit.into());
-            let middle = (self.rest >> 32)
-                .wrapping_mul(digit.into())
-                .wrapping_add(low >> 32);
-            let top = u64::from(self.high)
-                .wrapping_mul(digit.into())
-                .wrapping_add(middle >> 32);
+            let low = u64::from(self.rest as u32) * u64::from(digit);
+            let middle = (self.rest >> 32) * u64::from(digit) + (low >> 32);
+            let top = u64::from(self.high) * u64::from(digit) + (middle >> 32);
             let below = middle << 32 | u64::from(low as u32);
             let (mut lower, borrow) = (second << 32 | rest >> 32).overflowing_sub(below);
             let upper = (u64::from(first) << 32 | second >> 32).wrapping_sub(top);
@@ -81,7 +77,7 @@ impl Divisor {
             rest <<= 32;
             // The estimate is never too small, and too large by at most two.
             while upper >> 63 != 0 {
-                digit = digit.wrapping_sub(1);
+                digit -= 1;
                 let (sum, carry) = lower.overflowing_add(self.rest);
                 lower = sum;
                 upper = upper
@@ -90,7 +86,7 @@ impl Divisor {
             }
             (first, second) = (upper as u32, lower);
             result = result << 32 | u128::from(digit);
-            left = left.wrapping_sub(1);
+            left -= 1;
         }
         result
     }

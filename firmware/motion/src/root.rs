@@ -17,12 +17,12 @@ pub(crate) fn root(square: u64) -> u32 {
     let mut root = rough.saturating_add_signed(step);
     let mut left = beyond(high, root);
     while left < 0 {
-        left = left.wrapping_add(i64::from(root) << 1).wrapping_sub(1);
-        root = root.wrapping_sub(1);
+        left += (i64::from(root) << 1) - 1;
+        root -= 1;
     }
     while left > i64::from(root) << 1 {
-        left = left.wrapping_sub(i64::from(root) << 1).wrapping_sub(1);
-        root = root.wrapping_add(1);
+        left -= (i64::from(root) << 1) + 1;
+        root += 1;
     }
     root >> (above >> 1)
 }

@@ -35,6 +35,10 @@ pub(crate) struct Ramp {
 
 /// A jerk-limited move from rest to rest, with the same jerk and acceleration at both ends.
 #[derive(Debug)]
+#[cfg_attr(
+    not(feature = "limited-jerk"),
+    expect(dead_code, reason = "what limited jerk alone attains")
+)]
 pub(crate) struct Smooth {
     pub(crate) name: String,
     pub(crate) distance: i64,

@@ -14,14 +14,12 @@ impl Wide {
         let half = |value: u128| u128::from(value as u64);
         let (a1, a0) = (a >> 64, half(a));
         let (b1, b0) = (b >> 64, half(b));
-        let bottom = a0.wrapping_mul(b0);
+        let bottom = a0 * b0;
         // A product of halves and a half more are never more than two halves.
-        let cross = a1.wrapping_mul(b0).wrapping_add(bottom >> 64);
-        let middle = a0.wrapping_mul(b1).wrapping_add(half(cross));
+        let cross = a1 * b0 + (bottom >> 64);
+        let middle = a0 * b1 + half(cross);
         Self {
-            high: (a1.wrapping_mul(b1))
-                .wrapping_add(cross >> 64)
-                .wrapping_add(middle >> 64),
+            high: a1 * b1 + (cross >> 64) + (middle >> 64),
             low: (middle << 64) | half(bottom),
         }
     }
@@ -45,7 +43,7 @@ impl Wide {
 
     /// ⌊self / 2ⁿ⌋ modulo 2¹²⁸ for n of 1 to 127.
     pub(crate) fn shifted_wrapping(self, n: u32) -> u128 {
-        self.high.wrapping_shl(128u32.wrapping_sub(n)) | (self.low >> (n & 127))
+        self.high.wrapping_shl(128 - n) | (self.low >> (n & 127))
     }
 
     /// The leading 64 bits and how far they were shifted down: self = mantissa · 2^exponent, rounded down.
@@ -61,11 +59,11 @@ impl Wide {
             ((word >> (shift & 127)) as u64, shift)
         } else if above > 64 {
             // Fewer than 64 bits in the upper half: fill up from the lower one.
-            let shift = 192u32.wrapping_sub(above);
+            let shift = 192 - above;
             (self.shifted_wrapping(shift) as u64, shift)
         } else {
-            let shift = 64u32.wrapping_sub(above);
-            ((word >> (shift & 127)) as u64, shift.wrapping_add(base))
+            let shift = 64 - above;
+            ((word >> (shift & 127)) as u64, shift + base)
         }
     }
 }

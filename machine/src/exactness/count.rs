@@ -39,14 +39,9 @@ pub fn long_moves(pulses: u64) -> Counted {
     let ring = Ring::new();
     let mut rig = Rig::new(&ring, FAST, Judge::new(FAST));
     let (mut target, mut forth, mut error) = (0_i64, true, 0);
-    let mut ramps = [
-        Ramps::Linear,
-        Ramps::SinSquared,
-        Ramps::JerkLimited(JERK),
-        Ramps::MovingAverage(JERK),
-    ]
-    .into_iter()
-    .cycle();
+    let mut ramps = [Ramps::Linear, Ramps::SinSquared, Ramps::MovingAverage(JERK)]
+        .into_iter()
+        .cycle();
     while rig.model.judge().pulses < pulses {
         rig.axis.set_ramps(ramps.next().unwrap_or_default());
         let way: i64 = if forth { 4_000_037 } else { -3_999_949 };
@@ -117,8 +112,7 @@ fn command(rig: &mut Rig<'_>, numbers: &mut Numbers) -> Result<(), PlanError> {
         let jerk = 1 << (26 + numbers.below(6));
         rig.axis.set_ramps(match numbers.below(5) {
             0 | 1 => Ramps::Linear,
-            2 => Ramps::SinSquared,
-            3 => Ramps::JerkLimited(jerk),
+            2 | 3 => Ramps::SinSquared,
             _ => Ramps::MovingAverage(jerk),
         });
     }

@@ -42,23 +42,6 @@ pub fn linear() -> Ends {
     })
 }
 
-/// The moves J01 to J06, with limited jerk: the fastest there are.
-///
-/// # Panics
-/// As [`linear`].
-pub fn jerk_limited() -> Ends {
-    ends("jerk", |vector| {
-        let ramp = whole(&vector["a"]) as u32;
-        let limits = Limits {
-            velocity: (whole(&vector["v"]) as u32).into(),
-            acceleration: ramp,
-            deceleration: ramp,
-        };
-        let ramps = Ramps::JerkLimited(whole(&vector["j"]) as u32);
-        (planned(vector, 0, limits, ramps), real(&vector["T_opt"]))
-    })
-}
-
 fn ends(kind: &str, plan: impl Fn(&Value) -> (Plan, f64)) -> Ends {
     let vectors = include_str!("../../../firmware/motion/tests/motion-vectors.json");
     let vectors: Value = serde_json::from_str(vectors).expect("the vectors are JSON");

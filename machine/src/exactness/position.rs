@@ -22,12 +22,7 @@ pub fn greatest_error(velocity: u32, ramp: u32, ramps: Ramps) -> f64 {
         deceleration: ramp,
     };
     let speed = u64::from(velocity);
-    // A ramp of limited jerk takes longer by the time until it is as hard as it may be.
-    let entry = match ramps {
-        Ramps::JerkLimited(jerk) => speed * u64::from(ramp) / u64::from(jerk),
-        _ => 0,
-    };
-    let target = (speed * speed / u64::from(ramp) + entry + speed / 5).cast_signed();
+    let target = (speed * speed / u64::from(ramp) + speed / 5).cast_signed();
     let clock = Clock::new(HZ).expect("a clock that motion can use");
     let goal = Goal::Rest(target);
     let plan = Plan::new(clock, 0, State::default(), goal, limits, ramps).expect("a move");

@@ -28,8 +28,6 @@ pub enum Profile {
     SinSquared,
     /// 2: the moving average, at [`JERK`] too; 20A0h as for sin².
     MovingAverage,
-    /// 3: limited jerk, [`JERK`]; 20A0h as for sin².
-    JerkLimited,
 }
 
 /// Steps/s³: [`super::STEEP`] within 2 ms. A ramp begins the more slowly the less it is.
@@ -96,7 +94,6 @@ pub fn longest(
         Profile::Linear => 0,
         Profile::SinSquared => 1,
         Profile::MovingAverage => 2,
-        Profile::JerkLimited => 3,
     };
     master.write(node, 0x6086, 0, code)?;
     master.write(node, 0x60A4, 1, JERK)?;

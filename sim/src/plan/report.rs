@@ -75,7 +75,8 @@ impl Phase {
             Ramps::SinSquared => Kind::Sin2,
             // An acceleration below half a step/s² is shown as none, and it may be one that grows.
             _ if peak != 0.0 && (last - first).abs() <= peak.abs() * ROUNDING => Kind::Acceleration,
-            Ramps::JerkLimited(_) | Ramps::MovingAverage(_) => Kind::Jerk,
+            // Of a moving average or of limited jerk.
+            _ => Kind::Jerk,
         };
         Self {
             start_s: start as f64 / rate,

@@ -164,7 +164,12 @@ fn ramps(arguments: &Arguments) -> Result<Ramps, String> {
     match (profile, arguments.jerk) {
         (Profile::Trapezoid, None) => Ok(Ramps::Linear),
         (Profile::Sin2, None) => Ok(Ramps::SinSquared),
+        #[cfg(feature = "limited-jerk")]
         (Profile::Jerk, Some(jerk)) => Ok(Ramps::JerkLimited(jerk)),
+        #[cfg(not(feature = "limited-jerk"))]
+        (Profile::Jerk, Some(_)) => {
+            Err("limited jerk is not built in (cargo feature `limited-jerk`)".to_owned())
+        }
         (Profile::Average, Some(jerk)) => Ok(Ramps::MovingAverage(jerk)),
         (Profile::Jerk, None) => Err("the profile `jerk` needs --jerk".to_owned()),
         (Profile::Average, None) => Err("the profile `average` needs --jerk".to_owned()),

@@ -145,13 +145,23 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
         Step::Format => checks([cargo(&["fmt", "--all", "--check"])])?,
         Step::Lint => checks(lints())?,
         Step::Docs => checks(documentation())?,
-        Step::Host => tests(&mut cargo(&[
-            "test",
-            "--workspace",
-            "--exclude",
-            "app",
-            "--no-fail-fast",
-        ]))?,
+        Step::Host => {
+            let workspace = ["test", "--workspace", "--exclude", "app", "--no-fail-fast"];
+            let mut count = tests(&mut cargo(&workspace))?;
+            // What is not built in by default.
+            let limited_jerk = [
+                "test",
+                "-p",
+                "cia402",
+                "-p",
+                "motion",
+                "--lib",
+                "--no-fail-fast",
+            ];
+            let feature = ["--features", "cia402/limited-jerk"];
+            count += tests(cargo(&limited_jerk).args(feature))?;
+            count
+        }
         Step::Fuzz => {
             let built = checks(fuzz::build_commands()?)?;
             if built.failed > 0 {

@@ -12,9 +12,7 @@ mod step_axis;
 
 use core::fmt;
 
-use motion::{
-    Demand, Direction, FollowError, Limits, Position, PulseSink, Ramps, SignedSpeed, Speed,
-};
+use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
 
 use crate::cyclic::Fine;
 
@@ -97,6 +95,9 @@ pub(crate) trait Actuator {
     /// Slows down to a standstill. On an error, a deceleration that gives no ramp, nothing changes.
     fn stop(&mut self, deceleration: u32, ramps: Ramps) -> Result<(), Refused>;
 
+    /// Where [`Actuator::stop`] would end; where the motor is, if it would be an error. With `leaves`, a sin² ramp under way is not finished.
+    fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64;
+
     /// The power is off, or must not move the motor any further: what is not done yet is forgotten.
     fn cut_off(&mut self);
 
@@ -128,11 +129,8 @@ pub(crate) trait Actuator {
     /// Whether what is followed ends in motion, so soon that the motor would stand with no ramp within this time.
     fn is_running_out(&self, time: Fine) -> bool;
 
-    /// Says with which acceleration, in steps/s², the next motion is to be planned, for the stops that are tried out before it.
+    /// Says with which acceleration, in steps/s², the next motion is to be planned, for the stops that are asked about before it.
     fn expect_acceleration(&mut self, acceleration: u32);
-
-    /// A motion with these ramps is to be planned that is no stop, and that may take the processor long.
-    fn prepare(&mut self, ramps: Ramps, pulses: &mut dyn PulseSink);
 }
 
 /// The position that is the same modulo 2³² and next to another.

@@ -3,8 +3,8 @@
 mod directed;
 
 use motion::{
-    AdvanceError, Axis, AxisConfig, Demand, Direction, FollowError, Limits, Position, PulseSink,
-    Ramps, SignedSpeed, Speed, Ticks, Velocity,
+    AdvanceError, Axis, AxisConfig, Demand, Direction, FollowError, Limits, PlanError, Position,
+    PulseSink, Ramps, SignedSpeed, Speed, Ticks, Velocity,
 };
 
 use super::{Actuator, CourseEnd, Refused, near};
@@ -31,6 +31,8 @@ pub(crate) struct StepAxis {
     timescale: Timescale,
     /// Pulses came too late, and nobody has asked for it yet.
     is_late: bool,
+    /// The planner has failed, and nobody has asked for it yet.
+    is_broken: bool,
 }
 
 impl StepAxis {
@@ -47,6 +49,7 @@ impl StepAxis {
             played: 0,
             timescale: Timescale::new(config.clock.hz()),
             is_late: false,
+            is_broken: false,
         }
     }
 
@@ -79,12 +82,6 @@ impl StepAxis {
         self.timescale.compare(now, self.played);
     }
 
-    /// The orders of this regular tick have been given: what the ones before have left to be planned is.
-    pub(crate) fn plan_on(&mut self, pulses: &mut impl PulseSink) {
-        let result = self.axis.plan_on(pulses);
-        self.look_at(result);
-    }
-
     /// Commits the pulses of the next segments.
     pub(crate) fn advance(&mut self, pulses: &mut impl PulseSink) {
         let result = self.axis.advance(pulses);
@@ -101,6 +98,16 @@ impl StepAxis {
     /// followed.
     pub(crate) const fn take_late(&mut self) -> bool {
         core::mem::replace(&mut self.is_late, false)
+    }
+
+    /// Whether the planner has failed since the last call, which cannot be: where the motor goes is not known.
+    pub(crate) const fn take_broken(&mut self) -> bool {
+        core::mem::replace(&mut self.is_broken, false)
+    }
+
+    fn planned(&mut self, result: Result<(), PlanError>) -> Result<(), Refused> {
+        self.is_broken |= result == Err(PlanError::Internal);
+        result.map_err(|_| Refused)
     }
 
     /// Whether a tick that plans may make a pause, with so few pulses left. See [`Axis::runs_short`].
@@ -169,7 +176,8 @@ impl Actuator for StepAxis {
     fn move_to(&mut self, target: i64, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
         let target = self.on_axis(target);
         self.axis.set_ramps(ramps);
-        self.axis.move_to(target, limits).map_err(|_| Refused)
+        let result = self.axis.move_to(target, limits);
+        self.planned(result)
     }
 
     fn move_through(
@@ -181,9 +189,8 @@ impl Actuator for StepAxis {
     ) -> Result<(), Refused> {
         let target = self.on_axis(target);
         self.axis.set_ramps(ramps);
-        self.axis
-            .move_through(target, end_velocity, limits)
-            .map_err(|_| Refused)
+        let result = self.axis.move_through(target, end_velocity, limits);
+        self.planned(result)
     }
 
     fn ramp_to(
@@ -193,12 +200,19 @@ impl Actuator for StepAxis {
         ramps: Ramps,
     ) -> Result<(), Refused> {
         self.axis.set_ramps(ramps);
-        self.axis.ramp_to(velocity, limits).map_err(|_| Refused)
+        let result = self.axis.ramp_to(velocity, limits);
+        self.planned(result)
     }
 
     fn stop(&mut self, deceleration: u32, ramps: Ramps) -> Result<(), Refused> {
         self.axis.set_ramps(ramps);
-        self.axis.stop(deceleration).map_err(|_| Refused)
+        let result = self.axis.stop(deceleration);
+        self.planned(result)
+    }
+
+    fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
+        let rest = self.axis.stop_preview(deceleration, ramps, leaves);
+        rest.map_or(self.committed, |rest| near(rest, self.committed))
     }
 
     fn cut_off(&mut self) {
@@ -264,13 +278,5 @@ impl Actuator for StepAxis {
 
     fn expect_acceleration(&mut self, acceleration: u32) {
         self.axis.expect_acceleration(acceleration);
-    }
-
-    fn prepare(&mut self, ramps: Ramps, mut pulses: &mut dyn PulseSink) {
-        if !self.at_rest {
-            let result = self.axis.prepare(ramps, &mut pulses);
-            self.look_at(result);
-            self.committed = near(self.axis.committed_position(), self.committed);
-        }
     }
 }

@@ -1,7 +1,5 @@
 //! The mode of operation in a tick, and what is enforced whatever it does.
 
-use motion::PulseSink;
-
 use super::{Drive, Tick};
 use crate::actuator::Actuator;
 use crate::controlword::Command;
@@ -25,12 +23,7 @@ impl<D: Objects> Drive<D> {
 
     /// The mode of operation. Returns its bits of the statusword.
     #[inline(never)]
-    pub(super) fn operate(
-        &mut self,
-        tick: &Tick<'_>,
-        command: Option<Command>,
-        pulses: &mut dyn PulseSink,
-    ) -> u16 {
+    pub(super) fn operate(&mut self, tick: &Tick<'_>, command: Option<Command>) -> u16 {
         let state = self.machine.state();
         if state != State::OperationEnabled && self.motor.standstill() {
             self.modes.select::<D>(self.commands.mode);
@@ -66,7 +59,6 @@ impl<D: Objects> Drive<D> {
                     position: tick.position,
                     is_brake_open,
                     motor: &mut self.motor,
-                    pulses,
                     slots: &self.cyclic.slots,
                     buffer: &mut self.cyclic.buffer,
                     pipeline: &self.cyclic.pipeline,

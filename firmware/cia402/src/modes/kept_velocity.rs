@@ -122,9 +122,6 @@ impl KeptVelocity {
         };
         if is_new {
             self.order = Some(order);
-            if order.velocity != SignedSpeed::ZERO {
-                context.prepare(order.ramps);
-            }
             (self.course, self.held_back) = begin(order, context.motor);
         } else if let Some(before) = &mut self.order {
             before.asked = order.asked;
@@ -198,8 +195,11 @@ fn begin(order: Order, motor: &mut Motor) -> (Course, i64) {
         end >= motor.committed_position()
     };
     let result = if has_end && (is_behind || is_within_reach(end, motor)) {
-        stop(motor, limits.deceleration);
-        let rest = motor.destination();
+        let rest = if motor.standstill() {
+            motor.destination()
+        } else {
+            motor.stop_preview(limits.deceleration, held.ramp.ramps, false)
+        };
         let is_ahead = if velocity.bits() > 0 {
             rest < end
         } else {

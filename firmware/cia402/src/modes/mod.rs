@@ -17,7 +17,7 @@ mod profile_velocity;
 mod velocity;
 
 use canopen::Instant;
-use motion::{Demand, Limits, PulseSink, Ramps, SignedSpeed, Speed};
+use motion::{Demand, Limits, Ramps, SignedSpeed, Speed};
 
 use crate::commands::Commands;
 use crate::configuration::Configuration;
@@ -65,8 +65,6 @@ pub(crate) struct Context<'a> {
     pub(crate) frame: &'a mut Frame,
     pub(crate) is_brake_open: bool,
     pub(crate) motor: &'a mut Motor,
-    /// Where its pulses go.
-    pub(crate) pulses: &'a mut dyn PulseSink,
     /// The set-points of this tick, for the cyclic modes.
     pub(crate) slots: &'a [Slot],
     /// The data records that wait.
@@ -101,11 +99,6 @@ impl Context<'_> {
         let increments = units.position(target);
         self.frame.remember(target, increments);
         increments
-    }
-
-    /// A motion with these ramps is to be planned that is no stop: see [`Motor::prepare`].
-    pub(crate) fn prepare(&mut self, ramps: Ramps) {
-        self.motor.prepare(ramps, self.pulses);
     }
 
     /// Controlword bit 8.

@@ -27,7 +27,7 @@
 mod set_point;
 mod taking;
 
-use motion::{Limits, Ramps, SignedSpeed, Speed};
+use motion::{Limits, SignedSpeed, Speed};
 
 use super::Context;
 use super::braking::{self, Ramp};
@@ -157,23 +157,6 @@ impl ProfilePosition {
         }
         let edge = context.commands.rising & NEW_SET_POINT != 0 && !self.begins;
         self.begins = false;
-        let begins_next = self.next.is_some() && self.progress != Progress::UnderWay;
-        let goes_on = edge || self.starts_anew || context.has_changed || was_held;
-        let planned = [
-            edge.then_some(context.configuration.profile.ramps),
-            self.current
-                .filter(|_| goes_on)
-                .map(|current| current.ramps),
-            // It also begins where the one under way turns out to be impossible.
-            (self.next)
-                .filter(|_| begins_next || goes_on)
-                .map(|next| next.ramps),
-        ];
-        if !self.held
-            && let Some(ramps) = dearest(planned)
-        {
-            context.prepare(ramps);
-        }
         if context.has_changed {
             self.look_at_limits(context);
         }
@@ -430,26 +413,15 @@ impl ProfilePosition {
     }
 }
 
-/// Those of the ramps that may be planned for which most is committed before; `None` if none is.
-fn dearest(planned: [Option<Ramps>; 3]) -> Option<Ramps> {
-    let is_dear = |ramps: &Ramps| matches!(ramps, Ramps::JerkLimited(_));
-    let mut ramps = planned.into_iter().flatten();
-    let first = ramps.next()?;
-    if is_dear(&first) {
-        return Some(first);
+/// Where the motor comes to rest, in steps, with the ramps that the set-point would have.
+fn rest(context: &Context<'_>, deceleration: u32) -> i64 {
+    let motor = &context.motor;
+    if motor.is_at_rest() || motor.is_stopping() {
+        return motor.destination();
     }
-    Some(ramps.find(is_dear).unwrap_or(first))
-}
-
-/// Where the motor comes to rest, in steps, with the ramps that the set-point would have. To know that it is stopped; the set-point that
-/// begins in this tick takes the place of the stop before any of it is carried out.
-fn rest(context: &mut Context<'_>, deceleration: u32) -> i64 {
-    if !context.motor.is_at_rest() && !context.motor.is_stopping() {
-        let deceleration = deceleration.min(context.configuration.max_deceleration);
-        context.motor.set_ramps(context.configuration.profile.ramps);
-        context.motor.stop(deceleration);
-    }
-    context.motor.destination()
+    let configuration = context.configuration;
+    let deceleration = deceleration.min(configuration.max_deceleration);
+    motor.stop_preview(deceleration, configuration.profile.ramps, false)
 }
 
 /// How far the motor may go until it stands, in steps: no less than it really is, but for a ramp that is under way.

@@ -2,6 +2,7 @@
 
 use super::{Average, SAMPLES, Window, sample};
 use crate::fixed::Exact;
+use crate::plan::Start;
 use crate::plan::phase::Phase;
 use crate::{Clock, Goal, Limits, Plan, Ramps, State, Ticks};
 use proptest::prelude::*;
@@ -43,7 +44,8 @@ impl Course {
         };
         let ahead = Average::ahead(window, from.into());
         let mut plan = Plan::at_rest(0, begin);
-        let _ = plan.make(clock(), begin, (ahead, 0), goal, limits, Ramps::Linear);
+        let start = Start::steady(begin, ahead);
+        let _ = plan.make(clock(), &start, goal, limits, Ramps::Linear);
         let mut average = Average::new();
         average.begin(window, begin, from.into());
         Self {
@@ -70,7 +72,7 @@ impl Course {
         let joint = self.average.joint(horizon);
         let mut plan = self.plans.last().unwrap().1;
         if plan
-            .redirect(clock(), joint, goal, limits, Ramps::Linear)
+            .replan(clock(), joint, goal, limits, Ramps::Linear)
             .is_ok()
         {
             self.average.rejoin(&mut plan);
@@ -181,7 +183,7 @@ proptest! {
         let noise = 2f64.powi(-30) / grid / seconds;
         let mut before: Option<(Ticks, Phase)> = None;
         for (until, phase) in &course.pieces {
-            let acceleration = per_second(phase.pull(phase.start())) * f64::from(HZ);
+            let acceleration = per_second(phase.acceleration_exact(phase.start())) * f64::from(HZ);
             prop_assert!(acceleration.abs() <= hardest * 1.000_001 + noise);
             prop_assert!(per_second(phase.at(phase.start()).velocity).abs() <= fastest * 1.000_001 + 1e-3);
             if let Some((_, last)) = before {
@@ -191,7 +193,7 @@ proptest! {
                 prop_assert!(apart.abs() < 1e-4, "{apart} steps apart");
                 let apart = per_second(here.velocity) - per_second(there.velocity);
                 prop_assert!(apart.abs() < 1e-3 + noise * grid, "{apart} steps/s apart");
-                let was = per_second(last.pull(last.start())) * f64::from(HZ);
+                let was = per_second(last.acceleration_exact(last.start())) * f64::from(HZ);
                 let jerk = (acceleration - was).abs() / grid;
                 let most = 2.0 * hardest / seconds;
                 prop_assert!(jerk <= most * 1.000_001 + 2.0 * noise / grid, "{jerk} steps/s³ instead of {most}");

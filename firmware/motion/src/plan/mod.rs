@@ -1,45 +1,36 @@
 //! Plans: where the axis is at every tick, in closed form.
 //!
-//! A plan is a list of phases of constant acceleration, at most five; where the jerk is limited, of constant jerk, at most
-//! eleven. It is made once, from a state, a goal and limits, and then
-//! only evaluated. Two rules make it exact: the braking phase of a move is anchored at its target, so that it lands there whatever
+//! A plan is a list of phases, each a polynomial of degree 3 at most. It is made once, from a state, a goal and limits, and then only evaluated.
+//! Two rules make it exact: the braking phase of a move is anchored at its target, so that it lands there whatever
 //! was rounded on the way; and limits are rounded down, so that they are never exceeded. What that costs in speed is paid
 //! by the cruise.
 //!
-//! A smooth motion that has to come to rest before it goes on is two legs, and these may be planned one by one
-//! ([`Plan::leave_for`], [`Plan::complete`]), so that no step is longer than a plan from rest.
-//!
-//! A plan keeps drafts of its phases, as they are found, a jerk-limited ramp as one; and a phase is worked out when it is asked for.
-//! Whoever follows a plan enters each phase once; most plans are left before their last.
+//! A plan keeps pieces: ramps and cruises, at most [`MOST_PIECES`]. A phase is worked out of them when it is asked for. Whoever follows a plan
+//! enters each phase once; most plans are left before their last.
 //!
 //! After CiA 402-2, the profile deceleration (6084h) rules whenever the speed falls and the profile acceleration (6083h)
 //! whenever it grows, in either direction.
 
-mod course;
-mod cruise;
-mod draft;
+mod builder;
+#[cfg(feature = "limited-jerk")]
 mod jerk_limited;
+mod lead;
 mod move_to;
-mod number;
 pub(crate) mod phase;
-mod ramp;
-mod rough;
-mod second_leg;
+mod piece;
 mod sine;
 mod velocity;
 
 use core::fmt;
 
-use crate::clock::{Clock, Ticks};
+use crate::clock::{Clock, Fine, Ticks};
 use crate::fixed::{Exact, State};
 use crate::speed::{SignedSpeed, Speed};
-use crate::stepper::piece::Piece;
-use course::Course;
-use draft::{Draft, MOST_RAMPS};
-use phase::{Frame, Phase};
-use ramp::{Jerk, Ramp};
-use rough::{Kind, Rough};
-use second_leg::SecondLeg;
+use crate::stepper::piece::Piece as Polynomial;
+use builder::Origin;
+pub(crate) use lead::Start;
+use phase::Phase;
+use piece::{Frame, Piece};
 
 /// What a motion may ask of the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,16 +49,36 @@ pub enum Ramps {
     /// At constant acceleration: the trapezoid.
     #[default]
     Linear,
-    /// As sin², within the time that the linear ramp takes and over the same way; the acceleration reaches π/2 times its limit. A
-    /// motion that begins within such a ramp is jerk-limited, at the jerk at which that ramp began, or at which one from rest to the profile
-    /// velocity begins if that is higher; with harder limits than before, at theirs. If it has to come to rest before it goes on, the ramps
-    /// from there on are sin² again, and to leave these takes no less than the jerk of that stop.
+    /// As sin², within the time that the linear ramp takes and over the same distance; the acceleration reaches π/2 times its limit. The position
+    /// is within 0.01 steps of that. A motion that leaves such a ramp on its way first finishes it, if it would accelerate or brake as
+    /// far anyway; otherwise it brings the acceleration to zero, at the jerk at which that ramp began.
     SinSquared,
     /// With this jerk (60A4h) in steps/s³, at least 1: the double-S.
+    #[cfg(feature = "limited-jerk")]
     JerkLimited(u32),
     /// As the moving average of linear ramps, at this jerk (60A4h) in steps/s³, at least 1. The plan is that of linear ramps; the axis
     /// takes the mean, and comes to rest a window later than the plan.
     MovingAverage(u32),
+}
+
+#[cfg(test)]
+impl Ramps {
+    /// Limited jerk, if it is built in.
+    pub(crate) fn limited(jerk: u32) -> Option<Self> {
+        #[cfg(feature = "limited-jerk")]
+        return Some(Self::JerkLimited(jerk));
+        #[cfg(not(feature = "limited-jerk"))]
+        return Some(jerk).and(None);
+    }
+
+    /// The jerk that is limited.
+    pub(crate) fn jerk(self) -> Option<u32> {
+        match self {
+            #[cfg(feature = "limited-jerk")]
+            Self::JerkLimited(jerk) => Some(jerk),
+            _ => None,
+        }
+    }
 }
 
 /// What a motion is after.
@@ -95,6 +106,8 @@ pub enum PlanError {
     /// The target is 2³² steps or more away, or braking takes the axis that far from it. With limited jerk, an axis that cannot reach
     /// the target without coming to rest first may take less than 2³¹ steps for that.
     OutOfRange,
+    /// A plan needs more pieces than it has room for, which cannot be. The axis is to be stopped: it goes on as the last piece does.
+    Internal,
 }
 
 impl fmt::Display for PlanError {
@@ -105,20 +118,19 @@ impl fmt::Display for PlanError {
             Self::ZeroDeceleration => "deceleration limit is zero",
             Self::ZeroJerk => "jerk is zero",
             Self::OutOfRange => "target out of range",
+            Self::Internal => "plan has no room for its pieces",
         })
     }
 }
 
 impl core::error::Error for PlanError {}
 
-/// Jerks that differ by less than that factor are one: sin² ramps are left at more than they need.
-const ALIKE: Rough = Rough::ONE.more(-8);
-
-/// The wrong direction is left; then acceleration, cruise, braking, and the velocity that is kept.
-const MOST_DRAFTS: usize = 5;
-
-/// A jerk-limited ramp is three phases.
-const MOST_PHASES: usize = 11;
+/// A lead, leaving the wrong direction; then acceleration, cruise, braking, and the velocity that is kept. A jerk-limited ramp is three pieces.
+pub const MOST_PIECES: usize = if cfg!(feature = "limited-jerk") {
+    11
+} else {
+    6
+};
 
 /// A motion in closed form.
 #[derive(Debug, Clone, Copy)]
@@ -126,9 +138,7 @@ pub struct Plan {
     frame: Frame,
     /// `Ticks::MAX` if it never ends.
     end: Ticks,
-    drafts: [Draft; MOST_DRAFTS],
-    /// The jerk-limited ramps of the drafts.
-    ramps: [Ramp; MOST_RAMPS],
+    pieces: [Piece; MOST_PIECES],
     count: u8,
     /// The phase that was entered, and the first tick behind it; 0 if there is none.
     entered: Phase,
@@ -137,14 +147,10 @@ pub struct Plan {
     rest: i128,
     /// The first tick of the ramp to rest, or of the last ramp there is.
     last_ramp: Ticks,
-    /// The leg that is still to be planned: the plan stands where that begins.
-    left: Option<SecondLeg>,
-    /// What the plan was made for, if its ramps are not linear.
+    /// What the plan was made for, if its ramps are smooth.
     order: Option<(Goal, Limits, Ramps)>,
-    /// With which jerk a ramp under way is left; none where ramps are linear.
-    jerk: Option<Jerk>,
-    /// The linear ramps of the plan that is made next are to be drawn as sin².
-    is_sine: bool,
+    /// A sixth of the jerk of its ramps, Q128 steps per tick³; 0 if it is not limited.
+    sixth_jerk: Fine,
 }
 
 impl Plan {
@@ -158,17 +164,14 @@ impl Plan {
                 reverse: false,
             },
             end: start,
-            drafts: [Draft::NONE; MOST_DRAFTS],
-            ramps: [Ramp::NONE; MOST_RAMPS],
+            pieces: [Piece::NONE; MOST_PIECES],
             count: 0,
             entered: Phase::NONE,
             entered_until: 0,
             rest,
             last_ramp: start,
-            left: None,
             order: None,
-            jerk: None,
-            is_sine: false,
+            sixth_jerk: 0,
         }
     }
 
@@ -233,8 +236,8 @@ impl Plan {
         ramps: Ramps,
     ) -> Result<Self, PlanError> {
         let mut plan = Self::at_rest(0, start);
-        plan.make(clock, start, (from.into(), 0), goal, limits, ramps)?;
-        plan.complete();
+        let start = Start::steady(start, from.into());
+        plan.make(clock, &start, goal, limits, ramps)?;
         Ok(plan)
     }
 
@@ -268,7 +271,7 @@ impl Plan {
         limits: Limits,
     ) -> Result<Self, PlanError> {
         let mut next = *self;
-        next.redirect(
+        next.replan(
             clock,
             at,
             Goal::Pass(target_steps, end_velocity),
@@ -290,7 +293,7 @@ impl Plan {
         limits: Limits,
     ) -> Result<Self, PlanError> {
         let mut next = *self;
-        next.redirect(clock, at, Goal::Velocity(velocity), limits, Ramps::Linear)?;
+        next.replan(clock, at, Goal::Velocity(velocity), limits, Ramps::Linear)?;
         Ok(next)
     }
 
@@ -302,7 +305,7 @@ impl Plan {
     ///
     /// # Errors
     /// As [`Plan::move_to`].
-    pub fn redirect(
+    pub fn replan(
         &mut self,
         clock: Clock,
         at: Ticks,
@@ -310,126 +313,99 @@ impl Plan {
         limits: Limits,
         ramps: Ramps,
     ) -> Result<(), PlanError> {
-        self.leave_for(clock, at, goal, limits, ramps)?;
-        self.complete();
-        Ok(())
+        if self.order == Some((goal, limits, ramps)) && at >= self.frame.start {
+            return Ok(());
+        }
+        self.enter(at);
+        if !self.is_smooth() {
+            let start = Start::steady(at, self.exact_at(at));
+            return self.make(clock, &start, goal, limits, ramps);
+        }
+        if ramps == Ramps::SinSquared
+            && let Some(rest) = self.rest_of_ramp(clock, at, goal, limits)
+        {
+            return self.build(clock, &rest, goal, limits, ramps);
+        }
+        self.leave_ramp(clock, at, goal, limits, ramps)
     }
 
-    /// Whether there is nothing to change for a goal: it is what the plan is after; or sin² braking is under way to it, and that is
-    /// as short as it can be: but a stop that is harder than that braking is obeyed.
-    fn does(&self, at: Ticks, goal: Goal, limits: Limits, ramps: Ramps) -> bool {
-        if at < self.frame.start {
-            return false;
-        }
-        if self.order == Some((goal, limits, ramps)) {
-            return true;
-        }
-        let is_braking = ramps == Ramps::SinSquared && self.is_sine && at >= self.last_ramp;
-        let to_rest = match goal {
-            Goal::Rest(target) => Exact::at_rest(target).position == self.rest,
-            Goal::Pass(..) => false,
-            Goal::Velocity(velocity) => {
-                let is_harder = self
-                    .order
-                    .is_none_or(|(_, before, _)| limits.deceleration > before.deceleration);
-                velocity == SignedSpeed::ZERO && !is_harder
-            }
-        };
-        is_braking && to_rest && self.end != Ticks::MAX && limits.deceleration != 0
-    }
-
-    /// Makes a plan from a state and an acceleration, Q96, which linear ramps do not care for.
-    pub(crate) fn make(
+    /// The same of a smooth plan, but no sin² ramp is finished.
+    pub(crate) fn leave_ramp(
         &mut self,
         clock: Clock,
-        start: Ticks,
-        (from, pull): (Exact, i128),
+        at: Ticks,
         goal: Goal,
         limits: Limits,
         ramps: Ramps,
     ) -> Result<(), PlanError> {
-        let jerk = match ramps {
-            Ramps::MovingAverage(0) => return Err(PlanError::ZeroJerk),
-            Ramps::Linear | Ramps::MovingAverage(_) => None,
-            Ramps::SinSquared if pull != 0 => self.leaving_jerk(clock, start, from, limits),
-            Ramps::SinSquared => Some(sine_jerk(clock, from, limits)),
-            Ramps::JerkLimited(0) => return Err(PlanError::ZeroJerk),
+        let mut start = self.leave(at);
+        if ramps == Ramps::SinSquared {
+            let harder = self.harder_jerk(clock, start.from, limits);
+            start.sixth_jerk = start.sixth_jerk.max(harder);
+        }
+        self.make(clock, &start, goal, limits, ramps)
+    }
+
+    /// Makes a plan from a motion. On an error the plan stays as it was.
+    pub(crate) fn make(
+        &mut self,
+        clock: Clock,
+        start: &Start,
+        goal: Goal,
+        limits: Limits,
+        ramps: Ramps,
+    ) -> Result<(), PlanError> {
+        match ramps {
+            Ramps::MovingAverage(0) => Err(PlanError::ZeroJerk),
+            Ramps::SinSquared => self.build(clock, &start.eased(), goal, limits, ramps),
+            Ramps::Linear | Ramps::MovingAverage(_) => {
+                let origin = Origin::steady(start.tick, start.from);
+                self.build(clock, &origin, goal, limits, ramps)
+            }
+            #[cfg(feature = "limited-jerk")]
+            Ramps::JerkLimited(0) => Err(PlanError::ZeroJerk),
+            #[cfg(feature = "limited-jerk")]
             Ramps::JerkLimited(jerk) => {
-                let sixth = clock.sixth_jerk(jerk);
-                // A ramp under way is left at no less than the jerk with which it was entered.
-                let entered = self.jerk.filter(|_| pull != 0);
-                let entered = entered.map_or(0, |jerk| self.entry_jerk(start, jerk).sixth);
-                let sixth = sixth.max(entered);
-                let known = self.jerk.filter(|jerk| jerk.sixth == sixth);
-                Some(known.unwrap_or_else(|| Jerk::new(sixth)))
-            }
-        };
-        let is_sine = ramps == Ramps::SinSquared && pull == 0;
-        match jerk {
-            Some(jerk) if !is_sine => {
-                jerk_limited::plan(self, clock, start, (from, pull), goal, limits, &jerk)?;
-            }
-            _ => {
-                let was_sine = self.is_sine;
-                self.is_sine = is_sine;
-                let made = match goal {
-                    Goal::Rest(target) => {
-                        move_to::plan(self, clock, start, from, (target, Speed::ZERO), limits)
-                    }
-                    Goal::Pass(target, end) => {
-                        move_to::plan(self, clock, start, from, (target, end), limits)
-                    }
-                    Goal::Velocity(velocity) => {
-                        velocity::plan(self, clock, start, from, velocity, limits)
-                    }
-                };
-                if made.is_err() {
-                    self.is_sine = was_sine;
-                    return made;
-                }
+                let jerk = clock.sixth_jerk(jerk).max(start.sixth_jerk);
+                jerk_limited::plan(self, clock, start, goal, limits, jerk)?;
+                self.sixth_jerk = jerk;
+                self.order = Some((goal, limits, ramps));
+                Ok(())
             }
         }
-        self.is_sine = is_sine;
-        self.jerk = jerk;
-        self.order = jerk.map(|_| (goal, limits, ramps));
+    }
+
+    /// Makes a plan with linear or sin² ramps.
+    fn build(
+        &mut self,
+        clock: Clock,
+        origin: &Origin,
+        goal: Goal,
+        limits: Limits,
+        ramps: Ramps,
+    ) -> Result<(), PlanError> {
+        let is_sine = ramps == Ramps::SinSquared;
+        let origin = &Origin { is_sine, ..*origin };
+        match goal {
+            Goal::Rest(target) => {
+                move_to::plan(self, clock, origin, (target, Speed::ZERO), limits)?;
+            }
+            // A target that is passed before anything new begins: the end velocity comes about behind it.
+            Goal::Pass(target, end) if end != Speed::ZERO && origin.passes(target) => {
+                let velocity = end.signed(origin.from.velocity < 0);
+                velocity::plan(self, clock, origin, velocity, limits)?;
+            }
+            Goal::Pass(target, end) => move_to::plan(self, clock, origin, (target, end), limits)?,
+            Goal::Velocity(velocity) => velocity::plan(self, clock, origin, velocity, limits)?,
+        }
+        self.sixth_jerk = 0;
+        self.order = is_sine.then_some((goal, limits, ramps));
         Ok(())
     }
 
-    /// With which jerk the ramp at tick `at` was entered, if it is `jerk` that the plan was made with: that of a sin² ramp between two
-    /// velocities which lie closer together is higher.
-    fn entry_jerk(&self, at: Ticks, jerk: Jerk) -> Jerk {
-        let steepness = self.entered(at).and_then(Phase::steepness_of_sine);
-        let entered = steepness.map_or(Rough::ZERO, |steepness| steepness.times(Jerk::OF_SINE));
-        // Most often it is the same, but for what is rounded.
-        if entered > jerk.rough.times(ALIKE) {
-            steepness.map_or(jerk, Jerk::of_sine)
-        } else {
-            jerk
-        }
-    }
-
-    /// The jerk with which a ramp under way is left for sin² ones: no less than that with which it was entered, and where the new limits are
-    /// harder, theirs. A quick stop must not last as long as the gentle ramp that it ends.
-    fn leaving_jerk(&self, clock: Clock, at: Ticks, from: Exact, limits: Limits) -> Option<Jerk> {
-        let hardest = |limits: Limits| limits.acceleration.max(limits.deceleration);
-        let entered = self.entry_jerk(at, self.jerk?);
-        let is_harder = self
-            .order
-            .is_none_or(|(_, before, _)| hardest(limits) > hardest(before));
-        if !is_harder {
-            return Some(entered);
-        }
-        let jerk = sine_jerk(clock, from, limits);
-        Some(if jerk.sixth > entered.sixth {
-            jerk
-        } else {
-            entered
-        })
-    }
-
     /// Whether its ramps are not linear: another smooth plan in motion begins with the acceleration of this one.
-    pub(crate) const fn is_smooth(&self) -> bool {
-        self.jerk.is_some()
+    const fn is_smooth(&self) -> bool {
+        self.order.is_some()
     }
 
     /// The first tick of the ramp to rest; the end, if the axis stands.
@@ -457,55 +433,57 @@ impl Plan {
     }
 
     /// The phases in order; none if the axis stands.
-    pub fn phases(&self) -> impl DoubleEndedIterator<Item = Phase> + ExactSizeIterator {
-        let mut phases = [Phase::NONE; MOST_PHASES];
-        let mut count = 0;
+    pub fn phases(&self) -> impl Iterator<Item = Phase> {
         let mut corner = Some(self.frame.start);
-        while let Some(phase) = corner.and_then(|corner| self.phase_at(corner))
-            && let Some(next) = phases.get_mut(count)
-        {
-            corner = self.next_corner(phase.start());
-            *next = phase;
-            count = count.wrapping_add(1);
-        }
-        phases.into_iter().take(count)
+        core::iter::from_fn(move || {
+            let at = corner?;
+            corner = self.next_corner(at);
+            self.phase_at(at)
+        })
     }
 
-    fn drafts(&self) -> &[Draft] {
-        self.drafts
+    fn pieces(&self) -> &[Piece] {
+        self.pieces
             .get(..usize::from(self.count))
             .unwrap_or_default()
     }
 
+    /// The piece at tick `t`, and the first tick behind it.
+    fn find_piece(&self, t: Ticks) -> Option<(&Piece, Ticks)> {
+        let mut until = self.end;
+        if t >= until {
+            return None;
+        }
+        for piece in self.pieces().iter().rev() {
+            if piece.start <= t {
+                return Some((piece, until));
+            }
+            until = piece.start;
+        }
+        None
+    }
+
     /// The next tick after `after` at which another phase begins or the plan ends; `None` if nothing changes any more.
     pub fn next_corner(&self, after: Ticks) -> Option<Ticks> {
-        self.drafts()
-            .iter()
-            .flat_map(|draft| draft.corners(&self.ramps))
-            .chain(self.end())
-            .find(|corner| *corner > after)
+        if after < self.frame.start {
+            return Some(self.frame.start);
+        }
+        let (piece, until) = self.find_piece(after)?;
+        let corner = piece.next_corner((after, until));
+        Some(corner).filter(|corner| *corner < Ticks::MAX)
     }
 
     /// How long it keeps its velocity between its two ramps, if it is one from rest to rest; in ticks.
     pub(crate) fn cruise(&self) -> Ticks {
-        let line = self.drafts().iter().find(|draft| draft.is_line());
+        let line = self.pieces().iter().find(|piece| piece.is_line());
         line.map_or(0, |line| {
-            let start = line.start();
-            let end = self.next_corner(start).unwrap_or(start);
-            end.saturating_sub(start)
+            let end = self.next_corner(line.start).unwrap_or(line.start);
+            end - line.start
         })
     }
 
-    /// The plan must be known up to tick `t`.
-    pub(crate) fn complete_up_to(&mut self, t: Ticks) {
-        if self.waits_from().is_some_and(|from| from <= t) {
-            self.complete();
-        }
-    }
-
     /// How the plan goes on from tick `t`; `None` where it stands. The phase there is entered.
-    pub(crate) fn piece_at(&mut self, t: Ticks) -> Option<Piece> {
-        self.complete_up_to(t);
+    pub(crate) fn piece_at(&mut self, t: Ticks) -> Option<Polynomial> {
         self.enter(t);
         let end = self.entered_until;
         self.entered(t).map(|phase| phase.piece(t, end))
@@ -525,10 +503,20 @@ impl Plan {
         }
     }
 
+    /// The exact state, and the acceleration there, Q96 steps per tick².
+    fn motion_at(&self, t: Ticks) -> (Exact, i128) {
+        let t = t.max(self.frame.start);
+        let phase = self.entered(t).copied().or_else(|| self.phase_at(t));
+        match phase {
+            Some(phase) => (phase.at(t), phase.acceleration_exact(t)),
+            None => (self.exact_at(t), 0),
+        }
+    }
+
     pub(crate) fn phase_at(&self, t: Ticks) -> Option<Phase> {
-        let (draft, until) = draft_at(self.drafts(), self.end, t)?;
+        let (piece, until) = self.find_piece(t)?;
         let mut phase = Phase::NONE;
-        draft.work_out(&self.ramps, (t, until), &self.frame, &mut phase);
+        piece.work_out((t, until), &self.frame, &mut phase);
         Some(phase)
     }
 
@@ -543,46 +531,21 @@ impl Plan {
         if self.entered(t).is_some() {
             return;
         }
-        let drafts = self.drafts.get(..usize::from(self.count));
-        if let Some((draft, until)) = draft_at(drafts.unwrap_or_default(), self.end, t) {
-            self.entered_until =
-                draft.work_out(&self.ramps, (t, until), &self.frame, &mut self.entered);
+        let (frame, mut entered) = (self.frame, Phase::NONE);
+        if let Some((piece, until)) = self.find_piece(t) {
+            self.entered_until = piece.work_out((t, until), &frame, &mut entered);
+            self.entered = entered;
         }
     }
-}
 
-/// The draft of the phase at tick `t`, and the first tick behind it.
-fn draft_at(drafts: &[Draft], end: Ticks, t: Ticks) -> Option<(&Draft, Ticks)> {
-    let mut until = end;
-    if t >= until {
-        return None;
+    /// Where the motion comes to rest; `None` if it never does.
+    pub(crate) fn destination(&self) -> Option<State> {
+        let rest = Exact {
+            position: self.rest,
+            velocity: 0,
+        };
+        self.end().map(|_| rest.rounded())
     }
-    for draft in drafts.iter().rev() {
-        if draft.start() <= t {
-            return Some((draft, until));
-        }
-        until = draft.start();
-    }
-    None
-}
-
-/// The jerk at the ends of a sin² ramp between rest and the profile velocity v: Δv·π²/2T² = π²·a²/2v.
-fn sine_jerk(clock: Clock, from: Exact, limits: Limits) -> Jerk {
-    let unit = Rough::power(24).over(Rough::whole(clock.hz()));
-    let bits = limits.velocity.bits();
-    let part = Rough::whole(bits as u32).times(Rough::power(-32));
-    let limit = Rough::whole((bits >> 32) as u32).plus(part).times(unit);
-    let speed = Rough::of(from.velocity.unsigned_abs(), Kind::Velocity);
-    let mut velocity = limit.max(speed);
-    if velocity == Rough::ZERO {
-        // A stop from rest, where there is no ramp.
-        velocity = unit;
-    }
-    let ramp = Rough::whole(limits.acceleration.max(limits.deceleration));
-    let ramp = ramp.times(unit).times(unit);
-    // A step/s³ more, so that the slowest are left within a time that can be told.
-    let more = unit.times(unit).times(unit);
-    Jerk::of_sine(ramp.times(ramp).over(velocity).plus(more))
 }
 
 #[cfg(test)]

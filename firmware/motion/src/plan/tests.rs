@@ -1,10 +1,13 @@
 //! Plans against the reference vectors, and against the rules that hold for all plans.
 
+#[cfg(feature = "limited-jerk")]
+mod again;
+#[cfg(feature = "limited-jerk")]
 mod double_s;
 mod left_ramps;
+#[cfg(feature = "limited-jerk")]
 mod long;
 mod properties;
-mod second_leg;
 mod sequences;
 mod smooth;
 mod through;

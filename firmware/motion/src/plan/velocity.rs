@@ -1,24 +1,16 @@
 //! Profile velocity: a ramp to another velocity, and the stop.
 
-use super::phase::{Slope, ramp_way};
-use super::{Course, Limits, Plan, PlanError};
-use crate::clock::{Clock, Fine, Ticks};
-use crate::fixed::Exact;
+use super::builder::{Origin, PlanBuilder};
+use super::piece::{Slope, ramp_distance};
+use super::{Limits, Plan, PlanError};
+use crate::clock::Clock;
 use crate::speed::{SignedSpeed, Speed};
-
-/// Ramps from rest to a speed, and keeps it.
-pub(super) fn from_rest(mut course: Course<'_>, clock: Clock, speed: Fine, limits: Limits) {
-    let acceleration = Slope::new(clock, limits.acceleration);
-    course.accelerate(0, acceleration.half, acceleration.time(speed));
-    course.never_end(speed);
-}
 
 /// Plans the ramp in a frame in which the velocity to reach is positive; for a stop, the one to leave.
 pub(super) fn plan(
     plan: &mut Plan,
     clock: Clock,
-    start: Ticks,
-    from: Exact,
+    origin: &Origin,
     velocity: SignedSpeed,
     limits: Limits,
 ) -> Result<(), PlanError> {
@@ -27,16 +19,16 @@ pub(super) fn plan(
     }
     let deceleration = Slope::new(clock, limits.deceleration);
     let half_deceleration = deceleration.half;
+    let from = origin.from;
     let speed = from.velocity.unsigned_abs();
 
     if velocity == SignedSpeed::ZERO {
-        let mut course = Course::new(plan, start, from, from.velocity < 0);
+        let mut builder = PlanBuilder::new(plan, origin, from.velocity < 0);
         if speed != 0 {
-            course.brake(speed, half_deceleration, deceleration.time(speed));
+            builder.brake(speed, half_deceleration, deceleration.time(speed));
         }
-        let stop = course.travelled;
-        course.rest_at(stop);
-        return Ok(());
+        let stop = builder.travelled;
+        return builder.rest_at(stop);
     }
     if limits.velocity == Speed::ZERO {
         return Err(PlanError::ZeroVelocity);
@@ -47,22 +39,19 @@ pub(super) fn plan(
     let goal = clock.speed(velocity.unsigned_abs().min(limits.velocity));
 
     let reverse = velocity.bits() < 0;
-    let mut course = Course::new(plan, start, from, reverse);
+    let mut builder = PlanBuilder::new(plan, origin, reverse);
     let mut speed = speed;
     if speed != 0 && (from.velocity < 0) != reverse {
         let time = deceleration.time(speed);
-        let way = ramp_way(speed, half_deceleration, time, true);
-        course.turn_back(speed, half_deceleration, time, way);
+        let distance = ramp_distance(speed, half_deceleration, time, true);
+        builder.turn_back(speed, half_deceleration, time, distance);
         speed = 0;
     }
     if speed > goal {
-        let time = deceleration.time(speed.wrapping_sub(goal));
-        course.brake(speed, half_deceleration, time);
+        builder.brake(speed, half_deceleration, deceleration.time(speed - goal));
     } else if speed < goal {
         let acceleration = Slope::new(clock, limits.acceleration);
-        let time = acceleration.time(goal.wrapping_sub(speed));
-        course.accelerate(speed, acceleration.half, time);
+        builder.accelerate(speed, acceleration.half, acceleration.time(goal - speed));
     }
-    course.never_end(goal);
-    Ok(())
+    builder.keep(goal)
 }

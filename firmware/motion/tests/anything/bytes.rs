@@ -78,8 +78,7 @@ impl<'a> Bytes<'a> {
     pub fn ramps(&mut self) -> Ramps {
         match self.byte() % 4 {
             0 => Ramps::Linear,
-            1 => Ramps::SinSquared,
-            2 => Ramps::JerkLimited(self.rate()),
+            1 | 2 => Ramps::SinSquared,
             _ => Ramps::MovingAverage(self.rate()),
         }
     }

@@ -36,7 +36,7 @@ pub fn check(bytes: &[u8]) {
         let before = plan.map_or(from, |plan| plan.state_at(at));
         let next = match plan {
             None => Plan::new(clock, at, from, goal, limits, ramps),
-            Some(mut plan) => plan.redirect(clock, at, goal, limits, ramps).map(|()| plan),
+            Some(mut plan) => plan.replan(clock, at, goal, limits, ramps).map(|()| plan),
         };
         let Ok(next) = next else {
             continue;

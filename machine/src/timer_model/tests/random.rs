@@ -50,7 +50,6 @@ pub(super) fn ramps(least: u32) -> impl Strategy<Value = Ramps> {
     prop_oneof![
         Just(Ramps::Linear),
         Just(Ramps::SinSquared),
-        jerk.clone().prop_map(Ramps::JerkLimited),
         jerk.prop_map(Ramps::MovingAverage),
     ]
 }

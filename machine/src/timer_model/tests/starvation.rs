@@ -8,17 +8,11 @@ use motion::{Limits, PulseSink, Ramps};
 use super::super::rig::{Rig, SEGMENT};
 use super::{FAST, HZ, rig};
 
-/// The dearest control tick, with a linear plan (`docs/benchmarks.md`, "Control tick"), in instructions.
+/// The worst case of a control tick, with a linear plan (`docs/benchmarks.md`, "Control tick"), in instructions.
 const TICK: u64 = 8_500;
 
 /// The linear plan in it, at least.
 const LINEAR: u64 = 4_100;
-
-/// The dearest stop, that of a sin² ramp (8,300 of 2,000 random ones); it may also be what a motion is tried out with.
-const STOP: u64 = 8_400;
-
-/// The dearest sin² plan in place of a linear one (5,000 of as many), or of an average.
-const SINE: u64 = 6_000;
 
 /// Other interrupts in 250 µs: three frames at full bus load, edges of inputs. In microseconds.
 const INTERRUPTED: u64 = 18;
@@ -37,10 +31,10 @@ fn time(instructions: u64) -> u64 {
     instructions * 3 / 2 + INTERRUPTED * u64::from(HZ) / 1_000_000
 }
 
-/// The dearest plan of a smooth motion that was found.
-fn dearest() -> u64 {
-    ["sin²", "jerk"]
-        .map(|ramps| instructions(&format!("| motion: plan, dearest found, {ramps}")))
+/// The worst case of a plan, whatever its ramps.
+fn worst_case() -> u64 {
+    ["sin²", "linear"]
+        .map(|ramps| instructions(&format!("| motion: plan, worst case found, {ramps}")))
         .into_iter()
         .max()
         .unwrap_or(0)
@@ -56,12 +50,7 @@ fn limits(velocity: u32) -> Limits {
 
 const JERK: u32 = 50_000_000;
 
-const ALL: [Ramps; 4] = [
-    Ramps::Linear,
-    Ramps::SinSquared,
-    Ramps::MovingAverage(JERK),
-    Ramps::JerkLimited(JERK),
-];
+const ALL: [Ramps; 3] = [Ramps::Linear, Ramps::SinSquared, Ramps::MovingAverage(JERK)];
 
 /// Lets the axis move, until a refill is due.
 fn go_on(rig: &mut Rig<'_>, segments: u32) {
@@ -78,19 +67,9 @@ fn top_up(rig: &mut Rig<'_>) {
     }
 }
 
-/// What a tick does before it plans with these ramps.
-fn prepare(rig: &mut Rig<'_>, ramps: Ramps) {
-    rig.axis.prepare(ramps, &mut rig.output).unwrap();
-}
-
-/// A motion with `first`, and every few segments another with ramps of `then` and of `first` in turn. Each takes so many instructions to plan, and
-/// `begin` comes before. Returns how often there were no pulses.
-fn planned_anew(
-    (first, then): (Ramps, Ramps),
-    velocity: u32,
-    begin: impl Fn(&mut Rig<'_>, Ramps),
-    cost: impl Fn(Ramps) -> u64,
-) -> u64 {
+/// A motion with `first`, and every few segments another with ramps of `then` and of `first` in turn. Each takes so many instructions to plan. Returns
+/// how often there were no pulses.
+fn planned_anew((first, then): (Ramps, Ramps), velocity: u32, cost: u64) -> u64 {
     let mut rig = rig(FAST);
     let far = i64::from(velocity);
     rig.axis.set_ramps(first);
@@ -100,8 +79,7 @@ fn planned_anew(
         go_on(&mut rig, 5 + number * 7 % 40);
         let ramps = if number % 2 == 0 { then } else { first };
         rig.axis.set_ramps(ramps);
-        begin(&mut rig, ramps);
-        rig.model.run(time(cost(ramps)));
+        rig.model.run(time(cost));
         target = match number % 3 {
             2 => far / 4,
             _ => target + far / 50,
@@ -117,83 +95,20 @@ fn planned_anew(
 
 /// Whatever ramps take the place of whatever others, at any velocity, with all that the tick may do beside the plan.
 #[test]
-fn the_dearest_plan_makes_no_pause() {
+fn the_worst_plan_makes_no_pause() {
     for velocity in [3_000, 200_000, 1_000_000] {
         for first in ALL {
             for then in ALL {
-                let is_smooth = |ramps| matches!(ramps, Ramps::SinSquared | Ramps::JerkLimited(_));
-                let are_smooth = is_smooth(first) && is_smooth(then);
-                let plan = |ramps| match ramps {
-                    Ramps::JerkLimited(_) => dearest(),
-                    Ramps::SinSquared if are_smooth => dearest(),
-                    Ramps::SinSquared => SINE,
-                    // The tick has it already.
-                    Ramps::Linear | Ramps::MovingAverage(_) => 0,
-                };
-                let cost = |ramps| match plan(ramps) {
-                    0 => TICK,
-                    plan => TICK - LINEAR + plan + if plan > SINE { STOP } else { 0 },
-                };
-                let starved = planned_anew((first, then), velocity, prepare, cost);
+                let cost = TICK - LINEAR + worst_case();
+                let starved = planned_anew((first, then), velocity, cost);
                 assert_eq!(starved, 0, "{first:?}, then {then:?}, {velocity} steps/s");
             }
         }
     }
 }
 
-/// What turns round is planned in two steps: the second one in a regular tick behind that of the order, or, at the end of a short stop, in a refill. Either
-/// comes when a refill is due.
 #[test]
-fn the_dearest_second_leg_makes_no_pause() {
-    let step = time(dearest());
-    let tick = time(TICK - LINEAR + dearest());
-    for velocity in [3_000_u32, 200_000, 1_000_000] {
-        for ramps in [Ramps::SinSquared, Ramps::JerkLimited(JERK)] {
-            let mut rig = rig(FAST);
-            rig.axis.set_ramps(ramps);
-            let mut target = i64::from(velocity);
-            let mut planned = 0;
-            for moment in 0..40 {
-                rig.axis.move_to(target, limits(velocity)).unwrap();
-                go_on(&mut rig, 20 + moment * 11 % 400);
-                target = -target;
-                prepare(&mut rig, ramps);
-                rig.model.run(tick);
-                rig.axis.move_to(target, limits(velocity)).unwrap();
-                if moment % 2 == 0 {
-                    // The first tick is that of the order. The second one plans unless the stop was so short that a refill has, and hands out
-                    // two segments before.
-                    for _ in 0..2 {
-                        rig.output.service();
-                        rig.axis.plan_on(&mut rig.output).unwrap();
-                        if rig.output.pending() >= 2 * u64::from(SEGMENT) {
-                            planned += 1;
-                            rig.model.run(tick);
-                        }
-                        go_on(&mut rig, 4);
-                    }
-                } else {
-                    // Any of them may be the one, but never two behind each other.
-                    for _ in 0..40 {
-                        go_on(&mut rig, 1);
-                        rig.model.run(step);
-                        rig.refill(u64::from(SEGMENT) - step);
-                    }
-                }
-            }
-            assert_eq!(rig.underruns, 0, "{ramps:?}, {velocity} steps/s");
-            // A slow motor stops within a tick.
-            assert!(planned > 5 || velocity == 3_000, "{planned}");
-            rig.finish(100_000);
-            rig.account();
-            assert_eq!(rig.model.judge().position, target);
-        }
-    }
-}
-
-/// A stop is not prepared for, or it would be felt late.
-#[test]
-fn the_dearest_stop_makes_no_pause() {
+fn the_worst_stop_makes_no_pause() {
     for velocity in [3_000_u32, 200_000, 1_000_000] {
         for ramps in ALL {
             let mut rig = rig(FAST);
@@ -206,13 +121,14 @@ fn the_dearest_stop_makes_no_pause() {
                     // With a segment and a half left, none is handed out before.
                     rig.refill(u64::from(SEGMENT) / 2);
                 }
+                let tick = time(TICK - LINEAR + worst_case());
                 if moment % 3 > 0 {
                     // An early tick, with the regular one behind it.
                     top_up(&mut rig);
-                    rig.model.run(time(TICK - LINEAR + STOP));
+                    rig.model.run(tick);
                     rig.axis.stop(3_000_000).unwrap();
                 }
-                rig.model.run(time(TICK - LINEAR + STOP));
+                rig.model.run(tick);
                 rig.axis.stop(5_000_000).unwrap();
                 go_on(&mut rig, 7 * moment);
             }
@@ -223,16 +139,12 @@ fn the_dearest_stop_makes_no_pause() {
     }
 }
 
-/// With what is left when a refill is due, plans of more than 5,000 instructions would make pauses.
+/// With what is left when a refill is due, plans of more than 5,000 instructions beside the tick would make pauses.
 #[test]
-fn only_what_is_prepared_for_may_take_longer() {
+fn a_plan_may_take_no_longer() {
     let linear = (Ramps::Linear, Ramps::Linear);
-    let jerk_limited = (Ramps::JerkLimited(JERK), Ramps::JerkLimited(JERK));
     for plan in (5_000..=30_000).step_by(5_000) {
-        let cost = |_| TICK + plan;
-        let starved = planned_anew(linear, 3_000, |_, _| {}, cost);
+        let starved = planned_anew(linear, 3_000, TICK + plan);
         assert_eq!(starved > 0, plan > 5_000, "{plan} instructions: {starved}");
-        let prepared = planned_anew(jerk_limited, 3_000, prepare, cost);
-        assert_eq!(prepared, 0, "{plan} instructions");
     }
 }

@@ -1,7 +1,7 @@
 //! Motion: planning a move.
 //!
-//! Each plan is made as an axis makes it, over the plan that was, and of one that is made in two steps each is counted. Beside moves that are known, very many are tried with limits from
-//! all that there are, from rest and from any moment of the motion before: what matters is the dearest of them.
+//! Each plan is made as an axis makes it, over the plan that was. Beside moves that are known, very many are tried with limits from all
+//! that there are, from rest and from any moment of the motion before: what matters is the worst case.
 
 use core::hint::black_box;
 
@@ -17,19 +17,9 @@ const HZ: u32 = 84_000_000;
 /// So many plans are tried for each kind of ramp.
 const TRIED: u32 = 1_500;
 
-/// Steps/s³ of the moves that are known: a ramp to 100,000 steps/s takes 300 ms.
-const JERK: Ramps = Ramps::JerkLimited(5_000_000);
-
-/// The first step of a plan, and as a rule all of it.
 #[inline(never)]
 fn plan(clock: Clock, plan: &mut Plan, at: Ticks, goal: Goal, limits: Limits, ramps: Ramps) {
-    plan.leave_for(clock, at, goal, limits, ramps).unwrap();
-}
-
-/// The second step.
-#[inline(never)]
-fn complete(plan: &mut Plan) {
-    plan.complete();
+    plan.replan(clock, at, goal, limits, ramps).unwrap();
 }
 
 fn limits(velocity: u32, acceleration: u32, deceleration: u32) -> Limits {
@@ -51,7 +41,7 @@ pub fn run() {
     linear();
     smooth();
     averaged();
-    dearest();
+    worst_case();
 }
 
 /// The reference vectors T01, a long trapezoid, and T14, a target inside the stopping distance: overshoot and return.
@@ -86,41 +76,38 @@ const CRUISE: Ticks = (HZ / 2) as Ticks;
 /// A tenth of a second: it is in the middle of its ramp.
 const RAMP: Ticks = (HZ / 10) as Ticks;
 
-/// Smooth ramps, which are the dearer ones.
+/// sin² ramps.
 fn smooth() {
-    let sine = [
-        "motion: plan with sin², from rest",
-        "motion: plan with sin², from rest, a short way",
-        "motion: plan with sin², in a ramp, further",
-        "motion: plan with sin², in a ramp, back",
-        "motion: plan with sin², in a ramp, back: its second leg",
-        "motion: plan with sin², a velocity, from rest",
-        "motion: plan with sin², a stop, in a ramp",
-    ];
-    let jerk = [
-        "motion: plan with jerk, from rest",
-        "motion: plan with jerk, from rest, its peak searched",
-        "motion: plan with jerk, in a ramp, further",
-        "motion: plan with jerk, in a ramp, back",
-        "motion: plan with jerk, in a ramp, back: its second leg",
-        "motion: plan with jerk, a velocity, from rest",
-        "motion: plan with jerk, a stop, in a ramp",
-    ];
-    for (names, ramps) in [(sine, Ramps::SinSquared), (jerk, JERK)] {
-        let moving = running(Goal::Rest(100_000), ramps);
-        let (back, second_leg) = both_legs(moving, RAMP, Goal::Rest(-2_000), ramps);
-        let costs = [
-            cost(Plan::at_rest(0, 0), 0, Goal::Rest(100_000), ramps),
-            cost(Plan::at_rest(0, 0), 0, Goal::Rest(1_000), ramps),
+    let ramps = Ramps::SinSquared;
+    let moving = running(Goal::Rest(100_000), ramps);
+    let rest = Plan::at_rest(0, 0);
+    for (name, cost) in [
+        (
+            "motion: plan with sin², from rest",
+            cost(rest, 0, Goal::Rest(100_000), ramps),
+        ),
+        (
+            "motion: plan with sin², from rest, a short way",
+            cost(rest, 0, Goal::Rest(1_000), ramps),
+        ),
+        (
+            "motion: plan with sin², in a ramp, further",
             cost(moving, RAMP, Goal::Rest(120_000), ramps),
-            back,
-            second_leg,
+        ),
+        (
+            "motion: plan with sin², in a ramp, back",
+            cost(moving, RAMP, Goal::Rest(-2_000), ramps),
+        ),
+        (
+            "motion: plan with sin², a velocity, from rest",
             changed(None, 100_000, ramps, 0),
+        ),
+        (
+            "motion: plan with sin², a stop, in a ramp",
             changed(Some(100_000), 0, ramps, RAMP),
-        ];
-        for (name, cost) in names.into_iter().zip(costs) {
-            row(name, cost);
-        }
+        ),
+    ] {
+        row(name, cost);
     }
 }
 
@@ -192,11 +179,16 @@ fn ordered(first: Option<i64>, after: Ticks, order: impl FnOnce(&mut Axis)) -> u
     cost
 }
 
-/// The dearest of very many.
-fn dearest() {
-    row("motion: plan, dearest found, linear", search(0));
-    row("motion: plan, dearest found, sin²", search(1));
-    row("motion: plan, dearest found, jerk", search(2));
+/// The worst case of very many.
+fn worst_case() {
+    row(
+        "motion: plan, worst case found, linear",
+        search(Ramps::Linear),
+    );
+    row(
+        "motion: plan, worst case found, sin²",
+        search(Ramps::SinSquared),
+    );
 }
 
 /// A motion from rest.
@@ -204,7 +196,6 @@ fn running(goal: Goal, ramps: Ramps) -> Plan {
     let mut planned = Plan::at_rest(0, 0);
     let clock = Clock::new(HZ).unwrap();
     plan(clock, &mut planned, 0, goal, usual(), ramps);
-    assert_eq!(planned.waits_from(), None);
     planned
 }
 
@@ -216,28 +207,11 @@ fn changed(first: Option<i32>, then: i32, ramps: Ramps, at: Ticks) -> u32 {
     cost(planned, at, Goal::Velocity(then.into()), ramps)
 }
 
-/// What it costs to leave for a goal, in one step.
-fn cost(planned: Plan, at: Ticks, goal: Goal, ramps: Ramps) -> u32 {
-    let (cost, second_leg) = both_legs(planned, at, goal, ramps);
-    assert_eq!(second_leg, 0);
-    cost
-}
-
-/// What each of the two steps costs; the second one nothing if there is none.
-fn both_legs(mut planned: Plan, at: Ticks, goal: Goal, ramps: Ramps) -> (u32, u32) {
+/// What it costs to leave for a goal.
+fn cost(mut planned: Plan, at: Ticks, goal: Goal, ramps: Ramps) -> u32 {
     let clock = Clock::new(HZ).unwrap();
-    let (first, ()) = count(|| plan(clock, black_box(&mut planned), at, goal, usual(), ramps));
-    let second = second_step(&mut planned);
+    let (cost, ()) = count(|| plan(clock, black_box(&mut planned), at, goal, usual(), ramps));
     check(&planned, goal);
-    (first, second)
-}
-
-/// What the second step costs; nothing if there is none.
-fn second_step(planned: &mut Plan) -> u32 {
-    if planned.waits_from().is_none() {
-        return 0;
-    }
-    let (cost, ()) = count(|| complete(black_box(planned)));
     cost
 }
 
@@ -282,7 +256,7 @@ impl Numbers {
         }
     }
 
-    /// Most often a target, as that is the dearest.
+    /// Most often a target, as that takes longest.
     fn goal(&mut self) -> Goal {
         match self.below(8) {
             0 => Goal::Velocity(self.way(22).into()),
@@ -293,8 +267,8 @@ impl Numbers {
     }
 }
 
-/// The dearest step of a plan with linear ramps (0), sin² (1) or with a jerk (2).
-fn search(kind: u32) -> u32 {
+/// The worst case of plans with these ramps.
+fn search(ramps: Ramps) -> u32 {
     let clock = Clock::new(HZ).unwrap();
     let mut numbers = Numbers(0x9E37_79B9_7F4A_7C15);
     let mut planned = Plan::at_rest(0, 0);
@@ -303,15 +277,8 @@ fn search(kind: u32) -> u32 {
     for _ in 0..TRIED {
         let rule = limits(numbers.digits(22), numbers.digits(27), numbers.digits(27));
         let goal = numbers.goal();
-        let jerk = numbers.digits(31);
-        let ramps = match kind {
-            0 => Ramps::Linear,
-            1 => Ramps::SinSquared,
-            _ => Ramps::JerkLimited(jerk),
-        };
         let (cost, made) =
             count(|| attempt(clock, black_box(&mut planned), now, goal, rule, ramps));
-        let cost = cost.max(second_step(&mut planned));
         most = most.max(cost);
         // What braking leads too far away is refused, and so is all that follows: on from rest.
         if !made || numbers.below(4) == 0 {
@@ -337,5 +304,5 @@ fn attempt(
     limits: Limits,
     ramps: Ramps,
 ) -> bool {
-    plan.leave_for(clock, at, goal, limits, ramps).is_ok()
+    plan.replan(clock, at, goal, limits, ramps).is_ok()
 }

@@ -80,7 +80,6 @@ pub fn run() {
     let steady = segment(100_000, 2_000, average);
     // In the first part of the ramp, where the acceleration grows.
     let sine = segment(400_000, 1_067, Ramps::SinSquared);
-    let jerky = segment(400_000, 1_790, Ramps::JerkLimited(1_000_000));
     row(
         "steps: segment of 250 µs, accelerating at 100 kHz",
         accelerating,
@@ -92,10 +91,6 @@ pub fn run() {
     row(
         "steps: segment of 250 µs, sin², accelerating at 100 kHz",
         sine,
-    );
-    row(
-        "steps: segment of 250 µs, limited jerk, accelerating at 100 kHz",
-        jerky,
     );
     row("steps: segment of 250 µs, cruising at 100 kHz", slow);
     row(

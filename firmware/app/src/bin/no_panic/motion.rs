@@ -43,8 +43,7 @@ fn any_ramps() -> Ramps {
     match any() {
         0 => Ramps::Linear,
         1 => Ramps::SinSquared,
-        2 => Ramps::MovingAverage(any()),
-        _ => Ramps::JerkLimited(any()),
+        _ => Ramps::MovingAverage(any()),
     }
 }
 
@@ -101,7 +100,6 @@ pub fn axis(axis: &mut Axis) {
                 .into(),
         ),
         12 => axis.set_ramps(any_ramps()),
-        13 => look(axis.plan_on(&mut Sink).is_ok().into()),
         6 => look(
             axis.committed_position() as u32 + axis.target() as u32 + u32::from(axis.is_at_rest()),
         ),
@@ -255,10 +253,8 @@ pub fn plan(clock: Clock) {
     };
     if let Ok(mut plan) = plan {
         let goal = Goal::Rest(any_u64() as i64);
-        let leaves = plan.leave_for(clock, any_u64(), goal, any_limits(), any_ramps());
+        let leaves = plan.replan(clock, any_u64(), goal, any_limits(), any_ramps());
         look(leaves.is_ok().into());
-        look(plan.waits_from().unwrap_or(0) as u32);
-        plan.complete();
         let state = plan.state_at(any_u64());
         look(state.position.whole_steps() as u32 ^ state.velocity.speed(clock).whole() as u32);
         look(

@@ -5,7 +5,6 @@ use std::vec::Vec;
 use canopen::{Duration, Instant};
 use motion::{Ramps, SignedSpeed};
 
-use crate::actuator::Actuator;
 use crate::configuration::HomingConfiguration;
 use crate::cyclic::SyncEvent;
 use crate::exchange::Actuals;
@@ -375,7 +374,7 @@ fn m34_early_ticks_shorten_no_time_of_profile_position() {
     });
     let smooth = || {
         let mut rig = Rig::enabled();
-        rig.configuration.profile.ramps = Ramps::JerkLimited(5_000_000);
+        rig.configuration.profile.ramps = Ramps::SinSquared;
         rig
     };
     is_undisturbed(smooth, |rig, number| match number {
@@ -475,36 +474,4 @@ fn m63_early_ticks_take_no_set_point_twice_and_leave_sync_its_beat() {
             sync_event(rig, number);
         },
     );
-}
-
-/// Planning takes the processor long in place of a smooth motion, so pulses are handed out just before, and the new one begins behind them; a
-/// stop takes it less, and is to be felt.
-#[test]
-fn pulses_are_handed_out_before_a_smooth_motion_is_planned_anew_and_not_before_a_stop() {
-    // Whether the velocity changes within the two segments that a tick hands out; a segment is as long as a tick here.
-    let is_felt = |ramps, order: fn(&mut Rig)| {
-        let mut rig = Rig::enabled();
-        rig.configuration.profile.ramps = ramps;
-        rig.set_point(100_000, 0);
-        rig.ticks(1_000);
-        let cruise = rig.drive.motor.committed_velocity();
-        order(&mut rig);
-        rig.tick_and_play(Duration::from_ticks(0));
-        rig.drive.motor.committed_velocity() != cruise
-    };
-    let smooth = Ramps::JerkLimited(5_000_000);
-    let anew = |rig: &mut Rig| rig.set_point(-5_000, 0x20);
-    let halt = |rig: &mut Rig| rig.write(0x010F);
-    assert!(!is_felt(smooth, anew));
-    assert!(is_felt(smooth, halt));
-    assert!(is_felt(smooth, |rig| rig.write(0x0B)));
-    assert!(!is_felt(smooth, |_| {}));
-    assert!(is_felt(Ramps::Linear, anew));
-    let kept = |rig: &mut Rig| {
-        rig.commands.mode = 3;
-        rig.commands.target_velocity = 5_000.into();
-        rig.post();
-    };
-    assert!(!is_felt(smooth, kept));
-    assert!(is_felt(Ramps::Linear, kept));
 }

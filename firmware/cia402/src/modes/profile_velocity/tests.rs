@@ -1,4 +1,5 @@
 use crate::Mode;
+use crate::profile::all_ramps;
 use crate::statusword::{INTERNAL_LIMIT, SLIPPAGE, SPEED_ZERO, TARGET_REACHED};
 use crate::testing::Rig;
 use motion::Ramps;
@@ -296,12 +297,7 @@ fn m09_60ffh_during_quick_stop_is_ignored() {
 
 #[test]
 fn i11_a_velocity_crosses_the_end_of_32_bits_without_a_jump() {
-    for ramps in [
-        Ramps::Linear,
-        Ramps::SinSquared,
-        Ramps::MovingAverage(2_000_000),
-        Ramps::JerkLimited(2_000_000),
-    ] {
+    for ramps in all_ramps(2_000_000) {
         for sign in [1, -1] {
             cross(ramps, sign);
         }

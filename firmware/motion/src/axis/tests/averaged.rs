@@ -230,43 +230,15 @@ fn a_stop_in_a_cruise_is_felt_at_the_horizon() {
     assert_eq!(sink.position, rest);
 }
 
-/// A jerk-limited ramp begins with the acceleration of the mean, and its plan is as dear as behind another of its kind.
-#[test]
-fn two_segments_are_committed_before_limited_jerk_replaces_an_average() {
-    for (ramps, is_prepared) in [
-        (Ramps::JerkLimited(JERK), true),
-        (Ramps::MovingAverage(JERK), false),
-        (Ramps::SinSquared, false),
-        (Ramps::Linear, false),
-    ] {
-        let (mut axis, mut sink) = averaged();
-        axis.move_to(60_000, T01).unwrap();
-        fly(&mut axis, &mut sink, 120);
-        axis.advance(&mut sink).unwrap();
-        let segment = u64::from(axis.stepper.segment());
-        sink.play(segment);
-        assert!(sink.pending() < 2 * segment);
-        axis.prepare(ramps, &mut sink).unwrap();
-        assert_eq!(
-            sink.pending() >= 2 * segment,
-            is_prepared,
-            "{ramps:?}: {}",
-            sink.pending()
-        );
-    }
-}
-
 /// From an average to linear ramps position and velocity go on, and so they do back again.
 #[test]
 fn ramps_change_in_motion_without_a_jump() {
-    for (first, then) in [
-        (Ramps::MovingAverage(JERK), Ramps::Linear),
-        (Ramps::MovingAverage(JERK), Ramps::SinSquared),
-        (Ramps::MovingAverage(JERK), Ramps::JerkLimited(JERK)),
-        (Ramps::Linear, Ramps::MovingAverage(JERK)),
-        (Ramps::SinSquared, Ramps::MovingAverage(JERK)),
-        (Ramps::JerkLimited(JERK), Ramps::MovingAverage(JERK)),
-    ] {
+    let average = Ramps::MovingAverage(JERK);
+    let limited = Ramps::limited(JERK);
+    let others = [Ramps::Linear, Ramps::SinSquared]
+        .into_iter()
+        .chain(limited);
+    for (first, then) in others.flat_map(|other| [(average, other), (other, average)]) {
         for milliseconds in [30, 120, 260, 400] {
             let (mut axis, mut sink) = axis(FAST);
             axis.set_ramps(first);
@@ -305,7 +277,7 @@ fn an_average_is_left_at_no_less_than_its_own_jerk() {
     let (mut axis, mut sink) = averaged();
     axis.move_to(60_000, T01).unwrap();
     fly(&mut axis, &mut sink, 60);
-    axis.set_ramps(Ramps::JerkLimited(JERK / 100));
+    axis.set_ramps(Ramps::limited(JERK / 100).unwrap_or(Ramps::SinSquared));
     stop_within_velocity(&mut axis, &mut sink, 500_000);
 }
 
@@ -326,7 +298,7 @@ fn an_average_with_harder_ramps_is_left_at_their_jerk() {
         axis.advance(&mut sink).unwrap();
         sink.play(u64::from(axis.stepper.segment()) / 4);
     }
-    axis.set_ramps(Ramps::JerkLimited(JERK));
+    axis.set_ramps(Ramps::limited(JERK).unwrap_or(Ramps::SinSquared));
     stop_within_velocity(&mut axis, &mut sink, hard.deceleration);
 }
 
@@ -423,11 +395,11 @@ fn a_stop_that_is_tried_out_chooses_no_window() {
         deceleration: 50_000,
         ..T01
     };
-    for first in [
-        Ramps::Linear,
-        Ramps::SinSquared,
-        Ramps::JerkLimited(JERK * 100),
-    ] {
+    let limited = Ramps::limited(JERK * 100);
+    for first in [Ramps::Linear, Ramps::SinSquared]
+        .into_iter()
+        .chain(limited)
+    {
         let begin = |stops: u32| {
             let (mut axis, mut sink) = axis(FAST);
             axis.set_ramps(first);

@@ -8,12 +8,11 @@ use crate::{Clock, Goal, Limits, Plan, Ramps, SignedSpeed, Speed, State, Ticks, 
 
 const JERK: u32 = 5_000_000;
 
-const FORMS: [Ramps; 4] = [
-    Ramps::Linear,
-    Ramps::SinSquared,
-    Ramps::JerkLimited(JERK),
-    Ramps::MovingAverage(JERK),
-];
+fn forms(jerk: u32) -> impl Iterator<Item = Ramps> {
+    [Ramps::Linear, Ramps::SinSquared, Ramps::MovingAverage(jerk)]
+        .into_iter()
+        .chain(Ramps::limited(jerk))
+}
 
 const T01: Limits = Limits {
     velocity: Speed::per_second(100_000),
@@ -122,6 +121,7 @@ fn t_an_average_makes_every_move_and_comes_a_window_later() {
     }
 }
 
+#[cfg(feature = "limited-jerk")]
 #[test]
 fn t_limited_jerk_makes_every_move() {
     for v in short_moves() {
@@ -133,7 +133,6 @@ fn t_limited_jerk_makes_every_move() {
             deceleration: v.deceleration,
         };
         axis.move_to(v.distance, limits).unwrap();
-        // Where it comes to rest first, the rest is planned later: on the way it is the same.
         let from = State {
             velocity: Velocity::from_speed(axis.clock, v.v0.into()),
             ..State::default()
@@ -169,12 +168,7 @@ fn check_ramp(id: &str) {
     let (v0, v1) = (f64::from(v.v0), f64::from(v.v1));
     let (a, d) = (f64::from(v.acceleration), f64::from(v.deceleration));
     let jerk = v.acceleration.max(v.deceleration) * 20;
-    for form in [
-        Ramps::Linear,
-        Ramps::SinSquared,
-        Ramps::JerkLimited(jerk),
-        Ramps::MovingAverage(jerk),
-    ] {
+    for form in forms(jerk) {
         let (mut axis, mut sink) = moving(v.v0, form);
         let limits = Limits {
             velocity: u32::MAX.into(),
@@ -186,17 +180,17 @@ fn check_ramp(id: &str) {
         let window = f64::from(axis.window()) / f64::from(HZ);
         // Until the velocity is there, and the way to there.
         let (duration, way) = match form {
-            Ramps::JerkLimited(_) if v0 * v1 < 0.0 => {
+            form if form.jerk().is_some() && v0 * v1 < 0.0 => {
                 let slower = smooth_ramp(v0, 0.0, d, jerk.into());
                 let faster = smooth_ramp(0.0, v1, a, jerk.into());
                 (slower.0 + faster.0, slower.1 + faster.1)
             }
-            Ramps::JerkLimited(_) => {
+            form if form.jerk().is_some() => {
                 let most = if v1.abs() > v0.abs() { a } else { d };
                 smooth_ramp(v0, v1, most, jerk.into())
             }
             Ramps::MovingAverage(_) => (v.duration + window, v.way + (v0 + v1) * window / 2.0),
-            Ramps::Linear | Ramps::SinSquared => (v.duration, v.way),
+            _ => (v.duration, v.way),
         };
         let name = std::format!("{id}, {form:?}");
         let until = ticks(duration + 0.1) as Ticks;
@@ -257,7 +251,7 @@ fn joint(axis: &Axis) -> (Ticks, f64) {
 
 /// Seconds and steps of a ramp from rest to 100,000 steps/s with T01, or back.
 fn full_ramp(form: Ramps) -> (f64, f64) {
-    if let Ramps::JerkLimited(_) = form {
+    if form.jerk().is_some() {
         (0.3, 15_000.0)
     } else {
         (0.2, 10_000.0)
@@ -270,7 +264,7 @@ fn seconds_of_window(axis: &Axis) -> f64 {
 
 #[test]
 fn r1_target_moved_behind_in_full_flight_with_each_form() {
-    for form in FORMS {
+    for form in forms(JERK) {
         let (mut axis, mut sink) = moving(0, form);
         axis.move_to(100_000, T01).unwrap();
         sink.follow(&axis);
@@ -302,7 +296,7 @@ fn r1_target_moved_behind_in_full_flight_with_each_form() {
 
 #[test]
 fn r2_velocity_lowered_on_the_way_with_each_form() {
-    for form in FORMS {
+    for form in forms(JERK) {
         let (mut axis, mut sink) = moving(0, form);
         axis.move_to(100_000, T01).unwrap();
         sink.follow(&axis);
@@ -315,7 +309,7 @@ fn r2_velocity_lowered_on_the_way_with_each_form() {
         axis.move_to(100_000, slower).unwrap();
         sink.follow(&axis);
         let window = seconds_of_window(&axis);
-        let (brake, stop) = if let Ramps::JerkLimited(_) = form {
+        let (brake, stop) = if form.jerk().is_some() {
             let jerk = f64::from(JERK);
             (
                 smooth_ramp(100_000.0, 25_000.0, 500_000.0, jerk),
@@ -344,7 +338,7 @@ fn r2_velocity_lowered_on_the_way_with_each_form() {
 
 #[test]
 fn r3_halt_and_go_on_with_each_form() {
-    for form in FORMS {
+    for form in forms(JERK) {
         let (mut axis, mut sink) = moving(0, form);
         axis.ramp_to(100_000.into(), T01).unwrap();
         sink.follow(&axis);
@@ -386,7 +380,7 @@ fn r3_halt_and_go_on_with_each_form() {
 
 #[test]
 fn r5_the_target_written_again_changes_nothing_with_each_form() {
-    for form in FORMS {
+    for form in forms(JERK) {
         let (mut axis, mut sink) = moving(0, form);
         axis.move_to(100_000, T01).unwrap();
         let window = u64::from(axis.window());

@@ -47,7 +47,7 @@ fn ramps() -> impl Strategy<Value = Ramps> {
     prop_oneof![
         Just(Ramps::Linear),
         Just(Ramps::SinSquared),
-        jerk().prop_map(Ramps::JerkLimited),
+        jerk().prop_map(|jerk| Ramps::limited(jerk).unwrap_or(Ramps::SinSquared)),
         jerk().prop_map(Ramps::MovingAverage),
     ]
 }

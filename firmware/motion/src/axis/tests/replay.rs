@@ -24,9 +24,7 @@ impl Curve {
             return Self::Path(path.clone(), axis.horizon());
         }
         if !axis.is_averaged {
-            let mut whole = axis.plan;
-            whole.complete();
-            return Self::Plan(whole);
+            return Self::Plan(axis.plan);
         }
         let mut average = axis.average.clone();
         let mut phases: Vec<_> = [average.phase()].into();

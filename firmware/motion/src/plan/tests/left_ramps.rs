@@ -2,6 +2,7 @@
 
 use super::smooth::{all_over, assert_no_jump};
 use super::{Goal, Limits, Plan, Ramps, clock, per_second, state};
+use crate::Ticks;
 
 #[test]
 fn i01_a_short_sine_ramp_that_is_left_stays_within_its_velocity() {
@@ -15,7 +16,7 @@ fn i01_a_short_sine_ramp_that_is_left_stays_within_its_velocity() {
         let mut plan = Plan::at_rest(0, 0);
         for (at, goal) in [(0, 1), (at, 0)] {
             let goal = Goal::Velocity(goal.into());
-            plan.redirect(clock, at, goal, limits, Ramps::SinSquared)
+            plan.replan(clock, at, goal, limits, Ramps::SinSquared)
                 .unwrap();
         }
         for t in at..2_000 {
@@ -53,7 +54,7 @@ fn i08_a_hard_stop_ends_a_gentle_sine_ramp_in_time() {
         let mut plan = Plan::at_rest(0, 0);
         let mut begin = 0;
         if goal == stop {
-            plan.redirect(
+            plan.replan(
                 clock,
                 0,
                 Goal::Velocity(100_000.into()),
@@ -63,12 +64,12 @@ fn i08_a_hard_stop_ends_a_gentle_sine_ramp_in_time() {
             .unwrap();
             begin = plan.phases().last().unwrap().start();
         }
-        plan.redirect(clock, begin, goal, gentle, Ramps::SinSquared)
+        plan.replan(clock, begin, goal, gentle, Ramps::SinSquared)
             .unwrap();
         let at = begin + millis * 168_000;
         let speed = per_second(clock, plan.state_at(at)).abs();
         assert!(speed > 1_000.0, "{speed} steps/s for {goal:?}");
-        plan.redirect(clock, at, stop, hard, Ramps::SinSquared)
+        plan.replan(clock, at, stop, hard, Ramps::SinSquared)
             .unwrap();
         let seconds = (plan.end().unwrap() - at) as f64 / f64::from(clock.hz());
         let linear = speed / f64::from(hard.deceleration);
@@ -94,7 +95,7 @@ fn i01_a_sine_ramp_between_two_velocities_that_is_left_stays_within_its_velocity
                 Plan::velocity(clock, 0, state(clock, 0, from), from.into(), limits).unwrap();
             let mut order = |at, goal: i32| {
                 let goal = Goal::Velocity(goal.into());
-                plan.redirect(clock, at, goal, limits, Ramps::SinSquared)
+                plan.replan(clock, at, goal, limits, Ramps::SinSquared)
                     .unwrap();
                 plan
             };
@@ -109,6 +110,72 @@ fn i01_a_sine_ramp_between_two_velocities_that_is_left_stays_within_its_velocity
                     "{now} after {before}, from {from} to {to}, left at {part}/16"
                 );
             }
+        }
+    }
+}
+
+/// A new target in each millisecond of a ramp: it is finished all the same, and the move ends as if the last target had been known from the begin.
+#[test]
+fn i06_targets_that_stream_in_do_not_slow_a_sine_ramp_down() {
+    let clock = clock(168_000_000);
+    let limits = Limits {
+        velocity: 100_000.into(),
+        acceleration: 500_000,
+        deceleration: 500_000,
+    };
+    let order = |plan: &mut Plan, at, target| {
+        plan.replan(clock, at, Goal::Rest(target), limits, Ramps::SinSquared)
+            .unwrap();
+    };
+    let mut direct = Plan::at_rest(0, 0);
+    order(&mut direct, 0, 90_000);
+    let mut plan = Plan::at_rest(0, 0);
+    for number in 0..=500 {
+        order(&mut plan, number * 168_000, 89_500 + number as i64);
+    }
+    let moved = plan.end().unwrap().abs_diff(direct.end().unwrap());
+    assert!(moved <= 500, "{moved} ticks");
+    assert_no_jump(&plan);
+    // Braking for a target that goes away: it brakes once more, from the velocity that it has then.
+    let at = plan.last_ramp() + 16_800_000;
+    order(&mut plan, at, 95_000);
+    assert_no_jump(&plan);
+    let there = plan.state_at(plan.end().unwrap());
+    assert_eq!(there, state(clock, 95_000, 0));
+}
+
+/// Braking for a target, with limits that are harder or gentler than before: that braking is finished.
+#[test]
+fn i06_sine_braking_for_its_target_is_finished_whatever_the_limits() {
+    let clock = clock(168_000_000);
+    let mut limits = Limits {
+        velocity: 100_000.into(),
+        acceleration: 500_000,
+        deceleration: 500_000,
+    };
+    let goal = Goal::Rest(50_000);
+    let first = Plan::new(
+        clock,
+        0,
+        state(clock, 0, 0),
+        goal,
+        limits,
+        Ramps::SinSquared,
+    )
+    .unwrap();
+    for deceleration in [1_000, 499_999, 500_001, 5_000_000] {
+        for part in 1..16 {
+            let mut plan = first;
+            let braking = first.end().unwrap() - first.last_ramp();
+            limits.deceleration = deceleration;
+            let at = first.last_ramp() + braking * part / 16;
+            plan.replan(clock, at, goal, limits, Ramps::SinSquared)
+                .unwrap();
+            assert_eq!(plan.end(), first.end());
+            assert_eq!(plan.state_at(Ticks::MAX), state(clock, 50_000, 0));
+            let apart =
+                plan.state_at(at + 1).position.bits() - first.state_at(at + 1).position.bits();
+            assert!(apart.abs() < 1 << 12, "{apart}");
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use super::smooth::{assert_no_jump, double_s};
 use super::{Goal, Limits, Plan, Ramps, clock, per_second, state, steps};
-use crate::{PlanError, Position};
+use crate::plan::Start;
+use crate::{PlanError, Position, State};
 
 #[test]
 fn i02_a_move_over_the_whole_span_makes_no_extra_turn() {
@@ -56,13 +57,12 @@ fn i02_a_softer_deceleration_while_braking_is_no_reason_to_refuse() {
     };
     let ramps = Ramps::JerkLimited(5_050_000);
     // From 2,000,000 steps/s at 1,000,000 steps/s²: the acceleration begins to fall at 99,010 steps/s.
-    let start = state(clock, 0, 2_000_000);
+    let start = start(state(clock, 0, 2_000_000), 0);
     let mut braking = Plan::at_rest(0, 0);
     braking
         .make(
             clock,
-            0,
-            (start.into(), 0),
+            &start,
             Goal::Velocity(0.into()),
             limits(1_000_000),
             ramps,
@@ -76,7 +76,7 @@ fn i02_a_softer_deceleration_while_braking_is_no_reason_to_refuse() {
         for target in [here + 1_000_000, here + 100, here - 1_000_000] {
             for goal in [Goal::Rest(target), Goal::Pass(target, 500.into())] {
                 let mut plan = braking;
-                plan.redirect(clock, at, goal, limits(deceleration), ramps)
+                plan.replan(clock, at, goal, limits(deceleration), ramps)
                     .unwrap();
                 assert_no_jump(&plan);
                 if let Some(end) = plan.end() {
@@ -84,6 +84,14 @@ fn i02_a_softer_deceleration_while_braking_is_no_reason_to_refuse() {
                 }
             }
         }
+    }
+}
+
+/// A motion with an acceleration, which came about at whatever jerk.
+fn start(from: State, acceleration: i128) -> Start {
+    Start {
+        acceleration,
+        ..Start::steady(0, from.into())
     }
 }
 
@@ -96,15 +104,14 @@ fn is_possible((velocity, pull): (i32, u32), target: i64, deceleration: u32) -> 
         deceleration,
     };
     let pull = (clock.half_acceleration(pull) << 1).cast_signed();
-    let from = (state(clock, 0, velocity).into(), -pull);
+    let start = start(state(clock, 0, velocity), -pull);
     let mut plan = Plan::at_rest(0, 0);
     let goal = Goal::Rest(target);
-    let made = plan.make(clock, 0, from, goal, limits, Ramps::JerkLimited(5_050_000));
+    let made = plan.make(clock, &start, goal, limits, Ramps::JerkLimited(5_050_000));
     if let Err(error) = made {
         assert_eq!(error, PlanError::OutOfRange);
         return false;
     }
-    plan.complete();
     assert_no_jump(&plan);
     let there = plan.state_at(plan.end().unwrap());
     assert_eq!(there.position, Position::from_steps(target));
@@ -149,18 +156,16 @@ fn i02_braking_that_began_long_ago_lands_on_its_target() {
     };
     let pull = (clock.half_acceleration(1_000) << 1).cast_signed();
     for target in [1_300_000_000, 1_500_000_000, 2_000_000_000, 2_100_000_000] {
-        let from = (state(clock, 0, 1_500_000).into(), -pull);
+        let start = start(state(clock, 0, 1_500_000), -pull);
         let mut plan = Plan::at_rest(0, 0);
         plan.make(
             clock,
-            0,
-            from,
+            &start,
             Goal::Rest(target),
             limits,
             Ramps::JerkLimited(1),
         )
         .unwrap();
-        plan.complete();
         assert_no_jump(&plan);
         let there = plan.state_at(plan.end().unwrap());
         assert_eq!(there.position, Position::from_steps(target));
@@ -185,14 +190,13 @@ fn i02_an_acceleration_that_takes_half_the_span_to_fall_lands_on_its_target() {
             1_500_000_000,
             2_000_000_000,
         ] {
-            let from = (state(clock, -2_000_000_000, velocity).into(), -pull);
+            let start = start(state(clock, -2_000_000_000, velocity), -pull);
             let mut plan = Plan::at_rest(0, 0);
             let goal = Goal::Rest(target);
-            let made = plan.make(clock, 0, from, goal, limits, Ramps::JerkLimited(2));
+            let made = plan.make(clock, &start, goal, limits, Ramps::JerkLimited(2));
             if made == Err(PlanError::OutOfRange) {
                 continue;
             }
-            plan.complete();
             assert_no_jump(&plan);
             // Sampled often enough to tell one turn of 2³² steps from two.
             let end = plan.end().unwrap();

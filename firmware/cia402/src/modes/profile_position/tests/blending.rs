@@ -194,27 +194,3 @@ fn m30_a_mean_is_blended_with_the_window_that_it_has() {
     }
     assert_eq!((farthest, rig.motor.position), (60_000, 60_000));
 }
-
-/// Pulses are handed out before a dear plan, so such a plan begins behind them: the same pulses come only if the same is done before it.
-#[test]
-fn a_set_point_that_waits_is_prepared_for_with_its_own_ramps() {
-    let run = |after: Ramps| {
-        let mut rig = Rig::enabled();
-        rig.set_point(2_000, 0);
-        rig.ticks(20);
-        rig.configuration.profile.ramps = Ramps::JerkLimited(5_000_000);
-        rig.commands.profile_velocity = 3_000.into();
-        rig.set_point(6_000, CHANGE_ON_SET_POINT);
-        rig.ticks(5);
-        rig.configuration.profile.ramps = after;
-        rig.post();
-        let seen = |_| {
-            rig.tick();
-            rig.motor.position
-        };
-        (0..2_000).map(seen).collect::<std::vec::Vec<_>>()
-    };
-    let kept = run(Ramps::JerkLimited(5_000_000));
-    assert_eq!(kept.last(), Some(&6_000));
-    assert!(kept == run(Ramps::Linear));
-}

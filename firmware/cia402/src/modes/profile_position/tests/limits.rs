@@ -1,5 +1,6 @@
 //! Limits that are written while a set-point is under way, waits, or is halted; and ramps too gentle for a software limit.
 
+use crate::profile::all_ramps;
 use motion::Ramps;
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
@@ -228,12 +229,7 @@ fn m44_a_gentler_6084h_carries_no_set_point_through_a_software_limit() {
 
 #[test]
 fn m44_a_set_point_given_again_while_it_brakes_to_a_limit_is_not_limited() {
-    for profile in [
-        Ramps::Linear,
-        Ramps::JerkLimited(2_000_000),
-        Ramps::MovingAverage(2_000_000),
-        Ramps::SinSquared,
-    ] {
+    for profile in all_ramps(2_000_000) {
         let mut rig = Rig::enabled();
         rig.configuration.profile.ramps = profile;
         limit(&mut rig, -1, 6_000);
@@ -311,12 +307,7 @@ fn any_order() -> impl Strategy<Value = Order> {
         prop::sample::select(std::vec![0, IMMEDIATELY, CHANGE_ON_SET_POINT]),
         prop::sample::select(std::vec![0, 0, 3_000]),
         5_000u32..200_000,
-        prop::sample::select(std::vec![
-            Ramps::Linear,
-            Ramps::SinSquared,
-            Ramps::JerkLimited(5_000_000),
-            Ramps::MovingAverage(5_000_000)
-        ]),
+        prop::sample::select(all_ramps(5_000_000)),
         1usize..200,
     )
         .prop_map(

@@ -1,5 +1,6 @@
 //! One direction only (60F2h bits 7 and 6) on a rotary axis whose motor moves already.
 
+use crate::profile::all_ramps;
 use motion::Ramps;
 
 use super::IMMEDIATELY;
@@ -29,9 +30,7 @@ fn table(ramps: Ramps, option: u16) -> Rig {
 
 #[test]
 fn m59_one_direction_holds_whatever_the_motor_does() {
-    let jerk = Ramps::JerkLimited(1_000_000);
-    let average = Ramps::MovingAverage(1_000_000);
-    for ramps in [Ramps::Linear, Ramps::SinSquared, jerk, average] {
+    for ramps in all_ramps(1_000_000) {
         for (option, sign) in [(0x80, 1), (0x40, -1)] {
             // While it speeds up, and at 10,000 steps/s.
             for ticks in [20, 60, 90, 150, 400] {

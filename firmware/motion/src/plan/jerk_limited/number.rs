@@ -271,18 +271,18 @@ mod tests {
 
     fn any_number() -> impl Strategy<Value = Number> {
         (1i128.., 0u32..127)
-            .prop_map(|(value, shift)| Number::of((value >> shift).max(1), Kind::Way))
+            .prop_map(|(value, shift)| Number::of((value >> shift).max(1), Kind::Distance))
     }
 
     #[test]
-    fn nothing_is_nothing() {
+    fn zero_is_zero() {
         let zero = Number::of(0, Kind::Velocity);
         let one = Number::of(1 << 72, Kind::Velocity);
         assert_eq!(zero, Number::ZERO);
-        assert_eq!(zero.root().fixed(Kind::Way), 0);
-        assert_eq!(zero.reciprocal().fixed(Kind::Way), 0);
+        assert_eq!(zero.root().fixed(Kind::Distance), 0);
+        assert_eq!(zero.reciprocal().fixed(Kind::Distance), 0);
         assert_eq!(one.negated().root(), Number::ZERO);
-        assert_eq!(zero.times(one).fixed(Kind::Way), 0);
+        assert_eq!(zero.times(one).fixed(Kind::Distance), 0);
         assert_eq!(zero.plus(one).fixed(Kind::Velocity), 1 << 72);
         assert_eq!(float(one), 1.0);
     }
@@ -293,7 +293,7 @@ mod tests {
         #[test]
         fn an_exact_number_comes_back(value: i128, shift in 0u32..128) {
             let value = value >> shift.min(127);
-            for kind in [Kind::Way, Kind::Velocity, Kind::Acceleration, Kind::Jerk, Kind::Time] {
+            for kind in [Kind::Distance, Kind::Velocity, Kind::Acceleration, Kind::Jerk, Kind::Time] {
                 let back = Number::of(value, kind).fixed(kind);
                 prop_assert!(back.abs_diff(value) <= value.unsigned_abs() >> 61, "{back} of {value}");
             }
@@ -311,7 +311,7 @@ mod tests {
 
         #[test]
         fn a_reciprocal_gives_one(a in any_number()) {
-            let one = Number::of(1 << 96, Kind::Way);
+            let one = Number::of(1 << 96, Kind::Distance);
             let off = part(one, a.times(a.reciprocal()));
             prop_assert!(off.abs() <= 2f64.powi(-58), "{off}");
         }

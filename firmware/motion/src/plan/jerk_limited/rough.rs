@@ -9,7 +9,7 @@ use crate::root::reciprocal_root;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Steps, Q96.
-    Way,
+    Distance,
     /// Q96 steps per tick.
     Velocity,
     /// Q96 steps per tick².
@@ -23,7 +23,7 @@ pub(super) enum Kind {
 impl Kind {
     pub(super) const fn point(self) -> u32 {
         match self {
-            Self::Way => 96,
+            Self::Distance => 96,
             Self::Velocity => 96 - 24,
             Self::Acceleration => 96 - 48,
             Self::Jerk => 128 - 72,
@@ -46,16 +46,6 @@ impl Rough {
         Self(f32::from_bits(
             exponent.wrapping_add(127).cast_unsigned() << 23,
         ))
-    }
-
-    /// A whole number.
-    pub(super) const fn whole(number: u32) -> Self {
-        Self(number as f32)
-    }
-
-    /// More by 2^exponent.
-    pub(super) const fn more(self, exponent: i32) -> Self {
-        Self(self.0 + Self::power(exponent).0)
     }
 
     /// number · 2^exponent; what is too small or too large for an exponent counts as the last one.
@@ -175,14 +165,19 @@ mod tests {
 
     use super::{Kind, Rough};
 
-    const KINDS: [Kind; 4] = [Kind::Way, Kind::Velocity, Kind::Acceleration, Kind::Jerk];
+    const KINDS: [Kind; 4] = [
+        Kind::Distance,
+        Kind::Velocity,
+        Kind::Acceleration,
+        Kind::Jerk,
+    ];
 
     fn any_kind() -> impl Strategy<Value = Kind> {
         (0..KINDS.len()).prop_map(|index| KINDS[index])
     }
 
     #[test]
-    fn nothing_is_nothing() {
+    fn zero_is_zero() {
         let zero = Rough::ZERO;
         assert_eq!(zero.times(Rough::ONE), zero);
         assert_eq!(Rough::ONE.over(zero), zero);

@@ -1,8 +1,8 @@
 //! The jerk-limited ramp: from any velocity and acceleration to a velocity that is kept.
 //!
-//! The acceleration goes at the jerk j to a greatest value, stays there, and goes at j to nothing: at most three pieces. A ramp
+//! The acceleration goes at the jerk j to a greatest value, stays there, and goes at j to zero: at most three pieces. A ramp
 //! that begins with no acceleration and gains Δ takes T = √(Δ/j) in each direction; or, if that were beyond the limit A,
-//! T = A/j, and stays at A for Δ/A − T. Its way is its mean velocity times its time.
+//! T = A/j, and stays at A for Δ/A − T. Its distance is its mean velocity times its time.
 //!
 //! A ramp that begins with an acceleration a is the rest of one that began without, a/j earlier and a²/2j away from the velocity of
 //! now: its [`Lead`]. If a is in the other direction, it begins as much later instead, and the same formulas hold.
@@ -10,9 +10,9 @@
 use core::cell::Cell;
 
 use super::number::Number;
-use super::phase::{Offset, over_time};
 use super::rough::{Kind, Rough};
-use crate::clock::{Fine, TOP_SIXTH_JERK};
+use crate::clock::Fine;
+use crate::plan::piece::{Offset, distance_at};
 
 /// The jerk, as it is worked with.
 #[derive(Debug, Clone, Copy)]
@@ -25,17 +25,6 @@ pub(crate) struct Jerk {
 }
 
 impl Jerk {
-    /// That of a sin² ramp at its ends, by Δv/T²: π²/2 = 4.935. With less a ramp that is left would go on beyond its velocity, and with a
-    /// fortieth more it does not, whatever is rounded.
-    pub(super) const OF_SINE: Rough = Rough::whole(5).more(-4);
-
-    /// With which a sin² ramp begins, of which this is Δv/T²: never none, and cut to [`TOP_SIXTH_JERK`].
-    pub(super) fn of_sine(steepness: Rough) -> Self {
-        let jerk = steepness.times(Self::OF_SINE);
-        let sixth = jerk.times(Rough::THIRD).halved().fixed(Kind::Jerk);
-        Self::new(sixth.clamp(1, TOP_SIXTH_JERK))
-    }
-
     pub(super) fn new(sixth: Fine) -> Self {
         let whole = Number::of(sixth.wrapping_mul(6).cast_signed(), Kind::Jerk);
         Self {
@@ -138,8 +127,8 @@ impl Steady {
 /// How far a ramp goes that begins and ends with no acceleration, Q96 steps, saturating. What [`Ramp::become_steady`] would find, without
 /// its pieces.
 #[inline(never)]
-pub(super) fn steady_way(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> i128 {
-    steady_length(velocity, end, limit, jerk).bounded(Kind::Way)
+pub(super) fn steady_distance(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> i128 {
+    steady_length(velocity, end, limit, jerk).bounded(Kind::Distance)
 }
 
 #[inline(always)]
@@ -154,10 +143,10 @@ fn steady_length(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> Numbe
     sum.times(time)
 }
 
-/// How far a ramp to rest goes, Q96 steps, saturating: [`Ramp::way`], which wraps, tells nothing of a long one.
+/// How far a ramp to rest goes, Q96 steps, saturating: [`Ramp::distance`], which wraps, is wrong for a long one.
 #[cold]
 #[inline(never)]
-pub(super) fn stopping_way(from: &Motion, limit: &Limit, jerk: &Jerk) -> i128 {
+pub(super) fn stopping_distance(from: &Motion, limit: &Limit, jerk: &Jerk) -> i128 {
     let falls = from.coasting() > 0;
     let turned = |value: Number| if falls { value.negated() } else { value };
     let mut lead = Lead::new(from, falls, limit);
@@ -170,7 +159,7 @@ pub(super) fn stopping_way(from: &Motion, limit: &Limit, jerk: &Jerk) -> i128 {
     };
     steady_length(lead.velocity, 0, limit, jerk)
         .plus(ahead)
-        .bounded(Kind::Way)
+        .bounded(Kind::Distance)
 }
 
 /// A velocity with an acceleration.
@@ -178,7 +167,7 @@ pub(super) fn stopping_way(from: &Motion, limit: &Limit, jerk: &Jerk) -> i128 {
 pub(super) struct Motion {
     pub(super) velocity: i128,
     pub(super) acceleration: i128,
-    /// How long it takes to go to nothing; negative, if it is.
+    /// How long it takes to go to zero; negative, if it is.
     pub(super) time: Number,
     /// What the velocity gains or loses meanwhile.
     pub(super) change: Number,
@@ -207,9 +196,9 @@ impl Motion {
         if acceleration == 0 {
             return Self::steady(velocity);
         }
-        let pull = Number::of(acceleration, Kind::Acceleration);
-        let time = pull.times(jerk.inverse);
-        let change = pull.times(time).halved();
+        let number = Number::of(acceleration, Kind::Acceleration);
+        let time = number.times(jerk.inverse);
+        let change = number.times(time).halved();
         Self {
             velocity,
             acceleration,
@@ -223,7 +212,7 @@ impl Motion {
         self.velocity == 0 && self.acceleration == 0
     }
 
-    /// The velocity that is left when the acceleration has gone to nothing by the shortest way.
+    /// The velocity that is left when the acceleration has gone to zero by the shortest way.
     pub(super) const fn coasting(&self) -> i128 {
         if self.acceleration < 0 {
             self.velocity.wrapping_sub(self.exact_change)
@@ -246,7 +235,7 @@ pub(super) struct Lead {
     pub(super) falls: bool,
     /// The acceleration is beyond the limit: first of all it falls to that.
     is_easing: bool,
-    /// `ahead` is 2³¹ steps or more, and so not what it says: no way has room for this ramp.
+    /// `ahead` is 2³¹ steps or more, and so not what it says: no distance has room for this ramp.
     pub(super) is_far: bool,
 }
 
@@ -260,7 +249,7 @@ impl Lead {
         lead
     }
 
-    /// Becomes another one, as [`Lead::new`] would have it: it is large, and copies of it are dear.
+    /// Becomes another one, as [`Lead::new`] would have it: it is large, and copies of it are costly.
     pub(super) fn renew(&mut self, from: &Motion, falls: bool, limit: &Limit) {
         self.velocity = from.velocity;
         self.ahead = 0;
@@ -277,12 +266,12 @@ impl Lead {
     #[inline(never)]
     fn come_from(&mut self, from: &Motion, limit: &Limit) {
         let falls = self.falls;
-        let pull = if falls {
+        let acceleration = if falls {
             from.acceleration.wrapping_neg()
         } else {
             from.acceleration
         };
-        if pull > limit.most {
+        if acceleration > limit.most {
             self.ease(from, limit);
             return;
         }
@@ -294,13 +283,13 @@ impl Lead {
             from.exact_change
         };
         self.velocity = from.velocity.wrapping_sub(exact_change);
-        let way = time.times(self.speed());
+        let distance = time.times(self.speed());
         let bend = time.times(change).times(Number::THIRD);
         // Most are so short that the sum need not be made for that.
-        self.is_far =
-            way.may_exceed(29) | bend.may_exceed(29) && way.plus(bend).saturates(Kind::Way);
-        let (way, bend) = (way.fixed(Kind::Way), bend.fixed(Kind::Way));
-        self.ahead = way.wrapping_add(bend).wrapping_neg();
+        self.is_far = distance.may_exceed(29) | bend.may_exceed(29)
+            && distance.plus(bend).saturates(Kind::Distance);
+        let (distance, bend) = (distance.fixed(Kind::Distance), bend.fixed(Kind::Distance));
+        self.ahead = distance.wrapping_add(bend).wrapping_neg();
         self.ago = time.fixed(Kind::Time);
     }
 
@@ -331,15 +320,15 @@ impl Lead {
         self.velocity = from
             .velocity
             .wrapping_add(change.minus(rise.doubled()).fixed(Kind::Velocity));
-        // With T for the entry and t for the time that the acceleration would need to nothing: v·(t − 2T) + j·(t³/3 − t²·T + T³).
+        // With T for the entry and t for the time that the acceleration would need to zero: v·(t − 2T) + j·(t³/3 − t²·T + T³).
         let since = time.minus(limit.entry.doubled());
         let fallen = time.times(Number::THIRD).minus(limit.entry);
         let bend = change.times(fallen).plus(rise.times(limit.entry));
         let ahead = Number::of(from.velocity, Kind::Velocity)
             .times(since)
             .plus(bend.doubled());
-        self.is_far = ahead.saturates(Kind::Way);
-        self.ahead = ahead.fixed(Kind::Way);
+        self.is_far = ahead.saturates(Kind::Distance);
+        self.ahead = ahead.fixed(Kind::Distance);
         self.ago = since.negated().fixed(Kind::Time);
         self.is_easing = true;
         ahead
@@ -356,8 +345,8 @@ pub(super) struct Ramp {
     /// At its end, where there is no acceleration.
     pub(super) end: i128,
     /// How far it goes, Q96 steps; modulo 2³² steps.
-    pub(super) way: i128,
-    /// How long the acceleration goes to the greatest value, stays there, and goes to nothing.
+    pub(super) distance: i128,
+    /// How long the acceleration goes to the greatest value, stays there, and goes to zero.
     pub(super) entry: Offset,
     pub(super) hold: Offset,
     pub(super) exit: Offset,
@@ -376,7 +365,7 @@ impl Ramp {
         velocity: 0,
         acceleration: 0,
         end: 0,
-        way: 0,
+        distance: 0,
         entry: 0,
         hold: 0,
         exit: 0,
@@ -410,7 +399,7 @@ impl Ramp {
         self.become_steady((lead.velocity, lead.falls), end, limit, jerk);
         self.velocity = from.velocity;
         self.acceleration = from.acceleration;
-        self.way = self.way.wrapping_add(lead.ahead);
+        self.distance = self.distance.wrapping_add(lead.ahead);
         let entry = self.exit.cast_signed().wrapping_sub(lead.ago).max(0);
         self.entry = entry.cast_unsigned();
         self.is_easing = lead.is_easing;
@@ -445,7 +434,7 @@ impl Ramp {
         self.exit = exit;
         // Its mean velocity is that of its ends.
         let sum = velocity.wrapping_add(end);
-        self.way = way_at(sum, exit.wrapping_add(hold >> 1));
+        self.distance = distance_at(sum, exit.wrapping_add(hold >> 1));
     }
 
     /// Turns it into the same in the other direction of motion.
@@ -453,24 +442,13 @@ impl Ramp {
         self.velocity = self.velocity.wrapping_neg();
         self.acceleration = self.acceleration.wrapping_neg();
         self.end = self.end.wrapping_neg();
-        self.way = self.way.wrapping_neg();
+        self.distance = self.distance.wrapping_neg();
         self.falls = !self.falls;
     }
 
     /// How long it takes.
     pub(super) fn time(&self) -> Offset {
         self.entry.wrapping_add(self.hold).wrapping_add(self.exit)
-    }
-}
-
-/// How far it goes at a velocity in a time, Q96 steps; modulo 2³² steps.
-#[inline(always)]
-pub(super) fn way_at(velocity: i128, time: Offset) -> i128 {
-    let way = over_time(velocity.unsigned_abs(), time).cast_signed();
-    if velocity < 0 {
-        way.wrapping_neg()
-    } else {
-        way
     }
 }
 

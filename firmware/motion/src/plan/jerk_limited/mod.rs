@@ -3,32 +3,37 @@
 //! A move is a ramp to a velocity, a cruise, and a ramp to rest; from rest to rest that is the double-S, the fastest there is. Where
 //! there is no room for the profile velocity, the greatest one for which both ramps fit is looked for (`cruise.rs`).
 //!
-//! A motion that has to turn round comes to rest first, and that is all that is planned of it here: the way from there is a leg of its
-//! own (`second_leg.rs`). A ramp that is under way is left at the same jerk: its acceleration goes to
-//! nothing, or on to that of the next ramp.
+//! A motion that has to turn round comes to rest first. A ramp that is under distance is left at the same jerk: its acceleration goes to
+//! zero, or on to that of the next ramp.
 
-use super::move_to::way_to;
-use super::number::Number;
-use super::phase::Offset;
-use super::ramp::{Jerk, Lead, Limit, Motion, Ramp, RoughLimit, stopping_way};
-use super::rough::{Kind, Rough};
-use super::{Course, Goal, Limits, Plan, PlanError};
-use crate::clock::{Clock, Ticks};
-use crate::fixed::Exact;
+mod cruise;
+mod follow;
+mod number;
+mod ramp;
+mod rough;
+
+use super::builder::{Origin, PlanBuilder};
+use super::move_to::distance_to;
+use super::piece::Offset;
+use super::{Goal, Limits, Plan, PlanError, Start};
+use crate::clock::{Clock, Fine, TOP_SIXTH_JERK};
 use crate::speed::{SignedSpeed, Speed};
+use number::Number;
+use ramp::{Jerk, Lead, Limit, Motion, Ramp, RoughLimit, stopping_distance};
+use rough::{Kind, Rough};
 
 /// What rules the motion, all per tick.
 #[derive(Debug)]
-pub(super) struct Rules<'a> {
-    pub(super) top: i128,
-    pub(super) acceleration: &'a Limit,
-    pub(super) deceleration: &'a Limit,
-    pub(super) jerk: &'a Jerk,
+struct Rules<'a> {
+    top: i128,
+    acceleration: &'a Limit,
+    deceleration: &'a Limit,
+    jerk: &'a Jerk,
 }
 
 impl Rules<'_> {
     /// From a velocity that is not negative to another one.
-    fn ramp(&self, ramp: &mut Ramp, from: &Motion, end: i128) {
+    fn ramp(&self, from: &Motion, end: i128) -> Ramp {
         let falls = end < from.coasting();
         let limit = if falls || end == 0 {
             self.deceleration
@@ -36,30 +41,31 @@ impl Rules<'_> {
             self.acceleration
         };
         let lead = Lead::new(from, falls, limit);
+        let mut ramp = Ramp::NONE;
         ramp.become_of((from, &lead), end, limit, self.jerk);
+        ramp
     }
 }
 
 /// To rest, in whichever direction.
-fn stopping(ramp: &mut Ramp, from: &Motion, limit: &Limit, jerk: &Jerk) {
-    if from.is_rest() {
-        *ramp = Ramp::NONE;
-        return;
+fn stopping(from: &Motion, limit: &Limit, jerk: &Jerk) -> Ramp {
+    let mut ramp = Ramp::NONE;
+    if !from.is_rest() {
+        let falls = from.coasting() > 0;
+        let lead = Lead::new(from, falls, limit);
+        ramp.become_of((from, &lead), 0, limit, jerk);
     }
-    let falls = from.coasting() > 0;
-    let lead = Lead::new(from, falls, limit);
-    ramp.become_of((from, &lead), 0, limit, jerk);
+    ramp
 }
 
-/// Plans the motion in a frame in which the way still to go is positive.
+/// Plans the motion in a frame in which the distance still to go is positive, at a jerk of which this is a sixth.
 pub(super) fn plan(
     plan: &mut Plan,
     clock: Clock,
-    start: Ticks,
-    from: (Exact, i128),
+    start: &Start,
     goal: Goal,
     limits: Limits,
-    jerk: &Jerk,
+    sixth_jerk: Fine,
 ) -> Result<(), PlanError> {
     let is_stop = goal == Goal::Velocity(SignedSpeed::ZERO);
     if limits.velocity == Speed::ZERO && !is_stop {
@@ -71,23 +77,19 @@ pub(super) fn plan(
     if limits.deceleration == 0 {
         return Err(PlanError::ZeroDeceleration);
     }
+    let jerk = &Jerk::new(sixth_jerk.min(TOP_SIXTH_JERK));
     if is_stop {
-        let deceleration = limit(clock, limits.deceleration, jerk);
-        stop(plan, start, from, &deceleration, jerk);
-        return Ok(());
+        return stop(plan, start, &limit(clock, limits.deceleration, jerk), jerk);
     }
     with_rules(clock, limits, jerk, |rules| {
         let speed = |velocity: Speed| clock.speed(velocity.min(limits.velocity)).cast_signed();
         match goal {
             Goal::Velocity(velocity) => {
                 let end = speed(velocity.unsigned_abs());
-                keep(plan, clock, start, from, velocity.bits() < 0, end, rules);
-                Ok(())
+                keep(plan, start, velocity.bits() < 0, end, rules)
             }
-            Goal::Rest(target) => reach(plan, clock, start, from, (target, 0), rules),
-            Goal::Pass(target, velocity) => {
-                reach(plan, clock, start, from, (target, speed(velocity)), rules)
-            }
+            Goal::Rest(target) => reach(plan, start, (target, 0), rules),
+            Goal::Pass(target, velocity) => reach(plan, start, (target, speed(velocity)), rules),
         }
     })
 }
@@ -99,7 +101,7 @@ fn limit(clock: Clock, rate: u32, jerk: &Jerk) -> Limit {
 
 /// Does something by the rules that the limits make.
 #[inline(always)]
-pub(super) fn with_rules<R>(
+fn with_rules<R>(
     clock: Clock,
     limits: Limits,
     jerk: &Jerk,
@@ -122,65 +124,57 @@ pub(super) fn with_rules<R>(
 }
 
 /// A motion as it is in a frame that may be turned round.
-fn seen(velocity: i128, acceleration: i128, reverse: bool, jerk: &Jerk) -> Motion {
+fn seen(start: &Start, reverse: bool, jerk: &Jerk) -> Motion {
+    let (velocity, acceleration) = (start.from.velocity, start.acceleration);
     if reverse {
-        Motion::new(velocity.wrapping_neg(), acceleration.wrapping_neg(), jerk)
+        Motion::new(-velocity, -acceleration, jerk)
     } else {
         Motion::new(velocity, acceleration, jerk)
     }
 }
 
-/// Comes to rest, wherever that is.
-fn stop(
-    plan: &mut Plan,
-    start: Ticks,
-    (from, acceleration): (Exact, i128),
-    limit: &Limit,
-    jerk: &Jerk,
-) {
-    let reverse = from.velocity < 0;
-    let motion = seen(from.velocity, acceleration, reverse, jerk);
-    let mut course = Course::new(plan, start, from, reverse);
-    stopping(course.ramp(0), &motion, limit, jerk);
-    course.follow(0);
-    let rest = course.travelled;
-    course.rest_at(rest);
+fn builder<'a>(plan: &'a mut Plan, start: &Start, reverse: bool) -> PlanBuilder<'a> {
+    PlanBuilder::new(plan, &Origin::steady(start.tick, start.from), reverse)
 }
 
-/// Keeps the velocity `end`, backwards if `reverse`. If it stops first, the rest is left for the second leg.
+/// Comes to rest, wherever that is.
+fn stop(plan: &mut Plan, start: &Start, limit: &Limit, jerk: &Jerk) -> Result<(), PlanError> {
+    let reverse = start.from.velocity < 0;
+    let motion = seen(start, reverse, jerk);
+    let mut builder = builder(plan, start, reverse);
+    builder.follow(&stopping(&motion, limit, jerk));
+    let rest = builder.travelled;
+    builder.rest_at(rest)
+}
+
+/// Keeps the velocity `end`, backwards if `reverse`.
 fn keep(
     plan: &mut Plan,
-    clock: Clock,
-    start: Ticks,
-    (from, acceleration): (Exact, i128),
+    start: &Start,
     reverse: bool,
     end: i128,
     rules: &Rules<'_>,
-) {
-    let motion = seen(from.velocity, acceleration, reverse, rules.jerk);
-    let mut course = Course::new(plan, start, from, reverse);
+) -> Result<(), PlanError> {
+    let motion = seen(start, reverse, rules.jerk);
+    let mut builder = builder(plan, start, reverse);
     if motion.velocity < 0 {
-        stopping(course.ramp(0), &motion, rules.deceleration, rules.jerk);
-        course.follow(0);
-        course.wait(clock, (0, end, 0));
-        return;
+        builder.follow(&stopping(&motion, rules.deceleration, rules.jerk));
+        return builder.ramp_to(&Motion::REST, end, rules);
     }
-    course.ramp_to(&motion, end, rules);
+    builder.ramp_to(&motion, end, rules)
 }
 
-/// Moves to a target in steps, with the velocity `end` there. If it stops first, the rest is left for the second leg.
+/// Moves to a target in steps, with the velocity `end` there.
 fn reach(
     plan: &mut Plan,
-    clock: Clock,
-    start: Ticks,
-    (from, acceleration): (Exact, i128),
+    start: &Start,
     (target, end): (i64, i128),
     rules: &Rules<'_>,
 ) -> Result<(), PlanError> {
     // In a frame in which the target lies ahead.
-    let (gap, reverse) = way_to(target, from).ok_or(PlanError::OutOfRange)?;
+    let (gap, reverse) = distance_to(target, start.from).ok_or(PlanError::OutOfRange)?;
     let goal = gap.cast_signed();
-    let motion = seen(from.velocity, acceleration, reverse, rules.jerk);
+    let motion = seen(start, reverse, rules.jerk);
     let forwards = if motion.velocity == 0 {
         motion.acceleration >= 0
     } else {
@@ -192,9 +186,8 @@ fn reach(
         && forwards
         && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead)
     {
-        let course = Course::new(plan, start, from, reverse);
-        course.take((&motion, &lead), cruise, (gap, end, goal), rules);
-        return Ok(());
+        let builder = builder(plan, start, reverse);
+        return builder.take((&motion, &lead), cruise, (gap, end, goal), rules);
     }
     if room.is_doubtful && is_too_long(&motion, rules) {
         return Err(PlanError::OutOfRange);
@@ -206,26 +199,22 @@ fn reach(
         } else {
             rules.fastest(&motion, end, gap, &mut lead)
         };
-        let course = Course::new(plan, start, from, reverse);
-        match cruise {
-            Some(cruise) => course.take((&motion, &lead), cruise, (gap, end, goal), rules),
-            // Too fast for the end velocity, or the way is too short for it: it comes about behind the target.
-            None => course.ramp_to(&motion, end, rules),
-        }
-        return Ok(());
+        let builder = builder(plan, start, reverse);
+        return match cruise {
+            Some(cruise) => builder.take((&motion, &lead), cruise, (gap, end, goal), rules),
+            // Too fast for the end velocity, or the distance is too short for it: it comes about behind the target.
+            None => builder.ramp_to(&motion, end, rules),
+        };
     }
-    let number = plan.spare_ramp();
-    let stop = plan.ramp_mut(number);
-    stopping(stop, &motion, rules.deceleration, rules.jerk);
+    let mut stop = stopping(&motion, rules.deceleration, rules.jerk);
     let stop_time = stop.time();
     // What is still to go from where a stop would end.
-    let (mut is_beyond, mut left) = beyond(gap, stop.way).ok_or(PlanError::OutOfRange)?;
+    let (mut is_beyond, mut left) = beyond(gap, stop.distance).ok_or(PlanError::OutOfRange)?;
     if left <= indistinct(stop_time) {
         if end == 0 || gap == 0 {
-            let mut course = Course::new(plan, start, from, reverse);
-            course.follow_to(number, false, goal);
-            course.rest_at(goal);
-            return Ok(());
+            let mut builder = builder(plan, start, reverse);
+            builder.follow_to(&stop, goal);
+            return builder.rest_at(goal);
         }
         // On which side of the target it ends is rounding: it goes on as it came.
         (is_beyond, left) = (false, 0);
@@ -235,29 +224,27 @@ fn reach(
         && forwards
         && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead)
     {
-        let course = Course::new(plan, start, from, reverse);
-        course.take((&motion, &lead), cruise, (gap, end, goal), rules);
-        return Ok(());
+        let builder = builder(plan, start, reverse);
+        return builder.take((&motion, &lead), cruise, (gap, end, goal), rules);
     }
-    // Behind the target, in a frame in which the way back is positive.
+    // Behind the target, in a frame in which the distance back is positive.
     let goal = if is_beyond { goal.wrapping_neg() } else { goal };
     if motion.is_rest() {
-        // A velocity of nothing would never get there.
+        // Velocity zero never covers a distance.
         return Err(PlanError::OutOfRange);
     }
-    let mut course = Course::new(plan, start, from, reverse != is_beyond);
+    let mut builder = builder(plan, start, reverse != is_beyond);
     if is_beyond {
-        course.ramp(number).mirror();
+        stop.mirror();
     }
-    course.follow(number);
-    course.wait(clock, (left, end, goal));
-    Ok(())
+    builder.follow(&stop);
+    builder.leave_rest((left, end, goal), rules)
 }
 
-/// Where the target lies from the end of `way`: whether it is behind there, and how far.
-fn beyond(gap: u128, way: i128) -> Option<(bool, u128)> {
-    let length = way.unsigned_abs();
-    if way < 0 {
+/// Where the target lies from the end of `distance`: whether it is behind there, and how far.
+fn beyond(gap: u128, distance: i128) -> Option<(bool, u128)> {
+    let length = distance.unsigned_abs();
+    if distance < 0 {
         return Some((false, gap.checked_add(length)?));
     }
     Some(if gap >= length {
@@ -276,8 +263,8 @@ fn indistinct(stop_time: Offset) -> u128 {
 /// Whether a stop takes 2³¹ steps or more.
 #[cold]
 fn is_too_long(motion: &Motion, rules: &Rules<'_>) -> bool {
-    let way = stopping_way(motion, rules.deceleration, rules.jerk);
-    way == i128::MAX || way == i128::MIN
+    let distance = stopping_distance(motion, rules.deceleration, rules.jerk);
+    distance == i128::MAX || distance == i128::MIN
 }
 
 /// What rough numbers tell of a stop.
@@ -290,10 +277,10 @@ struct Room {
     is_doubtful: bool,
 }
 
-/// A part of a way of which rough numbers are sure, however much of it cancels out: 2⁻¹².
+/// A part of a distance of which rough numbers are sure, however much of it cancels out: 2⁻¹².
 const DOUBT: Rough = Rough::power(-12);
 
-/// A way of 2³¹ steps.
+/// A distance of 2³¹ steps.
 const SPAN: Rough = Rough::power(31);
 
 impl Room {
@@ -336,7 +323,7 @@ impl Room {
             let before = time.times(start.plus(change.times(Rough::THIRD)));
             (start, before, before.magnitude())
         };
-        // As `steady_way` has it.
+        // As `steady_distance` has it.
         let gain = start.magnitude();
         let square = jerk.times(gain);
         let steady = if square < limit {
@@ -345,83 +332,15 @@ impl Room {
             gain.times(slowness).plus(entry)
         };
         let whole = start.halved().times(steady);
-        let way = whole.minus(before);
+        let distance = whole.minus(before);
         let parts = whole.magnitude().plus(cancelled);
-        let room = Rough::of(gap, Kind::Way).minus(way);
+        let room = Rough::of(gap, Kind::Distance).minus(distance);
         let doubt = parts.times(DOUBT);
         let is_unknown = room.magnitude() <= doubt;
         Self {
             is_ample: !is_unknown && room > Rough::ZERO,
             is_unknown,
-            is_doubtful: way.magnitude().plus(doubt) >= SPAN,
-        }
-    }
-}
-
-impl Course<'_> {
-    /// Moves from rest over `way` to `goal` in the frame, with the velocity `end` there. Where the way is too short for that, it comes about
-    /// behind the target. A velocity of nothing is there for no way that is not nothing: the lowest would do then.
-    pub(super) fn leave_rest(self, (way, end, goal): (u128, i128, i128), rules: &Rules<'_>) {
-        let mut lead = Lead::steady(0, false);
-        let cruise = rules.fastest(&Motion::REST, end, way, &mut lead);
-        if cruise.is_some() || end == 0 {
-            let cruise = cruise.unwrap_or(1);
-            self.take((&Motion::REST, &lead), cruise, (way, end, goal), rules);
-        } else {
-            self.ramp_to(&Motion::REST, end, rules);
-        }
-    }
-
-    /// Ramps from a motion to the velocity `end`, and keeps it.
-    pub(super) fn ramp_to(mut self, from: &Motion, end: i128, rules: &Rules<'_>) {
-        rules.ramp(self.ramp(1), from, end);
-        self.follow(1);
-        self.never_end(end.unsigned_abs());
-    }
-
-    /// Follows a ramp to the velocity `cruise`, and another one to `end`, over `way`, to `goal` in the frame.
-    fn take(
-        mut self,
-        (from, lead): (&Motion, &Lead),
-        cruise: i128,
-        (way, end, goal): (u128, i128, i128),
-        rules: &Rules<'_>,
-    ) {
-        let limit = if lead.falls {
-            rules.deceleration
-        } else {
-            rules.acceleration
-        };
-        let first = self.ramp(1);
-        first.become_of((from, lead), cruise, limit, rules.jerk);
-        let one = first.way;
-        self.follow(1);
-        let is_back = from.is_rest() && end == 0 && limit.most == rules.deceleration.most;
-        let (last, another) = if is_back {
-            (1, one)
-        } else {
-            let last = self.ramp(2);
-            last.become_steady((cruise, true), end, rules.deceleration, rules.jerk);
-            (2, last.way)
-        };
-        let ways = one.wrapping_add(another).cast_unsigned();
-        let left = way.wrapping_sub(ways);
-        // The ramps may be longer than the way by what is rounded; two of 2³¹ steps are.
-        let is_longer = left > way || one & another < 0;
-        let left = if is_longer { 0 } else { left };
-        let speed = Number::of(cruise, Kind::Velocity);
-        let time = Number::of((left >> 1).cast_signed(), Kind::Way)
-            .times(speed.reciprocal())
-            .doubled()
-            .fixed(Kind::Time)
-            .max(0)
-            .cast_unsigned();
-        self.cruise(cruise.unsigned_abs(), time, left);
-        self.follow_to(last, is_back, goal);
-        if end == 0 {
-            self.rest_at(goal);
-        } else {
-            self.never_end(end.unsigned_abs());
+            is_doubtful: distance.magnitude().plus(doubt) >= SPAN,
         }
     }
 }
@@ -440,7 +359,7 @@ mod tests {
         #[test]
         fn rough_numbers_tell_whether_a_stop_ends_before_a_target(
             velocity in -4_000_000i32..4_000_000,
-            pull in -100_000_000i64..100_000_000,
+            rate in -100_000_000i64..100_000_000,
             bits in (0u32..27, 0u32..22, 0u32..27),
             deceleration in 1u32..100_000_000,
             jerk in 1u32..,
@@ -452,21 +371,21 @@ mod tests {
             let rules = Rules { top: 0, acceleration: deceleration, deceleration, jerk };
             let speed = |whole: u32| clock.speed(whole.into()).cast_signed();
             let velocity = speed(velocity.unsigned_abs() >> bits.1) * i128::from(velocity.signum());
-            let acceleration = (clock.half_acceleration((pull.unsigned_abs() >> bits.2) as u32) << 1).cast_signed();
-            let motion = Motion::new(velocity, acceleration * i128::from(pull.signum()), jerk);
+            let acceleration = (clock.half_acceleration((rate.unsigned_abs() >> bits.2) as u32) << 1).cast_signed();
+            let motion = Motion::new(velocity, acceleration * i128::from(rate.signum()), jerk);
             prop_assume!(!motion.is_rest());
-            let way = stopping_way(&motion, deceleration, jerk);
+            let distance = stopping_distance(&motion, deceleration, jerk);
             // Nearer and nearer to it, on both sides.
-            let off = (way.unsigned_abs() >> closeness).cast_signed();
-            for gap in [way.saturating_sub(off), way.saturating_add(off)] {
+            let off = (distance.unsigned_abs() >> closeness).cast_signed();
+            for gap in [distance.saturating_sub(off), distance.saturating_add(off)] {
                 let room = Room::new(&motion, gap.max(0).unsigned_abs(), &rules);
-                let is_far = way.unsigned_abs() >= 1 << 127;
-                prop_assert!(!is_far || room.is_doubtful, "{way}");
-                if !room.is_unknown && way < i128::MAX {
-                    prop_assert_eq!(room.is_ample, gap.max(0) > way, "{} for {}", gap, way);
+                let is_far = distance.unsigned_abs() >= 1 << 127;
+                prop_assert!(!is_far || room.is_doubtful, "{distance}");
+                if !room.is_unknown && distance < i128::MAX {
+                    prop_assert_eq!(room.is_ample, gap.max(0) > distance, "{} for {}", gap, distance);
                 }
-                if closeness < 5 && gap > 1 << 70 && way.unsigned_abs() > 1 << 80 {
-                    prop_assert!(!room.is_unknown, "{gap} for {way}");
+                if closeness < 5 && gap > 1 << 70 && distance.unsigned_abs() > 1 << 80 {
+                    prop_assert!(!room.is_unknown, "{gap} for {distance}");
                 }
             }
         }

@@ -1,12 +1,12 @@
-//! The velocity between the two ramps of a jerk-limited move: the greatest for which both fit into the way.
+//! The velocity between the two ramps of a jerk-limited move: the greatest for which both fit into the distance.
 //!
 //! A ramp that begins with an acceleration is part of one that begins without, or goes on from where the acceleration has gone to
-//! nothing; either way the length of the whole way is a constant and two ramps without acceleration at their ends. Its root is
+//! zero; either way the length of the whole distance is a constant and two ramps without acceleration at their ends. Its root is
 //! looked for with rough numbers by Newton's method, within bounds, and then brought to the last bits by one step with exact ones.
 //! The velocity is rounded down: the cruise takes up what that leaves.
 
-use super::jerk_limited::Rules;
-use super::ramp::{Lead, Limit, Motion, RoughLimit, steady_way};
+use super::Rules;
+use super::ramp::{Lead, Limit, Motion, RoughLimit, steady_distance};
 use super::rough::{Kind, Rough};
 
 /// Looking with rough numbers takes some four steps, and with exact ones one. This bounds both; where a few exact steps do not come to
@@ -15,7 +15,7 @@ const MOST_ROUGH: u32 = 24;
 const MOST_STRAIGHT: u32 = 4;
 const MOST_EXACT: u32 = 24;
 
-/// From rest they are halved until a velocity fits: each of them that is not nothing is one at which the target is reached.
+/// From rest they are halved until a velocity fits: each of them above zero is one at which the target is reached.
 const MOST_HALVED: u32 = 128;
 
 /// Behind so small a step, as a part of the velocity, the next one is within what rough numbers can tell; and behind an exact one
@@ -25,7 +25,7 @@ const SMALL: Rough = Rough::power(-13);
 /// Bounds that lie no further apart, as a part of the velocity, are one.
 const CLOSE: Rough = Rough::power(-20);
 
-/// A part of a way of which rough numbers are sure.
+/// A part of a distance of which rough numbers are sure.
 const DOUBT: Rough = Rough::power(-16);
 
 /// The same where a velocity is the difference of others.
@@ -40,7 +40,7 @@ const AIM: Rough = Rough::power(-24 - 4);
 /// An eighth of a tick: as much may be left out of the last step.
 const LITTLE: Rough = Rough::power(-24 - 3);
 
-/// A way of 2³⁰ steps. Within a longer one a ramp may be so long that its way saturates, of which rough numbers know nothing.
+/// A distance of 2³⁰ steps. Within a longer one a ramp may be so long that its distance saturates, which rough numbers cannot tell.
 const LONG: Rough = Rough::power(30);
 
 /// Ways of 2³¹ steps and more saturate: from here on, a few steps below that, they count as if they had.
@@ -66,10 +66,10 @@ impl Side {
         }
     }
 
-    /// Its way with a cruise that is faster by `more`, what its time and its mean velocity add to the slope of that, and which side of it
+    /// Its distance with a cruise that is faster by `more`, what its time and its mean velocity add to the slope of that, and which side of it
     /// grows.
     #[inline(always)]
-    fn way(&self, gain: Rough, more: Rough, jerk: Rough) -> (Rough, Rough, Rough) {
+    fn distance(&self, gain: Rough, more: Rough, jerk: Rough) -> (Rough, Rough, Rough) {
         let RoughLimit {
             square: limit,
             slowness,
@@ -97,14 +97,14 @@ struct Moves<'a> {
     lead: &'a Lead,
     limit: &'a Limit,
     end: i128,
-    way: u128,
+    distance: u128,
     /// The lowest cruise that comes into question.
     least: i128,
     jerk: Rough,
     is_from_rest: bool,
     first: Side,
     last: Side,
-    /// The way that both ramps are to take, without the constant, and how much of it is in doubt.
+    /// The distance that both ramps are to take, without the constant, and how much of it is in doubt.
     goal: Rough,
     doubt: Rough,
 }
@@ -125,7 +125,7 @@ impl Probe {
 }
 
 impl<'a> Moves<'a> {
-    fn new(rules: &'a Rules<'a>, lead: &'a Lead, end: i128, way: u128, least: i128) -> Self {
+    fn new(rules: &'a Rules<'a>, lead: &'a Lead, end: i128, distance: u128, least: i128) -> Self {
         let limit = if lead.falls {
             rules.deceleration
         } else {
@@ -133,13 +133,13 @@ impl<'a> Moves<'a> {
         };
         let ahead = lead.ahead.unsigned_abs();
         let goal = if lead.ahead < 0 {
-            way.saturating_add(ahead)
+            distance.saturating_add(ahead)
         } else {
-            way.saturating_sub(ahead)
+            distance.saturating_sub(ahead)
         };
-        let goal = Rough::of(goal, Kind::Way);
+        let goal = Rough::of(goal, Kind::Distance);
         let sure = if lead.ahead > 0 {
-            Rough::of(way, Kind::Way).max(goal)
+            Rough::of(distance, Kind::Distance).max(goal)
         } else {
             goal
         };
@@ -148,7 +148,7 @@ impl<'a> Moves<'a> {
             lead,
             limit,
             end,
-            way,
+            distance,
             least,
             jerk: rules.jerk.rough,
             is_from_rest: lead.velocity == 0 && end == 0 && least == 0,
@@ -159,17 +159,17 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// How far both ramps go with a velocity between them, exactly but for roundings. A ramp whose way saturates fits into no way: the
+    /// How far both ramps go with a velocity between them, exactly but for roundings. A ramp whose distance saturates fits into no distance: the
     /// velocity is then the greatest with ramps below 2³¹ steps.
     fn span(&self, cruise: i128) -> u128 {
         let jerk = self.rules.jerk;
-        let first = steady_way(self.lead.velocity, cruise, self.limit, jerk);
+        let first = steady_distance(self.lead.velocity, cruise, self.limit, jerk);
         let is_alike =
             self.lead.velocity == self.end && self.limit.most == self.rules.deceleration.most;
         let last = if is_alike {
             first
         } else {
-            steady_way(cruise, self.end, self.rules.deceleration, jerk)
+            steady_distance(cruise, self.end, self.rules.deceleration, jerk)
         };
         let steady = first.max(last);
         let first = first.saturating_add(self.lead.ahead);
@@ -190,8 +190,10 @@ impl<'a> Moves<'a> {
         } else {
             self.first.gain.plus(more)
         };
-        let first = self.first.way(gain, more, self.jerk);
-        let last = self.last.way(self.last.gain.plus(more), more, self.jerk);
+        let first = self.first.distance(gain, more, self.jerk);
+        let last = self
+            .last
+            .distance(self.last.gain.plus(more), more, self.jerk);
         let slope = first.1.plus(last.1).plus(last.2);
         Probe {
             span: first.0.plus(last.0),
@@ -204,7 +206,7 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// Whether both ramps fit into the way.
+    /// Whether both ramps fit into the distance.
     fn fit(&self, cruise: i128, probe: Probe) -> bool {
         let span = probe.span;
         if span.distance(self.goal) > self.doubt && self.goal > Rough::ZERO {
@@ -215,11 +217,11 @@ impl<'a> Moves<'a> {
                 return true;
             }
         }
-        self.span(cruise) <= self.way
+        self.span(cruise) <= self.distance
     }
 
     /// The velocity of a move from rest to rest, if neither ramp comes to its limit, or both do; where only the slower one does, that with no
-    /// other, which is too high: from there on the steps are short, as the way bends upwards.
+    /// other, which is too high: from there on the steps are short, as the distance bends upwards.
     fn guess_from_rest(&self) -> Rough {
         // v³ = j·way²/4
         let short = self.goal.times(self.goal).times(self.jerk);
@@ -233,7 +235,7 @@ impl<'a> Moves<'a> {
         if velocity.times(self.jerk) <= slow.square {
             return velocity;
         }
-        // v² · (1/a + 1/d)/2 + v · (a + d)/2j = way
+        // v² · (1/a + 1/d)/2 + v · (a + d)/2j = distance
         let held = |slowness: Rough, entry: Rough| {
             let half = entry.halved();
             let square = half.times(half).plus(slowness.times(self.goal).doubled());
@@ -249,7 +251,7 @@ impl<'a> Moves<'a> {
         held(slow.slowness, slow.entry).min(velocity)
     }
 
-    /// The velocity beyond the lowest of any other move: as if the way were a parabola with what is known of it at both ends. It is where both
+    /// The velocity beyond the lowest of any other move: as if the distance were a parabola with what is known of it at both ends. It is where both
     /// ramps are at their limits with the lowest velocity, too.
     fn guess(&self, low: Probe, room: Rough, top: Probe) -> Rough {
         let all = top.span.minus(low.span);
@@ -308,8 +310,8 @@ impl<'a> Moves<'a> {
         let mut cruise = low.saturating_add(exact(more)).min(high);
         for tried in 0..MOST_HALVED {
             let span = self.span(cruise);
-            let mut off = span.abs_diff(self.way);
-            let is_short = span <= self.way;
+            let mut off = span.abs_diff(self.distance);
+            let is_short = span <= self.distance;
             if is_short {
                 low = cruise;
                 if off <= cruise.unsigned_abs() >> 2 {
@@ -319,14 +321,14 @@ impl<'a> Moves<'a> {
                 high = cruise;
                 if span == u128::MAX {
                     // How much too long is not known: a step that is too large to be the last, and more than rough numbers miss.
-                    off = off.max(self.way >> 8);
+                    off = off.max(self.distance >> 8);
                 }
             }
             let is_enough = tried >= MOST_EXACT && (low > 0 || !self.is_from_rest);
             if is_enough || high.wrapping_sub(low) <= 1 << 8 {
                 break;
             }
-            let off = Rough::of(off, Kind::Way);
+            let off = Rough::of(off, Kind::Distance);
             let speed = Rough::of(cruise.unsigned_abs(), Kind::Velocity);
             let spare = off.times(SPARE).plus(speed.times(AIM));
             let next = if is_short {
@@ -354,13 +356,13 @@ fn exact(velocity: Rough) -> i128 {
 }
 
 impl Rules<'_> {
-    /// The greatest velocity between a ramp from a motion and one to the velocity `end`, within `way`; `None` if there is none. `lead`
+    /// The greatest velocity between a ramp from a motion and one to the velocity `end`, within `distance`; `None` if there is none. `lead`
     /// becomes that of the first ramp.
     pub(super) fn fastest(
         &self,
         from: &Motion,
         end: i128,
-        way: u128,
+        distance: u128,
         lead: &mut Lead,
     ) -> Option<i128> {
         let coasting = from.coasting();
@@ -368,7 +370,7 @@ impl Rules<'_> {
         if coasting <= self.top {
             lead.renew(from, false, self.acceleration);
             let least = coasting.max(end);
-            let cruise = self.chosen(lead, end, way, (least, self.top), true);
+            let cruise = self.chosen(lead, end, distance, (least, self.top), true);
             if cruise.is_some() || least == end {
                 return cruise.filter(|cruise| *cruise > 0);
             }
@@ -376,7 +378,7 @@ impl Rules<'_> {
         }
         lead.renew(from, true, self.deceleration);
         let is_top = most == self.top;
-        let cruise = self.chosen(lead, end, way, (end, most), is_top);
+        let cruise = self.chosen(lead, end, distance, (end, most), is_top);
         cruise.filter(|cruise| *cruise > 0)
     }
 
@@ -386,14 +388,14 @@ impl Rules<'_> {
         &self,
         lead: &Lead,
         end: i128,
-        way: u128,
+        distance: u128,
         (least, most): (i128, i128),
         is_top: bool,
     ) -> Option<i128> {
         if lead.is_far {
             return None;
         }
-        let moves = Moves::new(self, lead, end, way, least);
+        let moves = Moves::new(self, lead, end, distance, least);
         let room = most.wrapping_sub(least).unsigned_abs();
         let room = Rough::of(room, Kind::Velocity);
         let high = moves.probe(room);
@@ -418,7 +420,7 @@ mod tests {
 
     use super::*;
     use crate::clock::Clock;
-    use crate::plan::ramp::{Jerk, Ramp};
+    use crate::plan::jerk_limited::ramp::{Jerk, Ramp};
 
     /// Limits that a drive may have, in steps and seconds: the velocity, the greatest acceleration and deceleration, the jerk.
     fn rules() -> impl Strategy<Value = (i128, Limit, Limit, Jerk)> {
@@ -438,9 +440,9 @@ mod tests {
         (number >> 20) * thousandths * thousandths * (1 << 20) / 1_000_000
     }
 
-    /// Even where rough numbers know nothing, a velocity is found that is not nothing.
+    /// Even where the guess is bad, a velocity above zero is found.
     #[test]
-    fn a_bad_guess_ends_at_no_velocity_of_nothing() {
+    fn a_bad_guess_ends_at_a_velocity_above_zero() {
         let clock = Clock::new(168_000_000).unwrap();
         let jerk = Jerk::new(clock.sixth_jerk(u32::MAX));
         let limit = Limit::new(clock.half_acceleration(1_000_000) << 1, &jerk);
@@ -451,13 +453,13 @@ mod tests {
             jerk: &jerk,
         };
         let lead = Lead::steady(0, false);
-        for way in [1 << 64, 1 << 70, 1 << 80, 1 << 96] {
-            let moves = Moves::new(&rules, &lead, 0, way, 0);
+        for distance in [1 << 64, 1 << 70, 1 << 80, 1 << 96] {
+            let moves = Moves::new(&rules, &lead, 0, distance, 0);
             for more in [Rough::power(-30), Rough::power(20)] {
                 let cruise = moves.settle(rules.top, more, Rough::ZERO);
                 assert!(
-                    cruise > 0 && moves.span(cruise) <= way,
-                    "{cruise} for {way}"
+                    cruise > 0 && moves.span(cruise) <= distance,
+                    "{cruise} for {distance}"
                 );
             }
         }
@@ -466,25 +468,25 @@ mod tests {
     proptest! {
         #![proptest_config(contextualize_config(ProptestConfig::with_cases(4096)))]
 
-        /// The ramps fit into the way, and what they leave of it is over within a tick, or the velocity is the greatest allowed.
+        /// The ramps fit into the distance, and what they leave of it is over within a tick, or the velocity is the greatest allowed.
         #[test]
         fn the_velocity_found_is_the_greatest(
             (top, acceleration, deceleration, jerk) in rules(),
-            (speed, pull, end) in (0i128..1200, -1000i128..=1000, 0i128..=1000),
-            way in (1u128 << 60)..,
+            (speed, rate, end) in (0i128..1200, -1000i128..=1000, 0i128..=1000),
+            distance in (1u128 << 60)..,
             shift in 0u32..64,
         ) {
             let rules = Rules { top, acceleration: &acceleration, deceleration: &deceleration, jerk: &jerk };
-            let way = way >> shift;
+            let distance = distance >> shift;
             let velocity = part(rules.top, speed);
-            let limit = if pull < 0 { rules.deceleration } else { rules.acceleration };
-            let from = Motion::new(velocity, part(limit.most, pull) * pull.signum(), &jerk);
+            let limit = if rate < 0 { rules.deceleration } else { rules.acceleration };
+            let from = Motion::new(velocity, part(limit.most, rate) * rate.signum(), &jerk);
             let end = part(rules.top, end);
             if from.coasting() < 0 {
                 return Ok(());
             }
             let mut lead = Lead::steady(0, false);
-            let Some(cruise) = rules.fastest(&from, end, way, &mut lead) else {
+            let Some(cruise) = rules.fastest(&from, end, distance, &mut lead) else {
                 return Ok(());
             };
             prop_assert!(end <= cruise && cruise <= rules.top);
@@ -492,14 +494,14 @@ mod tests {
             let first = Ramp::new((&from, &lead), cruise, limit, &jerk);
             let lead = Lead::steady(cruise, true);
             let last = Ramp::new((&Motion::steady(cruise), &lead), end, rules.deceleration, &jerk);
-            let ways = first.way.unsigned_abs() + last.way.unsigned_abs();
+            let distances = first.distance.unsigned_abs() + last.distance.unsigned_abs();
             // Times are rounded to 2⁻³² ticks.
-            let rounded = (ways >> 40) + (1 << 40) + (cruise.unsigned_abs() >> 31);
-            prop_assert!(ways <= way + rounded, "{ways} of {way}");
-            let left = way.saturating_sub(ways);
+            let rounded = (distances >> 40) + (1 << 40) + (cruise.unsigned_abs() >> 31);
+            prop_assert!(distances <= distance + rounded, "{distances} of {distance}");
+            let left = distance.saturating_sub(distances);
             prop_assert!(
                 cruise == rules.top || left <= (cruise.unsigned_abs() >> 1) + rounded,
-                "{left} of {way} left at {cruise} of {}, down to {end}", rules.top
+                "{left} of {distance} left at {cruise} of {}, down to {end}", rules.top
             );
         }
     }

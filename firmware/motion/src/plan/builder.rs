@@ -1,0 +1,287 @@
+//! How pieces become a plan: one behind the other, from where the axis is.
+
+use super::move_to::distance_to;
+use super::piece::{Frame, Instant, Offset, Piece, Shape, ramp_distance};
+use super::sine::SHORTEST;
+use super::{Plan, PlanError};
+use crate::clock::{Fine, Ticks};
+use crate::fixed::Exact;
+
+/// Where a motion is planned from.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Origin {
+    /// The first tick of the plan.
+    pub(super) start: Ticks,
+    /// How the plan begins before anything new: the rest of a ramp, or what brings its acceleration to zero. In the frame of the axis, but its
+    /// positions count from where it ends.
+    pub(super) lead: Option<Piece>,
+    /// The position there, Q96 steps.
+    pub(super) begin: i128,
+    /// When the lead ends, and where; without one, at the start.
+    pub(super) end: Instant,
+    pub(super) from: Exact,
+    /// The ramps behind it are sin².
+    pub(super) is_sine: bool,
+}
+
+impl Origin {
+    /// With no acceleration.
+    pub(super) const fn steady(start: Ticks, from: Exact) -> Self {
+        Self {
+            start,
+            lead: None,
+            begin: from.position,
+            end: Instant::from(start),
+            from,
+            is_sine: false,
+        }
+    }
+
+    /// Whether the lead passes this target.
+    pub(super) fn passes(&self, target_steps: i64) -> bool {
+        let begin = Exact {
+            position: self.begin,
+            velocity: 0,
+        };
+        let is_back = |from| distance_to(target_steps, from).map(|(_, is_back)| is_back);
+        self.lead.is_some() && is_back(begin) != is_back(self.from)
+    }
+}
+
+/// Strings pieces together, in a frame whose zero is where the lead ends and whose positive direction is that of the motion.
+pub(super) struct PlanBuilder<'a> {
+    plan: &'a mut Plan,
+    /// When the next piece begins, and its first tick.
+    now: Instant,
+    tick: Ticks,
+    pub(super) travelled: i128,
+    is_sine: bool,
+    /// A piece had no room.
+    is_full: bool,
+}
+
+impl<'a> PlanBuilder<'a> {
+    /// Begins to write over `plan`: from now on nothing may fail.
+    pub(super) fn new(plan: &'a mut Plan, origin: &Origin, reverse: bool) -> Self {
+        plan.frame = Frame {
+            start: origin.start,
+            origin: origin.from.position,
+            reverse,
+        };
+        plan.count = 0;
+        plan.last_ramp = origin.start;
+        plan.entered_until = 0;
+        let mut builder = Self {
+            plan,
+            now: origin.end,
+            tick: origin.end.tick_up(),
+            travelled: 0,
+            is_sine: origin.is_sine,
+            is_full: false,
+        };
+        if let Some(lead) = origin.lead
+            && builder.tick != origin.start
+        {
+            let turn = |value| builder.plan.frame.turn(value);
+            builder.write(Piece {
+                position: turn(lead.position),
+                velocity: turn(lead.velocity),
+                half_acceleration: turn(lead.half_acceleration),
+                shape: match lead.shape {
+                    Shape::Cubic(sixth_jerk) => Shape::Cubic(turn(sixth_jerk)),
+                    Shape::Sine(time) => Shape::Sine(time),
+                },
+                ..lead
+            });
+            builder.plan.count += 1;
+        }
+        builder
+    }
+
+    /// Brakes from `speed` against the direction of the motion to standstill, which takes `time` and `distance`.
+    pub(super) fn turn_back(
+        &mut self,
+        speed: Fine,
+        half_deceleration: Fine,
+        time: Offset,
+        distance: u128,
+    ) {
+        let velocity = -speed.cast_signed();
+        self.ramp(velocity, half_deceleration.cast_signed(), time);
+        self.go_on(time, distance.cast_signed().wrapping_neg());
+    }
+
+    /// Brakes from `speed`, to less or to standstill. Returns the distance.
+    #[inline(never)]
+    pub(super) fn brake(&mut self, speed: Fine, half_deceleration: Fine, time: Offset) -> u128 {
+        let distance = ramp_distance(speed, half_deceleration, time, true);
+        self.ramp(speed.cast_signed(), -half_deceleration.cast_signed(), time);
+        self.go_on(time, distance.cast_signed());
+        distance
+    }
+
+    /// Accelerates from `speed`. Returns the distance.
+    pub(super) fn accelerate(
+        &mut self,
+        speed: Fine,
+        half_acceleration: Fine,
+        time: Offset,
+    ) -> u128 {
+        let distance = ramp_distance(speed, half_acceleration, time, false);
+        self.ramp(speed.cast_signed(), half_acceleration.cast_signed(), time);
+        self.go_on(time, distance.cast_signed());
+        distance
+    }
+
+    /// A ramp begins here.
+    fn ramp(&mut self, velocity: i128, half_acceleration: i128, time: Offset) {
+        self.mark_ramp();
+        let shape = self.shape(time);
+        self.write(Piece {
+            start: self.tick,
+            anchor: self.now,
+            position: self.travelled,
+            velocity,
+            half_acceleration,
+            shape,
+        });
+    }
+
+    /// When the next piece begins.
+    #[cfg(feature = "limited-jerk")]
+    pub(super) const fn now(&self) -> Instant {
+        self.now
+    }
+
+    /// Another piece, which lasts so long, wherever it is anchored.
+    #[cfg(feature = "limited-jerk")]
+    pub(super) fn add(&mut self, piece: Piece, time: Offset) {
+        self.write(Piece {
+            start: self.tick,
+            ..piece
+        });
+        self.go_on(time, 0);
+    }
+
+    /// Keeps `speed` over `distance`.
+    pub(super) fn cruise(&mut self, speed: Fine, time: Offset, distance: u128) {
+        self.write(Piece {
+            start: self.tick,
+            anchor: self.now,
+            position: self.travelled,
+            velocity: speed.cast_signed(),
+            half_acceleration: 0,
+            shape: Shape::Cubic(0),
+        });
+        self.go_on(time, distance.cast_signed());
+    }
+
+    /// Brakes to standstill exactly at `target`, in the frame.
+    pub(super) fn land(
+        mut self,
+        target: i128,
+        half_deceleration: Fine,
+        time: Offset,
+    ) -> Result<(), PlanError> {
+        self.brake_to((target, 0), half_deceleration, time);
+        self.rest_at(target)
+    }
+
+    /// Brakes for `time`, passes `target` at `speed`, and keeps that.
+    pub(super) fn pass(
+        mut self,
+        target: i128,
+        half_deceleration: Fine,
+        time: Offset,
+        speed: Fine,
+    ) -> Result<(), PlanError> {
+        self.brake_to((target, speed.cast_signed()), half_deceleration, time);
+        self.travelled = target;
+        self.keep(speed)
+    }
+
+    /// Brakes for `time`, to a velocity at a place: the ramp is anchored there.
+    fn brake_to(
+        &mut self,
+        (position, velocity): (i128, i128),
+        half_deceleration: Fine,
+        time: Offset,
+    ) {
+        self.mark_ramp();
+        let shape = self.shape(time);
+        let half = half_deceleration.cast_signed();
+        self.write(Piece {
+            start: self.tick,
+            anchor: self.now.after(time),
+            position,
+            velocity,
+            half_acceleration: match shape {
+                Shape::Cubic(_) => -half,
+                // The velocity at the other end is greater.
+                Shape::Sine(_) => half,
+            },
+            shape,
+        });
+        self.go_on(time, 0);
+    }
+
+    /// The last ramp begins, as far as is known.
+    pub(super) fn mark_ramp(&mut self) {
+        self.plan.last_ramp = self.tick;
+    }
+
+    /// Ends the plan here, standing at `position` in the frame.
+    pub(super) fn rest_at(self, position: i128) -> Result<(), PlanError> {
+        self.plan.end = self.tick.min(Ticks::MAX - 1);
+        self.plan.rest = self.plan.frame.place(position);
+        self.finish()
+    }
+
+    /// Keeps `speed` for ever.
+    pub(super) fn keep(mut self, speed: Fine) -> Result<(), PlanError> {
+        self.cruise(speed, 0, 0);
+        self.plan.count += 1;
+        self.plan.end = Ticks::MAX;
+        self.plan.rest = self.plan.frame.origin;
+        self.finish()
+    }
+
+    /// A plan that lacks a piece goes on as its last one does, until whoever is told stops it.
+    fn finish(self) -> Result<(), PlanError> {
+        if self.is_full {
+            self.plan.count = self.plan.pieces.len() as u8;
+            self.plan.end = Ticks::MAX;
+            self.plan.order = None;
+            return Err(PlanError::Internal);
+        }
+        Ok(())
+    }
+
+    /// The shape of a ramp that lasts so long.
+    fn shape(&self, time: Offset) -> Shape {
+        if self.is_sine && time >= SHORTEST {
+            Shape::Sine(time)
+        } else {
+            Shape::Cubic(0)
+        }
+    }
+
+    /// The piece lasts so long and goes so far. If it has ended before its first tick comes, the next one is written over it.
+    fn go_on(&mut self, time: Offset, distance: i128) {
+        self.now = self.now.after(time);
+        let tick = self.now.tick_up();
+        if tick != self.tick {
+            self.plan.count += 1;
+            self.tick = tick;
+        }
+        self.travelled = self.travelled.wrapping_add(distance);
+    }
+
+    /// Writes the piece that comes next, or writes over it.
+    fn write(&mut self, piece: Piece) {
+        match self.plan.pieces.get_mut(usize::from(self.plan.count)) {
+            Some(next) => *next = piece,
+            None => self.is_full = true,
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! What a plan keeps of its phases until they are entered: most of a plan may never be reached.
+//!
+//! A piece is a polynomial, or a whole sin² ramp, in the frame of the plan: positions count from where the motion begins, and are positive
+//! in its direction. So a mirrored motion is the exact mirror image, bit by bit.
+
+use super::phase::Phase;
+use super::sine;
+use crate::clock::{Clock, Fine, Ticks};
+use crate::divide::Divisor;
+
+/// A time in ticks, Q32: corners fall between ticks.
+pub(crate) type Offset = u128;
+
+/// When that is: ticks as the axis counts them, Q32; 96 bits. What is later than ticks can count is never.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Instant(u128);
+
+impl Instant {
+    /// A tick.
+    pub(super) const fn from(tick: Ticks) -> Self {
+        Self((tick as u128) << 32)
+    }
+
+    #[inline]
+    pub(super) fn after(self, time: Offset) -> Self {
+        let sum = self.0.saturating_add(time);
+        if (sum | time) >> 96 == 0 {
+            Self(sum)
+        } else {
+            Self::from(Ticks::MAX)
+        }
+    }
+
+    /// So long before it.
+    pub(super) const fn before(self, time: Offset) -> Self {
+        Self(self.0.saturating_sub(time))
+    }
+
+    /// How long it is from one to the other.
+    pub(super) const fn apart(self, other: Self) -> Offset {
+        self.0.abs_diff(other.0)
+    }
+
+    /// The last tick that is not behind it.
+    const fn tick(self) -> Ticks {
+        (self.0 >> 32) as u64
+    }
+
+    /// The first tick that is not before it.
+    pub(super) fn tick_up(self) -> Ticks {
+        let is_behind = self.fraction() != 0;
+        self.tick().saturating_add(is_behind.into())
+    }
+
+    /// How far it is behind the tick before it, Q32.
+    const fn fraction(self) -> u32 {
+        self.0 as u32
+    }
+}
+
+/// From where a plan counts: its positions from an origin, positive in the direction of the motion; its times from a tick.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame {
+    pub(super) start: Ticks,
+    /// Q96 steps.
+    pub(super) origin: i128,
+    /// The motion goes backwards.
+    pub(super) reverse: bool,
+}
+
+impl Frame {
+    pub(super) const fn turn(&self, value: i128) -> i128 {
+        if self.reverse {
+            value.wrapping_neg()
+        } else {
+            value
+        }
+    }
+
+    /// A position of the axis.
+    pub(super) const fn place(&self, position: i128) -> i128 {
+        self.origin.wrapping_add(self.turn(position))
+    }
+}
+
+/// What a piece is.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Shape {
+    /// A polynomial of degree 3; a sixth of its jerk, Q128 steps per tick³.
+    Cubic(i128),
+    /// A sin² ramp that takes so long, at least [`sine::SHORTEST`], anchored at one of its ends. The acceleration is that of the linear ramp in its
+    /// place, positive if the velocity at the other end is greater.
+    Sine(Offset),
+}
+
+/// A piece of a plan, anchored between two ticks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Piece {
+    /// The first tick that belongs to it.
+    pub(super) start: Ticks,
+    /// When position and velocity hold.
+    pub(super) anchor: Instant,
+    pub(super) position: i128,
+    pub(super) velocity: i128,
+    pub(super) half_acceleration: i128,
+    pub(super) shape: Shape,
+}
+
+impl Piece {
+    pub(super) const NONE: Self = Self {
+        start: 0,
+        anchor: Instant::from(0),
+        position: 0,
+        velocity: 0,
+        half_acceleration: 0,
+        shape: Shape::Cubic(0),
+    };
+
+    /// Whether its velocity stays.
+    pub(super) const fn is_line(&self) -> bool {
+        matches!(self.shape, Shape::Cubic(0)) && self.half_acceleration == 0
+    }
+
+    /// The next tick behind `t`, which lies within the piece, at which another of its phases begins, or `until`, at which it ends.
+    pub(super) fn next_corner(&self, (t, until): (Ticks, Ticks)) -> Ticks {
+        match self.shape {
+            Shape::Cubic(_) => until,
+            Shape::Sine(time) => sine::piece(self, time, t).1.min(until),
+        }
+    }
+
+    /// Writes the phase at tick `t`, which lies within the piece. Returns the first tick behind it; `until` is that behind the piece.
+    pub(super) fn work_out(
+        &self,
+        (t, until): (Ticks, Ticks),
+        frame: &Frame,
+        phase: &mut Phase,
+    ) -> Ticks {
+        match self.shape {
+            Shape::Cubic(sixth_jerk) => {
+                self.work_out_cubic(sixth_jerk, frame, phase);
+                until
+            }
+            Shape::Sine(time) => {
+                let (piece, end) = sine::piece(self, time, t);
+                if let Shape::Cubic(sixth_jerk) = piece.shape {
+                    piece.work_out_cubic(sixth_jerk, frame, phase);
+                }
+                end.min(until)
+            }
+        }
+    }
+
+    /// Brings the coefficients from the anchor down to the whole tick before it, by a part φ of a tick, and into the frame of the axis.
+    #[inline(never)]
+    fn work_out_cubic(&self, sixth_jerk: i128, frame: &Frame, phase: &mut Phase) {
+        let fraction = self.anchor.fraction();
+        // h − 3cφ, v − 2hφ + 3cφ² and x − vφ + hφ² − cφ³
+        let half = self.half_acceleration;
+        let (first, second, third) = if sixth_jerk == 0 {
+            (half, half, half)
+        } else {
+            let rise = part(sixth_jerk, fraction) >> 32;
+            (half - rise, half - 2 * rise, half - 3 * rise)
+        };
+        let once = part(first, fraction);
+        let twice = if sixth_jerk == 0 {
+            once
+        } else {
+            part(second, fraction)
+        };
+        let mean = self.velocity - once;
+        let position = self.position.wrapping_sub(part(mean, fraction));
+        *phase = Phase::cubic(
+            (self.start, self.anchor.tick()),
+            frame.place(position),
+            frame.turn(mean - twice),
+            (frame.turn(third), frame.turn(sixth_jerk)),
+        );
+    }
+}
+
+/// ⌊value · fraction / 2³²⌋.
+#[inline]
+fn part(value: i128, fraction: u32) -> i128 {
+    let low = (u128::from(value as u64) * u128::from(fraction)) >> 32;
+    let high = (i128::from((value >> 64) as i64) * i128::from(fraction)) << 32;
+    high + low.cast_signed()
+}
+
+/// ⌊value · time⌋ modulo 2¹²⁸.
+#[inline(always)]
+pub(crate) fn over_time(value: u128, time: Offset) -> u128 {
+    // Both in halves.
+    let low = (u128::from(value as u64) * u128::from(time as u64)) >> 32;
+    let high = ((value >> 64) * u128::from(time as u64)) << 32;
+    let product = low.wrapping_add(high);
+    // Nearly all ramps take less than 2³² ticks, 25 s at 168 MHz.
+    if time >> 64 == 0 {
+        return product;
+    }
+    product.wrapping_add(value.wrapping_mul(time >> 64) << 32)
+}
+
+/// The same of a velocity in either direction.
+pub(super) fn distance_at(velocity: i128, time: Offset) -> i128 {
+    let distance = over_time(velocity.unsigned_abs(), time).cast_signed();
+    if velocity < 0 {
+        distance.wrapping_neg()
+    } else {
+        distance
+    }
+}
+
+/// A constant acceleration. Made once for all ramps at it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slope {
+    /// Half of it, Q96 steps per tick².
+    pub(crate) half: Fine,
+    divisor: Divisor,
+}
+
+impl Slope {
+    /// From steps/s², at least 1: the clock's range keeps it above zero.
+    pub(crate) fn new(clock: Clock, steps_per_second_squared: u32) -> Self {
+        let half = clock.half_acceleration(steps_per_second_squared);
+        Self {
+            half,
+            divisor: Divisor::new(half),
+        }
+    }
+
+    /// How long it takes to change speed by `change`.
+    #[inline]
+    pub(crate) fn time(&self, change: Fine) -> Offset {
+        // Speeds have at most 96 bits, so the shift loses nothing.
+        self.divisor.quotient(change << 31, 0)
+    }
+}
+
+/// The distance of a ramp that lasts `time` and starts at `speed`: growing, or with `braking` falling. Modulo 2³² steps.
+#[inline(never)]
+pub(crate) fn ramp_distance(
+    speed: Fine,
+    half_acceleration: Fine,
+    time: Offset,
+    braking: bool,
+) -> u128 {
+    if time == 0 {
+        return 0;
+    }
+    let half_gain = over_time(half_acceleration, time);
+    let mean = if braking {
+        speed.saturating_sub(half_gain)
+    } else {
+        speed + half_gain
+    };
+    over_time(mean, time)
+}
