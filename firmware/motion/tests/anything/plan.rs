@@ -7,9 +7,9 @@ use crate::bytes::Bytes;
 /// Orders of a sequence at most.
 const ORDERS: usize = 12;
 
-/// A position that is rounded anew may differ by so much of a step, × 2⁻³²; and, where a ramp has lasted for years, by so much of its ticks.
+/// A position that is rounded anew may differ by so much of a step, × 2⁻³²; and, where a ramp has lasted for hours, by 2⁻¹⁶ of its ticks.
 const ROUNDED: u64 = 1 << 16;
-const ROUNDED_OF_YEARS: u32 = 36;
+const ROUNDED_OF_HOURS: u32 = 16;
 
 /// The fastest there is: half a step in a tick, × 2⁵⁶.
 const FASTEST: u64 = 1 << 55;
@@ -53,9 +53,9 @@ pub fn check(bytes: &[u8]) {
         let now = next.state_at(at);
         let jump = now.position.bits().wrapping_sub(before.position.bits());
         let order = format!("{goal:?}, {limits:?}, {ramps:?} from {before:?} at {at}, {hz} Hz");
-        let years = (at - plan.map_or(at, |plan| plan.start())) >> ROUNDED_OF_YEARS;
+        let hours = (at - plan.map_or(at, |plan| plan.start())) >> ROUNDED_OF_HOURS;
         assert!(
-            jump.unsigned_abs() < ROUNDED + years,
+            jump.unsigned_abs() < ROUNDED + hours,
             "jumps by {jump}: {order}"
         );
         ends(&next, goal);
