@@ -247,7 +247,7 @@ impl Axis {
                 break;
             }
             if self.stepper.is_on_piece() || self.enter_piece() {
-                self.stepper.emit(enough);
+                self.stepper.emit(enough as u32);
             } else if self.stepper.is_closed() {
                 is_done = true;
                 break;

@@ -40,6 +40,12 @@ pub(crate) struct Stepper {
     /// Of the piece: the longest chord in ticks, and from which velocity on pulses are many, Q32 steps per tick.
     reach: u32,
     fast: u32,
+    /// Whether its velocity stays: then what comes next is worked out once.
+    is_line: bool,
+    /// At its velocity: the longest chord, how far it should lead beyond what is wanted, and may be longer than the longest for that.
+    most: u32,
+    beyond: u32,
+    spare: u32,
     /// The longest chord of all, the velocity up to which it may be so long, Q32 steps per tick, and the shortest of bent pieces.
     longest: u32,
     easy: u32,
@@ -59,6 +65,10 @@ impl Stepper {
             piece: Piece::NONE,
             reach: longest,
             fast: FAST,
+            is_line: true,
+            most: longest,
+            beyond: 0,
+            spare: 0,
             longest,
             easy: (u64::from(MOST_PULSES) << 32)
                 .checked_div(longest.into())
@@ -157,8 +167,10 @@ impl Stepper {
     /// The piece on which the motion goes on from the horizon.
     pub(crate) fn enter(&mut self, piece: Piece) {
         self.piece = piece;
-        if piece.is_line() {
+        self.is_line = piece.is_line();
+        if self.is_line {
             (self.reach, self.fast) = (self.longest, FAST);
+            self.look_ahead(speed(&piece));
             return;
         }
         let chord = piece.longest_chord(self.horizon);
@@ -178,7 +190,9 @@ impl Stepper {
     }
 
     /// Makes the records of a chord: such a one that they lead up to tick `enough`, if one chord can do that. No chord where the one before leads there.
-    pub(crate) fn emit(&mut self, enough: Ticks) {
+    ///
+    /// It is not far from what was handed out, so 32 bits of it are told.
+    pub(crate) fn emit(&mut self, enough: u32) {
         if !self.train.flush(self.horizon, enough) {
             self.walk(enough);
             self.train.flush(self.horizon, enough);
@@ -186,13 +200,18 @@ impl Stepper {
     }
 
     #[inline(never)]
-    fn walk(&mut self, enough: Ticks) {
+    fn walk(&mut self, enough: u32) {
         let begin = self.horizon;
         let (from, first_rate) = (self.piece.position.floor(), speed(&self.piece));
         let length = self.length(enough, first_rate);
         self.horizon = begin.wrapping_add(length.into());
-        self.piece.walk(length);
-        let rate = speed(&self.piece);
+        let mut rate = first_rate;
+        if self.is_line {
+            self.piece.walk_line(length);
+        } else {
+            self.piece.walk(length);
+            rate = speed(&self.piece);
+        }
         if rate < self.fast || rate > self.easy {
             self.chord(begin, (from, length), None);
             return;
@@ -220,27 +239,40 @@ impl Stepper {
 
     /// How long the next chord is, in ticks.
     #[inline]
-    fn length(&self, enough: Ticks, rate: u32) -> u32 {
-        let begin = self.horizon;
-        let most = if rate <= self.easy {
+    fn length(&mut self, enough: u32, rate: u32) -> u32 {
+        if !self.is_line {
+            self.look_ahead(rate);
+        }
+        let left = self.piece.end - self.horizon;
+        if left <= self.most.into() {
+            return left as u32;
+        }
+        // Up to there, and beyond. Neither is far from what was handed out.
+        let wanted = enough.wrapping_sub(self.horizon as u32).cast_signed();
+        let wanted = wanted.max(0).cast_unsigned().min(self.most);
+        let length = (wanted + self.beyond).min(self.most + self.spare);
+        u32::try_from(left).map_or(length, |left| left.min(length))
+    }
+
+    /// How far a chord may lead at this velocity, and should.
+    #[inline]
+    fn look_ahead(&mut self, rate: u32) {
+        self.most = if rate <= self.easy {
             self.reach
         } else {
             self.shorter(rate)
         };
-        let left = self.piece.end - begin;
-        if left <= most.into() {
-            return left as u32;
-        }
-        // Up to there, and on to the pulse behind it, or so far that silence can be made up to there. Neither is far from what was handed out.
-        let wanted = (enough as u32).wrapping_sub(begin as u32).cast_signed();
-        let wanted = wanted.max(0).cast_unsigned().min(most);
+        // To the pulse behind what is wanted, or so far that silence can be made up to there.
         let period = if rate < FAST { 0 } else { over(u32::MAX, rate) };
-        let beyond = (period + (period >> 4)).max(self.train.behind());
-        // In the latter case the next one begins a little early, for which there is an eighth to spare, where pulses are many and the acceleration is not hard.
-        let is_gentle = most == self.longest && period < most >> 1;
-        let spare = if is_gentle { period.min(most >> 3) } else { 0 };
-        let length = (wanted + beyond).min(most + spare);
-        u32::try_from(left).map_or(length, |left| left.min(length))
+        self.beyond = (period + (period >> 4)).max(self.train.behind());
+        // In the latter case the next one begins a little early, for which there is an eighth to spare, where pulses are many and the acceleration is
+        // not hard.
+        let is_gentle = self.most == self.longest && period < self.most >> 1;
+        self.spare = if is_gentle {
+            period.min(self.most >> 3)
+        } else {
+            0
+        };
     }
 
     /// The longest chord at a velocity that is not easy: so that it has no more than [`MOST_PULSES`].

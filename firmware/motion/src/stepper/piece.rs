@@ -65,8 +65,13 @@ impl Piece {
         self.half.0 == 0 && self.sixth.0 == 0
     }
 
-    /// Goes on by so many ticks.
+    /// Goes on by so many ticks, if its velocity stays.
     #[inline]
+    pub(crate) fn walk_line(&mut self, ticks: u32) {
+        self.position = self.position.plus(self.velocity.times(ticks));
+    }
+
+    /// Goes on by so many ticks.
     pub(crate) fn walk(&mut self, ticks: u32) {
         let mut half = self.half;
         let mut growth = Q96::ZERO;
@@ -76,7 +81,7 @@ impl Piece {
             self.half = half.plus(growth).plus(growth);
         }
         if half == Q96::ZERO && growth == Q96::ZERO {
-            self.position = self.position.plus(self.velocity.times(ticks));
+            self.walk_line(ticks);
             return;
         }
         let gain = half.times(ticks);

@@ -163,12 +163,14 @@ impl Train {
 
     /// Makes a record of the open period without waiting for its end, up to just before `now`, if that leads up to `enough`. Whether it did.
     #[inline]
-    pub(super) fn flush(&mut self, now: Ticks, enough: Ticks) -> bool {
+    pub(super) fn flush(&mut self, now: Ticks, enough: u32) -> bool {
         let least = self.least;
-        if self.pen >= enough || now < enough.saturating_add(least.into()) {
+        let beyond = (now as u32).wrapping_sub(enough).cast_signed();
+        let is_behind = self.open_at(now) > beyond;
+        if !is_behind || beyond < least.cast_signed() {
             return false;
         }
-        let open = self.open_at(now).max(0).cast_unsigned();
+        let open = self.open_at(now).cast_unsigned();
         // What is made is long enough for a change of direction behind it, and what is left is for a record.
         let is_long = open >= self.behind();
         if is_long {
