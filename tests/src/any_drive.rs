@@ -225,7 +225,7 @@ impl Bench {
         } else {
             engage + SLACK
         };
-        if end % 3 == 0 {
+        if end.is_multiple_of(3) {
             self.receive(0, &[0x01, NODE]);
             let disable_voltage = [0x2B, 0x40, 0x60, 0, 0, 0, 0, 0];
             self.receive(0x600 + u16::from(NODE), &disable_voltage);

@@ -228,8 +228,8 @@ impl Axis {
         self.stand_at(steps as i32);
     }
 
-    /// Hands out records until the sink has two segments to play, or the motion ends. To be called in every control tick. It makes no more than
-    /// [`MOST_CHORDS`] chords.
+    /// Hands out records until the sink has two segments to play, or the motion ends. To be called in every control tick. It makes no more
+    /// than 160 chords: four segments of 32, and 32 more.
     ///
     /// # Errors
     /// [`AdvanceError`]: the sink is full, or ran empty.

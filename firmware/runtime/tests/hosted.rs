@@ -458,8 +458,9 @@ fn flash_that_fails_is_told() {
     rig.lss(&[0x04, 1]);
     rig.lss(&[0x17]);
     let sent = rig.ticks(2);
-    let results = sent.iter().filter(|frame| frame.payload()[0] == 0x17);
-    assert_eq!(results.map(|frame| frame.payload()[1]).last(), Some(2));
+    let mut results = sent.iter().filter(|frame| frame.payload()[0] == 0x17);
+    let last = results.next_back().map(|frame| frame.payload()[1]);
+    assert_eq!(last, Some(2));
 }
 
 #[test]

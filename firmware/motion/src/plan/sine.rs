@@ -186,7 +186,7 @@ fn sine(k: u32) -> u64 {
 /// A sixth of the jerk, Q128 steps per tick³, at which a ramp is left that takes `time`: 5.06·Δv/T². It begins and ends with 4.97 at most. With as
 /// much its acceleration is at zero before its velocity is at the end.
 pub(super) fn jerk(half_acceleration: i128, time: Offset) -> Fine {
-    quotient(half_acceleration.unsigned_abs() * 27 >> 4, 2, time).max(1)
+    quotient((half_acceleration.unsigned_abs() * 27) >> 4, 2, time).max(1)
 }
 
 /// The piece at tick `t` of a ramp that takes `time`, which is at least [`SHORTEST`], and the first tick behind that piece. `ramp` is anchored
