@@ -288,7 +288,7 @@ impl Axis {
     fn has_ended(&self) -> bool {
         self.end().is_some_and(|end| end <= self.horizon())
             && self.stepper.is_closed()
-            && self.stepper.due(self.state_at(self.horizon()).position) == 0
+            && self.stepper.due(self.exact_at(self.horizon())) == 0
     }
 
     /// The velocity at the commit horizon: that from which the next command begins.
@@ -318,9 +318,9 @@ impl Axis {
     pub fn target(&self) -> i64 {
         let rest = match (&self.path, self.plan.destination()) {
             (None, Some(rest)) => rest,
-            _ => self.state_at(self.end().unwrap_or(self.horizon())),
+            _ => self.exact_at(self.end().unwrap_or(self.horizon())),
         };
-        rest.position.whole_steps()
+        rest.floor().whole_steps()
     }
 
     /// The highest velocity that driver and clock allow, a whole number of steps/s. Limits above it are cut to it.
@@ -390,7 +390,7 @@ impl Axis {
         let piece = piece.or_else(|| {
             // Pulses that were held back by the driver's times are due all the same.
             let stands = self.exact_at(begin);
-            let is_due = self.stepper.due(stands.rounded().position) != 0;
+            let is_due = self.stepper.due(stands) != 0;
             is_due.then(|| Piece::line(begin + u64::from(self.stepper.longest()), stands))
         });
         if let Some(piece) = piece {
@@ -408,7 +408,11 @@ impl Axis {
             // Where the mean stands it is where the plan stands, and the plan is followed.
             self.is_averaged &= !self.average.is_over();
             if self.end().is_some_and(|end| end <= horizon) {
-                state = self.state_at(horizon);
+                let stands = self.exact_at(horizon);
+                state = State {
+                    position: stands.floor(),
+                    ..stands.rounded()
+                };
             }
         }
         let least = self.stepper.segment() / 4;

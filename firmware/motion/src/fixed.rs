@@ -241,10 +241,11 @@ impl Exact {
         }
     }
 
-    /// The position in the public resolution.
+    /// The position as the stepper walks it, rounded down. Whoever asks which step is due rounds
+    /// as it does: next to the middle between two steps [`Exact::rounded`] may be at another one.
     #[inline]
-    pub(crate) const fn rounded_position(self) -> Position {
-        Position::from_exact(self.position)
+    pub(crate) const fn floor(self) -> Position {
+        Position::from_bits(Q96(self.position).floor())
     }
 
     /// How many ticks ago this state was in the middle in front of the step at `steps` (modulo 2³²), at the velocity of now. 0 at rest.

@@ -50,8 +50,8 @@ impl Axis {
             _ if leaves => plan.leave_ramp(clock, horizon, stop, limits, ramps)?,
             _ => plan.replan(clock, horizon, stop, limits, ramps)?,
         }
-        let rest = plan.destination().unwrap_or_else(|| self.state_at(horizon));
-        Ok(rest.position.whole_steps())
+        let rest = plan.destination().unwrap_or_else(|| self.exact_at(horizon));
+        Ok(rest.floor().whole_steps())
     }
 
     /// The motion at the commit horizon of a path or a mean, as a plan begins with it.

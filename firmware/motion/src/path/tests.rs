@@ -250,6 +250,29 @@ fn a_cubic_keeps_its_velocities() {
     );
 }
 
+/// A velocity is rounded, so such a path stands a little before the middle or behind it.
+#[test]
+fn a_path_that_runs_out_next_to_the_middle_between_two_steps_comes_to_rest() {
+    let clock = Clock::new(84_000_000).unwrap();
+    for speed in (250..10_000).step_by(500) {
+        for (from, speed) in [(-999, -speed), (-999, speed), (999, -speed), (999, speed)] {
+            let mut axis = axis();
+            axis.set_position(from);
+            let velocity = Velocity::from_speed(clock, speed.into());
+            axis.follow_smoothly(10 * SEGMENT, Position::from_steps(from), velocity)
+                .unwrap();
+            let target = axis.target();
+            let mut sink = Notes::default();
+            for _ in 0..20 {
+                tick(&mut axis, &mut sink, SEGMENT);
+            }
+            let told = axis.demand(0).position;
+            assert!(axis.is_at_rest(), "from {from} at {speed} steps/s");
+            assert_eq!([target, told], [axis.committed_position(); 2]);
+        }
+    }
+}
+
 /// An axis that stands at 0 up to tick 3 · `SEGMENT`, and has begun to.
 fn at_its_first_set_point() -> (Axis, Notes) {
     let (mut axis, mut sink) = (axis(), Notes::default());

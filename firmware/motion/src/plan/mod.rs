@@ -539,12 +539,12 @@ impl Plan {
     }
 
     /// Where the motion comes to rest; `None` if it never does.
-    pub(crate) fn destination(&self) -> Option<State> {
+    pub(crate) fn destination(&self) -> Option<Exact> {
         let rest = Exact {
             position: self.rest,
             velocity: 0,
         };
-        self.end().map(|_| rest.rounded())
+        self.end().map(|_| rest)
     }
 }
 

@@ -13,7 +13,7 @@ mod train;
 
 use crate::clock::Ticks;
 use crate::divide::by_digit;
-use crate::fixed::{Position, State, Velocity};
+use crate::fixed::{Exact, State, Velocity};
 use crate::record::{Direction, DriverTiming, Record};
 use piece::Piece;
 use train::{CROWDED, MOST_IN_CHORD, Pulses, Train};
@@ -136,10 +136,10 @@ impl Stepper {
         self.train.overrun()
     }
 
-    /// Steps due when the axis is at `position`, with their sign.
-    pub(crate) const fn due(&self, position: Position) -> i32 {
+    /// Steps due when the axis is there, with their sign.
+    pub(crate) const fn due(&self, at: Exact) -> i32 {
         // Positions wrap at 2³² steps, and so does the difference.
-        (position.whole_steps() as i32).wrapping_sub(self.train.steps)
+        (at.floor().whole_steps() as i32).wrapping_sub(self.train.steps)
     }
 
     /// Whether all that was made has been handed out, and nothing is open at the horizon.
@@ -184,7 +184,7 @@ impl Stepper {
     #[inline]
     pub(crate) const fn state(&self) -> State {
         State {
-            position: Position::from_bits(self.piece.position.floor()),
+            position: self.piece.exact().floor(),
             velocity: Velocity::from_bits((self.piece.velocity.0 >> 40) as i64),
         }
     }
@@ -288,7 +288,7 @@ impl Stepper {
     fn chord(&mut self, begin: Ticks, (from, length): (i64, u32), first_rate: Option<u32>) {
         let to = self.piece.position.floor();
         let distance = to.wrapping_sub(from);
-        let due = self.due(Position::from_bits(to));
+        let due = self.due(self.piece.exact());
         // The motion knows where it goes. Steps due the other way are rounding at a turning point, unless it stands.
         let direction = match distance {
             0 if due < 0 => Direction::Reverse,
@@ -337,10 +337,7 @@ impl Stepper {
         if count != 1 || exact.velocity == 0 || !exact.rounded().velocity.creeps() {
             return None;
         }
-        let step = self
-            .train
-            .steps
-            .wrapping_add(self.due(exact.rounded_position()));
+        let step = self.train.steps.wrapping_add(self.due(exact));
         u32::try_from(exact.since_middle(step)).ok()
     }
 }
