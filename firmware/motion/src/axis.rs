@@ -60,13 +60,6 @@ pub enum AdvanceError {
     Internal,
 }
 
-impl AdvanceError {
-    /// Whether the motor may not be where the pulses say.
-    pub const fn loses_steps(self) -> bool {
-        matches!(self, Self::Underrun | Self::Internal)
-    }
-}
-
 impl core::fmt::Display for AdvanceError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {

@@ -31,7 +31,7 @@ pub(crate) struct StepAxis {
     timescale: Timescale,
     /// Pulses came too late, and nobody has asked for it yet.
     is_late: bool,
-    /// The planner has failed, and nobody has asked for it yet.
+    /// The planner or the axis has failed, and nobody has asked for it yet.
     is_broken: bool,
 }
 
@@ -90,8 +90,10 @@ impl StepAxis {
         self.at_rest = self.axis.is_at_rest();
     }
 
-    fn look_at(&mut self, result: Result<(), AdvanceError>) {
-        self.is_late |= result.is_err_and(AdvanceError::loses_steps);
+    /// After either the motor may not be where the pulses say.
+    pub(crate) fn look_at(&mut self, result: Result<(), AdvanceError>) {
+        self.is_late |= result == Err(AdvanceError::Underrun);
+        self.is_broken |= result == Err(AdvanceError::Internal);
     }
 
     /// Whether pulses came too late since the last call, and the motor had none for a moment. All of them are sent, but it may not have
@@ -100,7 +102,8 @@ impl StepAxis {
         core::mem::replace(&mut self.is_late, false)
     }
 
-    /// Whether the planner has failed since the last call, which cannot be: where the motor goes is not known.
+    /// Whether the planner or the axis has failed since the last call, which cannot be: pulses may be
+    /// missing, and where the motor goes is not known.
     pub(crate) const fn take_broken(&mut self) -> bool {
         core::mem::replace(&mut self.is_broken, false)
     }

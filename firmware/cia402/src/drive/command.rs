@@ -74,7 +74,7 @@ impl<D: Objects> Drive<D> {
     }
 
     /// The fault that pulses are that came too late, if 20A2h makes them one: the motor has stopped between two steps, and may stand
-    /// anywhere. A planner that has failed is one always.
+    /// anywhere. A planner or an axis that has failed is one always.
     pub(super) fn pulses_late(&mut self) -> Option<Reaction> {
         let is_late = self.motor.take_late();
         if self.motor.take_broken() || is_late && self.configuration.late_is_fault {

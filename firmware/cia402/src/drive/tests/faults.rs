@@ -1,7 +1,7 @@
-use motion::PulseSink as _;
+use motion::{AdvanceError, PulseSink as _};
 
 use crate::faults::FaultNotice::{Cleared, Raised};
-use crate::faults::{EXTERNAL, POSITION_MISMATCH, UNDER_VOLTAGE};
+use crate::faults::{EXTERNAL, POSITION_MISMATCH, PULSES_LATE, UNDER_VOLTAGE};
 use crate::state_machine::State;
 use crate::testing::Rig;
 
@@ -74,6 +74,21 @@ fn a_fault_of_the_current_cuts_the_power_at_once() {
     assert!(!rig.outputs.power_stage && rig.outputs.drop_pulses);
     rig.tick();
     assert_eq!(rig.state(), State::Fault);
+}
+
+#[test]
+fn an_axis_that_has_failed_is_a_fault_and_home_is_unknown_whatever_20a2h_says() {
+    for late_is_fault in [true, false] {
+        let mut rig = homed(100_000);
+        rig.configuration.late_is_fault = late_is_fault;
+        rig.post();
+        rig.ticks(200);
+        rig.drive.motor.look_at(Err(AdvanceError::Internal));
+        rig.until("fault", |rig| rig.state() == State::Fault);
+        assert_eq!(rig.actuals().error_code, PULSES_LATE);
+        assert!(!rig.actuals().referenced);
+        assert_eq!(rig.notices(), [Raised(PULSES_LATE)]);
+    }
 }
 
 /// A drive whose home position is known and that goes on by `target` steps.
