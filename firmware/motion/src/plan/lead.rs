@@ -58,12 +58,8 @@ impl Start {
             let value = value.cast_signed();
             if acceleration < 0 { -value } else { value }
         };
-        // v + a·t/2, and x + v·t + a·t²/3
-        let gain = over_time(strength, time) >> 1;
-        let two_thirds = ((gain >> 32) * u128::from(u64::MAX / 3 * 2)) >> 32;
-        let mean = from.velocity + signed(two_thirds);
         let end = Instant::from(tick).after(time);
-        let velocity = from.velocity + signed(gain);
+        let velocity = from.velocity + signed(over_time(strength, time) >> 1);
         let lead = Piece {
             start: tick,
             anchor: end,
@@ -72,7 +68,8 @@ impl Start {
             half_acceleration: 0,
             shape: Shape::Cubic(-signed(sixth_jerk)),
         };
-        let position = from.position.wrapping_add(distance_at(mean, time));
+        // However long it lasts and whatever is rounded in it, it begins here.
+        let position = from.position.wrapping_sub(lead.position_at(tick));
         Origin {
             start: tick,
             lead: Some(lead),

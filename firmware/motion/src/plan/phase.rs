@@ -164,7 +164,7 @@ fn times(value: i128, ticks: i128) -> i128 {
 }
 
 /// value / 2³² towards zero, which treats both directions alike.
-fn whole(value: i128) -> i128 {
+pub(super) fn whole(value: i128) -> i128 {
     let magnitude = (value.unsigned_abs() >> 32).cast_signed();
     if value < 0 {
         magnitude.wrapping_neg()

@@ -3,7 +3,7 @@
 //! A piece is a polynomial, or a whole sin² ramp, in the frame of the plan: positions count from where the motion begins, and are positive
 //! in its direction. So a mirrored motion is the exact mirror image, bit by bit.
 
-use super::phase::Phase;
+use super::phase::{Phase, whole};
 use super::sine;
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::Divisor;
@@ -151,6 +151,18 @@ impl Piece {
         }
     }
 
+    /// The position at a tick that lies within it.
+    pub(super) fn position_at(&self, tick: Ticks) -> i128 {
+        let frame = Frame {
+            start: tick,
+            origin: 0,
+            reverse: false,
+        };
+        let mut phase = Phase::NONE;
+        self.work_out((tick, Ticks::MAX), &frame, &mut phase);
+        phase.at(tick).position
+    }
+
     /// Brings the coefficients from the anchor down to the whole tick before it, by a part φ of a tick, and into the frame of the axis.
     #[inline(never)]
     fn work_out_cubic(&self, sixth_jerk: i128, frame: &Frame, phase: &mut Phase) {
@@ -160,7 +172,8 @@ impl Piece {
         let (first, second, third) = if sixth_jerk == 0 {
             (half, half, half)
         } else {
-            let rise = part(sixth_jerk, fraction) >> 32;
+            // Over hours the last bit of it shows. A lead is the same one in either frame.
+            let rise = whole(distance_at(sixth_jerk, fraction.into()));
             (half - rise, half - 2 * rise, half - 3 * rise)
         };
         let once = part(first, fraction);

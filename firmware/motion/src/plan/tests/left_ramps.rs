@@ -179,3 +179,27 @@ fn i06_sine_braking_for_its_target_is_finished_whatever_the_limits() {
         }
     }
 }
+
+/// Its last bits, times the square of the ticks that its acceleration takes to go, would be a part of a step.
+#[test]
+fn i01_a_ramp_of_hours_is_left_without_a_jump() {
+    let clock = clock(84_000_000);
+    let limits = Limits {
+        velocity: 480_000.into(),
+        acceleration: 11,
+        deceleration: 124,
+    };
+    let keep = Goal::Velocity((-330_000).into());
+    let mut plan = Plan::at_rest(0, 7);
+    plan.replan(clock, 7, keep, limits, Ramps::SinSquared)
+        .unwrap();
+    for at in all_over(&plan, clock, 100) {
+        for target in [0, -2_000_000_000] {
+            let mut left = plan;
+            left.replan(clock, at, Goal::Rest(target), limits, Ramps::SinSquared)
+                .unwrap();
+            let jump = left.state_at(at).position.bits() - plan.state_at(at).position.bits();
+            assert!(jump.abs() <= 1, "by {jump} at {at}");
+        }
+    }
+}
