@@ -132,16 +132,25 @@ fn d19_change_immediately_turns_to_the_new_target_smoothly() {
     let mut rig = Rig::enabled();
     rig.set_point(100_000, IMMEDIATELY);
     rig.ticks(200);
-    let mut speed = rig.speed();
     rig.set_point(0, IMMEDIATELY);
+    let mut positions = std::vec![rig.motor.position];
     for _ in 0..210 {
-        let next = rig.speed();
-        assert!(
-            (next - speed).abs() <= 1,
-            "from {speed} to {next} steps a tick"
-        );
-        speed = next;
+        rig.tick();
+        positions.push(rig.motor.position);
     }
+    // In a tick the speed falls by a tenth of a step per tick. The motor is within half a step of
+    // the motion, so a change between two distances shows that to less than 2 steps: 4 steps in
+    // one tick and 6 in the next are even pulses. Over many ticks that leaves no room.
+    for (ticks, fall) in [(1, 1), (3, 1), (10, 10), (30, 90)] {
+        for three in positions.windows(2 * ticks + 1) {
+            let (first, next) = (three[ticks] - three[0], three[2 * ticks] - three[ticks]);
+            assert!(
+                (-fall - 1..=1).contains(&(next - first)),
+                "from {first} to {next} steps in {ticks} ticks"
+            );
+        }
+    }
+    let speed = rig.speed();
     assert_eq!(speed, -10);
     assert_eq!(rig.rest(), 0);
 }
