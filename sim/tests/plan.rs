@@ -186,8 +186,14 @@ fn assert_phases(report: &Value, expected: &[(&str, [f64; 4])]) {
     let (is, should): (Vec<_>, Vec<_>) = (kinds(&phases), kinds(expected));
     assert_eq!(is, should);
     for ((kind, is), (_, should)) in phases.iter().zip(expected) {
+        // A sin² ramp is made of cubic pieces, the greatest acceleration of which is a little less.
+        let near = if *kind == "sin2" { 1e-3 } else { 0.0 };
         for (is, should) in is.iter().zip(should) {
-            assert!((is - should).abs() <= 1.0, "{kind}: {is} is not {should}");
+            let off = (is - should).abs();
+            assert!(
+                off <= 1.0 + near * should.abs(),
+                "{kind}: {is} is not {should}"
+            );
         }
     }
 }
@@ -209,21 +215,24 @@ fn phases_tell_what_smooth_ramps_do() {
         &report(&format!("{move_by} --profile sin2")),
         &[ramp(top, peak), cruise, ramp(0.0, -peak)],
     );
-    let growing = |to, pull| ("jerk", [to, 0.0, pull, pull]);
-    let kept = |to, pull| ("acceleration", [to, pull, pull, pull]);
-    let falling = |to, pull| ("jerk", [to, pull, 0.0, pull]);
-    assert_phases(
-        &report(&format!("{move_by} --jerk 5000000")),
-        &[
-            growing(25_000.0, pull),
-            kept(75_000.0, pull),
-            falling(top, pull),
-            cruise,
-            growing(75_000.0, -pull),
-            kept(25_000.0, -pull),
-            falling(0.0, -pull),
-        ],
-    );
+    #[cfg(feature = "limited-jerk")]
+    {
+        let growing = |to, pull| ("jerk", [to, 0.0, pull, pull]);
+        let kept = |to, pull| ("acceleration", [to, pull, pull, pull]);
+        let falling = |to, pull| ("jerk", [to, pull, 0.0, pull]);
+        assert_phases(
+            &report(&format!("{move_by} --jerk 5000000")),
+            &[
+                growing(25_000.0, pull),
+                kept(75_000.0, pull),
+                falling(top, pull),
+                cruise,
+                growing(75_000.0, -pull),
+                kept(25_000.0, -pull),
+                falling(0.0, -pull),
+            ],
+        );
+    }
     // The mean changes its acceleration with each segment of 250 µs, a 400th part.
     let average = report(&format!("{move_by} --jerk 5000000 --profile average"));
     let kinds: Vec<_> = (phases(&average).iter())
@@ -250,14 +259,17 @@ fn text_tells_the_phases_that_can_be_seen() {
         String::from_utf8(output.stdout).unwrap()
     };
     let sine = text(&format!("{move_by} --profile sin2"));
-    let ramp = "0.000000000 to -100000.000000000 steps/s, sin², -785398.0 steps/s² at most\n";
+    let ramp = "0.000000000 to -100000.000000000 steps/s, sin², -785082.0 steps/s² at most\n";
     assert!(sine.contains(ramp), "{sine}");
     assert!(
         sine.contains("-100000.000000000 steps/s, cruise\n"),
         "{sine}"
     );
-    let jerk = text(&format!("{move_by} --jerk 5000000"));
-    assert!(jerk.contains(" 0.0 to -500000.0 steps/s²\n"), "{jerk}");
+    #[cfg(feature = "limited-jerk")]
+    {
+        let jerk = text(&format!("{move_by} --jerk 5000000"));
+        assert!(jerk.contains(" 0.0 to -500000.0 steps/s²\n"), "{jerk}");
+    }
     // A triangle whose top falls between two ticks has a phase of one tick there.
     let triangle = "--distance 20000 --velocity 100000 --acceleration 500000";
     let phases = report(triangle)["phases"].as_array().unwrap().len();
@@ -476,7 +488,10 @@ fn what_cannot_be_is_refused_in_one_line() {
     assert_refused(&format!("--distance 5 {limits} 3"), "'3'");
     assert_refused("", "--distance <STEPS> --velocity");
     assert_refused("--velocity 5 --acceleration 5", "--distance");
-    assert_refused(&format!("--distance 5 {limits} --jerk 0"), "jerk is zero");
+    assert_refused(
+        &format!("--distance 5 {limits} --profile average --jerk 0"),
+        "jerk is zero",
+    );
     assert_refused(
         &format!("--distance 5 {limits} --profile jerk"),
         "needs --jerk",

@@ -92,6 +92,25 @@ impl Phase {
     }
 }
 
+impl Phase {
+    /// Whether the next phase is more of the same: a sin² ramp is made of cubic pieces.
+    fn goes_on_in(&self, next: &Self) -> bool {
+        let is_ramp =
+            self.kind == Kind::Sin2 && self.peak_acceleration * next.peak_acceleration > 0.0;
+        self.kind == next.kind && (is_ramp || self.kind == Kind::Cruise)
+    }
+
+    fn append(&mut self, next: Self) {
+        self.duration_s += next.duration_s;
+        self.ticks += next.ticks;
+        self.end_velocity = next.end_velocity;
+        self.end_acceleration = next.end_acceleration;
+        if next.peak_acceleration.abs() > self.peak_acceleration.abs() {
+            self.peak_acceleration = next.peak_acceleration;
+        }
+    }
+}
+
 impl fmt::Display for Phase {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
@@ -137,9 +156,14 @@ impl Report {
             .filter(|start| *start < planned.end)
             .collect();
         let ends = starts.iter().skip(1).copied().chain([planned.end]);
-        let phases: Vec<_> = (starts.iter().zip(ends))
-            .map(|(&start, end)| Phase::of(planned, start, end))
-            .collect();
+        let mut phases: Vec<Phase> = Vec::new();
+        for (&start, end) in starts.iter().zip(ends) {
+            let phase = Phase::of(planned, start, end);
+            match phases.last_mut() {
+                Some(last) if last.goes_on_in(&phase) => last.append(phase),
+                _ => phases.push(phase),
+            }
+        }
         // Between two corners the speed has no peak, but corners fall between two ticks.
         let corners = (planned.curve.corners().into_iter())
             .filter(|start| *start < planned.end)
