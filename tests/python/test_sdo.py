@@ -6,6 +6,9 @@ from canopen.sdo import SdoAbortedError
 
 from conftest import SDO_TIME_OUT
 
+#: Node-ID and bit rate in use.
+NODE_ID_AND_BIT_RATE = 0x5FF0
+
 #: An error that stands shows in it.
 LIVE = {0x1001}
 

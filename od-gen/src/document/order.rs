@@ -67,6 +67,10 @@ pub(crate) fn canonical(mut document: Document<'_>) -> Document<'_> {
     // Sections of the same rank, such as unknown ones, stay in their order.
     sections.sort_by_key(|(rank, _)| *rank);
     document.sections = sections.into_iter().map(|(_, section)| section).collect();
+    // What is above the first section is read as the comment of the file.
+    if let Some(first) = document.sections.first_mut() {
+        document.head.append(&mut first.lead);
+    }
     document
 }
 

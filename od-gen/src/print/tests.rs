@@ -93,6 +93,17 @@ fn of_two_notes_the_first_one_stays_the_first() {
 }
 
 #[test]
+fn a_comment_above_what_becomes_the_first_section_is_one_of_the_file() {
+    let text = "[Maker]\na=1\n\n; of the information\n[FileInfo]\nFileName=x.eds\n";
+    let formatted = format("x.eds", text).unwrap();
+    assert!(
+        formatted.starts_with("; of the information\n\n[FileInfo]\n"),
+        "{formatted}"
+    );
+    assert_eq!(format("x.eds", &formatted).unwrap(), formatted);
+}
+
+#[test]
 fn what_formatting_would_lose_is_refused() {
     for text in [
         "[1000]\n[1000]\n",
