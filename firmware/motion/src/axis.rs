@@ -221,7 +221,7 @@ impl Axis {
         self.stand_at(steps as i32);
     }
 
-    /// Hands out records until the sink has two segments to play, or the motion ends. To be called in every control tick. It makes no more
+    /// Hands out records until the sink has two segments to play, or the motion ends. To be called in every control tick and refill. It makes no more
     /// than 160 chords: four segments of 32, and 32 more.
     ///
     /// # Errors

@@ -36,7 +36,7 @@ pub const SHORTEST_RECORD: u32 = 84;
 
 /// `repeat` timer periods of `period` ticks each, each beginning with a pulse of `width` ticks; a width of 0 is silence.
 ///
-/// On an advanced timer these are the three words that one DMA burst writes: auto-reload, repetition counter and compare.
+/// On an advanced timer one DMA burst writes five words for it: prescaler, auto-reload, repetition counter and two compares.
 /// The direction differs from that of the record before only in a silent record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Record {

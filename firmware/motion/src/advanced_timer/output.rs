@@ -99,7 +99,7 @@ impl<'a, R: Registers> Output<'a, R> {
         output
     }
 
-    /// To be called in every control tick: what was played is made silent, and a train that has ended stops the timer.
+    /// To be called in every control tick and refill: what was played is made silent, and a train that has ended stops the timer.
     #[inline]
     pub fn service(&mut self) {
         if !self.running {
