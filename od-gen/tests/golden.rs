@@ -49,7 +49,7 @@ fn the_drive_has_every_object_that_the_firmware_asks_for() {
     let generated = generate(&model("../eds/axis402.eds"), Options::DRIVE);
     let (_, objects) = generated.split_once("impl ::cia402::Objects").unwrap();
     let (objects, _) = objects.split_once("\n}\n").unwrap();
-    for parameter in cia402::parameters::ALL {
+    for parameter in cia402_parameters::ALL {
         let name = parameter.name;
         let methods = [format!("fn {name}("), format!("fn set_{name}(")];
         let is_there = methods.iter().any(|method| objects.contains(method));

@@ -11,12 +11,12 @@ use crate::cyclic::CyclicConfiguration;
 use crate::inputs::InputConfiguration;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
-use crate::parameters::every_parameter;
 use crate::periphery::digital_outputs::OutputConfiguration;
 use crate::periphery::touch_probe::source::Source;
 use crate::profile::ProfileConfiguration;
 use crate::pulse_timing::PulseTiming;
 use crate::units::{Ratio, Units};
+use cia402_parameters::every_parameter;
 
 /// How 607Dh is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

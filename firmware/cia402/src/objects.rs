@@ -5,8 +5,7 @@
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::Entry;
 
-use crate::features::Features;
-use crate::parameters::{Parameter, every_parameter};
+use cia402_parameters::{Features, Parameter, every_parameter};
 
 /// Makes the trait of the table: a getter with the value that counts where a data sheet leaves the object out, or a setter that does
 /// nothing there.

@@ -7,13 +7,13 @@ use crate::inputs::InputFunction;
 use crate::mode::Mode;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
-use crate::parameters::{Parameter, every_parameter};
 use crate::periphery::digital_outputs::OutputFunction;
 use crate::periphery::touch_probe;
 use crate::periphery::touch_probe::source::Source;
 use crate::profile;
 use crate::pulse_timing::PulseTiming;
 use crate::units::{Factors, SiUnit, Units};
+use cia402_parameters::{Parameter, every_parameter};
 
 /// 60F2h: what relative set-points count from, and in which direction a rotary axis goes.
 const POSITIONING_OPTIONS: i64 = 0b1100_0011;

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use cia402::Parameter;
-use cia402::parameters::{self, Description, Direction};
+use cia402_parameters::{self as parameters, Description, Direction, Parameter};
 use toml::{Spanned, Value};
 
 use super::file::{File, Row, place};

@@ -2,7 +2,7 @@
 //!
 //! A file `*.bind.toml` beside the data sheet lists them. With it the dictionary of another vendor drives the same firmware
 //! without code: `parameter = object * scale + offset`, or a list of values for codes. Every line is checked against the data
-//! sheet and against the parameters that the drive offers ([`cia402::parameters`]).
+//! sheet and against the parameters that the drive offers ([`cia402_parameters`]).
 //!
 //! ```toml
 //! [[binding]]
@@ -31,8 +31,8 @@ mod place;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use cia402::binding::Conversion;
-use cia402::parameters::{Description, PROFILE};
+use cia402_parameters::Conversion;
+use cia402_parameters::{Description, PROFILE};
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
 use crate::generate::snake_case;

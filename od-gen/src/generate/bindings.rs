@@ -1,6 +1,6 @@
 //! A module for each bound object: what its numbers mean to the drive.
 
-use cia402::parameters::Description;
+use cia402_parameters::Description;
 
 use super::ALLOW_UNUSED;
 use super::documentation::title;

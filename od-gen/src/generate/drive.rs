@@ -4,8 +4,7 @@
 //! data sheet leaves out keep the trait's own answer. Bindings put other objects in their place or beside them: the first
 //! that can be written is what the drive reads, unless the object of CiA 402 itself is there; the others follow it.
 
-use cia402::parameters::{self, Description, Direction};
-use cia402::{Features, Parameter};
+use cia402_parameters::{self as parameters, Description, Direction, Features, Parameter};
 
 use super::accessors::{is_narrow, value_type};
 use super::documentation::title;

@@ -1,6 +1,6 @@
 //! The objects that stand for a parameter of the drive.
 
-use cia402::parameters::{Description, PROFILE};
+use cia402_parameters::{Description, PROFILE};
 
 use super::layout::{Layout, Place, Row};
 use crate::bind::{self, Binding};

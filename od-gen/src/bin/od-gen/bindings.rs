@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::process::ExitCode;
 
-use cia402::parameters::{ALL, Direction};
+use cia402_parameters::{ALL, Direction};
 use od_gen::bind;
 
 use crate::Failure;

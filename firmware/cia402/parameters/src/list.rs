@@ -2,13 +2,13 @@
 //!
 //! | makes | what |
 //! |---|---|
-//! | [`super`] | [`super::Parameter`], its home, and what `od-gen` and bindings know of it |
-//! | [`crate::objects`] | the methods of [`crate::Objects`] |
-//! | [`crate::configuration`] | [`crate::Configuration`] and its groups, read from a dictionary |
-//! | [`crate::rules`] | what may be written, and when not |
+//! | this crate | [`crate::Parameter`], its home, and what `od-gen` and bindings know of it |
+//! | `cia402::objects` | the methods of `cia402::Objects` |
+//! | `cia402::configuration` | `cia402::Configuration` and its groups, read from a dictionary |
+//! | `cia402::rules` | what may be written, and when not |
 //!
 //! A line: `command` (passes with each write), `setting` (lies in the configuration) or `shown`; its name; the method of
-//! [`crate::Objects`]; its object and type; what counts where a data sheet leaves the object out (`or`: that of another one; `_`: nothing); its unit.
+//! `cia402::Objects`; its object and type; what counts where a data sheet leaves the object out (`or`: that of another one; `_`: nothing); its unit.
 //! Then what applies of: the least number (`from`), the numbers that mean something (`only`: a pattern, or a function from a
 //! code), when it is locked (`locked`), and where
 //! it lies in the configuration (`=>`): the field, and how the number becomes what the drive reckons with:
@@ -22,9 +22,11 @@
 //! | `window` | increments; FFFFFFFFh is off |
 //! | `(Code function)` | a code; others mean nothing and are refused |
 //!
-//! A setting without a place is part of something that several objects make: [`crate::Configuration::of`] has these.
+//! A setting without a place is part of something that several objects make: `cia402::Configuration::of` has these.
 
-/// Hands the table to the macro of this name.
+/// Hands the table to the macro of this name. What a line names beyond the parameter itself is looked up where the table is used.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! every_parameter {
     ($make:ident) => {
         $make! {
@@ -261,5 +263,3 @@ macro_rules! every_parameter {
         }
     };
 }
-
-pub(crate) use every_parameter;

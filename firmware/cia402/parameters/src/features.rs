@@ -1,9 +1,9 @@
-//! What a drive has of all that this crate can do, known when it is compiled.
+//! What a drive has of all that `cia402` can do, known when it is compiled.
 //!
 //! A mode or a part of the periphery whose objects the data sheet does not list is never asked for. So its code is left out, and costs no
 //! flash. Nothing changes on the bus: what does not exist is answered as such, and 6060h refuses a mode that is not there.
 
-use crate::parameters::Parameter;
+use crate::Parameter;
 
 /// The modes, by their bits in 6502h, each with what commands it.
 const COMMANDED_BY: [(u32, Parameter); 7] = [

@@ -3,10 +3,30 @@
 //! Each parameter has a home, the object that CiA 402-2 gives it, or one of the manufacturer (2030h to 2034h). A data sheet may have other objects
 //! for it beside that one or instead of it: a binding (`*.bind.toml`) names the parameter, and `od-gen` checks it against
 //! [`ALL`].
+//!
+//! The crate has nothing but this list and what follows from it, so that `od-gen` reads it without building a drive.
+#![no_std]
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing,
+        clippy::unreachable
+    )
+)]
 
+#[cfg(test)]
+extern crate std;
+
+mod conversion;
+mod features;
 mod list;
 
-pub(crate) use list::every_parameter;
+pub use conversion::Conversion;
+pub use features::Features;
 
 /// The first object of the drive profile. A parameter with a home below it is at home in a data sheet that has such an object with
 /// the parameter's name, and in no other.
@@ -76,7 +96,7 @@ impl Type {
 pub struct Description {
     /// Which one.
     pub parameter: Parameter,
-    /// Its name in bindings: that of the method of [`crate::Objects`], without `set_`.
+    /// Its name in bindings: that of the method of `cia402::Objects`, without `set_`.
     pub name: &'static str,
     /// Index and sub-index of its object.
     pub home: (u16, u8),
@@ -125,8 +145,8 @@ macro_rules! parameters {
         ]);
 
         impl Parameter {
-            /// Whether it commands the drive, and is not something that is set up ([`crate::Configuration`]).
-            pub(crate) const fn is_command(self) -> bool {
+            /// Whether it commands the drive, and is not something that is set up (`cia402::Configuration`).
+            pub const fn is_command(self) -> bool {
                 match self {
                     $($(Self::$parameter => is_command!($role),)*)*
                 }
