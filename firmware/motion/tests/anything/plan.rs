@@ -14,6 +14,9 @@ const ROUNDED_OF_HOURS: u32 = 16;
 /// The fastest there is: half a step in a tick, × 2⁵⁶.
 const FASTEST: u64 = 1 << 55;
 
+/// A sin² ramp is made of cubic pieces, whose ends are rounded: by so much of the fastest in a ramp of a month.
+const ROUNDED_VELOCITY: u64 = FASTEST >> 32;
+
 /// The slowest clock that is tried.
 const SLOWEST: u32 = 1_000_000;
 
@@ -71,7 +74,7 @@ pub fn check(bytes: &[u8]) {
                     .unsigned_abs()
                     + 2
             }
-            false => FASTEST,
+            false => FASTEST + ROUNDED_VELOCITY,
         };
         let ticks = all_over(&next, at, clock);
         for t in &ticks {
