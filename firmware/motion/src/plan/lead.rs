@@ -6,12 +6,14 @@
 
 use super::builder::Origin;
 use super::move_to::distance_to;
-use super::piece::{Instant, Offset, Piece, Shape, Slope, distance_at, over_time, ramp_distance};
+use super::piece::{Instant, Offset, Piece, Shape, distance_at, over_time};
 use super::{Goal, Limits, Plan, sine};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
 use crate::fixed::Exact;
 use crate::speed::Speed;
+use crate::wide::Wide;
+use core::cmp::Ordering;
 
 /// A motion, as another one begins with it.
 #[derive(Debug, Clone, Copy)]
@@ -161,9 +163,7 @@ impl Plan {
         let speed = clock
             .speed(limits.velocity)
             .max(from.velocity.unsigned_abs());
-        let slope = Slope::new(clock, hardest(limits));
-        let time = slope.time(speed).max(sine::SHORTEST);
-        sine::jerk(slope.half.cast_signed(), time)
+        sine::jerk_of(clock.half_acceleration(hardest(limits)), speed)
     }
 }
 
@@ -221,16 +221,18 @@ fn is_done_anyway(rest: &Origin, clock: Clock, goal: Goal, limits: Limits) -> bo
     if speed == 0 {
         return !is_ahead || gap == 0 && passes == Speed::ZERO;
     }
-    let slope = Slope::new(clock, limits.deceleration);
-    let stop = |speed: Fine| ramp_distance(speed, slope.half, slope.time(speed), true);
-    let room = if is_ahead {
-        gap.saturating_add(stop(clock.speed(passes).min(top)))
-    } else {
-        0
-    };
-    if rises {
-        speed <= top && room >= stop(speed)
-    } else {
-        speed >= top || room <= stop(speed)
+    if rises && speed > top || !rises && speed >= top {
+        return !rises;
     }
+    // Whether it can be at the velocity to pass with when it gets there: 2·d·gap is not less than v² − e², by whole products.
+    let end = clock.speed(passes).min(top);
+    let room = match (is_ahead, speed.checked_sub(end)) {
+        (false, _) => Ordering::Less,
+        (true, None) => Ordering::Greater,
+        (true, Some(more)) => {
+            let deceleration = clock.half_acceleration(limits.deceleration) << 2;
+            Wide::product(deceleration, gap).cmp(&Wide::product(more, speed + end))
+        }
+    };
+    if rises { room.is_ge() } else { room.is_le() }
 }

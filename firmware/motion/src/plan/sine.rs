@@ -16,7 +16,6 @@
 use super::piece::{Instant, Offset, Piece, Shape, distance_at, over_time};
 use crate::clock::{Fine, Ticks};
 use crate::divide::quotient;
-use crate::wide::Wide;
 
 /// sin(π·k/128) for k from 0 to 64, Q64. One is the greatest fraction there is.
 #[rustfmt::skip]
@@ -149,7 +148,32 @@ impl Division {
         (time * Offset::from(self.place(number))) >> (self.bits + 1)
     }
 
-    /// A corner that is not the end, of which only the acceleration counts.
+    /// In which piece lies what is `away` from the beginning of a ramp that takes `time`.
+    fn number(&self, away: Offset, time: Offset) -> u32 {
+        // The leading 24 bits give a number that is right or next to it.
+        let above = 104u32.saturating_sub(time.leading_zeros());
+        let (away_lead, lead) = ((away >> above) as u32, (time >> above) as u32);
+        let parts = (away_lead << (self.bits + 1)).checked_div(lead);
+        let number = parts.unwrap_or(0).div_ceil(2).min(self.corners());
+        if away < self.time(number, time) {
+            number.saturating_sub(1)
+        } else if number < self.corners() && away >= self.time(number + 1, time) {
+            number + 1
+        } else {
+            number
+        }
+    }
+
+    /// The acceleration at a corner, in parts of Δv/T, Q63; none at either end.
+    fn acceleration(&self, number: u32) -> u64 {
+        if number == 0 || number > self.corners() {
+            return 0;
+        }
+        let angle = self.place(number) << (7 - self.bits);
+        times(self.acceleration, sine(angle.min(256 - angle)))
+    }
+
+    /// A corner that is not the end.
     fn corner(&self, number: u32) -> Corner {
         if number == 0 || number > self.corners() {
             return Corner::FIRST;
@@ -189,33 +213,47 @@ pub(super) fn jerk(half_acceleration: i128, time: Offset) -> Fine {
     quotient((half_acceleration.unsigned_abs() * 27) >> 4, 2, time).max(1)
 }
 
+/// The same of the ramp that changes the velocity by `change` within these limits: 5.06·a²/Δv, with one division.
+pub(super) fn jerk_of(half_acceleration: Fine, change: Fine) -> Fine {
+    // 32 bits of it are plenty.
+    let below = 96u32.saturating_sub(half_acceleration.leading_zeros());
+    let lead = half_acceleration >> below;
+    let exact = quotient((lead * lead * 27) >> 3, 1, change.max(1));
+    // No ramp is shorter than that.
+    let most = (half_acceleration * 27) << 25;
+    exact
+        .checked_shl(2 * below)
+        .filter(|jerk| jerk >> (2 * below) == exact)
+        .map_or(most, |jerk| jerk.min(most))
+        .max(1)
+}
+
 /// The piece at tick `t` of a ramp that takes `time`, which is at least [`SHORTEST`], and the first tick behind that piece. `ramp` is anchored
 /// at the end from which t lies in the direction of time, and has half of the acceleration of the linear ramp.
 #[inline(never)]
 pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, Ticks) {
     let half = ramp.half_acceleration;
     let change = over_time(half.unsigned_abs() << 1, time);
-    let distance = Wide::product(change, time).shifted_wrapping(64);
+    let distance = share(change, time as u64).wrapping_add(change.wrapping_mul(time >> 64));
     let division = Division::of(distance);
     let here = Instant::from(t);
     let is_back = here < ramp.anchor;
     let away = here.apart(ramp.anchor).min(time);
-    let parts = quotient(away << (division.bits + 1), 0, time) as u32;
-    let number = parts.div_ceil(2);
+    let number = division.number(away, time);
     let (begin, end) = (division.time(number, time), division.time(number + 1, time));
-    let (corner, next) = (division.corner(number), division.corner(number + 1));
+    let (corner, next) = (division.corner(number), division.acceleration(number + 1));
     let falls = half < 0;
     // Seen from the anchor: how far it is to the corner.
-    let covered = distance_at(ramp.velocity, begin)
-        .wrapping_add(with_sign(scaled(distance, corner.distance), falls));
-    let gained = with_sign(scaled(change, corner.velocity) >> 32, falls);
-    let acceleration = scaled(half.unsigned_abs(), corner.acceleration) >> 31;
+    let covered = distance_at(ramp.velocity, begin).wrapping_add(with_sign(
+        over_time(distance, corner.distance.into()),
+        falls,
+    ));
+    let gained = with_sign(share(change, corner.velocity), falls);
+    let full = half.unsigned_abs() << 1;
+    let acceleration = share(full, corner.acceleration);
     // The sixth of a jerk is the change of half of the acceleration by three times the time.
-    let rises = next.acceleration > corner.acceleration;
-    let rise = scaled(
-        half.unsigned_abs(),
-        next.acceleration.abs_diff(corner.acceleration),
-    ) >> 31;
+    let rises = next > corner.acceleration;
+    let rise = share(full, next.abs_diff(corner.acceleration));
     let places = division.place(number + 1) - division.place(number);
     let sixth_jerk = quotient(rise << (division.bits + 2 - places), 2, 3 * time);
     let (anchor, start, until) = if is_back {
@@ -241,9 +279,11 @@ pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, Ticks) {
     (piece, until.tick_up().max(t + 1))
 }
 
-/// ⌊number · factor / 2³²⌋ modulo 2¹²⁸.
-fn scaled(number: u128, factor: u64) -> u128 {
-    Wide::product(number, factor.into()).shifted_wrapping(32)
+/// ⌊number · factor / 2⁶⁴⌋ modulo 2¹²⁸.
+#[inline]
+fn share(number: u128, factor: u64) -> u128 {
+    let low = (u128::from(number as u64) * u128::from(factor)) >> 64;
+    ((number >> 64) * u128::from(factor)).wrapping_add(low)
 }
 
 fn with_sign(magnitude: u128, negative: bool) -> i128 {
