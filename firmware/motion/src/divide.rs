@@ -26,7 +26,7 @@ impl Divisor {
     /// For a divisor of at most 96 bits; the quotient by any other, and by 0, is 0.
     #[inline(never)]
     pub(crate) fn new(divisor: u128) -> Self {
-        let [low, middle, top] = [0, 32, 64].map(|below| (divisor >> below) as u32);
+        let [low, middle, top, _] = split(divisor);
         let ([high, middle, low], length) = match (top, middle) {
             (0, 0) => ([low, 0, 0], 1),
             (0, _) => ([middle, low, 0], 2),
@@ -51,7 +51,7 @@ impl Divisor {
             return 0;
         }
         // The numerator is shifted as the divisor was. What its three leading digits are then is the first remainder, and less than the divisor.
-        let [a, b, c, d] = [0, 32, 64, 96].map(|below| (numerator >> below) as u32);
+        let [a, b, c, d] = split(numerator);
         let shift = self.shift & 31;
         let mut first = pair(0, d, shift);
         let mut second = u64::from(pair(d, c, shift)) << 32 | u64::from(pair(c, b, shift));
@@ -147,6 +147,17 @@ pub(crate) fn fraction(numerator: u64, divisor: u32) -> u128 {
     let second = digit(0_u32.wrapping_sub(first.wrapping_mul(divisor)));
     let behind = (u64::from(first) << 32) | u64::from(second);
     (u128::from(whole) << 64) | u128::from(behind)
+}
+
+/// The digits of a number, the lowest first. Written out: a loop over the shifts costs 60 instructions more.
+#[inline]
+pub(crate) const fn split(value: u128) -> [u32; 4] {
+    [
+        value as u32,
+        (value >> 32) as u32,
+        (value >> 64) as u32,
+        (value >> 96) as u32,
+    ]
 }
 
 /// The upper digit of two that are shifted up by less than a digit.

@@ -6,7 +6,7 @@
 
 use super::builder::Origin;
 use super::move_to::distance_to;
-use super::piece::{Instant, Offset, Piece, Shape, distance_at, over_time};
+use super::piece::{Instant, Piece, Shape, distance_at, over_time};
 use super::{Goal, Limits, Plan, sine};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
@@ -37,7 +37,7 @@ impl Start {
         }
     }
 
-    /// From where it goes on when the acceleration has been brought to zero; at once if there is no jerk for that.
+    /// From where sin² ramps go on when the acceleration has been brought to zero; at once if there is no jerk for that.
     pub(super) fn eased(&self) -> Origin {
         let Self {
             tick,
@@ -54,7 +54,10 @@ impl Start {
             quotient(strength, 1, jerk >> 32)
         };
         if time == 0 {
-            return Origin::steady(tick, from);
+            return Origin {
+                is_sine: true,
+                ..Origin::steady(tick, from)
+            };
         }
         let signed = |value: u128| {
             let value = value.cast_signed();
@@ -115,12 +118,7 @@ impl Plan {
         let Shape::Sine(time) = ramp.shape else {
             return None;
         };
-        let rest = self.up_to_end(ramp, time, at);
-        is_done_anyway(&rest, clock, goal, limits).then_some(rest)
-    }
-
-    /// The rest of a sin² ramp, from tick `at` on.
-    fn up_to_end(&self, ramp: &Piece, time: Offset, at: Ticks) -> Origin {
+        // Where it ends, in the frame.
         let (end, position, velocity) = if Instant::from(at) < ramp.anchor {
             (ramp.anchor, ramp.position, ramp.velocity)
         } else {
@@ -133,23 +131,29 @@ impl Plan {
             )
         };
         let turn = |value| self.frame.turn(value);
-        Origin {
+        let half = turn(ramp.half_acceleration);
+        let from = Exact {
+            position: self.frame.place(position),
+            velocity: turn(velocity),
+        };
+        let change = if ramp.anchor == end { -half } else { half };
+        if !is_done_anyway(from, change, clock, goal, limits) {
+            return None;
+        }
+        Some(Origin {
             start: at,
             lead: Some(Piece {
                 start: at,
                 position: turn(ramp.position.wrapping_sub(position)),
                 velocity: turn(ramp.velocity),
-                half_acceleration: turn(ramp.half_acceleration),
+                half_acceleration: half,
                 ..*ramp
             }),
             begin: self.exact_at(at).position,
             end,
-            from: Exact {
-                position: self.frame.place(position),
-                velocity: turn(velocity),
-            },
+            from,
             is_sine: true,
-        }
+        })
     }
 
     /// If these limits are harder than those so far, a sixth of the jerk of their ramps from rest to the profile velocity, or from the velocity of
@@ -168,18 +172,9 @@ impl Plan {
 }
 
 /// Whether a motion to `goal` begins with the rest of a sin² ramp whatever it does then: it goes on accelerating, or it has to brake
-/// at least as far.
-fn is_done_anyway(rest: &Origin, clock: Clock, goal: Goal, limits: Limits) -> bool {
-    let Some(lead) = rest.lead else {
-        return false;
-    };
-    // The velocity at the end, and how far that is from the one before, in the direction of the motion.
-    let end = rest.from.velocity;
-    let change = if lead.anchor == rest.end {
-        lead.half_acceleration.wrapping_neg()
-    } else {
-        lead.half_acceleration
-    };
+/// at least as far. `rest` is where the ramp ends, and `change` half of the acceleration of the linear ramp in its place.
+fn is_done_anyway(rest: Exact, change: i128, clock: Clock, goal: Goal, limits: Limits) -> bool {
+    let end = rest.velocity;
     let is_reverse = if end == 0 { change > 0 } else { end < 0 };
     let rises = (change < 0) == is_reverse;
     let speed = end.unsigned_abs();
@@ -189,11 +184,11 @@ fn is_done_anyway(rest: &Origin, clock: Clock, goal: Goal, limits: Limits) -> bo
         limits.deceleration
     };
     let half = clock.half_acceleration(rate);
-    let own = lead.half_acceleration.unsigned_abs();
+    let own = change.unsigned_abs();
     // Harder limits are obeyed, and gentler ones where less speed is not what is wanted. But no braking for the target is longer than this.
     if let Goal::Rest(target) = goal
         && speed == 0
-        && distance_to(target, rest.from).is_some_and(|(gap, _)| gap == 0)
+        && distance_to(target, rest).is_some_and(|(gap, _)| gap == 0)
     {
         return true;
     }
@@ -214,7 +209,7 @@ fn is_done_anyway(rest: &Origin, clock: Clock, goal: Goal, limits: Limits) -> bo
         Goal::Rest(target) => (target, Speed::ZERO),
         Goal::Pass(target, end) => (target, end),
     };
-    let Some((gap, is_back)) = distance_to(target, rest.from) else {
+    let Some((gap, is_back)) = distance_to(target, rest) else {
         return false;
     };
     let is_ahead = gap == 0 || is_back == is_reverse;

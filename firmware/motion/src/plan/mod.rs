@@ -324,7 +324,7 @@ impl Plan {
         if ramps == Ramps::SinSquared
             && let Some(rest) = self.rest_of_ramp(clock, at, goal, limits)
         {
-            return self.build(clock, &rest, goal, limits, ramps);
+            return self.build(clock, &rest, (goal, limits));
         }
         self.leave_ramp(clock, at, goal, limits, ramps)
     }
@@ -357,10 +357,10 @@ impl Plan {
     ) -> Result<(), PlanError> {
         match ramps {
             Ramps::MovingAverage(0) => Err(PlanError::ZeroJerk),
-            Ramps::SinSquared => self.build(clock, &start.eased(), goal, limits, ramps),
+            Ramps::SinSquared => self.build(clock, &start.eased(), (goal, limits)),
             Ramps::Linear | Ramps::MovingAverage(_) => {
                 let origin = Origin::steady(start.tick, start.from);
-                self.build(clock, &origin, goal, limits, ramps)
+                self.build(clock, &origin, (goal, limits))
             }
             #[cfg(feature = "limited-jerk")]
             Ramps::JerkLimited(0) => Err(PlanError::ZeroJerk),
@@ -375,17 +375,13 @@ impl Plan {
         }
     }
 
-    /// Makes a plan with linear or sin² ramps.
+    /// Makes a plan with linear or sin² ramps, as its origin says.
     fn build(
         &mut self,
         clock: Clock,
         origin: &Origin,
-        goal: Goal,
-        limits: Limits,
-        ramps: Ramps,
+        (goal, limits): (Goal, Limits),
     ) -> Result<(), PlanError> {
-        let is_sine = ramps == Ramps::SinSquared;
-        let origin = &Origin { is_sine, ..*origin };
         match goal {
             Goal::Rest(target) => {
                 move_to::plan(self, clock, origin, (target, Speed::ZERO), limits)?;
@@ -399,7 +395,7 @@ impl Plan {
             Goal::Velocity(velocity) => velocity::plan(self, clock, origin, velocity, limits)?,
         }
         self.sixth_jerk = 0;
-        self.order = is_sine.then_some((goal, limits, ramps));
+        self.order = origin.is_sine.then_some((goal, limits, Ramps::SinSquared));
         Ok(())
     }
 

@@ -33,7 +33,7 @@ impl Number {
     /// The leading bits of an exact number, rounded towards zero.
     pub(super) fn of(value: i128, kind: Kind) -> Self {
         let magnitude = value.unsigned_abs();
-        let [a, b, c, d] = [0, 32, 64, 96].map(|below| (magnitude >> below) as u32);
+        let [a, b, c, d] = crate::divide::split(magnitude);
         let (top, middle, low, below) = if d != 0 {
             (d, c, b, 64)
         } else if c != 0 {

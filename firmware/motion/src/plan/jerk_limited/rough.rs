@@ -55,7 +55,7 @@ impl Rough {
 
     pub(super) fn of(value: u128, kind: Kind) -> Self {
         // Of four digits the first that is not zero, and the next.
-        let [a, b, c, d] = [0, 32, 64, 96].map(|below| (value >> below) as u32);
+        let [a, b, c, d] = crate::divide::split(value);
         let (high, low, below) = if d != 0 {
             (d, c, 64)
         } else if c != 0 {
