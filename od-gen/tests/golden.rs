@@ -15,6 +15,17 @@ fn small_device() {
     insta::assert_snapshot!(generate(&model("tests/data/small.eds"), Options::DEVICE));
 }
 
+/// `cargo run -p od-gen -- rust firmware/canopen/examples/io_device/io-device.eds -o firmware/canopen/examples/io_device/dictionary.rs` writes it anew.
+#[test]
+fn the_dictionary_of_the_example_is_what_is_generated() {
+    let generated = generate(
+        &model("../firmware/canopen/examples/io_device/io-device.eds"),
+        Options::DEVICE,
+    );
+    let committed = include_str!("../../firmware/canopen/examples/io_device/dictionary.rs");
+    assert!(generated == committed, "it is to be generated anew");
+}
+
 #[test]
 fn small_drive() {
     let generated = generate(&model("tests/data/drive.eds"), Options::DRIVE);

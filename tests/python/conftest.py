@@ -35,6 +35,9 @@ def pytest_addoption(parser):
         "--stepped", default=ROOT / "target" / "debug" / "stepped_drive", help="the virtual drive in virtual time"
     )
     parser.addoption("--axis402", default=ROOT / "target" / "debug" / "axis402", help="the master's command line")
+    parser.addoption(
+        "--io-device", default=ROOT / "target" / "debug" / "examples" / "io_device", help="the example of the crate canopen"
+    )
     parser.addoption("--xtask", default=ROOT / "target" / "debug" / "xtask", help="the program that runs the emulator")
     parser.addoption("--image", help="the firmware's ELF file; without it, it is built")
 

@@ -1,10 +1,9 @@
-//! A CANopen device: CiA 301 (communication profile), CiA 302-2 (NMT start-up), CiA 303-3 (indicators) and CiA 305 (layer setting services).
+#![doc = include_str!("../README.md")]
 //!
-//! The device is a value. Frames and time go in, frames and the next deadline come out ([`Node::receive`],
-//! [`Node::poll`], [`Node::transmit`]); it never waits, allocates or reads a clock. The same code runs in the
-//! firmware, in the emulator and on a PC.
+//! ## Where to find what
 //!
-//! Folders carry the numbers of the standards; [`od`] is the object dictionary, [`wire`] the frames.
+//! [`Node`] is the device; its module ([`node`]) holds the contract. [`od`] is the object dictionary, [`wire`] the frames, and the other folders carry
+//! the numbers of the standards. [`settings`] finds node-ID and bit rate at power-on, [`Outbox`] stands between the node and the mailboxes of a controller.
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

@@ -36,12 +36,12 @@ const DICTIONARIES: [(&str, &str, (&str, &str), bool); 4] = [
 /// Stands for the folder in messages of the compiler.
 const FOLDER: &str = "$FOLDER";
 
-/// The folder that the programs are compiled in, with all dictionaries and the programs of `from`.
-fn prepare(from: &str) -> PathBuf {
+/// The folder that the programs are compiled in, with all dictionaries and the programs of `from`. Tests run side by side: each has its own.
+fn prepare(from: &str, into: &str) -> PathBuf {
     let own = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests")
         .join(from);
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(from);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(into);
     // What an earlier run has left behind.
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).unwrap();
@@ -109,7 +109,7 @@ fn data_sheets() -> Vec<(String, PathBuf)> {
 
 #[test]
 fn generated_dictionaries_do_what_their_data_sheets_say() {
-    let folder = prepare("compile");
+    let folder = prepare("compile", "programs");
     random::write(&folder);
     for (name, path) in data_sheets() {
         let figures = Figures::of(&od_gen::read(&path).unwrap());
@@ -145,7 +145,7 @@ fn main() {
 
 #[test]
 fn generated_code_is_as_rustfmt_would_write_it() {
-    let folder = prepare("compile");
+    let folder = prepare("compile", "formatting");
     random::write(&folder);
     for file in fs::read_dir(folder.join("dictionaries")).unwrap() {
         let file = file.unwrap().path();
@@ -162,7 +162,7 @@ fn generated_code_is_as_rustfmt_would_write_it() {
 /// Run with `TRYBUILD=overwrite` to take over the messages.
 #[test]
 fn o01_wrong_use_does_not_compile() {
-    let folder = prepare("compile/wrong");
+    let folder = prepare("compile/wrong", "wrong");
     let cases = trybuild::TestCases::new();
     cases.compile_fail(folder.join("*.rs"));
     // This runs them.

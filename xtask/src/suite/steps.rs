@@ -211,10 +211,12 @@ fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the programs of the Python tests: the virtual drive, the one in virtual time, and a master's command line.
+/// Builds the programs of the Python tests: the virtual drive, the one in virtual time, a master's command line, and a device that is no drive.
 fn devices() -> Command {
     cargo(&[
         "build",
+        "--package",
+        "canopen",
         "--package",
         "master",
         "--package",
@@ -227,6 +229,8 @@ fn devices() -> Command {
         "stepped_drive",
         "--bin",
         "axis402",
+        "--example",
+        "io_device",
     ])
 }
 
@@ -309,6 +313,8 @@ fn pytest(python: &Path, target: &str) -> Command {
         .arg(place::built("stepped_drive"))
         .arg("--axis402")
         .arg(place::built("axis402"))
+        .arg("--io-device")
+        .arg(place::built("examples/io_device"))
         .arg("--xtask")
         .arg(place::built("xtask"));
     command

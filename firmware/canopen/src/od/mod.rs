@@ -13,6 +13,7 @@ mod access;
 mod counts;
 mod entry;
 mod features;
+mod format;
 mod typed;
 
 use core::ops::Range;
