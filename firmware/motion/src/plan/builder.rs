@@ -15,7 +15,7 @@ pub(super) struct Origin {
     /// How the plan begins before anything new: the rest of a ramp, or what brings its acceleration to zero. In the frame of the axis, but its
     /// positions count from where it ends.
     pub(super) lead: Option<Piece>,
-    /// The position there, Q96 steps.
+    /// The position there, Q96 steps, if the goal is one to pass.
     pub(super) begin: i128,
     /// When the lead ends, and where; without one, at the start.
     pub(super) end: Instant,

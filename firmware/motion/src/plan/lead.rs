@@ -140,6 +140,11 @@ impl Plan {
         if !is_done_anyway(from, change, clock, goal, limits) {
             return None;
         }
+        // Only a target to pass asks where it begins; the piece there need not be worked out for another one.
+        let begin = match goal {
+            Goal::Pass(..) => self.exact_at(at).position,
+            Goal::Rest(_) | Goal::Velocity(_) => from.position,
+        };
         Some(Origin {
             start: at,
             lead: Some(Piece {
@@ -149,7 +154,7 @@ impl Plan {
                 half_acceleration: half,
                 ..*ramp
             }),
-            begin: self.exact_at(at).position,
+            begin,
             end,
             from,
             is_sine: true,

@@ -316,8 +316,8 @@ impl Plan {
         if self.order == Some((goal, limits, ramps)) && at >= self.frame.start {
             return Ok(());
         }
-        self.enter(at);
         if !self.is_smooth() {
+            self.enter(at);
             let start = Start::steady(at, self.exact_at(at));
             return self.make(clock, &start, goal, limits, ramps);
         }
@@ -326,6 +326,7 @@ impl Plan {
         {
             return self.build(clock, &rest, (goal, limits));
         }
+        self.enter(at);
         self.leave_ramp(clock, at, goal, limits, ramps)
     }
 

@@ -148,19 +148,20 @@ impl Division {
         (time * Offset::from(self.place(number))) >> (self.bits + 1)
     }
 
-    /// In which piece lies what is `away` from the beginning of a ramp that takes `time`.
-    fn number(&self, away: Offset, time: Offset) -> u32 {
+    /// In which piece lies what is `away` from the beginning of a ramp that takes `time`; when that piece begins and ends.
+    fn find(&self, away: Offset, time: Offset) -> (u32, Offset, Offset) {
         // The leading 24 bits give a number that is right or next to it.
         let above = 104u32.saturating_sub(time.leading_zeros());
         let (away_lead, lead) = ((away >> above) as u32, (time >> above) as u32);
         let parts = (away_lead << (self.bits + 1)).checked_div(lead);
         let number = parts.unwrap_or(0).div_ceil(2).min(self.corners());
-        if away < self.time(number, time) {
-            number.saturating_sub(1)
-        } else if number < self.corners() && away >= self.time(number + 1, time) {
-            number + 1
+        let (begin, end) = (self.time(number, time), self.time(number + 1, time));
+        if away < begin && number > 0 {
+            (number - 1, self.time(number - 1, time), begin)
+        } else if away >= end && number < self.corners() {
+            (number + 1, end, self.time(number + 2, time))
         } else {
-            number
+            (number, begin, end)
         }
     }
 
@@ -239,8 +240,7 @@ pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, Ticks) {
     let here = Instant::from(t);
     let is_back = here < ramp.anchor;
     let away = here.apart(ramp.anchor).min(time);
-    let number = division.number(away, time);
-    let (begin, end) = (division.time(number, time), division.time(number + 1, time));
+    let (number, begin, end) = division.find(away, time);
     let (corner, next) = (division.corner(number), division.acceleration(number + 1));
     let falls = half < 0;
     // Seen from the anchor: how far it is to the corner.
