@@ -15,7 +15,7 @@
 
 use super::piece::{Instant, Offset, Piece, Shape, distance_at, over_time};
 use crate::clock::{Fine, Ticks};
-use crate::divide::quotient;
+use crate::divide::{estimate, quotient};
 
 /// sin(π·k/128) for k from 0 to 64, Q64. One is the greatest fraction there is.
 #[rustfmt::skip]
@@ -143,9 +143,14 @@ impl Division {
         }
     }
 
+    /// The same in 256ths of half a turn.
+    const fn angle(&self, number: u32) -> u32 {
+        self.place(number) << (7 - self.bits)
+    }
+
     /// When corner `number` is, from 0, the beginning, to the end.
     fn time(&self, number: u32, time: Offset) -> Offset {
-        (time * Offset::from(self.place(number))) >> (self.bits + 1)
+        (time * Offset::from(self.angle(number))) >> 8
     }
 
     /// In which piece lies what is `away` from the beginning of a ramp that takes `time`; when that piece begins and ends.
@@ -170,7 +175,7 @@ impl Division {
         if number == 0 || number > self.corners() {
             return 0;
         }
-        let angle = self.place(number) << (7 - self.bits);
+        let angle = self.angle(number);
         times(self.acceleration, sine(angle.min(256 - angle)))
     }
 
@@ -179,14 +184,11 @@ impl Division {
         if number == 0 || number > self.corners() {
             return Corner::FIRST;
         }
-        // In 256ths of half a turn.
-        let place = self.place(number);
-        let angle = place << (7 - self.bits);
+        let angle = self.angle(number);
         let sine = sine(angle.min(256 - angle));
         let across = times(self.velocity, self::sine(angle.abs_diff(128)));
         Corner {
-            distance: (u64::from(place) << (62 - self.bits))
-                .saturating_sub(times(self.distance, sine)),
+            distance: (u64::from(angle) << 55).saturating_sub(times(self.distance, sine)),
             velocity: if angle < 128 {
                 HALF - across
             } else {
@@ -208,18 +210,32 @@ fn sine(k: u32) -> u64 {
     }
 }
 
-/// A sixth of the jerk, Q128 steps per tick³, at which a ramp is left that takes `time`: 5.06·Δv/T². It begins and ends with 4.97 at most. With as
-/// much its acceleration is at zero before its velocity is at the end.
+/// A sixth of the jerk, Q128 steps per tick³, at which a ramp is left that takes `time`: 5.06·Δv/T², to some 30 bits. It begins and ends with 4.97
+/// at most. With as much its acceleration is at zero before its velocity is at the end.
 pub(super) fn jerk(half_acceleration: i128, time: Offset) -> Fine {
-    quotient((half_acceleration.unsigned_abs() * 27) >> 4, 2, time).max(1)
+    let (number, above) = leading((half_acceleration.unsigned_abs() * 27) >> 4);
+    let (divisor, below) = leading(time);
+    // Less than one, so a digit with 31 bits behind the point. A time has more than 32 bits, an acceleration less than 90.
+    let jerk = Fine::from(estimate(u64::from(number) << 31, divisor)) << (above + 33);
+    (jerk >> below).max(1)
+}
+
+/// The leading 32 bits, and how many there are below; a number of fewer bits is all there is.
+fn leading(value: u128) -> (u32, u32) {
+    let below = 96u32.saturating_sub(value.leading_zeros());
+    let lead = (value >> below) as u32;
+    (lead, below)
 }
 
 /// The same of the ramp that changes the velocity by `change` within these limits: 5.06·a²/Δv, with one division.
 pub(super) fn jerk_of(half_acceleration: Fine, change: Fine) -> Fine {
     // 32 bits of it are plenty.
-    let below = 96u32.saturating_sub(half_acceleration.leading_zeros());
-    let lead = half_acceleration >> below;
-    let exact = quotient((lead * lead * 27) >> 3, 1, change.max(1));
+    let (lead, below) = leading(half_acceleration);
+    let exact = quotient(
+        (Fine::from(lead) * Fine::from(lead) * 27) >> 3,
+        1,
+        change.max(1),
+    );
     // No ramp is shorter than that.
     let most = (half_acceleration * 27) << 25;
     exact
