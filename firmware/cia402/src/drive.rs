@@ -314,8 +314,8 @@ impl<D: Objects> Drive<D> {
         self.motor.advance(pulses);
     }
 
-    /// To be called before an early tick where ticks and refills do not interrupt each other: commits pulses if a refill will soon be due, which would
-    /// have to wait for that tick, and for the regular one behind it.
+    /// To be called before a tick where ticks and refills do not interrupt each other: commits pulses if a refill will soon be due, which would
+    /// have to wait for that tick.
     pub fn top_up<S: PulseSink>(&mut self, pulses: &mut S) {
         if self.motor.runs_short(pulses) {
             self.refill(pulses);

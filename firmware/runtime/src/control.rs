@@ -8,8 +8,7 @@
 //! - Lost frames are a fault only while the motor has current. Storing stops the processor, so on a busy bus frames are lost
 //!   then; a master gets the device's message, and no fault it would have to reset.
 //! - Pulses the drive gives up are dropped in the same tick.
-//! - An early tick begins with a segment and a half of pulses left at least: the refills have its priority and wait for it, and may wait for the
-//!   regular one behind it too.
+//! - A tick begins with a segment and a half of pulses left at least: the refills have its priority and wait for it.
 //! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
 //!   starts anew.
 
@@ -69,6 +68,7 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
                 State::Fault | State::FaultReactionActive
             );
 
+        self.top_up(stage);
         let now = self.look(overrun && !harmless, stage);
         stage.measure(&mut self.inputs);
         let outputs = self.drive.tick(now, &self.inputs, stage.pulses(), exchange);
@@ -85,8 +85,7 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
         if !exchange.lock(|exchange| exchange.calls_early()) {
             return false;
         }
-        stage.service();
-        self.drive.top_up(stage.pulses());
+        self.top_up(stage);
         let now = self.look(false, stage);
         let outputs = self
             .drive
@@ -99,6 +98,12 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
     pub fn refill(&mut self, stage: &mut impl PowerStage) {
         stage.service();
         self.drive.refill(stage.pulses());
+    }
+
+    /// Whatever the tick plans, there are pulses enough until it is over.
+    fn top_up(&mut self, stage: &mut impl PowerStage) {
+        stage.service();
+        self.drive.top_up(stage.pulses());
     }
 
     /// Takes what the stage sees and every tick needs. Returns when that was.

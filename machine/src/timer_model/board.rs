@@ -212,7 +212,7 @@ impl Board {
             self.early = None;
             Task::Early
         };
-        if task == Task::Early {
+        if task != Task::Refill {
             self.output.service();
             self.drive.top_up(&mut self.output);
         }
