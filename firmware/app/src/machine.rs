@@ -1,15 +1,17 @@
-//! The room for the streamed objects: 2020h "User memory" and 20D3h "Scope data". What the data sheet does not list has none.
+//! The room for the streamed objects: 2020h "User memory" and 20D3h "Scope data". The board says how much; what the data sheet does not list
+//! has none.
 
 use canopen::od::Dictionary as _;
 use cia402::recorder::Memory;
 
+use crate::board::{Board, Selected};
 use crate::dictionary::Dictionary;
 
 /// The longest value of 2020h, in bytes.
-pub const USER_MEMORY: usize = room(runtime::USER_MEMORY, 20_480);
+pub const USER_MEMORY: usize = room(runtime::USER_MEMORY, Selected::USER_MEMORY);
 
 /// Words of samples.
-pub const SCOPE_WORDS: usize = room(runtime::SCOPE_DATA, 5_120);
+pub const SCOPE_WORDS: usize = room(runtime::SCOPE_DATA, Selected::SCOPE_WORDS);
 
 /// Room for one value of 2020h.
 pub type Room = &'static mut [u8; USER_MEMORY];

@@ -165,7 +165,7 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
     let (inbox, received) = Inbox::new(frames, lost);
     let [value, spare] = user_memory;
     let machine = Machine::new(value, spare, &board::SCOPE_MEMORY);
-    let node = node.write(NodeTask {
+    let node = place(node, || NodeTask {
         node: Node::new(
             Dictionary::new(),
             machine,
@@ -183,13 +183,9 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
         stop: || {},
     };
     (node.node).power_on(&mut around, &mut LockedBus(&mut bus));
-    let control = control.write(Control::new(
-        pulses,
-        stage,
-        lost,
-        edges,
-        &board::SCOPE_MEMORY,
-    ));
+    let control = place(control, || {
+        Control::new(pulses, stage, lost, edges, &board::SCOPE_MEMORY)
+    });
     Firmware {
         exchange: exchange.0,
         bus: bus.0,
@@ -204,4 +200,10 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
         timer: ControlTimer::start::<Selected>(timer, RATE_HZ),
         panel: Panel::new(lights),
     }
+}
+
+/// Makes a value and puts it where it stays. On the stack each has a place of its own only while it is made.
+#[inline(never)]
+fn place<T>(memory: &'static mut MaybeUninit<T>, value: impl FnOnce() -> T) -> &'static mut T {
+    memory.write(value())
 }

@@ -87,6 +87,8 @@ struct Tick<'a> {
 
 impl<D: Objects> Drive<D> {
     /// A drive that is not ready to switch on. It becomes switch on disabled by itself with the first tick.
+    // Out of line, so that it is made where it stays.
+    #[inline(never)]
     pub fn new(config: DriveConfig) -> Self {
         Self {
             commands: Commands::NONE,

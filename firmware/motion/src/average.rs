@@ -158,6 +158,8 @@ impl Walk {
 }
 
 impl Average {
+    // Out of line, so that it is made where it stays.
+    #[inline(never)]
     pub(crate) const fn new() -> Self {
         Self {
             window: Window { count: 1, grid: 1 },

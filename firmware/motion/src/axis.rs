@@ -108,12 +108,19 @@ pub struct Axis {
 impl Axis {
     /// An axis that stands at 0.
     pub fn new(config: AxisConfig) -> Self {
-        let mut axis = Self {
+        let mut axis = Self::unplaced(config);
+        axis.stand_at(0);
+        axis
+    }
+
+    /// The large part last: so a board makes it where it stays, and not on the stack.
+    #[inline(never)]
+    fn unplaced(config: AxisConfig) -> Self {
+        Self {
             clock: config.clock,
             plan: Plan::at_rest(0, 0),
             ramps: Ramps::Linear,
             path: None,
-            average: Average::new(),
             is_averaged: false,
             mean_jerk: 0,
             acceleration: 0,
@@ -124,9 +131,8 @@ impl Axis {
             committed: 0,
             moving: false,
             trace: Trace::new(),
-        };
-        axis.stand_at(0);
-        axis
+            average: Average::new(),
+        }
     }
 
     /// An axis that begins with `plan`, at its first tick: in motion, or standing somewhere.

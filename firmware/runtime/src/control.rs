@@ -41,13 +41,16 @@ pub struct Control<D, M> {
 
 impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
     /// A drive that stands, without power.
+    // Out of line, so that it is made where it stays.
+    #[inline(never)]
     pub fn new(config: DriveConfig, scope: M) -> Self {
         Self {
-            drive: Drive::new(config),
             recorder: Recorder::new(scope, config.tick),
             lost: 0,
             powered: false,
             inputs: Inputs::default(),
+            // Last, as it is large: so it is made where it stays.
+            drive: Drive::new(config),
         }
     }
 

@@ -52,6 +52,10 @@ pub trait Board: Sized {
     const REFILLS: u32;
     /// Counts of the system timer in a second.
     const SYSTEM_TIMER_HZ: u32;
+    /// The longest value of object 2020h "User memory", in bytes. There is room for two of them if the data sheet lists it.
+    const USER_MEMORY: usize;
+    /// Words of samples that the scope has room for, if the data sheet lists it.
+    const SCOPE_WORDS: usize;
 
     /// Where the control tick puts step pulses in.
     type Pulses: Pulses + Send;

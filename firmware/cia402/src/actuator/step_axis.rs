@@ -37,9 +37,9 @@ pub(crate) struct StepAxis {
 
 impl StepAxis {
     /// An axis that stands at position 0.
+    #[inline(never)]
     pub(crate) fn new(config: AxisConfig) -> Self {
         Self {
-            axis: Axis::new(config),
             built: config,
             timing: PulseTiming::AsBuilt,
             committed: 0,
@@ -50,6 +50,8 @@ impl StepAxis {
             timescale: Timescale::new(config.clock.hz()),
             is_late: false,
             is_broken: false,
+            // Last, as it is large: so it is made where it stays.
+            axis: Axis::new(config),
         }
     }
 

@@ -50,6 +50,8 @@ impl Board for Qemu {
     const STEP_CLOCK_HZ: u32 = 1_000_000_000;
     const SYSTEM_TIMER_HZ: u32 = 168_000_000;
     const REFILLS: u32 = 4;
+    const USER_MEMORY: usize = 20_480;
+    const SCOPE_WORDS: usize = 5_120;
 
     type Pulses = pulses::InterruptPulses;
     type Steps = pulses::StepPlayer;

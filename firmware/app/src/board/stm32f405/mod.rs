@@ -71,6 +71,8 @@ impl Board for Stm32f405 {
     const TICKS_PER_MICROSECOND: u32 = TIMERS_HZ / 1_000_000;
     const STEP_CLOCK_HZ: u32 = CORE_HZ;
     const REFILLS: u32 = 4;
+    const USER_MEMORY: usize = 4_096;
+    const SCOPE_WORDS: usize = 1_024;
     const SYSTEM_TIMER_HZ: u32 = CORE_HZ;
 
     type Pulses = pulse_timer::TimerPulses;
