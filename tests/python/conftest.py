@@ -3,6 +3,9 @@
 `--target virtual` is a virtual drive that serves SLCAN, `--target firmware` the firmware image in QEMU, and
 `--target socketcan` a virtual drive on `vcan0`. Without it the virtual drive is tested.
 
+Against the virtual drive every test runs. The other two have the same core inside, so they run what they may do otherwise: the tests marked
+`everywhere`, which are about timing, the transport with many frames, LSS, and what is stored, with one of each kind of motion, and those that name them (`only`).
+
 Against a virtual drive, the tests marked `own_limits` run in virtual time (`stepped.py`), with the time-outs of python-canopen as they are. On the
 other targets, which run in real time, its time-outs are those of `patience`: a PC that is busy tells nothing about the drive.
 """
@@ -48,6 +51,7 @@ def kinds(config):
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "only(kind, ...): the test is about these targets alone")
+    config.addinivalue_line("markers", "everywhere: the test is for every target, and not for the virtual drive alone")
     config.addinivalue_line("markers", "own_limits: with the time-outs of python-canopen, if the drive is virtual")
 
 
@@ -62,7 +66,9 @@ def pytest_collection_modifyitems(config, items):
     def wanted(item):
         only = item.get_closest_marker("only")
         here = [item.callspec.params["kind"]] if "kind" in item.fixturenames else kinds(config)
-        return only is None or any(kind in only.args for kind in here)
+        if only is not None:
+            return any(kind in only.args for kind in here)
+        return "virtual" in here or item.get_closest_marker("everywhere") is not None
 
     config.hook.pytest_deselected(items=[item for item in items if not wanted(item)])
     items[:] = [item for item in items if wanted(item)]

@@ -6,6 +6,8 @@ import pytest
 
 from conftest import NODE_ID
 
+pytestmark = pytest.mark.everywhere
+
 NODE = str(NODE_ID)
 
 

@@ -2,6 +2,8 @@
 
 import time
 
+import pytest
+
 from conftest import NODE_ID
 from frames import Frames
 
@@ -57,6 +59,7 @@ def test_the_history_begins_with_the_newest_error(network, node):
     assert node.sdo[0x1001].raw == COMMUNICATION
 
 
+@pytest.mark.everywhere
 def test_the_inhibit_time_delays_errors_and_loses_none(network, node):
     inhibit = 0.5
     node.sdo[0x1015].raw = int(inhibit * 10_000)

@@ -42,6 +42,7 @@ def guard(network):
     network.bus.send(can.Message(arbitration_id=0x700 + NODE_ID, is_remote_frame=True, is_extended_id=False, dlc=1))
 
 
+@pytest.mark.everywhere
 def test_a_heartbeat_that_stays_away_is_an_error_until_it_returns(network, node, emergencies):
     node.sdo[0x1016][1].raw = OTHER << 16 | PATIENCE
     node.nmt.state = "OPERATIONAL"
@@ -57,6 +58,7 @@ def test_a_heartbeat_that_stays_away_is_an_error_until_it_returns(network, node,
     assert node.sdo[0x1001].raw == 0
 
 
+@pytest.mark.everywhere
 def test_a_lost_heartbeat_ends_operational(network, node, emergencies, error_control):
     node.sdo[0x1016][8].raw = OTHER << 16 | 100
     node.sdo[0x1017].raw = 50
@@ -88,6 +90,7 @@ def test_python_canopen_guards_the_drive(node, error_control):
     assert node.nmt.state == "PRE-OPERATIONAL"
 
 
+@pytest.mark.everywhere
 def test_a_guarding_master_that_stays_away_is_an_error_until_it_returns(network, node, emergencies, error_control):
     node.sdo[0x100C].raw = PATIENCE // 2
     node.sdo[0x100D].raw = 2

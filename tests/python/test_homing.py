@@ -54,6 +54,7 @@ def test_home_is_here(drive, method):
     assert drive.sdo[0x2034][1].raw == 1
 
 
+@pytest.mark.everywhere
 def test_is_homed_as_long_as_the_home_position_is_known(drive):
     prepare(drive, 37)
     assert not drive.is_homed()

@@ -31,6 +31,7 @@ def identity(lss):
     return words
 
 
+@pytest.mark.everywhere
 def test_fastscan_finds_the_unconfigured_drive(lss):
     expected = identity(lss)
     # Every bit that is 1 costs one time-out, and an answer that comes late spoils the scan.
@@ -66,12 +67,14 @@ def test_fastscan_does_not_find_a_configured_drive(network, lss):
     assert lss.fast_scan() == (False, None)
 
 
+@pytest.mark.everywhere
 def test_the_drive_with_the_address_is_selected(lss):
     vendor, product, revision, serial = identity(lss)
     assert lss.send_switch_state_selective(vendor, product, revision, serial)
     assert lss.inquire_node_id() == UNCONFIGURED
 
 
+@pytest.mark.everywhere
 def test_a_drive_with_another_address_is_not_selected(lss):
     vendor, product, revision, serial = identity(lss)
     lss.RESPONSE_TIMEOUT = SILENCE
@@ -81,6 +84,7 @@ def test_a_drive_with_another_address_is_not_selected(lss):
         lss.inquire_node_id()
 
 
+@pytest.mark.everywhere
 def test_an_unconfigured_drive_is_silent_but_for_lss(network, lss):
     others = [Frames(network, cob_id) for cob_id in range(0x800) if cob_id != lss.LSS_RX_COBID]
     network.nmt.send_command(129)  # reset node
@@ -108,6 +112,7 @@ def test_a_reserved_bit_timing_is_refused(lss):
         lss.configure_bit_timing(5)
 
 
+@pytest.mark.everywhere
 def test_a_new_node_id_is_used_after_reset_communication(network, lss):
     give_node_id(network)
     new = NODE_ID + 1

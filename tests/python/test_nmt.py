@@ -16,6 +16,7 @@ def error_control(network, node):
     return Frames(network, 0x700 + NODE_ID)
 
 
+@pytest.mark.everywhere
 @pytest.mark.parametrize("command", ["RESET", "RESET COMMUNICATION"])
 def test_a_reset_ends_with_a_boot_up(node, error_control, command):
     node.nmt.state = command
@@ -44,6 +45,7 @@ def test_heartbeats_tell_the_state(node, error_control):
         error_control.until(lambda frame: frame == state)
 
 
+@pytest.mark.everywhere
 def test_heartbeats_keep_their_period(node, error_control):
     period, count = 0.05, 40
     node.sdo[0x1017].raw = int(period * 1000)

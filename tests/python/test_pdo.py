@@ -67,6 +67,7 @@ def test_sync_drives_a_tpdo(network, node):
     assert frames.none()
 
 
+@pytest.mark.everywhere
 def test_every_third_sync_drives_a_tpdo(network, node):
     frames = map_tpdo(node, 4, [0x6041], 3)
     node.nmt.state = "OPERATIONAL"
@@ -89,6 +90,7 @@ def test_a_change_sends_a_tpdo(network, node):
     assert frames.none()
 
 
+@pytest.mark.everywhere
 def test_the_event_timer_repeats_a_tpdo(network, node):
     period, count = 0.05, 20
     frames = map_tpdo(node, 1, [0x6041], EVENT_DRIVEN, event_timer=int(period * 1000))
@@ -133,6 +135,7 @@ def test_a_synchronous_rpdo_waits_for_sync(network, node):
     wait_until(lambda: node.sdo[0x607A].raw == 777, "607Ah at SYNC")
 
 
+@pytest.mark.everywhere
 def test_a_remote_request_drives_a_tpdo(network, node):
     frames = map_tpdo(node, 1, [0x6083], ON_REQUEST, rtr_allowed=True)
     node.nmt.state = "OPERATIONAL"
@@ -160,6 +163,7 @@ def test_a_tpdo_begins_with_its_start_value(network, node):
         assert frames.none()
 
 
+@pytest.mark.everywhere
 def test_the_drive_produces_sync_and_keeps_to_it(network, node):
     period = 0.05
     syncs = Frames(network, 0x80)

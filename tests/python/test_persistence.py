@@ -1,6 +1,10 @@
 """What the drive remembers when its power was off."""
 
+import pytest
+
 from conftest import EDS, NODE_ID, give_node_id
+
+pytestmark = pytest.mark.everywhere
 
 #: Sub-indices of 1010h and 1011h.
 COMMUNICATION, APPLICATION = 2, 3

@@ -92,6 +92,7 @@ def assert_at(axis, target):
     assert axis.position() == target
 
 
+@pytest.mark.everywhere
 def test_moves_end_on_the_exact_target(axis):
     for target in (5_000, -3_000, 0, 12_345):
         axis.set_point(target)
@@ -150,6 +151,7 @@ def test_halt_pauses_a_move(axis):
     assert_at(axis, 8_000)
 
 
+@pytest.mark.everywhere
 def test_quick_stop_ends_a_move(axis):
     axis.set_point(1_000_000)
     axis.answers.until(lambda frame: int.from_bytes(frame[2:], "little", signed=True) > 1_000)

@@ -37,6 +37,7 @@ def test_a_string_comes_in_segments(node):
     assert node.sdo[0x1008].raw == "Axis402 CiA 402 drive"
 
 
+@pytest.mark.everywhere
 def test_every_entry_has_the_length_and_the_default_of_the_data_sheet(node):
     for entry in entries(node.object_dictionary):
         data = node.sdo.upload(entry.index, entry.subindex)

@@ -49,6 +49,7 @@ def test_there_and_back(ready):
         assert state_by_sdo(ready) == [state]
 
 
+@pytest.mark.everywhere
 def test_straight_up_from_switch_on_disabled(ready):
     ready.state = "OPERATION ENABLED"
     assert state_by_sdo(ready) == ["OPERATION ENABLED"]
@@ -86,6 +87,7 @@ def test_modes_that_are_there(ready):
         wait_until(lambda: ready.op_mode == mode, mode)
 
 
+@pytest.mark.everywhere
 def test_a_fault_is_reset(network, ready):
     # A heartbeat that stays away is a fault while the motor has power (6007h).
     ready.sdo[0x6007].raw = 1

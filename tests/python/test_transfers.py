@@ -40,6 +40,7 @@ def upload(node, index, block, subindex=0, **how):
         return stream.read()
 
 
+@pytest.mark.everywhere
 @pytest.mark.parametrize("block", [False, True], ids=["segmented", "block"])
 def test_what_is_written_is_read_by_both_kinds_of_transfer(node, block):
     for length in LENGTHS:
@@ -56,6 +57,7 @@ def test_a_download_without_a_checksum(node):
     assert upload(node, USER_MEMORY, True) == data
 
 
+@pytest.mark.everywhere
 @pytest.mark.parametrize("size", [1, 2, 40, 126])
 def test_a_client_chooses_the_size_of_the_sub_blocks(node, monkeypatch, size):
     data = some_bytes(2000)
@@ -86,6 +88,7 @@ def test_a_wrong_checksum_changes_nothing(node):
     assert upload(node, USER_MEMORY, True) == b"what was there before"
 
 
+@pytest.mark.everywhere
 def test_the_user_memory_outlives_a_reset_of_the_node(node):
     data = some_bytes(1000)
     download(node, USER_MEMORY, data, True)

@@ -43,6 +43,7 @@ def test_the_modes_that_are_offered_can_be_entered(enabled):
     assert not enabled.is_op_mode_supported("PROFILED TORQUE")
 
 
+@pytest.mark.everywhere
 def test_profile_velocity_keeps_the_target_velocity(enabled):
     enabled.op_mode = "PROFILED VELOCITY"
     assert enabled.sdo[0x6061].raw == OperationMode.PROFILED_VELOCITY
