@@ -7,7 +7,7 @@
 //! In place of a plan the axis can follow a path of set-points ([`Axis::follow`]), each with its tick of that time: on that tick it
 //! is exactly there. Any other order ends the path and begins where it has led to.
 //!
-//! Every pulse is accounted for: [`Axis::committed_position`] is always the sum of the pulses handed to the sink.
+//! Every pulse is accounted for: [`Axis::committed_position`] is always the sum of the pulses committed to the sink.
 
 mod averaged;
 mod following;
@@ -78,11 +78,11 @@ impl core::error::Error for AdvanceError {}
 #[derive(Debug, Clone)]
 #[repr(C)]
 pub struct Axis {
-    /// Up to here records have been handed out.
-    handed: Ticks,
-    /// The sum of the pulses handed out, modulo 2³².
-    committed: i32,
-    /// Whether records of the present motion have been handed out.
+    /// Up to here records have been committed.
+    committed: Ticks,
+    /// The sum of the committed pulses, modulo 2³².
+    steps: i32,
+    /// Whether records of the present motion have been committed.
     moving: bool,
     is_averaged: bool,
     /// The segment as it was configured; the driver may need a longer one.
@@ -127,8 +127,8 @@ impl Axis {
             carry: 0,
             stepper: Stepper::new(config.timing, config.segment, 0, 0),
             segment: config.segment,
-            handed: 0,
             committed: 0,
+            steps: 0,
             moving: false,
             trace: Trace::new(),
             average: Average::new(),
@@ -139,7 +139,7 @@ impl Axis {
     pub fn on_plan(config: AxisConfig, plan: Plan) -> Self {
         let mut axis = Self::new(config);
         let begin = plan.start();
-        axis.handed = begin;
+        axis.committed = begin;
         axis.set_position(plan.state_at(begin).position.whole_steps());
         axis.plan = plan;
         axis
@@ -204,13 +204,13 @@ impl Axis {
     /// The tick of the axis' time that is being played now, if the sink still has `pending` ticks to play. It stands
     /// while the axis is at rest.
     pub const fn played(&self, pending: Ticks) -> Ticks {
-        self.handed.saturating_sub(pending)
+        self.committed.saturating_sub(pending)
     }
 
     /// Another driver, or another configuration of it. A motion is forgotten as by [`Axis::abort`].
     pub fn set_timing(&mut self, timing: DriverTiming) {
-        self.stepper = Stepper::new(timing, self.segment, self.committed, self.handed);
-        self.stand_at(self.committed);
+        self.stepper = Stepper::new(timing, self.segment, self.steps, self.committed);
+        self.stand_at(self.steps);
     }
 
     /// The power is off: forgets the motion and stands, with no ramp, at [`Axis::committed_position`], which is returned.
@@ -218,7 +218,7 @@ impl Axis {
     /// The caller clears the sink. If that held records not yet played, the motor is not there: the caller says where it is with
     /// [`Axis::set_position`].
     pub fn abort(&mut self) -> i64 {
-        self.stand_at(self.committed);
+        self.stand_at(self.steps);
         self.committed_position()
     }
 
@@ -227,7 +227,7 @@ impl Axis {
         self.stand_at(steps as i32);
     }
 
-    /// Hands out records until the sink has two segments to play, or the motion ends. To be called in every control tick and refill. It makes no more
+    /// Commits records until the sink has two segments to play, or the motion ends. To be called in every control tick and refill. It makes no more
     /// than 160 chords: four segments of 32, and 32 more.
     ///
     /// # Errors
@@ -237,11 +237,11 @@ impl Axis {
         let starved = self.moving && pending == 0;
         let pending = u32::try_from(pending).unwrap_or(u32::MAX);
         let missing = (self.stepper.segment() * 2).saturating_sub(pending);
-        let enough = self.handed.saturating_add(missing.into());
+        let enough = self.committed.saturating_add(missing.into());
         let mut is_done = false;
         for _ in 0..MOST_CHORDS {
-            self.hand_out(sink)?;
-            is_done = self.handed >= enough;
+            self.commit(sink)?;
+            is_done = self.committed >= enough;
             if is_done {
                 break;
             }
@@ -272,12 +272,12 @@ impl Axis {
         self.demand_of(self.trace.at(self.played(pending)))
     }
 
-    /// Whole steps handed to the sink so far: the sum of its pulses, −2³¹ ..= 2³¹−1.
+    /// Whole steps committed to the sink so far: the sum of its pulses, −2³¹ ..= 2³¹−1.
     pub fn committed_position(&self) -> i64 {
-        self.committed.into()
+        self.steps.into()
     }
 
-    /// Whether the motion has ended and all its records have been handed out. The sink may still be playing them.
+    /// Whether the motion has ended and all its records have been committed. The sink may still be playing them.
     #[inline]
     pub fn is_at_rest(&self) -> bool {
         !self.stepper.is_on_piece() && self.has_ended()
@@ -348,33 +348,33 @@ impl Axis {
         self.stepper.horizon()
     }
 
-    /// Hands out the records made.
+    /// Commits the records made.
     #[inline]
-    fn hand_out<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
+    fn commit<S: PulseSink>(&mut self, sink: &mut S) -> Result<(), AdvanceError> {
         let waiting = self.stepper.waiting();
         if waiting.is_empty() {
             return Ok(());
         }
         let taken = sink.push_all(waiting);
         if taken < waiting.len() {
-            self.handed_out_part(taken);
+            self.committed_part(taken);
             return Err(AdvanceError::SinkFull);
         }
         self.moving = true;
-        self.stepper.handed_out();
-        (self.handed, self.committed) = self.stepper.made();
+        self.stepper.take_all();
+        (self.committed, self.steps) = self.stepper.made();
         Ok(())
     }
 
     /// The sink has taken only so many of the records made.
     #[cold]
-    fn handed_out_part(&mut self, taken: usize) {
+    fn committed_part(&mut self, taken: usize) {
         for record in self.stepper.waiting().iter().take(taken) {
-            self.handed = self.handed.wrapping_add(record.ticks());
-            self.committed = self.committed.wrapping_add(record.steps());
+            self.committed = self.committed.wrapping_add(record.ticks());
+            self.steps = self.steps.wrapping_add(record.steps());
             self.moving = true;
         }
-        self.stepper.handed_out_part(taken);
+        self.stepper.committed_part(taken);
     }
 
     /// Enters the piece of the motion that begins at the horizon, if it has not ended there.
@@ -422,17 +422,17 @@ impl Axis {
     #[inline(never)]
     fn settle(&mut self) {
         self.stepper.leave();
-        self.plan = Plan::at_rest(self.committed.into(), self.horizon());
+        self.plan = Plan::at_rest(self.steps.into(), self.horizon());
         self.path = None;
         self.is_averaged = false;
         self.acceleration = 0;
         self.moving = false;
     }
 
-    /// Stands at `steps`, with nothing more to hand out.
+    /// Stands at `steps`, with nothing more to commit.
     fn stand_at(&mut self, steps: i32) {
-        self.committed = steps;
-        self.stepper.reset(steps, self.handed);
+        self.steps = steps;
+        self.stepper.reset(steps, self.committed);
         self.settle();
         let standing = self.plan.state_at(self.horizon());
         self.trace.restart(self.horizon(), standing);

@@ -72,12 +72,12 @@ impl Axis {
         }
     }
 
-    /// A target is as far from the pulses handed out as its number says. What is planned begins ahead of these, by half a step or by half a
+    /// A target is as far from the pulses committed as its number says. What is planned begins ahead of these, by half a step or by half a
     /// window's way and more, and may have wrapped before them, or they before it: the number for the same way from there.
     fn seen_from(&self, goal: Goal, from: Exact) -> Goal {
         let here = (from.position >> 96) as i32;
-        let ahead = here.wrapping_sub(self.committed);
-        let unwrapped = i64::from(self.committed).wrapping_add(ahead.into());
+        let ahead = here.wrapping_sub(self.steps);
+        let unwrapped = i64::from(self.steps).wrapping_add(ahead.into());
         let shift = i64::from(here).wrapping_sub(unwrapped);
         match goal {
             Goal::Rest(target) => Goal::Rest(target.saturating_add(shift)),

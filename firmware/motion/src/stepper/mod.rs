@@ -78,7 +78,7 @@ impl Stepper {
         }
     }
 
-    /// Starts anew at `steps` and `now`: what was open or not handed out is dropped.
+    /// Starts anew at `steps` and `now`: what was open or not committed is dropped.
     pub(crate) fn reset(&mut self, steps: i32, now: Ticks) {
         self.horizon = now;
         self.leave();
@@ -113,21 +113,21 @@ impl Stepper {
         (self.train.pen, self.train.steps_at_pen())
     }
 
-    /// The records to hand out.
+    /// The records to commit.
     #[inline]
     pub(crate) fn waiting(&self) -> &[Record] {
         self.train.waiting()
     }
 
-    /// All of them have been handed out.
+    /// All of them have been committed.
     #[inline]
-    pub(crate) const fn handed_out(&mut self) {
-        self.train.handed_out();
+    pub(crate) const fn take_all(&mut self) {
+        self.train.take_all();
     }
 
-    /// Only the first `records` of them have been handed out.
-    pub(crate) fn handed_out_part(&mut self, records: usize) {
-        self.train.handed_out_part(records);
+    /// Only the first `records` of them have been committed.
+    pub(crate) fn committed_part(&mut self, records: usize) {
+        self.train.committed_part(records);
     }
 
     /// Whether a record was lost since this was asked last: there is room for all that a chord can make.
@@ -142,7 +142,7 @@ impl Stepper {
         (at.floor().whole_steps() as i32).wrapping_sub(self.train.steps)
     }
 
-    /// Whether all that was made has been handed out, and nothing is open at the horizon.
+    /// Whether all that was made has been committed, and nothing is open at the horizon.
     pub(crate) fn is_closed(&self) -> bool {
         self.train.waiting().is_empty() && self.train.is_closed(self.horizon)
     }
@@ -191,7 +191,7 @@ impl Stepper {
 
     /// Makes the records of a chord: such a one that they lead up to tick `enough`, if one chord can do that. No chord where the one before leads there.
     ///
-    /// It is not far from what was handed out, so 32 bits of it are told.
+    /// It is not far from what was committed, so 32 bits of it are told.
     pub(crate) fn emit(&mut self, enough: u32) {
         if !self.train.flush(self.horizon, enough) {
             self.walk(enough);
@@ -247,7 +247,7 @@ impl Stepper {
         if left <= self.most.into() {
             return left as u32;
         }
-        // Up to there, and beyond. Neither is far from what was handed out.
+        // Up to there, and beyond. Neither is far from what was committed.
         let wanted = enough.wrapping_sub(self.horizon as u32).cast_signed();
         let wanted = wanted.max(0).cast_unsigned().min(self.most);
         let length = (wanted + self.beyond).min(self.most + self.spare);

@@ -100,7 +100,7 @@ impl Train {
         }
     }
 
-    /// Starts anew at `steps` and `pen`: what was open or not handed out is dropped, and the direction is unknown.
+    /// Starts anew at `steps` and `pen`: what was open or not committed is dropped, and the direction is unknown.
     pub(super) fn reset(&mut self, steps: i32, pen: Ticks) {
         self.steps = steps;
         self.pen = pen;
@@ -115,20 +115,20 @@ impl Train {
         self.open_step == 0 && self.pen >= now
     }
 
-    /// The records to hand out.
+    /// The records to commit.
     #[inline]
     pub(super) fn waiting(&self) -> &[Record] {
         self.made.get(..usize::from(self.count)).unwrap_or_default()
     }
 
-    /// All of them have been handed out.
+    /// All of them have been committed.
     #[inline]
-    pub(super) const fn handed_out(&mut self) {
+    pub(super) const fn take_all(&mut self) {
         self.count = 0;
     }
 
-    /// Only the first `records` of them have been handed out.
-    pub(super) fn handed_out_part(&mut self, records: usize) {
+    /// Only the first `records` of them have been committed.
+    pub(super) fn committed_part(&mut self, records: usize) {
         let made = self.made;
         let left = made.get(records..).unwrap_or_default();
         // What stays behind them is not looked at.

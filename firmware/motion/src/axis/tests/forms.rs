@@ -194,14 +194,14 @@ fn check_ramp(id: &str) {
         };
         let name = std::format!("{id}, {form:?}");
         let until = ticks(duration + 0.1) as Ticks;
-        while axis.handed < until && !axis.is_at_rest() {
+        while axis.committed < until && !axis.is_at_rest() {
             axis.advance(&mut sink).unwrap();
             sink.play(axis.stepper.segment().into());
         }
         if v.v1 == 0 {
-            assert_end(form, axis.handed, ticks(duration));
+            assert_end(form, axis.committed, ticks(duration));
         }
-        let seconds = axis.handed as f64 / f64::from(HZ);
+        let seconds = axis.committed as f64 / f64::from(HZ);
         let wanted = way + v1 * (seconds - duration);
         let off = sink.position as f64 - wanted;
         assert!(off.abs() <= 1.1, "{name}: {off} steps off");
@@ -320,7 +320,7 @@ fn r2_velocity_lowered_on_the_way_with_each_form() {
         };
         let cruise = (100_000.0 - from - brake.1 - stop.1) / 25_000.0;
         let slow = at + ticks(brake.0 + window) as Ticks + 2 * u64::from(axis.stepper.segment());
-        while axis.handed < slow {
+        while axis.committed < slow {
             let before = axis.committed_velocity();
             axis.advance(&mut sink).unwrap();
             let faster = axis.committed_velocity().bits() - before.bits();

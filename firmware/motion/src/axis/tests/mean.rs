@@ -59,9 +59,9 @@ fn averaged(jerk: u32) -> (Axis, Count) {
     (axis, Count::default())
 }
 
-/// Until tick `t` is handed out, or to the end. The sink is always empty, which the axis says.
+/// Until tick `t` is committed, or to the end. The sink is always empty, which the axis says.
 fn fly(axis: &mut Axis, sink: &mut Count, t: Ticks) {
-    while axis.handed < t && !axis.is_at_rest() {
+    while axis.committed < t && !axis.is_at_rest() {
         let _ = axis.advance(sink);
     }
 }
@@ -181,7 +181,7 @@ proptest! {
         let window = axis.window();
         let planned = axis.plan.end().unwrap();
         fly(&mut axis, &mut sink, Ticks::MAX);
-        let end = axis.handed;
+        let end = axis.committed;
 
         let (mut axis, mut sink) = averaged(jerk);
         axis.move_to(target, limits).unwrap();
@@ -201,7 +201,7 @@ proptest! {
         fly(&mut axis, &mut sink, Ticks::MAX);
         prop_assert_eq!(sink.position, target);
         let sample = u64::from(HZ / 4000).max(u64::from(window) / 512 + 1);
-        let moved = axis.handed.abs_diff(end);
+        let moved = axis.committed.abs_diff(end);
         prop_assert!(moved <= sample, "{moved} ticks after {orders} orders");
     }
 
@@ -226,8 +226,8 @@ proptest! {
         } else {
             axis.ramp_to(lower.velocity.signed(false), lower).unwrap();
         }
-        let until = axis.handed + settled;
-        while axis.handed < until && !axis.is_at_rest() && before.unsigned_abs() > lower.velocity {
+        let until = axis.committed + settled;
+        while axis.committed < until && !axis.is_at_rest() && before.unsigned_abs() > lower.velocity {
             let _ = axis.advance(&mut sink);
             let now = axis.committed_velocity();
             // A sample is rounded to 2⁻³² steps.

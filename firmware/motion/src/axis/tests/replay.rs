@@ -113,7 +113,7 @@ impl Replay {
     /// The sum of the pulses is the committed position, at any moment.
     pub(super) fn account(&self, axis: &Axis) {
         assert_eq!(self.position as i32, axis.committed_position() as i32);
-        assert_eq!(self.ticks, axis.handed);
+        assert_eq!(self.ticks, axis.committed);
     }
 
     /// Time goes on. What is not there cannot be played.
