@@ -445,7 +445,12 @@ impl Average {
     fn look(&mut self, plan: &Plan, at: Ticks) {
         let straight = self.straight();
         let next = at.saturating_add(self.window.grid.into());
-        let ahead = plan.exact_at(next);
+        // Worked out once for all that is asked of it.
+        let phase = plan.phase_at(next);
+        let ahead = match &phase {
+            Some(phase) => phase.at(next),
+            None => plan.exact_at(next),
+        };
         let end = plan.end().unwrap_or(Ticks::MAX);
         let rest = plan.exact_at(end).position;
         // An end that is rounded up may be a tick behind the sample that is at the target already.
@@ -455,7 +460,6 @@ impl Average {
         let (keeps, pace, half) = if stands {
             (self.stands || end <= at, 0, 0)
         } else {
-            let phase = plan.phase_at(next);
             let half = phase.as_ref().map_or(0, Phase::half_acceleration);
             let is_one = phase.as_ref().is_some_and(|phase| phase.start() <= at);
             let keeps = is_one && half == 0 && ahead.velocity == self.pace;
