@@ -210,6 +210,7 @@ impl Server {
                 ),
                 Event::CommunicationError(error) => describe(error),
                 Event::ResetRequested(_) => "reset".to_owned(),
+                other => format!("{other:?}"),
             };
             self.tell(&text);
         }
@@ -255,5 +256,6 @@ fn describe(error: CommunicationError) -> String {
         }
         CommunicationError::LifeGuarding => "nobody guards the drive any more".to_owned(),
         CommunicationError::BusOff => "the CAN controller is bus-off".to_owned(),
+        other => format!("{other:?}"),
     }
 }

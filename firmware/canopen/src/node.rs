@@ -55,6 +55,7 @@ use crate::wire::sdo::Multiplexer;
 
 /// What the firmware around the device has to know or to do. Taken with [`Node::event`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Event {
     /// The NMT state changed.
     StateChanged(NmtState),

@@ -243,10 +243,8 @@ where
             }
             Event::FindBitRate { at } => self.switch = Some((BitTiming::Automatic, at)),
             Event::RestartController => self.restarts = true,
-            Event::StateChanged(_)
-            | Event::ResetRequested(_)
-            | Event::CommunicationError(_)
-            | Event::EmergencyReceived(_) => {}
+            // What is told only: the device has acted on it.
+            _ => {}
         }
     }
 

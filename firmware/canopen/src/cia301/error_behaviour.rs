@@ -20,6 +20,7 @@ pub const INDEX: u16 = 0x1029;
 
 /// How the network was lost (CiA 301 calls all of these communication errors).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum CommunicationError {
     /// A watched node is silent, or has started anew.
     Heartbeat(HeartbeatError),

@@ -18,6 +18,7 @@ pub const CONSUMER_INDEX: u16 = 0x1016;
 
 /// What is wrong with a watched node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum HeartbeatError {
     /// No heartbeat for longer than its time.
     Lost(NodeId),

@@ -4,6 +4,7 @@
 /// An SDO abort code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
+#[non_exhaustive]
 pub enum AbortCode {
     /// Toggle bit not alternated.
     ToggleNotAlternated = 0x0503_0000,
