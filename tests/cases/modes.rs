@@ -22,6 +22,8 @@ fn m22_6502h_has_a_bit_for_each_mode_that_6060h_accepts_and_6061h_shows() {
     let mut drive = DriveBench::started(4);
     let supported = modes(&mut drive);
     assert!([1, 2, 3].iter().all(|mode| supported.contains(mode)));
+    // A step axis has no torque.
+    assert!(![4, 10].iter().any(|mode| supported.contains(mode)));
     for mode in i8::MIN..=i8::MAX {
         let before = drive.read_i8(0x6061, 0);
         let is_there = mode == 0 || supported.contains(&mode);

@@ -1,6 +1,6 @@
 //! The control half: state machine, mode of operation, planner; once per control tick.
 //!
-//! A tick looks at the world once (commands, inputs, what has become of the pulses), decides, commits the pulses of
+//! A tick looks at the world once (commands, inputs, what has become of the port), decides, commits the pulses of
 //! the next segments, and publishes statusword, mode display and actual values together. `Drive::run` is the list of its steps; an early
 //! tick takes a part of them. The motor has power in operation enabled, quick stop active and fault reaction active, and nowhere else.
 
@@ -15,15 +15,14 @@ mod waiting;
 
 use core::marker::PhantomData;
 
-use canopen::Instant;
-use motion::PulseSink;
+use canopen::{Duration, Instant};
 
-use crate::actuator::{Actuator, StepAxis};
+use crate::actuator::{Actuator, AtPort, StepAxis};
 use crate::board::{DriveConfig, Inputs, Outputs, outlast_tick};
 use crate::brake::Brakes;
 use crate::commands::Commands;
 use crate::configuration::Configuration;
-use crate::cyclic::{Cyclic, fine};
+use crate::cyclic::{Cyclic, Fine, fine};
 use crate::exchange::{Actuals, Exchange, Share, Waiting};
 use crate::faults::{EXTERNAL, Faults};
 use crate::inputs::{DigitalInputs, Switches};
@@ -39,9 +38,9 @@ use crate::units::{Frame, SoftwareLimits};
 
 use waiting::{Network, Orders, Stopping};
 
-/// The drive of a dictionary `D`: what the data sheet does not list is not linked.
+/// The drive of a dictionary `D` with an actuator `A`: what the data sheet does not list is not linked.
 #[derive(Debug)]
-pub struct Drive<D = Everything> {
+pub struct Drive<D = Everything, A = StepAxis> {
     /// What the network wants, as of the last tick.
     commands: Commands,
     configuration: Configuration,
@@ -52,7 +51,7 @@ pub struct Drive<D = Everything> {
     machine: StateMachine,
     modes: Modes,
     faults: Faults,
-    motor: Motor<StepAxis>,
+    motor: Motor<A>,
     brakes: Brakes,
     monitor: Monitor,
     switches: Switches,
@@ -86,10 +85,20 @@ struct Tick<'a> {
 }
 
 impl<D: Objects> Drive<D> {
-    /// A drive that is not ready to switch on. It becomes switch on disabled by itself with the first tick.
+    /// A drive with a step axis.
     // Out of line, so that it is made where it stays.
     #[inline(never)]
     pub fn new(config: DriveConfig) -> Self {
+        let axis = outlast_tick(config);
+        Self::with_actuator(|| StepAxis::new(axis), StepAxis::lead(&axis), config.tick)
+    }
+}
+
+impl<D: Objects, A: Actuator> Drive<D, A> {
+    /// A drive that is not ready to switch on, with an actuator that commits demands so long ahead of the motor, and with control ticks of
+    /// this period. It becomes switch on disabled by itself with the first one.
+    #[inline]
+    pub fn with_actuator(actuator: impl FnOnce() -> A, lead: Fine, tick: Duration) -> Self {
         Self {
             commands: Commands::NONE,
             configuration: Configuration::NONE,
@@ -98,7 +107,8 @@ impl<D: Objects> Drive<D> {
             machine: StateMachine::new(),
             modes: Modes::new(),
             faults: Faults::default(),
-            motor: Motor::new(outlast_tick(config)),
+            cyclic: Cyclic::new(lead, tick),
+            motor: Motor::new(actuator),
             brakes: Brakes::new(),
             monitor: Monitor::new(),
             switches: Switches::default(),
@@ -108,7 +118,6 @@ impl<D: Objects> Drive<D> {
             network: Network::default(),
             stopping: Stopping::new(),
             ticked: Instant::from_ticks(0),
-            cyclic: Cyclic::new(&outlast_tick(config), config.tick),
             dictionary: PhantomData,
         }
     }
@@ -128,14 +137,17 @@ impl<D: Objects> Drive<D> {
     }
 
     /// One control tick. `now` is its time, on the clock that stamps received frames; `inputs` were read just before.
-    pub fn tick<S: PulseSink, X: Share>(
+    pub fn tick<P, X: Share>(
         &mut self,
         now: Instant,
         inputs: &Inputs,
-        pulses: &mut S,
+        port: &mut P,
         exchange: &mut X,
-    ) -> Outputs {
-        self.run(false, (now, inputs), pulses, exchange)
+    ) -> Outputs
+    where
+        A: AtPort<P>,
+    {
+        self.run(false, (now, inputs), port, exchange)
     }
 
     /// A tick as soon as a command to stop has come ([`Exchange::calls_early`]): halt, quick stop, disable operation or voltage, a network
@@ -145,27 +157,34 @@ impl<D: Objects> Drive<D> {
     /// It does what concerns the command and the motor. Everything that goes by the regular ticks is left to these: switches and their
     /// debouncing, the touch probes, data records and set-points of the cyclic modes, the rhythm of the ticks, pulses for a motor
     /// that moves, the sixteen ticks of the actual velocity, samples of the scope. So no time is shortened and nothing is consumed twice.
-    pub fn early_tick<S: PulseSink, X: Share>(
+    pub fn early_tick<P, X: Share>(
         &mut self,
         now: Instant,
         inputs: &Inputs,
-        pulses: &mut S,
+        port: &mut P,
         exchange: &mut X,
-    ) -> Outputs {
-        self.run(true, (now, inputs), pulses, exchange)
+    ) -> Outputs
+    where
+        A: AtPort<P>,
+    {
+        self.run(true, (now, inputs), port, exchange)
     }
 
     /// The steps of a tick. The large ones are out of line, and so are the modes: no function is above 4 kB, and none comes twice.
-    fn run<S: PulseSink, X: Share>(
+    fn run<P, X: Share>(
         &mut self,
         is_early: bool,
         (now, inputs): (Instant, &Inputs),
-        pulses: &mut S,
+        port: &mut P,
         exchange: &mut X,
-    ) -> Outputs {
+    ) -> Outputs
+    where
+        A: AtPort<P>,
+    {
+        const { assert!(D::DRIVE.modes & !A::MODES == 0) };
         let waiting = self.take(is_early, exchange);
         let command = self.command();
-        let (position, is_displaced) = self.look_at_motor(now, inputs, pulses);
+        let (position, is_displaced) = self.look_at_motor(now, inputs, port);
         let quiet = is_early.then(|| self.without_edges(inputs));
         let tick = &Tick {
             now,
@@ -191,7 +210,7 @@ impl<D: Objects> Drive<D> {
         };
         self.keep_records(tick, exchange);
         let next_tick = self.next_tick(tick);
-        self.commit(tick, pulses);
+        self.commit(tick, port);
         let statusword = self.publish(tick, mode_bits, restarts, exchange);
         Outputs {
             next_tick,
@@ -230,12 +249,10 @@ impl<D: Objects> Drive<D> {
     }
 
     /// Where the motor is, and whether it is not where it should be.
-    fn look_at_motor<S: PulseSink>(
-        &mut self,
-        now: Instant,
-        inputs: &Inputs,
-        pulses: &S,
-    ) -> (i64, bool) {
+    fn look_at_motor<P>(&mut self, now: Instant, inputs: &Inputs, port: &P) -> (i64, bool)
+    where
+        A: AtPort<P>,
+    {
         if !self.power {
             let is_reversed = self.configuration.is_reversed;
             self.motor.set_reversed(is_reversed, inputs.position);
@@ -254,11 +271,10 @@ impl<D: Objects> Drive<D> {
         if is_displaced || is_cut_off {
             self.motor.lose_reference();
         }
-        self.motor.observe(position, is_held, pulses);
+        self.motor.observe(fine(now), position, is_held, port);
         if !self.power && self.motor.standstill() {
-            self.motor.set_timing(self.configuration.pulse_timing);
+            self.motor.set_up(&self.configuration);
         }
-        self.motor.set_time(fine(now));
         (position, is_displaced)
     }
 
@@ -312,15 +328,21 @@ impl<D: Objects> Drive<D> {
     }
 
     /// Commits the pulses of the next segments between two ticks ([`DriveConfig::refills`]). Nothing is decided here.
-    pub fn refill<S: PulseSink>(&mut self, pulses: &mut S) {
-        self.motor.advance(pulses);
+    pub fn refill<P>(&mut self, port: &mut P)
+    where
+        A: AtPort<P>,
+    {
+        self.motor.advance(port);
     }
 
     /// To be called before a tick where ticks and refills do not interrupt each other: commits pulses if a refill will soon be due, which would
     /// have to wait for that tick.
-    pub fn top_up<S: PulseSink>(&mut self, pulses: &mut S) {
-        if self.motor.runs_short(pulses) {
-            self.refill(pulses);
+    pub fn top_up<P>(&mut self, port: &mut P)
+    where
+        A: AtPort<P>,
+    {
+        if self.motor.runs_short(port) {
+            self.refill(port);
         }
     }
 
@@ -389,11 +411,14 @@ impl<D: Objects> Drive<D> {
 
     /// Commits what the tick has decided; an early one only for a motor that stands, as the set-points of the cyclic modes count on what is
     /// committed when.
-    fn commit<S: PulseSink>(&mut self, tick: &Tick<'_>, pulses: &mut S) {
+    fn commit<P>(&mut self, tick: &Tick<'_>, port: &mut P)
+    where
+        A: AtPort<P>,
+    {
         if !tick.is_early || self.motor.is_at_rest() {
-            self.motor.advance(pulses);
+            self.motor.advance(port);
         }
-        self.motor.look_again(pulses);
+        self.motor.look_again(port);
     }
 
     /// Publishes what the tick has made of the drive. Returns the statusword.

@@ -6,9 +6,9 @@
 
 use core::ops::{Deref, DerefMut};
 
-use motion::{AxisConfig, FollowError, Limits, Position, PulseSink, Ramps, SignedSpeed, Speed};
+use motion::{FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
 
-use crate::actuator::{Actuator, Directed, Refused, StepAxis, near};
+use crate::actuator::{Actuator, AtPort, Refused, near};
 use crate::cyclic::Fine;
 use crate::inputs::{Barred, Count};
 
@@ -58,9 +58,9 @@ impl<A: ?Sized> DerefMut for Motor<A> {
     }
 }
 
-impl Motor<StepAxis> {
+impl<A: Actuator> Motor<A> {
     /// A motor that stands at position 0.
-    pub(crate) fn new(config: AxisConfig) -> Self {
+    pub(crate) fn new(actuator: impl FnOnce() -> A) -> Self {
         Self {
             cut: false,
             shift: 0,
@@ -74,32 +74,29 @@ impl Motor<StepAxis> {
             stops_early: false,
             deceleration: 0,
             hardest: 0,
-            actuator: StepAxis::new(config),
+            actuator: actuator(),
         }
     }
 
-    /// Looks at the motor at the start of a tick. `position` is where it really is; the axis takes it over while the motor
-    /// has no power, and after its pulses have been cut off.
-    pub(crate) fn observe<S: PulseSink>(&mut self, position: i64, power: bool, pulses: &S) {
+    /// Looks at the motor at the start of a tick at `now`. `position` is where it really is; the actuator takes it over while the motor
+    /// has no power, and after it has been cut off.
+    pub(crate) fn observe<P>(&mut self, now: Fine, position: i64, power: bool, port: &P)
+    where
+        A: AtPort<P>,
+    {
         if self.cut || !power && self.is_displaced(position, 0) {
             self.actuator.stand_at(position);
             self.cut = false;
         }
-        self.actuator.observe(pulses.pending());
+        self.actuator.observe(now, port);
     }
 
-    /// Looks at the motor at the end of a tick: it may have begun to move.
-    pub(crate) fn look_again<S: PulseSink>(&mut self, pulses: &S) {
-        self.actuator.look_again(pulses.pending());
-    }
-
-    /// Commits the pulses of the next segments.
-    pub(crate) fn advance<S: PulseSink>(&mut self, pulses: &mut S) {
-        let is_reversed = self.is_reversed;
-        self.actuator.advance(&mut Directed {
-            pulses,
-            is_reversed,
-        });
+    /// Commits what comes next.
+    pub(crate) fn advance<P>(&mut self, port: &mut P)
+    where
+        A: AtPort<P>,
+    {
+        self.actuator.advance(port, self.is_reversed);
         if self.actuator.is_at_rest() {
             self.stopped();
             self.planned_with(0);

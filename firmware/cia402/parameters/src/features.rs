@@ -16,6 +16,17 @@ const COMMANDED_BY: [(u32, Parameter); 7] = [
     (1 << 8, Parameter::TargetVelocity),
 ];
 
+/// The bits of all of them.
+const fn every_mode() -> u32 {
+    let mut modes = 0;
+    let mut rest: &[(u32, Parameter)] = &COMMANDED_BY;
+    while let [(bit, _), others @ ..] = rest {
+        modes |= *bit;
+        rest = others;
+    }
+    modes
+}
+
 /// The parts of a drive: what is not there is not compiled into it. `od-gen` finds them with [`Features::of`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Features {
@@ -38,7 +49,7 @@ pub struct Features {
 impl Features {
     /// A drive with everything.
     pub const ALL: Self = Self {
-        modes: u32::MAX,
+        modes: every_mode(),
         touch_probes: true,
         digital_outputs: true,
         analogue_input: true,

@@ -1,8 +1,11 @@
 //! What moves the motor: the one thing that modes know of it.
 //!
-//! An actuator takes demands, tells where these are, and stops on a ramp; it knows no mode, no limit and no unit. Limits, limit switches,
-//! the home position and the direction of counting are above it ([`crate::motor::Motor`]). The step axis is the first one. A servo makes its
-//! trajectory itself, with the planner of `motion`, and will take a torque too.
+//! An actuator takes demands: a position with velocity and acceleration ahead, a velocity, or a torque. It tells position, velocity and
+//! torque, whether the motor stands, and what is wrong. It stops on a ramp. It knows no mode, no limit and no unit: limits, limit switches, the
+//! home position and the direction of counting are above it. The step axis is one; what it cannot do, a torque, it says.
+//!
+//! [`Actuator`] is what the modes know. What the demands go through to the motor, pulses or a current loop, is the port of the actuator
+//! ([`AtPort`]): the drive hands it on and never looks at it.
 //!
 //! Positions are increments of 64 bits, counted on from where the actuator was told that the motor stands. Each demand takes the place of
 //! the one before, from whatever the motor does now. What has been committed already is done as it was: a demand begins at
@@ -14,23 +17,40 @@ use core::fmt;
 
 use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
 
+use crate::configuration::Configuration;
 use crate::cyclic::Fine;
 
-pub(crate) use step_axis::{Directed, StepAxis};
+pub use step_axis::StepAxis;
+
+/// The modes of torque, profile (4) and cyclic synchronous (10), by their bits in 6502h.
+pub const TORQUE_MODES: u32 = 1 << 3 | 1 << 9;
 
 /// A motion that cannot be: its limits make no plan, its target is out of range, or a limit switch is in the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Refused;
+pub struct Refused;
+
+/// A demand that the actuator does not take, whatever its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotSupported;
+
+/// What is wrong with an actuator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Trouble {
+    /// The motor was without a demand for a moment, and may not have followed (20A2h).
+    pub is_late: bool,
+    /// The actuator has failed, and where the motor goes is not known.
+    pub is_broken: bool,
+}
 
 /// The end of what is followed, as seen from a later moment.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CourseEnd {
+pub struct CourseEnd {
     /// How long it is from there to that moment; 0 if the moment is not later.
-    pub(crate) left: Fine,
+    pub left: Fine,
     /// Where the axis is there.
-    pub(crate) position: Position,
+    pub position: Position,
     /// How far it would go on from there until that moment, in steps × 2³².
-    pub(crate) distance: i64,
+    pub distance: i64,
 }
 
 // Not of the trait itself: each image would have the text of everything that an actuator is made of, 40 kB.
@@ -41,9 +61,15 @@ impl fmt::Debug for dyn Actuator + '_ {
 }
 
 /// See the module.
-pub(crate) trait Actuator {
-    /// What was being done at the start of this tick.
+pub trait Actuator: 'static {
+    /// The position and the velocity that were being done at the start of this tick.
     fn demand(&self) -> Demand;
+
+    /// The torque of the motor, in thousandths of the rated one; `None` if the actuator has none to tell of.
+    fn torque(&self) -> Option<i16>;
+
+    /// What has been wrong since the last call.
+    fn take_trouble(&mut self) -> Trouble;
 
     /// Whether the motor stands: nothing is planned, and all of it is done. As of the start of this tick; at its end, as of then.
     fn standstill(&self) -> bool;
@@ -92,6 +118,9 @@ pub(crate) trait Actuator {
         ramps: Ramps,
     ) -> Result<(), Refused>;
 
+    /// Holds a torque, in thousandths of the rated one.
+    fn hold_torque(&mut self, torque: i16) -> Result<(), NotSupported>;
+
     /// Slows down to a standstill. On an error, a deceleration that gives no ramp, nothing changes.
     fn stop(&mut self, deceleration: u32, ramps: Ramps) -> Result<(), Refused>;
 
@@ -133,8 +162,32 @@ pub(crate) trait Actuator {
     fn expect_acceleration(&mut self, acceleration: u32);
 }
 
+/// An actuator at its port `P`: what the board gives it to move the motor with.
+pub trait AtPort<P>: Actuator {
+    /// The modes that it can do, bits as in 6502h. A data sheet that offers another one does not compile.
+    const MODES: u32;
+
+    /// Takes what is set up. The motor has no power and stands.
+    fn set_up(&mut self, configuration: &Configuration);
+
+    /// Looks at what has become of the demands, at the start of a tick at `now`.
+    fn observe(&mut self, now: Fine, port: &P);
+
+    /// The same at the end of a tick, for whether the motor stands.
+    fn look_again(&mut self, port: &P);
+
+    /// Commits what comes next. With `is_reversed` the motor is to turn the other way (2072h).
+    fn advance(&mut self, port: &mut P, is_reversed: bool);
+
+    /// Whether so little is committed that a tick that plans may make a pause.
+    fn runs_short(&self, port: &P) -> bool;
+}
+
 /// The position that is the same modulo 2³² and next to another.
 pub(crate) const fn near(position: i64, to: i64) -> i64 {
     let away = (position as i32).wrapping_sub(to as i32);
     to.wrapping_add(away as i64)
 }
+
+#[cfg(test)]
+mod tests;

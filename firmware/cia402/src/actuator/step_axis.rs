@@ -7,15 +7,16 @@ use motion::{
     PulseSink, Ramps, SignedSpeed, Speed, Ticks, Velocity,
 };
 
-use super::{Actuator, CourseEnd, Refused, near};
-use crate::cyclic::{Fine, Timescale};
+use super::{Actuator, AtPort, CourseEnd, NotSupported, Refused, TORQUE_MODES, Trouble, near};
+use crate::configuration::Configuration;
+use crate::cyclic::{Fine, POINT, Timescale};
 use crate::pulse_timing::PulseTiming;
 
-pub(crate) use directed::Directed;
+use directed::Directed;
 
 /// An axis, and what has become of its pulses.
 #[derive(Debug)]
-pub(crate) struct StepAxis {
+pub struct StepAxis {
     axis: Axis,
     built: AxisConfig,
     /// What the driver of the motor needs.
@@ -25,20 +26,16 @@ pub(crate) struct StepAxis {
     at_rest: bool,
     standstill: bool,
     demand: Demand,
-    /// The tick of the axis' time at the start of this tick.
-    played: Ticks,
     /// The axis' time in comparison with that of the control tick.
     timescale: Timescale,
-    /// Pulses came too late, and nobody has asked for it yet.
-    is_late: bool,
-    /// The planner or the axis has failed, and nobody has asked for it yet.
-    is_broken: bool,
+    /// Late are pulses, and all of them are sent; broken are planner or axis, and some may be missing.
+    trouble: Trouble,
 }
 
 impl StepAxis {
     /// An axis that stands at position 0.
     #[inline(never)]
-    pub(crate) fn new(config: AxisConfig) -> Self {
+    pub fn new(config: AxisConfig) -> Self {
         Self {
             built: config,
             timing: PulseTiming::AsBuilt,
@@ -46,78 +43,29 @@ impl StepAxis {
             at_rest: true,
             standstill: true,
             demand: Demand::default(),
-            played: 0,
             timescale: Timescale::new(config.clock.hz()),
-            is_late: false,
-            is_broken: false,
+            trouble: Trouble::default(),
             // Last, as it is large: so it is made where it stays.
             axis: Axis::new(config),
         }
     }
 
-    /// What the driver of the motor needs. The motor has no power and stands.
-    pub(crate) fn set_timing(&mut self, timing: PulseTiming) {
-        if timing != self.timing {
-            self.timing = timing;
-            let ticks = timing.in_ticks(self.built.clock, self.built.timing);
-            self.axis.set_timing(ticks);
-        }
-    }
-
-    /// Looks at what has become of the pulses, at the start of a tick: so many ticks of them are still to be sent.
-    pub(crate) fn observe(&mut self, pending: Ticks) {
-        self.look_again(pending);
-        self.demand = self.demand_of(pending);
-        self.played = self.axis.played(pending);
-    }
-
-    /// The same at the end of a tick, for whether the motor stands.
-    pub(crate) fn look_again(&mut self, pending: Ticks) {
-        self.standstill = self.at_rest && pending == 0;
-    }
-
-    /// The tick that has just observed runs at `now`: what is followed goes by that.
-    pub(crate) fn set_time(&mut self, now: Fine) {
-        if self.at_rest {
-            self.timescale.stop();
-        }
-        self.timescale.compare(now, self.played);
-    }
-
-    /// Commits the pulses of the next segments.
-    pub(crate) fn advance(&mut self, pulses: &mut impl PulseSink) {
-        let result = self.axis.advance(pulses);
-        self.look_at(result);
-        self.committed = near(self.axis.committed_position(), self.committed);
-        self.at_rest = self.axis.is_at_rest();
+    /// How long ahead of the motor an axis commits its pulses: two segments.
+    pub(crate) fn lead(config: &AxisConfig) -> Fine {
+        let hz = u64::from(config.clock.hz());
+        let ahead = u64::from(config.segment).saturating_mul(2_000_000) << POINT;
+        ahead.checked_div(hz).unwrap_or(0)
     }
 
     /// After either the motor may not be where the pulses say.
     pub(crate) fn look_at(&mut self, result: Result<(), AdvanceError>) {
-        self.is_late |= result == Err(AdvanceError::Underrun);
-        self.is_broken |= result == Err(AdvanceError::Internal);
-    }
-
-    /// Whether pulses came too late since the last call, and the motor had none for a moment. All of them are sent, but it may not have
-    /// followed.
-    pub(crate) const fn take_late(&mut self) -> bool {
-        core::mem::replace(&mut self.is_late, false)
-    }
-
-    /// Whether the planner or the axis has failed since the last call, which cannot be: pulses may be
-    /// missing, and where the motor goes is not known.
-    pub(crate) const fn take_broken(&mut self) -> bool {
-        core::mem::replace(&mut self.is_broken, false)
+        self.trouble.is_late |= result == Err(AdvanceError::Underrun);
+        self.trouble.is_broken |= result == Err(AdvanceError::Internal);
     }
 
     fn planned(&mut self, result: Result<(), PlanError>) -> Result<(), Refused> {
-        self.is_broken |= result == Err(PlanError::Internal);
+        self.trouble.is_broken |= result == Err(PlanError::Internal);
         result.map_err(|_| Refused)
-    }
-
-    /// Whether a tick that plans may make a pause, with so few pulses left. See [`Axis::runs_short`].
-    pub(crate) fn runs_short(&self, pulses: &impl PulseSink) -> bool {
-        self.axis.runs_short(pulses.pending())
     }
 
     fn demand_of(&self, pending: Ticks) -> Demand {
@@ -135,7 +83,62 @@ impl StepAxis {
     }
 }
 
+impl<S: PulseSink> AtPort<S> for StepAxis {
+    /// Nothing measures the current.
+    const MODES: u32 = !TORQUE_MODES;
+
+    fn set_up(&mut self, configuration: &Configuration) {
+        let timing = configuration.pulse_timing;
+        if timing != self.timing {
+            self.timing = timing;
+            let ticks = timing.in_ticks(self.built.clock, self.built.timing);
+            self.axis.set_timing(ticks);
+        }
+    }
+
+    fn observe(&mut self, now: Fine, pulses: &S) {
+        let pending = pulses.pending();
+        self.standstill = self.at_rest && pending == 0;
+        self.demand = self.demand_of(pending);
+        if self.at_rest {
+            self.timescale.stop();
+        }
+        self.timescale.compare(now, self.axis.played(pending));
+    }
+
+    fn look_again(&mut self, pulses: &S) {
+        self.standstill = self.at_rest && pulses.pending() == 0;
+    }
+
+    fn advance(&mut self, pulses: &mut S, is_reversed: bool) {
+        let mut directed = Directed {
+            pulses,
+            is_reversed,
+        };
+        let result = self.axis.advance(&mut directed);
+        self.look_at(result);
+        self.committed = near(self.axis.committed_position(), self.committed);
+        self.at_rest = self.axis.is_at_rest();
+    }
+
+    fn runs_short(&self, pulses: &S) -> bool {
+        self.axis.runs_short(pulses.pending())
+    }
+}
+
 impl Actuator for StepAxis {
+    fn torque(&self) -> Option<i16> {
+        None
+    }
+
+    fn take_trouble(&mut self) -> Trouble {
+        core::mem::take(&mut self.trouble)
+    }
+
+    fn hold_torque(&mut self, _: i16) -> Result<(), NotSupported> {
+        Err(NotSupported)
+    }
+
     fn demand(&self) -> Demand {
         self.demand
     }

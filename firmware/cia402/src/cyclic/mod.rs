@@ -32,7 +32,7 @@ use canopen::Instant;
 use crate::objects::Objects;
 
 /// A time or a moment in microseconds × 2¹⁶. As a moment it wraps after nine years.
-pub(crate) type Fine = u64;
+pub type Fine = u64;
 
 /// The bits of [`Fine`] behind the point.
 pub(crate) const POINT: u32 = 16;

@@ -1,8 +1,6 @@
 //! How far ahead of the motor the drive has to know where it is to go.
 
-use motion::AxisConfig;
-
-use super::{Fine, POINT};
+use super::Fine;
 
 /// What lies between a sync event and the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,12 +16,8 @@ pub(crate) struct Pipeline {
 }
 
 impl Pipeline {
-    /// Of an axis that is given pulses in every `tick`, one of which comes `lead` before each sync event.
-    pub(crate) fn new(axis: &AxisConfig, tick: Fine, lead: Fine) -> Self {
-        let hz = u64::from(axis.clock.hz());
-        let ahead = (u64::from(axis.segment).saturating_mul(2_000_000) << POINT)
-            .checked_div(hz)
-            .unwrap_or(0);
+    /// Of an actuator that commits so far `ahead` of the motor in every `tick`, one of which comes `lead` before each sync event.
+    pub(crate) const fn new(ahead: Fine, tick: Fine, lead: Fine) -> Self {
         Self {
             depth: tick.saturating_add(ahead),
             lead,
@@ -74,9 +68,8 @@ impl Pipeline {
 
 #[cfg(test)]
 mod tests {
-    use motion::{Clock, DriverTiming};
-
     use super::*;
+    use crate::cyclic::POINT;
 
     const fn micros(time: u64) -> Fine {
         time << POINT
@@ -85,17 +78,8 @@ mod tests {
     #[test]
     fn m63_of_any_period_the_motor_sets_out_after_its_set_point_is_known() {
         for segment in [250, 1_000] {
-            let axis = AxisConfig {
-                clock: Clock::new(1_000_000).unwrap(),
-                segment,
-                timing: DriverTiming {
-                    pulse_high: 5,
-                    pulse_low: 5,
-                    direction_setup: 5,
-                    direction_hold: 5,
-                },
-            };
-            let pipeline = Pipeline::new(&axis, micros(1_000), micros(250));
+            let ahead = micros(2 * segment);
+            let pipeline = Pipeline::new(ahead, micros(1_000), micros(250));
             for period in [1, 2, 3, 10, 23, 24, 25, 50, 100, 250, 2_000] {
                 let period = micros(period * 1_000);
                 let mut expecting = pipeline;

@@ -1,7 +1,6 @@
 //! What a drive keeps of the sync events from tick to tick.
 
 use canopen::{Duration, Instant};
-use motion::AxisConfig;
 
 use super::buffer::Buffer;
 use super::clock::{NetworkClock, Slots};
@@ -35,10 +34,10 @@ pub(crate) struct Cyclic {
 }
 
 impl Cyclic {
-    pub(crate) fn new(axis: &AxisConfig, tick: Duration) -> Self {
+    pub(crate) fn new(ahead: Fine, tick: Duration) -> Self {
         let schedule = Schedule::new(tick);
         Self {
-            pipeline: Pipeline::new(axis, schedule.tick(), schedule.lead()),
+            pipeline: Pipeline::new(ahead, schedule.tick(), schedule.lead()),
             clock: NetworkClock::new(),
             rhythm: Rhythm::new(),
             schedule,

@@ -1,13 +1,13 @@
 //! Which command a tick obeys: what the master wrote, and what it wrote too fast to be seen; and the faults that the drive finds itself.
 
 use super::Drive;
-use crate::actuator::Actuator;
+use crate::actuator::{Actuator, Trouble};
 use crate::controlword::{Command, FAULT_RESET};
 use crate::faults::Reaction;
 use crate::objects::Objects;
 use crate::state_machine::State;
 
-impl<D: Objects> Drive<D> {
+impl<D: Objects, A: Actuator> Drive<D, A> {
     /// The command of this tick: that of the controlword; or, as a controlword with bit 7 is none, the one before it to leave
     /// operation enabled, while that waits for the motor.
     pub(super) fn command(&mut self) -> Option<Command> {
@@ -76,8 +76,8 @@ impl<D: Objects> Drive<D> {
     /// The fault that pulses are that came too late, if 20A2h makes them one: the motor has stopped between two steps, and may stand
     /// anywhere. A planner or an axis that has failed is one always.
     pub(super) fn pulses_late(&mut self) -> Option<Reaction> {
-        let is_late = self.motor.take_late();
-        if self.motor.take_broken() || is_late && self.configuration.late_is_fault {
+        let Trouble { is_late, is_broken } = self.motor.take_trouble();
+        if is_broken || is_late && self.configuration.late_is_fault {
             self.motor.lose_reference();
             return Some(self.faults.pulses_lost());
         }

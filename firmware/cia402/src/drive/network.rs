@@ -19,7 +19,7 @@ pub(super) struct Control {
     pub(super) begins_stop: bool,
 }
 
-impl<D: Objects> Drive<D> {
+impl<D: Objects, A: Actuator> Drive<D, A> {
     /// What is left of remote control. A reset of the device always stops the motor; otherwise 6007h says what the loss means to a drive
     /// with power.
     pub(super) fn control(&mut self, command: Option<Command>) -> Control {

@@ -9,7 +9,7 @@ use crate::option_codes::Stop;
 use crate::state_machine::State;
 use crate::statusword;
 
-impl<D: Objects> Drive<D> {
+impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Whether the motor is blocked: the motor driver says so, or it is too far behind its pulses. `None` if neither can tell.
     fn blocked(&self, tick: &Tick<'_>) -> Option<bool> {
         let inputs = tick.inputs;

@@ -12,7 +12,7 @@ use crate::periphery::motor_current::Motion;
 /// A rotor that its field has caught swings for so long, in microseconds.
 const CATCH: u64 = 50_000;
 
-impl<D: Objects> Drive<D> {
+impl<D: Objects, A: Actuator> Drive<D, A> {
     /// What the board has measured, and what the master wants of the outputs, at the start of a tick.
     pub(super) fn measure(&mut self, tick: &Tick<'_>) {
         self.periphery

@@ -11,7 +11,7 @@ use crate::objects::Objects;
 use crate::state_machine::State;
 use crate::statusword;
 
-impl<D: Objects> Drive<D> {
+impl<D: Objects, A: Actuator> Drive<D, A> {
     /// What the mode says while it is not at work.
     pub(super) const fn idle_bits(&self) -> u16 {
         self.modes.idle_bits(&self.motor, &self.configuration)

@@ -15,7 +15,7 @@ use crate::statusword;
 /// So long does a state wait for a transmit PDO.
 const LONGEST_SHOWN: Duration = Duration::from_ticks(50_000);
 
-impl<D: Objects> Drive<D> {
+impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Whether the state is about to be left with the power going off, once the motor stands.
     pub(super) fn is_leaving(&self, remote: bool, command: Option<Command>) -> bool {
         match self.machine.state() {

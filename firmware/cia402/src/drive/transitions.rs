@@ -8,7 +8,7 @@ use crate::objects::Objects;
 use crate::option_codes::{Stop, StopRamp};
 use crate::state_machine::{Conditions, State, Transition};
 
-impl<D: Objects> Drive<D> {
+impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Faults, then the state machine, then what a transition does to the motor.
     #[inline(never)]
     pub(super) fn change_state(&mut self, tick: &Tick<'_>, command: Option<Command>) {

@@ -2,12 +2,13 @@ use canopen::{Duration, Instant};
 use motion::{AxisConfig, Clock, DriverTiming, Limits};
 
 use super::Motor;
+use crate::actuator::StepAxis;
 use crate::cyclic::fine;
 use crate::testing::Player;
 
 #[test]
 fn what_is_followed_has_no_ramp_of_its_own() {
-    let mut motor = Motor::new(AxisConfig {
+    let config = AxisConfig {
         clock: Clock::new(1_000_000).unwrap(),
         segment: 500,
         timing: DriverTiming {
@@ -16,7 +17,8 @@ fn what_is_followed_has_no_ramp_of_its_own() {
             direction_setup: 5,
             direction_hold: 5,
         },
-    });
+    };
+    let mut motor = Motor::new(|| StepAxis::new(config));
     let mut pulses = Player::with_room(256);
     let limits = Limits {
         velocity: 1_000.into(),
@@ -28,8 +30,7 @@ fn what_is_followed_has_no_ramp_of_its_own() {
     assert_eq!(motor.hardest(), 1_700_000);
     let mut now = Instant::from_ticks(0);
     for _ in 0..10 {
-        motor.observe(pulses.position, true, &pulses);
-        motor.set_time(fine(now));
+        motor.observe(fine(now), pulses.position, true, &pulses);
         motor.advance(&mut pulses);
         pulses.play(1_000);
         now += Duration::from_ticks(1_000);

@@ -6,6 +6,7 @@ use canopen::Duration;
 
 use super::memory::Outcome;
 use super::{Memory, Setup, State, Status, Tick};
+use crate::actuator::Actuator;
 use crate::drive::Drive;
 use crate::exchange::Share;
 use crate::objects::Objects;
@@ -90,7 +91,11 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
 
     /// Call it behind each [`Drive::tick`].
     #[inline]
-    pub fn tick<D: Objects, X: Share>(&mut self, drive: &Drive<D>, exchange: &mut X) {
+    pub fn tick<D: Objects, A: Actuator, X: Share>(
+        &mut self,
+        drive: &Drive<D, A>,
+        exchange: &mut X,
+    ) {
         if !D::DRIVE.scope {
             return;
         }
@@ -105,7 +110,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
 
     /// A tick in which it is not idle.
     #[inline(never)]
-    fn work<D: Objects, X: Share>(&mut self, drive: &Drive<D>, exchange: &mut X) {
+    fn work<D: Objects, A: Actuator, X: Share>(&mut self, drive: &Drive<D, A>, exchange: &mut X) {
         if self.state.is_at_work() {
             let actuals = exchange.lock(|exchange| *exchange.newest());
             self.advance(&drive.seen(&actuals));

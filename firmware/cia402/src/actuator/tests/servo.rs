@@ -1,0 +1,215 @@
+//! An ideal servo: its shaft is where its trajectory is, and nothing is committed ahead of it. All that an actuator is, and no pulse.
+
+use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
+
+use crate::actuator::{Actuator, AtPort, CourseEnd, NotSupported, Refused, Trouble, near};
+use crate::configuration::Configuration;
+use crate::cyclic::{Fine, POINT, span};
+
+/// What the servo has in place of pulses: the position of its encoder.
+pub(super) type Shaft = i64;
+
+/// An increment/s.
+const ONE: f64 = 4_294_967_296.0;
+/// A control tick in seconds.
+const TICK: f64 = 0.001;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Goal {
+    #[default]
+    Rest,
+    /// A target, and the velocity there.
+    Target(i64, f64, Limits),
+    /// A velocity; 0 is a stop.
+    Velocity(f64, Limits),
+    Course,
+    Torque(i16),
+}
+
+/// Positions in increments, velocities in increments/s.
+#[derive(Debug, Default)]
+pub(super) struct Servo {
+    goal: Goal,
+    position: f64,
+    velocity: f64,
+    now: Fine,
+    /// When and where the set-points are that are followed.
+    course: std::vec::Vec<(Fine, i64)>,
+}
+
+impl Servo {
+    /// Goes on for a tick, towards a velocity.
+    fn ramp(&mut self, wanted: f64, limits: Limits) {
+        let grows = wanted.abs() > self.velocity.abs();
+        let (up, down) = (limits.acceleration, limits.deceleration);
+        let change = f64::from(if grows { up } else { down }) * TICK;
+        let before = self.velocity;
+        self.velocity = wanted.clamp(before - change, before + change);
+        self.position += (before + self.velocity) / 2.0 * TICK;
+    }
+
+    fn stand(&mut self, position: f64) {
+        (self.goal, self.position, self.velocity) = (Goal::Rest, position.round(), 0.0);
+        self.course.clear();
+    }
+
+    fn target(&mut self, target: i64, end: f64, limits: Limits) {
+        let sign = (target as f64 - self.position).signum();
+        let left = |servo: &Self| (target as f64 - servo.position) * sign;
+        let down = f64::from(limits.deceleration);
+        // From this velocity, at the end of the tick, it still stops at the target.
+        let reach = 2.0 * left(self) - self.velocity * sign * TICK;
+        let square = (down * TICK).powi(2) / 4.0 + down * reach + end * end;
+        let most = square.max(0.0).sqrt() - down * TICK / 2.0;
+        let most = most.max(end).clamp(0.0, value(limits.velocity));
+        self.ramp(sign * most, limits);
+        if end > 0.0 && left(self) <= 0.0 {
+            self.goal = Goal::Velocity(sign * end, limits);
+        } else if end == 0.0 && left(self) < 1.0 && self.velocity.abs() <= down * TICK {
+            self.stand(target as f64);
+        }
+    }
+
+    fn follow_course(&mut self) {
+        let at = self.now.wrapping_add(1_000 << POINT);
+        while self.course.len() > 1 && span(self.course[1].0, at) > 0 {
+            self.course.remove(0);
+        }
+        let before = self.position;
+        let (begin, from) = self.course[0];
+        match self.course.get(1) {
+            _ if span(begin, at) < 0 => {}
+            Some((end, to)) => {
+                let part = span(begin, at) as f64 / span(begin, *end) as f64;
+                self.position = from as f64 + part * (to - from) as f64;
+                self.velocity = (self.position - before) / TICK;
+            }
+            None => self.stand(from as f64),
+        }
+    }
+
+    /// When and where what is followed ends.
+    fn last(&self) -> (Fine, i64) {
+        let here = (self.now, self.committed_position());
+        self.course.last().copied().unwrap_or(here)
+    }
+
+    fn take(&mut self, goal: Goal) -> Result<(), Refused> {
+        self.course.clear();
+        self.goal = goal;
+        Ok(())
+    }
+}
+
+fn value(speed: Speed) -> f64 {
+    speed.bits() as f64 / ONE
+}
+
+fn signed(velocity: f64) -> SignedSpeed {
+    SignedSpeed::from_bits((velocity * ONE) as i64)
+}
+
+impl AtPort<Shaft> for Servo {
+    const MODES: u32 = u32::MAX;
+
+    fn set_up(&mut self, _: &Configuration) {}
+
+    fn observe(&mut self, now: Fine, _: &Shaft) {
+        self.now = now;
+    }
+
+    fn look_again(&mut self, _: &Shaft) {}
+
+    fn advance(&mut self, shaft: &mut Shaft, _: bool) {
+        match self.goal {
+            Goal::Rest => {}
+            Goal::Torque(torque) => self.velocity += f64::from(torque) * TICK,
+            Goal::Velocity(wanted, limits) => self.ramp(wanted, limits),
+            Goal::Target(target, end, limits) => self.target(target, end, limits),
+            Goal::Course => self.follow_course(),
+        }
+        if matches!(self.goal, Goal::Velocity(0.0, _)) && self.velocity == 0.0 {
+            self.stand(self.position);
+        }
+        *shaft = self.committed_position();
+    }
+
+    fn runs_short(&self, _: &Shaft) -> bool {
+        false
+    }
+}
+
+#[rustfmt::skip] // A table: most of it says one thing in a line.
+impl Actuator for Servo {
+    fn demand(&self) -> Demand { Demand { position: self.committed_position(), velocity: signed(self.velocity) } }
+    fn torque(&self) -> Option<i16> { Some(if let Goal::Torque(torque) = self.goal { torque } else { 0 }) }
+    fn take_trouble(&mut self) -> Trouble { Trouble::default() }
+    fn standstill(&self) -> bool { self.goal == Goal::Rest }
+    fn is_at_rest(&self) -> bool { self.goal == Goal::Rest }
+    fn committed_position(&self) -> i64 { self.position.round() as i64 }
+    fn committed_velocity(&self) -> SignedSpeed { signed(self.velocity) }
+    fn is_ending(&self) -> bool { matches!(self.goal, Goal::Rest | Goal::Velocity(0.0, _)) }
+    fn max_velocity(&self) -> Speed { Speed::per_second(1_000_000) }
+    fn window(&self) -> u64 { 0 }
+    fn cut_off(&mut self) { self.stand(self.position); }
+    fn stand_at(&mut self, position: i64) { self.stand(position as f64); }
+    fn is_following(&self) -> bool { self.goal == Goal::Course }
+    fn expect_acceleration(&mut self, _: u32) {}
+    fn hold_torque(&mut self, torque: i16) -> Result<(), NotSupported> { self.take(Goal::Torque(torque)).map_err(|_| NotSupported) }
+
+    fn destination(&self) -> i64 {
+        match self.goal {
+            Goal::Target(target, 0.0, _) => target,
+            Goal::Velocity(0.0, limits) => self.stop_preview(limits.deceleration, Ramps::Linear, false),
+            _ => self.committed_position(),
+        }
+    }
+
+    fn heading(&self) -> Option<Direction> {
+        let way = self.destination().wrapping_sub(self.committed_position()) as f64 + self.velocity;
+        let direction = if way < 0.0 { Direction::Reverse } else { Direction::Forward };
+        (self.goal != Goal::Rest).then_some(direction)
+    }
+
+    fn move_to(&mut self, target: i64, limits: Limits, _: Ramps) -> Result<(), Refused> { self.take(Goal::Target(target, 0.0, limits)) }
+
+    fn move_through(&mut self, target: i64, end: Speed, limits: Limits, _: Ramps) -> Result<(), Refused> {
+        self.take(Goal::Target(target, value(end), limits))
+    }
+
+    fn ramp_to(&mut self, velocity: SignedSpeed, limits: Limits, _: Ramps) -> Result<(), Refused> {
+        self.take(Goal::Velocity(velocity.bits() as f64 / ONE, limits))
+    }
+
+    fn stop(&mut self, deceleration: u32, _: Ramps) -> Result<(), Refused> {
+        let limits = Limits { velocity: Speed::ZERO, acceleration: deceleration, deceleration };
+        if deceleration == 0 { Err(Refused) } else { self.take(Goal::Velocity(0.0, limits)) }
+    }
+
+    fn stop_preview(&self, deceleration: u32, _: Ramps, _: bool) -> i64 {
+        (self.position + self.velocity * self.velocity.abs() / 2.0 / f64::from(deceleration)) as i64
+    }
+
+    fn follow(&mut self, end: Fine, to: Position, _: Option<(Position, Fine)>) -> Result<(), FollowError> {
+        self.course.push((end, near(to.whole_steps(), self.last().1)));
+        self.goal = Goal::Course;
+        Ok(())
+    }
+
+    fn follow_velocity(&mut self, _: Fine, _: SignedSpeed) -> Result<(), FollowError> { Err(FollowError::TooLate) }
+
+    fn course_end(&self) -> Demand {
+        Demand { position: self.last().1, velocity: signed(self.velocity) }
+    }
+
+    fn course_to(&self, end: Fine) -> CourseEnd {
+        let (time, position) = self.last();
+        let left = span(time, end).max(0);
+        let distance = (self.velocity * left as f64 / 65_536e6 * ONE) as i64;
+        CourseEnd { left: left.cast_unsigned(), position: Position::from_steps(position), distance }
+    }
+
+    fn is_running_out(&self, time: Fine) -> bool {
+        self.is_following() && self.velocity != 0.0 && span(self.last().0, self.now.wrapping_add(time)) > 0
+    }
+}
