@@ -107,15 +107,9 @@ pub struct Axis {
 
 impl Axis {
     /// An axis that stands at 0.
-    pub fn new(config: AxisConfig) -> Self {
-        let mut axis = Self::unplaced(config);
-        axis.stand_at(0);
-        axis
-    }
-
-    /// The large part last: so a board makes it where it stays, and not on the stack.
+    // Out of line, and what is large last: so it is made where it stays, and not on the stack.
     #[inline(never)]
-    fn unplaced(config: AxisConfig) -> Self {
+    pub fn new(config: AxisConfig) -> Self {
         Self {
             clock: config.clock,
             plan: Plan::at_rest(0, 0),

@@ -1,6 +1,6 @@
 //! Velocities that stay: few records, and each pulse at its tick.
 
-use super::{FAST, HZ, axis};
+use super::{Axis, FAST, HZ, SLOW, axis, config};
 use crate::{Limits, PulseSink, Speed};
 
 /// From pulses that are seconds apart to the fastest.
@@ -98,5 +98,15 @@ fn a_refill_right_behind_another_costs_no_rate() {
                 "{velocity}, {behind} ticks behind: {missing} of {due}"
             );
         }
+    }
+}
+
+#[test]
+fn a_new_axis_is_one_that_has_come_to_stand_at_0() {
+    for timing in [FAST, SLOW] {
+        let new = Axis::new(config(timing));
+        let mut standing = new.clone();
+        assert_eq!(standing.abort(), 0);
+        assert_eq!(std::format!("{standing:?}"), std::format!("{new:?}"));
     }
 }
