@@ -12,80 +12,24 @@
 //! Where the plan has kept its velocity all over the window, the mean is that line, half a window late; it is followed as it is, until the plan
 //! comes to a corner. What was before a window begins is such a line, too, and takes no memory.
 
-use crate::clock::{Clock, Ticks};
+mod mean;
+mod window;
+
+use crate::clock::Ticks;
 use crate::divide::by_digit;
 use crate::fixed::{Exact, Position, Q96, State, Velocity, product};
+use crate::plan::Plan;
 use crate::plan::phase::Phase;
-use crate::plan::{Limits, Plan};
 use crate::stepper::piece::Piece;
+pub use mean::Mean;
+use window::SAMPLES;
+pub(crate) use window::Window;
 
 /// The greatest number by whose parts is divided.
 const MOST: u64 = u64::MAX >> 1;
 
 /// Samples that are taken of a parabola before it is looked at again.
 const MOST_WALKED: u32 = 1 << 16;
-
-/// Samples that are kept: 4 KiB.
-const SAMPLES: usize = 512;
-
-/// Over how much time a mean is taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Window {
-    /// Intervals of the grid, at most [`SAMPLES`].
-    count: u16,
-    /// Ticks from one sample to the next.
-    grid: u32,
-}
-
-impl Window {
-    /// The longest one, in ticks: 6.4 s at 168 MHz.
-    const LONGEST: u32 = 1 << 30;
-
-    /// In which the acceleration changes by `change` steps/s² at `jerk` steps/s³ or less. At least a segment of so many ticks.
-    pub(crate) fn new(clock: Clock, change: u64, jerk: u32, segment: u32) -> Self {
-        let ticks = change.saturating_mul(clock.hz().into());
-        let (ticks, over) = by_digit(ticks, jerk.max(1));
-        let ticks = ticks.saturating_add(u64::from(over > 0));
-        Self::of(ticks.min(Self::LONGEST.into()) as u32, segment)
-    }
-
-    /// One that takes so many ticks, or a few more: at most [`SAMPLES`] of them. At least a segment.
-    pub(crate) fn of(ticks: u32, segment: u32) -> Self {
-        let segment = segment.max(1);
-        let ticks = ticks.max(segment);
-        let count = ticks.div_ceil(segment).min(SAMPLES as u32);
-        let grid = ticks.div_ceil(count.max(1));
-        Self {
-            count: count as u16,
-            grid,
-        }
-    }
-
-    /// In ticks.
-    pub(crate) fn ticks(&self) -> u32 {
-        u32::from(self.count).wrapping_mul(self.grid)
-    }
-
-    /// The jerk where deceleration comes behind acceleration at once, in steps/s³.
-    pub(crate) fn jerk(&self, clock: Clock, acceleration: u32, deceleration: u32) -> u32 {
-        let change = u64::from(acceleration).saturating_add(deceleration.into());
-        let (jerk, _) = by_digit(change.saturating_mul(clock.hz().into()), self.ticks());
-        u32::try_from(jerk).unwrap_or(u32::MAX)
-    }
-
-    /// Limits for which the longest window is long enough, whatever comes after whatever: with a very low jerk the accelerations are less than
-    /// what is allowed, and the jerk is kept.
-    pub(crate) fn within(clock: Clock, limits: Limits, jerk: u32) -> Limits {
-        let most = u64::from(jerk).wrapping_mul((Self::LONGEST / 2).into());
-        let (most, _) = by_digit(most, clock.hz());
-        let most = u32::try_from(most).unwrap_or(u32::MAX).max(1);
-        Limits {
-            acceleration: limits.acceleration.min(most),
-            deceleration: limits.deceleration.min(most),
-            ..limits
-        }
-    }
-}
 
 /// Where the mean is, and what it is made of.
 ///
@@ -119,7 +63,7 @@ pub(crate) struct Average {
     to: State,
     /// How long ago the sample before was: an interval of the grid, or nothing where the mean begins.
     since: u32,
-    way: i64,
+    distance: i64,
     gain: i64,
     /// If it is the plan's own line, half a window late: where that begins, and when.
     line: Option<(Ticks, Exact)>,
@@ -137,7 +81,7 @@ struct Walk {
     /// More by half of what a sample can tell.
     position: i128,
     /// What the position grows by in the next interval, and what that grows by.
-    way: i128,
+    distance: i128,
     growth: i128,
 }
 
@@ -146,7 +90,7 @@ impl Walk {
     const NONE: Self = Self {
         left: 0,
         position: 0,
-        way: 0,
+        distance: 0,
         growth: 0,
     };
 
@@ -183,7 +127,7 @@ impl Average {
                 velocity: Velocity::ZERO,
             },
             since: 0,
-            way: 0,
+            distance: 0,
             gain: 0,
             line: None,
             fresh: None,
@@ -192,9 +136,9 @@ impl Average {
 
     /// Where the plan is for a mean that is at `mean` and has kept its velocity so far.
     pub(crate) fn ahead(window: Window, mean: Exact) -> Exact {
-        let way = mean.velocity.wrapping_mul(window.ticks().into());
+        let distance = mean.velocity.wrapping_mul(window.ticks().into());
         Exact {
-            position: mean.position.wrapping_add(way >> 1),
+            position: mean.position.wrapping_add(distance >> 1),
             ..mean
         }
     }
@@ -236,7 +180,7 @@ impl Average {
         self.until = at;
         self.to.position = Position::from_bits(mean);
         self.to.velocity = Velocity::from_bits(rate(self.spread, self.per_window));
-        (self.since, self.way, self.gain) = (0, 0, 0);
+        (self.since, self.distance, self.gain) = (0, 0, 0);
         self.line = None;
     }
 
@@ -322,7 +266,7 @@ impl Average {
         }
         let velocity = self.to.velocity.bits().wrapping_sub(self.gain);
         let from = State {
-            position: Position::from_bits(self.to.position.bits().wrapping_sub(self.way)),
+            position: Position::from_bits(self.to.position.bits().wrapping_sub(self.distance)),
             velocity: Velocity::from_bits(velocity),
         };
         // What it gains in an interval, Q56, over twice its ticks: 2³⁹ · gain / grid.
@@ -356,8 +300,8 @@ impl Average {
     fn step(&mut self) {
         let walk = &mut self.walk;
         walk.left = walk.left.wrapping_sub(1);
-        walk.position = walk.position.wrapping_add(walk.way);
-        walk.way = walk.way.wrapping_add(walk.growth);
+        walk.position = walk.position.wrapping_add(walk.distance);
+        walk.distance = walk.distance.wrapping_add(walk.growth);
         self.take();
     }
 
@@ -427,13 +371,13 @@ impl Average {
         // The sum of the samples grows by half of what the spread was and half of what it is.
         let sum = self.spread.wrapping_add(spread);
         let sum = sum.wrapping_add(self.left.into());
-        let way = part(sum, self.per_count);
-        let shared = (way as u32).wrapping_mul(self.window.count.into()) << 1;
+        let distance = part(sum, self.per_count);
+        let shared = (distance as u32).wrapping_mul(self.window.count.into()) << 1;
         // Next to nothing, so that 32 bits hold it.
         self.left = (sum as u32).wrapping_sub(shared).cast_signed();
         self.spread = spread;
-        self.way = way;
-        let position = self.to.position.bits().wrapping_add(way);
+        self.distance = distance;
+        let position = self.to.position.bits().wrapping_add(distance);
         let velocity = rate(spread, self.per_window);
         self.gain = velocity.wrapping_sub(self.to.velocity.bits());
         self.to.position = Position::from_bits(position);
@@ -489,41 +433,9 @@ impl Average {
         self.walk = Walk {
             left,
             position: position.wrapping_add(1 << 63),
-            way: product(pace.wrapping_add(gain), grid),
+            distance: product(pace.wrapping_add(gain), grid),
             growth,
         };
-    }
-}
-
-/// The mean of a plan from somewhere on, one curve after the other: what an axis with [`Ramps::MovingAverage`](crate::Ramps) follows if it is
-/// told nothing else. Behind the last one it stands, or keeps its velocity for ever.
-#[derive(Debug, Clone)]
-pub struct Mean {
-    average: Average,
-    plan: Plan,
-}
-
-impl Mean {
-    pub(crate) const fn new(average: Average, plan: Plan) -> Self {
-        Self { average, plan }
-    }
-
-    /// The first tick behind the last curve that was given; `Ticks::MAX` if that never ends.
-    pub const fn until(&self) -> Ticks {
-        self.average.until
-    }
-}
-
-impl Iterator for Mean {
-    type Item = Phase;
-
-    fn next(&mut self) -> Option<Phase> {
-        if self.average.until == Ticks::MAX || self.average.is_over() {
-            return None;
-        }
-        let until = self.average.until;
-        self.average.piece_at(&self.plan, until);
-        Some(self.average.phase())
     }
 }
 

@@ -92,11 +92,11 @@ impl Velocity {
         })
     }
 
-    /// The velocity at which `way` takes so many ticks; zero for no ticks.
-    pub fn over(way: Position, ticks: u32) -> Self {
-        let magnitude = quotient(way.bits().unsigned_abs().into(), 2, ticks.into());
+    /// The velocity at which `distance` takes so many ticks; zero for no ticks.
+    pub fn over(distance: Position, ticks: u32) -> Self {
+        let magnitude = quotient(distance.bits().unsigned_abs().into(), 2, ticks.into());
         let velocity = Self::from_exact(magnitude.cast_signed());
-        if way.bits() < 0 {
+        if distance.bits() < 0 {
             Self(velocity.0.wrapping_neg())
         } else {
             velocity
@@ -108,8 +108,8 @@ impl Velocity {
         self.0.unsigned_abs() < 1 << 24
     }
 
-    /// The way over so many ticks, in steps × 2³².
-    pub fn way(self, ticks: u32) -> i64 {
+    /// The distance over so many ticks, in steps × 2³².
+    pub fn distance(self, ticks: u32) -> i64 {
         (i128::from(self.0).wrapping_mul(ticks.into()) >> 24) as i64
     }
 
@@ -228,7 +228,7 @@ pub struct State {
 pub(crate) struct Exact {
     /// Steps × 2⁹⁶, modulo 2³² steps.
     pub(crate) position: i128,
-    /// Steps/tick × 2⁹⁶, at most half a step per tick either way.
+    /// Steps/tick × 2⁹⁶, at most half a step per tick either distance.
     pub(crate) velocity: i128,
 }
 
@@ -250,15 +250,15 @@ impl Exact {
 
     /// How many ticks ago this state was in the middle in front of the step at `steps` (modulo 2³²), at the velocity of now. 0 at rest.
     pub(crate) fn since_middle(self, steps: i32) -> u128 {
-        let way = self
+        let distance = self
             .position
             .wrapping_sub(Self::at_rest(steps.into()).position);
-        let way = if self.velocity < 0 {
-            way.wrapping_neg()
+        let distance = if self.velocity < 0 {
+            distance.wrapping_neg()
         } else {
-            way
+            distance
         };
-        let beyond = way.wrapping_add(1 << 95).max(0).cast_unsigned();
+        let beyond = distance.wrapping_add(1 << 95).max(0).cast_unsigned();
         quotient(beyond, 0, self.velocity.unsigned_abs())
     }
 

@@ -271,7 +271,7 @@ impl Actuator for StepAxis {
         CourseEnd {
             left: self.timescale.span(left),
             position: state.position,
-            distance: state.velocity.way(left),
+            distance: state.velocity.distance(left),
         }
     }
 

@@ -1,9 +1,10 @@
 //! How pieces become a plan: one behind the other, from where the axis is.
 
+use super::Plan;
+use super::goal::PlanError;
 use super::move_to::distance_to;
 use super::piece::{Frame, Instant, Offset, Piece, Shape, ramp_distance};
 use super::sine::SHORTEST;
-use super::{Plan, PlanError};
 use crate::clock::{Fine, Ticks};
 use crate::fixed::Exact;
 

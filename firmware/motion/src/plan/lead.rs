@@ -5,9 +5,10 @@
 //! acceleration.
 
 use super::builder::Origin;
+use super::goal::{Goal, Limits};
 use super::move_to::distance_to;
 use super::piece::{Instant, Piece, Shape, distance_at, over_time};
-use super::{Goal, Limits, Plan, sine};
+use super::{Plan, sine};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
 use crate::fixed::Exact;

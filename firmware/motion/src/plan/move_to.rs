@@ -3,9 +3,10 @@
 //! Braking to an end velocity at the target is the beginning of braking to rest further on: as far on as it takes to brake from the
 //! end velocity. So such a move is planned as one to that point, and left at the target.
 
+use super::Plan;
 use super::builder::{Origin, PlanBuilder};
+use super::goal::{Limits, PlanError};
 use super::piece::{Offset, Slope, ramp_distance};
-use super::{Limits, Plan, PlanError};
 use crate::clock::{Clock, Fine};
 use crate::divide::{estimate, quotient};
 use crate::fixed::Exact;

@@ -102,7 +102,7 @@ impl Phase {
     #[inline(never)]
     pub(crate) fn at(&self, t: Ticks) -> Exact {
         let n = self.since_anchor(t);
-        // Most of the time is spent in cruises, and wide products are dear.
+        // Most of the time is spent in cruises, and wide products take long.
         let (half, rise) = match (self.sixth_jerk, self.half_acceleration) {
             (0, half) => (half, 0),
             (sixth_jerk, half) => {

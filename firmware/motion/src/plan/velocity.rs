@@ -1,8 +1,9 @@
 //! Profile velocity: a ramp to another velocity, and the stop.
 
+use super::Plan;
 use super::builder::{Origin, PlanBuilder};
+use super::goal::{Limits, PlanError};
 use super::piece::{Slope, ramp_distance};
-use super::{Limits, Plan, PlanError};
 use crate::clock::Clock;
 use crate::speed::{SignedSpeed, Speed};
 

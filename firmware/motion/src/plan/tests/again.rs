@@ -41,7 +41,7 @@ proptest! {
             };
             plan.replan(clock, at, goal, limits, ramps).unwrap();
             let moved = plan.end().unwrap().abs_diff(end);
-            // Velocities are rounded anew: that shows in moves of hours.
+            // Velocities are rounded again: that shows in moves of hours.
             prop_assert!(moved <= 2 * replans + (end >> 28), "{moved} ticks after {replans}, cut at {at} of {end}");
             let now = plan.state_at(at);
             prop_assert!((now.position.bits() - before.position.bits()).abs() < 1 << 16, "position jumps");

@@ -1,4 +1,4 @@
-//! sin² ramps that are left on their way.
+//! sin² ramps that are left before their end.
 
 use super::smooth::{all_over, assert_no_jump};
 use super::{Goal, Limits, Plan, Ramps, clock, per_second, state};

@@ -96,15 +96,15 @@ fn start(from: State, acceleration: i128) -> Start {
 }
 
 /// Whether a motion that must brake and come back can be planned; and if so, that it lands on its target.
-fn is_possible((velocity, pull): (i32, u32), target: i64, deceleration: u32) -> bool {
+fn is_possible((velocity, acceleration): (i32, u32), target: i64, deceleration: u32) -> bool {
     let clock = clock(168_000_000);
     let limits = Limits {
         velocity: 2_000_000.into(),
         acceleration: 1_000_000,
         deceleration,
     };
-    let pull = (clock.half_acceleration(pull) << 1).cast_signed();
-    let start = start(state(clock, 0, velocity), -pull);
+    let acceleration = (clock.half_acceleration(acceleration) << 1).cast_signed();
+    let start = start(state(clock, 0, velocity), -acceleration);
     let mut plan = Plan::at_rest(0, 0);
     let goal = Goal::Rest(target);
     let made = plan.make(clock, &start, goal, limits, Ramps::JerkLimited(5_050_000));
@@ -154,9 +154,9 @@ fn i02_braking_that_began_long_ago_lands_on_its_target() {
         acceleration: 1_000,
         deceleration: 1_000,
     };
-    let pull = (clock.half_acceleration(1_000) << 1).cast_signed();
+    let acceleration = (clock.half_acceleration(1_000) << 1).cast_signed();
     for target in [1_300_000_000, 1_500_000_000, 2_000_000_000, 2_100_000_000] {
-        let start = start(state(clock, 0, 1_500_000), -pull);
+        let start = start(state(clock, 0, 1_500_000), -acceleration);
         let mut plan = Plan::at_rest(0, 0);
         plan.make(
             clock,
@@ -181,8 +181,8 @@ fn i02_an_acceleration_that_takes_half_the_span_to_fall_lands_on_its_target() {
         acceleration: 100_000,
         deceleration: 100_000,
     };
-    for (velocity, pull) in [(2_650_000, 2_000), (2_400_000, 2_000), (3_000_000, 2_000)] {
-        let pull = (clock.half_acceleration(pull) << 1).cast_signed();
+    for (velocity, acceleration) in [(2_650_000, 2_000), (2_400_000, 2_000), (3_000_000, 2_000)] {
+        let acceleration = (clock.half_acceleration(acceleration) << 1).cast_signed();
         for target in [
             -1_000_000_000,
             0,
@@ -190,7 +190,7 @@ fn i02_an_acceleration_that_takes_half_the_span_to_fall_lands_on_its_target() {
             1_500_000_000,
             2_000_000_000,
         ] {
-            let start = start(state(clock, -2_000_000_000, velocity), -pull);
+            let start = start(state(clock, -2_000_000_000, velocity), -acceleration);
             let mut plan = Plan::at_rest(0, 0);
             let goal = Goal::Rest(target);
             let made = plan.make(clock, &start, goal, limits, Ramps::JerkLimited(2));

@@ -1,4 +1,4 @@
-//! The invariants for plans that are made anew on the way, again and again.
+//! The invariants for plans that are made anew in motion, again and again.
 
 use super::properties::{any_clock, usual_limits};
 use super::smooth::{all_over, goal, last, smooth};

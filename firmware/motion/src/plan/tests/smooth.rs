@@ -115,13 +115,13 @@ proptest! {
                 }
                 goal => goal,
             };
-            let (before, pull) = (plan.state_at(at), acceleration(&plan, clock, at));
+            let (before, before_it) = (plan.state_at(at), acceleration(&plan, clock, at));
             if plan.replan(clock, at, goal, limits, ramps).is_err() {
                 continue;
             }
             let slack = 4.0 + most * 1e-5;
             let begun = acceleration(&plan, clock, at.max(plan.start()));
-            prop_assert!((begun - pull).abs() <= slack + jerk.min(1e30) / rate, "{goal:?}: from {pull} to {begun}");
+            prop_assert!((begun - before_it).abs() <= slack + jerk.min(1e30) / rate, "{goal:?}: from {before_it} to {begun}");
             let now = plan.state_at(at);
             prop_assert!((now.position.bits() - before.position.bits()).abs() < 1 << 16, "position jumps");
             prop_assert!((per_second(clock, now) - per_second(clock, before)).abs() < 1e-3 + 1e-6 * top, "velocity jumps");

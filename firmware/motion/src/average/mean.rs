@@ -1,0 +1,38 @@
+//! The mean of a plan as a row of curves, for whoever looks ahead.
+
+use super::Average;
+use crate::clock::Ticks;
+use crate::plan::Plan;
+use crate::plan::phase::Phase;
+
+/// The mean of a plan from somewhere on, one curve after the other: what an axis with [`Ramps::MovingAverage`](crate::Ramps) follows if it is
+/// told nothing else. Behind the last one it stands, or keeps its velocity for ever.
+#[derive(Debug, Clone)]
+pub struct Mean {
+    average: Average,
+    plan: Plan,
+}
+
+impl Mean {
+    pub(crate) const fn new(average: Average, plan: Plan) -> Self {
+        Self { average, plan }
+    }
+
+    /// The first tick behind the last curve that was given; `Ticks::MAX` if that never ends.
+    pub const fn until(&self) -> Ticks {
+        self.average.until
+    }
+}
+
+impl Iterator for Mean {
+    type Item = Phase;
+
+    fn next(&mut self) -> Option<Phase> {
+        if self.average.until == Ticks::MAX || self.average.is_over() {
+            return None;
+        }
+        let until = self.average.until;
+        self.average.piece_at(&self.plan, until);
+        Some(self.average.phase())
+    }
+}

@@ -1,0 +1,67 @@
+//! Over how much time the mean of a plan is taken.
+
+use crate::clock::Clock;
+use crate::divide::by_digit;
+use crate::plan::Limits;
+
+/// Samples that are kept: 4 KiB.
+pub(super) const SAMPLES: usize = 512;
+
+/// Over how much time a mean is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Window {
+    /// Intervals of the grid, at most [`SAMPLES`].
+    pub(super) count: u16,
+    /// Ticks from one sample to the next.
+    pub(super) grid: u32,
+}
+
+impl Window {
+    /// The longest one, in ticks: 6.4 s at 168 MHz.
+    const LONGEST: u32 = 1 << 30;
+
+    /// In which the acceleration changes by `change` steps/s² at `jerk` steps/s³ or less. At least a segment of so many ticks.
+    pub(crate) fn new(clock: Clock, change: u64, jerk: u32, segment: u32) -> Self {
+        let ticks = change.saturating_mul(clock.hz().into());
+        let (ticks, over) = by_digit(ticks, jerk.max(1));
+        let ticks = ticks.saturating_add(u64::from(over > 0));
+        Self::of(ticks.min(Self::LONGEST.into()) as u32, segment)
+    }
+
+    /// One that takes so many ticks, or a few more: at most [`SAMPLES`] of them. At least a segment.
+    pub(crate) fn of(ticks: u32, segment: u32) -> Self {
+        let segment = segment.max(1);
+        let ticks = ticks.max(segment);
+        let count = ticks.div_ceil(segment).min(SAMPLES as u32);
+        let grid = ticks.div_ceil(count.max(1));
+        Self {
+            count: count as u16,
+            grid,
+        }
+    }
+
+    /// In ticks.
+    pub(crate) fn ticks(&self) -> u32 {
+        u32::from(self.count).wrapping_mul(self.grid)
+    }
+
+    /// The jerk where deceleration comes behind acceleration at once, in steps/s³.
+    pub(crate) fn jerk(&self, clock: Clock, acceleration: u32, deceleration: u32) -> u32 {
+        let change = u64::from(acceleration).saturating_add(deceleration.into());
+        let (jerk, _) = by_digit(change.saturating_mul(clock.hz().into()), self.ticks());
+        u32::try_from(jerk).unwrap_or(u32::MAX)
+    }
+
+    /// Limits for which the longest window is long enough, whatever comes after whatever: with a very low jerk the accelerations are less than
+    /// what is allowed, and the jerk is kept.
+    pub(crate) fn within(clock: Clock, limits: Limits, jerk: u32) -> Limits {
+        let most = u64::from(jerk).wrapping_mul((Self::LONGEST / 2).into());
+        let (most, _) = by_digit(most, clock.hz());
+        let most = u32::try_from(most).unwrap_or(u32::MAX).max(1);
+        Limits {
+            acceleration: limits.acceleration.min(most),
+            deceleration: limits.deceleration.min(most),
+            ..limits
+        }
+    }
+}
