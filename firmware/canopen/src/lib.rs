@@ -20,6 +20,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod agenda;
 pub mod application;
 pub mod bit_timing;
 pub mod can_controller;

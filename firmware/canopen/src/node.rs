@@ -40,6 +40,7 @@ use objects::Streams;
 use services::Services;
 use transmit::TransmitQueue;
 
+use crate::agenda::Object;
 use crate::application::Application;
 use crate::can_controller::Controller;
 use crate::cia301::emergency::{Emergency, Meant, ReceivedEmergency};
@@ -48,7 +49,7 @@ use crate::cia301::nmt::{NmtState, Reset};
 use crate::cia301::sdo;
 use crate::cia302::startup;
 use crate::cia305::{self, LssEvent};
-use crate::od::{self, Dictionary};
+use crate::od::{self, Counts, Dictionary};
 use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings, Wish};
 use crate::time::{Duration, Instant, NEVER, earlier, has_come};
 use crate::wire::sdo::Multiplexer;
@@ -96,9 +97,6 @@ pub enum StoreError {
     Medium,
 }
 
-/// Stands for "no identifier": no 11-bit identifier is equal to it.
-const NO_COB_ID: u16 = u16::MAX;
-
 /// A CANopen device over the dictionary `D`, with as many PDOs as its data sheet has.
 #[derive(Debug)]
 pub struct Node<D: Dictionary> {
@@ -114,27 +112,18 @@ pub struct Node<D: Dictionary> {
     state: NmtState,
     /// The node-ID in force.
     node_id: NodeId,
-    /// No timer other than a heartbeat ends before this moment, unless the services say that one has changed.
-    next_rare: Instant,
-    /// No timer ends before this moment, unless the services say that one has changed.
-    next_timer: Instant,
-    /// No transmit PDO is due before this moment, unless the services say that a value has changed.
-    next_pdo: Instant,
-    /// The earlier of the two.
-    next_call: Instant,
     /// Silent and deaf until the next boot.
     is_resetting: bool,
     /// A commanded reset does not silence the device.
     holds_resets: bool,
     /// One was commanded, and waits for the next boot.
     is_held: bool,
-    /// Nothing may be sent: a reset, or the silence around a change of the bit rate.
-    is_mute: bool,
 }
 
 impl<D: Dictionary> Node<D> {
     /// A device that has just been powered, still silent: call [`Node::boot`] with [`Reset::Node`].
     pub fn new(dictionary: D, settings: Settings) -> Self {
+        let () = <D::Counts as Counts>::ARE_ENOUGH_SENDERS;
         Self {
             identifiers: Identifiers::none(),
             dictionary,
@@ -146,14 +135,9 @@ impl<D: Dictionary> Node<D> {
             controller: Controller::new(),
             state: NmtState::Initialisation,
             node_id: settings.node_id,
-            next_rare: NEVER,
-            next_timer: NEVER,
-            next_pdo: NEVER,
-            next_call: NEVER,
             is_resetting: true,
             holds_resets: false,
             is_held: false,
-            is_mute: true,
         }
     }
 
@@ -213,15 +197,17 @@ impl<D: Dictionary> Node<D> {
     /// The parameters are those to start with.
     fn end_boot(&mut self, now: Instant) {
         self.is_resetting = false;
-        self.is_mute = self.must_be_mute(now);
+        self.services.agenda.is_mute = self.must_be_mute(now);
         self.listen();
         if self.node_id.is_configured() {
-            self.queue.push_boot_up();
+            self.services.agenda.put(Object::BOOT_UP, true);
             // Of the errors that stand all are told, of those that the boot has ended none.
             self.services.emergency.drop_messages();
+            self.services.emergencies_changed();
             self.enter(NmtState::PreOperational, now);
             self.services.emergency.tell_all(now);
-            self.services.timers_changed = true;
+            self.services.emergencies_changed();
+            self.services.agenda.wake();
             if startup::starts_itself(&self.dictionary) {
                 self.enter(NmtState::Operational, now);
             }
@@ -234,26 +220,39 @@ impl<D: Dictionary> Node<D> {
     /// ([`NEVER`]: not before the next frame).
     #[inline]
     pub fn poll<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
-        if has_come(self.next_call, now)
-            || self.services.timers_changed
-            || self.services.values_changed
-        {
-            self.serve(now, application);
+        if has_come(self.services.agenda.next(), now) {
+            return self.serve(now, application);
         }
-        self.next_call
+        self.services.agenda.next()
     }
 
-    /// Something is due, or may be.
+    /// Something is due, or may be. Returns the next deadline.
     #[inline(never)]
-    fn serve<A: Application<D>>(&mut self, now: Instant, application: &mut A) {
-        if self.services.timers_changed || has_come(self.next_timer, now) {
-            self.next_timer = self.serve_timers(now, application);
+    fn serve<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
+        if has_come(self.services.agenda.timers(), now) {
+            let deadline = self.serve_timers(now, application);
+            self.services.agenda.set_timers(deadline);
         }
-        if self.services.values_changed || has_come(self.next_pdo, now) {
-            self.services.values_changed = false;
-            self.next_pdo = self.services.tpdos.poll(&self.dictionary, now);
+        let services = &mut self.services;
+        let mut heartbeat = NEVER;
+        if self.state != NmtState::Initialisation {
+            if services.heartbeat.poll(now) {
+                services.agenda.put(Object::HEARTBEAT, true);
+            }
+            heartbeat = services.heartbeat.deadline();
         }
-        self.next_call = earlier(self.next_timer, self.next_pdo);
+        let agenda = &mut services.agenda;
+        if has_come(agenda.values(), now) {
+            let deadline = services.tpdos.poll(&self.dictionary, now, agenda);
+            agenda.set_values(deadline);
+        }
+        agenda.set_next(heartbeat);
+        let next = agenda.next();
+        if services.emergency.needs_time() {
+            // Its inhibit time begins when it has left: it is looked at with every call.
+            agenda.wake();
+        }
+        next
     }
 
     /// The next event for the firmware: changes of state in their order, then what LSS asks for, then a reset.
@@ -284,8 +283,8 @@ impl<D: Dictionary> Node<D> {
     /// The bit rate of the network was found, and the controller is on the bus with it.
     pub fn bit_rate_found(&mut self, bit_rate: BitRate, now: Instant) {
         self.lss.bit_rate_found(bit_rate);
-        self.is_mute = self.must_be_mute(now);
-        self.services.timers_changed = true;
+        self.services.agenda.is_mute = self.must_be_mute(now);
+        self.services.agenda.wake();
     }
 
     /// Configures and stores node-ID and bit rate without LSS, as an object of the manufacturer does. The node-ID counts from the
@@ -326,7 +325,7 @@ impl<D: Dictionary> Node<D> {
         if D::FEATURES.lss
             && let Some(answer) = self.lss.settings_stored(result)
         {
-            self.queue.push_lss(answer);
+            self.push_lss(answer);
         }
         self.serve_lss_events();
     }
@@ -340,8 +339,8 @@ impl<D: Dictionary> Node<D> {
     /// The owner of an object has finished a write that was to be completed later ([`sdo::Completion::Later`]): the client gets
     /// its answer, if it still waits for it.
     pub fn complete_write(&mut self, index: u16, sub: u8, result: Result<(), sdo::AbortCode>) {
-        self.sdo.complete(Multiplexer { index, sub }, result);
-        self.queue.set_answers(self.sdo.pending().is_some());
+        let object = Multiplexer { index, sub };
+        self.sdo.complete(object, result, &mut self.services.agenda);
     }
 
     /// An error appeared: error register, history, emergency message. Reported once until [`Node::clear`].
@@ -373,7 +372,7 @@ impl<D: Dictionary> Node<D> {
     /// The object dictionary, for the firmware to put in actual values. A communication object (1000h to 1FFFh) that is
     /// written here takes effect at the next boot. The next [`Node::poll`] looks for transmit PDOs that have changed.
     pub fn dictionary_mut(&mut self) -> &mut D {
-        self.services.values_changed |= self.services.tpdos.is_watching();
+        self.services.values_changed();
         &mut self.dictionary
     }
 
@@ -381,7 +380,7 @@ impl<D: Dictionary> Node<D> {
     /// controller is bus-off.
     /// A frame that has been fetched and has not reached the bus must wait; in [`NmtState::Initialisation`] it is void.
     pub fn is_mute(&self) -> bool {
-        self.is_mute
+        self.services.agenda.is_mute
     }
 
     /// What was lost since power-on because a queue was full: emergency messages, SDO requests, LSS answers, changes of
@@ -400,18 +399,25 @@ impl<D: Dictionary> Node<D> {
             return;
         }
         self.leave_operational();
+        let is_first = self.state == NmtState::Initialisation;
         self.state = state;
         // Transmit PDOs start, and with them their timers.
-        self.services.values_changed = true;
+        self.services.agenda.look();
         self.services.enter(state, now);
         if state.has_sdo_and_emergency() {
             self.sdo.configure(&self.dictionary, self.node_id);
+            if is_first {
+                self.arrange();
+            }
         } else {
             self.end_sdo();
         }
         if state == NmtState::Operational {
             self.services.rpdos.enter_operational();
-            self.services.tpdos.enter_operational(&self.dictionary, now);
+            let services = &mut self.services;
+            services
+                .tpdos
+                .enter_operational(&self.dictionary, now, &mut services.agenda);
         }
         self.events.state_changed(state);
     }
@@ -419,25 +425,25 @@ impl<D: Dictionary> Node<D> {
     fn leave_operational(&mut self) {
         if self.state == NmtState::Operational {
             self.services.rpdos.leave_operational();
-            self.services.tpdos.leave_operational();
+            let services = &mut self.services;
+            services.tpdos.leave_operational(&mut services.agenda);
         }
     }
 
     /// Ends what only states with SDO have.
     fn end_sdo(&mut self) {
-        self.sdo.reset();
+        self.sdo.reset(&mut self.services.agenda);
         self.drop_sync();
-        self.queue.drop_time();
-        self.queue.set_answers(false);
+        self.services.agenda.put(Object::TIME, false);
         // The application may have to learn that a client will not go on.
-        self.services.timers_changed = true;
+        self.services.agenda.wake();
     }
 
     /// Nothing is sent or heard from now on.
     fn silence(&mut self) {
         self.leave_operational();
         self.end_sdo();
-        self.queue.clear();
+        self.services.agenda.clear();
         self.services.emergency.drop_messages();
         if self.state != NmtState::Initialisation {
             self.state = NmtState::Initialisation;
@@ -445,7 +451,7 @@ impl<D: Dictionary> Node<D> {
         }
         self.is_resetting = true;
         self.is_held = false;
-        self.is_mute = true;
+        self.services.agenda.is_mute = true;
         self.identifiers = Identifiers::none();
     }
 
@@ -468,38 +474,12 @@ impl<D: Dictionary> Node<D> {
         self.events.request_reset(reset);
     }
 
-    /// Everything that waits for a time, beside transmit PDOs; returns the next of these times. Heartbeats come again and again,
-    /// the other timers hardly ever: those are looked at together, when the first of them ends or one of them has changed.
+    /// Everything that waits for a time, beside heartbeats, which come again and again, and transmit PDOs: the controller, LSS, SDO, SYNC, emergency
+    /// messages, watched nodes and receive PDOs. Returns the next of these times.
     #[inline(never)]
     fn serve_timers<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
-        let has_changed = core::mem::take(&mut self.services.timers_changed);
-        if has_changed || has_come(self.next_rare, now) {
-            self.next_rare = self.serve_rare_timers(now, application);
-        }
-        let mut deadline = self.next_rare;
-        if self.state != NmtState::Initialisation {
-            if self.services.heartbeat.poll(now) {
-                self.queue.push_heartbeat();
-            }
-            deadline = earlier(deadline, self.services.heartbeat.deadline());
-        }
-        if self.services.emergency.needs_time() || self.services.emergency.holds_back() {
-            deadline = earlier(deadline, self.services.emergency.poll(now));
-            // The inhibit time of a message that waits for the bus begins when it has left: it is looked at every time.
-            self.services.timers_changed |= self.services.emergency.needs_time();
-        }
-        deadline
-    }
-
-    /// The timers of the controller, LSS, SDO, SYNC, of watched nodes and of receive PDOs.
-    #[inline(never)]
-    fn serve_rare_timers<A: Application<D>>(
-        &mut self,
-        now: Instant,
-        application: &mut A,
-    ) -> Instant {
         let deadline = self.serve_controller(now, NEVER);
-        let mut sdo_deadline = self.serve_sdo(now, application);
+        self.serve_sdo(now, application);
         if self.is_resetting {
             return deadline;
         }
@@ -508,7 +488,7 @@ impl<D: Dictionary> Node<D> {
         } else {
             deadline
         };
-        self.is_mute = self.must_be_mute(now);
+        self.services.agenda.is_mute = self.must_be_mute(now);
         if !self.node_id.is_configured() {
             return deadline;
         }
@@ -518,34 +498,25 @@ impl<D: Dictionary> Node<D> {
         if has_come(self.services.supervision_deadline(), now) {
             self.supervise(now);
             // It may have stopped the device: the application learns at once that a client will not go on.
-            sdo_deadline = self.serve_sdo(now, application);
+            self.serve_sdo(now, application);
         }
         let deadline = earlier(deadline, self.services.rpdos.poll(now));
         self.services.report_errors(&mut self.dictionary, now);
+        self.services.emergency.poll(now);
+        self.services.emergencies_changed();
+        let deadline = earlier(deadline, self.services.emergency.deadline());
         let deadline = earlier(deadline, self.services.sync.deadline());
         let deadline = earlier(deadline, self.services.supervision_deadline());
-        earlier(deadline, sdo_deadline)
+        earlier(deadline, self.sdo.deadline())
     }
 
-    /// A timer that is not a heartbeat has begun, and ends at this moment.
-    #[inline]
-    fn wake_at(&mut self, deadline: Instant) {
-        if deadline.ticks() < self.next_rare.ticks() {
-            self.next_rare = deadline;
-            self.next_timer = earlier(self.next_timer, deadline);
-            self.next_call = earlier(self.next_call, deadline);
-        }
-    }
-
-    /// The time-outs of SDO transfers, and what the application has to learn of them; returns the next one.
-    fn serve_sdo<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
+    /// The time-outs of SDO transfers, and what the application has to learn of them.
+    fn serve_sdo<A: Application<D>>(&mut self, now: Instant, application: &mut A) {
         let mut streams = Streams {
             dictionary: &self.dictionary,
             application,
         };
-        let deadline = self.sdo.poll(now, &mut streams);
-        self.queue.set_answers(self.sdo.pending().is_some());
-        deadline
+        self.sdo.poll(now, &mut streams, &mut self.services.agenda);
     }
 
     /// Passes on what the LSS slave wants done.

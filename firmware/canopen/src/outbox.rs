@@ -12,9 +12,6 @@
 //! - Nothing else is lost. When all places are taken no further frame has to make way.
 
 use crate::Frame;
-use crate::application::Application;
-use crate::node::Node;
-use crate::od::Dictionary;
 
 /// What the device would send next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +21,8 @@ pub struct Pending {
     /// Whether newer data takes the place of older data: PDO, SYNC and TIME. SDO, emergency messages, error control and LSS are
     /// sent one and all.
     pub is_process_data: bool,
+    /// The identifier of the SYNC that it answers, which the device has sent and which it must not overtake.
+    pub follows: Option<u16>,
 }
 
 /// Who has frames to send.
@@ -31,28 +30,8 @@ pub trait Sender {
     /// What [`Sender::take`] would give now; `None` if nothing.
     fn pending(&self) -> Option<Pending>;
 
-    /// The identifier of the SYNC that it answers, which the device has sent and which it must not overtake.
-    fn follows(&self) -> Option<u16> {
-        None
-    }
-
     /// The next frame.
     fn take(&mut self) -> Option<Frame>;
-}
-
-/// A node with its application.
-impl<D: Dictionary, A: Application<D>> Sender for (&mut Node<D>, &mut A) {
-    fn pending(&self) -> Option<Pending> {
-        self.0.pending()
-    }
-
-    fn follows(&self) -> Option<u16> {
-        self.0.follows()
-    }
-
-    fn take(&mut self) -> Option<Frame> {
-        self.0.transmit(self.1)
-    }
 }
 
 /// Whether the mailboxes have room for a frame.
@@ -105,8 +84,8 @@ impl<const PLACES: usize> Outbox<PLACES> {
     pub fn send(&mut self, device: &mut impl Sender, mailboxes: &mut impl Mailboxes) {
         loop {
             let is_ahead = |sync| self.holds(sync) || mailboxes.holds(sync);
-            let must_wait = device.follows().is_some_and(is_ahead);
-            let pending = device.pending().filter(|_| !must_wait);
+            let must_wait = |next: &Pending| next.follows.is_some_and(is_ahead);
+            let pending = device.pending().filter(|next| !must_wait(next));
             let of_device = pending.map(|pending| pending.cob_id);
             let (place, own) = match (self.first(), of_device) {
                 (None, None) => return,

@@ -396,10 +396,6 @@ impl<D: Dictionary + Objects, A: Application<D>> Sender for Device<D, A> {
         self.node.pending()
     }
 
-    fn follows(&self) -> Option<u16> {
-        self.node.follows()
-    }
-
     fn take(&mut self) -> Option<Frame> {
         self.transmit()
     }

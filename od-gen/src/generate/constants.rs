@@ -27,6 +27,9 @@ pub(super) fn write(model: &Model, layout: &Layout<'_>) -> String {
 /// Bytes that an SDO server needs at least: a segment, and one more.
 const SHORTEST_BUFFER: u16 = 8;
 
+/// Services that send, beside PDO and SDO: each has a bit in the words of senders.
+const SERVICES: usize = 7;
+
 /// The places that the services of the device need.
 fn counts(model: &Model, layout: &Layout<'_>) -> String {
     let (rpdos, tpdos) = (model.rpdo_count(), model.tpdo_count());
@@ -34,9 +37,14 @@ fn counts(model: &Model, layout: &Layout<'_>) -> String {
     let mapped = model.mapped_object_count();
     // What the application serves piece by piece passes through the buffer too.
     let longest = layout.longest_in_ram().max(SHORTEST_BUFFER);
+    // One word of senders is the default.
+    let words = match (tpdos + servers + SERVICES).div_ceil(32) {
+        1 => String::new(),
+        words => format!(", {words}"),
+    };
     format!(
         "/// Receive PDOs, transmit PDOs, SDO servers, heartbeat consumers, objects in a PDO, bytes of the longest value in RAM.\n\
-         pub type Counts = ::canopen::od::Count<{rpdos}, {tpdos}, {servers}, {consumers}, {mapped}, {longest}>;\n\n"
+         pub type Counts = ::canopen::od::Count<{rpdos}, {tpdos}, {servers}, {consumers}, {mapped}, {longest}{words}>;\n\n"
     )
 }
 

@@ -31,8 +31,8 @@ enum Life {
 /// The guarded side of guarding.
 #[derive(Debug)]
 pub struct Guarding {
-    /// 0: life guarding is switched off.
-    life_time: Duration,
+    /// In ms; 0: life guarding is switched off.
+    life_time: u32,
     deadline: Instant,
     life: Life,
     toggle: u8,
@@ -44,7 +44,7 @@ impl Guarding {
     /// Not guarded, without a life time until [`Guarding::configure`].
     pub const fn new() -> Self {
         Self {
-            life_time: Duration::from_ticks(0),
+            life_time: 0,
             deadline: NEVER,
             life: Life::Unknown,
             toggle: 0,
@@ -63,11 +63,11 @@ impl Guarding {
     /// switched off.
     pub fn written<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> bool {
         self.life_time = life_time(dictionary);
-        if self.life_time.ticks() == 0 {
+        if self.life_time == 0 {
             return self.stop();
         }
         if self.life == Life::Guarded {
-            self.deadline = now + self.life_time;
+            self.restart(now);
         }
         false
     }
@@ -82,13 +82,17 @@ impl Guarding {
 
     /// The master asks. Returns whether this ends an error.
     pub fn ask(&mut self, now: Instant) -> bool {
-        if self.life_time.ticks() == 0 {
+        if self.life_time == 0 {
             return false;
         }
         let is_lost = self.life == Life::Lost;
         self.life = Life::Guarded;
-        self.deadline = now + self.life_time;
+        self.restart(now);
         is_lost
+    }
+
+    fn restart(&mut self, now: Instant) {
+        self.deadline = now + Duration::from_ticks(u64::from(self.life_time) * 1000);
     }
 
     /// The toggle bit of the answer that leaves now.
@@ -120,8 +124,8 @@ impl Default for Guarding {
     }
 }
 
-fn life_time<D: Dictionary>(dictionary: &D) -> Duration {
+fn life_time<D: Dictionary>(dictionary: &D) -> u32 {
     let guard_time = od::read_u16(dictionary, GUARD_TIME, 0).unwrap_or(0);
     let factor = od::read_u8(dictionary, LIFE_TIME_FACTOR, 0).unwrap_or(0);
-    Duration::from_ticks(u64::from(guard_time) * u64::from(factor) * 1000)
+    u32::from(guard_time) * u32::from(factor)
 }

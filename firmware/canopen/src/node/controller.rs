@@ -26,7 +26,7 @@ impl<D: Dictionary> Node<D> {
         let Some(before) = self.controller.enter(state, now) else {
             return;
         };
-        self.is_mute = self.must_be_mute(now);
+        self.services.agenda.is_mute = self.must_be_mute(now);
         if before == ControllerState::BusOff {
             self.clear_error(&CommunicationError::BusOff.emergency(), now);
         }
@@ -37,14 +37,14 @@ impl<D: Dictionary> Node<D> {
             ControllerState::ErrorPassive => self.report(ERROR_PASSIVE, now),
             ControllerState::BusOff => self.communication_error(CommunicationError::BusOff, now),
         }
-        self.services.timers_changed = true;
+        self.services.agenda.wake();
     }
 
     /// `count` received frames were lost before the device saw them: emergency 8110h, until none is lost for a second.
     pub fn frames_lost(&mut self, count: u32, now: Instant) {
         self.controller.lose(count, now);
         self.report(OVERRUN, now);
-        self.services.timers_changed = true;
+        self.services.agenda.wake();
     }
 
     /// How long the controller stays off the bus after bus-off (100 ms unless this is called); `None` until the next power-on.

@@ -5,8 +5,10 @@
 //! that from somebody else is the sign of a second device with its identifier.
 
 use super::Node;
+use crate::agenda::{Kind, Object, Rank, Senders};
+use crate::cia301::{pdo, sdo};
 use crate::cia305;
-use crate::od::Dictionary;
+use crate::od::{Counts, Dictionary};
 use crate::wire::cob_id;
 
 /// A set of 11-bit identifiers.
@@ -50,7 +52,7 @@ impl<D: Dictionary> Node<D> {
             self.drop_sync();
         }
         if !self.services.time.is_producer() {
-            self.queue.drop_time();
+            self.services.agenda.put(Object::TIME, false);
         }
         if self.is_resetting {
             return;
@@ -71,7 +73,54 @@ impl<D: Dictionary> Node<D> {
         }
         if self.state.has_sdo_and_emergency() {
             self.sdo.configure(&self.dictionary, self.node_id);
-            self.services.timers_changed = true;
+            self.services.agenda.wake();
+        }
+        self.arrange();
+    }
+
+    /// Puts all that may send into the order of identifiers.
+    #[inline(never)]
+    pub(super) fn arrange(&mut self) {
+        let services = &mut self.services;
+        let error_control = Some(cob_id::error_control(self.node_id));
+        let fixed = [
+            (Object::BOOT_UP, Some(cob_id::NMT)),
+            (Object::EMERGENCY, services.emergency.cob_id()),
+            (Object::SYNC, Some(services.sync.cob_id())),
+            (Object::TIME, Some(services.time.cob_id())),
+            (Object::HEARTBEAT, error_control),
+            (Object::GUARDING, error_control),
+            (Object::LSS, Some(cia305::RESPONSE_COB_ID)),
+        ];
+        services.agenda.arrange(&mut All {
+            fixed,
+            servers: &mut self.sdo,
+            tpdos: &mut services.tpdos,
+        });
+    }
+}
+
+/// All that may send.
+struct All<'a, C: Counts> {
+    fixed: [(Object, Option<u16>); 7],
+    servers: &'a mut sdo::Servers<C>,
+    tpdos: &'a mut pdo::Transmit<C::Tpdos, C::PdoObjects>,
+}
+
+impl<C: Counts> Senders for All<'_, C> {
+    fn each(&self, each: &mut dyn FnMut(Object, Option<u16>, bool)) {
+        for (object, cob_id) in self.fixed {
+            each(object, cob_id, false);
+        }
+        self.servers.senders(each);
+        self.tpdos.senders(each);
+    }
+
+    fn place(&mut self, object: Object, rank: Rank) {
+        match object.kind() {
+            Kind::Answer(number) => self.servers.set_rank(number, rank),
+            Kind::Pdo(number) => self.tpdos.set_rank(number, rank),
+            _ => {}
         }
     }
 }

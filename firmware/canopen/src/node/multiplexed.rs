@@ -12,9 +12,10 @@ impl<D: Dictionary> Node<D> {
     /// # Errors
     /// It is not sent, and why.
     pub fn announce(&mut self, index: u16, sub: u8, now: Instant) -> Result<(), NotSent> {
-        self.services
+        let services = &mut self.services;
+        services
             .tpdos
-            .announce(index, sub, &self.dictionary, now)
+            .announce(index, sub, &self.dictionary, now, &mut services.agenda)
     }
 
     /// Sends a value to an object of another node (1 to 127), or of all nodes (0), by the transmit PDO in destination address
@@ -30,6 +31,9 @@ impl<D: Dictionary> Node<D> {
         value: [u8; 4],
         now: Instant,
     ) -> Result<(), NotSent> {
-        self.services.tpdos.send_to(node_id, index, sub, value, now)
+        let services = &mut self.services;
+        services
+            .tpdos
+            .send_to(node_id, index, sub, value, now, &mut services.agenda)
     }
 }

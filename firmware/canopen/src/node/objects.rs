@@ -152,7 +152,7 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
     /// A value was written: transmit PDOs may have to look at it, and the date of the configuration may be void.
     #[inline]
     fn end_write_of_value(&mut self, entry: &Entry, is_changed: bool) {
-        self.services.values_changed |= self.services.tpdos.is_watching();
+        self.services.values_changed();
         if is_changed {
             self.services.parameters.changed(self.dictionary, entry);
         }
@@ -227,7 +227,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
             self.application.abandon_write(self.dictionary, entry);
             return Err(AbortCode::DeviceState);
         }
-        self.services.values_changed |= self.services.tpdos.is_watching();
+        self.services.values_changed();
         self.application.end_write(self.dictionary, entry, length)
     }
 }

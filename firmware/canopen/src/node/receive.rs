@@ -78,15 +78,15 @@ impl<D: Dictionary> Node<D> {
             dictionary: &self.dictionary,
             application,
         };
-        if self.is_mute {
+        if self.services.agenda.is_mute {
             return false;
         }
-        let Some(deadline) = self.sdo.pass(server, request, now, &mut streams) else {
-            return false;
-        };
-        self.queue.set_answers(self.sdo.pending().is_some());
-        self.wake_at(deadline);
-        true
+        let agenda = &mut self.services.agenda;
+        let deadline = self.sdo.pass(server, request, now, &mut streams, agenda);
+        if let Some(deadline) = deadline {
+            agenda.wake_at(deadline);
+        }
+        deadline.is_some()
     }
 
     #[inline(never)]
@@ -97,12 +97,12 @@ impl<D: Dictionary> Node<D> {
         now: Instant,
         application: &mut A,
     ) {
-        if self.is_mute && self.is_switching(now) {
+        if self.services.agenda.is_mute && self.is_switching(now) {
             self.receive_sdo_in_silence(server, request, application);
             return;
         }
         let (dictionary, services) = (&mut self.dictionary, &mut self.services);
-        let deadline = self.sdo.receive(server, request, now, |others| Objects {
+        let executed = self.sdo.receive(server, request, now, |others| Objects {
             dictionary,
             application,
             services,
@@ -110,16 +110,14 @@ impl<D: Dictionary> Node<D> {
             now,
             number: [0; 8],
         });
-        let Some(deadline) = deadline else {
+        if executed.is_none() {
             self.queue.count_lost_request();
             return;
-        };
-        self.sdo.sort();
+        }
         if self.services.identifiers_changed {
             self.listen();
         }
-        self.queue.set_answers(self.sdo.pending().is_some());
-        self.wake_at(deadline);
+        self.sdo.settle(server, &mut self.services.agenda);
     }
 
     /// In the silence of a bit rate switch no answer could tell of what was done. An abort needs none, and nothing of its
@@ -137,7 +135,7 @@ impl<D: Dictionary> Node<D> {
             application,
         };
         self.sdo.receive_abort(server, request, &mut streams);
-        self.queue.set_answers(self.sdo.pending().is_some());
+        self.sdo.settle(server, &mut self.services.agenda);
     }
 
     #[cold]
@@ -145,11 +143,11 @@ impl<D: Dictionary> Node<D> {
     fn receive_lss(&mut self, request: &[u8; 8], now: Instant) {
         let identity = Identity::of(&self.dictionary);
         if let Some(answer) = self.lss.receive(request, &identity, now) {
-            self.queue.push_lss(answer);
+            self.push_lss(answer);
         }
         self.serve_lss_events();
-        self.services.timers_changed = true;
-        self.is_mute = self.must_be_mute(now);
+        self.services.agenda.wake();
+        self.services.agenda.is_mute = self.must_be_mute(now);
     }
 
     #[cold]
@@ -160,6 +158,7 @@ impl<D: Dictionary> Node<D> {
                 self.enter(state, now);
                 if state == NmtState::Stopped {
                     self.services.emergency.hold_back();
+                    self.services.emergencies_changed();
                 }
             }
             Some(Command::Reset(reset)) => self.request_reset(reset),
@@ -200,7 +199,7 @@ impl<D: Dictionary> Node<D> {
                 self.services
                     .synchronise(beat, &mut self.dictionary, application);
             }
-            self.wake_at(self.services.sync.deadline());
+            self.services.agenda.wake_at(self.services.sync.deadline());
         }
         self.services.report_errors(&mut self.dictionary, now);
     }
@@ -221,7 +220,7 @@ impl<D: Dictionary> Node<D> {
         {
             Received::Nothing => return self.receive_other(cob_id, frame, now),
             Received::Kept => {}
-            Received::Applied => self.services.values_changed = true,
+            Received::Applied => self.services.agenda.look(),
         }
         if self.services.rpdos.has_report() {
             self.services.report_errors(&mut self.dictionary, now);

@@ -1,6 +1,7 @@
 //! The communication objects (1000h to 1FFFh) behind one door: each has its rules beside its own code; this is the only
 //! place that knows which code owns which index.
 
+use crate::agenda::{Agenda, Object};
 use crate::application::Application;
 use crate::cia301::cob_ids;
 use crate::cia301::emergency::{self, Emergency, Meant};
@@ -34,10 +35,8 @@ pub(super) struct Services<C: Counts> {
     pub(super) parameters: Parameters,
     pub(super) rpdos: pdo::Receive<C::Rpdos, C::PdoObjects>,
     pub(super) tpdos: pdo::Transmit<C::Tpdos, C::PdoObjects>,
-    /// Whether a timer may end earlier than the node knows.
-    pub(super) timers_changed: bool,
-    /// Whether a value of the dictionary may have changed since transmit PDOs were compared with it.
-    pub(super) values_changed: bool,
+    /// What waits for the bus, and when there is something to do.
+    pub(super) agenda: Agenda<C::Senders>,
     /// Whether an event-driven transmit PDO may look at the error register or the history.
     errors_are_watched: bool,
     /// Whether the set of identifiers that concern this device may have changed.
@@ -57,8 +56,7 @@ impl<C: Counts> Services<C> {
             parameters: Parameters::new(),
             rpdos: pdo::Receive::new(),
             tpdos: pdo::Transmit::new(),
-            timers_changed: true,
-            values_changed: true,
+            agenda: Agenda::new(),
             errors_are_watched: true,
             identifiers_changed: true,
         }
@@ -71,8 +69,8 @@ impl<C: Counts> Services<C> {
         node_id: NodeId,
         now: Instant,
     ) {
-        self.timers_changed = true;
-        self.values_changed = true;
+        self.agenda.wake();
+        self.agenda.look();
         self.heartbeat.configure(dictionary, now);
         self.consumers.configure(dictionary);
         if D::FEATURES.guarding {
@@ -90,7 +88,8 @@ impl<C: Counts> Services<C> {
             self.parameters.configure(dictionary);
         }
         self.rpdos.configure_all(dictionary, node_id.get());
-        self.tpdos.configure_all(dictionary, node_id.get());
+        self.tpdos
+            .configure_all(dictionary, node_id.get(), &mut self.agenda);
         self.watch_values();
         self.report_errors(dictionary, now);
         self.emergency.show_register(dictionary);
@@ -136,13 +135,13 @@ impl<C: Counts> Services<C> {
         match entry.index {
             0x1003 | 0x1014 | 0x1015 => {
                 self.emergency.written(dictionary, entry);
-                self.timers_changed = true;
+                self.emergencies_changed();
             }
             sync::COB_ID | sync::PERIOD | sync::WINDOW | sync::COUNTER_OVERFLOW
                 if D::FEATURES.sync =>
             {
                 self.sync.written(dictionary, now);
-                self.timers_changed = true;
+                self.agenda.wake();
                 self.report_errors(dictionary, now);
             }
             time_stamp::COB_ID if D::FEATURES.time => self.time.configure(dictionary),
@@ -153,20 +152,20 @@ impl<C: Counts> Services<C> {
                 if self.guarding.written(dictionary, now) {
                     self.end_life_guarding_error(dictionary, now);
                 }
-                self.timers_changed = true;
+                self.agenda.wake();
             }
             heartbeat::CONSUMER_INDEX => {
                 if let Some(error) = self.consumers.written(dictionary, entry, now) {
                     self.clear_one(dictionary, &error.emergency(), now);
                 }
-                self.timers_changed = true;
+                self.agenda.wake();
             }
             heartbeat::PRODUCER_INDEX => {
                 self.heartbeat.written(dictionary, now);
                 if D::FEATURES.guarding && self.heartbeat.is_on() && self.guarding.stop() {
                     self.end_life_guarding_error(dictionary, now);
                 }
-                self.timers_changed = true;
+                self.agenda.wake();
             }
             0x1400..=0x17FF => {
                 self.rpdos.written(dictionary, entry);
@@ -174,7 +173,7 @@ impl<C: Counts> Services<C> {
                 self.report_errors(dictionary, now);
             }
             0x1800..=0x1BFF => {
-                self.tpdos.written(dictionary, entry, now);
+                self.tpdos.written(dictionary, entry, now, &mut self.agenda);
                 self.watch_values();
             }
             _ => {}
@@ -185,7 +184,8 @@ impl<C: Counts> Services<C> {
     pub(super) fn enter(&mut self, state: NmtState, now: Instant) {
         self.sync.enter(state.has_sync_and_time(), now);
         self.emergency.enter(state.has_sdo_and_emergency(), now);
-        self.timers_changed = true;
+        self.emergencies_changed();
+        self.agenda.wake();
     }
 
     /// A SYNC, received or produced: transmit PDOs sample what the objects are now, then receive PDOs that waited for it are applied.
@@ -196,8 +196,11 @@ impl<C: Counts> Services<C> {
         application: &mut A,
     ) {
         self.synced = true;
-        self.tpdos.on_sync(beat.counter, dictionary);
-        self.values_changed |= self.rpdos.on_sync(dictionary, application);
+        self.tpdos
+            .on_sync(beat.counter, dictionary, &mut self.agenda);
+        if self.rpdos.on_sync(dictionary, application) {
+            self.agenda.look();
+        }
     }
 
     /// An error appeared.
@@ -275,8 +278,30 @@ impl<C: Counts> Services<C> {
 
     /// A message may wait, and the errors may be mapped.
     fn errors_changed(&mut self) {
-        self.timers_changed |= self.emergency.needs_time() || self.emergency.holds_back();
-        self.values_changed |= self.errors_are_watched;
+        self.emergencies_changed();
+        if self.errors_are_watched {
+            self.agenda.look();
+        }
+    }
+
+    /// Emergency messages wait for the bus, or for a time.
+    #[inline(never)]
+    pub(super) fn emergencies_changed(&mut self) {
+        let waits = self.emergency.is_pending();
+        self.agenda.put(Object::EMERGENCY, waits);
+        if self.emergency.needs_time() {
+            self.agenda.wake();
+        } else {
+            self.agenda.wake_at(self.emergency.deadline());
+        }
+    }
+
+    /// Values of the dictionary may have changed.
+    #[inline]
+    pub(super) fn values_changed(&mut self) {
+        if self.tpdos.is_watching() {
+            self.agenda.look();
+        }
     }
 
     /// Finds out whose changes the event-driven transmit PDOs look at.
@@ -288,7 +313,7 @@ impl<C: Counts> Services<C> {
 
     /// The synchronous window is over.
     pub(super) fn window_over(&mut self) {
-        self.tpdos.window_passed();
+        self.tpdos.window_passed(&mut self.agenda);
         self.rpdos.window_passed();
     }
 
@@ -300,7 +325,7 @@ impl<C: Counts> Services<C> {
             return;
         }
         // The deadline of a receive PDO may have begun.
-        self.timers_changed = true;
+        self.agenda.wake();
         let next = |services: &mut Self| {
             let report = if D::FEATURES.sync {
                 services.sync.report()

@@ -1,6 +1,7 @@
 //! Watching the network, and what happens when it is lost: the emergency, the error behaviour 1029h, the word to the drive.
 
 use super::Node;
+use crate::agenda::Object;
 use crate::cia301::emergency::{Emergency, ErrorRegister, code, consumer};
 use crate::cia301::error_behaviour::{self, CommunicationError};
 use crate::cia301::heartbeat::{Heard, HeartbeatError};
@@ -41,14 +42,15 @@ impl<D: Dictionary> Node<D> {
             if self.services.guarding.ask(now) {
                 self.clear_error(&CommunicationError::LifeGuarding.emergency(), now);
             }
-            self.services.timers_changed = true;
-            self.queue.push_guarding();
+            self.services.agenda.wake();
+            self.services.agenda.put(Object::GUARDING, true);
         } else {
-            self.services
+            let services = &mut self.services;
+            services
                 .tpdos
-                .on_request(cob_id, &self.dictionary, now);
+                .on_request(cob_id, &self.dictionary, now, &mut services.agenda);
             // The times of an event-driven one may have changed.
-            self.services.values_changed = true;
+            self.services.agenda.look();
         }
     }
 
@@ -69,7 +71,7 @@ impl<D: Dictionary> Node<D> {
                 }
                 None => {}
             }
-            self.services.timers_changed = true;
+            self.services.agenda.wake();
         }
         true
     }

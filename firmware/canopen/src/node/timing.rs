@@ -1,6 +1,7 @@
 //! SYNC and TIME: what the whole network does at the same moment, and what time it is.
 
 use super::Node;
+use crate::agenda::Object;
 use crate::application::Application;
 use crate::cia301::nmt::NmtState;
 use crate::cia301::sync::Due;
@@ -15,8 +16,8 @@ impl<D: Dictionary> Node<D> {
         while let Some(due) = self.services.sync.poll(now) {
             match due {
                 Due::Produce(beat) => {
-                    self.queue.push_sync(beat.counter);
-                    self.services.tpdos.follow_sync(true);
+                    self.queue.sync = beat.counter;
+                    self.services.agenda.put(Object::SYNC, true);
                     if self.state == NmtState::Operational {
                         self.services
                             .synchronise(beat, &mut self.dictionary, application);
@@ -30,8 +31,7 @@ impl<D: Dictionary> Node<D> {
 
     /// The device produces no SYNC any more, or has none in this state: one that waits is void.
     pub(super) fn drop_sync(&mut self) {
-        self.queue.drop_sync();
-        self.services.tpdos.follow_sync(false);
+        self.services.agenda.put(Object::SYNC, false);
     }
 
     /// Whether a SYNC was followed since the last call, received or produced: synchronous PDOs have been sampled and applied. There is none
@@ -67,7 +67,8 @@ impl<D: Dictionary> Node<D> {
         }
         let time = self.services.time.get(now);
         if let Some(time) = time {
-            self.queue.push_time(time.to_bytes());
+            self.queue.time = time.to_bytes();
+            self.services.agenda.put(Object::TIME, true);
         }
         time.is_some()
     }

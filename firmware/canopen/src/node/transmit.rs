@@ -1,54 +1,39 @@
-//! The transmit queue: what waits for the bus, lowest identifier first.
+//! What leaves: the frames of whatever waits, lowest identifier first.
 //!
 //! Each communication object has its own place. Process data is replaced by newer data (in the transmit PDOs); emergency
-//! messages and LSS answers keep their order, as do the answers of each SDO server, which wait there; of heartbeats there is one. The boot-up message goes
-//! before everything, because it must be the first frame of all.
+//! messages and LSS answers keep their order, as do the answers of each SDO server, which wait there; of heartbeats there is one. Who goes
+//! first is in the [agenda](crate::agenda).
 
 use heapless::Deque;
 
+use super::Node;
 use super::objects::Streams;
-use super::{NO_COB_ID, Node};
+use crate::agenda::{Kind, Object};
 use crate::application::Application;
 use crate::cia301::nmt::NmtState;
 use crate::cia305;
 use crate::od::Dictionary;
-use crate::outbox::Pending;
+use crate::outbox::{Pending, Sender};
 use crate::time::Instant;
 use crate::wire::{Frame, cob_id};
 
 /// Most LSS answers that wait. A master has one request in flight.
 const MOST_LSS_ANSWERS: usize = 4;
 
-/// What waits, beside emergency messages and PDOs, which wait with their producers.
+/// What waits, beside emergency messages, PDOs and SDO answers, which wait with their producers.
 #[derive(Debug)]
 pub(super) struct TransmitQueue {
-    /// The bits of [`waiting`], but for emergency messages and PDOs.
-    waiting: u16,
     lss: Deque<[u8; 8], MOST_LSS_ANSWERS>,
     /// The counter of the SYNC that waits.
-    sync: Option<u8>,
+    pub(super) sync: Option<u8>,
     /// The TIME that waits.
-    time: [u8; 6],
+    pub(super) time: [u8; 6],
     overflows: u32,
-}
-
-/// What may wait: a bit for each. Of equal identifiers the lowest bit goes first.
-mod waiting {
-    pub const BOOT_UP: u16 = 1 << 0;
-    pub const EMERGENCY: u16 = 1 << 1;
-    pub const PDO: u16 = 1 << 2;
-    pub const SYNC: u16 = 1 << 3;
-    pub const TIME: u16 = 1 << 4;
-    pub const ANSWER: u16 = 1 << 5;
-    pub const HEARTBEAT: u16 = 1 << 6;
-    pub const GUARDING: u16 = 1 << 7;
-    pub const LSS: u16 = 1 << 8;
 }
 
 impl TransmitQueue {
     pub(super) const fn new() -> Self {
         Self {
-            waiting: 0,
             lss: Deque::new(),
             sync: None,
             time: [0; 6],
@@ -56,83 +41,14 @@ impl TransmitQueue {
         }
     }
 
-    /// Drops all but LSS answers, which belong to no NMT state.
-    pub(super) fn clear(&mut self) {
-        self.waiting &= waiting::LSS;
-    }
-
-    /// Whether an SDO server has something to send; it waits there.
-    #[inline]
-    pub(super) fn set_answers(&mut self, are_waiting: bool) {
-        if are_waiting {
-            self.waiting |= waiting::ANSWER;
-        } else {
-            self.waiting &= !waiting::ANSWER;
-        }
-    }
-
-    pub(super) fn push_boot_up(&mut self) {
-        self.waiting |= waiting::BOOT_UP;
-    }
-
-    pub(super) fn push_heartbeat(&mut self) {
-        self.waiting |= waiting::HEARTBEAT;
-    }
-
-    /// A SYNC; one that still waits is left out.
-    pub(super) fn push_sync(&mut self, counter: Option<u8>) {
-        self.waiting |= waiting::SYNC;
-        self.sync = counter;
-    }
-
-    /// A TIME; one that still waits is replaced.
-    pub(super) fn push_time(&mut self, time: [u8; 6]) {
-        self.waiting |= waiting::TIME;
-        self.time = time;
-    }
-
-    /// The device produces no SYNC any more.
-    pub(super) fn drop_sync(&mut self) {
-        self.waiting &= !waiting::SYNC;
-    }
-
-    /// The device produces no TIME any more.
-    pub(super) fn drop_time(&mut self) {
-        self.waiting &= !waiting::TIME;
-    }
-
-    /// An answer to the guarding master, one for all questions that wait.
-    pub(super) fn push_guarding(&mut self) {
-        self.waiting |= waiting::GUARDING;
-    }
-
     /// An SDO request is lost, as its answer has no room.
     pub(super) fn count_lost_request(&mut self) {
         self.overflows = self.overflows.saturating_add(1);
     }
 
-    /// Adds an LSS answer; one that finds no room is lost, and counts.
-    pub(super) fn push_lss(&mut self, answer: [u8; 8]) {
-        self.waiting |= waiting::LSS;
-        if self.lss.push_back(answer).is_err() {
-            self.overflows = self.overflows.saturating_add(1);
-        }
-    }
-
     /// SDO requests and LSS answers that were lost because too many answers waited.
     pub(super) fn overflows(&self) -> u32 {
         self.overflows
-    }
-
-    /// The oldest LSS answer, removed. Out of the way of what is sent often.
-    #[cold]
-    #[inline(never)]
-    fn take_lss(&mut self) -> Option<Frame> {
-        let answer = self.lss.pop_front();
-        if self.lss.is_empty() {
-            self.waiting &= !waiting::LSS;
-        }
-        answer.map(|answer| Frame::full(cia305::RESPONSE_COB_ID, answer))
     }
 }
 
@@ -145,14 +61,8 @@ impl<D: Dictionary> Node<D> {
     /// one of higher priority shall go first) cannot be put back here.
     #[inline]
     pub fn transmit<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
-        let may_wait = self.queue.waiting != 0
-            || self.services.tpdos.is_pending()
-            || self.services.emergency.is_pending();
-        if may_wait && !self.is_mute {
-            self.transmit_one(application)
-        } else {
-            None
-        }
+        let first = self.services.agenda.first()?;
+        self.take(first, application)
     }
 
     /// Drops synchronous PDOs whose SYNC window (1007h) is over at `now`, so that none leaves late: to be called before
@@ -161,161 +71,125 @@ impl<D: Dictionary> Node<D> {
     #[inline]
     pub fn drop_late(&mut self, now: Instant) {
         if self.services.sync.is_window_over(now) {
-            self.services.tpdos.window_passed();
+            let services = &mut self.services;
+            services.tpdos.window_passed(&mut services.agenda);
         }
     }
 
     /// What [`Node::transmit`] would give now: a controller that has no room for it is better not asked to take it, as process data
     /// is replaced by newer data here. [`Outbox`](crate::Outbox) sees to that.
     pub fn pending(&self) -> Option<Pending> {
-        let waiting = self.waiting();
-        if self.is_mute || waiting == 0 {
-            return None;
-        }
-        let first = self.first(waiting);
+        let (services, node_id) = (&self.services, self.node_id);
+        let kind = services.agenda.first()?.kind();
+        let mut follows = None;
+        let cob_id = match kind {
+            Kind::Pdo(number) => {
+                let answers_sync = services.tpdos.is_synchronous(number);
+                if answers_sync && services.sync.is_producer() {
+                    follows = Some(services.sync.cob_id());
+                }
+                services.tpdos.cob_id(number)
+            }
+            Kind::Answer(number) => self.sdo.response(number),
+            Kind::Emergency => services.emergency.cob_id().unwrap_or_default(),
+            Kind::Sync => services.sync.cob_id(),
+            Kind::Time => services.time.cob_id(),
+            Kind::Lss => cia305::RESPONSE_COB_ID,
+            Kind::BootUp | Kind::Heartbeat | Kind::Guarding => cob_id::error_control(node_id),
+        };
+        let is_process_data = match kind {
+            Kind::Pdo(number) => services.tpdos.is_replaced(number),
+            _ => matches!(kind, Kind::Sync | Kind::Time),
+        };
         Some(Pending {
-            cob_id: self.identifier(first),
-            is_process_data: match first {
-                waiting::PDO => self.services.tpdos.is_pending_replaced(),
-                _ => first & (waiting::SYNC | waiting::TIME) != 0,
-            },
+            cob_id,
+            is_process_data,
+            follows,
         })
     }
 
-    /// The SYNC of this device that [`Node::pending`] answers: what its controller holds must not be overtaken.
-    pub fn follows(&self) -> Option<u16> {
-        let (sync, tpdos) = (&self.services.sync, &self.services.tpdos);
-        let follows = sync.is_producer()
-            && tpdos.is_pending_synchronous()
-            && self.first(self.waiting()) == waiting::PDO;
-        follows.then_some(sync.cob_id())
-    }
-
-    /// The bits of [`waiting`] of what may leave now.
+    /// The frame of what may leave first.
     #[inline]
-    fn waiting(&self) -> u16 {
-        let mut waiting = self.queue.waiting;
-        if self.services.tpdos.is_pending() {
-            waiting |= waiting::PDO;
-        }
-        if self.services.emergency.is_pending() {
-            waiting |= waiting::EMERGENCY;
-        }
-        waiting
-    }
-
-    /// The one of these bits that goes first: the boot-up message, then the lowest identifier.
-    #[inline]
-    fn first(&self, waiting: u16) -> u16 {
-        // Mostly one thing waits.
-        if waiting & waiting.wrapping_sub(1) == 0 {
-            waiting
-        } else {
-            self.lowest(waiting)
+    fn take<A: Application<D>>(&mut self, first: Object, application: &mut A) -> Option<Frame> {
+        match first.kind() {
+            Kind::Pdo(number) => self.services.tpdos.take(number, &mut self.services.agenda),
+            Kind::Answer(number) => self.take_answer(number, application),
+            Kind::Emergency => self.take_emergency(),
+            _ => self.take_seldom(first),
         }
     }
 
+    /// The emergency message that may leave.
     #[inline(never)]
-    fn lowest(&self, waiting: u16) -> u16 {
-        let (mut rest, mut first, mut lowest) = (waiting, waiting::BOOT_UP, NO_COB_ID);
-        if waiting & waiting::BOOT_UP != 0 {
-            return first;
+    fn take_emergency(&mut self) -> Option<Frame> {
+        let message = self.services.emergency.take();
+        if !self.services.emergency.is_pending() {
+            self.services.emergencies_changed();
         }
-        while rest != 0 {
-            let bit = rest & rest.wrapping_neg();
-            rest ^= bit;
-            let cob_id = self.identifier(bit);
-            if cob_id < lowest {
-                (first, lowest) = (bit, cob_id);
+        message
+    }
+
+    /// The frame of what has one place, or a queue of its own.
+    #[inline(never)]
+    fn take_seldom(&mut self, first: Object) -> Option<Frame> {
+        let (services, queue) = (&mut self.services, &mut self.queue);
+        let error_control = cob_id::error_control(self.node_id);
+        let mut is_last = true;
+        let frame = match first.kind() {
+            Kind::Sync => match queue.sync {
+                Some(counter) => Frame::data_frame(services.sync.cob_id(), &[counter]),
+                None => Frame::data_frame(services.sync.cob_id(), &[]),
+            },
+            Kind::Time => Frame::data_frame(services.time.cob_id(), &queue.time),
+            Kind::Lss => {
+                let answer = queue.lss.pop_front();
+                is_last = queue.lss.is_empty();
+                Frame::full(cia305::RESPONSE_COB_ID, answer.unwrap_or_default())
             }
-        }
-        first
-    }
-
-    /// The identifier of what waits.
-    #[inline(never)]
-    fn identifier(&self, waiting: u16) -> u16 {
-        let cob_id = match waiting {
-            waiting::EMERGENCY => self.services.emergency.pending(),
-            waiting::PDO => self.services.tpdos.pending(),
-            waiting::SYNC => Some(self.services.sync.cob_id()),
-            waiting::TIME => Some(self.services.time.cob_id()),
-            waiting::ANSWER => self.sdo.pending(),
-            waiting::LSS => Some(cia305::RESPONSE_COB_ID),
-            _ => Some(cob_id::error_control(self.node_id)),
+            Kind::Guarding => {
+                let state = self.state as u8 | services.guarding.next_toggle();
+                Frame::data_frame(error_control, &[state])
+            }
+            Kind::BootUp => Frame::data_frame(error_control, &[NmtState::Initialisation as u8]),
+            _ => Frame::data_frame(error_control, &[self.state as u8]),
         };
-        cob_id.unwrap_or(NO_COB_ID)
-    }
-
-    /// The frame of what waits. PDOs and answers leave by a short way.
-    #[inline(never)]
-    fn transmit_one<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
-        let waiting = self.waiting();
-        // What is sent often, alone.
-        if waiting == waiting::PDO {
-            return self.take_pdo();
+        if is_last {
+            services.agenda.put(first, false);
         }
-        if waiting == waiting::ANSWER {
-            return self.take_answer(application);
-        }
-        let first = self.first(waiting);
-        match first {
-            waiting::PDO => self.take_pdo(),
-            waiting::ANSWER => self.take_answer(application),
-            waiting::EMERGENCY => {
-                self.services.timers_changed |= self.services.emergency.needs_time();
-                self.services.emergency.take()
-            }
-            waiting::LSS => self.queue.take_lss(),
-            _ => Some(self.take_seldom(first)),
-        }
-    }
-
-    /// The PDO to send first; its inhibit time begins with the next [`Node::poll`].
-    #[inline]
-    fn take_pdo(&mut self) -> Option<Frame> {
-        let frame = self.services.tpdos.take();
-        self.services.values_changed |= self.services.tpdos.needs_time();
-        frame
-    }
-
-    /// The frame of what has one place, now empty.
-    #[inline(never)]
-    fn take_seldom(&mut self, what: u16) -> Frame {
-        self.queue.waiting &= !what;
-        let cob_id = self.identifier(what);
-        match what {
-            waiting::SYNC => {
-                self.services.tpdos.follow_sync(false);
-                match self.queue.sync {
-                    Some(counter) => Frame::data_frame(cob_id, &[counter]),
-                    None => Frame::data_frame(cob_id, &[]),
-                }
-            }
-            waiting::TIME => Frame::data_frame(cob_id, &self.queue.time),
-            waiting::BOOT_UP => Frame::data_frame(cob_id, &[NmtState::Initialisation as u8]),
-            waiting::GUARDING => {
-                let state = self.state as u8 | self.services.guarding.next_toggle();
-                Frame::data_frame(cob_id, &[state])
-            }
-            _ => Frame::data_frame(cob_id, &[self.state as u8]),
-        }
+        Some(frame)
     }
 
     /// What an SDO server has to send. Out of line, so that process data leaves by a short way.
     #[inline(never)]
-    fn take_answer<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
+    fn take_answer<A: Application<D>>(
+        &mut self,
+        number: usize,
+        application: &mut A,
+    ) -> Option<Frame> {
         let mut streams = Streams {
             dictionary: &self.dictionary,
             application,
         };
-        let frame = self.sdo.transmit(&mut streams);
-        if self.sdo.pending().is_none() {
-            self.queue.set_answers(false);
+        self.sdo
+            .transmit(number, &mut streams, &mut self.services.agenda)
+    }
+
+    /// Adds an LSS answer; one that finds no room is lost, and counts.
+    pub(super) fn push_lss(&mut self, answer: [u8; 8]) {
+        if self.queue.lss.push_back(answer).is_err() {
+            self.queue.count_lost_request();
         }
-        if self.sdo.needs_time() {
-            self.services.timers_changed = true;
-        }
-        frame
+        self.services.agenda.put(Object::LSS, true);
+    }
+}
+
+/// A node with its application.
+impl<D: Dictionary, A: Application<D>> Sender for (&mut Node<D>, &mut A) {
+    fn pending(&self) -> Option<Pending> {
+        self.0.pending()
+    }
+
+    fn take(&mut self) -> Option<Frame> {
+        self.0.transmit(self.1)
     }
 }

@@ -5,6 +5,7 @@
 
 use core::fmt::Debug;
 
+use crate::agenda::Word;
 use crate::cia301::heartbeat::Consumer;
 use crate::cia301::pdo::{Mapped, ReceivePdo, TransmitPdo};
 use crate::cia301::sdo::Server;
@@ -47,11 +48,17 @@ pub trait Counts: Debug {
     type SdoBuffer: Slots<u8>;
     /// Heartbeat consumers, the entries of 1016h.
     type HeartbeatConsumers: Slots<Consumer>;
+    /// A bit for each object that sends.
+    type Senders: Slots<Word>;
+
+    /// Does not compile when [`Counts::Senders`] are too few.
+    const ARE_ENOUGH_SENDERS: ();
 }
 
 /// A device with so many receive PDOs, transmit PDOs, SDO servers, and heartbeat consumers (entries of 1016h). Behind that may
 /// be said how many objects a PDO maps (64 at most, each a bit), and how many bytes the longest value in RAM has: an SDO server
-/// refuses a longer one with 05040005h, out of memory, and with less than eight bytes every upload of what the application serves.
+/// refuses a longer one with 05040005h, out of memory, and with less than eight bytes every upload of what the application serves. The last
+/// number is one word for each 32 transmit PDOs, SDO servers and seven services that send.
 #[derive(Debug)]
 pub struct Count<
     const RPDOS: usize,
@@ -60,6 +67,7 @@ pub struct Count<
     const HEARTBEAT_CONSUMERS: usize,
     const MAPPED_OBJECTS: usize = 8,
     const SDO_BUFFER: usize = 128,
+    const SENDER_WORDS: usize = 1,
 >;
 
 impl<
@@ -69,7 +77,17 @@ impl<
     const HEARTBEAT_CONSUMERS: usize,
     const MAPPED_OBJECTS: usize,
     const SDO_BUFFER: usize,
-> Counts for Count<RPDOS, TPDOS, SDO_SERVERS, HEARTBEAT_CONSUMERS, MAPPED_OBJECTS, SDO_BUFFER>
+    const SENDER_WORDS: usize,
+> Counts
+    for Count<
+        RPDOS,
+        TPDOS,
+        SDO_SERVERS,
+        HEARTBEAT_CONSUMERS,
+        MAPPED_OBJECTS,
+        SDO_BUFFER,
+        SENDER_WORDS,
+    >
 {
     type PdoObjects = [Mapped; MAPPED_OBJECTS];
     type Rpdos = [ReceivePdo<Self::PdoObjects>; RPDOS];
@@ -77,4 +95,10 @@ impl<
     type SdoServers = [Server<[u8; SDO_BUFFER]>; SDO_SERVERS];
     type SdoBuffer = [u8; SDO_BUFFER];
     type HeartbeatConsumers = [Consumer; HEARTBEAT_CONSUMERS];
+    type Senders = [Word; SENDER_WORDS];
+
+    const ARE_ENOUGH_SENDERS: () = assert!(
+        TPDOS <= 118 && TPDOS + SDO_SERVERS + 7 <= 32 * SENDER_WORDS,
+        "a device has 118 transmit PDOs at most, and a word for each 32 of them, SDO servers and seven services"
+    );
 }

@@ -36,12 +36,8 @@ impl Sender for Device {
         Some(Pending {
             cob_id,
             is_process_data: cob_id < PROCESS_DATA,
+            follows: (cob_id == SYNCHRONOUS).then_some(SYNC),
         })
-    }
-
-    fn follows(&self) -> Option<u16> {
-        let cob_id = self.pending()?.cob_id;
-        (cob_id == SYNCHRONOUS).then_some(SYNC)
     }
 
     fn take(&mut self) -> Option<Frame> {

@@ -11,17 +11,18 @@ pub(super) const INDEX: u16 = 0x1003;
 
 /// Bytes of one error.
 const WORD: usize = 4;
+const SIZE: u16 = WORD as u16;
 
 /// Where 1003h lies in the RAM of one dictionary. The errors lie one behind the other there, so that moving them down is
 /// one walk over memory.
 #[derive(Debug)]
 pub(super) struct History {
     /// Of sub-index 0, the number of errors.
-    count: usize,
+    count: u16,
     /// Of sub-index 1.
-    first: usize,
+    first: u16,
     /// How many errors there is room for; 0 without 1003h.
-    capacity: usize,
+    capacity: u16,
 }
 
 impl History {
@@ -42,36 +43,35 @@ impl History {
                 .range(INDEX..=INDEX)
                 .iter()
                 .map_while(|entry| match entry.location() {
-                    Location::Ram(offset) => Some((usize::from(offset), usize::from(entry.size()))),
+                    Location::Ram(offset) => Some((offset, entry.size())),
                     Location::Rom(_) | Location::Application => None,
                 });
-        if let (Some((count, 1)), Some((first, WORD))) = (places.next(), places.next()) {
+        if let (Some((count, 1)), Some((first, SIZE))) = (places.next(), places.next()) {
             let mut next = first;
             self.count = count;
             self.first = first;
             self.capacity = 1 + places
                 .take_while(|place| {
-                    next = next.saturating_add(WORD);
-                    *place == (next, WORD)
+                    next = next.saturating_add(SIZE);
+                    *place == (next, SIZE)
                 })
-                .count();
+                .count() as u16;
         }
     }
 
     /// Whether a part of it lies in these places of RAM.
     pub(super) fn lies_in(&self, places: &Range<u16>) -> bool {
-        let (start, end) = (usize::from(places.start), usize::from(places.end));
         let field_end = self
             .first
-            .saturating_add(self.capacity.saturating_mul(WORD));
-        let has_count = self.capacity > 0 && (start..end).contains(&self.count);
-        has_count || self.first.max(start) < field_end.min(end)
+            .saturating_add(self.capacity.saturating_mul(SIZE));
+        let has_count = self.capacity > 0 && places.contains(&self.count);
+        has_count || self.first.max(places.start) < field_end.min(places.end)
     }
 
     /// Puts an error at sub-index 1 and moves the others down; the oldest falls out of a full field.
     pub(super) fn insert<D: Dictionary>(&self, dictionary: &mut D, word: u32) {
         let ram = dictionary.ram_mut();
-        let present = ram.get(self.count).copied().unwrap_or(0);
+        let present = ram.get(usize::from(self.count)).copied().unwrap_or(0);
         let places = self.places(ram);
         let is_full = usize::from(present) >= places.len();
         let mut carried = word.to_le_bytes();
@@ -79,7 +79,7 @@ impl History {
         for place in places.iter_mut().take(usize::from(present) + 1) {
             swap(place, &mut carried);
         }
-        if !is_full && let Some(count) = ram.get_mut(self.count) {
+        if !is_full && let Some(count) = ram.get_mut(usize::from(self.count)) {
             *count = present.saturating_add(1);
         }
     }
@@ -91,8 +91,13 @@ impl History {
 
     /// The bytes of the errors, the newest first.
     fn places<'a>(&self, ram: &'a mut [u8]) -> &'a mut [[u8; WORD]] {
-        let (places, _) = ram.get_mut(self.first..).unwrap_or(&mut []).as_chunks_mut();
-        places.get_mut(..self.capacity).unwrap_or(&mut [])
+        let (places, _) = ram
+            .get_mut(usize::from(self.first)..)
+            .unwrap_or(&mut [])
+            .as_chunks_mut();
+        places
+            .get_mut(..usize::from(self.capacity))
+            .unwrap_or(&mut [])
     }
 }
 

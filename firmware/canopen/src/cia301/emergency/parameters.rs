@@ -5,7 +5,6 @@ use super::history;
 use crate::cia301::cob_ids;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{self, Dictionary, Entry};
-use crate::time::Duration;
 use crate::wire::cob_id::CobId;
 
 /// COB-ID EMCY.
@@ -14,7 +13,7 @@ const COB_ID: u16 = 0x1014;
 const INHIBIT_TIME: u16 = 0x1015;
 
 /// One unit of an inhibit time, in µs.
-const INHIBIT_UNIT: u64 = 100;
+const INHIBIT_UNIT: u32 = 100;
 
 impl Producer {
     /// Takes its parameters from the dictionary, after power-on values have been loaded.
@@ -64,7 +63,6 @@ impl Producer {
     #[inline(never)]
     fn configure_inhibit_time<D: Dictionary>(&mut self, dictionary: &D) {
         let units = od::read_u16(dictionary, INHIBIT_TIME, 0).unwrap_or(0);
-        self.queue
-            .set_inhibit_time(Duration::from_ticks(u64::from(units) * INHIBIT_UNIT));
+        self.queue.set_inhibit_time(u32::from(units) * INHIBIT_UNIT);
     }
 }

@@ -132,17 +132,6 @@ impl Producer {
         has_register || self.history.lies_in(places)
     }
 
-    /// Whether [`Producer::poll`] is to be called again and again: the inhibit time begins when a message has left.
-    pub const fn needs_time(&self) -> bool {
-        self.queue.needs_time()
-    }
-
-    /// Whether [`Producer::poll`] may have something to release.
-    #[inline]
-    pub fn holds_back(&self) -> bool {
-        self.queue.holds_back()
-    }
-
     /// The identifier of its messages; `None` while it is switched off.
     pub const fn cob_id(&self) -> Option<u16> {
         self.queue.cob_id()
@@ -153,14 +142,19 @@ impl Producer {
         self.queue.is_pending()
     }
 
-    /// Lets the inhibit time pass; returns when it wants to be called again.
-    pub fn poll(&mut self, now: Instant) -> Instant {
-        self.queue.release(now)
+    /// Whether [`Producer::poll`] is to be called again and again: the inhibit time begins when a message has left.
+    pub const fn needs_time(&self) -> bool {
+        self.queue.needs_time()
     }
 
-    /// The identifier of the message that may be sent now.
-    pub fn pending(&self) -> Option<u16> {
-        self.queue.pending()
+    /// Lets the inhibit time pass.
+    pub fn poll(&mut self, now: Instant) {
+        self.queue.release(now);
+    }
+
+    /// [`Producer::poll`] has nothing to do before this moment, unless a message leaves.
+    pub fn deadline(&self) -> Instant {
+        self.queue.deadline()
     }
 
     /// The message that may be sent now, removed.

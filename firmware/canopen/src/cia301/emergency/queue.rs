@@ -20,12 +20,13 @@ const MOST_MESSAGES: usize = 16;
 pub(super) struct EmergencyQueue {
     messages: Deque<[u8; 8], MOST_MESSAGES>,
     /// This many messages at the front may be sent.
-    released: usize,
+    released: u8,
     /// `None`: switched off.
     cob_id: Option<u16>,
     /// The NMT state has no emergency messages: none is released.
     is_stopped: bool,
-    inhibit_time: Duration,
+    /// 1015h in µs; 0 for none.
+    inhibit_time: u32,
     /// Before this moment no message is released.
     inhibited_until: Instant,
     /// Messages that lost their room to newer ones.
@@ -39,7 +40,7 @@ impl EmergencyQueue {
             released: 0,
             cob_id: None,
             is_stopped: true,
-            inhibit_time: Duration::from_ticks(0),
+            inhibit_time: 0,
             inhibited_until: Instant::from_ticks(0),
             overflows: 0,
         }
@@ -58,9 +59,10 @@ impl EmergencyQueue {
         self.cob_id
     }
 
-    /// From 1015h; 0 for none. The new time counts from when the last message has left.
-    pub(super) fn set_inhibit_time(&mut self, inhibit_time: Duration) {
-        self.inhibited_until = with_length(self.inhibited_until, self.inhibit_time, inhibit_time);
+    /// From 1015h, in µs; 0 for none. The new time counts from when the last message has left.
+    pub(super) fn set_inhibit_time(&mut self, inhibit_time: u32) {
+        let (old, new) = (span(self.inhibit_time), span(inhibit_time));
+        self.inhibited_until = with_length(self.inhibited_until, old, new);
         self.inhibit_time = inhibit_time;
     }
 
@@ -103,36 +105,37 @@ impl EmergencyQueue {
         self.release(now);
     }
 
-    /// Releases what state and inhibit time allow; returns when there will be more to release.
-    pub(super) fn release(&mut self, now: Instant) -> Instant {
-        if self.is_stopped || self.messages.is_empty() {
-            return NEVER;
+    /// Releases what state and inhibit time allow.
+    pub(super) fn release(&mut self, now: Instant) {
+        if self.is_stopped {
+            return;
         }
-        if self.inhibit_time.ticks() == 0 {
-            self.released = self.messages.len();
-            return NEVER;
-        }
-        if self.released == 0 && has_come(self.inhibited_until, now) {
+        if self.inhibit_time == 0 {
+            self.released = self.messages.len() as u8;
+        } else if self.released == 0
+            && !self.messages.is_empty()
+            && has_come(self.inhibited_until, now)
+        {
             self.released = 1;
         }
-        if self.released > 0 {
+        if self.needs_time() {
             // It still waits for the bus: the inhibit time has not begun.
-            self.inhibited_until = now + self.inhibit_time;
-            return NEVER;
+            self.inhibited_until = now + span(self.inhibit_time);
         }
-        self.inhibited_until
     }
 
-    /// Whether a message waits for the bus, and the inhibit time for it: [`EmergencyQueue::release`] is to be called again and again,
-    /// and once when it has left.
+    /// Whether a message waits for the bus, and the inhibit time for it: [`EmergencyQueue::release`] is to be called again and again.
     pub(super) const fn needs_time(&self) -> bool {
-        self.released > 0 && self.inhibit_time.ticks() != 0
+        self.released > 0 && self.inhibit_time != 0
     }
 
-    /// Whether a message is held back.
-    #[inline]
-    pub(super) fn holds_back(&self) -> bool {
-        self.released != self.messages.len()
+    /// When there will be more to release.
+    pub(super) fn deadline(&self) -> Instant {
+        if self.is_stopped || self.released != 0 || self.messages.is_empty() {
+            NEVER
+        } else {
+            self.inhibited_until
+        }
     }
 
     /// Whether a message may be sent now. None waits while the producer is switched off.
@@ -140,14 +143,9 @@ impl EmergencyQueue {
         self.released > 0
     }
 
-    /// The identifier of the message that may be sent now.
-    pub(super) fn pending(&self) -> Option<u16> {
-        if self.released > 0 { self.cob_id } else { None }
-    }
-
     /// The message that may be sent now, removed.
     pub(super) fn take(&mut self) -> Option<Frame> {
-        let cob_id = self.pending()?;
+        let cob_id = self.cob_id.filter(|_| self.released > 0)?;
         self.released = self.released.saturating_sub(1);
         let message = self.messages.pop_front()?;
         Some(Frame::full(cob_id, message))
@@ -157,4 +155,8 @@ impl EmergencyQueue {
     pub(super) fn overflows(&self) -> u32 {
         self.overflows
     }
+}
+
+fn span(microseconds: u32) -> Duration {
+    Duration::from_ticks(microseconds.into())
 }

@@ -45,6 +45,3 @@ pub use transmit_pdo::TransmitPdo;
 pub fn validate_list<D: Dictionary>(entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
     multiplexed::validate::<D>(entry, value)
 }
-
-/// Stands for "no identifier": no 11-bit identifier is equal to it.
-const NOT_IN_USE: u16 = u16::MAX;

@@ -34,11 +34,11 @@
 use core::marker::PhantomData;
 use core::ops::Range;
 
-use super::NOT_IN_USE;
 use super::mapping::{Direction, Mapped, around};
 use super::multiplexed::{self, Addressing, Message};
 use super::parameters::{self, Parameters};
 use super::transmit_pdo::{TransmitPdo, Watch};
+use crate::agenda::{Agenda, Object, Rank, Word};
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, Slots};
 use crate::time::{Instant, NEVER, earlier};
@@ -61,17 +61,9 @@ pub enum NotSent {
 pub struct Transmit<S, M> {
     pdos: S,
     is_operational: bool,
-    /// The lowest identifier that waits to be taken; [`NOT_IN_USE`] when none does.
-    lowest: u16,
-    /// The PDO that it belongs to, 0 for the first.
-    lowest_number: u16,
     /// How many are looked at when values may have changed or time has passed, and how many wait for SYNC.
     watching: u16,
     synchronous: u16,
-    /// An inhibit time is to begin.
-    needs_time: bool,
-    /// Synchronous PDOs wait for the SYNC that they answer.
-    follows_sync: bool,
     /// That of the device.
     node_id: u8,
     objects: PhantomData<M>,
@@ -83,12 +75,8 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         Self {
             pdos: S::UNUSED,
             is_operational: false,
-            lowest: NOT_IN_USE,
-            lowest_number: 0,
             watching: 0,
             synchronous: 0,
-            needs_time: false,
-            follows_sync: false,
             node_id: 0,
             objects: PhantomData,
         }
@@ -96,17 +84,23 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
 
     /// Takes all parameters from the dictionary, after power-on values were loaded; the device has this node-ID. Operational is
     /// left.
-    pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D, node_id: u8) {
+    pub fn configure_all<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        node_id: u8,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) {
         self.is_operational = false;
-        self.follows_sync = false;
-        self.needs_time = false;
         self.node_id = node_id;
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
-            pdo.reset();
-            pdo.configure(dictionary, Parameters::new(Direction::Transmit, number));
+            pdo.reset(agenda);
+            pdo.configure(
+                dictionary,
+                Parameters::new(Direction::Transmit, number),
+                agenda,
+            );
         }
         self.count();
-        self.find_lowest();
     }
 
     /// Counts who looks at what.
@@ -130,24 +124,27 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
 
     /// Operational is entered: counters and timers start, and each PDO of type 254 or 255 is sent once. Nothing happens when
     /// it is Operational already.
-    pub fn enter_operational<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
+    pub fn enter_operational<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) {
         if self.is_operational {
             return;
         }
         self.is_operational = true;
         for pdo in self.pdos.as_mut() {
-            pdo.start(dictionary, now);
+            pdo.start(dictionary, now, agenda);
         }
-        self.find_lowest();
     }
 
     /// Operational is left. What waits to be sent is dropped.
-    pub fn leave_operational(&mut self) {
+    pub fn leave_operational(&mut self, agenda: &mut Agenda<impl Slots<Word>>) {
         self.is_operational = false;
         for pdo in self.pdos.as_mut() {
-            pdo.stop();
+            pdo.stop(agenda);
         }
-        self.find_lowest();
     }
 
     /// Whether an entry of 1800h to 1BFFh may get this value. Called when the value has passed the dictionary's own checks
@@ -170,7 +167,13 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
 
     /// An entry of 1800h to 1BFFh was written. A new event timer starts now; with another change the PDO starts anew, as if
     /// Operational was entered (if it is). The value that was there already changes nothing.
-    pub fn written<D: Dictionary>(&mut self, dictionary: &D, entry: &Entry, now: Instant) {
+    pub fn written<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        entry: &Entry,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) {
         let number = parameters::number_of(entry);
         let Some(pdo) = self.pdos.as_mut().get_mut(number) else {
             return;
@@ -181,33 +184,32 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
             self.count();
             return;
         }
-        if !pdo.configure(dictionary, parameters) {
+        if !pdo.configure(dictionary, parameters, agenda) {
             return;
         }
         if self.is_operational {
-            pdo.start(dictionary, now);
+            pdo.start(dictionary, now, agenda);
         }
         self.count();
-        self.find_lowest();
     }
 
     /// A SYNC arrived, with this counter if it has one: the synchronous PDOs that are due take the present values. Called before
     /// [`super::Receive::on_sync`].
-    pub fn on_sync<D: Dictionary>(&mut self, counter: Option<u8>, dictionary: &D) {
+    pub fn on_sync<D: Dictionary>(
+        &mut self,
+        counter: Option<u8>,
+        dictionary: &D,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) {
         let mut left = self.synchronous;
         if !self.is_operational || left == 0 {
             return;
         }
-        for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
+        for pdo in self.pdos.as_mut() {
             if !pdo.is_synchronous() {
                 continue;
             }
-            let is_sent = pdo.on_sync(counter, dictionary);
-            // One that waited before has been counted.
-            if is_sent && !self.follows_sync && pdo.cob_id() < self.lowest {
-                self.lowest = pdo.cob_id();
-                self.lowest_number = number;
-            }
+            pdo.on_sync(counter, dictionary, agenda);
             left = left.saturating_sub(1);
             if left == 0 {
                 break;
@@ -215,33 +217,31 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         }
     }
 
-    /// This device produces a SYNC, which waits for the bus, or does so no more: until then no synchronous PDO leaves.
-    pub fn follow_sync(&mut self, waits: bool) {
-        self.follows_sync = waits;
-        self.find_lowest();
-    }
-
     /// The SYNC window (1007h) has passed: synchronous PDOs that have not been taken are dropped.
-    pub fn window_passed(&mut self) {
+    pub fn window_passed(&mut self, agenda: &mut Agenda<impl Slots<Word>>) {
         for pdo in self.pdos.as_mut() {
-            pdo.window_passed();
+            pdo.window_passed(agenda);
         }
-        self.find_lowest();
     }
 
     /// A remote frame with an 11-bit identifier arrived; `now` is when.
     #[cold]
     #[inline(never)]
-    pub fn on_request<D: Dictionary>(&mut self, cob_id: u16, dictionary: &D, now: Instant) {
+    pub fn on_request<D: Dictionary>(
+        &mut self,
+        cob_id: u16,
+        dictionary: &D,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) {
         if !self.is_operational {
             return;
         }
         for pdo in self.pdos.as_mut() {
             if pdo.cob_id() == cob_id {
-                pdo.on_request(dictionary, now);
+                pdo.on_request(dictionary, now, agenda);
             }
         }
-        self.find_lowest();
     }
 
     /// The identifiers that PDOs are sent with, some perhaps more than once. They change with [`Transmit::configure_all`] and
@@ -259,8 +259,12 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
 
     /// Looks for changes and timers that have run out. Called whenever values may have changed; returns when it wants to be
     /// called again at the latest.
-    pub fn poll<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> Instant {
-        self.needs_time = false;
+    pub fn poll<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) -> Instant {
         if !self.is_operational {
             return NEVER;
         }
@@ -269,20 +273,14 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         if left == 0 {
             return deadline;
         }
-        for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
-            let is_waiting = match pdo.watch() {
+        for pdo in self.pdos.as_mut() {
+            match pdo.watch() {
                 Watch::No => continue,
-                Watch::Plain => pdo.look(dictionary, now),
+                Watch::Plain => pdo.look(dictionary, now, agenda),
                 Watch::Closely => {
-                    let next = pdo.look_closely(dictionary, self.node_id, now);
+                    let next = pdo.look_closely(dictionary, self.node_id, now, agenda);
                     deadline = earlier(deadline, next);
-                    pdo.is_waiting() && !(self.follows_sync && pdo.is_synchronous())
                 }
-            };
-            // One that waited before has been counted.
-            if is_waiting && pdo.cob_id() < self.lowest {
-                self.lowest = pdo.cob_id();
-                self.lowest_number = number;
             }
             left = left.saturating_sub(1);
             if left == 0 {
@@ -302,6 +300,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         sub: u8,
         dictionary: &D,
         now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
     ) -> Result<(), NotSent> {
         if !D::FEATURES.multiplexed_pdo {
             return Err(NotSent::NoPdo);
@@ -316,7 +315,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
             sub,
             value: multiplexed::bytes_of(dictionary, entry),
         };
-        self.send(&message, now)
+        self.send(&message, now, agenda)
     }
 
     /// Sends a value to an object of another node (1 to 127), or of all of them (0), by the PDO in destination address mode.
@@ -330,6 +329,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         sub: u8,
         value: [u8; 4],
         now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
     ) -> Result<(), NotSent> {
         if node_id > 127 {
             return Err(NotSent::NotListed);
@@ -341,79 +341,68 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
             sub,
             value,
         };
-        self.send(&message, now)
+        self.send(&message, now, agenda)
     }
 
     /// Sends a message by the first PDO of its kind.
-    fn send(&mut self, message: &Message, now: Instant) -> Result<(), NotSent> {
+    fn send(
+        &mut self,
+        message: &Message,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) -> Result<(), NotSent> {
         let mut pdos = self.pdos.as_mut().iter_mut();
         let pdo = pdos
             .find(|pdo| pdo.addressing() == Some(message.addressing))
             .filter(|_| self.is_operational)
             .ok_or(NotSent::NoPdo)?;
-        if !pdo.send(message, now) {
+        if !pdo.send(message, now, agenda) {
             return Err(NotSent::Busy);
         }
-        self.find_lowest();
         Ok(())
     }
 
-    /// Whether [`Transmit::poll`] is to be called now: the inhibit time of a PDO begins when it has been taken.
-    #[inline]
-    pub(crate) const fn needs_time(&self) -> bool {
-        self.needs_time
+    /// Calls `each` with every PDO, its identifier and whether SYNC makes its moment: for [`Agenda::arrange`].
+    pub(crate) fn senders(&self, each: &mut dyn FnMut(Object, Option<u16>, bool)) {
+        for (number, pdo) in self.pdos.as_ref().iter().enumerate() {
+            let cob_id = Some(pdo.cob_id()).filter(|cob_id| *cob_id != 0);
+            each(Object::pdo(number), cob_id, pdo.is_synchronous());
+        }
     }
 
-    /// Whether a PDO waits to be taken.
-    pub const fn is_pending(&self) -> bool {
-        self.lowest != NOT_IN_USE
+    /// The place of a PDO among all that may send.
+    pub(crate) fn set_rank(&mut self, number: usize, rank: Rank) {
+        if let Some(pdo) = self.pdos.as_mut().get_mut(number) {
+            pdo.set_rank(rank);
+        }
     }
 
-    /// The identifier of the PDO to send first.
-    pub fn pending(&self) -> Option<u16> {
-        self.is_pending().then_some(self.lowest)
+    /// The identifier of a PDO; 0 when it is not in use.
+    pub(crate) fn cob_id(&self, number: usize) -> u16 {
+        self.pdos
+            .as_ref()
+            .get(number)
+            .map_or(0, TransmitPdo::cob_id)
     }
 
     /// Whether newer data takes the place of what [`Transmit::take`] has given: not so for multiplexed PDOs, each of which names
     /// another object.
-    pub(crate) fn is_pending_replaced(&self) -> bool {
-        let first = self.pdos.as_ref().get(usize::from(self.lowest_number));
-        first.is_some_and(|pdo| pdo.addressing().is_none())
+    pub(crate) fn is_replaced(&self, number: usize) -> bool {
+        let pdo = self.pdos.as_ref().get(number);
+        pdo.is_some_and(|pdo| pdo.addressing().is_none())
     }
 
-    /// Whether a SYNC has made what [`Transmit::take`] will give.
-    pub(crate) fn is_pending_synchronous(&self) -> bool {
-        let first = self.pdos.as_ref().get(usize::from(self.lowest_number));
-        first.is_some_and(TransmitPdo::is_synchronous)
+    /// Whether a SYNC makes what [`Transmit::take`] will give.
+    pub(crate) fn is_synchronous(&self, number: usize) -> bool {
+        let pdo = self.pdos.as_ref().get(number);
+        pdo.is_some_and(TransmitPdo::is_synchronous)
     }
 
-    /// The PDO to send first, for the bus; its place is empty afterwards.
+    /// The frame of a PDO that waits; its place is empty afterwards.
     #[inline]
-    pub fn take(&mut self) -> Option<Frame> {
-        if !self.is_pending() {
-            return None;
-        }
-        let pdo = self
-            .pdos
-            .as_mut()
-            .get_mut(usize::from(self.lowest_number))?;
-        let frame = pdo.take();
-        self.needs_time |= pdo.has_left();
-        self.find_lowest();
-        frame
-    }
-
-    /// Finds the PDO to send first: the lowest identifier, of equals the lower number. To be called when a PDO has begun or
-    /// ceased to wait.
-    fn find_lowest(&mut self) {
-        self.lowest = NOT_IN_USE;
-        for (number, pdo) in (0..).zip(self.pdos.as_ref()) {
-            let may_leave = pdo.is_waiting() && !(self.follows_sync && pdo.is_synchronous());
-            if may_leave && pdo.cob_id() < self.lowest {
-                self.lowest = pdo.cob_id();
-                self.lowest_number = number;
-            }
-        }
+    pub fn take(&mut self, number: usize, agenda: &mut Agenda<impl Slots<Word>>) -> Option<Frame> {
+        let pdo = self.pdos.as_mut().get_mut(number)?;
+        Some(pdo.take(agenda))
     }
 }
 

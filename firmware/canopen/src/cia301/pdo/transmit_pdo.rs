@@ -4,6 +4,7 @@ use super::mapping::Mapped;
 use super::multiplexed::{self, Addressing, Message, Scan};
 use super::parameters::{Communication, Parameters, TransmissionType};
 use super::record::Record;
+use crate::agenda::{Agenda, Rank, Word};
 use crate::od::{Dictionary, Slots, Unused};
 use crate::time::{Duration, Instant, NEVER, earlier, has_come};
 use crate::wire::Frame;
@@ -35,8 +36,8 @@ pub struct TransmitPdo<M> {
     sync_count: u8,
     /// Whether the SYNC with the start value has still to come.
     awaits_start: bool,
-    /// Whether `content` still waits to be taken.
-    is_waiting: bool,
+    /// Where the bit is that says whether `content` still waits to be taken.
+    rank: Rank,
     /// Whether an event has happened that `content` does not show yet.
     is_due: bool,
     /// A frame has left, and the inhibit time has not begun yet.
@@ -57,7 +58,7 @@ impl<M: Slots<Mapped>> Unused for TransmitPdo<M> {
         watch: Watch::No,
         sync_count: 0,
         awaits_start: false,
-        is_waiting: false,
+        rank: Rank::FIRST,
         is_due: false,
         has_left: false,
         scan: Scan::START,
@@ -74,10 +75,11 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         &mut self,
         dictionary: &D,
         parameters: Parameters,
+        agenda: &mut Agenda<impl Slots<Word>>,
     ) -> bool {
         let is_changed = self.record.configure(dictionary, parameters);
         if is_changed {
-            self.stop();
+            self.stop(agenda);
             self.event_at = NOT_RUNNING;
             self.find_watch();
         }
@@ -85,9 +87,9 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     }
 
     /// Forgets everything.
-    pub(super) fn reset(&mut self) {
+    pub(super) fn reset(&mut self, agenda: &mut Agenda<impl Slots<Word>>) {
         self.record.communication = Communication::NONE;
-        self.stop();
+        self.stop(agenda);
         self.watch = Watch::No;
         self.has_left = false;
         self.left_at = NOT_RUNNING;
@@ -131,7 +133,12 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     }
 
     /// Operational begins for this PDO.
-    pub(super) fn start<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
+    pub(super) fn start<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) {
         if !self.record.is_in_use() {
             return;
         }
@@ -145,13 +152,13 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
             self.scan = Scan::START;
             self.restart_event_timer(now);
         } else if self.is_event_driven() {
-            self.poll(dictionary, now);
+            self.poll(dictionary, now, agenda);
         }
     }
 
     /// Operational is over.
-    pub(super) fn stop(&mut self) {
-        self.is_waiting = false;
+    pub(super) fn stop(&mut self, agenda: &mut Agenda<impl Slots<Word>>) {
+        agenda.set(self.rank, false);
         self.is_due = false;
     }
 
@@ -165,30 +172,43 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         }
     }
 
-    /// A SYNC, for a synchronous PDO: returns whether there is something to send.
+    /// A SYNC, for a synchronous PDO.
     #[inline]
-    pub(super) fn on_sync<D: Dictionary>(&mut self, counter: Option<u8>, dictionary: &D) -> bool {
+    pub(super) fn on_sync<D: Dictionary>(
+        &mut self,
+        counter: Option<u8>,
+        dictionary: &D,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) {
         let every = self.record.communication.transmission_type.every();
         if every == 0 {
-            return self.on_sync_after_event(dictionary);
+            return self.on_sync_after_event(dictionary, agenda);
         }
         self.sync_count = self.sync_count.saturating_add(1);
         if self.awaits_start {
             self.count_to_start(counter, every);
         }
-        self.sync_count >= every && self.give_out(self.record.mapping.pack(dictionary))
+        if self.sync_count >= every {
+            self.give_out(self.record.mapping.pack(dictionary), agenda);
+        }
     }
 
     /// A SYNC, for what is not sent at every n-th of them.
     #[inline(never)]
-    fn on_sync_after_event<D: Dictionary>(&mut self, dictionary: &D) -> bool {
+    fn on_sync_after_event<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) {
         let present = self.record.mapping.pack(dictionary);
         if self.record.communication.transmission_type == TransmissionType::SAMPLED_REQUEST {
             self.content = present;
-            return false;
+            return;
         }
         self.is_due |= present != self.content;
-        self.is_due && self.give_out(present)
+        if self.is_due {
+            self.give_out(present, agenda);
+        }
     }
 
     /// Nothing is counted before the SYNC with the start value, and at that one the PDO is sent. Without a counter there is
@@ -205,47 +225,56 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     }
 
     /// The SYNC window has passed: what a SYNC has given out is too late. An event waits for the next SYNC.
-    pub(super) fn window_passed(&mut self) {
+    pub(super) fn window_passed(&mut self, agenda: &mut Agenda<impl Slots<Word>>) {
         let kind = self.record.communication.transmission_type;
         if kind == TransmissionType::ACYCLIC {
-            self.is_due |= self.is_waiting;
+            self.is_due |= agenda.waits(self.rank);
         }
         if kind.is_synchronous() && kind != TransmissionType::SAMPLED_REQUEST {
-            self.is_waiting = false;
+            agenda.set(self.rank, false);
         }
     }
 
     /// A remote frame asks for this PDO.
-    pub(super) fn on_request<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
+    pub(super) fn on_request<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) {
         let kind = self.record.communication.transmission_type;
         if self.addressing().is_some() {
             return;
         }
         if kind == TransmissionType::REQUEST {
             self.content = self.record.mapping.pack(dictionary);
-            self.is_waiting = true;
+            agenda.set(self.rank, true);
         } else if kind == TransmissionType::SAMPLED_REQUEST {
-            self.is_waiting = true;
+            agenda.set(self.rank, true);
         } else if self.record.communication.allows_request {
             if kind == TransmissionType::EVENT {
                 self.is_due = true;
-                self.poll(dictionary, now);
+                self.poll(dictionary, now, agenda);
             } else {
-                self.is_waiting = true;
+                agenda.set(self.rank, true);
             }
         }
     }
 
-    /// Looks for a change, for a plain PDO; returns whether it is sent.
+    /// Looks for a change, for a plain PDO.
     #[inline]
-    pub(super) fn look<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> bool {
+    pub(super) fn look<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) {
         let present = self.record.mapping.pack(dictionary);
-        if !self.is_due && present == self.content {
-            return false;
+        if self.is_due || present != self.content {
+            // A new inhibit time counts from here.
+            self.left_at = now;
+            self.give_out(present, agenda);
         }
-        // A new inhibit time counts from here.
-        self.left_at = now;
-        self.give_out(present)
     }
 
     /// Looks for a change, and at the times; returns the next deadline.
@@ -255,11 +284,12 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         dictionary: &D,
         node_id: u8,
         now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
     ) -> Instant {
         if D::FEATURES.multiplexed_pdo && self.addressing().is_some() {
-            self.scan(dictionary, node_id, now)
+            self.scan(dictionary, node_id, now, agenda)
         } else if self.is_event_driven() {
-            self.poll(dictionary, now)
+            self.poll(dictionary, now, agenda)
         } else {
             self.is_due |= self.record.mapping.pack(dictionary) != self.content;
             NEVER
@@ -267,10 +297,15 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     }
 
     /// Looks for a change and at the timers, for an event-driven PDO; returns the next deadline.
-    fn poll<D: Dictionary>(&mut self, dictionary: &D, now: Instant) -> Instant {
-        self.start_inhibit_time(now);
+    fn poll<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) -> Instant {
+        self.start_inhibit_time(now, agenda);
         let present = self.record.mapping.pack(dictionary);
-        if self.is_waiting {
+        if agenda.waits(self.rank) {
             // Not on the bus yet: the newest values take its place, and cost no transmission of their own.
             self.content = present;
         } else {
@@ -278,7 +313,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         }
         self.is_due |= has_come(self.timer_end(), now);
         if self.is_due && has_come(self.free_at(), now) {
-            self.give_out(present);
+            self.give_out(present, agenda);
             self.left_at = now;
             self.restart_event_timer(now);
         }
@@ -308,13 +343,19 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     /// mode. Returns the next deadline.
     #[cold]
     #[inline(never)]
-    fn scan<D: Dictionary>(&mut self, dictionary: &D, node_id: u8, now: Instant) -> Instant {
+    fn scan<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        node_id: u8,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) -> Instant {
         if has_come(self.timer_end(), now) {
             self.is_due = true;
             self.restart_event_timer(now);
         }
-        self.start_inhibit_time(now);
-        if self.is_due && !self.is_waiting && has_come(self.free_at(), now) {
+        self.start_inhibit_time(now, agenda);
+        if self.is_due && !agenda.waits(self.rank) && has_come(self.free_at(), now) {
             if let Some(entry) = self.scan.next(dictionary) {
                 let message = Message {
                     addressing: Addressing::Source,
@@ -323,7 +364,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
                     sub: entry.sub,
                     value: multiplexed::bytes_of(dictionary, entry),
                 };
-                self.send(&message, now);
+                self.send(&message, now, agenda);
             } else {
                 self.scan = Scan::START;
                 self.is_due = false;
@@ -345,11 +386,16 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     }
 
     /// Sends this message, if the one before has left and the inhibit time is over; returns whether it does.
-    pub(super) fn send(&mut self, message: &Message, now: Instant) -> bool {
-        let is_free = !self.is_waiting && has_come(self.free_at(), now);
+    pub(super) fn send(
+        &mut self,
+        message: &Message,
+        now: Instant,
+        agenda: &mut Agenda<impl Slots<Word>>,
+    ) -> bool {
+        let is_free = !agenda.waits(self.rank) && has_come(self.free_at(), now);
         if is_free {
             self.content = message.bytes();
-            self.is_waiting = true;
+            agenda.set(self.rank, true);
             self.left_at = now;
         }
         is_free
@@ -361,9 +407,9 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         self.record.is_synchronous()
     }
 
-    #[inline]
-    pub(super) const fn is_waiting(&self) -> bool {
-        self.is_waiting
+    /// Its bit is at another place.
+    pub(super) const fn set_rank(&mut self, rank: Rank) {
+        self.rank = rank;
     }
 
     #[inline]
@@ -372,28 +418,23 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     }
 
     /// The frame that waits.
-    pub(super) fn take(&mut self) -> Option<Frame> {
-        if !self.is_waiting {
-            return None;
+    #[inline]
+    pub(super) fn take(&mut self, agenda: &mut Agenda<impl Slots<Word>>) -> Frame {
+        agenda.set(self.rank, false);
+        if self.has_inhibit_time() {
+            self.has_left = true;
+            agenda.look();
         }
-        self.is_waiting = false;
-        self.has_left = self.has_inhibit_time();
-        Some(Frame::of_length(
+        Frame::of_length(
             self.record.cob_id(),
             self.content,
             self.record.mapping.length(),
-        ))
-    }
-
-    /// Whether its inhibit time is to begin.
-    #[inline]
-    pub(super) const fn has_left(&self) -> bool {
-        self.has_left
+        )
     }
 
     /// The inhibit time begins when a frame leaves, however long it has waited for the bus.
-    fn start_inhibit_time(&mut self, now: Instant) {
-        if self.has_left || self.is_waiting && self.has_inhibit_time() {
+    fn start_inhibit_time(&mut self, now: Instant, agenda: &Agenda<impl Slots<Word>>) {
+        if self.has_left || agenda.waits(self.rank) && self.has_inhibit_time() {
             self.has_left = false;
             self.left_at = now;
         }
@@ -419,14 +460,13 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         kind == TransmissionType::EVENT && self.addressing().is_none()
     }
 
-    /// These values are to be sent; true, as something waits now.
+    /// These values are to be sent.
     #[inline]
-    fn give_out(&mut self, present: [u8; 8]) -> bool {
+    fn give_out(&mut self, present: [u8; 8], agenda: &mut Agenda<impl Slots<Word>>) {
         self.content = present;
-        self.is_waiting = true;
+        agenda.set(self.rank, true);
         self.is_due = false;
         self.sync_count = 0;
-        true
     }
 
     fn restart_event_timer(&mut self, now: Instant) {

@@ -5,6 +5,7 @@ use super::NO_COB_ID;
 use super::objects::{Objects, Streams};
 use super::parameters::CobIds;
 use super::server::Server;
+use crate::agenda::{Agenda, Object, Rank};
 use crate::od::{Counts, Dictionary, Entry, Slots};
 use crate::settings::NodeId;
 use crate::time::{Duration, Instant, NEVER, earlier};
@@ -15,16 +16,6 @@ use crate::wire::sdo::Multiplexer;
 #[derive(Debug)]
 pub struct Servers<C: Counts> {
     servers: C::SdoServers,
-    /// The lowest identifier that waits for the bus; [`NO_COB_ID`] for none.
-    lowest: u16,
-    /// The number of the server that it belongs to.
-    next: u16,
-    /// Whether another server waits as well.
-    has_others: bool,
-    /// Whether [`Servers::lowest`] is to be found anew.
-    is_unsorted: bool,
-    /// The time-out of a server begins with the next [`Servers::poll`].
-    needs_time: bool,
 }
 
 /// What the other servers of the device have under way.
@@ -63,11 +54,6 @@ impl<C: Counts> Servers<C> {
     pub(crate) fn new() -> Self {
         Self {
             servers: C::SdoServers::unused(),
-            lowest: NO_COB_ID,
-            next: 0,
-            has_others: false,
-            is_unsorted: false,
-            needs_time: false,
         }
     }
 
@@ -81,7 +67,6 @@ impl<C: Counts> Servers<C> {
             };
             server.configure(cob_ids);
         }
-        self.find_lowest();
     }
 
     /// How long clients may be silent within a transfer, counted from the next frame on.
@@ -104,13 +89,12 @@ impl<C: Counts> Servers<C> {
 
     /// The NMT state has no SDO any more: nothing is heard, transfers and answers are dropped. Streamed objects that were
     /// being written are abandoned with the next [`Servers::poll`].
-    pub(crate) fn reset(&mut self) {
+    pub(crate) fn reset(&mut self, agenda: &mut Agenda<C::Senders>) {
         for server in self.servers.as_mut() {
             server.reset();
             server.request = NO_COB_ID;
+            agenda.set(server.rank, false);
         }
-        self.lowest = NO_COB_ID;
-        self.has_others = false;
     }
 
     /// The number of the server that hears this identifier.
@@ -129,7 +113,7 @@ impl<C: Counts> Servers<C> {
         server.is_some_and(Server::is_in_segments)
     }
 
-    /// Gives the next segment of a transfer to a server, while nothing waits for the bus. Returns when the server wants to be called;
+    /// Gives the next segment of a transfer to a server that has nothing to send. Returns when the server wants to be called;
     /// `None` if the frame is something else, which [`Servers::receive`] has to look at.
     #[inline]
     pub(crate) fn pass<S: Streams>(
@@ -138,23 +122,18 @@ impl<C: Counts> Servers<C> {
         request: &[u8; 8],
         now: Instant,
         streams: &mut S,
+        agenda: &mut Agenda<C::Senders>,
     ) -> Option<Instant> {
-        if self.lowest != NO_COB_ID {
-            return None;
-        }
         let server = self.servers.as_mut().get_mut(number)?;
-        if !server.pass(request, now, streams) {
+        if server.is_pending() || !server.pass(request, now, streams) {
             return None;
         }
-        if server.is_pending() {
-            self.lowest = server.response;
-            self.next = number as u16;
-        }
+        agenda.set(server.rank, server.is_pending());
         Some(server.deadline())
     }
 
-    /// Gives a request to a server. `objects` makes the dictionary from what the other servers have under way. Returns when the
-    /// server wants to be called; `None` if the request was not executed, as its answer would have had no room.
+    /// Gives a request to a server. `objects` makes the dictionary from what the other servers have under way. `None` if the request
+    /// was not executed, as its answer would have had no room; then [`Servers::settle`].
     #[inline]
     pub(crate) fn receive<'a, O: Objects>(
         &'a mut self,
@@ -162,32 +141,24 @@ impl<C: Counts> Servers<C> {
         request: &[u8; 8],
         now: Instant,
         objects: impl FnOnce(Others<'a, C::SdoBuffer>) -> O,
-    ) -> Option<Instant> {
+    ) -> Option<()> {
         let (before, server, after) = split(self.servers.as_mut(), number)?;
         let mut objects = objects(Others { before, after });
         if server.answers.is_full() {
-            let is_abort = server.receive_abort(request, &mut objects);
-            return is_abort.then(|| server.deadline());
+            return server.receive_abort(request, &mut objects).then_some(());
         }
         if let Some(answer) = server.receive(request, now, &mut objects) {
             server.answers.push(answer);
         }
-        // Mostly nothing else waits.
-        let is_pending = server.is_pending();
-        if self.lowest != NO_COB_ID {
-            self.is_unsorted = !is_pending || number != usize::from(self.next);
-        } else if is_pending {
-            self.lowest = server.response;
-            self.next = number as u16;
-        }
-        Some(server.deadline())
+        Some(())
     }
 
-    /// To be called after [`Servers::receive`]: another server may come first now, or the one that did has dropped what it had.
+    /// What a server has to send, and when it wants to be called.
     #[inline]
-    pub(crate) fn sort(&mut self) {
-        if self.is_unsorted {
-            self.find_lowest();
+    pub(crate) fn settle(&self, number: usize, agenda: &mut Agenda<C::Senders>) {
+        if let Some(server) = self.servers.as_ref().get(number) {
+            agenda.set(server.rank, server.is_pending());
+            agenda.wake_at(server.deadline());
         }
     }
 
@@ -201,89 +172,83 @@ impl<C: Counts> Servers<C> {
         if let Some(server) = self.servers.as_mut().get_mut(number) {
             server.receive_abort(request, streams);
         }
-        self.find_lowest();
     }
 
     /// The owner of an object has finished a write: the answer to those that still wait for it.
-    pub(crate) fn complete(&mut self, object: Multiplexer, result: Result<(), AbortCode>) {
+    pub(crate) fn complete(
+        &mut self,
+        object: Multiplexer,
+        result: Result<(), AbortCode>,
+        agenda: &mut Agenda<C::Senders>,
+    ) {
         for server in self.servers.as_mut() {
             if let Some(answer) = server.complete(object, result) {
                 server.answers.push(answer);
+                agenda.set(server.rank, true);
             }
         }
-        self.find_lowest();
     }
 
-    /// Lets time pass; returns when it wants to be called again.
-    pub(crate) fn poll<S: Streams>(&mut self, now: Instant, streams: &mut S) -> Instant {
-        self.needs_time = false;
-        let mut deadline = NEVER;
-        let mut has_answer = false;
+    /// Lets time pass.
+    pub(crate) fn poll<S: Streams>(
+        &mut self,
+        now: Instant,
+        streams: &mut S,
+        agenda: &mut Agenda<C::Senders>,
+    ) {
         for server in self.servers.as_mut() {
             if let Some(answer) = server.poll(now, streams) {
                 server.answers.push(answer);
-                has_answer = true;
             }
-            deadline = earlier(deadline, server.deadline());
+            agenda.set(server.rank, server.is_pending());
         }
-        if has_answer {
-            self.find_lowest();
+    }
+
+    /// [`Servers::poll`] has nothing to do before this moment.
+    pub(crate) fn deadline(&self) -> Instant {
+        let servers = self.servers.as_ref().iter();
+        servers.fold(NEVER, |next, server| earlier(next, server.deadline()))
+    }
+
+    /// Calls `each` with every server and the identifier of its answers: for [`Agenda::arrange`].
+    pub(crate) fn senders(&self, each: &mut dyn FnMut(Object, Option<u16>, bool)) {
+        for (number, server) in self.servers.as_ref().iter().enumerate() {
+            each(Object::answer(number), Some(server.response), false);
         }
-        deadline
     }
 
-    /// Whether [`Servers::poll`] is to be called now.
-    #[inline]
-    pub(crate) fn needs_time(&self) -> bool {
-        self.needs_time
+    /// The place of a server among all that may send.
+    pub(crate) fn set_rank(&mut self, number: usize, rank: Rank) {
+        if let Some(server) = self.servers.as_mut().get_mut(number) {
+            server.rank = rank;
+        }
     }
 
-    /// The lowest identifier that waits for the bus.
-    #[inline]
-    pub(crate) fn pending(&self) -> Option<u16> {
-        (self.lowest != NO_COB_ID).then_some(self.lowest)
+    /// The identifier of the answers of a server.
+    pub(crate) fn response(&self, number: usize) -> u16 {
+        let server = self.servers.as_ref().get(number);
+        server.map_or(NO_COB_ID, |server| server.response)
     }
 
-    /// The next frame, that with the lowest identifier.
+    /// The next frame of a server that waits.
     #[inline]
-    pub(crate) fn transmit<S: Streams>(&mut self, streams: &mut S) -> Option<Frame> {
-        let lowest = self.lowest;
-        let server = self.servers.as_mut().get_mut(usize::from(self.next))?;
+    pub(crate) fn transmit<S: Streams>(
+        &mut self,
+        number: usize,
+        streams: &mut S,
+        agenda: &mut Agenda<C::Senders>,
+    ) -> Option<Frame> {
+        let server = self.servers.as_mut().get_mut(number)?;
         let answer = server.answers.pop();
-        let frame = if answer.is_some() {
-            answer
-        } else {
-            let segment = server.transmit_segment(streams);
-            self.needs_time |= server.has_sent_sub_block();
-            segment
-        };
+        let frame = answer.or_else(|| server.transmit_segment(streams));
         if !server.is_pending() {
-            self.lowest = NO_COB_ID;
-            if self.has_others {
-                self.find_lowest();
+            agenda.set(server.rank, false);
+            if server.has_sent_sub_block() {
+                // The time of the client begins.
+                agenda.wake();
             }
         }
-        frame.map(|frame| Frame::full(lowest, frame))
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn find_lowest(&mut self) {
-        self.lowest = NO_COB_ID;
-        self.has_others = false;
-        self.is_unsorted = false;
-        let mut has_one = false;
-        for (number, server) in (0..).zip(self.servers.as_ref()) {
-            if !server.is_pending() {
-                continue;
-            }
-            self.has_others = has_one;
-            has_one = true;
-            if server.response < self.lowest {
-                self.lowest = server.response;
-                self.next = number;
-            }
-        }
+        frame.map(|frame| Frame::full(server.response, frame))
     }
 }
 

@@ -74,10 +74,10 @@ pub struct Sync {
     overflow: u8,
     /// The counter of the last SYNC that was produced.
     counter: u8,
-    /// 1006h; 0 when it is not known.
-    period: Duration,
-    /// 1007h; 0 for no limit.
-    window: Duration,
+    /// 1006h in µs; 0 when it is not known.
+    period: u32,
+    /// 1007h in µs; 0 for no limit.
+    window: u32,
     /// When the producer sends, or the consumer misses, the next one.
     next: Instant,
     window_end: Instant,
@@ -95,8 +95,8 @@ impl Sync {
             is_followed: false,
             overflow: 0,
             counter: 0,
-            period: Duration::from_ticks(0),
-            window: Duration::from_ticks(0),
+            period: 0,
+            window: 0,
             next: NEVER,
             window_end: NEVER,
             errors: Errors::new(),
@@ -124,8 +124,8 @@ impl Sync {
         self.is_plain = self.is_running
             && !self.is_producer
             && self.overflow == 0
-            && self.period.ticks() == 0
-            && self.window.ticks() == 0
+            && self.period == 0
+            && self.window == 0
             && !self.errors.stand();
     }
 
@@ -177,9 +177,9 @@ impl Sync {
             self.errors.missed(true);
             return Some(Due::Missed);
         }
-        let in_rhythm = self.next + self.period;
+        let in_rhythm = self.next + span(self.period);
         self.next = if has_come(in_rhythm, now) {
-            now + self.period
+            now + span(self.period)
         } else {
             in_rhythm
         };
@@ -232,7 +232,7 @@ impl Sync {
     /// The next SYNC is due one period from now, and missed after one and a half.
     #[inline(never)]
     fn restart(&mut self, now: Instant) {
-        let period = self.period.ticks();
+        let period = u64::from(self.period);
         let patience = if self.is_producer {
             period
         } else {
@@ -247,10 +247,14 @@ impl Sync {
     }
 
     fn open_window(&mut self, now: Instant) {
-        if self.window.ticks() != 0 {
-            self.window_end = now + self.window;
+        if self.window != 0 {
+            self.window_end = now + span(self.window);
         }
     }
+}
+
+fn span(microseconds: u32) -> Duration {
+    Duration::from_ticks(microseconds.into())
 }
 
 impl Default for Sync {

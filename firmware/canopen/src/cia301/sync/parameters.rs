@@ -4,7 +4,7 @@ use super::{COB_ID, COUNTER_OVERFLOW, MOST_COUNTER, NOT_IN_USE, PERIOD, Sync, WI
 use crate::cia301::cob_ids;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, read_u8, read_u32};
-use crate::time::{Duration, Instant, NEVER};
+use crate::time::{Instant, NEVER};
 use crate::wire::cob_id::CobId;
 
 /// Bit 30 of 1005h: the device produces SYNC.
@@ -65,12 +65,12 @@ impl Sync {
         self.overflow = read_u8(dictionary, COUNTER_OVERFLOW, 0)
             .unwrap_or(0)
             .min(MOST_COUNTER);
-        self.period = microseconds(dictionary, PERIOD);
-        self.window = microseconds(dictionary, WINDOW);
-        if self.window.ticks() == 0 {
+        self.period = read_u32(dictionary, PERIOD, 0).unwrap_or(0);
+        self.window = read_u32(dictionary, WINDOW, 0).unwrap_or(0);
+        if self.window == 0 {
             self.window_end = NEVER;
         }
-        if self.is_producer || self.period.ticks() == 0 {
+        if self.is_producer || self.period == 0 {
             self.errors.missed(false);
         }
         if (self.cob_id, self.is_producer, self.period) != before {
@@ -78,8 +78,4 @@ impl Sync {
         }
         self.find_plain();
     }
-}
-
-fn microseconds<D: Dictionary>(dictionary: &D, index: u16) -> Duration {
-    Duration::from_ticks(read_u32(dictionary, index, 0).unwrap_or(0).into())
 }

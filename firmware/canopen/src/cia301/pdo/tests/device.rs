@@ -3,6 +3,7 @@
 use std::vec::Vec;
 
 use super::objects::Objects;
+use crate::agenda::{Agenda, Kind, Object, Rank, Senders, Word};
 use crate::application::Application;
 use crate::cia301::error_report::ErrorReport;
 use crate::cia301::pdo::{
@@ -10,7 +11,7 @@ use crate::cia301::pdo::{
 };
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, check, find, put, read_u8, set, value, write_u8, write_u32};
-use crate::time::Instant;
+use crate::time::{Instant, NEVER};
 use crate::wire::Frame;
 
 /// Remembers what it was told, and refuses 7 in 2000h.
@@ -41,8 +42,21 @@ pub(super) struct Device {
     pub(super) objects: Objects,
     pub(super) receive: Receive<[ReceivePdo<Places>; 4], Places>,
     pub(super) transmit: Transmit<[TransmitPdo<Places>; 4], Places>,
+    pub(super) agenda: Agenda<[Word; 1]>,
     pub(super) recorder: Recorder,
     pub(super) now: Instant,
+}
+
+impl Senders for Transmit<[TransmitPdo<Places>; 4], Places> {
+    fn each(&self, each: &mut dyn FnMut(Object, Option<u16>, bool)) {
+        self.senders(each);
+    }
+
+    fn place(&mut self, object: Object, rank: Rank) {
+        if let Kind::Pdo(number) = object.kind() {
+            self.set_rank(number, rank);
+        }
+    }
 }
 
 /// A mapping entry.
@@ -79,22 +93,32 @@ impl Device {
             objects,
             receive: Receive::new(),
             transmit: Transmit::new(),
+            agenda: Agenda::new(),
             recorder: Recorder::default(),
             now: Instant::from_ticks(1_000_000),
         };
         device.receive.configure_all(&device.objects, 4);
-        device.transmit.configure_all(&device.objects, 4);
+        let Self {
+            objects,
+            transmit,
+            agenda,
+            ..
+        } = &mut device;
+        transmit.configure_all(objects, 4, agenda);
+        agenda.is_mute = false;
+        agenda.arrange(transmit);
         device
     }
 
     pub(super) fn enter_operational(&mut self) {
         self.receive.enter_operational();
-        self.transmit.enter_operational(&self.objects, self.now);
+        self.transmit
+            .enter_operational(&self.objects, self.now, &mut self.agenda);
     }
 
     pub(super) fn leave_operational(&mut self) {
         self.receive.leave_operational();
-        self.transmit.leave_operational();
+        self.transmit.leave_operational(&mut self.agenda);
     }
 
     /// A download.
@@ -110,7 +134,11 @@ impl Device {
         put(&mut self.objects, entry, bytes);
         match index {
             0x1400..=0x17FF => self.receive.written(&self.objects, entry),
-            0x1800..=0x1BFF => self.transmit.written(&self.objects, entry, self.now),
+            0x1800..=0x1BFF => {
+                self.transmit
+                    .written(&self.objects, entry, self.now, &mut self.agenda);
+                self.agenda.arrange(&mut self.transmit);
+            }
             _ => {}
         }
         self.receive.watch(&self.transmit.watched());
@@ -177,7 +205,8 @@ impl Device {
 
     /// A remote frame from the bus.
     pub(super) fn request(&mut self, cob_id: u16) {
-        self.transmit.on_request(cob_id, &self.objects, self.now);
+        self.transmit
+            .on_request(cob_id, &self.objects, self.now, &mut self.agenda);
     }
 
     /// A frame from the bus; how many objects it wrote.
@@ -193,7 +222,8 @@ impl Device {
 
     /// A SYNC with a counter.
     pub(super) fn counted_sync(&mut self, counter: Option<u8>) {
-        self.transmit.on_sync(counter, &self.objects);
+        self.transmit
+            .on_sync(counter, &self.objects, &mut self.agenda);
         self.receive.on_sync(&mut self.objects, &mut self.recorder);
     }
 
@@ -214,21 +244,32 @@ impl Device {
     /// Everything that waits to be sent, in the order of the bus: identifier and data.
     pub(super) fn sent(&mut self) -> Vec<(u16, Vec<u8>)> {
         let mut frames = Vec::new();
-        while let Some(cob_id) = self.transmit.pending() {
-            let frame = self.transmit.take().unwrap();
+        self.agenda.set_values(NEVER);
+        while let Some(first) = self.agenda.first() {
+            let Kind::Pdo(number) = first.kind() else {
+                panic!("only PDOs send");
+            };
+            let cob_id = self.transmit.cob_id(number);
+            let frame = self.transmit.take(number, &mut self.agenda).unwrap();
             assert_eq!(frame.standard_id(), Some(cob_id));
             frames.push((cob_id, frame.payload().to_vec()));
         }
-        if self.transmit.needs_time() {
-            self.transmit.poll(&self.objects, self.now);
+        if self.agenda.values() != NEVER {
+            self.poll();
         }
         frames
+    }
+
+    /// Lets the transmit PDOs look for changes and timers.
+    pub(super) fn poll(&mut self) -> Instant {
+        self.transmit
+            .poll(&self.objects, self.now, &mut self.agenda)
     }
 
     /// `milliseconds` later: polls, and returns what is sent.
     pub(super) fn after(&mut self, milliseconds: u64) -> Vec<(u16, Vec<u8>)> {
         self.now = Instant::from_ticks(self.now.ticks() + milliseconds * 1000);
-        self.transmit.poll(&self.objects, self.now);
+        self.poll();
         self.receive.poll(self.now);
         self.sent()
     }

@@ -212,7 +212,9 @@ fn the_application_announces_objects_of_the_list() {
     device.write_u32(0x1FA0, 2, scanned(0x200C, 1, 2)).unwrap();
     let announce = |device: &mut Device, index, sub| {
         let now = device.now;
-        device.transmit.announce(index, sub, &device.objects, now)
+        device
+            .transmit
+            .announce(index, sub, &device.objects, now, &mut device.agenda)
     };
     assert_eq!(
         announce(&mut device, 0x200C, 2),
@@ -239,17 +241,28 @@ fn the_application_sends_to_objects_of_others() {
     let now = device.now;
     let value = [1, 2, 3, 4];
     assert_eq!(
-        device.transmit.send_to(128, 0x6000, 1, value, now),
+        device
+            .transmit
+            .send_to(128, 0x6000, 1, value, now, &mut device.agenda),
         Err(NotSent::NotListed)
     );
-    assert_eq!(device.transmit.send_to(9, 0x6000, 1, value, now), Ok(()));
     assert_eq!(
-        device.transmit.send_to(9, 0x6000, 1, value, now),
+        device
+            .transmit
+            .send_to(9, 0x6000, 1, value, now, &mut device.agenda),
+        Ok(())
+    );
+    assert_eq!(
+        device
+            .transmit
+            .send_to(9, 0x6000, 1, value, now, &mut device.agenda),
         Err(NotSent::Busy)
     );
     assert_eq!(device.sent(), frame([0x89, 0x00, 0x60, 1, 1, 2, 3, 4]));
     assert_eq!(
-        device.transmit.announce(0x200C, 1, &device.objects, now),
+        device
+            .transmit
+            .announce(0x200C, 1, &device.objects, now, &mut device.agenda),
         Err(NotSent::NotListed)
     );
 }

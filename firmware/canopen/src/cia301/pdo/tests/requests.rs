@@ -187,7 +187,7 @@ fn p28_a_start_value_that_never_comes_sends_nothing() {
 fn p36_what_is_not_taken_within_the_sync_window_is_dropped() {
     let mut device = operational(1, false);
     device.sync();
-    device.transmit.window_passed();
+    device.transmit.window_passed(&mut device.agenda);
     assert_eq!(device.sent(), []);
     device.sync();
     assert_eq!(device.sent(), frame(1), "the next one is in time");
@@ -198,11 +198,11 @@ fn p36_an_event_of_type_0_waits_for_the_next_sync() {
     let mut device = operational(0, false);
     device.put(0x2000, &[2]);
     device.sync();
-    device.transmit.window_passed();
+    device.transmit.window_passed(&mut device.agenda);
     assert_eq!(device.sent(), []);
     device.sync();
     assert_eq!(device.sent(), frame(2));
-    device.transmit.window_passed();
+    device.transmit.window_passed(&mut device.agenda);
     device.sync();
     assert_eq!(device.sent(), []);
 }
@@ -213,7 +213,7 @@ fn p36_events_and_requests_know_no_window() {
         let mut device = operational(kind, true);
         device.sync();
         device.request(0x184);
-        device.transmit.window_passed();
+        device.transmit.window_passed(&mut device.agenda);
         assert_eq!(device.sent(), frame(1), "type {kind}");
     }
 }

@@ -1,6 +1,7 @@
 //! Transmit PDOs at work, on virtual time.
 
 use super::device::{Device, mapped};
+use crate::agenda::Object;
 use crate::time::{Instant, NEVER};
 
 const U8: u32 = mapped(0x2000, 0, 8);
@@ -46,7 +47,7 @@ fn n15_a_repeated_start_sends_nothing() {
 fn n02_outside_of_operational_nothing_is_sent() {
     let mut device = operational(255, &[U8]);
     device.put(0x2000, &[1]);
-    device.transmit.poll(&device.objects, device.now);
+    device.poll();
     device.leave_operational();
     assert_eq!(device.sent(), [], "what waited is dropped");
     device.put(0x2000, &[2]);
@@ -173,7 +174,7 @@ fn p29_the_inhibit_time_gathers_changes() {
         device.put(0x2000, &[value]);
         assert_eq!(device.after(1), []);
     }
-    let deadline = device.transmit.poll(&device.objects, device.now);
+    let deadline = device.poll();
     assert_eq!(deadline.ticks(), start + 10_000);
     device.put(0x2000, &[5]);
     assert_eq!(device.after(7), frame(&[5]), "the last value at 10 ms");
@@ -199,7 +200,7 @@ fn p30_the_event_timer_starts_anew_with_each_transmission() {
     device.write_u16(0x1800, 5, 100).unwrap();
     device.put(0x2000, &[1]);
     assert_eq!(device.after(60), frame(&[1]));
-    let deadline = device.transmit.poll(&device.objects, device.now);
+    let deadline = device.poll();
     assert_eq!(deadline.ticks(), device.now.ticks() + 100_000);
     assert_eq!(device.after(40), [], "not at 100 ms");
     assert_eq!(device.after(59), []);
@@ -224,7 +225,7 @@ fn p32_without_a_change_only_the_event_timer_sends() {
     let mut device = operational(255, &[U8]);
     device.put(0x2000, &[0]);
     assert_eq!(device.after(10_000), []);
-    assert_eq!(device.transmit.poll(&device.objects, device.now), NEVER);
+    assert_eq!(device.poll(), NEVER);
     device.write_u16(0x1800, 5, 250).unwrap();
     assert_eq!(device.after(249), []);
     assert_eq!(device.after(1), frame(&[0]));
@@ -269,6 +270,7 @@ fn c03_an_event_driven_pdo_that_waits_gets_the_newest_values() {
         device.transmit.poll(
             &device.objects,
             Instant::from_ticks(device.now.ticks() + u64::from(value)),
+            &mut device.agenda,
         );
     }
     assert_eq!(device.sent(), frame(&[3]), "even within the inhibit time");
@@ -316,10 +318,9 @@ fn a_pdo_that_waits_is_taken_once() {
     device.map(0x1800, 0, 1, &[U8]).unwrap();
     device.enter_operational();
     device.sync();
-    assert_eq!(device.transmit.pending(), Some(0x184));
-    assert!(device.transmit.take().is_some());
-    assert_eq!(device.transmit.pending(), None);
-    assert_eq!(device.transmit.take(), None);
+    assert_eq!(device.agenda.first(), Some(Object::pdo(0)));
+    assert!(device.transmit.take(0, &mut device.agenda).is_some());
+    assert_eq!(device.agenda.first(), None);
 }
 
 #[test]
