@@ -8,11 +8,10 @@ use motion::{SignedSpeed, Speed, homing};
 
 use crate::copied::copy_fields;
 use crate::cyclic::CyclicConfiguration;
-use crate::inputs::InputConfiguration;
+use crate::inputs::{InputConfiguration, Source};
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
-use crate::periphery::digital_outputs::OutputConfiguration;
-use crate::periphery::touch_probe::source::Source;
+use crate::outputs::OutputConfiguration;
 use crate::profile::ProfileConfiguration;
 use crate::pulse_timing::PulseTiming;
 use crate::units::{Ratio, Units};

@@ -5,6 +5,7 @@
 //! tick takes a part of them. The motor has power in operation enabled, quick stop active and fault reaction active, and nowhere else.
 
 mod command;
+mod in_step;
 mod network;
 mod operation;
 mod periphery;
@@ -22,7 +23,7 @@ use crate::board::{DriveConfig, Inputs, Outputs, outlast_tick};
 use crate::brake::Brakes;
 use crate::commands::Commands;
 use crate::configuration::Configuration;
-use crate::cyclic::{Cyclic, Fine, fine};
+use crate::cyclic::{Fine, fine};
 use crate::exchange::{Actuals, Exchange, Share, Waiting};
 use crate::faults::{EXTERNAL, Faults};
 use crate::inputs::{DigitalInputs, Switches};
@@ -36,6 +37,7 @@ use crate::recorder;
 use crate::state_machine::{State, StateMachine};
 use crate::units::{Frame, SoftwareLimits};
 
+use in_step::Cyclic;
 use waiting::{Network, Orders, Stopping};
 
 /// The drive of a dictionary `D` with an actuator `A`: what the data sheet does not list is not linked.

@@ -16,6 +16,7 @@
 
 mod barred;
 mod capture;
+mod source;
 
 use motion::homing::SwitchState;
 
@@ -23,6 +24,8 @@ use crate::objects::Objects;
 
 pub(crate) use barred::Barred;
 pub use capture::{Capture, time_of_edge};
+pub use source::Source;
+pub(crate) use source::{SOURCE, probe_functions};
 
 /// How many inputs there may be.
 pub const COUNT: usize = 6;

@@ -42,6 +42,7 @@ mod monitor;
 mod motor;
 pub mod objects;
 pub mod option_codes;
+pub mod outputs;
 pub mod periphery;
 pub mod profile;
 mod protection;

@@ -3,13 +3,11 @@
 use canopen::cia301::sdo::AbortCode;
 use motion::homing::Method;
 
-use crate::inputs::InputFunction;
+use crate::inputs::{InputFunction, Source, probe_functions};
 use crate::mode::Mode;
 use crate::objects::Objects;
 use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp};
-use crate::periphery::digital_outputs::OutputFunction;
-use crate::periphery::touch_probe;
-use crate::periphery::touch_probe::source::Source;
+use crate::outputs::OutputFunction;
 use crate::profile;
 use crate::pulse_timing::PulseTiming;
 use crate::units::{Factors, SiUnit, Units};

@@ -53,7 +53,7 @@ macro_rules! every_parameter {
                 setting BridgedSetPoints bridged_set_points 0x2051:1 u8 = 2, "";
                 /// See [`crate::cyclic::LostSetPoints`].
                 setting LostSetPointReaction lost_set_point_reaction 0x2051:2 u8 = 1, "";
-                /// See [`crate::periphery::digital_outputs::OutputFunction`].
+                /// See [`crate::outputs::OutputFunction`].
                 setting Output1Function output_1_function 0x2060:1 u8 = 0, "" only [OutputFunction::from_code];
                 setting Output2Function output_2_function 0x2060:2 u8 = 0, "" only [OutputFunction::from_code];
                 setting Output3Function output_3_function 0x2060:3 u8 = 0, "" only [OutputFunction::from_code];
@@ -161,7 +161,7 @@ macro_rules! every_parameter {
                 setting SiUnitJerk si_unit_jerk 0x60AB:0 u32 = 0, "" only (n if is_named(n, SiUnit::Jerk)) locked Powered;
                 command PositionOffset position_offset 0x60B0:0 i32 = 0, "position units";
                 command VelocityOffset velocity_offset 0x60B1:0 i32 = 0, "velocity units";
-                command TouchProbeFunction touch_probe_function 0x60B8:0 u16 = 0, "" only [touch_probe::functions];
+                command TouchProbeFunction touch_probe_function 0x60B8:0 u16 = 0, "" only [probe_functions];
                 shown TouchProbeStatus set_touch_probe_status 0x60B9:0 u16 = _, "";
                 shown TouchProbe1PositiveEdge set_touch_probe_1_positive_edge 0x60BA:0 i32 = _, "position units";
                 shown TouchProbe1NegativeEdge set_touch_probe_1_negative_edge 0x60BB:0 i32 = _, "position units";
@@ -179,7 +179,7 @@ macro_rules! every_parameter {
                 setting InterpolationBufferClear interpolation_buffer_clear 0x60C4:6 u8 = 1, "";
                 setting MaxAcceleration max_acceleration 0x60C5:0 u32 = u32::MAX, "acceleration units" from 1 => max_acceleration: acceleration;
                 setting MaxDeceleration max_deceleration 0x60C6:0 u32 = u32::MAX, "acceleration units" from 1 => max_deceleration: acceleration;
-                /// See [`crate::periphery::touch_probe::source::Source`].
+                /// See [`crate::inputs::Source`].
                 setting TouchProbe1Source touch_probe_1_source 0x60D0:1 i16 = 1, "" only [Source::from_code];
                 setting TouchProbe2Source touch_probe_2_source 0x60D0:2 i16 = 2, "" only [Source::from_code];
                 shown TouchProbe1PositiveTime set_touch_probe_1_positive_time 0x60D1:0 u32 = _, "ns";

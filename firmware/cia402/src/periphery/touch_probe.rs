@@ -17,39 +17,25 @@
 //! Probes look at the captured edges that homing looks at, and take none away from it.
 
 mod look;
-pub mod source;
 
 use canopen::Instant;
 
 use crate::commands::Commands;
 use crate::configuration::Configuration;
-use crate::inputs::{Count, DigitalInputs, Edge, Edges, InputConfiguration};
+use crate::inputs::{Count, DigitalInputs, Edge, Edges, InputConfiguration, SOURCE, Source};
 
 use look::Look;
-use source::Source;
 
 /// 60B8h and 60B9h: the probe is on.
 const ENABLE: u8 = 1 << 0;
 /// 60B8h: each edge is kept, not only the first.
 const CONTINUOUS: u8 = 1 << 1;
-/// 60B8h: bits of the source.
-const SOURCE: u8 = 0b11 << 2;
 const SOURCE_INDEX: u8 = 0b01 << 2;
 const SOURCE_SELECTED: u8 = 0b10 << 2;
 /// 60B8h: the positive edge is sampled; the negative one is the next bit.
 const POSITIVE: u8 = 1 << 4;
 /// 60B9h: a positive edge is stored; the negative one is the next bit.
 const STORED: u8 = 1 << 1;
-
-/// The functions of both probes in 60B8h: bits 3 and 2 (11 and 10) name a source, or there is none. Bits 6, 7, 14 and 15 are the user's.
-pub(crate) const fn functions(value: u16) -> Option<[u8; 2]> {
-    let [first, second] = value.to_le_bytes();
-    if first & SOURCE != SOURCE && second & SOURCE != SOURCE {
-        Some([first, second])
-    } else {
-        None
-    }
-}
 
 /// What the probes have stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

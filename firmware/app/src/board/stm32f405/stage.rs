@@ -1,6 +1,6 @@
 //! The power stage's pins, the lights and the watchdog.
 
-use cia402::periphery::digital_outputs::COUNT;
+use cia402::outputs::COUNT;
 use cia402::Inputs;
 use embedded_hal::digital::OutputPin;
 use stm32f4xx_hal::gpio::{ErasedPin, Input, Output, PA2, PA3, PC0, PC2};

@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::outputs::COUNT;
 
 const QUIET: Shown = Shown {
     state: State::SwitchOnDisabled,

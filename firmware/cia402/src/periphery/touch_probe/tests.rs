@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::inputs::probe_functions;
 use crate::inputs::{self, Captured};
 
 /// Probe 1 on input 5, probe 2 on input 6, index on input 4.
@@ -283,10 +284,10 @@ fn of_two_inputs_of_a_probe_the_edges_are_in_the_order_of_time() {
 #[test]
 fn reserved_sources_are_no_function() {
     for function in [0x0000, 0x0031, 0xC0F3, 0x3BFB] {
-        assert!(functions(function).is_some(), "{function:04X}");
+        assert!(probe_functions(function).is_some(), "{function:04X}");
     }
     for function in [0x000C, 0x0C00, 0x0D31] {
-        assert!(functions(function).is_none(), "{function:04X}");
+        assert!(probe_functions(function).is_none(), "{function:04X}");
     }
     for code in [0, 3, 4, 6, -7, i16::MIN] {
         assert_eq!(Source::from_code(code), None);

@@ -2,12 +2,10 @@
 
 use canopen::{Duration, Instant};
 
-use super::buffer::Buffer;
-use super::clock::{NetworkClock, Slots};
-use super::pipeline::Pipeline;
-use super::rhythm::Rhythm;
-use super::schedule::Schedule;
-use super::{CyclicConfiguration, Fine, POINT, SyncEvent, SyncStatus, fine};
+use crate::cyclic::{
+    Buffer, CyclicConfiguration, Fine, NetworkClock, POINT, Pipeline, Rhythm, Schedule, Slots,
+    SyncEvent, SyncStatus, fine,
+};
 use crate::exchange::{Exchange, Share, Waiting};
 use crate::mode::Mode;
 

@@ -1,6 +1,6 @@
 //! What a touch probe looks at.
 
-use crate::inputs::InputConfiguration;
+use super::InputConfiguration;
 
 /// A source of 60D0h.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,11 +31,24 @@ impl Source {
     }
 
     /// Its inputs.
-    pub(super) const fn mask(self, inputs: &InputConfiguration) -> u8 {
+    pub(crate) const fn mask(self, inputs: &InputConfiguration) -> u8 {
         match (self, inputs.touch_probes) {
             (Self::Probe1, [mask, _]) | (Self::Probe2, [_, mask]) => mask,
             (Self::Index, _) => inputs.index,
             (Self::Input(mask), _) => mask,
         }
+    }
+}
+
+/// 60B8h: bits of the source.
+pub(crate) const SOURCE: u8 = 0b11 << 2;
+
+/// The functions of both probes in 60B8h: bits 3 and 2 (11 and 10) name a source, or there is none. Bits 6, 7, 14 and 15 are the user's.
+pub(crate) const fn probe_functions(value: u16) -> Option<[u8; 2]> {
+    let [first, second] = value.to_le_bytes();
+    if first & SOURCE != SOURCE && second & SOURCE != SOURCE {
+        Some([first, second])
+    } else {
+        None
     }
 }

@@ -1,0 +1,99 @@
+//! No import of this crate runs upwards: the floors are those of the table in docs/design.md, "The floors of `cia402`".
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Those that still do. None may come, and one that is cut leaves the list.
+const UPWARDS: &[(&str, &str)] = &[("exchange", "recorder")];
+
+/// What is on no floor: names of the crate's root, which are those of files, and what tests alone have.
+const ASIDE: [&str; 1] = ["testing"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
+}
+
+/// The floor of each file or folder at the top of `src`, the highest first.
+fn floors() -> BTreeMap<String, usize> {
+    let design = fs::read_to_string(root().join("../../docs/design.md")).unwrap();
+    let (_, chapter) = design.split_once("## The floors of `cia402`").unwrap();
+    let (chapter, _) = chapter.split_once("\n## ").unwrap();
+    let rows = chapter.lines().filter(|line| line.starts_with('|')).skip(2);
+    let mut floors = BTreeMap::new();
+    for (floor, row) in rows.enumerate() {
+        for name in row.split('`').skip(1).step_by(2) {
+            let before = floors.insert(name.to_owned(), floor);
+            assert_eq!(before, None, "{name} is on two floors");
+        }
+    }
+    floors
+}
+
+/// The files of a folder and below, without those of tests.
+fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.file_stem().is_some_and(|name| name == "tests") {
+            continue;
+        }
+        if path.is_dir() {
+            files(&path, found);
+        } else {
+            found.push(path);
+        }
+    }
+}
+
+/// The names at the top of `src` that a file imports.
+fn imports(text: &str) -> BTreeSet<String> {
+    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+    let code: String = text
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let name = |part: &str| -> String {
+        let end = part.find(|c: char| !c.is_alphanumeric() && c != '_');
+        part[..end.unwrap_or(part.len())].to_owned()
+    };
+    code.split("crate::").skip(1).map(name).collect()
+}
+
+#[test]
+fn no_import_runs_upwards() {
+    let floors = floors();
+    let source = root().join("src");
+    let mut all = Vec::new();
+    files(&source, &mut all);
+    let mut upwards = BTreeSet::new();
+    for path in all {
+        let inside = path.strip_prefix(&source).unwrap();
+        let first = inside.components().next().unwrap().as_os_str();
+        let own = Path::new(first)
+            .file_stem()
+            .unwrap()
+            .to_str()
+            .unwrap()
+            .to_owned();
+        if own == "lib" || ASIDE.contains(&&*own) {
+            continue;
+        }
+        let floor = floors
+            .get(&own)
+            .unwrap_or_else(|| panic!("{own} is on no floor"));
+        for import in imports(&fs::read_to_string(&path).unwrap()) {
+            // What the root names again lies in a file of its own.
+            let Some(other) = floors.get(&import).filter(|_| import != own) else {
+                continue;
+            };
+            if other < floor {
+                upwards.insert((own.clone(), import));
+            }
+        }
+    }
+    let expected = UPWARDS
+        .iter()
+        .map(|(from, to)| ((*from).to_owned(), (*to).to_owned()));
+    assert_eq!(upwards, expected.collect());
+}
