@@ -110,7 +110,6 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             modes: Modes::new(),
             faults: Faults::default(),
             cyclic: Cyclic::new(lead, tick),
-            motor: Motor::new(actuator),
             brakes: Brakes::new(),
             monitor: Monitor::new(),
             switches: Switches::default(),
@@ -121,6 +120,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             stopping: Stopping::new(),
             ticked: Instant::from_ticks(0),
             dictionary: PhantomData,
+            // Last, as it is large: so it is made where it stays.
+            motor: Motor::new(actuator),
         }
     }
 

@@ -60,6 +60,8 @@ impl<A: ?Sized> DerefMut for Motor<A> {
 
 impl<A: Actuator> Motor<A> {
     /// A motor that stands at position 0.
+    // Out of line, so that it is made where it stays.
+    #[inline(never)]
     pub(crate) fn new(actuator: impl FnOnce() -> A) -> Self {
         Self {
             cut: false,
