@@ -299,7 +299,7 @@ impl Average {
     #[inline]
     fn step(&mut self) {
         let walk = &mut self.walk;
-        walk.left = walk.left.wrapping_sub(1);
+        walk.left -= 1;
         walk.position = walk.position.wrapping_add(walk.distance);
         walk.distance = walk.distance.wrapping_add(walk.growth);
         self.take();
@@ -357,12 +357,12 @@ impl Average {
         if let Some(room) = self.ring.get_mut(self.place as usize % SAMPLES) {
             oldest = core::mem::replace(room, newest);
         }
-        self.place = self.place.wrapping_add(1);
+        self.place += 1;
         if self.place >= self.window.count.into() {
             self.place = 0;
         }
         if self.before > 0 {
-            self.before = self.before.wrapping_sub(1);
+            self.before -= 1;
             oldest = self.old;
             self.old = oldest.wrapping_add(self.stride);
         }
@@ -382,7 +382,7 @@ impl Average {
         self.gain = velocity.wrapping_sub(self.to.velocity.bits());
         self.to.position = Position::from_bits(position);
         self.to.velocity = Velocity::from_bits(velocity);
-        self.until = self.until.wrapping_add(self.window.grid.into());
+        self.until = self.until.saturating_add(self.window.grid.into());
     }
 
     /// Looks at the plan an interval behind tick `at`, whether it has kept its velocity since then, and how far it can be walked along.
@@ -399,8 +399,7 @@ impl Average {
         let rest = plan.exact_at(end).position;
         // An end that is rounded up may be a tick behind the sample that is at the target already.
         let stands = end <= next
-            || end.wrapping_sub(next) < self.window.grid.into()
-                && sample(ahead.position) == sample(rest);
+            || end - next < self.window.grid.into() && sample(ahead.position) == sample(rest);
         let (keeps, pace, half) = if stands {
             (self.stands || end <= at, 0, 0)
         } else {
@@ -420,12 +419,12 @@ impl Average {
         } else {
             plan.next_corner(next).unwrap_or(Ticks::MAX)
         };
-        let before = corner.wrapping_sub(next).wrapping_sub(1);
+        let before = corner.saturating_sub(next).saturating_sub(1);
         let (intervals, _) = by_digit(before, grid);
         let mut left = intervals.min(MOST_WALKED.into()) as u32;
         if growth == 0 {
             // When it has kept its velocity all over the window that must be seen.
-            let count = u32::from(self.window.count).wrapping_sub(1);
+            let count = u32::from(self.window.count) - 1;
             left = left.min(count.saturating_sub(self.straight));
             self.straight = self.straight.saturating_add(left);
         }
@@ -449,10 +448,10 @@ const fn sample(position: i128) -> i64 {
 fn part(value: i64, factor: u64) -> i64 {
     let (above, below) = ((value >> 32) as i32, value as u32);
     let (high, low) = ((factor >> 32) as i32, factor as u32);
-    let product = |a: i32, b: i32| i64::from(a).wrapping_mul(b.into());
+    let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
     // Half of the products in the middle: so they have a sign of their own.
-    let middle = product(above, (low >> 1) as i32).wrapping_add(product((below >> 1) as i32, high));
-    product(above, high).wrapping_add(middle >> 31)
+    let middle = product(above, (low >> 1) as i32) + product((below >> 1) as i32, high);
+    product(above, high) + (middle >> 31)
 }
 
 /// ⌊value · factor / 2³⁹⌋, as far as 57 bits hold it, for a factor below 2⁶³.
@@ -460,10 +459,10 @@ fn part(value: i64, factor: u64) -> i64 {
 fn rate(value: i64, factor: u64) -> i64 {
     let (above, below) = ((value >> 32) as i32, value as u32);
     let (high, low) = ((factor >> 32) as u32, factor as u32);
-    let product = |a: u32, b: u32| u64::from(a).wrapping_mul(b.into());
+    let product = |a: u32, b: u32| u64::from(a) * u64::from(b);
     let lowest = product(below, low) >> 32;
-    let middle = product(below, high).wrapping_add(lowest).cast_signed();
-    let crossed = i64::from(above).wrapping_mul(low.into());
+    let middle = (product(below, high) + lowest).cast_signed();
+    let crossed = i64::from(above) * i64::from(low);
     let highest = i64::from(above.wrapping_mul(high.cast_signed())) << 32;
     highest.wrapping_add(crossed).wrapping_add(middle) >> 7
 }

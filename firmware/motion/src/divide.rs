@@ -185,13 +185,13 @@ pub(crate) fn estimate(numerator: u64, divisor: u32) -> u32 {
 fn half_digit(remainder: u32, next: u32, divisor: u32) -> (u32, u32) {
     let mut digit = remainder.checked_div(divisor >> 16).unwrap_or(0);
     let numerator = (u64::from(remainder) << 16) | u64::from(next);
-    let mut product = u64::from(digit).wrapping_mul(divisor.into());
+    let mut product = u64::from(digit) * u64::from(divisor);
     // Too large by at most two.
     while product > numerator {
-        digit = digit.wrapping_sub(1);
-        product = product.wrapping_sub(divisor.into());
+        digit -= 1;
+        product -= u64::from(divisor);
     }
-    (digit, numerator.wrapping_sub(product) as u32)
+    (digit, (numerator - product) as u32)
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ impl Window {
 
     /// In ticks.
     pub(crate) fn ticks(&self) -> u32 {
-        u32::from(self.count).wrapping_mul(self.grid)
+        u32::from(self.count) * self.grid
     }
 
     /// The jerk where deceleration comes behind acceleration at once, in steps/s³.
@@ -55,7 +55,7 @@ impl Window {
     /// Limits for which the longest window is long enough, whatever comes after whatever: with a very low jerk the accelerations are less than
     /// what is allowed, and the jerk is kept.
     pub(crate) fn within(clock: Clock, limits: Limits, jerk: u32) -> Limits {
-        let most = u64::from(jerk).wrapping_mul((Self::LONGEST / 2).into());
+        let most = u64::from(jerk) * u64::from(Self::LONGEST / 2);
         let (most, _) = by_digit(most, clock.hz());
         let most = u32::try_from(most).unwrap_or(u32::MAX).max(1);
         Limits {
