@@ -5,7 +5,7 @@
 //!
 //! The contract:
 //! - The device sends nothing and hears nothing before [`Node::boot`], and again from a commanded reset until the next
-//!   [`Node::boot`]. The firmware learns of the reset by [`Event::ResetRequested`] and may stop a motor first; while a motor turns it
+//!   [`Node::boot`]. The firmware learns of the reset by [`Event::ResetRequested`] and may stop first what moves; while that moves it
 //!   holds resets back ([`Node::hold_resets`]), and the device goes on as it is.
 //! - A reset leads through [`NmtState::Initialisation`], and [`Event::StateChanged`] tells of it. LSS answers that wait for
 //!   the bus outlive it; everything else that waits is dropped.
@@ -64,7 +64,7 @@ pub enum Event {
     /// state has followed 1029h already.
     CommunicationError(CommunicationError),
     /// A reset was commanded, or LSS has given a first node-ID. The device is silent until [`Node::boot`] is called with
-    /// this reset, so that the motor can be stopped first; where resets are held back ([`Node::hold_resets`]) it goes on.
+    /// this reset, so that what moves can be stopped first; where resets are held back ([`Node::hold_resets`]) it goes on.
     ResetRequested(Reset),
     /// Bus-off was long enough ago: start the CAN controller again, and tell [`Node::controller_changed`] when it is back.
     RestartController,
@@ -265,7 +265,7 @@ impl<D: Dictionary> Node<D> {
         self.events.take_reset()
     }
 
-    /// Whether commanded resets are held back from now on: a motor turns, and the network must be able to stop it, and to hear of it, until
+    /// Whether commanded resets are held back from now on: something moves, and the network must be able to stop it, and to hear of it, until
     /// it stands. The device goes on as it is then, in the NMT state it is in. Without that, a reset that is held back silences the device
     /// now; [`Node::boot`] is still to be called.
     pub fn hold_resets(&mut self, holds: bool) {

@@ -1,7 +1,7 @@
 //! A serial number (CiA 301, 7.5.2.16: object 1018h:4) from the unique identifier of a chip.
 //!
 //! Chips have more bits than an object of 32 has room for, and chips of one batch differ in few of them. They are folded by FNV-1a:
-//! every bit of the identifier has a part in every bit of the serial number. Two drives of a thousand have the same number with a
+//! every bit of the identifier has a part in every bit of the serial number. Two devices of a thousand have the same number with a
 //! chance of one in nine thousand; production that wants to be sure writes numbers of its own.
 
 /// The bytes of an identifier, folded: FNV-1a, 32 bits.

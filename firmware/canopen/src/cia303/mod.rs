@@ -31,7 +31,7 @@
 //! - One light with two colours is red where both would be lit ([`Lights::bicolour`]).
 //! - A device without a node-ID flickers, as it waits for LSS.
 //!
-//! Errors of the drive are not for these lights: they have one of their own.
+//! Errors of the application are not for these lights: they have one of their own.
 
 mod indicators;
 mod pattern;

@@ -7,7 +7,7 @@ use crate::cia301::error_behaviour::CommunicationError;
 use crate::od::Dictionary;
 use crate::time::{Duration, Instant, earlier};
 
-/// Received frames were lost. The drive may know of it too: who reports 8110h by itself does not call [`Node::frames_lost`].
+/// Received frames were lost. The application may know of it too: who reports 8110h by itself does not call [`Node::frames_lost`].
 const OVERRUN: Emergency = communication(code::OVERRUN);
 const ERROR_PASSIVE: Emergency = communication(code::ERROR_PASSIVE);
 

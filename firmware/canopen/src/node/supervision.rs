@@ -1,4 +1,4 @@
-//! Watching the network, and what happens when it is lost: the emergency, the error behaviour 1029h, the word to the drive.
+//! Watching the network, and what happens when it is lost: the emergency, the error behaviour 1029h, the word to the application.
 
 use super::Node;
 use crate::agenda::Object;
@@ -146,7 +146,7 @@ impl<D: Dictionary> Node<D> {
         self.services.consumers.state(node_id)
     }
 
-    /// Whether the network was lost since the last call, ahead of the events that wait: for who has to stop a motor at once.
+    /// Whether the network was lost since the last call, ahead of the events that wait: for who has to stop something at once.
     /// [`super::Event::CommunicationError`] tells of it all the same.
     pub fn take_network_loss(&mut self) -> bool {
         self.events.take_network_loss()

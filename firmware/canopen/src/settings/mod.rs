@@ -170,7 +170,7 @@ impl Settings {
 }
 
 impl Default for Settings {
-    /// As a drive leaves the factory: no node-ID, 1 Mbit/s.
+    /// As a device leaves the factory: no node-ID, 1 Mbit/s.
     fn default() -> Self {
         Self {
             node_id: NodeId::UNCONFIGURED,
@@ -189,7 +189,7 @@ pub struct Configuration {
 }
 
 impl Default for Configuration {
-    /// As a drive leaves the factory: no node-ID, 1 Mbit/s.
+    /// As a device leaves the factory: no node-ID, 1 Mbit/s.
     fn default() -> Self {
         Settings::default().into()
     }

@@ -39,7 +39,7 @@ impl Switches {
     /// 80h to FFh are the same at 1 Mbit/s, whatever is stored.
     pub const ROTARY: Self = Self::new(7, &[Field::Stored, KNOWN]);
 
-    /// Two hexadecimal rotary switches the other way round, as some drives on the market have them: 00h to 7Fh are at 1 Mbit/s,
+    /// Two hexadecimal rotary switches the other way round, as some devices on the market have them: 00h to 7Fh are at 1 Mbit/s,
     /// 80h to FFh at the stored bit rate.
     pub const ROTARY_REVERSED: Self = Self::new(7, &[KNOWN, Field::Stored]);
 

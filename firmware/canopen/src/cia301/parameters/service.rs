@@ -7,7 +7,7 @@ use crate::cia301::sdo::AbortCode;
 use crate::node::StoreError;
 use crate::od::{self, Dictionary, Entry};
 
-/// Emergency error code "loss of parameters" (CiA 402, 63xxh is "data set" of CiA 301): a stored set cannot be read. Its
+/// Emergency error code "loss of parameters" (63xxh is "data set" of CiA 301): a stored set cannot be read. Its
 /// parameters have the values of the data sheet.
 pub const PARAMETERS_LOST: u16 = 0x6310;
 
