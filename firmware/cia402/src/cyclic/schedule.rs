@@ -190,7 +190,7 @@ mod tests {
         }
     }
     #[test]
-    fn m63_moments_of_a_beat_that_is_no_more_are_forgotten() {
+    fn m63_moments_of_a_sync_event_that_is_no_more_are_forgotten() {
         let mut schedule = Schedule::new(Duration::micros(1_000));
         for second in 1..=20 {
             schedule.aim(second * 1_000 * TICK);

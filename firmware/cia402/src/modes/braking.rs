@@ -231,7 +231,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_motor_stops_within_the_way(
+        fn the_motor_stops_within_the_distance(
             steps in 0u64..1 << 32,
             accelerations in (1u32..100_000_000, 1u32..100_000_000),
             ramps in any_ramps(),
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ramp_that_is_needed_is_no_longer_than_the_way() {
+    fn the_ramp_that_is_needed_is_no_longer_than_the_distance() {
         for (velocity, steps) in [(10_000_u32, 600), (1, 1), (4_000_000_000, 3), (7, u64::MAX)] {
             let deceleration = needed(velocity.into(), steps);
             assert!(

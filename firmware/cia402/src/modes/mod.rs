@@ -208,7 +208,7 @@ impl Modes {
         ramp_in(self.active, ramp, commands, configuration)
     }
 
-    /// Whether the mode at work looks for the home position, and minds the limit switches itself.
+    /// Whether the mode at work looks for the home position, and enforces the limit switches itself.
     pub(crate) const fn is_homing(&self) -> bool {
         matches!(self.active, Mode::Homing) && !self.interrupted && self.homing.is_under_way()
     }

@@ -62,8 +62,11 @@ fn d31_a_command_away_from_a_limit_switch_makes_its_stop_no_gentler() {
         rig.digital.levels = POSITIVE;
         rig.ticks(2);
         go(&mut rig, mode, -1);
-        let way = overrun(&mut rig);
-        assert!(way < QUICK, "{mode:?}: {way} steps into the end stop");
+        let distance = overrun(&mut rig);
+        assert!(
+            distance < QUICK,
+            "{mode:?}: {distance} steps into the end stop"
+        );
         rig.ticks(50);
         assert!(rig.speed() < 0, "{mode:?}: the way back is free");
     }
@@ -99,8 +102,11 @@ fn m54_a_limit_switch_hardens_every_stop_that_leaves_operation() {
         rig.digital.levels = POSITIVE;
         rig.tick();
         assert!(rig.limited(), "{what}: bit 11");
-        let way = overrun(&mut rig);
-        assert!(way < QUICK, "{what}: {way} steps into the end stop");
+        let distance = overrun(&mut rig);
+        assert!(
+            distance < QUICK,
+            "{what}: {distance} steps into the end stop"
+        );
     }
 }
 
@@ -113,8 +119,8 @@ fn a_limit_switch_makes_no_stop_gentler() {
     rig.tick();
     rig.digital.levels = POSITIVE;
     rig.tick();
-    let way = overrun(&mut rig);
-    assert!(way < QUICK, "{way} steps");
+    let distance = overrun(&mut rig);
+    assert!(distance < QUICK, "{distance} steps");
 }
 
 #[test]
@@ -135,8 +141,8 @@ fn a_limit_switch_that_homing_looked_for_stops_it_once_it_is_left() {
     rig.write(0x07);
     rig.tick();
     rig.digital.levels = POSITIVE;
-    let way = overrun(&mut rig);
-    assert!(way < QUICK, "{way} steps");
+    let distance = overrun(&mut rig);
+    assert!(distance < QUICK, "{distance} steps");
 }
 
 #[test]
@@ -149,8 +155,8 @@ fn m10_a_fault_makes_a_quick_stop_no_gentler() {
     rig.fault = Some(0x4210);
     rig.tick();
     assert_eq!(rig.state(), State::FaultReactionActive);
-    let way = overrun(&mut rig);
-    assert!(way < QUICK, "{way} steps");
+    let distance = overrun(&mut rig);
+    assert!(distance < QUICK, "{distance} steps");
 }
 
 #[test]
@@ -161,8 +167,8 @@ fn a_halt_after_a_command_away_from_a_limit_switch_is_not_lost() {
     go(&mut rig, Mode::ProfilePosition, -1);
     rig.ticks(2);
     rig.write(0x13F);
-    let way = overrun(&mut rig);
-    assert!(way < QUICK, "{way} steps");
+    let distance = overrun(&mut rig);
+    assert!(distance < QUICK, "{distance} steps");
     rig.ticks(50);
     assert_eq!(rig.speed(), 0, "it is halted");
 }
@@ -223,8 +229,8 @@ fn a_limit_switch_met_while_turning_round_does_not_end_the_way_back() {
         go(&mut rig, mode, -1);
         rig.ticks(20);
         rig.digital.levels = POSITIVE;
-        let way = overrun(&mut rig);
-        assert!(way < QUICK, "{mode:?}: {way} steps");
+        let distance = overrun(&mut rig);
+        assert!(distance < QUICK, "{mode:?}: {distance} steps");
         rig.ticks(50);
         assert!(rig.speed() < 0, "{mode:?}");
     }
@@ -240,8 +246,8 @@ fn a_set_point_behind_a_limit_switch_is_reached_and_so_is_the_one_that_waits() {
     rig.digital.levels = POSITIVE;
     rig.tick();
     assert!(rig.limited());
-    let way = overrun(&mut rig);
-    assert!(way < QUICK, "{way} steps");
+    let distance = overrun(&mut rig);
+    assert!(distance < QUICK, "{distance} steps");
     rig.until("motion", |rig| rig.actuals().velocity_demand < -1_000);
     rig.digital.levels = 0;
     rig.until("the first target", |rig| rig.motor.position == -5_000);

@@ -1,7 +1,7 @@
 //! The option codes 605Bh to 605Eh and 6007h: each value with its ramp.
 //!
 //! The motor cruises at 10,000 steps/s. The slow down ramp takes 500 steps, the quick stop ramp 50; the two segments that are
-//! handed out already come on top.
+//! committed already come on top.
 
 use crate::faults::UNDER_VOLTAGE;
 use crate::option_codes::{AbortConnectionOption, Stop, StopRamp};
@@ -21,7 +21,7 @@ fn cruising() -> Rig {
 }
 
 /// Steps until the motor stands.
-fn way_to_rest(rig: &mut Rig) -> i64 {
+fn distance_to_rest(rig: &mut Rig) -> i64 {
     let begin = rig.motor.position;
     rig.rest() - begin
 }
@@ -33,7 +33,7 @@ fn m05_shutdown_with_605bh_1_slows_down_first() {
     rig.write(0x06);
     rig.tick();
     assert_eq!(rig.state(), State::OperationEnabled);
-    assert!(SLOW_DOWN.contains(&way_to_rest(&mut rig)));
+    assert!(SLOW_DOWN.contains(&distance_to_rest(&mut rig)));
     assert_eq!(rig.state(), State::ReadyToSwitchOn);
     assert!(!rig.outputs.power_stage);
 }
@@ -59,8 +59,8 @@ fn m35_halt_stops_on_the_ramp_of_605dh() {
         let mut rig = cruising();
         rig.configuration.halt = StopRamp::on_halt(code).unwrap();
         rig.write(0x10F);
-        let way = way_to_rest(&mut rig);
-        assert!(ramp.contains(&way), "605Dh = {code}: {way}");
+        let distance = distance_to_rest(&mut rig);
+        assert!(ramp.contains(&distance), "605Dh = {code}: {distance}");
         assert!(rig.reached());
         rig.write(0x0F);
         assert_eq!(rig.rest(), 100_000, "release goes on");
@@ -83,8 +83,8 @@ fn m10_the_fault_reaction_stops_on_the_ramp_of_605eh() {
         rig.tick();
         assert_eq!(rig.state(), State::FaultReactionActive);
         assert!(rig.outputs.power_stage);
-        let way = rig.rest() - begin;
-        assert!(ramp.contains(&way), "605Eh = {code}: {way}");
+        let distance = rig.rest() - begin;
+        assert!(ramp.contains(&distance), "605Eh = {code}: {distance}");
         assert_eq!(rig.state(), State::Fault);
     }
 }
@@ -132,7 +132,7 @@ fn m16_without_action_the_motor_goes_on() {
 #[test]
 fn m16_a_fault_takes_the_ramp_of_605eh_and_a_reset() {
     let mut rig = abandoned(1);
-    assert!(SLOW_DOWN.contains(&way_to_rest(&mut rig)));
+    assert!(SLOW_DOWN.contains(&distance_to_rest(&mut rig)));
     assert_eq!(rig.state(), State::Fault);
     assert_eq!(rig.actuals().error_code, 0x8130);
     assert!(rig.notices().is_empty(), "the node tells of its errors");
@@ -161,7 +161,7 @@ fn m16_quick_stop_takes_the_quick_stop_ramp() {
     let mut rig = abandoned(3);
     rig.tick();
     assert_eq!(rig.state(), State::QuickStopActive);
-    assert!(QUICK_STOP.contains(&(way_to_rest(&mut rig) + 10)));
+    assert!(QUICK_STOP.contains(&(distance_to_rest(&mut rig) + 10)));
     assert_eq!(rig.state(), State::SwitchOnDisabled);
 }
 

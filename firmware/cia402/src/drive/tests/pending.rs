@@ -33,11 +33,14 @@ fn m05_a_controlword_with_bit_7_is_no_command_and_takes_none_back() {
                 rig.ticks(30);
                 assert_eq!(rig.state(), State::OperationEnabled);
                 rig.write(bits);
-                let way = rig.rest() - begin;
-                assert!((500..540).contains(&way), "{bits:X}h, mode {mode}: {way}");
+                let distance = rig.rest() - begin;
+                assert!(
+                    (500..540).contains(&distance),
+                    "{bits:X}h, mode {mode}: {distance}"
+                );
                 assert_eq!(rig.state(), end, "{bits:X}h, mode {mode}");
                 rig.ticks(50);
-                assert_eq!(rig.motor.position - begin, way);
+                assert_eq!(rig.motor.position - begin, distance);
             }
         }
     }
@@ -51,8 +54,8 @@ fn m05_a_command_that_bit_7_overwrites_before_the_control_tick_is_obeyed() {
         let begin = rig.motor.position;
         rig.write(command);
         rig.write(0x80 | command);
-        let way = rig.rest() - begin;
-        assert!((500..540).contains(&way), "{command:X}h: {way}");
+        let distance = rig.rest() - begin;
+        assert!((500..540).contains(&distance), "{command:X}h: {distance}");
         assert_eq!(rig.state(), end, "{command:X}h");
     }
     // The last one that is one, and only once.
@@ -103,7 +106,7 @@ fn m05_of_two_pending_commands_the_last_counts() {
 }
 
 /// Steps to rest.
-fn way(rig: &mut Rig) -> i64 {
+fn distance(rig: &mut Rig) -> i64 {
     let begin = rig.motor.position;
     rig.rest() - begin
 }
@@ -133,9 +136,9 @@ fn d15_a_mode_change_makes_a_halt_no_gentler() {
                 change(&mut rig, mode_is_late);
             }
         }
-        let way = way(&mut rig);
+        let distance = distance(&mut rig);
         // In the two ticks the motor may have begun to stop.
-        assert!((30..110).contains(&way), "{late:?}: {way} steps");
+        assert!((30..110).contains(&distance), "{late:?}: {distance} steps");
         assert_eq!(rig.actuals().mode_display, 1);
     }
 }
@@ -150,8 +153,8 @@ fn m35_a_command_to_leave_makes_a_halt_no_gentler() {
             rig.ticks(2);
         }
         rig.write(0x07 | HALT);
-        let way = way(&mut rig);
-        assert!((30..90).contains(&way), "{together}: {way} steps");
+        let distance = distance(&mut rig);
+        assert!((30..90).contains(&distance), "{together}: {distance} steps");
         assert_eq!(rig.state(), State::SwitchedOn);
     }
 }
@@ -166,8 +169,11 @@ fn m16_the_loss_of_the_network_hardens_a_slow_quick_stop() {
         rig.commands.remote = false;
         rig.commands.connection_error = Some(0x8130);
         rig.post();
-        let way = way(&mut rig);
-        assert!((30..90).contains(&way), "605Ah = {option}: {way} steps");
+        let distance = distance(&mut rig);
+        assert!(
+            (30..90).contains(&distance),
+            "605Ah = {option}: {distance} steps"
+        );
         assert_eq!(rig.state(), State::SwitchOnDisabled);
     }
 }
@@ -183,8 +189,8 @@ fn m16_the_loss_of_the_network_hardens_a_slow_fault_reaction() {
     rig.commands.remote = false;
     rig.commands.connection_error = Some(0x8130);
     rig.post();
-    let way = way(&mut rig);
-    assert!((30..90).contains(&way), "{way} steps");
+    let distance = distance(&mut rig);
+    assert!((30..90).contains(&distance), "{distance} steps");
     assert_eq!(rig.state(), State::Fault);
 }
 
@@ -198,7 +204,7 @@ fn m16_with_6007h_0_a_quick_stop_stays_as_it_is() {
     rig.commands.remote = false;
     rig.commands.connection_error = Some(0x8130);
     rig.post();
-    let way = way(&mut rig);
-    assert!((380..450).contains(&way), "{way} steps");
+    let distance = distance(&mut rig);
+    assert!((380..450).contains(&distance), "{distance} steps");
     assert_eq!(rig.state(), State::QuickStopActive);
 }

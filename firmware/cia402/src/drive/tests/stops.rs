@@ -15,7 +15,7 @@ fn cruising() -> Rig {
 
 #[test]
 fn m07_each_option_stops_on_its_ramp_and_ends_in_its_state() {
-    // 10000 steps/s: 500 steps on 6084h, 50 on 6085h; the two segments that are handed out already come on top.
+    // 10000 steps/s: 500 steps on 6084h, 50 on 6085h; the two segments that are committed already come on top.
     for (option, ramp, end) in [
         (1, 500, State::SwitchOnDisabled),
         (2, 50, State::SwitchOnDisabled),
@@ -52,7 +52,7 @@ fn m07_each_option_stops_on_its_ramp_and_ends_in_its_state() {
 fn the_power_goes_off_after_the_last_pulse() {
     let stop = |option: Option<i16>| {
         let mut rig = cruising();
-        // So hard that the ramp ends long before the pulses handed out already have left.
+        // So hard that the ramp ends long before the pulses committed already have left.
         rig.configuration.quick_stop_deceleration = 50_000_000;
         match option {
             Some(option) => {

@@ -1,4 +1,4 @@
-//! The numbers behind following: ways, ramps and what is left of a way before an end.
+//! The numbers behind following: distances, ramps and what is left of a distance before an end.
 
 use proptest::prelude::*;
 
@@ -6,7 +6,7 @@ use super::period::*;
 use super::*;
 
 #[test]
-fn a_way_is_velocity_times_time() {
+fn a_distance_is_velocity_times_time() {
     let millisecond = seconds(1_000 << POINT);
     assert_eq!(distance_at(1_000_000.into(), millisecond) >> POINT, 999);
     assert_eq!(
@@ -51,23 +51,23 @@ proptest! {
     /// Where there is plainly room no root is needed: the way is within it, and the root says so too where it is exact.
     #[test]
     fn m44_room_that_is_plainly_enough_is_what_the_root_allows(
-        (way, room, gain) in (any::<u64>(), 0_i64..i64::MAX, 1_i64..1 << 61),
+        (distance, room, gain) in (any::<u64>(), 0_i64..i64::MAX, 1_i64..1 << 61),
         (short, tight, gentle) in (0..64_u32, 0..63_u32, 0..61_u32),
     ) {
-        let (way, room, gain) = (way >> short, room >> tight, (gain >> gentle).max(1));
-        let is_enough = may_brake_behind(way, room, gain);
-        let (s, r, g) = (u128::from(way), room as u128, gain as u128);
+        let (distance, room, gain) = (distance >> short, room >> tight, (gain >> gentle).max(1));
+        let is_enough = may_brake_behind(distance, room, gain);
+        let (s, r, g) = (u128::from(distance), room as u128, gain as u128);
         let fits = s <= r && s.checked_mul(s).is_some_and(|square| {
             square <= 2 * g * (r - s)
         });
-        prop_assert_eq!(is_enough, fits && way <= u64::from(u32::MAX));
+        prop_assert_eq!(is_enough, fits && distance <= u64::from(u32::MAX));
         if g * g + 2 * g * r < 1 << 64 {
             let allowed = s <= u128::from(braking_distance(room, gain).unsigned_abs());
             prop_assert_eq!(is_enough, allowed);
         }
     }
 
-    /// A motor that begins with the longest way allowed, and takes the longest in each period, ends within the room.
+    /// A motor that begins with the longest distance allowed, and takes the longest in each period, ends within the room.
     #[test]
     fn m44_braking_never_needs_more_room_than_there_is(
         room in 0_i64..1 << 40,
@@ -75,14 +75,14 @@ proptest! {
         begin in 0_i64..1 << 36,
     ) {
         let mut left = room;
-        let mut way = begin;
+        let mut distance = begin;
         for _ in 0..200 {
             let most = braking_distance(left, gain);
-            let slowest = way.saturating_sub(gain).max(0);
+            let slowest = distance.saturating_sub(gain).max(0);
             // After the first period the ramp is gentle enough to be kept.
-            way = most.min(way);
-            prop_assert!(way <= left);
-            left -= way;
+            distance = most.min(distance);
+            prop_assert!(distance <= left);
+            left -= distance;
             if slowest == 0 {
                 break;
             }

@@ -373,9 +373,9 @@ fn m44_no_order_hardens_the_ramp_beyond_6085h() {
         rig.tick();
     }
     assert_eq!(rig.speed(), 0);
-    // What was handed out before goes on: up to 20 steps.
-    let way = rig.motor.position - before;
-    assert!((250..=280).contains(&way), "{way} steps");
+    // What was committed before goes on: up to 20 steps.
+    let distance = rig.motor.position - before;
+    assert!((250..=280).contains(&distance), "{distance} steps");
     assert!(rig.limited());
 }
 

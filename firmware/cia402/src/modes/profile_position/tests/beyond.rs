@@ -18,7 +18,7 @@ fn beyond(sign: i32) -> Rig {
 fn m32_beyond_a_software_limit_a_relative_set_point_goes_its_way_or_nowhere() {
     for option in [0, 1, 2] {
         for sign in [1, -1] {
-            for (way, end, is_cut) in [
+            for (distance, end, is_cut) in [
                 (100, 12_000, true),
                 (-100, 11_900, false),
                 (-2_000, 10_000, false),
@@ -27,11 +27,11 @@ fn m32_beyond_a_software_limit_a_relative_set_point_goes_its_way_or_nowhere() {
             ] {
                 let mut rig = beyond(sign);
                 rig.commands.positioning_option = option;
-                rig.set_point(way * sign, RELATIVE);
-                assert_eq!(rig.rest(), i64::from(end * sign), "{way} by {option}");
+                rig.set_point(distance * sign, RELATIVE);
+                assert_eq!(rig.rest(), i64::from(end * sign), "{distance} by {option}");
                 rig.ticks(20);
-                assert_eq!(rig.limited(), is_cut, "bit 11, {way} by {option}");
-                assert_eq!(rig.reached(), !is_cut, "bit 10, {way} by {option}");
+                assert_eq!(rig.limited(), is_cut, "bit 11, {distance} by {option}");
+                assert_eq!(rig.reached(), !is_cut, "bit 10, {distance} by {option}");
             }
         }
     }

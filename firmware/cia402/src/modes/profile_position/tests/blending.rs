@@ -169,10 +169,10 @@ fn an_end_velocity_of_a_mean_ends_at_the_software_limit_without_a_harder_ramp() 
             ways.push(rig.motor.position - position);
         }
         assert_eq!(rig.motor.position, i64::from(60_000 + room));
-        // 5,000,000 steps/s³ bend a way of 10 ms by five steps; whole steps add up to four.
-        for way in ways.windows(3) {
-            let bend = way[2] - 2 * way[1] + way[0];
-            assert!(bend.abs() < 10, "{room}: {way:?}");
+        // 5,000,000 steps/s³ change a distance of 10 ms by five steps; whole steps add up to four.
+        for distance in ways.windows(3) {
+            let change = distance[2] - 2 * distance[1] + distance[0];
+            assert!(change.abs() < 10, "{room}: {distance:?}");
         }
     }
 }

@@ -156,7 +156,7 @@ fn m44_a_software_limit_nearer_than_6085h_allows_is_passed_without_a_way_back() 
 }
 
 #[test]
-fn m39_limits_of_velocity_and_ramps_bite_on_the_way() {
+fn m39_limits_of_velocity_and_ramps_bite_on_the_distance() {
     let mut rig = under_way();
     rig.configuration.max_velocity = 4_000.into();
     rig.post();

@@ -36,8 +36,8 @@ fn m59_one_direction_holds_whatever_the_motor_does() {
             for ticks in [20, 60, 90, 150, 400] {
                 for ahead in [1, 30, 400, 1_000, 2_600] {
                     let mut rig = table(ramps, option);
-                    let at = |rig: &Rig, way: i64| {
-                        i32::try_from((rig.motor.position + way).rem_euclid(36_000)).unwrap()
+                    let at = |rig: &Rig, distance: i64| {
+                        i32::try_from((rig.motor.position + distance).rem_euclid(36_000)).unwrap()
                     };
                     let far = at(&rig, 30_000 * sign);
                     rig.set_point(far, 0);
@@ -47,10 +47,10 @@ fn m59_one_direction_holds_whatever_the_motor_does() {
                     let mut last = rig.motor.position;
                     for _ in 0..8_000 {
                         rig.tick();
-                        let way = (rig.motor.position - last) * sign;
+                        let distance = (rig.motor.position - last) * sign;
                         assert!(
-                            way >= 0,
-                            "{ramps:?} {option:X}h: {way} steps, {ahead} ahead after {ticks} ms"
+                            distance >= 0,
+                            "{ramps:?} {option:X}h: {distance} steps, {ahead} ahead after {ticks} ms"
                         );
                         last = rig.motor.position;
                     }
