@@ -17,6 +17,12 @@ const FASTEST: u64 = 1 << 55;
 /// A sin² ramp is made of cubic pieces, whose ends are rounded: by so much of the fastest in a ramp of a month.
 const ROUNDED_VELOCITY: u64 = FASTEST >> 32;
 
+/// A sixth of the jerk is rounded to 2⁻¹²⁸ steps/tick³: what 3 · j/6 · t² makes of half of that in so many ticks, × 2⁻⁵⁶.
+fn rounded_jerk(ticks: Ticks) -> u64 {
+    let ticks = u128::from(ticks) >> 32;
+    u64::try_from((3 * ticks * ticks) >> (73 - 64)).unwrap_or(u64::MAX)
+}
+
 /// The slowest clock that is tried.
 const SLOWEST: u32 = 1_000_000;
 
@@ -74,7 +80,9 @@ pub fn check(bytes: &[u8]) {
                     .unsigned_abs()
                     + 2
             }
-            false => FASTEST + ROUNDED_VELOCITY,
+            false => FASTEST
+                .saturating_add(ROUNDED_VELOCITY)
+                .saturating_add(rounded_jerk(last(&next, at, clock) - at)),
         };
         let ticks = all_over(&next, at, clock);
         for t in &ticks {
