@@ -520,3 +520,18 @@ fn errors_that_stand_are_told_again_after_reset_communication() {
     assert_eq!(device.value(0x1003, 0), [0]);
     assert_eq!(report(&mut device, supply), ["084#2031050000000000"]);
 }
+
+#[test]
+fn a_device_that_has_lost_its_node_id_sends_no_emergency_message() {
+    for reset in ["000#8204", "000#8104"] {
+        let mut device = Device::new();
+        assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
+        assert!(device.ask("7E5#0401000000000000").is_empty());
+        assert_eq!(device.ask("7E5#11FF000000000000"), ["7E4#1100000000000000"]);
+        device.send(reset);
+        device.serve_reset();
+        assert!(device.sent().is_empty());
+        assert!(report(&mut device, OVERHEATED).is_empty(), "after {reset}");
+        assert!(clear(&mut device, OVERHEATED.code).is_empty());
+    }
+}

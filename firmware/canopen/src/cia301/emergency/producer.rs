@@ -42,9 +42,11 @@ impl Producer {
         self.active.words()
     }
 
-    /// Drops the messages that wait: communication starts anew.
+    /// Drops the messages that wait, and sends none until [`Producer::enter`]: communication starts anew, and a device without a
+    /// node-ID has no emergency messages.
     pub fn drop_messages(&mut self) {
         self.queue.clear();
+        self.queue.stop();
     }
 
     /// The NMT state changed; `has_messages` says whether the new one has emergency messages. What comes in one that has none
