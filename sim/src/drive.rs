@@ -30,7 +30,7 @@ pub use setup::Setup;
 /// The period of the control tick.
 pub const CONTROL_TICK: Duration = Duration::from_ticks(1_000);
 
-/// Pulses are handed out so often in a control tick, by a timer of its own as on the board.
+/// Pulses are emitted so often in a control tick, by a timer of its own as on the board.
 const REFILLS: u32 = 4;
 
 /// From a refill to the next.

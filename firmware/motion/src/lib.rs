@@ -25,7 +25,7 @@
 //! | train | the account of steps and ticks that makes records of chords |
 //! | open period | the time behind the last pulse, which becomes a record when it is known how long it is |
 //! | segment | a quarter of a millisecond on the board: a refill hands out one, and two are committed |
-//! | committed | handed out as records: it will be played, whatever is ordered |
+//! | committed | given to the timer as records: it will be played, whatever is ordered |
 //! | horizon | the tick up to which the trajectory has become records; a new order plans from the state there |
 //! | refill | a call of [`Axis::advance`], which commits up to two segments |
 //! | rest | standstill at the end of a motion, on a whole step |

@@ -87,7 +87,7 @@ fn a_stop_is_felt_within_a_millisecond_of_its_frame() {
             let reaction = longest(order, profile, mode, phase, ramp).unwrap();
             let case = format!("{order:?}, {profile:?}, {mode:?}: {reaction:?}");
             assert!(reaction.from_frame <= 1_000, "{case}");
-            // It is not felt before the pulses have left that are handed out.
+            // It is not felt before the committed pulses have left.
             assert!(reaction.from_frame > 500, "{case}");
         }
     }

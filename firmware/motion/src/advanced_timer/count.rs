@@ -37,7 +37,7 @@ impl Mark {
     }
 }
 
-/// Every change of direction, from a while ago to the end of what was handed out.
+/// Every change of direction, from a while ago to the end of what is committed.
 #[derive(Debug)]
 pub(super) struct Course {
     /// What holds before the first mark that is kept.
@@ -88,7 +88,7 @@ impl Course {
         self.direction = self.last().direction;
     }
 
-    /// The direction of the last pulses handed out.
+    /// The direction of the last committed pulses.
     #[inline]
     pub(super) const fn direction(&self) -> Direction {
         self.direction

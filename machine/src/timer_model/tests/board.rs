@@ -167,7 +167,7 @@ fn pulses_that_were_not_counted_are_found_at_rest() {
             assert_eq!(bench.told(), [POSITION_MISMATCH], "{lost} at {velocity}");
             assert_eq!(bench.state(), 0x08);
             let lost = i64::from(lost);
-            // At rest the last pulses handed out went forth.
+            // At rest the last committed pulses went forth.
             let way = if velocity < 0 { -lost } else { lost };
             assert_eq!(bench.off(), way);
             bench.go_on();
