@@ -73,7 +73,7 @@ impl Line for Real {
         match message {
             Some(Incoming::Frame { frame, .. }) => self.inbox.put(self.now(), frame),
             Some(Incoming::Refused) => self.refused += 1,
-            Some(Incoming::ClientLeft(_)) => {}
+            Some(Incoming::ClientLeft(_) | Incoming::ClientRefused(_)) => {}
             Some(Incoming::Failed(what)) => return Err(LineDown(what)),
             Some(Incoming::Stop) => return Err(LineDown::stopped()),
             None => {

@@ -41,7 +41,13 @@ pub fn serve(service: Service) -> Result<(), String> {
         let server = bus
             .serve_slcan(address)
             .map_err(|error| format!("cannot serve SLCAN on {address}: {}", plain(error)))?;
-        greeting += &format!("SLCAN on {}\n", server.address());
+        let address = server.address();
+        if !address.ip().is_loopback() {
+            warn(&format!(
+                "SLCAN on {address} is open to the network, without a password; 127.0.0.1 is for this computer alone"
+            ));
+        }
+        greeting += &format!("SLCAN on {address}\n");
     }
     if let Some(interface) = &service.socketcan {
         bus.join_socketcan(interface).map_err(|error| {
@@ -109,6 +115,9 @@ impl Server {
                     }) => self.forward(&frame, source, bit_rate),
                     Some(Incoming::ClientLeft(number)) => {
                         self.tell(&format!("client {number} left"));
+                    }
+                    Some(Incoming::ClientRefused(why)) => {
+                        warn(&format!("cannot serve another client: {why}"));
                     }
                     // A server has no adapter.
                     Some(Incoming::Refused) => {}

@@ -199,6 +199,20 @@ fn a_server_runs_until_it_is_stopped() {
 }
 
 #[test]
+fn who_listens_beyond_this_computer_is_told_so() {
+    let first_line_of_errors = |address| {
+        let arguments = ["serve", "--slcan", address, "--node-id", "4"];
+        let (mut running, _) = Running::start(&arguments);
+        let errors = running.0.stderr.take().unwrap();
+        drop(running);
+        BufReader::new(errors).lines().next().transpose().unwrap()
+    };
+    let told = first_line_of_errors("0.0.0.0:0").unwrap();
+    assert!(told.contains("open to the network"), "{told}");
+    assert_eq!(first_line_of_errors("127.0.0.1:0"), None);
+}
+
+#[test]
 fn a_store_serves_one_drive_at_a_time() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.bin");

@@ -48,6 +48,8 @@ pub enum Incoming {
     Refused,
     /// An SLCAN client closed its connection.
     ClientLeft(u64),
+    /// No SLCAN client can be served at present; why.
+    ClientRefused(String),
     /// A transport cannot go on.
     Failed(String),
     /// The program shall end.

@@ -11,12 +11,14 @@ use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
+use std::time::Duration;
 
 use canopen::Frame;
 use slcan::{Channel, Decoder, encode};
 use socket2::SockRef;
 
 use super::live::{Incoming, Source};
+use crate::system_error::plain;
 
 /// Lines that may wait for a client. At 1 Mbit/s a full bus fills this in about half a second.
 const QUEUE: usize = 4096;
@@ -24,12 +26,17 @@ const QUEUE: usize = 4096;
 /// Bytes the system keeps for a client that does not read. What is older than that is worth nothing.
 const SEND_BUFFER: usize = 64 * 1024;
 
+/// How long nobody is accepted when there are no files or threads left for a client.
+const PAUSE: Duration = Duration::from_millis(100);
+
 /// The server: a listening socket and the clients that are connected.
 #[derive(Debug)]
 pub struct SlcanServer {
     address: SocketAddr,
-    clients: Arc<Mutex<Vec<Client>>>,
+    clients: Clients,
 }
+
+type Clients = Arc<Mutex<Vec<Client>>>;
 
 #[derive(Debug)]
 struct Client {
@@ -48,14 +55,18 @@ impl SlcanServer {
         let addresses: Vec<SocketAddr> = address.to_socket_addrs()?.collect();
         let listener = TcpListener::bind(&*addresses)?;
         let address = listener.local_addr()?;
-        let clients = Arc::new(Mutex::new(Vec::new()));
+        let clients = Clients::default();
         let server = Self {
             address,
             clients: Arc::clone(&clients),
         };
         thread::Builder::new()
             .name("slcan listener".to_owned())
-            .spawn(move || accept(&listener, &clients, &incoming))?;
+            .spawn(move || {
+                accept(listener.incoming(), &clients, &incoming, || {
+                    thread::sleep(PAUSE);
+                });
+            })?;
         Ok(server)
     }
 
@@ -96,24 +107,52 @@ impl Client {
     }
 }
 
-fn accept(listener: &TcpListener, clients: &Mutex<Vec<Client>>, incoming: &SyncSender<Incoming>) {
-    for (number, stream) in (1..).zip(listener.incoming()) {
-        // A connection that failed while it was made is the client's to repeat.
-        if let Ok(stream) = stream {
-            let _ = connect(number, stream, clients, incoming.clone());
+/// Connects each client that comes. Where the computer has no means for one (files, threads), it is told once, and the next is
+/// taken after a pause: whoever waits is served when others have left.
+fn accept(
+    streams: impl Iterator<Item = io::Result<TcpStream>>,
+    clients: &Clients,
+    incoming: &SyncSender<Incoming>,
+    mut pause: impl FnMut(),
+) {
+    let mut is_told = false;
+    for (number, stream) in (1..).zip(streams) {
+        match stream.and_then(|stream| connect(number, stream, clients, incoming.clone())) {
+            Ok(()) => is_told = false,
+            // A connection that failed while it was made is the client's to repeat.
+            Err(error) if is_of_the_client(&error) => {}
+            Err(error) => {
+                if !std::mem::replace(&mut is_told, true) {
+                    let _ = incoming.send(Incoming::ClientRefused(plain(error)));
+                }
+                pause();
+            }
         }
     }
+}
+
+fn is_of_the_client(error: &io::Error) -> bool {
+    use io::ErrorKind::{ConnectionAborted, ConnectionReset, Interrupted, NotConnected};
+    let kinds = [
+        ConnectionAborted,
+        ConnectionReset,
+        Interrupted,
+        NotConnected,
+    ];
+    kinds.contains(&error.kind())
 }
 
 /// Starts a reader and a writer for a new client.
 fn connect(
     number: u64,
     stream: TcpStream,
-    clients: &Mutex<Vec<Client>>,
+    clients: &Clients,
     incoming: SyncSender<Incoming>,
 ) -> io::Result<()> {
     stream.set_nodelay(true)?;
     SockRef::from(&stream).set_send_buffer_size(SEND_BUFFER)?;
+    // A computer that was switched off does not say that it leaves.
+    SockRef::from(&stream).set_keepalive(true)?;
     let (lines, queue) = sync_channel(QUEUE);
     let channel = Arc::new(Mutex::new(Channel::new()));
     let client = Client {
@@ -127,16 +166,21 @@ fn connect(
         .name(format!("slcan writer {number}"))
         .spawn(move || write_lines(writer, &queue))?;
     locked(clients).push(client);
-    thread::Builder::new()
+    let members = Arc::clone(clients);
+    let reader = thread::Builder::new()
         .name(format!("slcan reader {number}"))
         .spawn(move || {
             read_commands(number, &stream, &channel, &lines, &incoming);
-            locked(&channel).command(slcan::Command::Close);
-            // The writer ends when the last sender of its queue is gone; the other one goes with the next frame.
             let _ = stream.shutdown(Shutdown::Both);
+            // The writer ends when the last sender of its queue is gone: this thread's and the one in the list.
+            forget(&members, number);
             let _ = incoming.send(Incoming::ClientLeft(number));
-        })?;
-    Ok(())
+        });
+    reader.map(|_| ()).inspect_err(|_| forget(clients, number))
+}
+
+fn forget(clients: &Clients, number: u64) {
+    locked(clients).retain(|client| client.number != number);
 }
 
 fn read_commands(
@@ -205,4 +249,34 @@ fn acknowledge_quickly(_stream: &TcpStream) {}
 /// A panic in another thread leaves lists of clients and channel states whole.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_files_it_says_so_once_and_pauses_each_time() {
+        const TOO_MANY_FILES: i32 = 24;
+        let (incoming, messages) = sync_channel(8);
+        let errors = [
+            io::Error::from_raw_os_error(TOO_MANY_FILES),
+            io::Error::from_raw_os_error(TOO_MANY_FILES),
+            io::ErrorKind::ConnectionAborted.into(),
+            io::Error::from_raw_os_error(TOO_MANY_FILES),
+        ];
+        let mut pauses = 0;
+        accept(
+            errors.into_iter().map(Err),
+            &Clients::default(),
+            &incoming,
+            || pauses += 1,
+        );
+        assert_eq!(pauses, 3);
+        let told: Vec<Incoming> = messages.try_iter().collect();
+        assert!(
+            matches!(&told[..], [Incoming::ClientRefused(why)] if why.contains("open files")),
+            "{told:?}"
+        );
+    }
 }
