@@ -3,6 +3,7 @@
 //! | command | what it does |
 //! |---|---|
 //! | `test`  | installs what is missing and runs every test, the firmware in the emulator included |
+//! | `board-test` | runs the image of the board on a model of its chip; a part of `test` |
 //! | `qemu`  | builds the firmware and runs it in QEMU, its CAN bus served as SLCAN on TCP |
 //! | `size`  | flash and RAM of the firmware by crate, its stack, the length of the sources |
 //! | `bench` | instruction counts in the emulator, and how exact the pulses are, compared with the committed tables |
@@ -49,6 +50,8 @@ struct Arguments {
 enum Task {
     /// Install what is missing and run every test
     Test(suite::Arguments),
+    /// Build the image of the board and run it on a model of its chip; a part of the test run
+    BoardTest,
     /// Build the firmware and run it in QEMU until stopped; `ready` is printed once it can be reached
     Qemu(qemu::Arguments),
     /// Print flash and RAM of the firmware by crate, its stack and the length of the sources
@@ -79,6 +82,7 @@ fn main() -> ExitCode {
     };
     let result = match arguments.task {
         Task::Test(arguments) => suite::run(&arguments),
+        Task::BoardTest => suite::run(&suite::Arguments::board()),
         Task::Qemu(arguments) => qemu::run(&arguments),
         Task::Size => size::run(),
         Task::Bench(arguments) => bench::run(&arguments),

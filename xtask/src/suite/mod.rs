@@ -33,6 +33,15 @@ pub struct Arguments {
 }
 
 impl Arguments {
+    /// The step on the board's model, and nothing else.
+    pub fn board() -> Self {
+        Self {
+            only: vec![Step::Board],
+            skip: Vec::new(),
+            with_lints: false,
+        }
+    }
+
     fn selected(&self) -> impl Iterator<Item = Step> + '_ {
         let wanted = |step: &Step| match self.only.as_slice() {
             [] => self.with_lints || !step.is_lint(),
@@ -130,7 +139,7 @@ mod tests {
         use Step::*;
         assert_eq!(
             selected(&[]),
-            [Host, Fuzz, Firmware, Python, Qemu, Socketcan]
+            [Host, Fuzz, Firmware, Python, Board, Qemu, Socketcan]
         );
         assert_eq!(selected(&["--with-lints"]), Step::ALL);
     }
@@ -141,7 +150,7 @@ mod tests {
         assert_eq!(selected(&["--only", "qemu,host"]), [Host, Qemu]);
         assert_eq!(
             selected(&["--skip", "qemu", "--skip", "socketcan"]),
-            [Host, Fuzz, Firmware, Python]
+            [Host, Fuzz, Firmware, Python, Board]
         );
         assert_eq!(selected(&["--only", "lint"]), [Lint]);
     }

@@ -30,6 +30,8 @@ pub enum Step {
     Firmware,
     /// Python-canopen against the virtual drive, and the data sheets
     Python,
+    /// Python-canopen against the image of the board, on a model of its chip
+    Board,
     /// Python-canopen against the firmware in QEMU
     Qemu,
     /// Python-canopen against the virtual drive on a real SocketCAN
@@ -38,7 +40,7 @@ pub enum Step {
 
 impl Step {
     /// In the order in which they run: what is quick and fails often first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Format,
         Self::Lint,
         Self::Docs,
@@ -46,6 +48,7 @@ impl Step {
         Self::Fuzz,
         Self::Firmware,
         Self::Python,
+        Self::Board,
         Self::Qemu,
         Self::Socketcan,
     ];
@@ -65,17 +68,21 @@ impl Step {
             Self::Fuzz => "node, SDO server and LSS slave under a fuzzer",
             Self::Firmware => "images for the target, no panic path",
             Self::Python => "python-canopen and axis402 against the virtual drive, data sheets",
+            Self::Board => "the flashed image on a model of its chip, register by register",
             Self::Qemu => "python-canopen and axis402 against the firmware in QEMU",
             Self::Socketcan => "python-canopen and axis402 against the virtual drive on SocketCAN",
         }
     }
 
     fn needs_target(self) -> bool {
-        matches!(self, Self::Lint | Self::Firmware | Self::Qemu)
+        matches!(self, Self::Lint | Self::Firmware | Self::Board | Self::Qemu)
     }
 
     fn needs_python(self) -> bool {
-        matches!(self, Self::Python | Self::Qemu | Self::Socketcan)
+        matches!(
+            self,
+            Self::Python | Self::Board | Self::Qemu | Self::Socketcan
+        )
     }
 }
 
@@ -178,7 +185,20 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
             if built.failed > 0 {
                 built
             } else {
-                tests(&mut pytest(&ready.python, "virtual"))?
+                tests(&mut against(&ready.python, "virtual"))?
+            }
+        }
+        Step::Board => {
+            let built = checks([Image::Board.build_command()?])?;
+            if built.failed > 0 {
+                built
+            } else {
+                let image = Image::Board.keep()?;
+                tests(
+                    pytest(&ready.python, "tests/machine")
+                        .arg("--image")
+                        .arg(image),
+                )?
             }
         }
         Step::Qemu => {
@@ -187,7 +207,7 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
                 built
             } else {
                 let image = Image::Qemu.keep()?;
-                tests(pytest(&ready.python, "firmware").arg("--image").arg(image))?
+                tests(against(&ready.python, "firmware").arg("--image").arg(image))?
             }
         }
         Step::Socketcan => match &ready.socketcan {
@@ -291,21 +311,21 @@ fn tests(command: &mut Command) -> Result<Count> {
     Ok(count.close(status.success()))
 }
 
-/// The Python tests against one target.
-fn pytest(python: &Path, target: &str) -> Command {
+/// The Python tests in one folder.
+fn pytest(python: &Path, folder: &str) -> Command {
     let mut command = Command::new(python);
     // Python's own cache files stay out of the source tree.
     command
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .current_dir(place::root());
-    command.args([
-        "-m",
-        "pytest",
-        "--color=no",
-        "tests/python",
-        "--target",
-        target,
-    ]);
+    command.args(["-m", "pytest", "--color=no", folder]);
+    command
+}
+
+/// The Python tests that are for several targets, against one of them.
+fn against(python: &Path, target: &str) -> Command {
+    let mut command = pytest(python, "tests/python");
+    command.args(["--target", target]);
     command
         .arg("--sim")
         .arg(place::built("sim"))
@@ -321,7 +341,7 @@ fn pytest(python: &Path, target: &str) -> Command {
 }
 
 fn over_socketcan(socketcan: &Socketcan, python: &Path) -> Result<Count> {
-    let mut command = pytest(python, "socketcan");
+    let mut command = against(python, "socketcan");
     say!("$ {}", process::line(&command))?;
     let mut count = Count::default();
     let succeeded = socketcan::run(socketcan, &mut command, |line| count.watch(line))?;

@@ -1,0 +1,327 @@
+"""CAN 1 (RM0090, 32), and the bus it is on. One frame at a time, the lowest identifier first; a master acknowledges while there is one."""
+
+import collections
+import struct
+from collections import namedtuple
+
+from .clock import NEVER
+from .interrupts import IRQ
+from .registers import Peripheral, Register
+
+INRQ, SLEEP, TXFP, ABOM, RESET = 1, 2, 4, 0x40, 0x8000
+INAK, SLAK, ERRI = 1, 2, 4
+EWGF, EPVF, BOFF = 1, 2, 4
+SILENT = 1 << 31
+
+#: Core clocks in a clock of the controller, which has that of APB1.
+RATIO = 4
+
+Frame = namedtuple("Frame", "id extended remote data time", defaults=(0,))
+
+
+class Can(Peripheral):
+    NAME = "CAN1"
+    READ_SIZES = WRITE_SIZES = (4,)
+    CLOCK = (0x40, 25)
+    REGISTERS = (
+        {
+            0x00: Register("MCR", 0x1_80FF, 0x1_0002),
+            0x04: Register("MSR", 0, 0xC02, rc_w1=0x1C, keep=False),
+            0x08: Register("TSR", 0x0080_8080, 0x1C00_0000, keep=False),
+            0x0C: Register("RF0R", 0x38, keep=False),
+            0x10: Register("RF1R", 0x38, keep=False),
+            0x14: Register("IER", 0x3_8F7F),
+            0x18: Register("ESR", 0x70, keep=False),
+            0x1C: Register("BTR", 0xC37F_03FF, 0x0123_0000),
+        }
+        | {
+            0x180 + 16 * i + 4 * j: Register(f"T{i}{name}", bits)
+            for i in range(3)
+            for j, (name, bits) in enumerate((("IR", 0xFFFF_FFFF), ("DTR", 0x10F), ("DLR", 0xFFFF_FFFF), ("DHR", 0xFFFF_FFFF)))
+        }
+        | {0x1B0 + 4 * j: Register(f"R0{name}", 0) for j, name in enumerate(("IR", "DTR", "DLR", "DHR"))}
+        | {
+            0x200: Register("FMR", 0x3F01, 0x2A1C_0E01, keep=False),
+            0x204: Register("FM1R", 0x0FFF_FFFF),
+            0x20C: Register("FS1R", 0x0FFF_FFFF),
+            0x214: Register("FFA1R", 0x0FFF_FFFF),
+            0x21C: Register("FA1R", 0x0FFF_FFFF),
+        }
+        | {0x240 + 4 * i: Register(f"F{i // 2}R{i % 2 + 1}") for i in range(56)}
+    )
+
+    def __init__(self, chip):
+        #: What the master has sent, and what is told of the frames of this device.
+        self.to_send = collections.deque()
+        self.on_frame = lambda frame: None
+        #: Somebody acknowledges; the clocks of a bit that the others have, or None for those that the controller has.
+        self.acknowledged, self.bus_bit = True, None
+        self.stats = collections.Counter()
+        super().__init__(chip)
+
+    def reset(self):
+        super().reset()
+        self.fifo, self.overrun = [], False
+        self.busy_until, self.on_bus = NEVER, None
+        self.normal_at = self.recover_at = NEVER
+        self.wants_to_leave = False
+
+    # Time on the bus.
+
+    def bit(self):
+        b = self["BTR"]
+        return ((b & 0x3FF) + 1) * (3 + (b >> 16 & 15) + (b >> 20 & 7)) * RATIO
+
+    def frame_time(self, length, extended):
+        bits = 47 + 8 * length + (20 if extended else 0)
+        # Every eighth bit is stuffed, about.
+        return (bits + (bits - 13) // 8) * self.bit()
+
+    def takes_part(self):
+        return not self["MSR"] & (INAK | SLAK) and self.normal_at == NEVER and not self["ESR"] & BOFF
+
+    # Registers.
+
+    def write_MCR(self, value):
+        if value & RESET:
+            return self.reset()
+        if value & TXFP:
+            self.breach("TXFP: order by time is not modelled")
+        if value & ABOM and self["ESR"] & BOFF:
+            self.breach("ABOM: the return from bus-off is for the device to order")
+        if value & INRQ and value & SLEEP:
+            self.breach("INRQ and SLEEP at once")
+        if value & SLEEP and self["ESR"] & BOFF and not self["MCR"] & SLEEP:
+            self.breach("sleep is asked for in bus-off: recovery is INIT and NORMAL")
+        self["MCR"] = value
+        self.change_mode(self.chip.now())
+
+    def change_mode(self, now):
+        if self.on_bus:
+            self.wants_to_leave = True
+            return
+        mcr = self["MCR"]
+        msr = self["MSR"] & ~(INAK | SLAK)
+        if mcr & (INRQ | SLEEP):
+            self.normal_at = self.recover_at = NEVER
+            self["MSR"] = msr | (INAK if mcr & INRQ else SLAK)
+            return
+        if self["MSR"] & (INAK | SLAK):
+            from_init = self["MSR"] & INAK
+            self["MSR"] = msr
+            self.check_pins()
+            if self["ESR"] & BOFF:
+                if from_init:
+                    self.recover_at = now + 128 * 11 * self.bit()
+            else:
+                self.normal_at = now + 11 * self.bit()
+
+    def check_pins(self):
+        for pin in (8, 9):
+            if self.chip.gpio["B"].function(pin) != 9:
+                self.breach(f"goes on the bus while PB{pin} is not its pin")
+
+    def write_TSR(self, value):
+        for i in range(3):
+            if value >> 8 * i & 0x80 and self[f"T{i}IR"] & 1:
+                if self.on_bus == ("sent", i):
+                    # Only at the end of the frame it shows whether it has left.
+                    self["TSR"] |= 0x80 << 8 * i
+                    self.stats["aborts of the frame on the bus"] += 1
+                else:
+                    self.finish(i, False)
+                    self.stats["aborts"] += 1
+
+    def store(self, offset, size, value):
+        if offset == 0x08 and size == 4 and self.has_clock():
+            # RQCP is cleared by 1, and its companions with it.
+            for i in range(3):
+                if value >> 8 * i & 1:
+                    self["TSR"] &= ~(0xF << 8 * i)
+        super().store(offset, size, value)
+
+    def finish(self, mailbox, has_left):
+        self[f"T{mailbox}IR"] &= ~1
+        base = 8 * mailbox
+        done = 1 << base | (2 << base if has_left else 0) | 1 << 26 + mailbox
+        self["TSR"] = self["TSR"] & ~(0x8E << base) | done
+
+    def read_TSR(self):
+        tsr = self["TSR"]
+        free = [i for i in range(3) if tsr >> 26 + i & 1]
+        code = free[0] if free else max(range(3), key=lambda i: (self[f"T{i}IR"] >> 3, i))
+        return tsr & ~(3 << 24) | code << 24
+
+    def read_RF0R(self):
+        return min(len(self.fifo), 3) | (len(self.fifo) >= 3) << 3 | self.overrun << 4
+
+    def write_RF0R(self, value):
+        if value & 1 << 4:
+            self.overrun = False
+        if value & 1 << 5:
+            if not self.fifo:
+                return self.breach("the output mailbox is released while the FIFO is empty")
+            self.fifo.pop(0)
+
+    def write_RF1R(self, value):
+        if value & 1 << 5:
+            self.breach("FIFO 1, in which nothing lies, is released")
+
+    def head(self, word):
+        if not self.fifo:
+            self.breach("the FIFO is read while it is empty")
+            return 0
+        return self.fifo[0][word]
+
+    def read_R0IR(self):
+        return self.head(0)
+
+    def read_R0DTR(self):
+        return self.head(1)
+
+    def read_R0DLR(self):
+        return self.head(2)
+
+    def read_R0DHR(self):
+        return self.head(3)
+
+    def write_BTR(self, value):
+        if not self["MSR"] & INAK:
+            return self.breach("BTR written outside of initialisation mode")
+        if value & 1 << 30:
+            self.breach("loop back is not modelled")
+        self["BTR"] = value
+
+    def write_mailbox(self, mailbox, name, value):
+        if not self["TSR"] >> 26 + mailbox & 1:
+            return self.breach(f"mailbox {mailbox} written while a frame waits in it")
+        self[f"T{mailbox}{name}"] = value
+        if name == "IR" and value & 1:
+            self["TSR"] &= ~(1 << 26 + mailbox | 0xF << 8 * mailbox)
+            self.begin_frame(self.chip.now())
+
+    def write_filter(self, name, value):
+        if not self["FMR"] & 1:
+            self.breach(f"{name} written outside of the filters' initialisation")
+        self[name] = value
+
+    # The bus.
+
+    def begin_frame(self, now):
+        if self.on_bus or not self.takes_part():
+            return
+        waiting = [(self[f"T{i}IR"] >> 3, i) for i in range(3) if self[f"T{i}IR"] & 1]
+        if self["BTR"] & SILENT:
+            waiting = []
+        theirs = self.to_send[0] if self.to_send else None
+        order = theirs and (theirs.id if theirs.extended else theirs.id << 18)
+        if waiting and (theirs is None or min(waiting)[0] < order):
+            mailbox = min(waiting)[1]
+            self.on_bus = ("sent", mailbox)
+            self.busy_until = now + self.frame_time(self[f"T{mailbox}DTR"] & 15, self[f"T{mailbox}IR"] & 4)
+        elif theirs is not None:
+            self.to_send.popleft()
+            self.on_bus = ("received", theirs)
+            self.busy_until = now + self.frame_time(len(theirs.data), theirs.extended)
+
+    def next_event(self):
+        if self.on_bus is None and self.to_send and self.takes_part():
+            return self.chip.time
+        return min(self.busy_until, self.normal_at, self.recover_at)
+
+    def event(self):
+        now = self.chip.time
+        if self.recover_at <= now:
+            self.recover_at = NEVER
+            self["ESR"] = 0
+        if self.normal_at <= now:
+            self.normal_at = NEVER
+        if self.busy_until <= now:
+            kind, what = self.on_bus
+            self.on_bus, self.busy_until = None, NEVER
+            if self.bus_bit is not None and self.bus_bit != self.bit():
+                self.garbled()
+            elif kind == "sent":
+                self.end_sent(what, now)
+            else:
+                self.end_received(what)
+            if self.wants_to_leave:
+                self.wants_to_leave = False
+                self.change_mode(now)
+        self.begin_frame(now)
+
+    def end_sent(self, mailbox, now):
+        if not self.acknowledged:
+            # An acknowledge error, for which an error-passive controller counts no more; an abort that was asked for happens.
+            self.count_errors(8 if not self["ESR"] & EPVF else 0, 0, 3)
+            if self["TSR"] >> 8 * mailbox & 0x80:
+                self.finish(mailbox, False)
+            return
+        self.count_errors(-1, 0, 0)
+        ir, length = self[f"T{mailbox}IR"], self[f"T{mailbox}DTR"] & 15
+        data = struct.pack("<II", self[f"T{mailbox}DLR"], self[f"T{mailbox}DHR"])[:length]
+        extended = bool(ir & 4)
+        self.finish(mailbox, True)
+        self.stats["sent"] += 1
+        self.on_frame(Frame(ir >> 3 if extended else ir >> 21, extended, bool(ir & 2), data, now))
+
+    def end_received(self, frame):
+        self.count_errors(0, -1, 0)
+        if not self["FA1R"] & 1 or self["FMR"] & 1:
+            self.stats["filtered"] += 1
+            return
+        word = (frame.id << 3 | 4 if frame.extended else frame.id << 21) | frame.remote << 1
+        entry = (word, len(frame.data), *struct.unpack("<II", frame.data.ljust(8, b"\0")))
+        if len(self.fifo) >= 3:
+            self.fifo[2] = entry
+            self.overrun = True
+            self.stats["overruns"] += 1
+        else:
+            self.fifo.append(entry)
+            self.stats["received"] += 1
+
+    def garbled(self):
+        """A frame at another bit rate than that of the controller."""
+        if not self["BTR"] & SILENT:
+            self.count_errors(0, 1, 1)
+        else:
+            self["ESR"] = self["ESR"] & ~0x70 | 1 << 4
+
+    def count_errors(self, transmit, receive, code):
+        esr = self["ESR"]
+        tec = max(0, (esr >> 16 & 0xFF) + transmit)
+        rec = max(0, (esr >> 24) + receive)
+        if tec > 255:
+            return self.go_bus_off()
+        flags = (tec >= 96 or rec >= 96) * EWGF | (tec > 127 or rec > 127) * EPVF
+        rec = min(rec, 255)
+        risen = flags & ~esr & (EWGF | EPVF)
+        self["ESR"] = rec << 24 | tec << 16 | (code << 4 if code or transmit or receive else esr & 0x70) | flags
+        enabled = self["IER"] >> 8 & 7
+        if risen & enabled or code and self["IER"] >> 11 & 1:
+            self["MSR"] |= ERRI
+
+    def go_bus_off(self):
+        """256 transmit errors."""
+        self["ESR"] = self["ESR"] & 0xFF00_0070 | 0xFF_0000 | EWGF | EPVF | BOFF
+        if self["IER"] >> 10 & 1:
+            self["MSR"] |= ERRI
+        self.on_bus, self.busy_until = None, NEVER
+
+    def lines(self):
+        ier = self["IER"]
+        yield IRQ["CAN1_TX"], ier & 1 and self["TSR"] & 0x01_0101
+        yield IRQ["CAN1_RX0"], ier & 2 and self.fifo or ier & 8 and self.overrun
+        yield IRQ["CAN1_SCE"], ier & 0x8000 and self["MSR"] & ERRI
+
+
+def _bind():
+    for mailbox in range(3):
+        for name in ("IR", "DTR", "DLR", "DHR"):
+            write = lambda self, value, m=mailbox, n=name: self.write_mailbox(m, n, value)
+            setattr(Can, f"write_T{mailbox}{name}", write)
+    for name in ["FM1R", "FS1R", "FFA1R"]:
+        setattr(Can, f"write_{name}", lambda self, value, n=name: self.write_filter(n, value))
+
+
+_bind()

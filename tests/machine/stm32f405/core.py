@@ -1,0 +1,209 @@
+"""The core: instructions by unicorn, exceptions as the Cortex-M4F takes them (PM0214, 2.3). The stack is that of the main program; there
+is no other."""
+
+import collections
+import struct
+
+from unicorn import UC_ARCH_ARM, UC_HOOK_INTR, UC_HOOK_MEM_WRITE, UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError
+from unicorn.arm_const import (
+    UC_ARM_REG_BASEPRI, UC_ARM_REG_CONTROL, UC_ARM_REG_D0, UC_ARM_REG_FPSCR, UC_ARM_REG_LR, UC_ARM_REG_PC,
+    UC_ARM_REG_PRIMASK, UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_SP,
+    UC_ARM_REG_XPSR, UC_CPU_ARM_CORTEX_M4,
+)
+
+from .clock import NEVER
+from .system import HARD_FAULT, NMI, SVCALL, System
+
+#: Instructions that run without a look at the rest of the chip.
+SLICE = 400
+
+#: What LR has in a handler: back to where the main stack was used.
+EXC_RETURN = 0xFFFF_FFF9
+
+#: Numbers of unicorn's interrupt hook: a branch to EXC_RETURN, and an SVC.
+LEFT, CALLED = 8, 2
+
+WFI = b"\x30\xbf"
+
+STACKED = (
+    UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR,
+)
+
+
+class Core:
+    """One life of the core, from a reset to the next."""
+
+    def __init__(self, chip):
+        self.chip = chip
+        self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
+        self.uc.ctl_set_cpu_model(UC_CPU_ARM_CORTEX_M4)
+        self.system = System(self)
+        #: Clocks in which the core stands still (flash), accesses in this slice, whether one is under way.
+        self.stall, self.accesses, self.slice = 0, 0, 0
+        self.sleeping = self.is_stopped = False
+        self.left, self.fault, self.wants_reset = False, None, None
+        #: Exceptions that are served: number, priority, and what their entry has stacked.
+        self.active = []
+        self.counts = collections.Counter()
+        self.instructions = 0
+        self.pc = 0
+
+    def connect(self):
+        """The buses. Memory is mapped by the chip."""
+        uc, chip = self.uc, self.chip
+        uc.mmio_map(0x4000_0000, 0x80000, chip.read, None, chip.write, None)
+        uc.mmio_map(0x4200_0000, 0x100_0000, chip.read_bit, None, chip.write_bit, None)
+        uc.mmio_map(0xE000_0000, 0x100000, self.read_system, None, self.write_system, None)
+        uc.hook_add(UC_HOOK_MEM_WRITE, chip.flash.on_store, None, 0x0800_0000, 0x080F_FFFF)
+        uc.hook_add(UC_HOOK_INTR, self.on_interrupt)
+
+    def start(self):
+        """Comes out of reset."""
+        sp, pc = struct.unpack("<II", self.uc.mem_read(0x0800_0000, 8))
+        self.uc.reg_write(UC_ARM_REG_SP, sp)
+        self.pc, self.lowest_stack = pc | 1, sp
+
+    def read_system(self, _uc, offset, size, _):
+        self.accesses += 1
+        if 0x42000 <= offset < 0x42400:
+            return self.chip.debug.load(offset - 0x42000, size)
+        return self.system.load(offset, size)
+
+    def write_system(self, _uc, offset, size, value, _):
+        self.accesses += 1
+        if 0x42000 <= offset < 0x42400:
+            self.chip.debug.store(offset - 0x42000, size, value)
+        else:
+            self.system.store(offset, size, value)
+
+    def on_interrupt(self, uc, number, _):
+        if number == LEFT:
+            self.left = True
+        else:
+            self.fault = number
+        uc.emu_stop()
+
+    # Exceptions.
+
+    def take_lines(self):
+        """A level makes its interrupt pending, but while it is served."""
+        served = [number for number, _, _ in self.active]
+        for peripheral in self.chip.with_lines:
+            for irq, level in peripheral.lines():
+                if level and irq + 16 not in served:
+                    self.system.pending.add(irq + 16)
+        if self.chip.rcc.nmi and NMI not in served:
+            self.system.pending.add(NMI)
+
+    def current_priority(self):
+        """What an exception must be below of, in number, to come now."""
+        uc = self.uc
+        level = min((priority for _, priority, _ in self.active), default=256)
+        if base := uc.reg_read(UC_ARM_REG_BASEPRI) & 0xF0:
+            level = min(level, base)
+        if uc.reg_read(UC_ARM_REG_PRIMASK) & 1:
+            level = min(level, 0)
+        return level
+
+    def deliver(self):
+        """Takes the most urgent exception, if it is more urgent than what runs."""
+        system = self.system
+        ready = [n for n in system.pending if n < 16 or n - 16 in system.enabled]
+        if not ready:
+            return
+        number = min(ready, key=lambda n: (system.priority[n], n))
+        self.sleeping = False
+        if system.priority[number] < self.current_priority():
+            system.pending.discard(number)
+            self.enter(number)
+
+    def enter(self, number):
+        uc = self.uc
+        sp, xpsr = uc.reg_read(UC_ARM_REG_SP), uc.reg_read(UC_ARM_REG_XPSR)
+        registers = [uc.reg_read(r) for r in STACKED]
+        floats = None
+        if uc.reg_read(UC_ARM_REG_CONTROL) & 4:
+            floats = [uc.reg_read(UC_ARM_REG_D0 + i) for i in range(8)] + [uc.reg_read(UC_ARM_REG_FPSCR)]
+            uc.reg_write(UC_ARM_REG_CONTROL, 0)
+        size = 0x68 if floats else 0x20
+        padded = bool(sp & 4)
+        new = sp - size & ~7
+        frame = struct.pack("<8I", *registers, self.pc & ~1, xpsr & ~0x3FF | padded << 9 | 1 << 24)
+        try:
+            uc.mem_write(new, frame)
+        except UcError:
+            # Nothing is stacked, and a hard fault comes in place of this.
+            number = HARD_FAULT
+        self.active.append((number, self.system.priority[number], (size, padded, floats, xpsr)))
+        uc.reg_write(UC_ARM_REG_SP, new)
+        self.lowest_stack = min(self.lowest_stack, new)
+        uc.reg_write(UC_ARM_REG_LR, EXC_RETURN)
+        uc.reg_write(UC_ARM_REG_XPSR, 1 << 24 | number)
+        table = self.system.stored[0xED08]
+        vector = struct.unpack("<I", uc.mem_read(table + 4 * number if table else 0x0800_0000 + 4 * number, 4))[0]
+        if not vector & 1:
+            self.chip.breach(f"exception {number} has no handler")
+        self.pc = vector | 1
+        self.counts[number] += 1
+
+    def leave(self):
+        uc = self.uc
+        _, _, (size, padded, floats, xpsr) = self.active.pop()
+        sp = uc.reg_read(UC_ARM_REG_SP)
+        *registers, pc, _ = struct.unpack("<8I", uc.mem_read(sp, 32))
+        for register, value in zip(STACKED, registers):
+            uc.reg_write(register, value)
+        uc.reg_write(UC_ARM_REG_CONTROL, 4 if floats else 0)
+        if floats:
+            for i in range(8):
+                uc.reg_write(UC_ARM_REG_D0 + i, floats[i])
+            uc.reg_write(UC_ARM_REG_FPSCR, floats[8])
+        uc.reg_write(UC_ARM_REG_SP, sp + size | padded << 2)
+        uc.reg_write(UC_ARM_REG_XPSR, xpsr & ~0x1FF | 1 << 24)
+        self.pc = pc | 1
+
+    def hard_fault(self):
+        if self.active and self.active[-1][1] <= -1:
+            # A fault in the handler of faults: the core locks up.
+            self.is_stopped = True
+            self.chip.locked_up = True
+            return
+        self.enter(HARD_FAULT)
+
+    # Running.
+
+    def run_slice(self, most):
+        """Runs so many instructions at most, 1 or more. Gives the clocks that they took."""
+        uc = self.uc
+        count = max(1, min(most, SLICE))
+        self.accesses, self.slice = 0, count
+        try:
+            uc.emu_start(self.pc, EXC_RETURN & ~1, 0, count)
+        except UcError:
+            # No memory there, or no such instruction.
+            self.pc, self.slice = uc.reg_read(UC_ARM_REG_PC) | 1, 0
+            self.hard_fault()
+            return count
+        self.slice = 0
+        pc = uc.reg_read(UC_ARM_REG_PC)
+        if self.fault is not None:
+            number, self.fault = self.fault, None
+            self.pc = pc | 1
+            self.enter(SVCALL) if number == CALLED else self.hard_fault()
+        elif self.left or pc == EXC_RETURN & ~1:
+            self.left = False
+            self.leave()
+            # unicorn does not tell where in the slice it was.
+            count = min(count, 8 * self.accesses + 40)
+        else:
+            self.pc = pc | 1
+            if self.chip.is_code(pc) and uc.mem_read(pc - 2, 2) == WFI:
+                self.sleeping = True
+                count = min(count, 20)
+        self.lowest_stack = min(self.lowest_stack, uc.reg_read(UC_ARM_REG_SP))
+        self.instructions += count
+        return count
+
+    def since_slice(self):
+        """Clocks since the slice began."""
+        return (min(8 * self.accesses, self.slice) if self.slice else 0) + self.stall

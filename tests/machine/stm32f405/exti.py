@@ -1,0 +1,48 @@
+"""Edges of pins (RM0090, 9 and 12): SYSCFG chooses the port of each line, EXTI sees its edges."""
+
+from .interrupts import IRQ
+from .registers import Peripheral, Register
+
+LINES = 0x7F_FFFF
+
+
+class Syscfg(Peripheral):
+    NAME = "SYSCFG"
+    WRITE_SIZES = (1, 2, 4)
+    CLOCK = (0x44, 14)
+    REGISTERS = {0x00: Register("MEMRMP", 3), 0x04: Register("PMC", 1 << 23)} | {
+        0x08 + 4 * i: Register(f"EXTICR{i + 1}", 0xFFFF) for i in range(4)
+    }
+
+    def port(self, line):
+        return "ABCDEFGHI"[self[f"EXTICR{line // 4 + 1}"] >> 4 * (line % 4) & 15]
+
+
+class Exti(Peripheral):
+    NAME = "EXTI"
+    READ_SIZES = WRITE_SIZES = (4,)
+    REGISTERS = {
+        0x00: Register("IMR", LINES),
+        0x04: Register("EMR", LINES),
+        0x08: Register("RTSR", LINES),
+        0x0C: Register("FTSR", LINES),
+        0x10: Register("SWIER", LINES),
+        0x14: Register("PR", 0, rc_w1=LINES),
+    }
+
+    def edge(self, port, pin, level):
+        if self.chip.syscfg.port(pin) == port and self["RTSR" if level else "FTSR"] >> pin & 1:
+            self["PR"] |= 1 << pin
+
+    def internal(self, line, level):
+        """An edge of a line without a pin: 16 is the supply supervisor."""
+        if self["RTSR" if level else "FTSR"] >> line & 1:
+            self["PR"] |= 1 << line
+
+    def lines(self):
+        pending = self["PR"] & self["IMR"]
+        yield IRQ["PVD"], pending & 1 << 16
+        for line in range(5):
+            yield IRQ[f"EXTI{line}"], pending & 1 << line
+        yield IRQ["EXTI9_5"], pending & 0x3E0
+        yield IRQ["EXTI15_10"], pending & 0xFC00

@@ -1,0 +1,78 @@
+"""TIM2 (RM0090, 18): counts what TIM1 shows it, and captures the count at edges of its pins."""
+
+from .interrupts import IRQ
+from .registers import Register
+from .timers import Timer
+
+#: Pins of the channels 1, 2 and 4.
+PINS = {"PA0": 1, "PA1": 2, "PB11": 4}
+
+
+class Tim2(Timer):
+    NAME, CLOCK = "TIM2", (0x40, 0)
+    REGISTERS = Timer.registers() | {
+        offset: Register(name, 0xFFFF_FFFF, reset)
+        for offset, name, reset in (
+            (0x24, "CNT", 0), (0x2C, "ARR", 0xFFFF_FFFF), (0x34, "CCR1", 0), (0x38, "CCR2", 0), (0x3C, "CCR3", 0), (0x40, "CCR4", 0)
+        )
+    }
+
+    def counts(self):
+        return self["CR1"] & 1 and self["SMCR"] & 0x77 == 7 and self.chip.tim1["CR2"] >> 4 & 7 == 4
+
+    def count(self, pulses):
+        if self.counts():
+            self["CNT"] = self["CNT"] + pulses & self["ARR"]
+
+    def read_CNT(self):
+        self.chip.tim1.settle(self.chip.now())
+        return self["CNT"]
+
+    def write_EGR(self, value):
+        if value & ~1:
+            self.breach(f"EGR {value:#x} is not modelled")
+        self["CNT"] = 0
+
+    def write_CCMR1(self, value):
+        self.capture_mode("CCMR1", value)
+
+    def write_CCMR2(self, value):
+        self.capture_mode("CCMR2", value)
+
+    def capture_mode(self, name, value):
+        if value & 0x0303 != 0x0101:
+            self.breach(f"{name} {value:#x}: only capture is modelled")
+        shift = 0 if name == "CCMR1" else 8
+        if (self["CCER"] >> shift & 0x11) and (value ^ self[name]) & 0x0303:
+            self.breach(f"{name}: the selection is written while the channel is on")
+        self[name] = value
+
+    def pin(self, pin, level):
+        channel = PINS.get(pin)
+        if channel is None or self.chip.gpio[pin[1]].function(int(pin[2:])) != 1:
+            return
+        edges = self["CCER"] >> 4 * (channel - 1)
+        if not edges & 1 or not {0: level, 2: not level}.get(edges & 10, True):
+            return
+        flag = 1 << channel
+        if self["SR"] & flag:
+            self["SR"] |= flag << 8
+        self.chip.tim1.settle(self.chip.time)
+        self[f"CCR{channel}"] = self["CNT"]
+        self["SR"] |= flag
+
+    def captured(self, channel):
+        self["SR"] &= ~(1 << channel)
+        return self[f"CCR{channel}"]
+
+    def read_CCR1(self):
+        return self.captured(1)
+
+    def read_CCR2(self):
+        return self.captured(2)
+
+    def read_CCR4(self):
+        return self.captured(4)
+
+    def lines(self):
+        yield IRQ["TIM2"], self["SR"] & self["DIER"] & 0x1E
