@@ -1,107 +1,74 @@
 //! What waits for the bus, and when there is something to do: the one place that both are kept in.
 //!
-//! Each object that may send has a bit, and the bits are in the order of identifiers: the lowest one that is set goes first. A bit is set
-//! by what makes its object due, and cleared when its last frame is taken. Of times there is one, the next: who starts a timer moves
-//! it forward ([`Agenda::wake_at`]), who changes a value that transmit PDOs may look at, too ([`Agenda::look`]).
+//! Each object that may send has a bit and an identifier; of those that wait the lowest identifier goes first. A bit is set by what makes
+//! its object due, and cleared when its last frame is taken. Nothing is sorted, so another COB-ID is one number written: mostly
+//! one object waits, or a few. Of times there is one, the next: who starts a timer moves it forward ([`Agenda::wake_at`]), who
+//! changes a value that transmit PDOs may look at, too ([`Agenda::look`]).
 
 use crate::od::{Slots, Unused};
 use crate::time::{Instant, earlier};
 
-/// No 11-bit identifier is equal to it.
-const NO_COB_ID: u16 = u16::MAX;
-
 /// A moment that has always come.
 const AT_ONCE: Instant = Instant::from_ticks(0);
 
-/// Something that sends. Of equal identifiers the lower number goes first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// Something that sends: the place of its bit. Of equal identifiers the lower number goes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Object(u8);
 
 /// What an [`Object`] is, and its number among its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Before everything else, because it must be the first frame of all.
-    BootUp,
-    Emergency,
+    /// One of [`Object::BOOT_UP`] and the others with a name.
+    Service,
     /// The transmit PDO with this number.
     Pdo(usize),
-    Sync,
-    Time,
     /// The SDO server with this number.
     Answer(usize),
-    Heartbeat,
-    Guarding,
-    Lss,
 }
 
 impl Object {
+    /// Before everything else, because it must be the first frame of all.
     pub const BOOT_UP: Self = Self(0);
     pub const EMERGENCY: Self = Self(1);
-    pub const SYNC: Self = Self(Self::FIRST_SERVICE);
-    pub const TIME: Self = Self(Self::FIRST_SERVICE + 1);
-    pub const HEARTBEAT: Self = Self(Self::FIRST_SERVICE + 2);
-    pub const GUARDING: Self = Self(Self::FIRST_SERVICE + 3);
-    pub const LSS: Self = Self(Self::FIRST_SERVICE + 4);
-
-    const FIRST_PDO: u8 = 2;
-    const FIRST_SERVICE: u8 = 120;
-    const FIRST_ANSWER: u8 = 128;
+    pub const SYNC: Self = Self(2);
+    pub const TIME: Self = Self(3);
+    pub const HEARTBEAT: Self = Self(4);
+    pub const GUARDING: Self = Self(5);
+    pub const LSS: Self = Self(6);
 
     /// The transmit PDO with this number, 0 for the first.
     pub const fn pdo(number: usize) -> Self {
-        Self(Self::FIRST_PDO.wrapping_add(number as u8))
+        Self(SERVICES.wrapping_add(number) as u8)
     }
 
-    /// The SDO server with this number, 0 for the first.
-    pub const fn answer(number: usize) -> Self {
-        Self(Self::FIRST_ANSWER.wrapping_add(number as u8))
+    /// The SDO server with this number, 0 for the first, of a device with so many transmit PDOs.
+    pub const fn answer(number: usize, pdos: usize) -> Self {
+        Self::pdo(pdos.wrapping_add(number))
     }
 
-    /// Its number among the services; beyond all of them for a PDO or a server.
-    const fn service(self) -> usize {
-        match self.0 {
-            number @ ..Self::FIRST_PDO => number as usize,
-            number @ Self::FIRST_SERVICE.. => {
-                (number - Self::FIRST_SERVICE + Self::FIRST_PDO) as usize
-            }
-            _ => SERVICES,
-        }
-    }
-
-    /// What it is.
+    /// Its bit in a [`Word`].
     #[inline]
-    pub const fn kind(self) -> Kind {
-        match self {
-            Self(number @ Self::FIRST_ANSWER..) => {
-                Kind::Answer((number - Self::FIRST_ANSWER) as usize)
-            }
-            Self::BOOT_UP => Kind::BootUp,
-            Self::EMERGENCY => Kind::Emergency,
-            Self(number @ ..Self::FIRST_SERVICE) => {
-                Kind::Pdo(number.wrapping_sub(Self::FIRST_PDO) as usize)
-            }
-            Self::SYNC => Kind::Sync,
-            Self::TIME => Kind::Time,
-            Self::HEARTBEAT => Kind::Heartbeat,
-            Self::GUARDING => Kind::Guarding,
-            _ => Kind::Lss,
+    const fn bit(self) -> u32 {
+        1 << (self.0 & 31)
+    }
+
+    /// What it is, in a device with so many transmit PDOs.
+    #[inline]
+    pub const fn kind(self, pdos: usize) -> Kind {
+        let Some(number) = (self.0 as usize).checked_sub(SERVICES) else {
+            return Kind::Service;
+        };
+        match number.checked_sub(pdos) {
+            None => Kind::Pdo(number),
+            Some(number) => Kind::Answer(number),
         }
     }
-}
-
-/// The place of an object in the order of identifiers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Rank(u8);
-
-impl Rank {
-    /// Until [`Agenda::arrange`] tells.
-    pub const FIRST: Self = Self(0);
 }
 
 /// Services that send, beside PDO and SDO.
-const SERVICES: usize = 7;
+pub const SERVICES: usize = 7;
 
-/// Places of objects.
+/// Places of objects in a word.
 const PLACES: usize = u32::BITS as usize;
 
 /// The bits of 32 objects that follow each other.
@@ -110,42 +77,21 @@ pub struct Word {
     waiting: u32,
     /// Those of transmit PDOs that answer a SYNC.
     synchronous: u32,
-    objects: [Object; PLACES],
+    cob_ids: [u16; PLACES],
 }
 
 impl Unused for Word {
     const UNUSED: Self = Self {
         waiting: 0,
         synchronous: 0,
-        objects: [Object::BOOT_UP; PLACES],
+        cob_ids: [0; PLACES],
     };
-}
-
-impl Word {
-    /// Those of its objects that wait.
-    fn waiting(&self) -> impl Iterator<Item = Object> {
-        let objects = (0..).zip(self.objects);
-        objects.filter_map(|(place, object)| (self.waiting >> place & 1 != 0).then_some(object))
-    }
-}
-
-/// All that may send.
-pub(crate) trait Senders {
-    /// Calls `each` with every object, its identifier if it has one now, and whether it answers a SYNC.
-    fn each(&self, each: &mut dyn FnMut(Object, Option<u16>, bool));
-
-    /// The place of an object.
-    fn place(&mut self, object: Object, rank: Rank);
 }
 
 /// The agenda of a device; `W` are words for all that may send.
 #[derive(Debug)]
 pub struct Agenda<W> {
     words: W,
-    /// The places of the services, by [`Object::service`].
-    services: [Rank; SERVICES],
-    /// The device produces a SYNC that waits: no synchronous PDO goes before it.
-    has_sync: bool,
     /// Nothing may be sent.
     pub(crate) is_mute: bool,
     /// Nothing is to be done before this moment.
@@ -161,8 +107,6 @@ impl<W: Slots<Word>> Agenda<W> {
     pub(crate) fn new() -> Self {
         Self {
             words: W::UNUSED,
-            services: [Rank::FIRST; SERVICES],
-            has_sync: false,
             is_mute: true,
             next: AT_ONCE,
             timers: AT_ONCE,
@@ -170,99 +114,100 @@ impl<W: Slots<Word>> Agenda<W> {
         }
     }
 
-    /// The object that may send first.
-    #[inline]
+    /// The object that may send first. No synchronous PDO goes before a SYNC of the device that waits.
+    #[inline(always)]
     pub(crate) fn first(&self) -> Option<Object> {
+        match self.words.as_ref() {
+            // Mostly nothing waits, or one object.
+            [Word { waiting: 0, .. }] => None,
+            [word] if word.waiting.is_power_of_two() && !self.is_mute => {
+                Some(Object(word.waiting.trailing_zeros() as u8))
+            }
+            _ => self.search(),
+        }
+    }
+
+    #[inline(never)]
+    fn search(&self) -> Option<Object> {
+        let has_sync = self.waits(Object::SYNC);
+        // The identifier, and behind it the place.
+        let mut lowest = u32::MAX;
+        let mut base = 0;
         for word in self.words.as_ref() {
             let mut waiting = word.waiting;
-            // Mostly nothing does.
-            if waiting == 0 {
-                continue;
-            }
-            if self.has_sync {
+            if has_sync {
                 waiting &= !word.synchronous;
             }
-            if waiting != 0 && !self.is_mute {
-                return word.objects.get(waiting.trailing_zeros() as usize).copied();
+            while waiting != 0 && !self.is_mute {
+                let place = waiting.trailing_zeros();
+                waiting &= waiting.wrapping_sub(1);
+                let cob_id = word.cob_ids.get(place as usize).copied().unwrap_or(0);
+                lowest = lowest.min(u32::from(cob_id) << 8 | base | place);
             }
+            base = base.wrapping_add(u32::BITS);
         }
-        None
+        (lowest != u32::MAX).then_some(Object(lowest as u8))
     }
 
-    /// Whether the object at this place waits.
     #[inline]
-    pub(crate) fn waits(&self, Rank(rank): Rank) -> bool {
-        let word = self.words.as_ref().get(usize::from(rank >> 5));
-        word.is_some_and(|word| word.waiting >> (rank & 31) & 1 != 0)
+    fn word(&self, Object(place): Object) -> Option<&Word> {
+        self.words.as_ref().get(usize::from(place >> 5))
     }
 
-    /// The object at this place waits from now on, or does not.
     #[inline]
-    pub(crate) fn set(&mut self, Rank(rank): Rank, waits: bool) {
-        if let Some(word) = self.words.as_mut().get_mut(usize::from(rank >> 5)) {
-            let bit = 1 << (rank & 31);
-            word.waiting = word.waiting & !bit | if waits { bit } else { 0 };
+    fn word_mut(&mut self, Object(place): Object) -> Option<&mut Word> {
+        self.words.as_mut().get_mut(usize::from(place >> 5))
+    }
+
+    /// Whether an object waits.
+    #[inline]
+    pub(crate) fn waits(&self, object: Object) -> bool {
+        self.word(object)
+            .is_some_and(|word| word.waiting & object.bit() != 0)
+    }
+
+    /// An object waits from now on, or does not.
+    #[inline]
+    pub(crate) fn set(&mut self, object: Object, waits: bool) {
+        if let Some(word) = self.word_mut(object) {
+            word.waiting = with(word.waiting, object.bit(), waits);
         }
     }
 
-    /// A service waits from now on, or does not.
-    #[inline(never)]
-    pub(crate) fn put(&mut self, service: Object, waits: bool) {
-        if service == Object::SYNC {
-            self.has_sync = waits;
-        }
-        if let Some(rank) = self.services.get(service.service()) {
-            self.set(*rank, waits);
-        }
+    /// The identifier of an object.
+    #[inline]
+    pub(crate) fn cob_id(&self, object: Object) -> u16 {
+        let place = usize::from(object.0) % PLACES;
+        let word = self.word(object);
+        word.and_then(|word| word.cob_ids.get(place).copied())
+            .unwrap_or(0)
     }
 
-    /// Puts the objects into the order of their identifiers; who waits goes on waiting.
-    #[cold]
+    /// Whether an object answers a SYNC.
+    #[inline]
+    pub(crate) fn is_synchronous(&self, object: Object) -> bool {
+        self.word(object)
+            .is_some_and(|word| word.synchronous & object.bit() != 0)
+    }
+
+    /// An object sends with this identifier from now on, in answer to a SYNC or not. If it waits, it goes on waiting.
     #[inline(never)]
-    pub(crate) fn arrange(&mut self, senders: &mut impl Senders) {
-        let before = core::mem::replace(&mut self.words, W::UNUSED);
-        let mut last = None;
-        let mut rank = 0;
-        for word in self.words.as_mut() {
-            for place in 0..PLACES {
-                let mut next: Option<((u16, Object), bool)> = None;
-                senders.each(&mut |object, cob_id, is_synchronous| {
-                    let key = (cob_id.unwrap_or(NO_COB_ID), object);
-                    let is_left = last.is_none_or(|last| key > last);
-                    if is_left && next.is_none_or(|(first, _)| key < first) {
-                        next = Some((key, is_synchronous));
-                    }
-                });
-                let Some((key, is_synchronous)) = next else {
-                    return;
-                };
-                last = Some(key);
-                let (_, object) = key;
-                if let Some(at) = word.objects.get_mut(place) {
-                    *at = object;
-                }
-                let waits = before.as_ref().iter().flat_map(Word::waiting);
-                word.waiting |= u32::from({ waits }.any(|waiting| waiting == object)) << place;
-                word.synchronous |= u32::from(is_synchronous) << place;
-                senders.place(object, Rank(rank));
-                if let Some(place) = self.services.get_mut(object.service()) {
-                    *place = Rank(rank);
-                }
-                rank = rank.wrapping_add(1);
+    pub(crate) fn name(&mut self, object: Object, cob_id: u16, is_synchronous: bool) {
+        if let Some(word) = self.word_mut(object) {
+            word.synchronous = with(word.synchronous, object.bit(), is_synchronous);
+            if let Some(place) = word.cob_ids.get_mut(usize::from(object.0) % PLACES) {
+                *place = cob_id;
             }
         }
     }
 
     /// Nothing waits any more but LSS answers, which belong to no NMT state.
     pub(crate) fn clear(&mut self) {
-        self.has_sync = false;
+        let lss = self.waits(Object::LSS);
         for word in self.words.as_mut() {
-            let lss = word
-                .objects
-                .iter()
-                .position(|object| *object == Object::LSS);
-            word.waiting &= lss.map_or(0, |place| 1 << place);
+            word.waiting = 0;
         }
+        self.set(Object::LSS, lss);
     }
 
     /// Nothing is to be done before this moment.
@@ -320,6 +265,12 @@ impl<W: Slots<Word>> Agenda<W> {
     }
 }
 
+/// A word with these bits set, or without them.
+#[inline]
+const fn with(word: u32, bits: u32, are_set: bool) -> u32 {
+    word & !bits | if are_set { bits } else { 0 }
+}
+
 #[cfg(test)]
 mod tests {
     use std::vec::Vec;
@@ -328,130 +279,104 @@ mod tests {
 
     use super::*;
 
-    /// Objects with their identifiers, and where they are.
-    struct Device {
-        objects: Vec<(Object, Option<u16>, bool)>,
-        ranks: Vec<(Object, Rank)>,
-    }
-
-    impl Senders for Device {
-        fn each(&self, each: &mut dyn FnMut(Object, Option<u16>, bool)) {
-            for (object, cob_id, is_synchronous) in &self.objects {
-                each(*object, *cob_id, *is_synchronous);
-            }
-        }
-
-        fn place(&mut self, object: Object, rank: Rank) {
-            self.ranks.retain(|(other, _)| *other != object);
-            self.ranks.push((object, rank));
-        }
-    }
-
-    impl Device {
-        fn rank(&self, object: Object) -> Rank {
-            self.ranks.iter().find(|(o, _)| *o == object).unwrap().1
-        }
-
-        fn cob_id(&self, object: Object) -> u16 {
-            let found = self.objects.iter().find(|(o, _, _)| *o == object);
-            found.unwrap().1.unwrap_or(NO_COB_ID)
-        }
-    }
-
-    /// `pdos` transmit PDOs with these identifiers, a server and the services.
-    fn some(pdos: &[u16]) -> Device {
-        let mut objects: Vec<_> = pdos
-            .iter()
-            .enumerate()
-            .map(|(number, cob_id)| (Object::pdo(number), Some(*cob_id), number % 2 == 0))
-            .collect();
-        objects.push((Object::BOOT_UP, Some(0), false));
-        objects.push((Object::SYNC, Some(0x300), false));
-        objects.push((Object::answer(0), Some(0x584), false));
-        objects.push((Object::EMERGENCY, None, false));
-        Device {
-            objects,
-            ranks: Vec::new(),
-        }
-    }
-
-    fn drain(agenda: &mut Agenda<[Word; 2]>, senders: &Device) -> Vec<Object> {
-        core::iter::from_fn(|| {
-            let first = agenda.first()?;
-            agenda.set(senders.rank(first), false);
-            if first == Object::SYNC {
-                agenda.put(first, false);
-            }
-            Some(first)
-        })
-        .collect()
-    }
+    /// As many transmit PDOs as two words have room for.
+    const PDOS: usize = 56;
 
     #[test]
     fn every_object_is_known_by_its_number() {
-        for number in 0..118 {
-            assert_eq!(Object::pdo(number).kind(), Kind::Pdo(number));
+        for number in 0..PDOS {
+            assert_eq!(Object::pdo(number).kind(PDOS), Kind::Pdo(number));
         }
         for number in 0..128 {
-            assert_eq!(Object::answer(number).kind(), Kind::Answer(number));
+            assert_eq!(
+                Object::answer(number, PDOS).kind(PDOS),
+                Kind::Answer(number)
+            );
         }
-        assert_eq!(Object::SYNC.kind(), Kind::Sync);
-        assert_eq!(Object::LSS.kind(), Kind::Lss);
+        assert_eq!(Object::SYNC.kind(0), Kind::Service);
+        assert_eq!(Object::LSS.kind(0), Kind::Service);
     }
 
     #[test]
     fn nothing_leaves_a_mute_device() {
-        let mut senders = some(&[0x181]);
-        let mut agenda = Agenda::<[Word; 2]>::new();
-        agenda.arrange(&mut senders);
-        agenda.put(Object::BOOT_UP, true);
+        let mut agenda = Agenda::<[Word; 1]>::new();
+        agenda.name(Object::EMERGENCY, 0x084, false);
+        agenda.set(Object::EMERGENCY, true);
+        assert_eq!(agenda.first(), None);
+        agenda.set(Object::BOOT_UP, true);
         assert_eq!(agenda.first(), None);
         agenda.is_mute = false;
         assert_eq!(agenda.first(), Some(Object::BOOT_UP));
+        agenda.set(Object::BOOT_UP, false);
+        assert_eq!(agenda.first(), Some(Object::EMERGENCY));
+    }
+
+    #[test]
+    fn only_lss_outlives_a_reset() {
+        let mut agenda = Agenda::<[Word; 2]>::new();
+        agenda.is_mute = false;
+        let all = [
+            Object::BOOT_UP,
+            Object::LSS,
+            Object::pdo(0),
+            Object::pdo(40),
+        ];
+        for object in all {
+            agenda.set(object, true);
+        }
+        agenda.clear();
+        assert_eq!(
+            all.map(|object| agenda.waits(object)),
+            [false, true, false, false]
+        );
     }
 
     proptest! {
         #[test]
         fn what_waits_leaves_in_the_order_of_identifiers_and_synchronous_pdos_behind_sync(
-            before in prop::collection::vec(0x181_u16..0x580, 0..40),
-            seed in any::<u64>(),
-            shift in 0_u16..0x100,
+            cob_ids in prop::collection::vec(0x080_u16..0x700, 64),
+            renamed in prop::collection::vec((0_usize..64, 0x080_u16..0x700), 0..20),
+            waiting in any::<u64>(),
+            synchronous in any::<u64>(),
         ) {
-            let mut senders = some(&before);
+            let object = |place: usize| Object(place as u8);
+            let is_in = |set: u64, place: usize| set >> place & 1 != 0;
+            let answers_sync =
+                |place: usize| place >= SERVICES && is_in(synchronous, place);
             let mut agenda = Agenda::<[Word; 2]>::new();
             agenda.is_mute = false;
-            agenda.arrange(&mut senders);
-            let waits = |place: usize| seed >> (place % 64) & 1 != 0;
-            let mut waiting = Vec::new();
-            for (place, (object, _, _)) in senders.objects.iter().enumerate() {
-                if waits(place) {
-                    agenda.set(senders.rank(*object), true);
-                    waiting.push(*object);
-                }
+            let mut names = cob_ids;
+            for (place, cob_id) in names.iter().enumerate() {
+                agenda.name(object(place), *cob_id, answers_sync(place));
+                agenda.set(object(place), is_in(waiting, place));
             }
-            if waiting.contains(&Object::SYNC) {
-                agenda.put(Object::SYNC, true);
+            // Who waits goes on waiting with another identifier.
+            for (place, cob_id) in renamed {
+                agenda.name(object(place), cob_id, answers_sync(place));
+                names[place] = cob_id;
             }
-            // Other identifiers, and whoever waits goes on waiting.
-            for (_, cob_id, _) in &mut senders.objects {
-                *cob_id = cob_id.map(|cob_id| if cob_id == 0 { 0 } else { 0x181 + (cob_id ^ shift) % 0x400 });
+            let sync = usize::from(Object::SYNC.0);
+            let is_behind_sync = |place| is_in(waiting, sync) && answers_sync(place);
+            let mut expected: Vec<_> = (0..64).filter(|place| is_in(waiting, *place)).collect();
+            // A synchronous PDO waits for SYNC; from then on the lowest identifier goes, as before.
+            let mut in_order = Vec::new();
+            let mut sync_waits = is_in(waiting, sync);
+            while !expected.is_empty() {
+                let ready = expected.iter().copied();
+                let ready = ready.filter(|place| !(sync_waits && is_behind_sync(*place)));
+                let next = ready.min_by_key(|place| (names[*place], *place)).unwrap();
+                sync_waits &= next != sync;
+                expected.retain(|place| *place != next);
+                in_order.push(object(next));
             }
-            agenda.arrange(&mut senders);
-            let sync = waiting.contains(&Object::SYNC).then(|| senders.cob_id(Object::SYNC));
-            let is_behind = |object: Object| {
-                let found = senders.objects.iter().find(|(o, _, _)| *o == object);
-                let key = (senders.cob_id(object), object);
-                sync.is_some_and(|sync| found.unwrap().2 && key < (sync, Object::SYNC))
-            };
-            let (mut late, mut order): (Vec<_>, Vec<_>) =
-                waiting.into_iter().partition(|object| is_behind(*object));
-            let key = |object: &Object| (senders.cob_id(*object), *object);
-            order.sort_by_key(key);
-            late.sort_by_key(key);
-            if let Some(at) = order.iter().position(|object| *object == Object::SYNC) {
-                order.splice(at + 1..at + 1, late);
-            }
-            prop_assert_eq!(drain(&mut agenda, &senders), order);
+            let left: Vec<_> = core::iter::from_fn(|| {
+                let first = agenda.first()?;
+                agenda.set(first, false);
+                Some(first)
+            })
+            .collect();
+            prop_assert_eq!(left, in_order);
+            prop_assert_eq!(agenda.first(), None);
         }
     }
 }

@@ -200,7 +200,7 @@ impl<D: Dictionary> Node<D> {
         self.services.agenda.is_mute = self.must_be_mute(now);
         self.listen();
         if self.node_id.is_configured() {
-            self.services.agenda.put(Object::BOOT_UP, true);
+            self.services.agenda.set(Object::BOOT_UP, true);
             // Of the errors that stand all are told, of those that the boot has ended none.
             self.services.emergency.drop_messages();
             self.services.emergencies_changed();
@@ -237,7 +237,7 @@ impl<D: Dictionary> Node<D> {
         let mut heartbeat = NEVER;
         if self.state != NmtState::Initialisation {
             if services.heartbeat.poll(now) {
-                services.agenda.put(Object::HEARTBEAT, true);
+                services.agenda.set(Object::HEARTBEAT, true);
             }
             heartbeat = services.heartbeat.deadline();
         }
@@ -399,16 +399,12 @@ impl<D: Dictionary> Node<D> {
             return;
         }
         self.leave_operational();
-        let is_first = self.state == NmtState::Initialisation;
         self.state = state;
         // Transmit PDOs start, and with them their timers.
         self.services.agenda.look();
         self.services.enter(state, now);
         if state.has_sdo_and_emergency() {
-            self.sdo.configure(&self.dictionary, self.node_id);
-            if is_first {
-                self.arrange();
-            }
+            self.configure_sdo();
         } else {
             self.end_sdo();
         }
@@ -434,7 +430,7 @@ impl<D: Dictionary> Node<D> {
     fn end_sdo(&mut self) {
         self.sdo.reset(&mut self.services.agenda);
         self.drop_sync();
-        self.services.agenda.put(Object::TIME, false);
+        self.services.agenda.set(Object::TIME, false);
         // The application may have to learn that a client will not go on.
         self.services.agenda.wake();
     }

@@ -5,10 +5,9 @@
 //! that from somebody else is the sign of a second device with its identifier.
 
 use super::Node;
-use crate::agenda::{Kind, Object, Rank, Senders};
-use crate::cia301::{pdo, sdo};
+use crate::agenda::Object;
 use crate::cia305;
-use crate::od::{Counts, Dictionary};
+use crate::od::Dictionary;
 use crate::wire::cob_id;
 
 /// A set of 11-bit identifiers.
@@ -52,7 +51,7 @@ impl<D: Dictionary> Node<D> {
             self.drop_sync();
         }
         if !self.services.time.is_producer() {
-            self.services.agenda.put(Object::TIME, false);
+            self.services.agenda.set(Object::TIME, false);
         }
         if self.is_resetting {
             return;
@@ -72,56 +71,28 @@ impl<D: Dictionary> Node<D> {
                 .identifiers(&self.dictionary, |cob_id| set.add(cob_id));
         }
         if self.state.has_sdo_and_emergency() {
-            self.sdo.configure(&self.dictionary, self.node_id);
+            self.configure_sdo();
             self.services.agenda.wake();
         }
-        self.arrange();
-    }
-
-    /// Puts all that may send into the order of identifiers.
-    #[inline(never)]
-    pub(super) fn arrange(&mut self) {
         let services = &mut self.services;
-        let error_control = Some(cob_id::error_control(self.node_id));
-        let fixed = [
-            (Object::BOOT_UP, Some(cob_id::NMT)),
-            (Object::EMERGENCY, services.emergency.cob_id()),
-            (Object::SYNC, Some(services.sync.cob_id())),
-            (Object::TIME, Some(services.time.cob_id())),
+        let error_control = cob_id::error_control(self.node_id);
+        for (object, cob_id) in [
+            (Object::EMERGENCY, services.emergency.cob_id().unwrap_or(0)),
+            (Object::SYNC, services.sync.cob_id()),
+            (Object::TIME, services.time.cob_id()),
             (Object::HEARTBEAT, error_control),
             (Object::GUARDING, error_control),
-            (Object::LSS, Some(cia305::RESPONSE_COB_ID)),
-        ];
-        services.agenda.arrange(&mut All {
-            fixed,
-            servers: &mut self.sdo,
-            tpdos: &mut services.tpdos,
-        });
-    }
-}
-
-/// All that may send.
-struct All<'a, C: Counts> {
-    fixed: [(Object, Option<u16>); 7],
-    servers: &'a mut sdo::Servers<C>,
-    tpdos: &'a mut pdo::Transmit<C::Tpdos, C::PdoObjects>,
-}
-
-impl<C: Counts> Senders for All<'_, C> {
-    fn each(&self, each: &mut dyn FnMut(Object, Option<u16>, bool)) {
-        for (object, cob_id) in self.fixed {
-            each(object, cob_id, false);
+            (Object::LSS, cia305::RESPONSE_COB_ID),
+        ] {
+            services.agenda.name(object, cob_id, false);
         }
-        self.servers.senders(each);
-        self.tpdos.senders(each);
     }
 
-    fn place(&mut self, object: Object, rank: Rank) {
-        match object.kind() {
-            Kind::Answer(number) => self.servers.set_rank(number, rank),
-            Kind::Pdo(number) => self.tpdos.set_rank(number, rank),
-            _ => {}
-        }
+    /// The SDO servers take their identifiers.
+    pub(super) fn configure_sdo(&mut self) {
+        let (agenda, pdos) = (&mut self.services.agenda, self.services.tpdos.len());
+        self.sdo
+            .configure(&self.dictionary, self.node_id, pdos, agenda);
     }
 }
 

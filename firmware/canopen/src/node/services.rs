@@ -288,7 +288,7 @@ impl<C: Counts> Services<C> {
     #[inline(never)]
     pub(super) fn emergencies_changed(&mut self) {
         let waits = self.emergency.is_pending();
-        self.agenda.put(Object::EMERGENCY, waits);
+        self.agenda.set(Object::EMERGENCY, waits);
         if self.emergency.needs_time() {
             self.agenda.wake();
         } else {

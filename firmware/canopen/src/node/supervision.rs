@@ -43,7 +43,7 @@ impl<D: Dictionary> Node<D> {
                 self.clear_error(&CommunicationError::LifeGuarding.emergency(), now);
             }
             self.services.agenda.wake();
-            self.services.agenda.put(Object::GUARDING, true);
+            self.services.agenda.set(Object::GUARDING, true);
         } else {
             let services = &mut self.services;
             services

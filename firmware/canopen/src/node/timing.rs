@@ -17,7 +17,7 @@ impl<D: Dictionary> Node<D> {
             match due {
                 Due::Produce(beat) => {
                     self.queue.sync = beat.counter;
-                    self.services.agenda.put(Object::SYNC, true);
+                    self.services.agenda.set(Object::SYNC, true);
                     if self.state == NmtState::Operational {
                         self.services
                             .synchronise(beat, &mut self.dictionary, application);
@@ -31,7 +31,7 @@ impl<D: Dictionary> Node<D> {
 
     /// The device produces no SYNC any more, or has none in this state: one that waits is void.
     pub(super) fn drop_sync(&mut self) {
-        self.services.agenda.put(Object::SYNC, false);
+        self.services.agenda.set(Object::SYNC, false);
     }
 
     /// Whether a SYNC was followed since the last call, received or produced: synchronous PDOs have been sampled and applied. There is none
@@ -68,7 +68,7 @@ impl<D: Dictionary> Node<D> {
         let time = self.services.time.get(now);
         if let Some(time) = time {
             self.queue.time = time.to_bytes();
-            self.services.agenda.put(Object::TIME, true);
+            self.services.agenda.set(Object::TIME, true);
         }
         time.is_some()
     }

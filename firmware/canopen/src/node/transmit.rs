@@ -79,43 +79,32 @@ impl<D: Dictionary> Node<D> {
     /// What [`Node::transmit`] would give now: a controller that has no room for it is better not asked to take it, as process data
     /// is replaced by newer data here. [`Outbox`](crate::Outbox) sees to that.
     pub fn pending(&self) -> Option<Pending> {
-        let (services, node_id) = (&self.services, self.node_id);
-        let kind = services.agenda.first()?.kind();
-        let mut follows = None;
-        let cob_id = match kind {
-            Kind::Pdo(number) => {
-                let answers_sync = services.tpdos.is_synchronous(number);
-                if answers_sync && services.sync.is_producer() {
-                    follows = Some(services.sync.cob_id());
-                }
-                services.tpdos.cob_id(number)
-            }
-            Kind::Answer(number) => self.sdo.response(number),
-            Kind::Emergency => services.emergency.cob_id().unwrap_or_default(),
-            Kind::Sync => services.sync.cob_id(),
-            Kind::Time => services.time.cob_id(),
-            Kind::Lss => cia305::RESPONSE_COB_ID,
-            Kind::BootUp | Kind::Heartbeat | Kind::Guarding => cob_id::error_control(node_id),
+        let services = &self.services;
+        let first = services.agenda.first()?;
+        let cob_id = match first {
+            Object::BOOT_UP => cob_id::error_control(self.node_id),
+            _ => services.agenda.cob_id(first),
         };
-        let is_process_data = match kind {
+        let is_process_data = match first.kind(services.tpdos.len()) {
             Kind::Pdo(number) => services.tpdos.is_replaced(number),
-            _ => matches!(kind, Kind::Sync | Kind::Time),
+            _ => matches!(first, Object::SYNC | Object::TIME),
         };
+        let answers_sync = services.agenda.is_synchronous(first) && services.sync.is_producer();
         Some(Pending {
             cob_id,
             is_process_data,
-            follows,
+            follows: answers_sync.then(|| services.sync.cob_id()),
         })
     }
 
     /// The frame of what may leave first.
     #[inline]
     fn take<A: Application<D>>(&mut self, first: Object, application: &mut A) -> Option<Frame> {
-        match first.kind() {
+        match first.kind(self.services.tpdos.len()) {
             Kind::Pdo(number) => self.services.tpdos.take(number, &mut self.services.agenda),
             Kind::Answer(number) => self.take_answer(number, application),
-            Kind::Emergency => self.take_emergency(),
-            _ => self.take_seldom(first),
+            Kind::Service if first == Object::EMERGENCY => self.take_emergency(),
+            Kind::Service => self.take_seldom(first),
         }
     }
 
@@ -135,26 +124,26 @@ impl<D: Dictionary> Node<D> {
         let (services, queue) = (&mut self.services, &mut self.queue);
         let error_control = cob_id::error_control(self.node_id);
         let mut is_last = true;
-        let frame = match first.kind() {
-            Kind::Sync => match queue.sync {
+        let frame = match first {
+            Object::SYNC => match queue.sync {
                 Some(counter) => Frame::data_frame(services.sync.cob_id(), &[counter]),
                 None => Frame::data_frame(services.sync.cob_id(), &[]),
             },
-            Kind::Time => Frame::data_frame(services.time.cob_id(), &queue.time),
-            Kind::Lss => {
+            Object::TIME => Frame::data_frame(services.time.cob_id(), &queue.time),
+            Object::LSS => {
                 let answer = queue.lss.pop_front();
                 is_last = queue.lss.is_empty();
                 Frame::full(cia305::RESPONSE_COB_ID, answer.unwrap_or_default())
             }
-            Kind::Guarding => {
+            Object::GUARDING => {
                 let state = self.state as u8 | services.guarding.next_toggle();
                 Frame::data_frame(error_control, &[state])
             }
-            Kind::BootUp => Frame::data_frame(error_control, &[NmtState::Initialisation as u8]),
+            Object::BOOT_UP => Frame::data_frame(error_control, &[NmtState::Initialisation as u8]),
             _ => Frame::data_frame(error_control, &[self.state as u8]),
         };
         if is_last {
-            services.agenda.put(first, false);
+            services.agenda.set(first, false);
         }
         Some(frame)
     }
@@ -179,7 +168,7 @@ impl<D: Dictionary> Node<D> {
         if self.queue.lss.push_back(answer).is_err() {
             self.queue.count_lost_request();
         }
-        self.services.agenda.put(Object::LSS, true);
+        self.services.agenda.set(Object::LSS, true);
     }
 }
 

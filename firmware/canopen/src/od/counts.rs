@@ -5,7 +5,7 @@
 
 use core::fmt::Debug;
 
-use crate::agenda::Word;
+use crate::agenda::{SERVICES, Word};
 use crate::cia301::heartbeat::Consumer;
 use crate::cia301::pdo::{Mapped, ReceivePdo, TransmitPdo};
 use crate::cia301::sdo::Server;
@@ -98,7 +98,7 @@ impl<
     type Senders = [Word; SENDER_WORDS];
 
     const ARE_ENOUGH_SENDERS: () = assert!(
-        TPDOS <= 118 && TPDOS + SDO_SERVERS + 7 <= 32 * SENDER_WORDS,
-        "a device has 118 transmit PDOs at most, and a word for each 32 of them, SDO servers and seven services"
+        SENDER_WORDS <= 8 && TPDOS + SDO_SERVERS + SERVICES <= 32 * SENDER_WORDS,
+        "a device has a word for each 32 transmit PDOs, SDO servers and seven services, and eight words at most"
     );
 }

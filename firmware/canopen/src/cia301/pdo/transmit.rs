@@ -38,7 +38,7 @@ use super::mapping::{Direction, Mapped, around};
 use super::multiplexed::{self, Addressing, Message};
 use super::parameters::{self, Parameters};
 use super::transmit_pdo::{TransmitPdo, Watch};
-use crate::agenda::{Agenda, Object, Rank, Word};
+use crate::agenda::{Agenda, Object, Word};
 use crate::cia301::sdo::AbortCode;
 use crate::od::{Dictionary, Entry, Slots};
 use crate::time::{Instant, NEVER, earlier};
@@ -93,7 +93,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         self.is_operational = false;
         self.node_id = node_id;
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
-            pdo.reset(agenda);
+            pdo.reset(Object::pdo(number.into()), agenda);
             pdo.configure(
                 dictionary,
                 Parameters::new(Direction::Transmit, number),
@@ -362,27 +362,9 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         Ok(())
     }
 
-    /// Calls `each` with every PDO, its identifier and whether SYNC makes its moment: for [`Agenda::arrange`].
-    pub(crate) fn senders(&self, each: &mut dyn FnMut(Object, Option<u16>, bool)) {
-        for (number, pdo) in self.pdos.as_ref().iter().enumerate() {
-            let cob_id = Some(pdo.cob_id()).filter(|cob_id| *cob_id != 0);
-            each(Object::pdo(number), cob_id, pdo.is_synchronous());
-        }
-    }
-
-    /// The place of a PDO among all that may send.
-    pub(crate) fn set_rank(&mut self, number: usize, rank: Rank) {
-        if let Some(pdo) = self.pdos.as_mut().get_mut(number) {
-            pdo.set_rank(rank);
-        }
-    }
-
-    /// The identifier of a PDO; 0 when it is not in use.
-    pub(crate) fn cob_id(&self, number: usize) -> u16 {
-        self.pdos
-            .as_ref()
-            .get(number)
-            .map_or(0, TransmitPdo::cob_id)
+    /// How many there are, in use or not.
+    pub(crate) fn len(&self) -> usize {
+        self.pdos.as_ref().len()
     }
 
     /// Whether newer data takes the place of what [`Transmit::take`] has given: not so for multiplexed PDOs, each of which names
@@ -390,12 +372,6 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
     pub(crate) fn is_replaced(&self, number: usize) -> bool {
         let pdo = self.pdos.as_ref().get(number);
         pdo.is_some_and(|pdo| pdo.addressing().is_none())
-    }
-
-    /// Whether a SYNC makes what [`Transmit::take`] will give.
-    pub(crate) fn is_synchronous(&self, number: usize) -> bool {
-        let pdo = self.pdos.as_ref().get(number);
-        pdo.is_some_and(TransmitPdo::is_synchronous)
     }
 
     /// The frame of a PDO that waits; its place is empty afterwards.

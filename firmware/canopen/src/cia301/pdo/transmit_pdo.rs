@@ -4,7 +4,7 @@ use super::mapping::Mapped;
 use super::multiplexed::{self, Addressing, Message, Scan};
 use super::parameters::{Communication, Parameters, TransmissionType};
 use super::record::Record;
-use crate::agenda::{Agenda, Rank, Word};
+use crate::agenda::{Agenda, Object, Word};
 use crate::od::{Dictionary, Slots, Unused};
 use crate::time::{Duration, Instant, NEVER, earlier, has_come};
 use crate::wire::Frame;
@@ -36,8 +36,8 @@ pub struct TransmitPdo<M> {
     sync_count: u8,
     /// Whether the SYNC with the start value has still to come.
     awaits_start: bool,
-    /// Where the bit is that says whether `content` still waits to be taken.
-    rank: Rank,
+    /// Its bit in the agenda says whether `content` still waits to be taken.
+    object: Object,
     /// Whether an event has happened that `content` does not show yet.
     is_due: bool,
     /// A frame has left, and the inhibit time has not begun yet.
@@ -58,7 +58,7 @@ impl<M: Slots<Mapped>> Unused for TransmitPdo<M> {
         watch: Watch::No,
         sync_count: 0,
         awaits_start: false,
-        rank: Rank::FIRST,
+        object: Object::BOOT_UP,
         is_due: false,
         has_left: false,
         scan: Scan::START,
@@ -82,12 +82,14 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
             self.stop(agenda);
             self.event_at = NOT_RUNNING;
             self.find_watch();
+            agenda.name(self.object, self.cob_id(), self.is_synchronous());
         }
         is_changed
     }
 
-    /// Forgets everything.
-    pub(super) fn reset(&mut self, agenda: &mut Agenda<impl Slots<Word>>) {
+    /// Forgets everything; it is this object of the agenda.
+    pub(super) fn reset(&mut self, object: Object, agenda: &mut Agenda<impl Slots<Word>>) {
+        self.object = object;
         self.record.communication = Communication::NONE;
         self.stop(agenda);
         self.watch = Watch::No;
@@ -158,7 +160,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
 
     /// Operational is over.
     pub(super) fn stop(&mut self, agenda: &mut Agenda<impl Slots<Word>>) {
-        agenda.set(self.rank, false);
+        agenda.set(self.object, false);
         self.is_due = false;
     }
 
@@ -228,10 +230,10 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     pub(super) fn window_passed(&mut self, agenda: &mut Agenda<impl Slots<Word>>) {
         let kind = self.record.communication.transmission_type;
         if kind == TransmissionType::ACYCLIC {
-            self.is_due |= agenda.waits(self.rank);
+            self.is_due |= agenda.waits(self.object);
         }
         if kind.is_synchronous() && kind != TransmissionType::SAMPLED_REQUEST {
-            agenda.set(self.rank, false);
+            agenda.set(self.object, false);
         }
     }
 
@@ -248,15 +250,15 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         }
         if kind == TransmissionType::REQUEST {
             self.content = self.record.mapping.pack(dictionary);
-            agenda.set(self.rank, true);
+            agenda.set(self.object, true);
         } else if kind == TransmissionType::SAMPLED_REQUEST {
-            agenda.set(self.rank, true);
+            agenda.set(self.object, true);
         } else if self.record.communication.allows_request {
             if kind == TransmissionType::EVENT {
                 self.is_due = true;
                 self.poll(dictionary, now, agenda);
             } else {
-                agenda.set(self.rank, true);
+                agenda.set(self.object, true);
             }
         }
     }
@@ -305,7 +307,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     ) -> Instant {
         self.start_inhibit_time(now, agenda);
         let present = self.record.mapping.pack(dictionary);
-        if agenda.waits(self.rank) {
+        if agenda.waits(self.object) {
             // Not on the bus yet: the newest values take its place, and cost no transmission of their own.
             self.content = present;
         } else {
@@ -355,7 +357,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
             self.restart_event_timer(now);
         }
         self.start_inhibit_time(now, agenda);
-        if self.is_due && !agenda.waits(self.rank) && has_come(self.free_at(), now) {
+        if self.is_due && !agenda.waits(self.object) && has_come(self.free_at(), now) {
             if let Some(entry) = self.scan.next(dictionary) {
                 let message = Message {
                     addressing: Addressing::Source,
@@ -392,10 +394,10 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         now: Instant,
         agenda: &mut Agenda<impl Slots<Word>>,
     ) -> bool {
-        let is_free = !agenda.waits(self.rank) && has_come(self.free_at(), now);
+        let is_free = !agenda.waits(self.object) && has_come(self.free_at(), now);
         if is_free {
             self.content = message.bytes();
-            agenda.set(self.rank, true);
+            agenda.set(self.object, true);
             self.left_at = now;
         }
         is_free
@@ -407,11 +409,6 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         self.record.is_synchronous()
     }
 
-    /// Its bit is at another place.
-    pub(super) const fn set_rank(&mut self, rank: Rank) {
-        self.rank = rank;
-    }
-
     #[inline]
     pub(super) const fn cob_id(&self) -> u16 {
         self.record.cob_id()
@@ -420,7 +417,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     /// The frame that waits.
     #[inline]
     pub(super) fn take(&mut self, agenda: &mut Agenda<impl Slots<Word>>) -> Frame {
-        agenda.set(self.rank, false);
+        agenda.set(self.object, false);
         if self.has_inhibit_time() {
             self.has_left = true;
             agenda.look();
@@ -434,7 +431,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
 
     /// The inhibit time begins when a frame leaves, however long it has waited for the bus.
     fn start_inhibit_time(&mut self, now: Instant, agenda: &Agenda<impl Slots<Word>>) {
-        if self.has_left || agenda.waits(self.rank) && self.has_inhibit_time() {
+        if self.has_left || agenda.waits(self.object) && self.has_inhibit_time() {
             self.has_left = false;
             self.left_at = now;
         }
@@ -464,7 +461,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     #[inline]
     fn give_out(&mut self, present: [u8; 8], agenda: &mut Agenda<impl Slots<Word>>) {
         self.content = present;
-        agenda.set(self.rank, true);
+        agenda.set(self.object, true);
         self.is_due = false;
         self.sync_count = 0;
     }

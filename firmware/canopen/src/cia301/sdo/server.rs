@@ -6,7 +6,7 @@ use super::objects::{Completion, Objects, Streams};
 use super::parameters::CobIds;
 use super::upload::Ahead;
 use super::{AbortCode, TIME_OUT};
-use crate::agenda::Rank;
+use crate::agenda::Object;
 use crate::od::{Entry, Unused};
 use crate::time::{Duration, Instant, NEVER, has_come};
 use crate::wire::sdo::{BlockRequest, Multiplexer, Request, Response};
@@ -85,8 +85,8 @@ pub struct Server<B> {
     pub(super) request: u16,
     /// The identifier of answers.
     pub(super) response: u16,
-    /// Where the bit is that says whether something is to be sent.
-    pub(super) rank: Rank,
+    /// Its bit in the agenda says whether something is to be sent.
+    pub(super) sender: Object,
     pub(super) deadline: Instant,
     /// How long the client may be silent.
     pub(super) time_out: Duration,
@@ -108,7 +108,7 @@ impl<B: Unused> Unused for Server<B> {
         answers: Answers::new(),
         request: super::NO_COB_ID,
         response: super::NO_COB_ID,
-        rank: Rank::FIRST,
+        sender: Object::BOOT_UP,
         deadline: NEVER,
         time_out: TIME_OUT,
     };

@@ -5,7 +5,7 @@ use super::NO_COB_ID;
 use super::objects::{Objects, Streams};
 use super::parameters::CobIds;
 use super::server::Server;
-use crate::agenda::{Agenda, Object, Rank};
+use crate::agenda::{Agenda, Object};
 use crate::od::{Counts, Dictionary, Entry, Slots};
 use crate::settings::NodeId;
 use crate::time::{Duration, Instant, NEVER, earlier};
@@ -58,14 +58,23 @@ impl<C: Counts> Servers<C> {
     }
 
     /// Takes the identifiers: a state with SDO begins, or one of 1201h and up was written. A server whose identifiers change
-    /// drops its transfer; an answer that waits leaves under the identifier that its request belongs to.
-    pub(crate) fn configure<D: Dictionary>(&mut self, dictionary: &D, node_id: NodeId) {
+    /// drops its transfer; an answer that waits leaves under the identifier that its request belongs to. The device has so many
+    /// transmit PDOs.
+    pub(crate) fn configure<D: Dictionary>(
+        &mut self,
+        dictionary: &D,
+        node_id: NodeId,
+        pdos: usize,
+        agenda: &mut Agenda<C::Senders>,
+    ) {
         for (number, server) in (0..).zip(self.servers.as_mut()) {
             let cob_ids = match number {
                 0 => Some(CobIds::predefined(node_id)),
                 _ => CobIds::of(dictionary, number),
             };
             server.configure(cob_ids);
+            server.sender = Object::answer(number.into(), pdos);
+            agenda.name(server.sender, server.response, false);
         }
     }
 
@@ -93,7 +102,7 @@ impl<C: Counts> Servers<C> {
         for server in self.servers.as_mut() {
             server.reset();
             server.request = NO_COB_ID;
-            agenda.set(server.rank, false);
+            agenda.set(server.sender, false);
         }
     }
 
@@ -128,7 +137,7 @@ impl<C: Counts> Servers<C> {
         if server.is_pending() || !server.pass(request, now, streams) {
             return None;
         }
-        agenda.set(server.rank, server.is_pending());
+        agenda.set(server.sender, server.is_pending());
         Some(server.deadline())
     }
 
@@ -157,7 +166,7 @@ impl<C: Counts> Servers<C> {
     #[inline]
     pub(crate) fn settle(&self, number: usize, agenda: &mut Agenda<C::Senders>) {
         if let Some(server) = self.servers.as_ref().get(number) {
-            agenda.set(server.rank, server.is_pending());
+            agenda.set(server.sender, server.is_pending());
             agenda.wake_at(server.deadline());
         }
     }
@@ -184,7 +193,7 @@ impl<C: Counts> Servers<C> {
         for server in self.servers.as_mut() {
             if let Some(answer) = server.complete(object, result) {
                 server.answers.push(answer);
-                agenda.set(server.rank, true);
+                agenda.set(server.sender, true);
             }
         }
     }
@@ -200,7 +209,7 @@ impl<C: Counts> Servers<C> {
             if let Some(answer) = server.poll(now, streams) {
                 server.answers.push(answer);
             }
-            agenda.set(server.rank, server.is_pending());
+            agenda.set(server.sender, server.is_pending());
         }
     }
 
@@ -208,26 +217,6 @@ impl<C: Counts> Servers<C> {
     pub(crate) fn deadline(&self) -> Instant {
         let servers = self.servers.as_ref().iter();
         servers.fold(NEVER, |next, server| earlier(next, server.deadline()))
-    }
-
-    /// Calls `each` with every server and the identifier of its answers: for [`Agenda::arrange`].
-    pub(crate) fn senders(&self, each: &mut dyn FnMut(Object, Option<u16>, bool)) {
-        for (number, server) in self.servers.as_ref().iter().enumerate() {
-            each(Object::answer(number), Some(server.response), false);
-        }
-    }
-
-    /// The place of a server among all that may send.
-    pub(crate) fn set_rank(&mut self, number: usize, rank: Rank) {
-        if let Some(server) = self.servers.as_mut().get_mut(number) {
-            server.rank = rank;
-        }
-    }
-
-    /// The identifier of the answers of a server.
-    pub(crate) fn response(&self, number: usize) -> u16 {
-        let server = self.servers.as_ref().get(number);
-        server.map_or(NO_COB_ID, |server| server.response)
     }
 
     /// The next frame of a server that waits.
@@ -242,7 +231,7 @@ impl<C: Counts> Servers<C> {
         let answer = server.answers.pop();
         let frame = answer.or_else(|| server.transmit_segment(streams));
         if !server.is_pending() {
-            agenda.set(server.rank, false);
+            agenda.set(server.sender, false);
             if server.has_sent_sub_block() {
                 // The time of the client begins.
                 agenda.wake();

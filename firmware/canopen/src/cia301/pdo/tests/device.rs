@@ -3,7 +3,7 @@
 use std::vec::Vec;
 
 use super::objects::Objects;
-use crate::agenda::{Agenda, Kind, Object, Rank, Senders, Word};
+use crate::agenda::{Agenda, Kind, Word};
 use crate::application::Application;
 use crate::cia301::error_report::ErrorReport;
 use crate::cia301::pdo::{
@@ -45,18 +45,6 @@ pub(super) struct Device {
     pub(super) agenda: Agenda<[Word; 1]>,
     pub(super) recorder: Recorder,
     pub(super) now: Instant,
-}
-
-impl Senders for Transmit<[TransmitPdo<Places>; 4], Places> {
-    fn each(&self, each: &mut dyn FnMut(Object, Option<u16>, bool)) {
-        self.senders(each);
-    }
-
-    fn place(&mut self, object: Object, rank: Rank) {
-        if let Kind::Pdo(number) = object.kind() {
-            self.set_rank(number, rank);
-        }
-    }
 }
 
 /// A mapping entry.
@@ -106,7 +94,6 @@ impl Device {
         } = &mut device;
         transmit.configure_all(objects, 4, agenda);
         agenda.is_mute = false;
-        agenda.arrange(transmit);
         device
     }
 
@@ -137,7 +124,6 @@ impl Device {
             0x1800..=0x1BFF => {
                 self.transmit
                     .written(&self.objects, entry, self.now, &mut self.agenda);
-                self.agenda.arrange(&mut self.transmit);
             }
             _ => {}
         }
@@ -246,10 +232,10 @@ impl Device {
         let mut frames = Vec::new();
         self.agenda.set_values(NEVER);
         while let Some(first) = self.agenda.first() {
-            let Kind::Pdo(number) = first.kind() else {
+            let Kind::Pdo(number) = first.kind(4) else {
                 panic!("only PDOs send");
             };
-            let cob_id = self.transmit.cob_id(number);
+            let cob_id = self.agenda.cob_id(first);
             let frame = self.transmit.take(number, &mut self.agenda).unwrap();
             assert_eq!(frame.standard_id(), Some(cob_id));
             frames.push((cob_id, frame.payload().to_vec()));
