@@ -148,6 +148,37 @@ impl Commands {
             || before.remote && !self.remote
     }
 
+    /// Whether these ask for what those of before did, with other numbers at most, and nothing is given once.
+    pub(crate) fn repeat(&self, before: &Self) -> bool {
+        let asked = |commands: &Self| {
+            let Self {
+                controlword,
+                remote,
+                connection_error,
+                restart,
+                mode,
+                ..
+            } = *commands;
+            let Self {
+                digital_outputs,
+                digital_outputs_mask,
+                touch_probe_function,
+                ..
+            } = *commands;
+            (
+                (controlword, remote, connection_error, restart, mode),
+                (digital_outputs, digital_outputs_mask, touch_probe_function),
+            )
+        };
+        let is_passed = self.rising | self.touch_probes_off != 0
+            || self.stop.is_some()
+            || self.overwritten.is_some()
+            || self.shutdown_first
+            || self.outputs_written
+            || self.passed_set_point.is_some();
+        !is_passed && asked(self) == asked(before)
+    }
+
     /// A tick has seen what is only given once.
     pub(crate) const fn forget_passed(&mut self) {
         self.rising = 0;

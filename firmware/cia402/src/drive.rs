@@ -23,6 +23,7 @@ use crate::board::{DriveConfig, Inputs, Outputs, outlast_tick};
 use crate::brake::Brakes;
 use crate::commands::Commands;
 use crate::configuration::Configuration;
+use crate::controlword::Command;
 use crate::cyclic::{Fine, fine};
 use crate::exchange::{Actuals, Exchange, Share, Waiting};
 use crate::faults::{EXTERNAL, Faults};
@@ -84,6 +85,8 @@ struct Tick<'a> {
     is_displaced: bool,
     /// The configuration, or where the motor may go, may have changed.
     has_changed: bool,
+    /// Operation was enabled in the tick before, and nothing else is asked for: only a fault changes the state.
+    is_calm: bool,
 }
 
 impl<D: Objects> Drive<D> {
@@ -186,7 +189,13 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     {
         const { assert!(D::DRIVE.modes & !A::MODES == 0) };
         let waiting = self.take(is_early, exchange);
-        let command = self.command();
+        let is_asked = is_early || waiting.has_orders || waiting.is_configured;
+        let is_calm = self.orders.are_carried_out && !is_asked;
+        let command = if is_calm {
+            Some(Command::EnableOperation)
+        } else {
+            self.command()
+        };
         let (position, is_displaced) = self.look_at_motor(now, inputs, port);
         let quiet = is_early.then(|| self.without_edges(inputs));
         let tick = &Tick {
@@ -197,6 +206,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             position,
             is_displaced,
             has_changed: self.look_for_changes(waiting.is_configured, position),
+            is_calm,
         };
         self.look_at_switches(tick);
         self.measure(tick);
@@ -208,6 +218,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             0
         } else {
             self.change_state(tick, command);
+            self.orders.are_carried_out &= !is_asked;
             self.move_brake(now);
             self.operate(tick, command)
         };

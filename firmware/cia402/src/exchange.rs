@@ -35,6 +35,8 @@ pub struct Waiting {
     pub sync_events: usize,
     /// The state that was published last has been seen on the bus, or nobody looks.
     pub is_seen: bool,
+    /// The commands ask for something else than those of the tick before, and not only with other numbers.
+    pub has_orders: bool,
 }
 
 /// Sync events that wait for a tick. There is about one for each.
@@ -65,6 +67,8 @@ pub struct Exchange {
     is_seen: bool,
     /// A command to stop came, and no tick has taken it yet.
     is_urgent: bool,
+    /// So has another command, or one to stop.
+    has_orders: bool,
     /// The last tick was an early one.
     was_early: bool,
     actuals: History,
@@ -99,6 +103,7 @@ impl Exchange {
             is_watched: false,
             is_seen: false,
             is_urgent: false,
+            has_orders: false,
             was_early: false,
             actuals: History::new(),
             notices: Deque::new(),
@@ -119,6 +124,7 @@ impl Exchange {
     pub fn post(&mut self, commands: Commands) -> bool {
         self.start_posted |= commands.rising & NEW_SET_POINT != 0;
         self.is_urgent |= commands.stop_behind(&self.commands) && self.newest().is_stoppable();
+        self.has_orders |= !commands.repeat(&self.commands);
         self.commands = commands.after(&self.commands);
         self.posted = self.posted.wrapping_add(1);
         self.calls_early()
@@ -173,8 +179,9 @@ impl Exchange {
     }
 
     /// What waits for any tick.
-    const fn waiting(&self) -> Waiting {
+    const fn waiting(&mut self) -> Waiting {
         Waiting {
+            has_orders: core::mem::replace(&mut self.has_orders, false),
             is_configured: self.is_configured,
             clears_records: false,
             records: 0,

@@ -178,10 +178,14 @@ impl<A> Hooks<A> {
         SyncEvent {
             at,
             is_sync,
-            position: position.then(|| dictionary.target_position()),
-            velocity: velocity.then(|| units.velocity(dictionary.target_velocity())),
-            position_offset: dictionary.position_offset(),
-            velocity_offset: units.velocity(dictionary.velocity_offset()),
+            position: position.then(|| {
+                let target = dictionary.target_position();
+                target.saturating_add(dictionary.position_offset())
+            }),
+            velocity: velocity.then(|| {
+                let target = units.velocity(dictionary.target_velocity());
+                target.plus(units.velocity(dictionary.velocity_offset()))
+            }),
         }
     }
 

@@ -37,8 +37,18 @@ impl Mode {
     ];
 
     /// The mode with this number; `None` if it is not supported.
-    pub fn from_code(code: i8) -> Option<Self> {
-        Self::ALL.into_iter().find(|mode| mode.code() == code)
+    pub const fn from_code(code: i8) -> Option<Self> {
+        match code {
+            0 => Some(Self::NoMode),
+            1 => Some(Self::ProfilePosition),
+            2 => Some(Self::Velocity),
+            3 => Some(Self::ProfileVelocity),
+            6 => Some(Self::Homing),
+            7 => Some(Self::InterpolatedPosition),
+            8 => Some(Self::CyclicPosition),
+            9 => Some(Self::CyclicVelocity),
+            _ => None,
+        }
     }
 
     /// The mode with this number that a drive with these modes (bits as in 6502h) has. No mode is always there.

@@ -188,8 +188,6 @@ fn cyclic_position_leads_a_servo_through_its_set_points() {
             is_sync: true,
             position: Some(at(period)),
             velocity: None,
-            position_offset: 0,
-            velocity_offset: 0.into(),
         });
         let shown = rig.ticks(2);
         if (100..800).contains(&period) {

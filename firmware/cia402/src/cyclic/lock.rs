@@ -246,14 +246,16 @@ impl Lock {
     }
 
     fn correct(&mut self, error: i64, periods: u32) {
-        // Shifts by constants: those of 64 bits by others are dear.
-        let (shift, gain) = match self.good {
-            0..=7 => (error >> 1, error >> 3),
-            8..=15 => (error >> 2, error >> 5),
-            16..=31 => (error >> 3, error >> 7),
-            32..=63 => (error >> 4, error >> 9),
-            _ => (error >> 5, error >> 11),
+        // One shift by a number: five by constants would all be made.
+        let (shift, more) = match self.good {
+            0..=7 => (1, 2),
+            8..=15 => (2, 3),
+            16..=31 => (3, 4),
+            32..=63 => (4, 5),
+            _ => (5, 6),
         };
+        let shift = error >> shift;
+        let gain = shift >> more;
         self.at = self.at.wrapping_add_signed(shift);
         let gain = match periods {
             1 => gain,

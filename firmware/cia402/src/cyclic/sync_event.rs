@@ -10,12 +10,8 @@ pub struct SyncEvent {
     pub at: Instant,
     /// It is a SYNC.
     pub is_sync: bool,
-    /// 607Ah in user units, if it was written since the sync event before.
+    /// 607Ah plus 60B0h in user units, if 607Ah was written since the sync event before.
     pub position: Option<i32>,
-    /// 60FFh, if it was written since the sync event before.
+    /// 60FFh plus 60B1h, if 60FFh was written since the sync event before.
     pub velocity: Option<SignedSpeed>,
-    /// 60B0h in user units.
-    pub position_offset: i32,
-    /// 60B1h.
-    pub velocity_offset: SignedSpeed,
 }

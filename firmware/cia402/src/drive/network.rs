@@ -19,10 +19,25 @@ pub(super) struct Control {
     pub(super) begins_stop: bool,
 }
 
+impl Control {
+    /// The network commands the drive, as before.
+    const fn by_network(command: Option<Command>) -> Self {
+        Self {
+            is_remote: true,
+            command,
+            fault: None,
+            begins_stop: false,
+        }
+    }
+}
+
 impl<D: Objects, A: Actuator> Drive<D, A> {
     /// What is left of remote control. A reset of the device always stops the motor; otherwise 6007h says what the loss means to a drive
     /// with power.
-    pub(super) fn control(&mut self, command: Option<Command>) -> Control {
+    pub(super) fn control(&mut self, tick: &Tick<'_>, command: Option<Command>) -> Control {
+        if tick.is_calm {
+            return Control::by_network(command);
+        }
         let (is_remote, command, fault) = self.under_6007h(command);
         let was_remote = core::mem::replace(&mut self.network.is_commanding, is_remote);
         Control {

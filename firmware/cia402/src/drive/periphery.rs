@@ -53,10 +53,12 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Tells the brake what 60FEh wants of it if that may, else what the state machine wants. 60FEh does not close it on a motor that
     /// turns: the mode stops the motor first, unless that takes too long.
     pub(super) fn move_brake(&mut self, now: Instant) {
-        let is_turning = self.power && !self.motor.standstill();
-        let waits = is_turning && self.brakes.fitted.is_released() && !self.is_overdue(now);
         let release = match self.periphery.outputs.brake() {
-            Some(manual) => manual || waits,
+            Some(manual) => {
+                let is_turning = self.power && !self.motor.standstill();
+                let is_released = self.brakes.fitted.is_released();
+                manual || is_turning && is_released && !self.is_overdue(now)
+            }
             None => self.brakes.wanted.is_released(),
         };
         self.brakes.fitted.set(release, now);

@@ -21,11 +21,14 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             both_limits,
             &self.periphery.stage,
         );
-        let control = self.control(command);
+        let control = self.control(tick, command);
         let (remote, command) = (control.is_remote, control.command);
         let silent = self.set_points_lost();
         let late = self.pulses_late();
         let reaction = detected.or(control.fault).or(silent).or(late);
+        if tick.is_calm && reaction.is_none() {
+            return;
+        }
         let is_over = self.motor.standstill() && self.is_held_by_brake(now, remote, command);
         let has_shown = self.has_shown(now);
         let reset = self.resets_fault(is_over, has_shown, reaction.is_some());
@@ -56,6 +59,10 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let holds_open = self.brakes.wanted.is_released() || !self.is_leaving(remote, command);
         self.brakes.wanted.set(self.power && holds_open, now);
         self.end_own_stop(now, remote);
+        self.orders.are_carried_out = self.machine.state() == State::OperationEnabled
+            && command == Some(Command::EnableOperation)
+            && self.commands.remote
+            && self.stopping.own_stop.is_none();
     }
 
     /// The action of a transition (CiA 402-2, "transition events and actions").

@@ -15,6 +15,8 @@ pub(super) struct Orders {
     pub(super) is_only_shown: bool,
     /// A fault was reset meanwhile.
     pub(super) resets_early: bool,
+    /// Operation is enabled, as was ordered, and nothing waits.
+    pub(super) are_carried_out: bool,
 }
 
 impl Orders {

@@ -53,10 +53,8 @@ impl CyclicPosition {
         } else {
             self.held = false;
             for slot in context.slots {
-                let target = slot.event.and_then(|event| {
-                    let position = event.position?.saturating_add(event.position_offset);
-                    Some(context.target(position))
-                });
+                let position = slot.event.and_then(|event| event.position);
+                let target = position.map(|position| context.target(position));
                 if self.motion.take(*slot, target, context) == Outcome::Lost {
                     self.motion.forget();
                     context.lose_set_points();

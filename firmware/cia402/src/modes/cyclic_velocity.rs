@@ -114,10 +114,7 @@ impl CyclicVelocity {
     }
 
     fn take(&mut self, slot: &Slot, context: &mut Context<'_>) {
-        let asked = slot.event.and_then(|event| {
-            let offset = event.velocity_offset;
-            Some(event.velocity?.plus(offset))
-        });
+        let asked = slot.event.and_then(|event| event.velocity);
         let lost = &context.configuration.cyclic.lost;
         match asked {
             Some(velocity) => {

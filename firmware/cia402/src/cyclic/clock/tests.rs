@@ -33,8 +33,6 @@ impl Network {
             is_sync: true,
             position,
             velocity: None,
-            position_offset: 0,
-            velocity_offset: 0.into(),
         };
         let mut slots = Slots::new();
         let times = (self.interpolation << POINT, 0);

@@ -264,8 +264,6 @@ fn sync_event(rig: &mut Rig, position: Option<i32>) {
         is_sync: true,
         position,
         velocity: None,
-        position_offset: 0,
-        velocity_offset: SignedSpeed::ZERO,
     });
 }
 
@@ -458,8 +456,6 @@ fn m63_early_ticks_take_no_set_point_twice_and_leave_sync_its_beat() {
             is_sync: true,
             position: is_there.then_some(position),
             velocity: is_there.then(|| SignedSpeed::from(3 * position)),
-            position_offset: 0,
-            velocity_offset: SignedSpeed::ZERO,
         });
     }
     is_undisturbed(|| cyclic(8), sync_event);
