@@ -7,7 +7,8 @@ use crate::model::{DefaultValue, Entry, Limit, Model, Object, StorageGroup};
 use crate::print::value;
 
 /// The objects with everything that is known of their values. Numbers are numbers, an OCTET_STRING is its bytes in hexadecimal, and
-/// a default with `adds_node_id` is without the node-ID.
+/// a default with `adds_node_id` is without the node-ID; it is null where the
+/// file states none.
 pub fn json(model: &Model) -> String {
     let device = &model.device;
     let whole = json!({
@@ -39,8 +40,8 @@ fn entry(entry: &Entry) -> Value {
         "pdo_mapping": entry.pdo_mapping,
         "low_limit": entry.low_limit.map(limit),
         "high_limit": entry.high_limit.map(limit),
-        "default": default(&entry.default, entry.data_type),
-        "adds_node_id": entry.default.adds_node_id(),
+        "default": entry.default.as_ref().map(|value| default(value, entry.data_type)),
+        "adds_node_id": entry.adds_node_id(),
         "configured": entry.configured.as_ref().map(|value| default(value, entry.data_type)),
         "size": entry.size,
         "storage": entry.storage.map(StorageGroup::name),
@@ -101,5 +102,6 @@ mod tests {
         assert_eq!(entry(0x200F)["size"], 4096);
         assert_eq!(entry(0x2005)["data_type_code"], 5);
         assert_eq!(value["node_id"], 17);
+        assert_eq!(entry(0x1000)["default"], Value::Null, "0 is not stated");
     }
 }

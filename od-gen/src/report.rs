@@ -5,7 +5,7 @@ use std::{fmt, fs, io};
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
 use crate::model::{FileKind, Model};
-use crate::rules::{self, Subject};
+use crate::rules::{self, Subject, reading};
 use crate::source::Source;
 use crate::{document, parse as parser, xdd};
 
@@ -34,12 +34,32 @@ impl Report {
         ))
     }
 
+    /// Reads and checks a file that code is to be made of: 0 stands in for each default that it does not state.
+    ///
+    /// # Errors
+    /// The file cannot be read from its disk.
+    pub fn read_for_code(path: &Path) -> io::Result<Self> {
+        let findings = Findings::new(&path.display().to_string()).for_code();
+        Ok(Self::decoded(&fs::read(path)?, findings))
+    }
+
+    /// Checks a text that code is to be made of, as [`Report::read_for_code`] does.
+    pub fn for_code(file: &str, text: &str) -> Self {
+        let mut findings = Findings::new(file).for_code();
+        let source = Source::new(file, text, &mut findings);
+        Self::of(source, findings)
+    }
+
     /// Checks what a file holds, in whatever encoding and with whatever line ends. `file` is its name, for the findings.
     pub fn of_bytes(file: &str, bytes: &[u8]) -> Self {
-        let mut findings = Findings::new(file);
-        match Source::decode(file, bytes, &mut findings) {
+        Self::decoded(bytes, Findings::new(file))
+    }
+
+    fn decoded(bytes: &[u8], mut findings: Findings) -> Self {
+        let file = findings.file().to_owned();
+        match Source::decode(&file, bytes, &mut findings) {
             Some(source) => Self::of(source, findings),
-            None => Self::unreadable(Source::new(file, "", &mut Findings::new(file)), findings),
+            None => Self::unreadable(Source::new(&file, "", &mut Findings::new(&file)), findings),
         }
     }
 
@@ -71,11 +91,19 @@ impl Report {
             broken: &broken,
         };
         rules::check(&subject, &mut findings);
+        let is_for_code = findings.is_for_code();
         let silenced = findings.silence();
+        let mut findings = findings.into_sorted();
+        let is_unused = |finding: &Diagnostic| finding.rule == &reading::UNUSED_ALLOWANCE;
+        if !is_for_code && findings.iter().any(is_unused) {
+            // It may be for what only code asks for.
+            let of_code = Self::for_code(&source.file, source.text()).findings;
+            findings.retain(|finding| !is_unused(finding) || of_code.contains(finding));
+        }
         Self {
             source,
             model,
-            findings: findings.into_sorted(),
+            findings,
             silenced,
         }
     }

@@ -209,7 +209,7 @@ fn diff_ends_like_diff() {
     assert_eq!((same.status.code(), text(&same.stdout)), (Some(0), ""));
     let other = od_gen(&["diff", small, drive]);
     assert_eq!(other.status.code(), Some(1));
-    assert!(text(&other.stdout).contains("+ 6040h Control word: VAR UNSIGNED16 rww = 0"));
+    assert!(text(&other.stdout).contains("+ 6040h Control word: VAR UNSIGNED16 rww\n"));
     let broken = od_gen(&["diff", small, "tests/data/broken.eds"]);
     assert_eq!((broken.status.code(), text(&broken.stdout)), (Some(2), ""));
     let json = od_gen(&["diff", "--format", "json", small, drive]);

@@ -188,7 +188,7 @@ fn o04_a_data_sheet_as_vendors_ship_them_is_read() {
     ];
     assert_eq!(silenced, expected);
     let model = report.model;
-    let default = |index, sub| model.entry(index, sub).unwrap().default.clone();
+    let default = |index, sub| model.entry(index, sub).unwrap().initial();
     assert_eq!(model.device.vendor_name, "Nobody & S\u{f6}hne");
     assert_eq!(model.device.product_number, Some(18));
     assert_eq!(default(0x2000, 0), DefaultValue::number(-1));

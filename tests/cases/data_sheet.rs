@@ -7,7 +7,7 @@ use tests::DriveBench;
 
 /// The default of the data sheet as node 4 must show it on the bus.
 fn default_bytes(entry: &od_gen::model::Entry) -> Vec<u8> {
-    match &entry.default {
+    match &entry.initial() {
         DefaultValue::Text(text) => text.clone(),
         DefaultValue::Real(_) => panic!("the drive has no REAL objects"),
         DefaultValue::Number {

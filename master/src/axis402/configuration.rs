@@ -92,7 +92,7 @@ const NO_DATA: u32 = 0x0800_0024;
 fn configured(bytes: &[u8], entry: &Entry, node_id: u8) -> Option<DefaultValue> {
     let value = transfer::value(bytes, entry.data_type)?;
     Some(match value {
-        DefaultValue::Number { value, .. } if entry.default.adds_node_id() => {
+        DefaultValue::Number { value, .. } if entry.adds_node_id() => {
             let base = value - i128::from(node_id);
             let is_own = value & 0x7F == i128::from(node_id);
             DefaultValue::Number {

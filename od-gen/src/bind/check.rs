@@ -11,7 +11,7 @@ use super::place::{entry, indices, name};
 use super::{Binding, Meaning, home};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
-use crate::model::{Access, Entry, Model, Object};
+use crate::model::{Access, DefaultValue, Entry, Model, Object};
 use crate::rules::binding;
 use crate::source::Source;
 use crate::spelling;
@@ -304,7 +304,10 @@ impl Reader<'_> {
             return Some(());
         }
         let meaning = &binding.meaning;
-        let default = i64::try_from(entry.default_number()?).unwrap_or(i64::MAX);
+        let DefaultValue::Number { value, .. } = entry.initial() else {
+            return None;
+        };
+        let default = i64::try_from(value).unwrap_or(i64::MAX);
         let (low, high) = parameter.range;
         let number = meaning.to_parameter(default);
         if number.is_some_and(|number| (low..=high).contains(&number)) {

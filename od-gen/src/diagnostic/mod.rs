@@ -96,6 +96,8 @@ pub struct Findings {
     list: Vec<Diagnostic>,
     /// What the file silences.
     allowances: Allowances,
+    /// Whether code is to be made of the file.
+    is_for_code: bool,
 }
 
 impl Findings {
@@ -104,7 +106,24 @@ impl Findings {
             file: file.into(),
             list: Vec::new(),
             allowances: Allowances::default(),
+            is_for_code: false,
         }
+    }
+
+    /// For a file that code is to be made of: 0 stands in for what it does not state.
+    pub(crate) fn for_code(mut self) -> Self {
+        self.is_for_code = true;
+        self
+    }
+
+    /// Whether code is to be made of the file.
+    pub(crate) fn is_for_code(&self) -> bool {
+        self.is_for_code
+    }
+
+    /// The file, as its reader named it.
+    pub(crate) fn file(&self) -> &str {
+        &self.file
     }
 
     /// Findings of these rules at these places are to be silenced.
@@ -160,7 +179,11 @@ impl Findings {
 
     /// For more findings of the same file.
     pub(crate) fn same_file(&self) -> Self {
-        Self::new(&self.file)
+        let is_for_code = self.is_for_code;
+        Self {
+            is_for_code,
+            ..Self::new(&self.file)
+        }
     }
 
     /// Adds findings that are known already.

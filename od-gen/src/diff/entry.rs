@@ -2,7 +2,7 @@
 
 use super::text;
 use super::{Differences, Place};
-use crate::model::{Entry, Limit};
+use crate::model::{DefaultValue, Entry, Limit};
 
 pub(super) fn compare(place: &Place, before: &Entry, after: &Entry, out: &mut Differences) {
     let (first, second) = (before.data_type.name(), after.data_type.name());
@@ -50,7 +50,11 @@ pub(super) fn compare(place: &Place, before: &Entry, after: &Entry, out: &mut Di
         breaks,
     );
 
-    let default = |entry: &Entry| text::default(&entry.default, entry.data_type);
+    let value = |entry: &Entry, value: &Option<DefaultValue>| {
+        let value = value.as_ref();
+        value.map_or_else(String::new, |value| text::default(value, entry.data_type))
+    };
+    let default = |entry: &Entry| value(entry, &entry.default);
     out.change(
         place,
         "DefaultValue",
@@ -58,10 +62,7 @@ pub(super) fn compare(place: &Place, before: &Entry, after: &Entry, out: &mut Di
         &default(after),
         false,
     );
-    let configured = |entry: &Entry| {
-        let value = entry.configured.as_ref();
-        value.map_or_else(String::new, |value| text::default(value, entry.data_type))
-    };
+    let configured = |entry: &Entry| value(entry, &entry.configured);
     out.change(
         place,
         "ParameterValue",

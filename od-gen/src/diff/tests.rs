@@ -52,6 +52,14 @@ fn what_is_changed_is_named_with_both_values() {
             "~ 1018h:2 DefaultValue: 18 -> 19"
         ]
     );
+    // No default is no default: 0 is another thing.
+    assert_eq!(
+        differences(&[(
+            "[1001]\nParameterName=Error register\n",
+            "[1001]\nParameterName=Error register\nDefaultValue=0\n"
+        )]),
+        ["~ 1001h DefaultValue: (none) -> 0"]
+    );
     assert_eq!(
         differences(&[(
             "ParameterName=Pattern\nDataType=0x0003",

@@ -21,11 +21,9 @@ pub(super) fn entry(entry: &Entry) -> String {
 
 fn value(entry: &Entry) -> String {
     let (data_type, access) = (entry.data_type.name(), entry.access.name());
-    let default = default(&entry.default, entry.data_type);
-    if default.is_empty() {
-        format!("{data_type} {access}")
-    } else {
-        format!("{data_type} {access} = {default}")
+    match &entry.default {
+        Some(value) => format!("{data_type} {access} = {}", default(value, entry.data_type)),
+        None => format!("{data_type} {access}"),
     }
 }
 

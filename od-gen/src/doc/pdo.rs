@@ -63,7 +63,9 @@ fn settings(model: &Model, index: u16) -> String {
     if let Some(DefaultValue::Number {
         value,
         adds_node_id,
-    }) = model.entry(index, 1).map(|entry| &entry.default)
+    }) = model
+        .entry(index, 1)
+        .and_then(|entry| entry.default.as_ref())
     {
         let node_id = if *adds_node_id { " + node-ID" } else { "" };
         let off = if value & INVALID == 0 { "" } else { ", off" };

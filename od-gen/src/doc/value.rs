@@ -15,13 +15,16 @@ pub(super) fn data_type(entry: &Entry) -> String {
 
 /// The value at power-on, and in a DCF what it is configured to.
 pub(super) fn default(index: u16, entry: &Entry) -> String {
-    let default = text(index, entry, &entry.default);
+    let default = entry.default.as_ref();
+    let default = default.map_or_else(String::new, |value| text(index, entry, value));
     match &entry.configured {
         Some(configured) => {
-            format!(
-                "{default}, configured to {}",
-                text(index, entry, configured)
-            )
+            let configured = format!("configured to {}", text(index, entry, configured));
+            if default.is_empty() {
+                configured
+            } else {
+                format!("{default}, {configured}")
+            }
         }
         None => default,
     }

@@ -88,7 +88,8 @@ fn getter(out: &mut String, position: usize, row: &Row<'_>) {
     let data_type = row.entry.data_type;
     let own_type = value_type(data_type);
     let is_text = data_type == DataType::VisibleString;
-    let (constness, returned, body) = match (row.place, &row.entry.default) {
+    let default = row.entry.initial();
+    let (constness, returned, body) = match (row.place, &default) {
         (Place::Rom(_), DefaultValue::Text(bytes)) if is_text => (
             "const ",
             "&'static str",

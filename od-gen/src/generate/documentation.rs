@@ -49,7 +49,7 @@ fn facts_with(row: &Row<'_>, unit_as: impl Fn(&str) -> String) -> String {
     if entry.data_type.size().is_none() && entry.access != Access::Constant && entry.size > 0 {
         facts.push(format!("up to {} bytes", entry.size));
     }
-    if let Some(default) = default(&entry.default) {
+    if let Some(default) = default(&entry.initial()) {
         facts.push(format!("{default} at power-on"));
     }
     facts.join(", ")

@@ -155,7 +155,7 @@ impl<'a> Layout<'a> {
         let offset = self.defaults.len();
         let bytes = default_bytes(entry);
         let size = usize::from(entry.size);
-        if matches!(entry.default, DefaultValue::Text(_)) {
+        if entry.data_type.size().is_none() {
             // A string is preceded by its present length.
             let length = u16::try_from(bytes.len()).unwrap_or(entry.size);
             self.defaults.extend(length.to_le_bytes());
@@ -213,16 +213,10 @@ fn real_limits(entry: &Entry) -> Option<(DefaultValue, DefaultValue)> {
 /// Whether a value can lie in flash: `const` objects, strings nobody can write, and the sub-index 0 of a record or an array whose
 /// entries are fixed (that of 1003h counts errors). Other `ro` objects are the device's to change.
 fn is_constant(object: &Object, entry: &Entry) -> bool {
-    if matches!(
-        entry.default,
-        DefaultValue::Number {
-            adds_node_id: true,
-            ..
-        }
-    ) {
+    if entry.adds_node_id() {
         return false;
     }
-    let is_text = matches!(entry.default, DefaultValue::Text(_));
+    let is_text = entry.data_type.is_text();
     let counts_entries = object.object_type.has_subs() && entry.sub == 0 && object.index != 0x1003;
     match entry.access {
         _ if entry.data_type == DataType::Domain => false,
@@ -241,5 +235,5 @@ fn is_streamed(entry: &Entry) -> bool {
 
 /// The default as it travels on the bus; the firmware adds the node-ID itself.
 fn default_bytes(entry: &Entry) -> Vec<u8> {
-    transfer::bytes(&entry.default, entry.data_type, 0)
+    transfer::bytes(&entry.initial(), entry.data_type, 0)
 }

@@ -2,7 +2,7 @@
 
 use super::layout::{Layout, Place, Row};
 use crate::data_type::DataType;
-use crate::model::{DefaultValue, StorageGroup};
+use crate::model::StorageGroup;
 
 pub(super) fn write(layout: &Layout<'_>) -> String {
     let ram_size = layout.defaults.len();
@@ -75,19 +75,12 @@ fn entry(row: &Row<'_>) -> String {
 
 fn attributes(row: &Row<'_>) -> String {
     let entry = row.entry;
-    let adds_node_id = matches!(
-        entry.default,
-        DefaultValue::Number {
-            adds_node_id: true,
-            ..
-        }
-    );
     let attributes = [
         ("READ", entry.access.is_readable()),
         ("WRITE", entry.access.is_writable()),
         ("TPDO", entry.is_tpdo_mappable()),
         ("RPDO", entry.is_rpdo_mappable()),
-        ("NODE_ID", adds_node_id),
+        ("NODE_ID", entry.adds_node_id()),
         ("ROM", matches!(row.place, Place::Rom(_))),
         ("STREAMED", row.place == Place::Application),
         ("CONSTANT", entry.access == crate::model::Access::Constant),

@@ -22,8 +22,8 @@ pub struct Entry {
     pub low_limit: Option<Limit>,
     /// HighLimit, as it is stated.
     pub high_limit: Option<Limit>,
-    /// DefaultValue; 0 or empty where there is none.
-    pub default: DefaultValue,
+    /// DefaultValue, where the file states one; [`Entry::initial`] stands in for it. Never an empty text.
+    pub default: Option<DefaultValue>,
     /// Length in bytes; of a string that can be written, the most it can hold. Of a DOMAIN the most it has, 0 for no bound.
     pub size: u16,
     /// ObjFlags; bit 0: not written when a configuration is downloaded, bit 1: not read when it is scanned.
@@ -50,13 +50,8 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// A value of this type that can be read and written, 0 or empty, without limits.
+    /// A value of this type that can be read and written, without a default and without limits.
     pub fn new(sub: u8, name: impl Into<String>, data_type: DataType) -> Self {
-        let default = match data_type {
-            DataType::Real32 | DataType::Real64 => DefaultValue::Real(0.0),
-            _ if data_type.size().is_some() => DefaultValue::number(0),
-            _ => DefaultValue::Text(Vec::new()),
-        };
         Self {
             sub,
             name: name.into(),
@@ -65,7 +60,7 @@ impl Entry {
             pdo_mapping: false,
             low_limit: None,
             high_limit: None,
-            default,
+            default: None,
             size: data_type.size().unwrap_or_default(),
             flags: 0,
             configured: None,
@@ -95,12 +90,27 @@ impl Entry {
         self.pdo_mapping && readable
     }
 
-    /// The default as an integer; `None` for strings and REAL numbers.
+    /// What a generated dictionary starts with: the default, or 0 or empty where the file states none.
+    pub fn initial(&self) -> DefaultValue {
+        self.default.clone().unwrap_or(match self.data_type {
+            DataType::Real32 | DataType::Real64 => DefaultValue::Real(0.0),
+            _ if self.data_type.size().is_some() => DefaultValue::number(0),
+            _ => DefaultValue::Text(Vec::new()),
+        })
+    }
+
+    /// The default as an integer; `None` for strings and REAL numbers, and where the file states none.
     pub fn default_number(&self) -> Option<i128> {
         match self.default {
-            DefaultValue::Number { value, .. } => Some(value),
-            DefaultValue::Real(_) | DefaultValue::Text(_) => None,
+            Some(DefaultValue::Number { value, .. }) => Some(value),
+            _ => None,
         }
+    }
+
+    /// Whether the node-ID is added to the default.
+    pub fn adds_node_id(&self) -> bool {
+        let default = self.default.as_ref();
+        default.is_some_and(DefaultValue::adds_node_id)
     }
 
     /// The limits of an integer where they are narrower than its type's own.

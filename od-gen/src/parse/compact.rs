@@ -39,7 +39,7 @@ pub(super) fn expand(
     };
     let mut first = Entry::new(0, "NrOfObjects", DataType::Unsigned8);
     first.access = Access::ReadOnly;
-    first.default = DefaultValue::number(count.into());
+    first.default = Some(DefaultValue::number(count.into()));
     first.places = Places::new(section.span);
     object.entries = vec![first];
     for sub in 1..=count {
@@ -76,7 +76,7 @@ pub(super) fn expand(
             let value = value::value(text, entry.data_type, findings);
             match value {
                 Some(value) if is_dcf => entry.configured = Some(value),
-                Some(value) => entry.default = value,
+                Some(value) => entry.default = Some(value),
                 None => {}
             }
         },

@@ -74,20 +74,20 @@ fn communication(name: &str, number: u16, index: u16, identifier: i128, bits: u8
             continue;
         }
         let mut entry = Entry::new(sub, name, data_type);
-        entry.default = if sub == 1 && number < 4 {
+        entry.default = Some(if sub == 1 && number < 4 {
             DefaultValue::Number {
                 value: INVALID + identifier + 0x100 * i128::from(number),
                 adds_node_id: true,
             }
         } else {
             DefaultValue::number(default)
-        };
+        });
         object.entries.push(entry);
     }
     let highest = object.entries.last().map_or(0, |entry| entry.sub);
     let mut first = Entry::new(0, "Highest sub-index supported", DataType::Unsigned8);
     first.access = Access::Constant;
-    first.default = DefaultValue::number(highest.into());
+    first.default = Some(DefaultValue::number(highest.into()));
     object.entries.insert(0, first);
     object
 }
@@ -95,7 +95,9 @@ fn communication(name: &str, number: u16, index: u16, identifier: i128, bits: u8
 /// The mapping of a PDO: nothing yet, and room for so many objects.
 fn mapping(name: &str, number: u16, index: u16, objects: u8) -> Object {
     let count = "Number of mapped application objects";
-    let mut entries = vec![Entry::new(0, count, DataType::Unsigned8)];
+    let mut first = Entry::new(0, count, DataType::Unsigned8);
+    first.default = Some(DefaultValue::number(0));
+    let mut entries = vec![first];
     entries.extend((1..=objects).map(|sub| {
         let name = format!("Application object {sub}");
         Entry::new(sub, name, DataType::Unsigned32)

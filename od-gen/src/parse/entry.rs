@@ -70,9 +70,7 @@ pub(super) fn read(
     };
     let (default, configured) = (of("DefaultValue"), of("ParameterValue"));
     (entry.low_limit, entry.high_limit) = (low_limit?, high_limit?);
-    if let Some(default) = default? {
-        entry.default = default;
-    }
+    entry.default = default?.filter(|default| !is_empty(default));
     if context.is_dcf {
         entry.configured = configured?;
         let text = |name: &str| section.key(name).map(|key| key.value.to_string());
@@ -89,6 +87,11 @@ pub(super) fn read(
         give_to_application(&mut entry, context.index, (span, note), findings);
     }
     Some(entry)
+}
+
+/// Whether a default says no more than none.
+fn is_empty(default: &DefaultValue) -> bool {
+    matches!(default, DefaultValue::Text(bytes) if bytes.is_empty())
 }
 
 fn written<'a>(key: &'a Key<'a>) -> Written<'a> {
@@ -240,17 +243,22 @@ fn check_limits(entry: &mut Entry, section: &Section<'_>, findings: &mut Finding
         (entry.low_limit, entry.high_limit) = (None, None);
         return;
     }
-    let (least, most) = match entry.default {
-        DefaultValue::Number {
+    // The device starts with 0 where nothing is stated, and of that only code is made.
+    let default = match &entry.default {
+        None if findings.is_for_code() => Some(entry.initial()),
+        default => default.clone(),
+    };
+    let (least, most) = match default {
+        Some(DefaultValue::Number {
             value,
             adds_node_id: true,
-        } => (
+        }) => (
             Limit::Integer(value + 1),
             Limit::Integer(value + LARGEST_NODE_ID),
         ),
-        DefaultValue::Number { value, .. } => (Limit::Integer(value), Limit::Integer(value)),
-        DefaultValue::Real(value) => (Limit::Real(value), Limit::Real(value)),
-        DefaultValue::Text(_) => return,
+        Some(DefaultValue::Number { value, .. }) => (Limit::Integer(value), Limit::Integer(value)),
+        Some(DefaultValue::Real(value)) => (Limit::Real(value), Limit::Real(value)),
+        Some(DefaultValue::Text(_)) | None => return,
     };
     let key = section.key("DefaultValue");
     let text = key.map_or("0 (there is none)", |key| &*key.value);
@@ -290,21 +298,21 @@ fn size(section: &Section<'_>, entry: &Entry, findings: &mut Findings) -> Option
         }
         None => None,
     };
-    let DefaultValue::Text(text) = &entry.default else {
+    if entry.data_type.size().is_some() {
         if let Some((span, _)) = capacity {
             let message = format!("Capacity does not go with {}", entry.data_type.name());
             findings.report(&rule::CAPACITY_OF_NO_STRING, span, message);
         }
         return entry.data_type.size();
-    };
+    }
     if is_domain {
         return Some(capacity.map_or(0, |(_, capacity)| capacity));
     }
-    let configured = match &entry.configured {
+    let length = |value: &Option<DefaultValue>| match value {
         Some(DefaultValue::Text(text)) => text.len(),
         _ => 0,
     };
-    let length = text.len().max(configured);
+    let length = length(&entry.default).max(length(&entry.configured));
     let Ok(length) = u16::try_from(length) else {
         let message = format!(
             "[{}] takes {length} bytes, a value has at most 65535",

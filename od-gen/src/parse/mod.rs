@@ -77,7 +77,20 @@ pub(crate) fn parse(
     modules::read(&sections, &mut model, &mut broken, findings);
     lists::check(&sections, findings);
     check_room(&mut model, findings);
+    if findings.is_for_code() {
+        stand_in(&mut model);
+    }
     (model, broken)
+}
+
+/// Gives every number the default that the device starts with.
+fn stand_in(model: &mut Model) {
+    let objects = model.objects.iter_mut();
+    for entry in objects.flat_map(|object| &mut object.entries) {
+        if entry.default.is_none() && entry.data_type.size().is_some() {
+            entry.default = Some(entry.initial());
+        }
+    }
 }
 
 /// Allowances in sections of which the model keeps no comments: they are for the whole file when it is printed.

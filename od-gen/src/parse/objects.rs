@@ -332,7 +332,7 @@ fn check_sub_0(
         ));
         let mut first = Entry::new(0, "Highest sub-index supported", DataType::Unsigned8);
         first.access = Access::Constant;
-        first.default = DefaultValue::number(highest.into());
+        first.default = Some(DefaultValue::number(highest.into()));
         first.places = Places::new(section.span);
         object.entries.insert(0, first);
         return;
@@ -358,7 +358,7 @@ fn check_sub_0(
     } else {
         // The device does not have what could not be read.
         if let Some(first) = object.entries.first_mut().filter(|_| is_fixed) {
-            first.default = DefaultValue::number(present.into());
+            first.default = Some(DefaultValue::number(present.into()));
         }
         return;
     };

@@ -114,9 +114,12 @@ pub(super) fn write_entry<'a>(
             put(section, field, value::limit(limit, data_type));
         }
     }
-    let default = value::value(&entry.default, data_type);
-    if !default.is_empty() {
-        put(section, Field::DefaultValue, default);
+    if let Some(default) = &entry.default {
+        put(
+            section,
+            Field::DefaultValue,
+            value::value(default, data_type),
+        );
     }
     section.put(
         Field::PdoMapping.name(),
@@ -143,7 +146,7 @@ fn capacity(entry: &Entry) -> Option<u16> {
         Some(DefaultValue::Text(bytes)) => bytes.len(),
         _ => 0,
     };
-    let longest = length(Some(&entry.default)).max(length(entry.configured.as_ref()));
+    let longest = length(entry.default.as_ref()).max(length(entry.configured.as_ref()));
     let implied = match entry.data_type {
         DataType::Domain => 0,
         _ if !entry.data_type.is_text() || !entry.access.is_writable() => return None,

@@ -143,20 +143,24 @@ fn fill(entry: &mut Entry, numbers: [u64; 3], text: String, adds_node_id: bool) 
         let mut values = numbers.map(|number| low + i128::from(number) % (high - low + 1));
         values.sort_unstable();
         let [first, value, last] = values;
-        entry.default = DefaultValue::number(value);
+        entry.default = Some(DefaultValue::number(value));
         let largest = i128::from(i64::MAX);
         entry.low_limit = (first < largest).then_some(Limit::Integer(first));
         entry.high_limit = (last < largest).then_some(Limit::Integer(last));
         if adds_node_id && !data_type.is_signed() && data_type != DataType::Boolean {
-            entry.default = DefaultValue::Number {
+            entry.default = Some(DefaultValue::Number {
                 value: value.min(high - 127),
                 adds_node_id,
-            };
+            });
             (entry.low_limit, entry.high_limit) = (None, None);
         }
     } else if data_type.is_real() {
         let value = f64::from(f32::from_bits(numbers[0] as u32));
-        entry.default = DefaultValue::Real(if value.is_finite() { value } else { -1.5 });
+        entry.default = Some(DefaultValue::Real(if value.is_finite() {
+            value
+        } else {
+            -1.5
+        }));
     } else if data_type == DataType::Domain {
         entry.size = numbers[0] as u16;
     } else {
@@ -165,7 +169,7 @@ fn fill(entry: &mut Entry, numbers: [u64; 3], text: String, adds_node_id: bool) 
             _ => text.into_bytes(),
         };
         let length = bytes.len() as u16;
-        entry.default = DefaultValue::Text(bytes);
+        entry.default = (!bytes.is_empty()).then_some(DefaultValue::Text(bytes));
         entry.size = match entry.access.is_writable() {
             true => length.max(1) + (numbers[0] % 300) as u16,
             false => length,
@@ -213,7 +217,7 @@ fn object(index: u16) -> impl Strategy<Value = Object> {
             }
             let mut first = Entry::new(0, "Highest sub-index supported", DataType::Unsigned8);
             first.access = Access::Constant;
-            first.default = DefaultValue::number(entries.len() as i128);
+            first.default = Some(DefaultValue::number(entries.len() as i128));
             entries.insert(0, first);
         } else {
             entries.truncate(1);

@@ -16,11 +16,12 @@ pub(super) struct Setting {
 }
 
 impl Setting {
-    /// The number of an entry; `None` of one that is no integer.
+    /// The number of an entry; `None` of one that is no integer, and where nothing states it.
     pub(super) fn of(entry: &Entry) -> Option<Self> {
-        let (value, field) = match &entry.configured {
-            Some(value) => (value, Field::ParameterValue),
-            None => (&entry.default, Field::DefaultValue),
+        let (value, field) = match (&entry.configured, &entry.default) {
+            (Some(value), _) => (value, Field::ParameterValue),
+            (None, Some(value)) => (value, Field::DefaultValue),
+            (None, None) => return None,
         };
         let DefaultValue::Number {
             value,

@@ -112,7 +112,7 @@ pub(crate) static LOW_ABOVE_HIGH: Rule = Rule::error(
 pub(crate) static DEFAULT_OUTSIDE_LIMITS: Rule = Rule::error(
     "default-outside-limits",
     "A default lies between the limits, with every node-ID.",
-    "A default that could not be written back is most often a mistake. Without DefaultValue the default is 0. When \
+    "A default that could not be written back is most often a mistake. Code starts with 0 where there is no DefaultValue. When \
      this is silenced, the device starts with the default all the same.",
 );
 

@@ -185,7 +185,7 @@ fn a_device_with_a_node_id_is_a_configured_one() {
     assert_eq!(model.commissioning.as_ref().unwrap().bit_rate, 125);
     let rate = model.entry(0x2000, 0).unwrap();
     assert_eq!(rate.configured, Some(DefaultValue::number(50)));
-    assert_eq!(rate.default, DefaultValue::number(100));
+    assert_eq!(rate.default, Some(DefaultValue::number(100)));
 }
 
 #[test]
@@ -276,8 +276,9 @@ fn indices_may_say_that_they_are_hexadecimal() {
 
 #[test]
 fn what_an_object_allows_stays_allowed_when_it_is_printed() {
-    let report = Report::new("sensor.xdd", XDD);
-    let printed = Report::new("sensor.eds", &print(&report.model));
+    let report = Report::for_code("sensor.xdd", XDD);
+    let model = Report::new("sensor.xdd", XDD).model;
+    let printed = Report::for_code("sensor.eds", &print(&model));
     let silenced = |report: &Report| {
         let silenced = report.silenced.iter();
         let pairs = silenced.map(|(finding, reason)| (finding.rule.name, reason.clone()));

@@ -18,6 +18,15 @@ pub(crate) fn unreadable(file: &Path, error: &std::io::Error) -> Failure {
     Failure::Refused(format!("{}: error: {}", file.display(), reason(error)))
 }
 
+/// What a file means that code is to be made of. Its findings go to standard error; without an error among them there is a model.
+pub(crate) fn model_for_code(file: &Path) -> Result<Model, Failure> {
+    let report = Report::read_for_code(file).map_err(|error| unreadable(file, &error))?;
+    if !report.findings.is_empty() {
+        output::tell(report.render(output::colour_of_errors()).trim_end());
+    }
+    report.into_result().map_err(|_| Failure::Findings)
+}
+
 /// What a file means. Its findings go to standard error; without an error among them there is a model.
 pub(crate) fn model(file: &Path) -> Result<Model, Failure> {
     let report = report(file)?;

@@ -25,20 +25,20 @@ fn pdos_without_sections_have_the_sub_indices_of_the_bits() {
     assert_eq!(communication.object_type, ObjectType::Record);
     let subs = communication.entries.iter().map(|entry| entry.sub);
     assert_eq!(subs.collect::<Vec<_>>(), [0, 1, 2, 5]);
-    assert_eq!(communication.entries[0].default, number(5));
+    assert_eq!(communication.entries[0].initial(), number(5));
     let cob_id = DefaultValue::Number {
         value: 0x8000_0280,
         adds_node_id: true,
     };
-    assert_eq!(communication.entries[1].default, cob_id);
+    assert_eq!(communication.entries[1].initial(), cob_id);
     assert_eq!(
-        model.entry(0x1405, 1).unwrap().default,
+        model.entry(0x1405, 1).unwrap().initial(),
         number(0x8000_0000),
         "beyond the predefined connection set"
     );
     let mapping = model.object(0x1A01).unwrap();
     assert_eq!(mapping.entries.len(), 9, "a byte each");
-    assert_eq!(mapping.entries[0].default, number(0));
+    assert_eq!(mapping.entries[0].initial(), number(0));
     assert!(mapping.entries[8].access.is_writable());
 }
 

@@ -48,6 +48,23 @@ fn finds(old: &str, new: &str, at: &str, message: &str) {
     );
 }
 
+/// One change, and nothing to say.
+#[track_caller]
+fn finds_nothing(old: &str, new: &str) {
+    assert_eq!(findings(old, new), "");
+}
+
+/// One change, and one finding where code is to be made of it.
+#[track_caller]
+fn finds_for_code(old: &str, new: &str, message: &str) {
+    assert!(SMALL.contains(old), "{old}");
+    let report = Report::for_code("small.eds", &SMALL.replacen(old, new, 1));
+    let said: Vec<&str> = (report.findings.iter())
+        .map(|finding| &*finding.message)
+        .collect();
+    assert_eq!(said, [message]);
+}
+
 fn small() -> Model {
     parse("small.eds", SMALL).unwrap()
 }
@@ -62,7 +79,7 @@ fn number(value: i128) -> DefaultValue {
 #[test]
 fn every_notation_is_read() {
     let model = small();
-    let default = |index, sub| model.entry(index, sub).unwrap().default.clone();
+    let default = |index, sub| model.entry(index, sub).unwrap().initial();
     assert_eq!(default(0x1000, 0), number(0x0004_0192));
     assert_eq!(default(0x1018, 2), number(18));
     assert_eq!(
@@ -109,13 +126,13 @@ fn what_is_left_out_has_its_standard_value() {
             register.low_limit,
             register.high_limit
         ),
-        (number(0), None, None)
+        (None, None, None)
     );
     assert!(!model.entry(0x1000, 0).unwrap().pdo_mapping);
-    assert_eq!(
-        model.entry(0x2007, 0).unwrap().default,
-        DefaultValue::Text(Vec::new())
-    );
+    assert_eq!(register.initial(), number(0), "where code is generated");
+    let text = model.entry(0x2007, 0).unwrap();
+    assert_eq!(text.default, None);
+    assert_eq!(text.initial(), DefaultValue::Text(Vec::new()));
 }
 
 #[test]

@@ -45,19 +45,23 @@ fn every_type_has_its_default_and_size() {
     for (data_type, value, size) in expected {
         let entry = entry(0x2000 + data_type.code());
         assert_eq!(entry.data_type, data_type);
-        assert_eq!(entry.default, DefaultValue::number(value), "{data_type:?}");
+        assert_eq!(
+            entry.initial(),
+            DefaultValue::number(value),
+            "{data_type:?}"
+        );
         assert_eq!(entry.size, size);
     }
-    assert_eq!(entry(0x2008).default, DefaultValue::Real(1.5));
+    assert_eq!(entry(0x2008).initial(), DefaultValue::Real(1.5));
     assert_eq!(entry(0x2008).low_limit, Some(Limit::Real(-1500.0)));
     assert_eq!(
         entry(0x2008).configured,
         Some(DefaultValue::Real(f64::from(0.1f32)))
     );
-    assert_eq!(entry(0x2011).default, DefaultValue::Real(1e-300));
-    assert_eq!(entry(0x200A).default, DefaultValue::Text(vec![0, 10]));
+    assert_eq!(entry(0x2011).initial(), DefaultValue::Real(1e-300));
+    assert_eq!(entry(0x200A).initial(), DefaultValue::Text(vec![0, 10]));
     let letters = vec![b's', 0, 0xFC, 0, 0xDF, 0];
-    assert_eq!(entry(0x200B).default, DefaultValue::Text(letters));
+    assert_eq!(entry(0x200B).initial(), DefaultValue::Text(letters));
 }
 
 #[test]
@@ -73,7 +77,7 @@ fn a_device_is_configured() {
     };
     assert_eq!(every().commissioning, Some(node));
     assert_eq!(every().file_info.last_eds, "every.eds");
-    assert_eq!(entry(0x1014).default, node_id_plus(0x80));
+    assert_eq!(entry(0x1014).initial(), node_id_plus(0x80));
     assert_eq!(entry(0x1014).configured, Some(node_id_plus(0x90)));
     assert_eq!(entry(0x2005).configured, Some(DefaultValue::number(18)));
     assert_eq!(entry(0x2005).denotation.as_deref(), Some("Stirrer"));
@@ -100,7 +104,7 @@ fn the_values_of_a_compact_object_are_configured_ones() {
     let rows: Vec<_> = object.entries[1..].iter().collect();
     assert!(
         rows.iter()
-            .all(|entry| entry.default == DefaultValue::number(9))
+            .all(|entry| entry.initial() == DefaultValue::number(9))
     );
     assert_eq!(rows[0].configured, Some(DefaultValue::number(7)));
     assert_eq!(
