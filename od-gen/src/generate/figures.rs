@@ -6,12 +6,15 @@ use crate::model::Model;
 /// Bytes of a descriptor: `canopen::od::Entry`.
 const DESCRIPTOR: usize = 10;
 
+/// Bytes of a bucket: a position.
+const BUCKET: usize = 2;
+
 /// What a dictionary takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Figures {
     /// Values: one descriptor each.
     pub entries: usize,
-    /// Flash of the descriptors.
+    /// Flash of the descriptors, and of the buckets that they are found by.
     pub descriptors: usize,
     /// Flash of the limits: each pair is there once, whichever values have it.
     pub limits: usize,
@@ -27,7 +30,7 @@ impl Figures {
         let layout = Layout::new(model);
         Self {
             entries: layout.rows.len(),
-            descriptors: layout.rows.len() * DESCRIPTOR,
+            descriptors: layout.rows.len() * DESCRIPTOR + layout.buckets() * BUCKET,
             limits: layout.limits.len(),
             values: layout.rom.len() + layout.defaults.len(),
             ram: layout.defaults.len(),

@@ -142,7 +142,7 @@ impl ::canopen::od::Dictionary for Dictionary {{
 }
 
 /// The format of what is written. It rises when a dictionary of before would not do with the crate `canopen` any more, and the number there with it.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// Where the firmware has its abort codes.
 const ABORT_CODE: &str = "::canopen::cia301::sdo::AbortCode";

@@ -7,7 +7,7 @@ use crate::model::StorageGroup;
 pub(super) fn write(layout: &Layout<'_>) -> String {
     let ram_size = layout.defaults.len();
     let entries: String = layout.rows.iter().map(entry).collect();
-    let count = layout.rows.len();
+    let (count, buckets) = (layout.rows.len(), layout.buckets());
     let (limits, limits_size) = (bytes(&layout.limits), layout.limits.len());
     let (rom, rom_size) = (bytes(&layout.rom), layout.rom.len());
     let defaults = bytes(&layout.defaults);
@@ -22,12 +22,13 @@ pub(super) fn write(layout: &Layout<'_>) -> String {
         "\
 #[rustfmt::skip]
 mod table {{
-    use ::canopen::od::{{Attributes, DataType, Entry, Table}};
+    use ::canopen::od::{{Attributes, DataType, Entry, Table, buckets}};
 
     pub(super) const RAM_SIZE: usize = {ram_size};
 
     pub(super) static TABLE: Table = Table {{
         entries: &ENTRIES,
+        buckets: &BUCKETS,
         rom: &ROM,
         defaults: &DEFAULTS,
         limits: &LIMITS,
@@ -36,6 +37,8 @@ mod table {{
 
     pub(super) static ENTRIES: [Entry; {count}] = [
 {entries}    ];
+
+    static BUCKETS: [u16; {buckets}] = buckets(&ENTRIES);
 
     static LIMITS: [u8; {limits_size}] = [
 {limits}    ];

@@ -6,7 +6,7 @@
 
 use core::ops::RangeInclusive;
 
-use super::{Attributes, DataType, Dictionary, Entry, Location, Table, key};
+use super::{Attributes, DataType, Dictionary, Entry, Location, Table, buckets};
 use crate::cia301::sdo::AbortCode;
 use crate::copy::copy;
 
@@ -29,45 +29,67 @@ impl From<AccessError> for AbortCode {
 }
 
 impl Table {
-    /// The position of an entry in [`Table::entries`], by binary search.
+    /// The position of an entry in [`Table::entries`].
     ///
     /// # Errors
     /// The object, or only the sub-index, does not exist.
     pub fn position(&self, index: u16, sub: u8) -> Result<usize, AccessError> {
-        self.search(index, sub).map(|(position, _)| position)
+        let entry = self.find(index, sub)?;
+        let is_before = |other: &Entry| other.key() < entry.key();
+        Ok(self.entries.partition_point(is_before))
     }
 
     /// The entry at `index`, `sub`.
     ///
     /// # Errors
     /// The object, or only the sub-index, does not exist.
+    #[inline]
     pub fn find(&self, index: u16, sub: u8) -> Result<&'static Entry, AccessError> {
-        self.search(index, sub).map(|(_, entry)| entry)
+        self.get(index, sub).ok_or_else(|| self.missing(index))
     }
 
-    fn search(&self, index: u16, sub: u8) -> Result<(usize, &'static Entry), AccessError> {
-        let wanted = key(index, sub);
-        let word = wanted << 8;
-        let position = self.entries.partition_point(|entry| entry.word() < word);
-        match self.entries.get(position) {
-            Some(entry) if entry.key() == wanted => Ok((position, entry)),
-            _ => Err(self.missing(index, position)),
+    /// Mostly the object is in its own bucket, and has all sub-indices from 0 on: that is one look.
+    #[inline(never)]
+    fn get(&self, index: u16, sub: u8) -> Option<&'static Entry> {
+        let bucket = buckets::first(index, self.buckets.len());
+        let start = usize::from(*self.buckets.get(bucket)?);
+        match self.entries.get(start.wrapping_add(usize::from(sub))) {
+            Some(entry) if entry.index == index && entry.sub == sub => Some(entry),
+            _ => self.get_closely(index, sub),
         }
     }
 
-    /// What is missing between the entry at `gap` and the one before it: a sub-index has a brother on one side.
+    /// The object is in another bucket, has gaps among its sub-indices, or does not exist.
+    #[inline(never)]
+    fn get_closely(&self, index: u16, sub: u8) -> Option<&'static Entry> {
+        // In order, so none is further behind than its sub-index.
+        let mut entries = self.object(index)?.iter().take(usize::from(sub) + 1);
+        entries.find(|entry| entry.index == index && entry.sub == sub)
+    }
+
+    /// The entries from those of an object on; `None` if there is no such object.
+    fn object(&self, index: u16) -> Option<&'static [Entry]> {
+        let count = self.buckets.len();
+        let mut bucket = buckets::first(index, count);
+        // Mostly it ends much earlier, at a bucket that is empty.
+        for _ in self.buckets {
+            let start = usize::from(*self.buckets.get(bucket)?);
+            let entries = self.entries.get(start..)?;
+            if entries.first()?.index == index {
+                return Some(entries);
+            }
+            bucket = buckets::next(bucket, count);
+        }
+        None
+    }
+
+    /// What is missing where an entry was not found.
     #[cold]
     #[inline(never)]
-    fn missing(&self, index: u16, gap: usize) -> AccessError {
-        let is_brother = |position: usize| {
-            self.entries
-                .get(position)
-                .is_some_and(|entry| entry.index == index)
-        };
-        if is_brother(gap) || is_brother(gap.wrapping_sub(1)) {
-            AccessError::NoSubIndex
-        } else {
-            AccessError::NoObject
+    fn missing(&self, index: u16) -> AccessError {
+        match self.object(index) {
+            Some(_) => AccessError::NoSubIndex,
+            None => AccessError::NoObject,
         }
     }
 

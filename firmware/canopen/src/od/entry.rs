@@ -157,7 +157,7 @@ pub enum StorageGroup {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct Entry {
-    // These three are one word of memory, the index its high half: a search loads it at once.
+    // These three are one word of memory, the index its high half: a look-up loads it at once.
     /// Data type.
     pub data_type: DataType,
     /// Sub-index, 0 for an object without any.
@@ -231,12 +231,6 @@ impl Entry {
     /// Index and sub-index as one number; the table is sorted by it.
     pub const fn key(&self) -> u32 {
         key(self.index, self.sub)
-    }
-
-    /// Its first word as it lies in memory (little-endian): [`Entry::key`], and below it the data type.
-    #[inline]
-    pub(super) const fn word(&self) -> u32 {
-        (self.index as u32) << 16 | (self.sub as u32) << 8 | self.data_type as u32
     }
 
     /// Where the value lies.

@@ -5,12 +5,12 @@
 #[doc(hidden)]
 #[macro_export]
 macro_rules! generated_by {
-    (format 1) => {};
+    (format 2) => {};
     (format $other:literal) => {
         ::core::compile_error!(::core::concat!(
             "this dictionary is in format ",
             $other,
-            " of od-gen, and this version of canopen reads format 1: take versions of od-gen and canopen that belong together, and generate it anew"
+            " of od-gen, and this version of canopen reads format 2: take versions of od-gen and canopen that belong together, and generate it anew"
         ));
     };
 }

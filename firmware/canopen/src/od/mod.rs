@@ -10,6 +10,7 @@
 //! of each storage group lie side by side. A DOMAIN, and what is too long for RAM, lies with the application.
 
 mod access;
+mod buckets;
 mod counts;
 mod entry;
 mod features;
@@ -22,6 +23,7 @@ pub use access::{
     AccessError, check, constant, find, is_node_id_default, load_defaults, node_id_default, number,
     put, read_u8, read_u16, read_u32, set, value, write_u8, write_u16, write_u32,
 };
+pub use buckets::buckets;
 pub use counts::{Count, Counts, Slots, Unused};
 pub use entry::{Access, Attributes, DataType, Entry, Location, StorageGroup, key};
 pub use features::Features;
@@ -35,6 +37,8 @@ pub use typed::{
 pub struct Table {
     /// One descriptor for each sub-index, in ascending order of [`Entry::key`].
     pub entries: &'static [Entry],
+    /// Where the entries of each object begin, by its index: [`buckets`] of the entries.
+    pub buckets: &'static [u16],
     /// Values that never change (const and ro objects nobody updates).
     pub rom: &'static [u8],
     /// The power-on image of the RAM block, node-ID not yet added to entries with [`Attributes::NODE_ID`].

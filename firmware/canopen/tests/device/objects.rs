@@ -1,6 +1,6 @@
 //! A small object dictionary, written as a list; offsets are computed when this is compiled.
 
-use canopen::od::{Attributes, Count, DataType, Dictionary, Entry, StorageGroup, Table};
+use canopen::od::{Attributes, Count, DataType, Dictionary, Entry, StorageGroup, Table, buckets};
 
 /// One line of the list.
 struct Line {
@@ -305,6 +305,7 @@ static LAYOUT: Layout = layout();
 
 static TABLE: Table = Table {
     entries: &LAYOUT.entries,
+    buckets: &buckets::<128>(&LAYOUT.entries),
     rom: &LAYOUT.rom,
     defaults: &LAYOUT.defaults,
     limits: LIMITS,

@@ -1,6 +1,6 @@
 //! Finding an entry by index and sub-index, in dictionaries of three sizes.
 
-use canopen::od::{Attributes, DataType, Entry, Table};
+use canopen::od::{buckets, Attributes, DataType, Entry, Table};
 use core::hint::black_box;
 
 use crate::{count, row};
@@ -20,9 +20,10 @@ const fn entries<const N: usize>() -> [Entry; N] {
     entries
 }
 
-const fn table(entries: &'static [Entry]) -> Table {
+const fn table(entries: &'static [Entry], buckets: &'static [u16]) -> Table {
     Table {
         entries,
+        buckets,
         rom: &[0],
         defaults: &[],
         limits: &[],
@@ -34,9 +35,9 @@ static SMALL_ENTRIES: [Entry; 100] = entries();
 static MIDDLE_ENTRIES: [Entry; 400] = entries();
 static LARGE_ENTRIES: [Entry; 2000] = entries();
 
-static SMALL: Table = table(&SMALL_ENTRIES);
-static MIDDLE: Table = table(&MIDDLE_ENTRIES);
-static LARGE: Table = table(&LARGE_ENTRIES);
+static SMALL: Table = table(&SMALL_ENTRIES, &buckets::<32>(&SMALL_ENTRIES));
+static MIDDLE: Table = table(&MIDDLE_ENTRIES, &buckets::<128>(&MIDDLE_ENTRIES));
+static LARGE: Table = table(&LARGE_ENTRIES, &buckets::<512>(&LARGE_ENTRIES));
 
 pub fn run() {
     for (name, table) in [

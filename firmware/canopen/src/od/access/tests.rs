@@ -1,11 +1,14 @@
 //! A small dictionary written by hand: each kind of value once.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::vec;
 use std::vec::Vec;
 
 use proptest::prelude::*;
 
 use super::*;
-use crate::od::{Count, StorageGroup};
+use crate::od::key;
+use crate::od::{Count, StorageGroup, buckets};
 
 const RW: u16 = Attributes::READ | Attributes::WRITE;
 const CONST: u16 = Attributes::READ | Attributes::ROM | Attributes::CONSTANT;
@@ -36,27 +39,30 @@ const fn limited(entry: Entry, limits: u16) -> Entry {
     )
 }
 
+const ENTRIES: [Entry; 11] = [
+    entry(0x1000, 0, DataType::Unsigned32, 0, 4, CONST),
+    entry(0x1008, 0, DataType::VisibleString, 4, 5, CONST),
+    entry(
+        0x1014,
+        0,
+        DataType::Unsigned32,
+        0,
+        4,
+        RW | Attributes::NODE_ID,
+    ),
+    entry(0x1018, 0, DataType::Unsigned8, 9, 1, CONST),
+    entry(0x1018, 2, DataType::Unsigned32, 4, 4, Attributes::READ),
+    limited(entry(0x2000, 0, DataType::Integer16, 8, 2, RW), 0),
+    entry(0x2001, 0, DataType::VisibleString, 10, 6, RW),
+    limited(entry(0x2002, 0, DataType::Unsigned64, 18, 8, RW), 2),
+    entry(0x2003, 0, DataType::Boolean, 26, 1, RW),
+    entry(0x6000, 0, DataType::Integer8, 27, 1, RW),
+    entry(0xFFFF, 0xFF, DataType::Unsigned16, 28, 2, RW),
+];
+
 static TABLE: Table = Table {
-    entries: &[
-        entry(0x1000, 0, DataType::Unsigned32, 0, 4, CONST),
-        entry(0x1008, 0, DataType::VisibleString, 4, 5, CONST),
-        entry(
-            0x1014,
-            0,
-            DataType::Unsigned32,
-            0,
-            4,
-            RW | Attributes::NODE_ID,
-        ),
-        entry(0x1018, 0, DataType::Unsigned8, 9, 1, CONST),
-        entry(0x1018, 2, DataType::Unsigned32, 4, 4, Attributes::READ),
-        limited(entry(0x2000, 0, DataType::Integer16, 8, 2, RW), 0),
-        entry(0x2001, 0, DataType::VisibleString, 10, 6, RW),
-        limited(entry(0x2002, 0, DataType::Unsigned64, 18, 8, RW), 2),
-        entry(0x2003, 0, DataType::Boolean, 26, 1, RW),
-        entry(0x6000, 0, DataType::Integer8, 27, 1, RW),
-        entry(0xFFFF, 0xFF, DataType::Unsigned16, 28, 2, RW),
-    ],
+    entries: &ENTRIES,
+    buckets: &buckets::<16>(&ENTRIES),
     rom: &[0x92, 0x01, 0x04, 0x00, b'A', b'x', b'i', b's', b'4', 2],
     defaults: &[
         0x80, 0, 0, 0, // 1014h
@@ -76,6 +82,15 @@ static TABLE: Table = Table {
         0, 0, 0, 0, 0, 0, 0, 0x80,
     ],
     storage: [0..4, 8..10, 18..31],
+};
+
+const EMPTY: Table = Table {
+    entries: &[],
+    buckets: &[],
+    rom: &[],
+    defaults: &[],
+    limits: &[],
+    storage: Table::NO_STORAGE,
 };
 
 #[derive(Clone, Debug, PartialEq)]
@@ -116,17 +131,85 @@ fn every_entry_is_found_and_its_neighbours_are_not() {
     assert_eq!(find::<Small>(0xFFFE, 0xFF), Err(AccessError::NoObject));
 }
 
+/// Objects of these indices with these sub-indices.
+fn table_of(objects: &BTreeMap<u16, BTreeSet<u8>>) -> Table {
+    let entries: Vec<_> = objects
+        .iter()
+        .flat_map(|(index, subs)| subs.iter().map(|sub| (*index, *sub)))
+        .map(|(index, sub)| entry(index, sub, DataType::Unsigned8, 0, 1, CONST))
+        .collect();
+    // As few buckets as 60 objects may have: many are not in their own.
+    let buckets = buckets::<64>(&entries);
+    Table {
+        entries: entries.leak(),
+        buckets: buckets.to_vec().leak(),
+        ..EMPTY
+    }
+}
+
+proptest! {
+    #[test]
+    fn an_entry_is_found_if_it_is_there(
+        objects in prop::collection::btree_map(1..=0x60_u16, prop::collection::btree_set(0..=6_u8, 1..5), 0..60),
+        spread in prop::sample::select(vec![1, 2, 0x20, 0x100, 0x2A0]),
+    ) {
+        let objects: BTreeMap<_, _> = objects.into_iter().map(|(index, subs)| (index * spread, subs)).collect();
+        let table = table_of(&objects);
+        for index in (0..=0x61).map(|index| index * spread) {
+            for sub in (0..=8).chain([255]) {
+                let found = table.position(index, sub).map(|position| table.entries[position].key());
+                let expected = match objects.get(&index) {
+                    None => Err(AccessError::NoObject),
+                    Some(subs) if subs.contains(&sub) => Ok(key(index, sub)),
+                    Some(_) => Err(AccessError::NoSubIndex),
+                };
+                prop_assert_eq!(found, expected);
+            }
+        }
+    }
+}
+
+#[test]
+fn most_objects_of_a_device_are_in_their_own_bucket() {
+    // The communication profile of a drive, and what CiA 402 has.
+    let ranges = [
+        0x1000..=0x1029_u16,
+        0x1400..=0x1403,
+        0x1600..=0x1603,
+        0x1800..=0x1803,
+        0x1A00..=0x1A03,
+        0x6040..=0x60FF,
+    ];
+    let entries: Vec<_> = ranges
+        .into_iter()
+        .flatten()
+        .map(|index| entry(index, 0, DataType::Unsigned8, 0, 1, CONST))
+        .collect();
+    let buckets = buckets::<512>(&entries);
+    let is_at_home = |(position, entry): &(usize, &Entry)| {
+        usize::from(buckets[super::buckets::first(entry.index, 512)]) == *position
+    };
+    let at_home = entries.iter().enumerate().filter(is_at_home).count();
+    assert!(
+        at_home * 10 >= entries.len() * 8,
+        "{at_home} of {}",
+        entries.len()
+    );
+}
+
+#[test]
+#[should_panic = "too few buckets"]
+fn as_many_objects_as_buckets_are_too_many() {
+    buckets::<2>(&[
+        entry(1, 0, DataType::Unsigned8, 0, 1, CONST),
+        entry(2, 0, DataType::Unsigned8, 0, 1, CONST),
+    ]);
+}
+
 #[test]
 fn an_empty_table_holds_nothing() {
-    let empty = Table {
-        entries: &[],
-        rom: &[],
-        defaults: &[],
-        limits: &[],
-        storage: Table::NO_STORAGE,
-    };
-    assert_eq!(empty.find(0x1000, 0), Err(AccessError::NoObject));
-    assert!(empty.range(0..=u16::MAX).is_empty());
+    assert_eq!(EMPTY.find(0x1000, 0), Err(AccessError::NoObject));
+    assert!(EMPTY.range(0..=u16::MAX).is_empty());
 }
 
 #[test]
@@ -391,11 +474,8 @@ fn checked(data_type: DataType, [low, high, number]: [i64; 3]) -> Result<(), Abo
     let size = usize::from(data_type.size());
     let bytes = |number: i64| number.to_le_bytes()[..size].to_vec();
     let table = Table {
-        entries: &[],
-        rom: &[],
-        defaults: &[],
         limits: [bytes(low), bytes(high)].concat().leak(),
-        storage: Table::NO_STORAGE,
+        ..EMPTY
     };
     let entry = limited(entry(0x2000, 0, data_type, 0, 0, RW), 0);
     check(&table, &entry, &bytes(number))
@@ -428,11 +508,8 @@ fn limits_of_real_numbers_are_in_the_order_of_the_numbers() {
     // -1.5 and 2.25.
     static LIMITS: [u8; 8] = [0, 0, 0xC0, 0xBF, 0, 0, 0x10, 0x40];
     let table = Table {
-        entries: &[],
-        rom: &[],
-        defaults: &[],
         limits: &LIMITS,
-        storage: Table::NO_STORAGE,
+        ..EMPTY
     };
     let real = limited(entry(0x2000, 0, DataType::Real32, 0, 4, RW), 0);
     let checked = |value: f32| check(&table, &real, &value.to_le_bytes());

@@ -9,6 +9,7 @@ const fn entry(index: u16, sub: u8, attributes: u16, limits: u16) -> Entry {
 fn features(entries: &'static [Entry], default: &'static [u8]) -> Features {
     Features::of(&Table {
         entries,
+        buckets: &[],
         rom: default,
         defaults: default,
         limits: &[0, 8, 0, 254],

@@ -12,6 +12,7 @@ impl Dictionary for Empty {
     type Counts = Count<0, 0, 1, 0>;
     const TABLE: &'static Table = &Table {
         entries: &[],
+        buckets: &[],
         rom: &[],
         defaults: &[],
         limits: &[],

@@ -1,6 +1,6 @@
 //! A small dictionary written by hand: the communication objects and the drive objects of this crate.
 
-use canopen::od::{Attributes, Count, DataType, Dictionary, Entry, Table};
+use canopen::od::{Attributes, Count, DataType, Dictionary, Entry, Table, buckets};
 use canopen::od::{read_u8, read_u16, read_u32, write_u8, write_u16, write_u32};
 
 use crate::objects::Objects;
@@ -150,6 +150,7 @@ const fn layout() -> ([Entry; OBJECTS.len()], [u8; RAM]) {
 
 static TABLE: Table = Table {
     entries: &layout().0,
+    buckets: &buckets::<256>(&layout().0),
     rom: &[],
     defaults: &layout().1,
     limits: &[],

@@ -1,6 +1,6 @@
 //! A small dictionary with four PDOs each way, written by hand.
 
-use crate::od::{Attributes, Count, DataType, Dictionary, Entry, Table};
+use crate::od::{Attributes, Count, DataType, Dictionary, Entry, Table, buckets};
 
 const RW: u16 = Attributes::READ | Attributes::WRITE;
 const BOTH: u16 = RW | Attributes::RPDO | Attributes::TPDO;
@@ -182,6 +182,7 @@ impl Dictionary for Objects {
     type Counts = Count<2, 2, 1, 0>;
     const TABLE: &'static Table = &Table {
         entries: &ENTRIES,
+        buckets: &buckets::<64>(&ENTRIES),
         rom: &[0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88],
         defaults: &[0; RAM],
         limits: &[0xF6, 10],
