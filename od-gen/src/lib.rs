@@ -27,6 +27,7 @@ mod document;
 mod generate;
 mod json;
 pub mod model;
+pub mod network;
 mod number;
 mod parse;
 mod print;

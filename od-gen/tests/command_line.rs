@@ -469,3 +469,31 @@ fn who_reads_a_file_while_it_is_written_reads_all_of_it() {
         "nothing is left"
     );
 }
+
+#[test]
+fn a_network_becomes_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().to_str().unwrap();
+    let machine = "tests/data/network/machine.toml";
+    let checked = od_gen(&["network", machine, "--check", "--output", output]);
+    assert_eq!(checked.status.code(), Some(0), "{checked:?}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    let made = od_gen(&["network", machine, "--output", output]);
+    assert_eq!((made.status.code(), text(&made.stderr)), (Some(0), ""));
+    assert_eq!(made.stdout, checked.stdout);
+    assert!(text(&made.stdout).contains("at 500 kbit/s: "));
+    let mut names: Vec<_> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    let expected = "axis_x.bin axis_x.dcf axis_y.bin axis_y.dcf io.bin io.dcf master.dcf";
+    assert_eq!(names.join(" "), expected);
+    let file = folder.path().join("wrong.toml");
+    std::fs::write(&file, "[network]\nbit_rate = 500\n[[node]]\nname = 1\n").unwrap();
+    let wrong = od_gen(&["network", file.to_str().unwrap()]);
+    assert_eq!(wrong.status.code(), Some(1));
+    assert!(text(&wrong.stderr).contains("wrong.toml:4:8"));
+    let missing = od_gen(&["network", "no-such.toml"]);
+    assert_eq!(missing.status.code(), Some(2));
+}

@@ -37,6 +37,7 @@ def pytest_addoption(parser):
     parser.addoption(
         "--stepped", default=ROOT / "target" / "debug" / "stepped_drive", help="the virtual drive in virtual time"
     )
+    parser.addoption("--od-gen", default=ROOT / "target" / "debug" / "od-gen", help="the generator's command line")
     parser.addoption("--axis402", default=ROOT / "target" / "debug" / "axis402", help="the master's command line")
     parser.addoption(
         "--io-device", default=ROOT / "target" / "debug" / "examples" / "io_device", help="the example of the crate canopen"

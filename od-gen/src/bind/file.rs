@@ -45,7 +45,7 @@ pub(super) struct Storage {
 
 /// The comments that take a line of their own, each with the lines of its table. Those above a table, without a blank line between, belong
 /// to it; those above everything else belong to the whole file and have no lines.
-pub(super) fn comments(source: &Source) -> Vec<(Comment<'_>, Option<Range<u32>>)> {
+pub(crate) fn comments(source: &Source) -> Vec<(Comment<'_>, Option<Range<u32>>)> {
     let mut comments: Vec<(Comment<'_>, Option<Range<u32>>)> = Vec::new();
     // The line of the first comment above which something else stands, and of the table's head.
     let (mut above, mut table) = (None, None);

@@ -34,6 +34,9 @@ use std::{fs, io};
 use cia402_parameters::Conversion;
 use cia402_parameters::{Description, PROFILE};
 
+pub(crate) use file::comments;
+pub(crate) use place::entry;
+
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
 use crate::generate::snake_case;
 use crate::model::{Entry, Model};
@@ -122,7 +125,7 @@ impl BindingReport {
     pub fn new(file: &str, text: &str, model: &Model) -> Self {
         let mut findings = Findings::new(file);
         let source = Source::new(file, text, &mut findings);
-        let comments = file::comments(&source);
+        let comments = comments(&source);
         let allowances = Allowances::beside(&model.remarks, &comments, &mut findings);
         findings.allow(allowances);
         let (bindings, unbound) = match file::read(&source, &mut findings) {

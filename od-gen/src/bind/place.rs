@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 /// Index and sub-index: `2054h`, `0x2054`, `2054h:1`.
-pub(super) fn entry(text: &str) -> Option<(u16, u8)> {
+pub(crate) fn entry(text: &str) -> Option<(u16, u8)> {
     let (index, sub) = match text.split_once(':') {
         Some((index, sub)) => (index, hexadecimal(sub)?),
         None => (text, 0),

@@ -119,13 +119,13 @@ pub fn apply(model: &mut Model, values: &Values) -> Vec<Diagnostic> {
 }
 
 /// One line of values.
-struct Assignment<'a> {
-    index: u16,
-    sub: u8,
+pub(crate) struct Assignment<'a> {
+    pub(crate) index: u16,
+    pub(crate) sub: u8,
     /// Of index and sub-index.
-    place: Span,
-    text: &'a str,
-    span: Span,
+    pub(crate) place: Span,
+    pub(crate) text: &'a str,
+    pub(crate) span: Span,
 }
 
 impl<'a> Assignment<'a> {
@@ -154,8 +154,8 @@ fn hexadecimal(text: &str) -> Option<u32> {
     u32::from_str_radix(digits, 16).ok().filter(|_| is_right)
 }
 
-/// Configures one value; leaves it as it is when an error is in the way.
-fn put(model: &mut Model, assignment: &Assignment<'_>, findings: &mut Findings) {
+/// Configures one value; leaves it as it is when an error is in the way. Whether it is configured.
+pub(crate) fn put(model: &mut Model, assignment: &Assignment<'_>, findings: &mut Findings) -> bool {
     let Assignment {
         index, sub, span, ..
     } = *assignment;
@@ -164,11 +164,11 @@ fn put(model: &mut Model, assignment: &Assignment<'_>, findings: &mut Findings) 
     let Some(entry) = entry_of(model, index, sub) else {
         let message = format!("there is no {place} in the data sheet");
         findings.report(&rule::VALUE_OF_NOTHING, assignment.place, message);
-        return;
+        return false;
     };
     if entry.data_type == DataType::Domain {
         entry.download_file = Some(assignment.text.into());
-        return;
+        return true;
     }
     let written = Written {
         key: "the value",
@@ -178,9 +178,11 @@ fn put(model: &mut Model, assignment: &Assignment<'_>, findings: &mut Findings) 
     let before = findings.len();
     let value = value(written, entry.data_type, findings)
         .filter(|value| rule::check_value(&place, entry, value, node_id, span, findings));
-    if value.is_some() && !findings.has_errors_after(before) {
+    let is_right = value.is_some() && !findings.has_errors_after(before);
+    if is_right {
         entry.configured = value;
     }
+    is_right
 }
 
 fn entry_of(model: &mut Model, index: u16, sub: u8) -> Option<&mut Entry> {

@@ -150,6 +150,12 @@ impl Findings {
         })
     }
 
+    /// Whether one of these rules is broken.
+    pub(crate) fn has_errors_of(&self, rules: &[&Rule]) -> bool {
+        let mut list = self.list.iter();
+        list.any(|finding| rules.contains(&finding.rule))
+    }
+
     /// Takes away what is silenced, and returns it with the reasons.
     pub(crate) fn silence(&mut self) -> Vec<(Diagnostic, String)> {
         let allowances = std::mem::take(&mut self.allowances);

@@ -8,6 +8,7 @@ mod communication;
 pub(crate) mod configuration;
 mod drive;
 mod modules;
+pub(crate) mod network;
 pub(crate) mod reading;
 mod setting;
 mod standard;
@@ -118,6 +119,12 @@ const OF_OTHER_FILES: [Chapter; 2] = [
         rules: configuration::OF_VALUES,
     },
 ];
+
+/// The rules of a description of a network, which has comments of its own.
+const OF_NETWORKS: [Chapter; 1] = [Chapter {
+    title: "Networks",
+    rules: network::RULES,
+}];
 
 /// The rules of the finished model.
 const OF_MODELS: [Chapter; 15] = [
@@ -245,7 +252,8 @@ pub(crate) fn check(subject: &Subject<'_>, findings: &mut Findings) {
 
 /// All rules, by what they are about.
 pub fn chapters() -> impl Iterator<Item = Chapter> {
-    OF_FILES.into_iter().chain(OF_OTHER_FILES).chain(OF_MODELS)
+    let files = OF_FILES.into_iter().chain(OF_OTHER_FILES);
+    files.chain(OF_NETWORKS).chain(OF_MODELS)
 }
 
 /// Whether a rule is about files beside a data sheet; the data sheet can silence it all the same.

@@ -231,7 +231,8 @@ fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the programs of the Python tests: the virtual drive, the one in virtual time, a master's command line, and a device that is no drive.
+/// Builds the programs of the Python tests: the virtual drive, the one in virtual time, a master's command line, the generator's, and a
+/// device that is no drive.
 fn devices() -> Command {
     cargo(&[
         "build",
@@ -239,6 +240,8 @@ fn devices() -> Command {
         "canopen",
         "--package",
         "master",
+        "--package",
+        "od-gen",
         "--package",
         "sim",
         "--package",
@@ -249,6 +252,8 @@ fn devices() -> Command {
         "stepped_drive",
         "--bin",
         "axis402",
+        "--bin",
+        "od-gen",
         "--example",
         "io_device",
     ])
@@ -333,6 +338,8 @@ fn against(python: &Path, target: &str) -> Command {
         .arg(place::built("stepped_drive"))
         .arg("--axis402")
         .arg(place::built("axis402"))
+        .arg("--od-gen")
+        .arg(place::built("od-gen"))
         .arg("--io-device")
         .arg(place::built("examples/io_device"))
         .arg("--xtask")

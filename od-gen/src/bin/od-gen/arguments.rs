@@ -28,6 +28,8 @@ pub(crate) enum Command {
     Diff(Diff),
     /// Print the configuration of one device, made from a data sheet
     Dcf(Dcf),
+    /// Write the configuration of each node of a network, and its master's, from a description of all; print the bus load
+    Network(Network),
     /// Bring data sheets into their canonical form
     Fmt(Fmt),
     /// List the rules that data sheets are held to, or explain one
@@ -160,6 +162,18 @@ pub(crate) struct Dcf {
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Network {
+    /// The description (TOML): nodes with their data sheets, PDOs, heartbeats, SYNC and the master
+    pub(crate) file: PathBuf,
+    /// Write into this folder instead of the current one
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(crate) output: Option<PathBuf>,
+    /// Write nothing: only say what is wrong, and the bus load
+    #[arg(long)]
+    pub(crate) check: bool,
 }
 
 /// What fits behind a key.

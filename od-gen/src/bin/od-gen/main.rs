@@ -13,6 +13,7 @@ mod doc;
 mod dump;
 mod fmt;
 mod input;
+mod network;
 mod output;
 mod rules;
 mod rust;
@@ -53,6 +54,7 @@ fn main() -> ExitCode {
         Command::Doc(arguments) => doc::run(&arguments),
         Command::Dump(arguments) => dump::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
+        Command::Network(arguments) => network::run(&arguments),
         Command::Rules(arguments) => rules::run(&arguments),
         Command::Rust(arguments) => rust::run(&arguments),
     };

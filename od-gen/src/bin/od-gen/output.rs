@@ -15,16 +15,21 @@ pub(crate) fn write(text: &str, file: Option<&Path>) -> Result<(), Failure> {
     let Some(file) = file else {
         return print(text);
     };
-    replace(text, file)
+    write_bytes(text.as_bytes(), file)
+}
+
+/// Writes to a file.
+pub(crate) fn write_bytes(bytes: &[u8], file: &Path) -> Result<(), Failure> {
+    replace(bytes, file)
         .map_err(|error| Failure::Refused(format!("{}: error: {}", file.display(), reason(&error))))
 }
 
-/// Puts a text in the place of a file. It is written beside it first, so that nobody ever reads half of it, and a full disk
+/// Puts bytes in the place of a file. It is written beside it first, so that nobody ever reads half of it, and a full disk
 /// leaves what was there. What is no file, such as a pipe, is written to.
-fn replace(text: &str, file: &Path) -> io::Result<()> {
+fn replace(bytes: &[u8], file: &Path) -> io::Result<()> {
     let before = match fs::metadata(file) {
         Ok(before) if before.is_file() => before,
-        _ => return fs::write(file, text),
+        _ => return fs::write(file, bytes),
     };
     // A link stays one: the file that it leads to is replaced.
     let file = fs::canonicalize(file)?;
@@ -36,10 +41,10 @@ fn replace(text: &str, file: &Path) -> io::Result<()> {
     let mut new = match options.write(true).create_new(true).open(&beside) {
         Ok(new) => new,
         // A folder that takes no new file may have one that can be written.
-        Err(_) => return fs::write(&file, text),
+        Err(_) => return fs::write(&file, bytes),
     };
     let written = new
-        .write_all(text.as_bytes())
+        .write_all(bytes)
         .and_then(|()| new.set_permissions(before.permissions()))
         .and_then(|()| new.sync_all())
         .and_then(|()| fs::rename(&beside, &file));
