@@ -247,12 +247,7 @@ impl<D: Dictionary> Node<D> {
             agenda.set_values(deadline);
         }
         agenda.set_next(heartbeat);
-        let next = agenda.next();
-        if services.emergency.needs_time() {
-            // Its inhibit time begins when it has left: it is looked at with every call.
-            agenda.wake();
-        }
-        next
+        agenda.next()
     }
 
     /// The next event for the firmware: changes of state in their order, then what LSS asks for, then a reset.

@@ -535,3 +535,23 @@ fn a_device_that_has_lost_its_node_id_sends_no_emergency_message() {
         assert!(clear(&mut device, OVERHEATED.code).is_empty());
     }
 }
+
+#[test]
+fn a_device_without_a_node_id_drops_no_message_as_it_has_none() {
+    let mut device = Device::off_with(255);
+    device.boot(Reset::Node);
+    for number in 1..=20 {
+        assert!(report(&mut device, error(number)).is_empty());
+    }
+    assert_eq!(device.node.overflows(), 0);
+    // It gets a node-ID, and tells what it can of the errors that stand: the list has sixteen.
+    assert!(device.ask("7E5#0401000000000000").is_empty());
+    assert_eq!(device.ask("7E5#1104000000000000"), ["7E4#1100000000000000"]);
+    device.send("7E5#0400000000000000");
+    device.serve_reset();
+    device.poll();
+    let sent = device.sent();
+    assert_eq!(sent.len(), 17, "{sent:?}");
+    assert_eq!((&*sent[0], &*sent[1]), ("704#00", "084#01FF810101010101"));
+    assert_eq!(device.node.overflows(), 0);
+}

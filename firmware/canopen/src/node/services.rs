@@ -135,6 +135,7 @@ impl<C: Counts> Services<C> {
         match entry.index {
             0x1003 | 0x1014 | 0x1015 => {
                 self.emergency.written(dictionary, entry);
+                self.emergency.poll(now);
                 self.emergencies_changed();
             }
             sync::COB_ID | sync::PERIOD | sync::WINDOW | sync::COUNTER_OVERFLOW
@@ -204,6 +205,7 @@ impl<C: Counts> Services<C> {
     }
 
     /// An error appeared.
+    #[inline(never)]
     pub(super) fn report<D: Dictionary>(
         &mut self,
         dictionary: &mut D,
@@ -285,13 +287,11 @@ impl<C: Counts> Services<C> {
     }
 
     /// Emergency messages wait for the bus, or for a time.
-    #[inline(never)]
+    #[inline]
     pub(super) fn emergencies_changed(&mut self) {
         let waits = self.emergency.is_pending();
         self.agenda.set(Object::EMERGENCY, waits);
-        if self.emergency.needs_time() {
-            self.agenda.wake();
-        } else {
+        if !waits && self.emergency.has_inhibit_time() {
             self.agenda.wake_at(self.emergency.deadline());
         }
     }

@@ -112,9 +112,7 @@ impl<D: Dictionary> Node<D> {
     #[inline(never)]
     fn take_emergency(&mut self) -> Option<Frame> {
         let message = self.services.emergency.take();
-        if !self.services.emergency.is_pending() {
-            self.services.emergencies_changed();
-        }
+        self.services.emergencies_changed();
         message
     }
 

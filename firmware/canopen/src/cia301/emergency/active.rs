@@ -10,37 +10,19 @@ const MOST_ERRORS: usize = 16;
 /// Most errors beyond these that are remembered.
 const MOST_OTHERS: usize = 16;
 
-/// One error that stands.
-#[derive(Clone, Copy, Debug)]
-struct Standing {
-    history_word: u32,
-    register: u8,
-    /// What the history has no room for: the last three bytes of its information.
-    rest: [u8; 3],
-}
-
-impl Standing {
-    fn emergency(&self) -> Emergency {
-        let [low, high, a, b] = self.history_word.to_le_bytes();
-        let [c, d, e] = self.rest;
-        Emergency {
-            code: u16::from_le_bytes([low, high]),
-            register: self.register,
-            info: [a, b, c, d, e],
-        }
-    }
-}
-
 /// The list of errors that stand. One that finds no room in it is told to the master all the same, and once; its bits stay
 /// in the error register until no error of the list is left. When there are too many of these as well, the oldest is
 /// forgotten, and told again if it is reported again.
 #[derive(Debug)]
 pub(super) struct ActiveErrors {
-    standing: Vec<Standing, MOST_ERRORS>,
+    /// Each with its bits of the error register, the generic one among them.
+    standing: Vec<Emergency, MOST_ERRORS>,
     /// The history words of errors without room, oldest first.
     others: Vec<u32, MOST_OTHERS>,
     /// Their bits.
     other_bits: u8,
+    /// The bits of all.
+    register: u8,
 }
 
 impl ActiveErrors {
@@ -49,52 +31,51 @@ impl ActiveErrors {
             standing: Vec::new(),
             others: Vec::new(),
             other_bits: 0,
+            register: 0,
         }
     }
 
     /// Forgets them all.
     pub(super) fn reset(&mut self) {
         self.standing.clear();
-        self.forget_others();
+        self.others.clear();
+        self.other_bits = 0;
+        self.register = 0;
     }
 
     /// Adds an error; `false` if it stands already.
+    #[inline(always)]
     pub(super) fn add(&mut self, emergency: &Emergency) -> bool {
-        let history_word = emergency.history_word();
-        let mut present = self.standing.iter().map(|error| error.history_word);
-        if present.any(|word| word == history_word) || self.others.contains(&history_word) {
+        if self.standing.iter().any(|error| error.is_as(emergency)) {
             return false;
         }
         let register = emergency.register | ErrorRegister::GENERIC;
-        let [_, _, rest @ ..] = emergency.info;
-        let error = Standing {
-            history_word,
+        let error = Emergency {
             register,
-            rest,
+            ..*emergency
         };
-        if self.standing.push(error).is_err() {
-            self.add_other(history_word);
-            self.other_bits |= register;
+        if self.standing.push(error).is_err() && !self.add_other(emergency.history_word(), register)
+        {
+            return false;
         }
+        self.register |= register;
         true
     }
 
     /// The errors that stand, as history words: the code in the low half.
     pub(super) fn words(&self) -> impl Iterator<Item = u32> {
-        let standing = self.standing.iter().map(|error| error.history_word);
+        let standing = self.standing.iter().map(Emergency::history_word);
         standing.chain(self.others.iter().copied())
     }
 
     /// The error register.
-    pub(super) fn register(&self) -> u8 {
-        self.standing
-            .iter()
-            .fold(self.other_bits, |bits, error| bits | error.register)
+    pub(super) const fn register(&self) -> u8 {
+        self.register
     }
 
     /// The errors of the list, oldest first.
-    pub(super) fn all(&self) -> impl Iterator<Item = Emergency> {
-        self.standing.iter().map(Standing::emergency)
+    pub(super) fn all(&self) -> impl Iterator<Item = &Emergency> {
+        self.standing.iter()
     }
 
     /// Removes the errors that are meant; `false` if there was none.
@@ -106,16 +87,25 @@ impl ActiveErrors {
         let is_gone = |word: u32| (word ^ meant.history_word) & meant.mask == 0;
         let number = |errors: &Self| (errors.standing.len(), errors.others.len());
         let before = number(self);
-        self.standing.retain(|error| !is_gone(error.history_word));
+        self.standing.retain(|error| !is_gone(error.history_word()));
         self.others.retain(|word| !is_gone(*word));
         let has_removed = number(self) != before;
         if self.standing.is_empty() {
-            self.forget_others();
+            self.others.clear();
+            self.other_bits = 0;
         }
+        let bits = self.standing.iter().map(|error| error.register);
+        self.register = bits.fold(self.other_bits, |all, bits| all | bits);
         has_removed
     }
 
-    fn add_other(&mut self, history_word: u32) {
+    /// Adds an error that finds no room in the list; `false` if it stands already.
+    #[cold]
+    #[inline(never)]
+    fn add_other(&mut self, history_word: u32, register: u8) -> bool {
+        if self.others.contains(&history_word) {
+            return false;
+        }
         if self.others.is_full() {
             let mut is_oldest = true;
             self.others
@@ -123,11 +113,8 @@ impl ActiveErrors {
         }
         // There is room.
         let _ = self.others.push(history_word);
-    }
-
-    fn forget_others(&mut self) {
-        self.others.clear();
-        self.other_bits = 0;
+        self.other_bits |= register;
+        true
     }
 }
 

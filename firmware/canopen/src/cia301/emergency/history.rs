@@ -1,6 +1,5 @@
 //! The pre-defined error field 1003h: the last errors, the newest at sub-index 1.
 
-use core::mem::swap;
 use core::ops::Range;
 
 use crate::cia301::sdo::AbortCode;
@@ -69,19 +68,34 @@ impl History {
     }
 
     /// Puts an error at sub-index 1 and moves the others down; the oldest falls out of a full field.
+    #[inline(always)]
     pub(super) fn insert<D: Dictionary>(&self, dictionary: &mut D, word: u32) {
+        if self.capacity == 0 {
+            return;
+        }
         let ram = dictionary.ram_mut();
-        let present = ram.get(usize::from(self.count)).copied().unwrap_or(0);
+        let Some(count) = ram.get_mut(usize::from(self.count)) else {
+            return;
+        };
+        let present = *count;
+        if u16::from(present) < self.capacity {
+            *count = present.wrapping_add(1);
+        }
+        if present != 0 {
+            self.move_down(ram, present);
+        }
+        let rest = ram.get_mut(usize::from(self.first)..);
+        if let Some(newest) = rest.and_then(<[u8]>::first_chunk_mut) {
+            *newest = word.to_le_bytes();
+        }
+    }
+
+    /// Makes room for one more error in front of these.
+    #[inline(never)]
+    fn move_down(&self, ram: &mut [u8], present: u8) {
         let places = self.places(ram);
-        let is_full = usize::from(present) >= places.len();
-        let mut carried = word.to_le_bytes();
-        // One more than are present, as far as there is room.
-        for place in places.iter_mut().take(usize::from(present) + 1) {
-            swap(place, &mut carried);
-        }
-        if !is_full && let Some(count) = ram.get_mut(usize::from(self.count)) {
-            *count = present.saturating_add(1);
-        }
+        let stay = usize::from(present).min(places.len().saturating_sub(1));
+        places.copy_within(..stay, 1);
     }
 
     /// Writing 0 to sub-index 0 empties the field: the errors become 0 as well, so that none returns.

@@ -9,8 +9,8 @@
 //!   history would show: the code and the first two manufacturer bytes.
 //! - The error register holds the bits of every error that stands, and the generic bit as long as there is one.
 //! - "No error" (code 0000h) carries what is left in the error register.
-//! - Without a valid COB-ID register and history go on. In a state without emergency messages (Stopped) they do as well, and the
-//!   messages wait, in their order, for one that has them.
+//! - Without a valid COB-ID or without a node-ID register and history go on. In a state without emergency messages (Stopped)
+//!   they do as well, and the messages wait, in their order, for one that has them.
 //! - The inhibit time delays messages and drops none; a new one counts at once. The queue holds sixteen. In a full one
 //!   the oldest message makes room for the newest, and is counted: the last word of the device agrees with the register.
 //! - An error of one source, such as the length error of one PDO, is cleared by itself; others of the same code stand.
@@ -49,8 +49,9 @@ pub mod code {
     pub const RPDO_TIMEOUT: u16 = 0x8250;
 }
 
-/// An error as CiA 301 reports it.
+/// An error as CiA 301 reports it. It lies in memory as its message travels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct Emergency {
     /// Emergency error code (CiA 301 table 26 and the device profile).
     pub code: u16,
@@ -66,6 +67,19 @@ impl Emergency {
         let [low, high, ..] = self.info;
         let [code_low, code_high] = self.code.to_le_bytes();
         u32::from_le_bytes([code_low, code_high, low, high])
+    }
+
+    /// Whether it is the same error.
+    #[inline]
+    const fn is_as(&self, other: &Self) -> bool {
+        self.code == other.code && self.history_word() == other.history_word()
+    }
+
+    /// The message that tells of it, with these bits of the error register.
+    const fn message(&self, register: u8) -> [u8; 8] {
+        let [low, high] = self.code.to_le_bytes();
+        let [a, b, c, d, e] = self.info;
+        [low, high, register, a, b, c, d, e]
     }
 }
 

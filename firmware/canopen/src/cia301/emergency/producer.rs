@@ -42,11 +42,10 @@ impl Producer {
         self.active.words()
     }
 
-    /// Drops the messages that wait, and sends none until [`Producer::enter`]: communication starts anew, and a device without a
+    /// Drops the messages that wait, and has none until [`Producer::enter`]: communication starts anew, and a device without a
     /// node-ID has no emergency messages.
     pub fn drop_messages(&mut self) {
-        self.queue.clear();
-        self.queue.stop();
+        self.queue.end();
     }
 
     /// The NMT state changed; `has_messages` says whether the new one has emergency messages. What comes in one that has none
@@ -65,6 +64,7 @@ impl Producer {
     }
 
     /// An error appeared. Nothing happens if it stands already.
+    #[inline]
     pub fn report<D: Dictionary>(
         &mut self,
         dictionary: &mut D,
@@ -76,8 +76,7 @@ impl Producer {
         }
         let register = self.show_register(dictionary);
         self.history.insert(dictionary, emergency.history_word());
-        self.queue
-            .push(message(emergency.code, register, emergency.info), now);
+        self.queue.push(emergency.message(register), now);
     }
 
     /// The errors that stand are in the history, which has just been emptied: reset communication.
@@ -92,8 +91,7 @@ impl Producer {
     pub fn tell_all(&mut self, now: Instant) {
         let register = self.active.register();
         for error in self.active.all() {
-            self.queue
-                .push(message(error.code, register, error.info), now);
+            self.queue.push(error.message(register), now);
         }
     }
 
@@ -103,7 +101,7 @@ impl Producer {
             return;
         }
         let register = self.show_register(dictionary);
-        self.queue.push(message(NO_ERROR, register, [0; 5]), now);
+        self.queue.push(NO_ERROR.message(register), now);
     }
 
     /// Looks for 1001h.
@@ -118,6 +116,7 @@ impl Producer {
     }
 
     /// Writes the error register to 1001h: after an error came or went, and after power-on values were loaded.
+    #[inline]
     pub fn show_register<D: Dictionary>(&self, dictionary: &mut D) -> u8 {
         let register = self.active.register();
         if let Some(at) = self.register
@@ -140,26 +139,29 @@ impl Producer {
     }
 
     /// Whether a message may be sent now.
+    #[inline]
     pub const fn is_pending(&self) -> bool {
-        self.queue.is_pending()
+        self.queue.is_released()
     }
 
-    /// Whether [`Producer::poll`] is to be called again and again: the inhibit time begins when a message has left.
-    pub const fn needs_time(&self) -> bool {
-        self.queue.needs_time()
+    /// Whether messages keep a distance.
+    #[inline]
+    pub const fn has_inhibit_time(&self) -> bool {
+        self.queue.has_inhibit_time()
     }
 
-    /// Lets the inhibit time pass.
+    /// Lets the inhibit time pass; it begins with the first call after a message has left.
     pub fn poll(&mut self, now: Instant) {
-        self.queue.release(now);
+        self.queue.poll(now);
     }
 
-    /// [`Producer::poll`] has nothing to do before this moment, unless a message leaves.
+    /// [`Producer::poll`] has nothing to do before this moment.
     pub fn deadline(&self) -> Instant {
         self.queue.deadline()
     }
 
     /// The message that may be sent now, removed.
+    #[inline]
     pub fn take(&mut self) -> Option<Frame> {
         self.queue.take()
     }
@@ -176,11 +178,9 @@ impl Default for Producer {
     }
 }
 
-/// Emergency error code "error reset or no error".
-const NO_ERROR: u16 = 0x0000;
-
-fn message(code: u16, register: u8, info: [u8; 5]) -> [u8; 8] {
-    let [low, high] = code.to_le_bytes();
-    let [a, b, c, d, e] = info;
-    [low, high, register, a, b, c, d, e]
-}
+/// "Error reset or no error".
+const NO_ERROR: Emergency = Emergency {
+    code: 0x0000,
+    register: 0,
+    info: [0; 5],
+};

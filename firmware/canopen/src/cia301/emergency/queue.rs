@@ -3,28 +3,47 @@
 //! ```text
 //!   report ──► [ held back | released ] ──► transmit
 //!                  ▲             │
-//!                  └ inhibit ────┘   starts when the last released message has left
+//!                  └ inhibit ────┘   starts when the released message has left
 //! ```
-
-use heapless::Deque;
 
 use crate::time::{Duration, Instant, NEVER, has_come, with_length};
 use crate::wire::Frame;
 use crate::wire::cob_id::CobId;
 
 /// Most messages that wait.
-const MOST_MESSAGES: usize = 16;
+const MOST_MESSAGES: u8 = 16;
+
+const _: () = assert!(
+    MOST_MESSAGES.is_power_of_two(),
+    "the numbers of messages wrap around at 256"
+);
+
+/// What the NMT state has of emergency messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Service {
+    /// Communication has not begun, or the device has no node-ID: there are no messages, and none is kept.
+    Absent,
+    /// Messages wait for another state.
+    Stopped,
+    Running,
+}
 
 /// The queue of one emergency producer.
 #[derive(Debug)]
 pub(super) struct EmergencyQueue {
-    messages: Deque<[u8; 8], MOST_MESSAGES>,
+    /// A ring.
+    messages: [[u8; 8]; MOST_MESSAGES as usize],
+    /// The number of the first one, counted on and on.
+    first: u8,
+    /// This many wait.
+    waiting: u8,
     /// This many messages at the front may be sent.
     released: u8,
+    service: Service,
+    /// A message has left, and its inhibit time has not begun yet.
+    has_left: bool,
     /// `None`: switched off.
     cob_id: Option<u16>,
-    /// The NMT state has no emergency messages: none is released.
-    is_stopped: bool,
     /// 1015h in µs; 0 for none.
     inhibit_time: u32,
     /// Before this moment no message is released.
@@ -36,10 +55,13 @@ pub(super) struct EmergencyQueue {
 impl EmergencyQueue {
     pub(super) const fn new() -> Self {
         Self {
-            messages: Deque::new(),
+            messages: [[0; 8]; MOST_MESSAGES as usize],
+            first: 0,
+            waiting: 0,
             released: 0,
+            service: Service::Absent,
+            has_left: false,
             cob_id: None,
-            is_stopped: true,
             inhibit_time: 0,
             inhibited_until: Instant::from_ticks(0),
             overflows: 0,
@@ -66,21 +88,33 @@ impl EmergencyQueue {
         self.inhibit_time = inhibit_time;
     }
 
+    /// Whether messages keep a distance.
+    #[inline]
+    pub(super) const fn has_inhibit_time(&self) -> bool {
+        self.inhibit_time != 0
+    }
+
     /// Drops what waits.
     pub(super) fn clear(&mut self) {
-        self.messages.clear();
+        self.waiting = 0;
         self.released = 0;
     }
 
     /// The NMT state has emergency messages: what waits goes out, in its order.
     pub(super) fn start(&mut self, now: Instant) {
-        self.is_stopped = false;
+        self.service = Service::Running;
         self.release(now);
     }
 
     /// The NMT state has no emergency messages: what comes now waits for one that has.
     pub(super) fn stop(&mut self) {
-        self.is_stopped = true;
+        self.service = Service::Stopped;
+    }
+
+    /// Communication starts anew: what waits is dropped, and what comes before [`EmergencyQueue::start`] is not kept.
+    pub(super) fn end(&mut self) {
+        self.clear();
+        self.service = Service::Absent;
     }
 
     /// What was released has not left, and waits with the others.
@@ -90,48 +124,56 @@ impl EmergencyQueue {
 
     /// Adds a message, unless the producer is switched off. The oldest one makes room for it in a full queue: the last
     /// message that the master gets always has the present error register.
-    #[inline(never)]
+    #[inline]
     pub(super) fn push(&mut self, message: [u8; 8], now: Instant) {
-        if self.cob_id.is_none() {
+        if self.cob_id.is_none() || self.service == Service::Absent {
             return;
         }
-        if self.messages.is_full() {
-            self.messages.pop_front();
-            self.released = self.released.saturating_sub(1);
+        if self.waiting == MOST_MESSAGES {
+            self.drop_first();
             self.overflows = self.overflows.saturating_add(1);
         }
-        // There is room.
-        let _ = self.messages.push_back(message);
+        let next = usize::from(self.first.wrapping_add(self.waiting) % MOST_MESSAGES);
+        if let Some(place) = self.messages.get_mut(next) {
+            *place = message;
+        }
+        self.waiting = self.waiting.wrapping_add(1);
+        self.release(now);
+    }
+
+    fn drop_first(&mut self) {
+        self.first = self.first.wrapping_add(1);
+        self.waiting = self.waiting.saturating_sub(1);
+        self.released = self.released.saturating_sub(1);
+    }
+
+    /// Lets the inhibit time pass.
+    pub(super) fn poll(&mut self, now: Instant) {
+        if core::mem::take(&mut self.has_left) {
+            self.inhibited_until = now + span(self.inhibit_time);
+        }
         self.release(now);
     }
 
     /// Releases what state and inhibit time allow.
-    pub(super) fn release(&mut self, now: Instant) {
-        if self.is_stopped {
+    #[inline]
+    fn release(&mut self, now: Instant) {
+        if self.service != Service::Running {
             return;
         }
-        if self.inhibit_time == 0 {
-            self.released = self.messages.len() as u8;
-        } else if self.released == 0
-            && !self.messages.is_empty()
-            && has_come(self.inhibited_until, now)
-        {
-            self.released = 1;
+        if !self.has_inhibit_time() {
+            self.released = self.waiting;
+        } else if !self.is_released() && !self.has_left && has_come(self.inhibited_until, now) {
+            self.released = u8::from(self.waiting != 0);
         }
-        if self.needs_time() {
-            // It still waits for the bus: the inhibit time has not begun.
-            self.inhibited_until = now + span(self.inhibit_time);
-        }
-    }
-
-    /// Whether a message waits for the bus, and the inhibit time for it: [`EmergencyQueue::release`] is to be called again and again.
-    pub(super) const fn needs_time(&self) -> bool {
-        self.released > 0 && self.inhibit_time != 0
     }
 
     /// When there will be more to release.
     pub(super) fn deadline(&self) -> Instant {
-        if self.is_stopped || self.released != 0 || self.messages.is_empty() {
+        if self.has_left {
+            // The inhibit time begins with the next call.
+            Instant::from_ticks(0)
+        } else if self.service != Service::Running || self.is_released() || self.waiting == 0 {
             NEVER
         } else {
             self.inhibited_until
@@ -139,15 +181,19 @@ impl EmergencyQueue {
     }
 
     /// Whether a message may be sent now. None waits while the producer is switched off.
-    pub(super) const fn is_pending(&self) -> bool {
+    #[inline]
+    pub(super) const fn is_released(&self) -> bool {
         self.released > 0
     }
 
     /// The message that may be sent now, removed.
+    #[inline(always)]
     pub(super) fn take(&mut self) -> Option<Frame> {
-        let cob_id = self.cob_id.filter(|_| self.released > 0)?;
-        self.released = self.released.saturating_sub(1);
-        let message = self.messages.pop_front()?;
+        let cob_id = self.cob_id.filter(|_| self.is_released())?;
+        self.has_left = self.has_inhibit_time();
+        let first = usize::from(self.first % MOST_MESSAGES);
+        let message = self.messages.get(first).copied()?;
+        self.drop_first();
         Some(Frame::full(cob_id, message))
     }
 

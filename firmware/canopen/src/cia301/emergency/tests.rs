@@ -25,14 +25,15 @@ fn e07_the_inhibit_time_starts_when_a_message_has_left() {
     queue.push([2; 8], at(0));
     // The bus is busy until 250 ms.
     for time in 0..=250 {
-        queue.release(at(time));
+        queue.poll(at(time));
     }
     assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([1; 8]));
     assert_eq!(queue.take(), None);
-    queue.release(at(251));
+    queue.poll(at(250));
+    queue.poll(at(251));
     assert_eq!(queue.deadline(), at(350));
-    assert!(!queue.is_pending());
-    queue.release(at(350));
+    assert!(!queue.is_released());
+    queue.poll(at(350));
     assert_eq!(queue.deadline(), NEVER);
     assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([2; 8]));
 }
@@ -47,7 +48,7 @@ fn without_an_inhibit_time_all_may_leave_at_once() {
     for number in 0..8 {
         assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([number; 8]));
     }
-    assert!(!queue.is_pending());
+    assert!(!queue.is_released());
     assert_eq!(queue.overflows(), 0);
 }
 
@@ -66,19 +67,30 @@ fn e01_switching_off_drops_what_waits() {
 fn a_message_that_waits_for_the_bus_has_no_deadline_and_one_behind_it_has() {
     let mut queue = queue();
     assert_eq!(queue.deadline(), NEVER);
-    assert!(!queue.needs_time());
     queue.push([1; 8], at(0));
-    assert!(queue.needs_time(), "its inhibit time begins when it leaves");
     assert_eq!(queue.deadline(), NEVER);
     queue.push([2; 8], at(0));
     assert_eq!(queue.deadline(), NEVER);
     queue.take();
-    assert!(!queue.needs_time(), "the second has a deadline");
-    queue.release(at(1));
-    assert_eq!(queue.deadline(), at(100));
+    assert_eq!(queue.deadline(), at(0), "its inhibit time begins");
+    queue.poll(at(1));
+    assert_eq!(queue.deadline(), at(101));
     queue.set_inhibit_time(0);
-    queue.release(at(1));
+    queue.poll(at(1));
     assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([2; 8]));
+}
+
+#[test]
+fn what_comes_before_communication_has_begun_is_not_kept_and_not_counted() {
+    let mut queue = queue();
+    queue.push([1; 8], at(0));
+    queue.end();
+    for number in 0..20 {
+        queue.push([number; 8], at(0));
+    }
+    queue.start(at(1));
+    assert_eq!(queue.take(), None);
+    assert_eq!(queue.overflows(), 0);
 }
 
 #[test]
@@ -88,13 +100,13 @@ fn e10_what_waits_in_stopped_keeps_its_order() {
     queue.stop();
     queue.hold_back();
     queue.push([2; 8], at(10));
-    queue.release(at(500));
+    queue.poll(at(500));
     assert_eq!(queue.deadline(), NEVER);
     assert_eq!(queue.take(), None);
     queue.start(at(500));
     assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([1; 8]));
-    queue.release(at(500));
+    queue.poll(at(500));
     assert_eq!(queue.deadline(), at(600));
-    queue.release(at(600));
+    queue.poll(at(600));
     assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([2; 8]));
 }
