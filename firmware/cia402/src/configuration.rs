@@ -131,6 +131,7 @@ impl VelocityConfiguration {
 }
 
 /// A speed that is gained in so many seconds, in steps/s²: at least 1, so that every ramp ends.
+#[inline(never)]
 fn ramp(speed: u32, seconds: u16, dimension: (i32, i32)) -> u32 {
     let gained = u64::from(speed).saturating_mul(dimension.0.unsigned_abs().into());
     let divisor = u64::from(seconds).saturating_mul(dimension.1.unsigned_abs().into());

@@ -309,6 +309,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     }
 
     /// Resets are for the device, the other events of the node for the firmware.
+    #[inline(never)]
     fn take_reset(&mut self) {
         if let Some(reset) = self.node.take_reset() {
             let reset = match self.phase {

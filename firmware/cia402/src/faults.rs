@@ -349,6 +349,7 @@ impl Faults {
     }
 
     /// One tick adds at most as many notices as the queue holds, and every tick empties it.
+    #[inline(never)]
     fn notify(&mut self, notice: FaultNotice) {
         let _ = self.notices.push_back(notice);
     }

@@ -337,6 +337,7 @@ impl<A: Actuator + ?Sized> Motor<A> {
     }
 
     /// Where [`Motor::stop`] would end with these ramps. A sin² ramp under way counts as left if `leaves`: so it is for a target elsewhere.
+    #[inline(never)]
     pub(crate) fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
         match self.stopping_at_limit {
             None => self.actuator.stop_preview(deceleration, ramps, leaves),
@@ -355,6 +356,7 @@ impl<A: Actuator + ?Sized> Motor<A> {
     }
 
     /// Slows down to a standstill, on the ramp of the stop that is under way if that is harder. No ramp is the hardest.
+    #[inline(never)]
     pub(crate) fn stop_no_gentler(&mut self, deceleration: u32, is_smooth: bool) {
         let least = self.stopping.filter(|_| deceleration > 0).unwrap_or(0);
         let is_smooth = is_smooth && !(self.stopping.is_some() && self.stops_hard);
@@ -379,6 +381,7 @@ impl<A: Actuator + ?Sized> Motor<A> {
     }
 
     /// Drops everything that has not been done yet. The board does so at the end of the tick.
+    #[inline(never)]
     pub(crate) fn cut_off(&mut self) {
         // Without current a motor runs on, nobody knows where to.
         self.referenced &= self.actuator.standstill();

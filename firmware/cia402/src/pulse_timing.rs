@@ -50,6 +50,7 @@ impl PulseTiming {
     }
 
     /// In ticks of the step clock.
+    #[inline(never)]
     pub(crate) fn in_ticks(self, clock: Clock, as_built: DriverTiming) -> DriverTiming {
         match self {
             Self::AsBuilt => as_built,

@@ -133,6 +133,7 @@ impl NetworkClock {
     }
 
     /// Another loop, with the counts of this one.
+    #[inline(never)]
     fn begin_anew(&mut self) {
         let (missed, rejected) = (self.lock.missed(), self.lock.rejected());
         self.lock = Lock::new();

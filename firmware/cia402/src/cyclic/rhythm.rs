@@ -41,6 +41,7 @@ impl Rhythm {
     }
 
     /// A record came at `stamp` and found the buffer empty.
+    #[inline(never)]
     pub(crate) fn hear(&mut self, stamp: Fine, period: Fine) {
         let ahead = (period / 2).min(AHEAD);
         let Some(next) = self.next.filter(|_| self.idle < PAUSE) else {
@@ -61,6 +62,7 @@ impl Rhythm {
     }
 
     /// Lets time pass, while so many records wait.
+    #[inline(never)]
     pub(crate) fn pass(&mut self, now: Fine, period: Fine, mut waiting: usize, slots: &mut Slots) {
         while let Some(at) = self.next
             && span(at, now) >= 0

@@ -63,6 +63,7 @@ impl Schedule {
     }
 
     /// A tick runs at `now`. Returns when the next one is due, in step with `lock`.
+    #[inline(never)]
     pub(crate) fn next(&mut self, now: Instant, lock: &Lock) -> Instant {
         let now = fine(now);
         if span(self.due, now).unsigned_abs() > self.nominal / 2 {

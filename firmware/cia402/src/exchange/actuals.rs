@@ -142,6 +142,7 @@ impl History {
     }
 
     /// Those of the last tick.
+    #[inline(never)]
     pub(super) const fn newest(&self) -> &Actuals {
         self.newest_first()[0]
     }

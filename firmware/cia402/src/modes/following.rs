@@ -109,6 +109,7 @@ impl Following {
     }
 
     /// Somebody else moves or stops the motor.
+    #[inline(never)]
     pub(super) fn forget(&mut self) {
         let is_limited = self.is_limited;
         *self = Self::new();

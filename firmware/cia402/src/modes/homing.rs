@@ -175,6 +175,7 @@ impl Homing {
         }
     }
 
+    #[inline(never)]
     fn go_on(&mut self, context: &mut Context<'_>) {
         let Progress::UnderWay(search) = &mut self.progress else {
             return;

@@ -79,6 +79,7 @@ pub(crate) struct Context<'a> {
 
 impl Context<'_> {
     /// Too many set-points were missing: stops with 6085h.
+    #[inline(never)]
     pub(crate) fn lose_set_points(&mut self) {
         let deceleration = self.deceleration(StopRamp::QuickStop);
         self.motor.stop(deceleration);
@@ -138,6 +139,7 @@ impl Context<'_> {
     }
 
     /// A velocity and ramps, within 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach; and whether one of them was cut.
+    #[inline(never)]
     pub(crate) fn within(&self, asked: Limits) -> (Limits, bool) {
         let limits = Limits {
             velocity: asked.velocity.min(self.max_velocity()),
@@ -219,6 +221,7 @@ impl Modes {
     }
 
     /// A limit switch is stopping the motor: what the mode was after is not reached.
+    #[inline(never)]
     pub(crate) fn limit_met(&mut self, motor: &Motor) {
         match self.active {
             Mode::NoMode | Mode::Homing => {}

@@ -61,6 +61,13 @@ impl PowerStage {
     /// Looks at what the board measures.
     pub(crate) fn observe(&mut self, inputs: &Inputs, thresholds: &Thresholds) {
         self.has_supply = inputs.supply;
+        if inputs.supply_voltage.is_some() || inputs.temperature.is_some() {
+            self.compare(inputs, thresholds);
+        }
+    }
+
+    #[inline(never)]
+    fn compare(&mut self, inputs: &Inputs, thresholds: &Thresholds) {
         if let Some(voltage) = inputs.supply_voltage {
             let hysteresis = thresholds.voltage_hysteresis;
             let below =

@@ -228,6 +228,7 @@ impl TouchProbes {
     }
 
     /// 60B8h, 60D0h or the inputs may have changed. Comes behind the edges of the tick: they came before.
+    #[inline(never)]
     fn follow(&mut self, commands: &Commands, configuration: &Configuration) {
         let given = [
             configuration.inputs.index,

@@ -36,7 +36,7 @@ impl Frame {
     }
 
     /// A position on the count that goes on behind the ends of 607Bh, in units of the user.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn position(&self, increments: i64, units: &Units) -> i64 {
         if increments == self.increments {
             self.user
@@ -66,7 +66,11 @@ impl Frame {
     }
 
     /// A position as objects show it.
+    #[inline]
     pub(crate) fn shown(&self, increments: i64, units: &Units) -> i32 {
+        if units.shows_increments() {
+            return increments as i32;
+        }
         units.range().shown(self.position(increments, units))
     }
 

@@ -227,6 +227,11 @@ impl Units {
         if self.is_plain {
             return user;
         }
+        self.increments_of(user)
+    }
+
+    #[inline(never)]
+    fn increments_of(&self, user: i64) -> i64 {
         self.with_position_polarity(self.position.to_increments(user))
     }
 
@@ -236,7 +241,18 @@ impl Units {
         if self.is_plain {
             return increments;
         }
+        self.units_of(increments)
+    }
+
+    #[inline(never)]
+    fn units_of(&self, increments: i64) -> i64 {
         self.with_position_polarity(self.position.to_units(increments))
+    }
+
+    /// Whether positions are shown as they are counted, modulo 2³².
+    #[inline]
+    pub(super) const fn shows_increments(&self) -> bool {
+        self.is_plain && !self.range.is_rotary()
     }
 
     /// Increments of a distance or an offset, with its sign (60B0h).
@@ -346,6 +362,7 @@ fn nearest(number: i64) -> i32 {
 }
 
 /// A speed: more than 0, unless it is 0.
+#[inline(never)]
 fn amount_of_speed(ratio: Ratio, user: u32) -> Speed {
     let speed = ratio.to_speed(user);
     if user == 0 {
@@ -356,6 +373,7 @@ fn amount_of_speed(ratio: Ratio, user: u32) -> Speed {
 }
 
 /// An amount in increments: at least 1, unless it is 0.
+#[inline(never)]
 fn amount(ratio: Ratio, user: u32) -> u32 {
     if ratio.is_one() || user == 0 {
         return user;

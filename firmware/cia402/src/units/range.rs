@@ -72,6 +72,7 @@ impl Range {
     }
 
     /// The beginning of the turn that a position lies in: what the position has beyond the one that is shown.
+    #[inline(never)]
     pub fn turn(self, position: i64) -> i64 {
         position.wrapping_sub(self.shown(position).into())
     }

@@ -25,6 +25,7 @@ pub(super) const fn to(at: i64) -> Position {
 }
 
 /// A distance in so much time, over another time.
+#[inline(never)]
 pub(super) fn over(distance: i64, time: Fine, another: Fine) -> i64 {
     if distance == 0 || time == another {
         return distance;
