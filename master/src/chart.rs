@@ -51,7 +51,7 @@ pub fn in_characters(values: Vec<f64>, caption: Option<String>) -> String {
 pub fn as_svg(charts: &[Chart], end: f32, path: &Path) -> Result<(), String> {
     let mut picture = String::new();
     draw(charts, end, &mut picture).map_err(|error| error.to_string())?;
-    std::fs::write(path, picture).map_err(plain)
+    od_gen::files::write(path, picture.as_bytes()).map_err(plain)
 }
 
 fn draw(

@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 use std::process::ExitCode;
+#[cfg(unix)]
+use std::sync::Arc;
 
 use canopen::BitRate;
 use clap::CommandFactory;
@@ -48,8 +50,23 @@ pub fn refused<P: CommandFactory>(program: &str, error: &clap::Error) -> ExitCod
     }
 }
 
+/// A file that reaches the limit for files (`ulimit -f`) is an error of the write, as a full disk is, and not the end of the program.
+pub fn outlive_long_files() {
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::SIGXFSZ;
+        // Without it, such a write ends the program.
+        let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
+    }
+}
+
+/// A line on standard error, if anybody has it open.
+pub fn note(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
 /// Tells in one line what is wrong.
 pub fn fail(program: &str, problem: &str) -> ExitCode {
-    let _ = writeln!(io::stderr(), "{program}: {problem}");
+    note(&format!("{program}: {problem}"));
     ExitCode::from(USAGE)
 }

@@ -24,6 +24,7 @@ pub mod diff;
 #[cfg(feature = "doc")]
 pub mod doc;
 mod document;
+pub mod files;
 mod generate;
 mod json;
 pub mod model;

@@ -1,13 +1,13 @@
 //! A file with everything that there is to say about it.
 
 use std::path::Path;
-use std::{fmt, fs, io};
+use std::{fmt, io};
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
 use crate::model::{FileKind, Model};
 use crate::rules::{self, Subject, reading};
 use crate::source::Source;
-use crate::{document, parse as parser, xdd};
+use crate::{document, files, parse as parser, xdd};
 
 /// What is known about a file after it has been read and checked.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ impl Report {
     pub fn read(path: &Path) -> io::Result<Self> {
         Ok(Self::of_bytes(
             &path.display().to_string(),
-            &fs::read(path)?,
+            &files::read(path)?,
         ))
     }
 
@@ -40,7 +40,7 @@ impl Report {
     /// The file cannot be read from its disk.
     pub fn read_for_code(path: &Path) -> io::Result<Self> {
         let findings = Findings::new(&path.display().to_string()).for_code();
-        Ok(Self::decoded(&fs::read(path)?, findings))
+        Ok(Self::decoded(&files::read(path)?, findings))
     }
 
     /// Checks a text that code is to be made of, as [`Report::read_for_code`] does.

@@ -1,20 +1,20 @@
 //! The command line. Every mistake in it is one line on standard error and exit code 2.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use canopen::settings::{Switches, Wish};
 use canopen::{BitTiming, Configuration, NodeId};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgGroup, Args, Parser, Subcommand};
-use master::command_line::{bit_rate, fail, refused};
+use master::command_line::{bit_rate, fail, note, outlive_long_files, refused};
 use master::scope;
 use master::system_error::plain;
 
 use crate::demo::{self, Demo};
 use crate::drive::Setup;
-use crate::flash::Flash;
+use crate::flash::{Contents, Flash};
 use crate::plan;
 use crate::plant::Axis;
 use crate::serve::{Service, serve};
@@ -93,6 +93,7 @@ struct ServeArguments {
 
 /// Runs the command line; returns the exit code.
 pub fn run(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
+    outlive_long_files();
     let command_line = match CommandLine::try_parse_from(arguments) {
         Ok(command_line) => command_line,
         // Of `serve` nothing else is required.
@@ -176,9 +177,7 @@ fn conclude_plan(result: Result<(), plan::Problem>) -> ExitCode {
 /// What `serve` is to run.
 fn service(arguments: ServeArguments) -> Result<Service, String> {
     let flash = match &arguments.store {
-        Some(path) => Flash::in_file(path).map_err(|error| {
-            format!("cannot use the store {}: {}", path.display(), plain(error))
-        })?,
+        Some(path) => stored_in(path)?,
         None => Flash::in_memory(),
     };
     let mut store = flash.into_store();
@@ -215,6 +214,24 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
         },
         verbose: arguments.verbose,
     })
+}
+
+/// The flash in a file. Tells if somebody else has written into it; the drive tells masters (6310h).
+fn stored_in(path: &Path) -> Result<Flash, String> {
+    let flash = Flash::in_file(path)
+        .map_err(|error| format!("cannot use the store {}: {}", path.display(), plain(error)))?;
+    match flash.contents() {
+        Contents::Whole => {}
+        Contents::Damaged => note(&format!(
+            "the store {} is damaged: the parameters are those of the data sheet until they are saved again",
+            path.display()
+        )),
+        Contents::Foreign => note(&format!(
+            "the store {} holds something else than parameters: nothing is taken from it, and nothing is saved to it",
+            path.display()
+        )),
+    }
+    Ok(flash)
 }
 
 fn bit_timing(text: &str) -> Result<BitTiming, String> {

@@ -1,9 +1,10 @@
 //! The flash sectors of a virtual drive: in memory, or in a file that keeps them.
 
+mod contents;
 mod power;
 
 use std::fmt;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
@@ -14,10 +15,14 @@ use embedded_storage::nor_flash::{
 };
 use store::Store;
 
+pub use contents::Contents;
 pub use power::Power;
 
 /// A sector of the STM32F405's first four.
 const SECTOR: usize = 16 * 1024;
+
+/// The unit in which it is written.
+const WORD: usize = 4;
 
 /// Both sectors.
 const SIZE: usize = 2 * SECTOR;
@@ -30,7 +35,10 @@ pub type ParameterStore = Store<Flash>;
 pub struct Flash {
     bytes: Vec<u8>,
     file: Option<File>,
+    /// Nothing can be written.
     broken: bool,
+    /// The file holds something else, which stays there.
+    is_foreign: bool,
     power: Power,
 }
 
@@ -41,15 +49,20 @@ impl Flash {
             bytes: vec![0xFF; SIZE],
             file: None,
             broken: false,
+            is_foreign: false,
             power: Power::new(),
         }
     }
 
-    /// Flash kept in a file, which is made, erased, if it does not exist.
+    /// Flash kept in a file, which is made, erased, if it does not exist. In a file of this size that holds something else nothing is
+    /// ever written ([`Flash::contents`]).
     ///
     /// # Errors
     /// If the file cannot be opened for writing, is none of these files, or another drive uses it.
     pub fn in_file(path: &Path) -> io::Result<Self> {
+        if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+            return Err(not_a_store("it is no file"));
+        }
         let mut file = OpenOptions::new()
             .read(true)
             .write(true)
@@ -66,20 +79,33 @@ impl Flash {
         (&mut file).take(SIZE as u64 + 1).read_to_end(&mut bytes)?;
         if bytes.is_empty() {
             bytes.resize(SIZE, 0xFF);
-            file.write_all(&bytes)?;
+            // Half a file would be none of ours at the next start.
+            file.write_all(&bytes)
+                .inspect_err(|_| file.set_len(0).unwrap_or_default())?;
         }
         if bytes.len() != SIZE {
-            return Err(io::Error::new(
-                io::ErrorKind::InvalidData,
-                format!("not a parameter store: it should have {SIZE} bytes"),
-            ));
+            return Err(not_a_store(&format!("it should have {SIZE} bytes")));
+        }
+        let is_foreign = contents::contents(&bytes) == Contents::Foreign;
+        if is_foreign {
+            bytes.fill(0xFF);
         }
         Ok(Self {
             bytes,
             file: Some(file),
-            broken: false,
+            broken: is_foreign,
+            is_foreign,
             power: Power::new(),
         })
+    }
+
+    /// What it holds.
+    pub fn contents(&self) -> Contents {
+        if self.is_foreign {
+            Contents::Foreign
+        } else {
+            contents::contents(&self.bytes)
+        }
     }
 
     /// Feeds it from this power, which can be cut in the middle of a write.
@@ -147,11 +173,21 @@ impl Flash {
         let Some(file) = &mut self.file else {
             return Ok(());
         };
-        let written = file
-            .seek(SeekFrom::Start(offset as u64))
-            .and_then(|_| file.write_all(&self.bytes[offset..offset + length]));
-        written.map_err(|error| FlashError::File(error.kind()))
+        let place = SeekFrom::Start(offset as u64);
+        let cells = &mut self.bytes[offset..offset + length];
+        let written = file.seek(place).and_then(|_| file.write_all(cells));
+        written.map_err(|error| {
+            // What is not in the file is not in the flash.
+            let read = file.seek(place).and_then(|_| file.read_exact(cells));
+            self.broken |= read.is_err();
+            FlashError::File(error.kind())
+        })
     }
+}
+
+fn not_a_store(why: &str) -> io::Error {
+    let why = format!("not a parameter store: {why}");
+    io::Error::new(io::ErrorKind::InvalidData, why)
 }
 
 /// Why flash could not be read or written.
@@ -210,7 +246,7 @@ impl ReadNorFlash for Flash {
 }
 
 impl NorFlash for Flash {
-    const WRITE_SIZE: usize = 4;
+    const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = SECTOR;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
@@ -255,12 +291,115 @@ mod tests {
     fn any_other_file_is_refused_and_left_alone() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("letter.txt");
-        std::fs::write(&path, "Dear reader").unwrap();
+        fs::write(&path, "Dear reader").unwrap();
         assert_eq!(
             Flash::in_file(&path).unwrap_err().kind(),
             io::ErrorKind::InvalidData
         );
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "Dear reader");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "Dear reader");
+    }
+
+    /// What a store with these bytes in its file is taken for.
+    fn taken_for(bytes: &[u8]) -> Contents {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("drive.bin");
+        fs::write(&path, bytes).unwrap();
+        Flash::in_file(&path).unwrap().contents()
+    }
+
+    /// A flash in which a number of settings were stored, and where the last record ends.
+    fn with_settings() -> (Vec<u8>, usize) {
+        let mut store = Flash::in_memory().into_store();
+        for node_id in 1..=20 {
+            let node_id = NodeId::new(node_id).unwrap();
+            let bit_timing = SETTINGS.bit_timing;
+            store
+                .save(&Configuration {
+                    node_id,
+                    bit_timing,
+                })
+                .unwrap();
+        }
+        let bytes = store.release().bytes;
+        let end = bytes.iter().rposition(|byte| *byte != 0xFF).unwrap() + 1;
+        (bytes, end)
+    }
+
+    #[test]
+    fn what_somebody_else_has_written_is_told() {
+        assert_eq!(taken_for(&[0xFF; SIZE]), Contents::Whole);
+        for byte in [0x00, 0x41, 0xAA] {
+            assert_eq!(taken_for(&[byte; SIZE]), Contents::Foreign, "{byte:02X}");
+        }
+        let noise = |seed: u32| {
+            let next = |number: &mut u32| {
+                *number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                Some((*number >> 24) as u8)
+            };
+            let noise = std::iter::repeat(()).scan(seed, move |number, ()| next(number));
+            noise.take(SIZE).collect::<Vec<_>>()
+        };
+        for seed in 0..50 {
+            assert_eq!(taken_for(&noise(seed)), Contents::Foreign, "{seed}");
+        }
+        let (bytes, end) = with_settings();
+        assert_eq!(taken_for(&bytes), Contents::Whole);
+        for length in [4, 8, 16, 64] {
+            for byte in [0x00, 0x55] {
+                let mut bytes = bytes.clone();
+                bytes[end - length..end].fill(byte);
+                assert_eq!(
+                    taken_for(&bytes),
+                    Contents::Damaged,
+                    "{length} x {byte:02X}"
+                );
+            }
+        }
+    }
+
+    /// At every byte of two records, and here and there in all of a save that erases a sector.
+    #[test]
+    fn a_power_cut_is_no_damage() {
+        use canopen::cia301::parameters::{ParameterSet, ParameterSets, ParameterStore as _};
+        let save = |store: &mut ParameterStore, seed: u8| {
+            store.begin(ParameterSets::ALL)?;
+            for number in 0..12 {
+                store.append(ParameterSet::Application, &[seed ^ number; 97])?;
+            }
+            store.commit()
+        };
+        let mut before = Flash::in_memory().into_store();
+        for seed in 0..11 {
+            save(&mut before, seed).unwrap();
+        }
+        let before = before.release().bytes;
+        let flash = |bytes: &[u8]| Flash {
+            bytes: bytes.to_vec(),
+            ..Flash::in_memory()
+        };
+        let (mut is_cut, mut cut) = (true, 1);
+        while is_cut {
+            let power = Power::new();
+            let mut store = flash(&before).powered_by(&power).into_store();
+            power.cut_at_byte(cut);
+            is_cut = save(&mut store, 9).is_err();
+            let left = store.release();
+            assert_eq!(left.contents(), Contents::Whole, "cut at byte {cut}");
+            cut += if cut < 250 { 1 } else { 997 };
+        }
+        assert!(cut > SECTOR as u64, "no sector is erased: {cut}");
+    }
+
+    #[test]
+    fn in_a_foreign_file_nothing_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.raw");
+        fs::write(&path, [0x41; SIZE]).unwrap();
+        let mut store = Flash::in_file(&path).unwrap().into_store();
+        assert!(store.save(&SETTINGS).is_err());
+        assert!(store.forget().is_err());
+        drop(store);
+        assert_eq!(fs::read(&path).unwrap(), [0x41; SIZE]);
     }
 
     #[test]

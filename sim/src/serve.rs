@@ -15,6 +15,7 @@ use crate::Axis402;
 use crate::drive::Setup;
 use master::bus::Station;
 use master::bus::live::{Incoming, LONGEST_SLEEP, LiveBus, Source};
+use master::command_line::note;
 use master::system_error::plain;
 
 /// What a server is to be.
@@ -43,7 +44,7 @@ pub fn serve(service: Service) -> Result<(), String> {
             .map_err(|error| format!("cannot serve SLCAN on {address}: {}", plain(error)))?;
         let address = server.address();
         if !address.ip().is_loopback() {
-            warn(&format!(
+            note(&format!(
                 "SLCAN on {address} is open to the network, without a password; 127.0.0.1 is for this computer alone"
             ));
         }
@@ -117,7 +118,7 @@ impl Server {
                         self.tell(&format!("client {number} left"));
                     }
                     Some(Incoming::ClientRefused(why)) => {
-                        warn(&format!("cannot serve another client: {why}"));
+                        note(&format!("cannot serve another client: {why}"));
                     }
                     // A server has no adapter.
                     Some(Incoming::Refused) => {}
@@ -167,7 +168,7 @@ impl Server {
             self.drive.error_seen(now);
         } else if !self.warned {
             self.warned = true;
-            warn(&format!(
+            note(&format!(
                 "a client sends at {} kbit/s, the drive is set to {} kbit/s: they do not hear each other",
                 bit_rate.unwrap_or_default(),
                 own.unwrap_or_default(),
@@ -188,7 +189,7 @@ impl Server {
 
     fn send(&mut self, frame: &Frame, source: Source, bit_rate: Option<u32>) {
         for client in self.bus.send(frame, source, bit_rate) {
-            warn(&format!("client {client} does not read, disconnected"));
+            note(&format!("client {client} does not read, disconnected"));
         }
     }
 
@@ -227,7 +228,7 @@ impl Server {
 
     fn tell(&self, text: &str) {
         if self.verbose {
-            warn(text);
+            note(text);
         }
     }
 }
@@ -248,11 +249,6 @@ fn state_name(state: NmtState) -> &'static str {
         NmtState::Operational => "operational",
         NmtState::PreOperational => "pre-operational",
     }
-}
-
-/// A line on standard error, if anybody has it open.
-fn warn(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
 }
 
 fn describe(error: CommunicationError) -> String {

@@ -8,7 +8,7 @@ use od_gen::model::Access;
 use od_gen::{DataType, transfer};
 use runtime::Storage;
 
-use crate::flash::{Flash, ParameterStore as FlashStore};
+use crate::flash::{Contents, Flash, ParameterStore as FlashStore};
 use master::data_sheet::{Address, DataSheet};
 
 /// The first object that can be set so; those before it belong to the network.
@@ -92,6 +92,8 @@ pub(crate) struct FactoryStore {
     /// Node-ID and bit rate for the first power-on, and for later ones as long as nothing is stored.
     given: Option<Configuration>,
     is_first: bool,
+    /// Somebody else has written into the flash: what it still holds of the parameters is not believed until they are saved again.
+    is_lost: bool,
 }
 
 /// The set that is loaded first.
@@ -103,8 +105,11 @@ impl FactoryStore {
         settings: Option<&Settings>,
         given: Option<Configuration>,
     ) -> Self {
+        let flash = store.release();
+        let is_lost = flash.contents() != Contents::Whole;
         Self {
-            store,
+            store: flash.into_store(),
+            is_lost,
             chunks: settings.map(Settings::chunks).unwrap_or_default(),
             given,
             is_first: true,
@@ -163,10 +168,15 @@ impl ParameterStore for FactoryStore {
     }
 
     fn commit(&mut self) -> Result<(), StoreError> {
-        self.store.commit()
+        self.store.commit()?;
+        self.is_lost = false;
+        Ok(())
     }
 
     fn open(&mut self, set: ParameterSet) -> Result<u16, StoreError> {
+        if self.is_lost {
+            return Err(StoreError::Medium);
+        }
         Ok(self.ahead(set) + self.store.open(set)?)
     }
 

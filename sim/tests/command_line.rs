@@ -57,6 +57,7 @@ fn a_mistake_in_an_axis_is_one_line_with_its_place() {
     let path = path.to_str().unwrap();
     let serve = |plant| ["serve", "--slcan", "127.0.0.1:0", "--plant", plant];
     assert_refused(&serve(path), "axis.toml:2: unknown field `speed`");
+    assert_refused(&serve("/dev/zero"), "longer than 64 MB, the limit");
     assert_refused(
         &serve("/no/such/axis.toml"),
         "cannot read /no/such/axis.toml: no such file or directory\n",
@@ -86,6 +87,21 @@ fn a_file_that_is_no_store_is_left_alone() {
         "not a parameter store",
     );
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "important");
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_no_store() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    for path in [pipe.to_str().unwrap(), "/dev/zero"] {
+        assert_refused(
+            &["serve", "--slcan", "127.0.0.1:0", "--store", path],
+            "not a parameter store: it is no file",
+        );
+    }
 }
 
 #[test]

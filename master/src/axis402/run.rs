@@ -10,6 +10,7 @@ use canopen::{BitRate, Duration};
 use clap::Parser;
 use od_gen::Report;
 use od_gen::dcf;
+use od_gen::files;
 use od_gen::model::{Commissioning, FileKind};
 
 use super::arguments::{Bus, Command, CommandLine, Lss, Od, Sheet};
@@ -23,6 +24,7 @@ use crate::{Line, Master, Real};
 
 /// Runs the command line; returns the exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    command_line::outlive_long_files();
     let command_line = match CommandLine::try_parse_from(arguments) {
         Ok(command_line) => command_line,
         Err(error) => return command_line::refused::<CommandLine>("axis402", &error),
@@ -224,7 +226,7 @@ fn perform_od<L: Line>(
         } => {
             let sheet = read_sheet(sheet, console)?;
             let bytes = match file {
-                Some(file) => Some(std::fs::read(file).map_err(|error| unreadable(file, error))?),
+                Some(file) => Some(files::read(file).map_err(|error| unreadable(file, error))?),
                 None => None,
             };
             let node = Node::meet(master, *node, sheet)?;
@@ -304,7 +306,7 @@ fn unreadable(file: &Path, error: io::Error) -> Problem {
 }
 
 fn write_file(file: &Path, bytes: &[u8]) -> Result<(), Problem> {
-    std::fs::write(file, bytes).map_err(|error| {
+    files::write(file, bytes).map_err(|error| {
         Problem::Usage(format!("cannot write {}: {}", file.display(), plain(error)))
     })
 }

@@ -66,7 +66,8 @@ impl Report {
         console: &mut Console<'_>,
     ) -> Result<(), Problem> {
         if let Some(file) = &arguments.csv {
-            std::fs::write(file, self.table()).map_err(|error| unwritable(file, &plain(error)))?;
+            od_gen::files::write(file, self.table().as_bytes())
+                .map_err(|error| unwritable(file, &plain(error)))?;
         }
         if let Some(file) = &arguments.plot {
             self.draw(file).map_err(|why| unwritable(file, &why))?;

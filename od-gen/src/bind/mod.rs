@@ -28,8 +28,8 @@ mod check;
 mod file;
 mod place;
 
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use cia402_parameters::Conversion;
 use cia402_parameters::{Description, PROFILE};
@@ -38,6 +38,7 @@ pub(crate) use file::comments;
 pub(crate) use place::entry;
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
+use crate::files;
 use crate::generate::snake_case;
 use crate::model::{Entry, Model};
 use crate::source::Source;
@@ -114,7 +115,7 @@ impl BindingReport {
     /// The file cannot be read.
     pub fn beside(eds: &Path, model: &Model) -> io::Result<Option<Self>> {
         let path = file_beside(eds);
-        match fs::read_to_string(&path) {
+        match files::read_text(&path) {
             Ok(text) => Ok(Some(Self::new(&path.display().to_string(), &text, model))),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(error),

@@ -24,6 +24,7 @@ use std::path::Path;
 use crate::data_type::DataType;
 use crate::diagnostic::{Allowances, Diagnostic, Findings};
 use crate::document::Comment;
+use crate::files;
 use crate::model::{Commissioning, Entry, FileKind, Model};
 use crate::parse::value::{Written, value};
 use crate::rules::configuration as rule;
@@ -53,7 +54,7 @@ impl Values {
     /// The file cannot be read from its disk.
     pub fn read(path: &Path) -> io::Result<Self> {
         let file = path.display().to_string();
-        let bytes = std::fs::read(path)?;
+        let bytes = files::read(path)?;
         let mut findings = Findings::new(&file);
         let source = Source::decode(&file, &bytes, &mut findings).unwrap_or_default();
         let findings = findings.into_sorted();

@@ -34,9 +34,9 @@ mod node;
 mod objects;
 mod pdo;
 
+use std::io;
 use std::ops::Range;
 use std::path::Path;
-use std::{fs, io};
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
 use crate::model::{Commissioning, Remarks};
@@ -84,7 +84,7 @@ impl NetworkReport {
     /// The description cannot be read from its disk. A data sheet that cannot is a finding.
     pub fn read(path: &Path) -> io::Result<Self> {
         let file = path.display().to_string();
-        let bytes = fs::read(path)?;
+        let bytes = crate::files::read(path)?;
         let mut findings = Findings::new(&file);
         let source = Source::decode(&file, &bytes, &mut findings).unwrap_or_default();
         let folder = path.parent().unwrap_or(Path::new(""));

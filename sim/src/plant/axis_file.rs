@@ -3,7 +3,6 @@
 
 mod sections;
 
-use std::fs;
 use std::path::Path;
 
 use super::motor::{MotorData, SupplyData};
@@ -37,7 +36,7 @@ impl Axis {
     /// # Errors
     /// What is wrong with the file, in one line with its name and the line in it.
     pub fn read(path: &Path) -> Result<Self, String> {
-        let text = fs::read_to_string(path)
+        let text = od_gen::files::read_text(path)
             .map_err(|error| format!("cannot read {}: {}", path.display(), plain(error)))?;
         Self::from_toml(&text).map_err(|(line, what)| match line {
             Some(line) => format!("{}:{line}: {what}", path.display()),

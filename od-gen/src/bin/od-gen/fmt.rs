@@ -48,7 +48,7 @@ fn format(file: &Path, only_asks: bool) -> Result<bool, Failure> {
 
 /// What a file holds, and what it should hold; `None` after a finding that leaves no way to say that.
 fn formatted(file: &Path) -> Result<Option<(Vec<u8>, String)>, Failure> {
-    let before = std::fs::read(file).map_err(|error| input::unreadable(file, &error))?;
+    let before = od_gen::files::read(file).map_err(|error| input::unreadable(file, &error))?;
     let report = input::report(file)?;
     if report.source.text().trim_start().starts_with('<') {
         let file = file.display();

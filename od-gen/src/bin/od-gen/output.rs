@@ -1,12 +1,10 @@
 //! Standard output, standard error and files, with readers that may go away.
 
-use std::ffi::OsString;
-use std::fs::{self, OpenOptions};
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
 use clap::error::ErrorKind;
-use od_gen::Colour;
+use od_gen::{Colour, files};
 
 use crate::Failure;
 
@@ -20,39 +18,8 @@ pub(crate) fn write(text: &str, file: Option<&Path>) -> Result<(), Failure> {
 
 /// Writes to a file.
 pub(crate) fn write_bytes(bytes: &[u8], file: &Path) -> Result<(), Failure> {
-    replace(bytes, file)
+    files::write(file, bytes)
         .map_err(|error| Failure::Refused(format!("{}: error: {}", file.display(), reason(&error))))
-}
-
-/// Puts bytes in the place of a file. It is written beside it first, so that nobody ever reads half of it, and a full disk
-/// leaves what was there. What is no file, such as a pipe, is written to.
-fn replace(bytes: &[u8], file: &Path) -> io::Result<()> {
-    let before = match fs::metadata(file) {
-        Ok(before) if before.is_file() => before,
-        _ => return fs::write(file, bytes),
-    };
-    // A link stays one: the file that it leads to is replaced.
-    let file = fs::canonicalize(file)?;
-    let mut name = OsString::from(".");
-    name.push(file.file_name().unwrap_or_default());
-    name.push(format!(".{}", std::process::id()));
-    let beside = file.with_file_name(name);
-    let mut options = OpenOptions::new();
-    let mut new = match options.write(true).create_new(true).open(&beside) {
-        Ok(new) => new,
-        // A folder that takes no new file may have one that can be written.
-        Err(_) => return fs::write(&file, bytes),
-    };
-    let written = new
-        .write_all(bytes)
-        .and_then(|()| new.set_permissions(before.permissions()))
-        .and_then(|()| new.sync_all())
-        .and_then(|()| fs::rename(&beside, &file));
-    if written.is_err() {
-        // What went wrong is the thing to say.
-        let _ = fs::remove_file(&beside);
-    }
-    written
 }
 
 /// Writes to standard output.

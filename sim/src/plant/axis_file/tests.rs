@@ -232,7 +232,7 @@ fn mistakes_are_told_with_their_line() {
 /// The axes in a folder below `sim/plants`.
 fn ready(folder: &str) -> Vec<Axis> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let paths = fs::read_dir(folder)
+    let paths = std::fs::read_dir(folder)
         .unwrap()
         .map(|file| file.unwrap().path());
     paths
@@ -252,7 +252,7 @@ fn the_ready_axes_can_be_read() {
 #[test]
 fn every_key_is_in_the_manual() {
     let manual = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/plant.md");
-    let manual = fs::read_to_string(manual).unwrap();
+    let manual = std::fs::read_to_string(manual).unwrap();
     let sections = [
         "",
         "[stops]",
