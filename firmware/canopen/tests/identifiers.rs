@@ -2,7 +2,7 @@
 
 mod device;
 
-use device::Device;
+use device::{Device, abort};
 
 fn collision(cob_id: u16) -> String {
     let [low, high] = cob_id.to_le_bytes();
@@ -55,4 +55,78 @@ fn c04_an_identifier_that_moved_counts_from_then_on() {
     device.ask("604#2300180185010040");
     assert_eq!(device.ask("184#00"), [""; 0]);
     assert_eq!(device.ask("185#00"), [collision(0x185)]);
+}
+
+/// The answer to a write of this object.
+fn written(index: u16, sub: u8) -> String {
+    let [low, high] = index.to_le_bytes();
+    format!("584#60{low:02X}{high:02X}{sub:02X}00000000")
+}
+
+#[test]
+fn p15_a_transmit_pdo_does_not_take_the_identifier_of_another_service() {
+    let mut device = Device::new();
+    // TIME is consumed, and the second SDO server is on.
+    for (request, answer) in [
+        ("604#2312100000010080", written(0x1012, 0)),
+        ("604#23011201A0060000", written(0x1201, 1)),
+        ("604#23011202A1060000", written(0x1201, 2)),
+        ("604#23001801840100C0", written(0x1800, 1)),
+    ] {
+        assert_eq!(device.ask(request), [answer]);
+    }
+    let refused = [abort(0x1800, 1, 0x0609_0030)];
+    for (service, cob_id) in [
+        ("SYNC", "80000040"),
+        ("EMCY", "84000040"),
+        ("TIME", "00010040"),
+        ("SDO requests", "A0060040"),
+        ("SDO answers", "A1060040"),
+    ] {
+        assert_eq!(
+            device.ask(&format!("604#23001801{cob_id}")),
+            refused,
+            "{service}"
+        );
+        assert_eq!(device.value(0x1800, 1), [0x84, 0x01, 0, 0xC0]);
+    }
+    // What is off has no identifier, and may keep any.
+    assert_eq!(device.ask("604#23001801800000C0"), [written(0x1800, 1)]);
+    assert_eq!(
+        device.ask("604#2300180180000040"),
+        refused,
+        "SYNC, as it is made valid"
+    );
+    // A service that is not in use takes none.
+    assert_eq!(device.ask("604#2312100000010000"), [written(0x1012, 0)]);
+    assert_eq!(device.ask("604#2300180100010040"), [written(0x1800, 1)]);
+}
+
+#[test]
+fn p15_no_other_service_takes_the_identifier_of_a_transmit_pdo() {
+    let mut device = Device::new();
+    assert_eq!(device.ask("604#2314100084000080"), [written(0x1014, 0)]);
+    for (index, sub, cob_id) in [
+        (0x1005_u16, 0, "84010000"),
+        (0x1012, 0, "84010080"),
+        (0x1012, 0, "84010040"),
+        (0x1014, 0, "84010000"),
+        (0x1201, 1, "84010000"),
+        (0x1201, 2, "84010000"),
+    ] {
+        let [low, high] = index.to_le_bytes();
+        let before = device.value(index, sub);
+        let request = format!("604#23{low:02X}{high:02X}{sub:02X}{cob_id}");
+        assert_eq!(device.ask(&request), [abort(index, sub, 0x0609_0030)]);
+        assert_eq!(device.value(index, sub), before);
+    }
+    // The second one is not valid: its identifier is free, until it is.
+    assert_eq!(device.ask("604#2305100084020000"), [written(0x1005, 0)]);
+    assert_eq!(
+        device.ask("604#2301180184020040"),
+        [abort(0x1801, 1, 0x0609_0030)]
+    );
+    // Whatever is off takes any.
+    assert_eq!(device.ask("604#2314100084010080"), [written(0x1014, 0)]);
+    assert_eq!(device.ask("604#2312100084010000"), [written(0x1012, 0)]);
 }

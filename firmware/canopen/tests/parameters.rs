@@ -285,6 +285,40 @@ fn an_identifier_that_must_be_switched_off_first_is_loaded() {
 }
 
 #[test]
+fn identifiers_that_have_changed_hands_are_loaded_whole() {
+    let mut storing = Storing::new(RamStore::default());
+    // SYNC and EMCY go elsewhere, and the transmit PDOs take what they had.
+    storing.write(0x1005, 0, &[0x90, 0, 0, 0]);
+    storing.write(0x1014, 0, &[0x84, 0, 0, 0x80]);
+    storing.write(0x1014, 0, &[0xA4, 0, 0, 0]);
+    for (index, cob_id) in [(0x1800, 0x80), (0x1801, 0x84)] {
+        storing.write(index, 1, &[cob_id, 0, 0, 0xC0]);
+        storing.write(index, 1, &[cob_id, 0, 0, 0x40]);
+    }
+    assert_eq!(storing.ask(SAVE_ALL), [SAVED_ALL]);
+    let mut storing = storing.power_cycle();
+    assert_eq!(storing.value(0x1005, 0), [0x90, 0, 0, 0]);
+    assert_eq!(storing.value(0x1014, 0), [0xA4, 0, 0, 0]);
+    assert_eq!(storing.value(0x1800, 1), [0x80, 0, 0, 0x40]);
+    assert_eq!(storing.value(0x1801, 1), [0x84, 0, 0, 0x40]);
+    storing.device.poll();
+    assert_eq!(storing.device.sent(), [""; 0], "nothing was refused");
+}
+
+#[test]
+fn r08_a_pdo_whose_identifier_another_service_has_now_is_switched_off_and_told() {
+    let mut storing = Storing::new(RamStore::default());
+    storing.write(0x1800, 1, &[0x85, 0, 0, 0xC0]);
+    storing.write(0x1800, 1, &[0x85, 0, 0, 0x40]);
+    assert_eq!(storing.ask(SAVE_ALL), [SAVED_ALL]);
+    // With node-ID 5 that is the identifier of its emergency messages.
+    let mut storing = Storing::just_booted(Device::off_with(5), storing.store);
+    assert_eq!(storing.value(0x1014, 0), [0x85, 0, 0, 0]);
+    assert_eq!(storing.value(0x1800, 1), [0x85, 0, 0, 0xC0]);
+    assert_eq!(storing.device.sent(), ["705#00", "085#2063010018010100"]);
+}
+
+#[test]
 fn r08_a_new_firmware_keeps_what_fits_and_reports_the_rest_once() {
     let mut store = RamStore::default();
     store.put(

@@ -7,6 +7,8 @@
 //! | 1014h, 1028h, 1200h to 127Fh | bit 31 is 0 | bits 11 to 30 | stays |
 //! | 1400h, 1800h and up | bit 31 is 0 | bits 11 to 29 | stays |
 //!
+//! No transmit PDO has an identifier that the device uses for SYNC, TIME, EMCY or SDO, whichever of both is written: 06090030h, too.
+//!
 //! No identifier is a restricted one (CiA 301, table 40); what is switched off by bit 31 may hold any. A server of 1200h to 127Fh is
 //! in use while both of its identifiers are, so one of them may change while the other one is off.
 
@@ -92,4 +94,34 @@ pub(crate) fn validate<D: Dictionary>(
         (Ok(_), Ok(_)) => Err(AbortCode::InvalidValue),
         _ => Err(AbortCode::LengthMismatch),
     }
+}
+
+/// Whether this value would give a transmit PDO and another service of the device the same identifier. Two transmit PDOs may have the
+/// same one.
+#[cold]
+#[inline(never)]
+pub(crate) fn is_taken<D: Dictionary>(dictionary: &D, entry: &Entry, new: &[u8]) -> bool {
+    let Some(wanted) = sent(entry, new) else {
+        return false;
+    };
+    let others = D::TABLE.range(0x1005..=0x19FF).iter();
+    { others }.any(|other| {
+        is_transmit_pdo(other) != is_transmit_pdo(entry)
+            && sent(other, value(dictionary, other)) == Some(wanted)
+    })
+}
+
+const fn is_transmit_pdo(entry: &Entry) -> bool {
+    entry.index >= 0x1800
+}
+
+/// The identifier that an object with this value makes the device send, or the clients of its SDO server.
+fn sent(entry: &Entry, bytes: &[u8]) -> Option<u16> {
+    let is_heard_only = matches!(entry.index, 0x1028 | 0x1400..=0x17FF);
+    let rule = Rule::of(entry).filter(|_| !is_heard_only)?;
+    let cob_id = u32::from_le_bytes(bytes.try_into().ok()?);
+    // Whoever follows SYNC, must not send it as something else.
+    let is_used = rule.is_used(cob_id) || entry.index == 0x1005;
+    let base_frame = CobId(cob_id).is_base_frame() && is_used;
+    base_frame.then(|| CobId(cob_id).identifier())
 }

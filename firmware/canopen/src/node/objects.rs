@@ -2,6 +2,7 @@
 
 use super::services::Services;
 use crate::application::Application;
+use crate::cia301::cob_ids;
 use crate::cia301::emergency;
 use crate::cia301::sdo::{self, AbortCode, Completion, Others, Value};
 use crate::od::{self, Attributes, Counts, Dictionary, Entry, Location};
@@ -92,12 +93,13 @@ impl<D: Dictionary, A: Application<D>> sdo::Streams for Objects<'_, D, A> {
 }
 
 impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
-    /// Writes an object whose owner is a service.
+    /// Writes an object whose owner is a service. `is_alone` is false for one of many that only fit each other as a whole.
     #[inline(never)]
-    fn write_communication_object(
+    pub(super) fn write_communication_object(
         &mut self,
         entry: &'static Entry,
         value: &[u8],
+        is_alone: bool,
     ) -> Result<Completion, AbortCode> {
         let is_changed = self.changes_configuration(entry, value);
         let checked = od::check(D::TABLE, entry, value);
@@ -111,6 +113,9 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
         }
         self.services.validate(self.dictionary, entry, value)?;
         checked?;
+        if is_alone && cob_ids::is_taken(self.dictionary, entry, value) {
+            return Err(AbortCode::InvalidValue);
+        }
         if D::FEATURES.parameters && self.services.parameters.is_order(entry) {
             self.services.parameters.begin(entry);
             return Ok(Completion::Later);
@@ -160,7 +165,7 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
 }
 
 /// Whether an object belongs to the communication profile, whose objects this crate owns (CiA 301, table 39).
-const fn is_communication_object(entry: &Entry) -> bool {
+pub(super) const fn is_communication_object(entry: &Entry) -> bool {
     entry.index >> 12 == 1
 }
 
@@ -200,7 +205,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
 
     fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<Completion, AbortCode> {
         if is_communication_object(entry) {
-            return self.write_communication_object(entry, value);
+            return self.write_communication_object(entry, value, true);
         }
         let is_changed = self.changes_configuration(entry, value);
         od::check(D::TABLE, entry, value)?;

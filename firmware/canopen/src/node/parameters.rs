@@ -3,7 +3,7 @@
 use core::ops::RangeInclusive;
 
 use super::Node;
-use super::objects::Objects;
+use super::objects::{Objects, is_communication_object};
 use crate::application::Application;
 use crate::cia301::nmt::Reset;
 use crate::cia301::parameters::{
@@ -173,6 +173,11 @@ impl<D: Dictionary, A: Application<D>> Writer for Objects<'_, D, A> {
     }
 
     fn write(&mut self, entry: &'static Entry, value: &[u8]) -> Result<(), AbortCode> {
-        sdo::Objects::write(self, entry, value).map(|_| ())
+        let written = if is_communication_object(entry) {
+            self.write_communication_object(entry, value, false)
+        } else {
+            sdo::Objects::write(self, entry, value)
+        };
+        written.map(|_| ())
     }
 }

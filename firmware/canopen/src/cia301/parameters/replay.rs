@@ -3,7 +3,7 @@
 use core::ops::RangeInclusive;
 
 use super::walk::{MAPPING, Place, Records, place, set_of};
-use crate::cia301::cob_ids::Rule;
+use crate::cia301::cob_ids::{self, Rule};
 use crate::cia301::sdo::AbortCode;
 use crate::od::{self, Attributes, Dictionary, Entry};
 
@@ -112,6 +112,7 @@ impl Replay {
     /// Ends the loading: what was refused of the communication objects, and of the others.
     pub(crate) fn end<W: Writer>(mut self, writer: &mut W) -> (Refused, Refused) {
         self.end_pdo(writer);
+        self.switch_off_taken(writer);
         (self.refused, self.refused_elsewhere)
     }
 
@@ -148,6 +149,18 @@ impl Replay {
             pdo.is_complete |= index == pdo.communication && sub == 1;
         }
         result
+    }
+
+    /// What was stored may not fit what was not, or what follows another node-ID: a transmit PDO makes way.
+    fn switch_off_taken<W: Writer>(&mut self, writer: &mut W) {
+        for entry in W::Dictionary::TABLE.range(0x1800..=0x19FF) {
+            let present = number(writer, entry).to_le_bytes();
+            if cob_ids::is_taken(writer.dictionary(), entry, &present) {
+                let off = u32::from_le_bytes(present) | 1 << 31;
+                let _ = writer.write(entry, &off.to_le_bytes());
+                self.refuse(entry.index, entry.sub);
+            }
+        }
     }
 
     /// A PDO that did not come whole gets the values of the data sheet.

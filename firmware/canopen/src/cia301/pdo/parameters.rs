@@ -2,7 +2,7 @@
 //!
 //! | write | refused with |
 //! |---|---|
-//! | COB-ID: 29-bit identifier, a restricted identifier, another identifier while valid | 06090030h |
+//! | COB-ID: 29-bit identifier, a restricted identifier, another identifier while valid; of a transmit PDO, that of another service of the device | 06090030h |
 //! | transmission type: 241 to 251 (reserved); 252 and 253 (on request) of a receive PDO | 06090030h |
 //! | another inhibit time, or a SYNC start value, of a transmit PDO while valid; a start value above 240 | 06090030h |
 //! | mapping, anything while the PDO is valid; an entry while sub-index 0 is not 0 | 06010000h |
