@@ -12,9 +12,10 @@
 //! latest. While the motor has power the device goes on as it was: heartbeat, emergency messages and process data tell of the stop, "disable
 //! voltage" ends it at once, and so does a second reset. Reset node also resets a fault; reset communication leaves it, and 1001h shows it.
 
-pub(crate) mod commissioning;
+mod commissioning;
 mod controller;
 mod fleeting;
+mod hooks;
 mod periphery;
 mod storage;
 
@@ -31,9 +32,10 @@ use crate::configuration::Configuration;
 use crate::cyclic::SyncStatus;
 use crate::exchange::{Actuals, Exchange, Share};
 use crate::faults::{FaultNotice, emergency};
-use crate::hooks::{Hooks, Network};
 use crate::objects::Objects;
 use crate::option_codes::AbortConnectionOption;
+
+use hooks::{Hooks, Network};
 
 /// Pre-defined error field.
 const ERROR_HISTORY: u16 = 0x1003;

@@ -25,7 +25,7 @@ use crate::commands::Commands;
 use crate::configuration::Configuration;
 use crate::controlword::Command;
 use crate::cyclic::{Fine, fine};
-use crate::exchange::{Actuals, Exchange, Share, Waiting};
+use crate::exchange::{Actuals, Exchange, Seen, Share, Waiting};
 use crate::faults::{EXTERNAL, Faults};
 use crate::inputs::{DigitalInputs, Switches};
 use crate::mode::Mode;
@@ -34,9 +34,9 @@ use crate::monitor::Monitor;
 use crate::motor::Motor;
 use crate::objects::{Everything, Objects};
 use crate::periphery::Periphery;
-use crate::recorder;
 use crate::state_machine::{State, StateMachine};
-use crate::units::{Frame, SoftwareLimits};
+use crate::travel::SoftwareLimits;
+use crate::units::Frame;
 
 use in_step::Cyclic;
 use waiting::{Network, Orders, Stopping};
@@ -134,8 +134,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     }
 
     /// For the scope: what there is to see of the last tick beside what it has published.
-    pub(crate) const fn seen<'a>(&'a self, actuals: &'a Actuals) -> recorder::Tick<'a> {
-        recorder::Tick {
+    pub(crate) const fn seen<'a>(&'a self, actuals: &'a Actuals) -> Seen<'a> {
+        Seen {
             actuals,
             commands: &self.commands,
             units: &self.configuration.units,

@@ -7,6 +7,7 @@
 mod actuals;
 
 pub use actuals::Actuals;
+pub(crate) use actuals::Seen;
 
 use canopen::Instant;
 use heapless::Deque;
@@ -17,7 +18,7 @@ use crate::controlword::{NEW_SET_POINT, takes_records};
 use crate::cyclic::{Buffer, SyncEvent};
 use crate::faults::FaultNotice;
 use crate::periphery::{Latched, Readings};
-use crate::recorder::{self, Orders, Status};
+use crate::scope::{Orders, Status};
 use crate::state_machine::State;
 use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, TARGET_REACHED};
 use actuals::History;
@@ -261,7 +262,7 @@ impl Exchange {
 
     /// Orders for the scope, which the next tick takes.
     pub fn order(&mut self, orders: Orders) {
-        self.scope = recorder::foreseen(self.scope, &orders);
+        self.scope = self.scope.behind(&orders);
         self.orders = Some(orders.after(self.orders.unwrap_or_default()));
     }
 

@@ -33,7 +33,6 @@ pub mod drive;
 mod dwell;
 pub mod exchange;
 pub mod faults;
-mod hooks;
 pub mod indicator;
 pub mod inputs;
 pub mod mode;
@@ -49,10 +48,12 @@ mod protection;
 pub mod pulse_timing;
 pub mod recorder;
 mod rules;
+mod scope;
 pub mod state_machine;
 pub mod statusword;
 #[cfg(test)]
 mod testing;
+mod travel;
 pub mod units;
 
 pub use board::{DriveConfig, Inputs, Outputs};

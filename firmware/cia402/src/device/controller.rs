@@ -12,9 +12,9 @@
 use canopen::od::{self, Dictionary};
 use canopen::{Application, ControllerState, Duration, Instant};
 
+use super::hooks::{RESTART_DELAY, SDO_TIME_OUT};
 use super::{Device, Phase};
 use crate::exchange::{Actuals, Share};
-use crate::hooks::{RESTART_DELAY, SDO_TIME_OUT};
 use crate::objects::Objects;
 
 const COUNTERS: u16 = 0x2010;

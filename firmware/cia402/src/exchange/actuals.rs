@@ -2,10 +2,12 @@
 
 use canopen::Instant;
 
+use crate::commands::Commands;
 use crate::copied::copy_fields;
 use crate::cyclic::SyncStatus;
 use crate::mode::Mode;
 use crate::state_machine::State;
+use crate::units::Units;
 
 /// Everything the bus may know of the drive: made together in one control tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,6 +114,17 @@ impl Actuals {
         self.mode_display == Mode::Homing.code()
             && State::from_statusword(self.statusword) == Some(State::OperationEnabled)
     }
+}
+
+/// A control tick, behind its end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen<'a> {
+    /// What it has published.
+    pub(crate) actuals: &'a Actuals,
+    /// What it has obeyed.
+    pub(crate) commands: &'a Commands,
+    /// In which units.
+    pub(crate) units: &'a Units,
 }
 
 /// The last sets of actual values: those of two control ticks, and of an early one.

@@ -6,7 +6,7 @@
 use motion::{Ramps, SignedSpeed, Speed};
 
 use crate::motor::Motor;
-use crate::units::Travel;
+use crate::travel::Travel;
 
 /// A ramp on which the motor slows down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -28,7 +28,7 @@ pub(super) use period::{braking_distance, gain, seconds};
 use crate::cyclic::{Fine, Slot};
 use crate::motor::{Motor, REACH};
 use crate::option_codes::StopRamp;
-use crate::units::Travel;
+use crate::travel::Travel;
 
 /// Bits behind the point of positions here; before it there is room for 2⁴⁷ increments.
 const POINT: u32 = 16;

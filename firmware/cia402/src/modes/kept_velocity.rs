@@ -14,7 +14,7 @@ use motion::{Limits, Ramps, SignedSpeed};
 use super::Context;
 use super::braking::{self, Ramp};
 use crate::motor::{Motor, REACH};
-use crate::units::Travel;
+use crate::travel::Travel;
 
 /// What is asked of the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub(super) struct Order {
     pub(super) velocity: SignedSpeed,
     /// Its velocity is the greatest amount of the velocity above.
     pub(super) limits: Limits,
-    /// The lowest and the highest position in steps; see [`crate::units::Travel`].
+    /// The lowest and the highest position in steps; see [`Travel`].
     pub(super) travel: (i64, i64),
     /// How the velocity is to change. Another profile counts from the next order on.
     pub(super) ramps: Ramps,

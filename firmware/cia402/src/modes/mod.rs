@@ -30,7 +30,8 @@ use crate::motor::Motor;
 use crate::objects::Objects;
 use crate::option_codes::StopRamp;
 use crate::statusword::HOMING_ATTAINED;
-use crate::units::{Frame, Travel};
+use crate::travel::Travel;
+use crate::units::Frame;
 
 use cyclic_position::CyclicPosition;
 use cyclic_velocity::CyclicVelocity;

@@ -38,7 +38,7 @@ use crate::dwell::Dwell;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 use crate::statusword::{INTERNAL_LIMIT, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
-use crate::units::Travel;
+use crate::travel::Travel;
 use set_point::{Limited, SetPoint};
 
 /// 6067h: the window is not looked at.

@@ -7,7 +7,7 @@
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{self, Dictionary, Entry};
 
-use super::{CHANNEL_MAP, Orders, SCOPE, Setup, Signal, State, Status, TRIGGER, sub};
+use crate::scope::{CHANNEL_MAP, Orders, SCOPE, Setup, Signal, State, Status, TRIGGER, sub};
 
 /// What may be written to 20D0h:1.
 mod order {
@@ -102,7 +102,7 @@ impl Desk {
 
     fn order(&mut self, orders: Orders) {
         self.orders = orders.after(self.orders);
-        self.note(foreseen(self.status, &orders));
+        self.note(self.status.behind(&orders));
     }
 
     /// The orders that have come since the last call.
@@ -134,21 +134,5 @@ impl Desk {
         od::write_u16(dictionary, SCOPE, sub::RECORDED, self.status.recorded);
         od::write_u32(dictionary, SCOPE, sub::MEMORY, self.status.memory);
         od::write_u32(dictionary, SCOPE, sub::TICK, self.status.tick);
-    }
-}
-
-/// What the recorder will say when it has carried out these orders.
-pub(crate) fn foreseen(status: Status, orders: &Orders) -> Status {
-    let (state, recorded) = if orders.arm.is_some() {
-        (State::Armed, 0)
-    } else if orders.stop && status.state.is_at_work() {
-        (State::Idle, 0)
-    } else {
-        (status.state, status.recorded)
-    };
-    Status {
-        state,
-        recorded,
-        ..status
     }
 }

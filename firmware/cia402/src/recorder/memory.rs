@@ -6,7 +6,7 @@
 use core::fmt;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use super::{CHANNELS, Setup};
+use crate::scope::{CHANNELS, Setup};
 
 /// The length of the header of 20D3h in bytes.
 pub const HEADER: u32 = 64;

@@ -6,7 +6,8 @@ use canopen::Source;
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{self, Dictionary};
 
-use super::{Memory, SCOPE, State, sub};
+use super::Memory;
+use crate::scope::{SCOPE, State, sub};
 
 /// The source of 20D3h: the recording while the recorder is full, nothing while it is idle, and 08000022h while it records; a
 /// transfer during which the next recording begins ends with it, and not with bytes of both.

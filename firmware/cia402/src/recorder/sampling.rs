@@ -4,12 +4,14 @@ use core::ops::Deref;
 
 use canopen::Duration;
 
+use super::Memory;
 use super::memory::Outcome;
-use super::{Memory, Setup, State, Status, Tick};
+use super::values::bits;
 use crate::actuator::Actuator;
 use crate::drive::Drive;
-use crate::exchange::Share;
+use crate::exchange::{Seen, Share};
 use crate::objects::Objects;
+use crate::scope::{Setup, State, Status};
 
 /// In the mode that repeats itself, how long nobody may have read a recording that was read to its end before the next one begins:
 /// a client may ask again for segments that it has lost. In milliseconds.
@@ -140,7 +142,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
     }
 
     /// What there is to do in a tick in which it records.
-    fn advance(&mut self, tick: &Tick<'_>) {
+    fn advance(&mut self, tick: &Seen<'_>) {
         if self.state == State::Armed && (self.meets_trigger(tick) || self.is_ordered) {
             self.state = State::Triggered;
             self.found = Found {
@@ -162,22 +164,22 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
     }
 
     /// Whether the trigger comes in this tick.
-    fn meets_trigger(&mut self, tick: &Tick<'_>) -> bool {
+    fn meets_trigger(&mut self, tick: &Seen<'_>) -> bool {
         let trigger = &self.setup.trigger;
         let Some(signal) = trigger.signal else {
             return false;
         };
-        let is_high = trigger.is_high(signal, signal.bits(tick));
+        let is_high = trigger.is_high(signal, bits(signal, tick));
         let was_high = self.was_high.replace(is_high);
         was_high.is_some_and(|was_high| trigger.is_edge(was_high, is_high))
     }
 
     /// Puts down the values of this tick, one behind the other, the last word filled up with zeros.
-    fn sample(&mut self, tick: &Tick<'_>) {
+    fn sample(&mut self, tick: &Seen<'_>) {
         let (mut word, mut filled) = (0, 0);
         let mut place = self.next;
         for signal in self.setup.signals() {
-            let (bits, length) = (signal.bits(tick), signal.length());
+            let (bits, length) = (bits(signal, tick), signal.length());
             word |= bits << filled;
             let room = 32 - filled;
             if length < room {

@@ -21,7 +21,6 @@ mod frame;
 mod range;
 mod ratio;
 mod si;
-mod travel;
 
 use motion::{SignedSpeed, Speed};
 
@@ -31,7 +30,6 @@ pub(crate) use frame::Frame;
 pub use range::{Range, Rotation};
 pub use ratio::Ratio;
 pub use si::SiUnit;
-pub(crate) use travel::{SoftwareLimits, Travel};
 
 /// 607Eh: positions are turned around.
 const POSITION_POLARITY: u8 = 1 << 7;
@@ -321,6 +319,11 @@ impl Units {
     /// Increments/s³ of a jerk (60A4h), whose unit is that of the acceleration per second: at least 1, unless it is 0.
     pub fn jerk(&self, user: u32) -> u32 {
         amount(self.acceleration, user)
+    }
+
+    /// Increments of a unit of position.
+    pub(crate) const fn of_positions(&self) -> Ratio {
+        self.position
     }
 
     /// Whether positions are turned around.

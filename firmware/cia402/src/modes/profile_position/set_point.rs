@@ -5,7 +5,8 @@ use motion::{Limits, Ramps, Speed};
 use crate::commands;
 use crate::modes::{Context, braking};
 use crate::motor::Motor;
-use crate::units::{Travel, Units};
+use crate::travel::Travel;
+use crate::units::Units;
 
 /// A target with its profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

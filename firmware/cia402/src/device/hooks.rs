@@ -18,10 +18,10 @@ use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{self, Dictionary, Entry, write_u32};
 use canopen::{Application, Instant};
 
+use super::commissioning::Commissioning;
 use crate::commands::Commands;
 use crate::controlword::ControlwordHistory;
 use crate::cyclic::{CyclicConfiguration, SyncEvent};
-use crate::device::commissioning::Commissioning;
 use crate::objects::Objects;
 use crate::parameters::Parameter;
 use crate::protection::{PASSWORD, PRODUCTION, Protection};

@@ -5,8 +5,8 @@
 //! the motor is. Otherwise it goes by where the motor stands, and only when the limits are others, or homing has given positions
 //! other names: whatever else is written does not move them.
 
-use super::{Frame, Range, Ratio, Units};
 use crate::configuration::{Configuration, PositionLimitOptions};
+use crate::units::{Frame, Range, Ratio, Units};
 
 /// The lowest and the highest position, on the count that goes on behind the ends of 607Bh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,7 @@ impl Basis {
     fn of(configuration: &Configuration, frame: &Frame) -> Self {
         let units = &configuration.units;
         Self {
-            ratio: units.position,
+            ratio: units.of_positions(),
             has_polarity: units.has_position_polarity(),
             range: units.range(),
             limits: configuration.position_limits,

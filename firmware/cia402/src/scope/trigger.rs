@@ -51,7 +51,7 @@ impl Trigger {
     };
 
     /// Whether the value is on the upper side.
-    pub(super) fn is_high(&self, signal: Signal, bits: u32) -> bool {
+    pub(crate) fn is_high(&self, signal: Signal, bits: u32) -> bool {
         if self.mask == 0 {
             signal.number(bits) >= self.level.into()
         } else {
@@ -60,7 +60,7 @@ impl Trigger {
     }
 
     /// Whether this is the edge.
-    pub(super) const fn is_edge(&self, was_high: bool, is_high: bool) -> bool {
+    pub(crate) const fn is_edge(&self, was_high: bool, is_high: bool) -> bool {
         match self.edge {
             Edge::Rising => !was_high && is_high,
             Edge::Falling => was_high && !is_high,

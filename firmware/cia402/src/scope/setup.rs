@@ -37,7 +37,7 @@ impl Setup {
     };
 
     /// What the objects say. Values that no rule would have let through are left out.
-    pub(super) fn of<D: Dictionary>(dictionary: &D) -> Self {
+    pub(crate) fn of<D: Dictionary>(dictionary: &D) -> Self {
         let mut channels = [None; CHANNELS];
         for (channel, sub) in channels.iter_mut().zip(1..) {
             *channel = od::read_u32(dictionary, CHANNEL_MAP, sub).and_then(Signal::mapped);
@@ -61,18 +61,18 @@ impl Setup {
     }
 
     /// The values of a sample, in the order of the channels.
-    pub(super) fn signals(&self) -> impl Iterator<Item = Signal> {
+    pub(crate) fn signals(&self) -> impl Iterator<Item = Signal> {
         self.channels.iter().copied().flatten()
     }
 
     /// The length of a sample in words; 0 without channels.
-    pub(super) fn stride(&self) -> u32 {
+    pub(crate) fn stride(&self) -> u32 {
         let bits: u32 = self.signals().map(Signal::length).sum();
         bits.div_ceil(32)
     }
 
     /// How many samples a memory of so many words gets to hold: as many as are asked for, or as many as fit.
-    pub(super) fn room(&self, words: u32) -> u16 {
+    pub(crate) fn room(&self, words: u32) -> u16 {
         let fits = words.checked_div(self.stride()).unwrap_or(0);
         let fits = u16::try_from(fits).unwrap_or(u16::MAX);
         match self.samples {
@@ -82,7 +82,7 @@ impl Setup {
     }
 
     /// The words of the ring.
-    pub(super) fn span(&self, words: u32) -> u32 {
+    pub(crate) fn span(&self, words: u32) -> u32 {
         u32::from(self.room(words)).saturating_mul(self.stride())
     }
 
@@ -91,7 +91,7 @@ impl Setup {
     /// # Errors
     /// 08000022h if no channel records anything, 05040005h if the samples do not fit, 06040043h if all of them would be older than the
     /// trigger.
-    pub(super) fn check(&self, words: u32) -> Result<(), AbortCode> {
+    pub(crate) fn check(&self, words: u32) -> Result<(), AbortCode> {
         if self.stride() == 0 {
             return Err(AbortCode::DeviceState);
         }

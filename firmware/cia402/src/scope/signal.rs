@@ -1,0 +1,110 @@
+//! What can be recorded: the values that a control tick has at hand, by the objects that show them.
+
+/// Hands the table to the macro of this name: a value, its object, its length in bits, how to read it, and where it comes from in a tick
+/// ([`crate::exchange::Seen`]).
+macro_rules! every_signal {
+    ($make:ident) => {
+        $make! {
+            /// 2034h:1.
+            HomingReferenced 0x2034 1 8 Unsigned |tick| tick.actuals.referenced.into();
+            /// 2034h:2.
+            HomingFailure 0x2034 2 8 Unsigned |tick| tick.actuals.homing_failure.into();
+            /// 603Fh.
+            ErrorCode 0x603F 0 16 Unsigned |tick| tick.actuals.error_code.into();
+            /// 6040h, as the tick took it.
+            Controlword 0x6040 0 16 Unsigned |tick| tick.commands.controlword.into();
+            /// 6041h.
+            Statusword 0x6041 0 16 Unsigned |tick| tick.actuals.statusword.into();
+            /// 6043h.
+            VlVelocityDemand 0x6043 0 16 Signed |tick| (tick.actuals.vl_velocity_demand as u16).into();
+            /// 6044h.
+            VlVelocityActualValue 0x6044 0 16 Signed |tick| (tick.actuals.vl_velocity_actual as u16).into();
+            /// 6061h.
+            ModesOfOperationDisplay 0x6061 0 8 Signed |tick| (tick.actuals.mode_display as u8).into();
+            /// 6062h.
+            PositionDemandValue 0x6062 0 32 Signed |tick| tick.actuals.position_demand as u32;
+            /// 6063h.
+            PositionActualInternalValue 0x6063 0 32 Signed |tick| tick.actuals.position_actual_internal as u32;
+            /// 6064h.
+            PositionActualValue 0x6064 0 32 Signed |tick| tick.actuals.position_actual as u32;
+            /// 606Bh.
+            VelocityDemandValue 0x606B 0 32 Signed |tick| tick.actuals.velocity_demand as u32;
+            /// 606Ch.
+            VelocityActualValue 0x606C 0 32 Signed |tick| tick.actuals.velocity_actual as u32;
+            /// 607Ah, as the tick took it.
+            TargetPosition 0x607A 0 32 Signed |tick| tick.commands.target_position as u32;
+            /// 60F4h.
+            FollowingErrorActualValue 0x60F4 0 32 Signed |tick| tick.actuals.following_error as u32;
+            /// 60FDh.
+            DigitalInputs 0x60FD 0 32 Unsigned |tick| tick.actuals.digital_inputs;
+            /// 60FFh, as the tick took it: in user units, rounded to increments and back.
+            TargetVelocity 0x60FF 0 32 Signed |tick| tick.units.velocity_in_units(tick.commands.target_velocity) as u32;
+        }
+    };
+}
+
+pub(crate) use every_signal;
+
+/// How the bits of a value are to be read.
+#[derive(Clone, Copy)]
+enum Kind {
+    Unsigned,
+    Signed,
+}
+
+/// Makes the list.
+macro_rules! signals {
+    ($($(#[$doc:meta])* $signal:ident $index:literal $sub:literal $bits:literal $kind:ident |$tick:ident| $value:expr;)*) => {
+        /// A value that can be recorded.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Signal {
+            $($(#[$doc])* $signal,)*
+        }
+
+        impl Signal {
+            /// All of them, by their objects.
+            pub const ALL: &[Self] = &[$(Self::$signal,)*];
+
+            /// The value that a mapping names: index, sub-index and length in bits as in a PDO mapping (CiA 301, 1600h). `None` if that
+            /// is no value of a control tick, or has another length.
+            pub const fn mapped(mapping: u32) -> Option<Self> {
+                match mapping {
+                    $(mapping if mapping == Self::$signal.mapping() => Some(Self::$signal),)*
+                    _ => None,
+                }
+            }
+
+            /// Its mapping.
+            pub const fn mapping(self) -> u32 {
+                match self {
+                    $(Self::$signal => $index << 16 | $sub << 8 | $bits,)*
+                }
+            }
+
+            const fn kind(self) -> Kind {
+                match self {
+                    $(Self::$signal => Kind::$kind,)*
+                }
+            }
+        }
+    };
+}
+
+every_signal!(signals);
+
+impl Signal {
+    /// Its length in bits: 8, 16 or 32.
+    pub const fn length(self) -> u32 {
+        self.mapping() & 0xFF
+    }
+
+    /// Its bits as the number they are.
+    pub const fn number(self, bits: u32) -> i64 {
+        match (self.kind(), self.length()) {
+            (Kind::Unsigned, _) => bits as i64,
+            (Kind::Signed, 8) => bits as u8 as i8 as i64,
+            (Kind::Signed, 16) => bits as u16 as i16 as i64,
+            (Kind::Signed, _) => bits as i32 as i64,
+        }
+    }
+}
