@@ -129,7 +129,7 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
     /// A number that the application has: all of it at once, so that no part of it is older than the others.
     #[cold]
     #[inline(never)]
-    fn number(&mut self, entry: &Entry) -> Result<&[u8], AbortCode> {
+    fn fetch(&mut self, entry: &Entry) -> Result<&[u8], AbortCode> {
         let size = usize::from(entry.size());
         let room = self.number.get_mut(..size).ok_or(AbortCode::General)?;
         let given = self.application.read_at(self.dictionary, entry, 0, room)?;
@@ -147,11 +147,16 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
     }
 
     /// Whether this value would make the configuration another one than that of 1020h.
-    #[inline]
+    #[inline(always)] // Mostly nothing is dated.
     fn changes_configuration(&self, entry: &Entry, value: &[u8]) -> bool {
         D::FEATURES.configuration_date
             && self.services.parameters.is_dated(entry)
-            && od::value(self.dictionary, entry) != value
+            && self.is_another(entry, value)
+    }
+
+    #[inline(never)]
+    fn is_another(&self, entry: &Entry, value: &[u8]) -> bool {
+        od::value(self.dictionary, entry) != value
     }
 
     /// A value was written: transmit PDOs may have to look at it, and the date of the configuration may be void.
@@ -170,7 +175,8 @@ pub(super) const fn is_communication_object(entry: &Entry) -> bool {
 }
 
 impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
-    fn open(&mut self, object: Multiplexer) -> Result<Value<'_>, AbortCode> {
+    #[inline]
+    fn readable(&mut self, object: Multiplexer) -> Result<&'static Entry, AbortCode> {
         let entry = od::find::<D>(object.index, object.sub)?;
         if !entry.attributes.has(Attributes::READ) {
             return Err(AbortCode::WriteOnly);
@@ -178,11 +184,20 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         if entry.index == 0x1003 {
             emergency::is_present(self.dictionary, entry)?;
         }
+        Ok(entry)
+    }
+
+    #[inline]
+    fn number(&self, entry: &Entry) -> Option<u32> {
+        od::raw(self.dictionary, entry)
+    }
+
+    fn open(&mut self, entry: &'static Entry) -> Result<Value<'_>, AbortCode> {
         Ok(match entry.location() {
             Location::Ram(_) => Value::Variable(od::value(self.dictionary, entry)),
             Location::Rom(offset) => Value::Constant(od::constant(D::TABLE, offset, entry.size())),
             Location::Application if !D::FEATURES.streams => Value::Constant(&[]),
-            Location::Application if !entry.is_streamed() => Value::Variable(self.number(entry)?),
+            Location::Application if !entry.is_streamed() => Value::Variable(self.fetch(entry)?),
             Location::Application => {
                 if self.others.are_reading(entry) {
                     // Theirs may be gone. They have to be told before the application turns to another one.
@@ -194,6 +209,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         })
     }
 
+    #[inline]
     fn writable(&mut self, object: Multiplexer) -> Result<&'static Entry, AbortCode> {
         let entry = od::find::<D>(object.index, object.sub)?;
         if entry.attributes.has(Attributes::WRITE) {

@@ -12,6 +12,7 @@ use crate::copy::copy;
 
 /// Why an entry cannot be had.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)] // As long as a reference, so that a result of both travels in registers.
 pub enum AccessError {
     /// No object at this index.
     NoObject,
@@ -45,29 +46,34 @@ impl Table {
     /// The object, or only the sub-index, does not exist.
     #[inline]
     pub fn find(&self, index: u16, sub: u8) -> Result<&'static Entry, AccessError> {
-        self.get(index, sub).ok_or_else(|| self.missing(index))
+        match self.look(index, sub) {
+            Some(entry) => Ok(entry),
+            None => self.search(index, sub),
+        }
     }
 
     /// Mostly the object is in its own bucket, and has all sub-indices from 0 on: that is one look.
     #[inline(never)]
-    fn get(&self, index: u16, sub: u8) -> Option<&'static Entry> {
+    fn look(&self, index: u16, sub: u8) -> Option<&'static Entry> {
         let bucket = buckets::first(index, self.buckets.len());
         let start = usize::from(*self.buckets.get(bucket)?);
-        match self.entries.get(start.wrapping_add(usize::from(sub))) {
-            Some(entry) if entry.index == index && entry.sub == sub => Some(entry),
-            _ => self.get_closely(index, sub),
-        }
+        let entry = self.entries.get(start.wrapping_add(usize::from(sub)))?;
+        (entry.index == index && entry.sub == sub).then_some(entry)
     }
 
     /// The object is in another bucket, has gaps among its sub-indices, or does not exist.
+    #[cold]
     #[inline(never)]
-    fn get_closely(&self, index: u16, sub: u8) -> Option<&'static Entry> {
+    fn search(&self, index: u16, sub: u8) -> Result<&'static Entry, AccessError> {
+        let entries = self.object(index).ok_or(AccessError::NoObject)?;
         // In order, so none is further behind than its sub-index.
-        let mut entries = self.object(index)?.iter().take(usize::from(sub) + 1);
-        entries.find(|entry| entry.index == index && entry.sub == sub)
+        let mut entries = entries.iter().take(usize::from(sub).wrapping_add(1));
+        let found = entries.find(|entry| entry.index == index && entry.sub == sub);
+        found.ok_or(AccessError::NoSubIndex)
     }
 
     /// The entries from those of an object on; `None` if there is no such object.
+    #[inline]
     fn object(&self, index: u16) -> Option<&'static [Entry]> {
         let count = self.buckets.len();
         let mut bucket = buckets::first(index, count);
@@ -81,16 +87,6 @@ impl Table {
             bucket = buckets::next(bucket, count);
         }
         None
-    }
-
-    /// What is missing where an entry was not found.
-    #[cold]
-    #[inline(never)]
-    fn missing(&self, index: u16) -> AccessError {
-        match self.object(index) {
-            Some(_) => AccessError::NoSubIndex,
-            None => AccessError::NoObject,
-        }
     }
 
     /// The entries of the objects in a range of indices, in ascending order.
@@ -109,6 +105,7 @@ impl Table {
 ///
 /// # Errors
 /// The object, or only the sub-index, does not exist.
+#[inline]
 pub fn find<D: Dictionary + ?Sized>(index: u16, sub: u8) -> Result<&'static Entry, AccessError> {
     D::TABLE.find(index, sub)
 }
@@ -123,6 +120,25 @@ pub fn value<'a, D: Dictionary + ?Sized>(dictionary: &'a D, entry: &Entry) -> &'
     }
 }
 
+/// The present value of a number of one, two or four bytes in RAM or in flash, as it travels on the bus; `None` for every other value.
+#[inline]
+pub(crate) fn raw<D: Dictionary + ?Sized>(dictionary: &D, entry: &Entry) -> Option<u32> {
+    let block = match entry.location() {
+        Location::Ram(_) => dictionary.ram(),
+        Location::Rom(_) => D::TABLE.rom,
+        Location::Application => return None,
+    };
+    let bytes = block.get(usize::from(entry.offset)..)?;
+    match entry.width() {
+        1 => bytes.first().map(|byte| u32::from(*byte)),
+        2 => bytes
+            .first_chunk()
+            .map(|bytes| u16::from_le_bytes(*bytes).into()),
+        4 => bytes.first_chunk().map(|bytes| u32::from_le_bytes(*bytes)),
+        _ => None,
+    }
+}
+
 /// The bytes of an entry in flash, which stay for ever.
 pub fn constant(table: &Table, offset: u16, size: u16) -> &'static [u8] {
     slot(table.rom, offset, size)
@@ -133,8 +149,17 @@ pub fn constant(table: &Table, offset: u16, size: u16) -> &'static [u8] {
 /// # Errors
 /// - [`AbortCode::LengthTooHigh`], [`AbortCode::LengthTooLow`]: not the length of the type, or more than a string holds.
 /// - [`AbortCode::ValueTooHigh`], [`AbortCode::ValueTooLow`]: outside LowLimit and HighLimit, or a BOOLEAN above 1.
-#[inline(never)]
+#[inline]
 pub fn check(table: &Table, entry: &Entry, bytes: &[u8]) -> Result<(), AbortCode> {
+    // Most numbers of a device take every value.
+    if entry.takes_all() && bytes.len() == usize::from(entry.width()) {
+        return Ok(());
+    }
+    check_closely(table, entry, bytes)
+}
+
+#[inline(never)]
+fn check_closely(table: &Table, entry: &Entry, bytes: &[u8]) -> Result<(), AbortCode> {
     let size = usize::from(entry.size());
     if bytes.len() > size {
         return Err(AbortCode::LengthTooHigh);
@@ -212,9 +237,19 @@ pub fn set<D: Dictionary + ?Sized>(
 
 /// Writes a value that has passed [`check`], without checking it again. An entry that is not in RAM does not change, and no byte
 /// outside of the entry's own place is ever written.
+#[inline]
 pub fn put<D: Dictionary + ?Sized>(dictionary: &mut D, entry: &Entry, bytes: &[u8]) {
     if let Location::Ram(offset) = entry.location() {
-        put_at(dictionary.ram_mut(), offset, entry, bytes);
+        let ram = dictionary.ram_mut();
+        let place = ram.get_mut(usize::from(offset)..).unwrap_or(&mut []);
+        match (entry.width(), bytes) {
+            (4, &[a, b, c, d]) if let Some(place) = place.first_chunk_mut() => {
+                *place = [a, b, c, d]
+            }
+            (2, &[a, b]) if let Some(place) = place.first_chunk_mut() => *place = [a, b],
+            (1, &[a]) if let Some(place) = place.first_mut() => *place = a,
+            _ => put_at(ram, offset, entry, bytes),
+        }
     }
 }
 
@@ -375,6 +410,7 @@ fn present<'a>(ram: &'a [u8], entry: &Entry) -> &'a [u8] {
 }
 
 /// Writes the bytes of an entry in RAM, never more than its own.
+#[inline(never)]
 fn put_at(ram: &mut [u8], offset: u16, entry: &Entry, bytes: &[u8]) {
     if entry.is_variable() {
         let length = u16::try_from(bytes.len())

@@ -197,10 +197,22 @@ impl Entry {
         }
     }
 
+    /// Length of a number in bytes; 0 for what differs in length.
+    #[inline]
+    pub(super) const fn width(&self) -> u16 {
+        self.attributes.0 >> Attributes::SIZE_SHIFT
+    }
+
+    /// Whether it is a number that may have every value of its length.
+    #[inline]
+    pub(super) fn takes_all(&self) -> bool {
+        self.detail == Self::NO_LIMITS && self.data_type != DataType::Boolean
+    }
+
     /// Length in bytes; for a string that can be written, its capacity.
     #[inline]
     pub const fn size(&self) -> u16 {
-        match self.attributes.0 >> Attributes::SIZE_SHIFT {
+        match self.width() {
             0 => self.detail,
             size => size,
         }

@@ -19,6 +19,7 @@ mod typed;
 
 use core::ops::Range;
 
+pub(crate) use access::raw;
 pub use access::{
     AccessError, check, constant, find, is_node_id_default, load_defaults, node_id_default, number,
     put, read_u8, read_u16, read_u32, set, value, write_u8, write_u16, write_u32,

@@ -257,6 +257,14 @@ impl<'a> Response<'a> {
         })
     }
 
+    /// The answer to [`Request::InitiateUpload`] with a number of one to four bytes.
+    #[inline]
+    pub(crate) fn number(object: Multiplexer, number: u32, size: u16) -> [u8; 8] {
+        let empty = 4_u8.wrapping_sub(size as u8) & 3;
+        let command = server::INITIATE_UPLOAD | empty << 2 | EXPEDITED | SIZED;
+        emit_long(command, object, number)
+    }
+
     /// The eight bytes.
     #[inline(always)] // Where it is called the variant is known: one of the arms remains.
     pub fn emit(&self) -> [u8; 8] {

@@ -29,16 +29,16 @@ impl Answers {
         self.count >= 2
     }
 
-    /// Adds the newest; returns whether it had room.
+    /// Adds the newest. There is room, as a request is not executed without.
     #[inline]
-    pub(super) const fn push(&mut self, answer: [u8; 8]) -> bool {
-        match self.count {
-            0 => self.first = answer,
-            1 => self.second = answer,
-            _ => return false,
+    pub(super) const fn push(&mut self, answer: [u8; 8]) {
+        if self.count == 0 {
+            self.first = answer;
+            self.count = 1;
+        } else {
+            self.second = answer;
+            self.count = 2;
         }
-        self.count = self.count.wrapping_add(1);
-        true
     }
 
     /// Takes the oldest.

@@ -38,7 +38,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         size: Option<u32>,
         now: Instant,
         objects: &mut O,
-    ) -> [u8; 8] {
+    ) {
         self.drop_transfer(objects);
         self.object = object;
         let result = objects
@@ -54,12 +54,12 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         self.block.ahead = 0;
         self.block.closing = 0;
         self.wait_for_segment(now);
-        BlockResponse::InitiateDownload {
+        let answer = BlockResponse::InitiateDownload {
             object,
             crc: true,
             block_size: MOST_SEGMENTS,
-        }
-        .emit()
+        };
+        self.answers.push(answer.emit());
     }
 
     /// Takes a frame in the middle of the sub-blocks.
@@ -69,7 +69,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         frame: &[u8; 8],
         now: Instant,
         objects: &mut O,
-    ) -> Option<[u8; 8]> {
+    ) {
         let [command, data @ ..] = frame;
         let expected = self.block.seqno.wrapping_add(1);
         if command & !BlockSegment::LAST != expected || self.is_too_late(now) {
@@ -80,55 +80,52 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             self.block.held = *data;
             self.step = Step::BlockDownloadEnd;
             self.wait(now);
-            return Some(self.confirm(*command));
+            return self.confirm(*command);
         }
         if let Err(code) = self.append(data, objects) {
-            return Some(self.abort_in_sub_block(code, now, objects));
+            return self.abort_in_sub_block(code, now, objects);
         }
         if self.block.has_crc {
             self.block.crc = crc::add_segment(self.block.crc, frame);
         }
         self.wait_for_segment(now);
-        (expected == MOST_SEGMENTS).then(|| self.confirm(*command))
+        if expected == MOST_SEGMENTS {
+            self.confirm(*command);
+        }
     }
 
     /// Takes a frame that is not the next segment: an abort, a repetition, what follows a gap, or nonsense.
     #[cold]
     #[inline(never)]
-    fn take_unexpected<O: Objects>(
-        &mut self,
-        frame: &[u8; 8],
-        now: Instant,
-        objects: &mut O,
-    ) -> Option<[u8; 8]> {
+    fn take_unexpected<O: Objects>(&mut self, frame: &[u8; 8], now: Instant, objects: &mut O) {
         let [command, ..] = *frame;
         if command == ABORT_COMMAND {
-            self.drop_transfer(objects);
-            return None;
+            return self.drop_transfer(objects);
         }
         if self.is_too_late(now) {
-            return Some(self.abort_in_sub_block(AbortCode::TimedOut, now, objects));
+            return self.abort_in_sub_block(AbortCode::TimedOut, now, objects);
         }
         let segment = BlockSegment::parse(frame);
         if segment.seqno == 0 {
-            return Some(self.abort(self.object, AbortCode::InvalidSequenceNumber, objects));
+            return self.abort(self.object, AbortCode::InvalidSequenceNumber, objects);
         }
         if self.block.is_reminded && self.block.is_cut {
             self.block.ahead = segment.seqno;
-            return Some(self.abort_in_sub_block(AbortCode::InvalidSequenceNumber, now, objects));
+            return self.abort_in_sub_block(AbortCode::InvalidSequenceNumber, now, objects);
         }
         let is_repetition = segment.seqno <= self.block.seqno
             || (self.block.seqno == 0 && command == self.block.closing);
         if is_repetition {
-            self.wait_for_segment(now);
-            return None;
+            return self.wait_for_segment(now);
         }
         if let Some((empty, crc)) = self.early_end(frame, segment.seqno) {
             return self.end_block_download(empty, crc, now, objects);
         }
         self.block.ahead = segment.seqno;
         self.wait_for_segment(now);
-        (segment.last || segment.seqno == MOST_SEGMENTS).then(|| self.confirm(command))
+        if segment.last || segment.seqno == MOST_SEGMENTS {
+            self.confirm(command);
+        }
     }
 
     /// The content of a frame that ends the transfer before its last segment has come. It looks like a last segment behind a
@@ -147,16 +144,16 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     }
 
     /// Confirms what has come of a sub-block; the next one begins.
-    fn confirm(&mut self, closing: u8) -> [u8; 8] {
+    fn confirm(&mut self, closing: u8) {
         let seqno = self.block.seqno;
         self.block.seqno = 0;
         self.block.ahead = 0;
         self.block.closing = closing;
-        BlockResponse::Acknowledge {
+        let answer = BlockResponse::Acknowledge {
             seqno,
             block_size: MOST_SEGMENTS,
-        }
-        .emit()
+        };
+        self.answers.push(answer.emit());
     }
 
     /// The client has been silent for half of the server's patience. Perhaps the end of its sub-block was lost, and it waits:
@@ -165,12 +162,14 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     ///
     /// The next sub-block begins with segment 1. A client that goes on with another number has not heard of this: what it took for
     /// unconfirmed later it would send twice, so the transfer ends.
-    pub(super) fn remind(&mut self) -> Option<[u8; 8]> {
+    pub(super) fn remind(&mut self) {
         self.deadline += self.half_time_out();
         self.block.is_reminded = true;
         let has_come = self.block.seqno != 0 || self.block.ahead != 0;
         self.block.is_cut = has_come;
-        has_come.then(|| self.confirm(0))
+        if has_come {
+            self.confirm(0);
+        }
     }
 
     /// When the client of a block download has been silent for too long.
@@ -201,14 +200,13 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         code: AbortCode,
         now: Instant,
         streams: &mut S,
-    ) -> [u8; 8] {
-        let answer = self.abort(self.object, code, streams);
+    ) {
+        self.abort(self.object, code, streams);
         self.block.seqno = self.block.seqno.max(self.block.ahead);
         if self.block.seqno < MOST_SEGMENTS {
             self.step = Step::Ignoring;
             self.wait(now);
         }
-        answer
     }
 
     /// Whether a frame belongs to sub-blocks that are over: the last segment once more, or the next one of a sub-block that
@@ -242,7 +240,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         crc: u16,
         now: Instant,
         objects: &mut O,
-    ) -> Option<[u8; 8]> {
+    ) {
         let result = match self.step {
             _ if self.is_too_late(now) => Err(AbortCode::TimedOut),
             Step::BlockDownloadEnd => self.take_last_segment(empty, crc, objects),
@@ -252,7 +250,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         };
         match result {
             Ok(()) => self.finish(BlockResponse::EndDownload.emit(), objects),
-            Err(code) => Some(self.abort(self.object, code, objects)),
+            Err(code) => self.abort(self.object, code, objects),
         }
     }
 

@@ -18,7 +18,7 @@
 //! says, is sent without blocks (protocol switch).
 
 use super::objects::{Objects, Streams};
-use super::server::{Server, Step};
+use super::server::{Server, Step, abort_message};
 use super::upload::with_command;
 use super::{AbortCode, crc};
 use crate::time::Instant;
@@ -38,12 +38,13 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         threshold: u8,
         now: Instant,
         objects: &mut O,
-    ) -> [u8; 8] {
+    ) {
         self.drop_transfer(objects);
         self.object = object;
         let result = if is_block_size(block_size) {
             objects
-                .open(object)
+                .readable(object)
+                .and_then(|entry| objects.open(entry))
                 .and_then(|value| self.open_upload(value))
         } else {
             Err(AbortCode::InvalidBlockSize)
@@ -62,34 +63,29 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         self.block.base = 0;
         self.block.size = block_size;
         self.wait(now);
-        BlockResponse::InitiateUpload {
+        let answer = BlockResponse::InitiateUpload {
             object,
             crc: true,
             size: self.size,
-        }
-        .emit()
+        };
+        self.answers.push(answer.emit());
     }
 
     /// The client is ready: the first sub-block.
-    pub(super) fn start_block_upload<S: Streams>(
-        &mut self,
-        now: Instant,
-        streams: &mut S,
-    ) -> Option<[u8; 8]> {
+    pub(super) fn start_block_upload<S: Streams>(&mut self, now: Instant, streams: &mut S) {
         let is_first = self.block.base == 0 && self.block.seqno == 0;
         if self.step == Step::BlockUpload && is_first {
             // Once more; nothing has been sent yet.
-            return None;
+            return;
         }
         let code = if self.step != Step::BlockUploadStart {
             self.stray()
         } else if self.is_too_late(now) {
             AbortCode::TimedOut
         } else {
-            self.begin_sub_block(now);
-            return None;
+            return self.begin_sub_block(now);
         };
-        Some(self.abort(self.object, code, streams))
+        self.abort(self.object, code, streams);
     }
 
     /// The segments from [`Block::base`](super::block::Block::base) on leave next.
@@ -107,7 +103,10 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         let mut frame = [0; 8];
         let piece = match self.next_piece(streams, &mut frame) {
             Ok(piece) => piece,
-            Err(code) => return self.abort(self.object, code, streams),
+            Err(code) => {
+                self.drop_transfer(streams);
+                return abort_message(self.object, code);
+            }
         };
         let seqno = self.block.seqno.wrapping_add(1);
         self.block.seqno = seqno;
@@ -147,14 +146,13 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         block_size: u8,
         now: Instant,
         streams: &mut S,
-    ) -> Option<[u8; 8]> {
+    ) {
         if self.step == Step::BlockUpload && self.block.seqno == 0 {
             // About the sub-block before, once more.
-            return None;
+            return;
         }
-        match self.take_acknowledgement(seqno, block_size, now) {
-            Ok(answer) => answer,
-            Err(code) => Some(self.abort(self.object, code, streams)),
+        if let Err(code) = self.take_acknowledgement(seqno, block_size, now) {
+            self.abort(self.object, code, streams);
         }
     }
 
@@ -163,7 +161,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         seqno: u8,
         block_size: u8,
         now: Instant,
-    ) -> Result<Option<[u8; 8]>, AbortCode> {
+    ) -> Result<(), AbortCode> {
         if !matches!(
             self.step,
             Step::BlockUpload | Step::BlockUploadSent | Step::BlockUploadAcknowledge
@@ -186,7 +184,9 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             } else {
                 0
             };
-            return Ok(Some(BlockResponse::EndUpload { empty, crc }.emit()));
+            self.answers
+                .push(BlockResponse::EndUpload { empty, crc }.emit());
+            return Ok(());
         }
         if !is_block_size(block_size) {
             return Err(AbortCode::InvalidBlockSize);
@@ -195,24 +195,17 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         self.block.base = self.block.base.saturating_add(arrived);
         self.block.size = block_size;
         self.begin_sub_block(now);
-        Ok(None)
+        Ok(())
     }
 
     /// The client has all data. It gets no answer; neither does one that says so again.
-    pub(super) fn end_block_upload<S: Streams>(
-        &mut self,
-        now: Instant,
-        streams: &mut S,
-    ) -> Option<[u8; 8]> {
+    pub(super) fn end_block_upload<S: Streams>(&mut self, now: Instant, streams: &mut S) {
         let code = match self.step {
-            Step::Idle => return None,
+            Step::Idle => return,
             Step::BlockUploadEnd if self.is_too_late(now) => AbortCode::TimedOut,
-            Step::BlockUploadEnd => {
-                self.idle();
-                return None;
-            }
+            Step::BlockUploadEnd => return self.idle(),
             _ => self.stray(),
         };
-        Some(self.abort(self.object, code, streams))
+        self.abort(self.object, code, streams);
     }
 }

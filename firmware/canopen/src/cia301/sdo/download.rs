@@ -1,7 +1,7 @@
 //! Download: the client writes an object, expedited or in segments.
 
 use super::AbortCode;
-use super::objects::{Objects, Streams};
+use super::objects::{Completion, Objects, Streams};
 use super::server::{Place, Server, Step};
 use crate::copy::copy;
 use crate::od::Entry;
@@ -16,35 +16,37 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         payload: Payload<'_>,
         now: Instant,
         objects: &mut O,
-    ) -> Option<[u8; 8]> {
-        self.drop_transfer(objects);
+    ) {
+        self.begin(objects);
         self.object = object;
         let answer = Response::InitiateDownload(object).emit();
         let entry = match objects.writable(object) {
             Ok(entry) => entry,
-            Err(code) => return Some(self.abort(object, code, objects)),
+            Err(code) => return self.abort(object, code, objects),
         };
         let (value, is_sized) = match payload {
             Payload::Expedited(value) => (value, true),
             Payload::ExpeditedUnsized(value) => (of_length(value, entry), false),
             Payload::Segmented(size) => {
-                return Some(match self.open_download(entry, size, objects) {
+                return match self.open_download(entry, size, objects) {
                     Ok(()) => {
                         self.step = Step::Download;
                         self.toggle = false;
                         self.wait(now);
-                        answer
+                        self.answers.push(answer);
                     }
                     Err(code) => self.abort(object, code, objects),
-                });
+                };
             }
         };
         if O::ARE_THERE && entry.is_streamed() {
             return self.stream_expedited(entry, value, is_sized, answer, objects);
         }
         match objects.write(entry, value) {
-            Ok(completion) => self.written(completion, answer),
-            Err(code) => Some(self.abort(object, code, objects)),
+            // Nothing is open.
+            Ok(Completion::Now) => self.answers.push(answer),
+            Ok(Completion::Later) => self.written(Completion::Later, answer),
+            Err(code) => self.abort(object, code, objects),
         }
     }
 
@@ -58,14 +60,14 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         is_sized: bool,
         answer: [u8; 8],
         objects: &mut O,
-    ) -> Option<[u8; 8]> {
+    ) {
         let size = is_sized.then_some(value.len() as u32);
         let result = self
             .open_download(entry, size, objects)
             .and_then(|()| self.append(value, objects));
         match result {
             Ok(()) => self.finish(answer, objects),
-            Err(code) => Some(self.abort(self.object, code, objects)),
+            Err(code) => self.abort(self.object, code, objects),
         }
     }
 
@@ -114,9 +116,9 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         last: bool,
         now: Instant,
         objects: &mut O,
-    ) -> Option<[u8; 8]> {
+    ) {
         if let Err(code) = self.take_segment(toggle, data, now, objects) {
-            return Some(self.abort(self.object, code, objects));
+            return self.abort(self.object, code, objects);
         }
         let answer = Response::DownloadSegment { toggle }.emit();
         if last {
@@ -124,7 +126,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         }
         self.toggle = !toggle;
         self.wait(now);
-        Some(answer)
+        self.answers.push(answer);
     }
 
     #[inline]
@@ -179,11 +181,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     }
 
     /// All data is there: writes the object.
-    pub(super) fn finish<O: Objects>(
-        &mut self,
-        answer: [u8; 8],
-        objects: &mut O,
-    ) -> Option<[u8; 8]> {
+    pub(super) fn finish<O: Objects>(&mut self, answer: [u8; 8], objects: &mut O) {
         let length = self.position;
         let result = if self.size.is_some_and(|size| length < size) {
             Err(AbortCode::LengthTooLow)
@@ -202,7 +200,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         };
         match result {
             Ok(completion) => self.written(completion, answer),
-            Err(code) => Some(self.abort(self.object, code, objects)),
+            Err(code) => self.abort(self.object, code, objects),
         }
     }
 }

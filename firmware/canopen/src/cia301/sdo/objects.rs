@@ -40,11 +40,20 @@ pub trait Streams {
 
 /// The object dictionary with every rule that stands before it.
 pub trait Objects: Streams {
-    /// An object that is to be read.
+    /// The descriptor of an object that may be read.
     ///
     /// # Errors
-    /// It does not exist, cannot be read, or has no value now.
-    fn open(&mut self, object: Multiplexer) -> Result<Value<'_>, AbortCode>;
+    /// It does not exist or cannot be read.
+    fn readable(&mut self, object: Multiplexer) -> Result<&'static Entry, AbortCode>;
+
+    /// The present value if it is a number of one, two or four bytes that lies in memory.
+    fn number(&self, entry: &Entry) -> Option<u32>;
+
+    /// The value of an object that is to be read.
+    ///
+    /// # Errors
+    /// It has none now.
+    fn open(&mut self, entry: &'static Entry) -> Result<Value<'_>, AbortCode>;
 
     /// The descriptor of an object that may be written.
     ///

@@ -108,8 +108,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         }
         self.block.seqno = expected;
         if let Err(code) = self.append(data, streams) {
-            let answer = self.abort_in_sub_block(code, now, streams);
-            self.answers.push(answer);
+            self.abort_in_sub_block(code, now, streams);
             return true;
         }
         if self.block.has_crc {

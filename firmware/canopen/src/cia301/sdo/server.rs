@@ -115,29 +115,25 @@ impl<B: Unused> Unused for Server<B> {
 }
 
 impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
-    /// Takes a request and returns the answer, if it has one now.
+    /// Takes a request. Its answer, if it has one now, waits for the bus; there must be room for it.
     #[inline]
-    pub fn receive<O: Objects>(
-        &mut self,
-        request: &[u8; 8],
-        now: Instant,
-        objects: &mut O,
-    ) -> Option<[u8; 8]> {
-        if O::HAVE_BLOCK_TRANSFER && self.step == Step::BlockDownload {
-            return self.take_block_segment(request, now, objects);
-        }
-        if O::HAVE_BLOCK_TRANSFER
-            && matches!(self.step, Step::BlockDownloadEnd | Step::Ignoring)
-            && self.is_rest_of_block(request, now)
-        {
-            return None;
+    pub(super) fn receive<O: Objects>(&mut self, request: &[u8; 8], now: Instant, objects: &mut O) {
+        let step = self.step;
+        if O::HAVE_BLOCK_TRANSFER && self.is_open() {
+            match step {
+                Step::BlockDownload => return self.take_block_segment(request, now, objects),
+                Step::BlockDownloadEnd | Step::Ignoring if self.is_rest_of_block(request, now) => {
+                    return;
+                }
+                _ => {}
+            }
         }
         match Request::parse(request) {
-            Request::InitiateUpload(object) => Some(self.initiate_upload(object, now, objects)),
+            Request::InitiateUpload(object) => self.initiate_upload(object, now, objects),
             Request::InitiateDownload { object, payload } => {
                 self.initiate_download(object, payload, now, objects)
             }
-            Request::UploadSegment { toggle } => Some(self.upload_segment(toggle, now, objects)),
+            Request::UploadSegment { toggle } => self.upload_segment(toggle, now, objects),
             Request::DownloadSegment { toggle, data, last } => {
                 self.download_segment(toggle, data, last, now, objects)
             }
@@ -145,38 +141,28 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
                 self.receive_block(request, now, objects)
             }
             Request::Block(_) => {
-                Some(self.abort(Multiplexer::of(request), AbortCode::InvalidCommand, objects))
+                self.abort(Multiplexer::of(request), AbortCode::InvalidCommand, objects);
             }
-            Request::Unknown(object) => {
-                Some(self.abort(object, AbortCode::InvalidCommand, objects))
-            }
-            Request::Abort { .. } => {
-                self.drop_transfer(objects);
-                None
-            }
+            Request::Unknown(object) => self.abort(object, AbortCode::InvalidCommand, objects),
+            Request::Abort { .. } => self.drop_transfer(objects),
         }
     }
 
     #[inline(never)]
-    fn receive_block<O: Objects>(
-        &mut self,
-        request: BlockRequest,
-        now: Instant,
-        objects: &mut O,
-    ) -> Option<[u8; 8]> {
+    fn receive_block<O: Objects>(&mut self, request: BlockRequest, now: Instant, objects: &mut O) {
         match request {
             BlockRequest::InitiateDownload { object, crc, size } => {
-                Some(self.initiate_block_download(object, crc, size, now, objects))
+                self.initiate_block_download(object, crc, size, now, objects);
             }
             BlockRequest::EndDownload { empty, crc } => {
-                self.end_block_download(empty, crc, now, objects)
+                self.end_block_download(empty, crc, now, objects);
             }
             BlockRequest::InitiateUpload {
                 object,
                 crc,
                 block_size,
                 threshold,
-            } => Some(self.initiate_block_upload(object, crc, block_size, threshold, now, objects)),
+            } => self.initiate_block_upload(object, crc, block_size, threshold, now, objects),
             BlockRequest::StartUpload => self.start_block_upload(now, objects),
             BlockRequest::Acknowledge { seqno, block_size } => {
                 self.acknowledge_block_upload(seqno, block_size, now, objects)
@@ -196,17 +182,14 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     }
 
     /// The next frame that is to be sent: an answer that waits, or a segment of a block upload.
-    #[cfg(test)]
-    pub(super) fn transmit<S: Streams>(&mut self, streams: &mut S) -> Option<[u8; 8]> {
-        let answer = self.answers.pop();
-        answer.or_else(|| self.transmit_segment(streams))
-    }
-
-    /// The next segment of a block upload, when no answer waits.
     #[inline]
-    pub(super) fn transmit_segment<S: Streams>(&mut self, streams: &mut S) -> Option<[u8; 8]> {
-        let is_next = S::HAVE_BLOCK_TRANSFER && self.step == Step::BlockUpload;
-        is_next.then(|| self.send_block_segment(streams))
+    pub(super) fn transmit<S: Streams>(&mut self, streams: &mut S) -> Option<[u8; 8]> {
+        match self.answers.pop() {
+            None if S::HAVE_BLOCK_TRANSFER && self.step == Step::BlockUpload => {
+                Some(self.send_block_segment(streams))
+            }
+            answer => answer,
+        }
     }
 
     /// Whether something is to be sent.
@@ -221,60 +204,54 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         self.step == Step::BlockUploadSent
     }
 
-    /// The owner of an object has finished a write that it has said [`Completion::Later`] to: the answer, if the client
+    /// The owner of an object has finished a write that it has said [`Completion::Later`] to: the client gets its answer, if it
     /// still waits for it.
-    pub fn complete(
-        &mut self,
-        object: Multiplexer,
-        result: Result<(), AbortCode>,
-    ) -> Option<[u8; 8]> {
+    pub(super) fn complete(&mut self, object: Multiplexer, result: Result<(), AbortCode>) {
         if self.step != Step::Writing || object != self.object {
-            return None;
+            return;
         }
         self.idle();
-        Some(match result {
+        self.answers.push(match result {
             Ok(()) => self.confirmation,
             Err(code) => abort_message(object, code),
-        })
+        });
+    }
+
+    /// Whether a transfer is open.
+    #[inline]
+    pub(super) fn is_open(&self) -> bool {
+        self.step != Step::Idle
     }
 
     /// When [`Server::poll`] has something to do; [`NEVER`] while idle.
     #[inline]
-    pub fn deadline(&self) -> Instant {
+    pub(super) fn deadline(&self) -> Instant {
         self.deadline
     }
 
     /// Lets time pass: a client that has been silent for too long is told that its transfer is over.
-    pub fn poll<S: Streams>(&mut self, now: Instant, streams: &mut S) -> Option<[u8; 8]> {
+    pub(super) fn poll<S: Streams>(&mut self, now: Instant, streams: &mut S) {
         if !has_come(self.deadline, now) {
-            return None;
+            return;
         }
         match self.step {
             Step::Idle | Step::Writing | Step::Ignoring | Step::Abandoned => {
                 self.drop_transfer(streams);
-                None
             }
             // The client's time begins when it has been told.
-            Step::BlockUpload => {
-                self.wait(now);
-                None
-            }
+            Step::BlockUpload => self.wait(now),
             Step::BlockUploadSent => {
                 self.step = Step::BlockUploadAcknowledge;
                 self.wait(now);
-                None
             }
-            _ if !self.answers.is_empty() => {
-                self.wait(now);
-                None
-            }
+            _ if !self.answers.is_empty() => self.wait(now),
             Step::BlockDownload
                 if S::HAVE_BLOCK_TRANSFER && !has_come(self.end_of_patience(), now) =>
             {
-                self.remind()
+                self.remind();
             }
             // After so long a silence nothing of a sub-block is under way: what comes next is a request.
-            _ => Some(self.abort(self.object, AbortCode::TimedOut, streams)),
+            _ => self.abort(self.object, AbortCode::TimedOut, streams),
         }
     }
 
@@ -346,6 +323,14 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         self.deadline = NEVER;
     }
 
+    /// A new transfer begins: one that is open ends without a word to the client.
+    #[inline]
+    pub(super) fn begin<S: Streams>(&mut self, streams: &mut S) {
+        if self.is_open() {
+            self.drop_transfer(streams);
+        }
+    }
+
     /// Ends the open transfer without a word to the client.
     #[inline]
     pub(super) fn drop_transfer<S: Streams>(&mut self, streams: &mut S) {
@@ -359,14 +344,13 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
 
     /// The answer to a write that was handed over, now or later.
     #[inline]
-    pub(super) fn written(&mut self, completion: Completion, answer: [u8; 8]) -> Option<[u8; 8]> {
+    pub(super) fn written(&mut self, completion: Completion, answer: [u8; 8]) {
         self.idle();
         match completion {
-            Completion::Now => Some(answer),
+            Completion::Now => self.answers.push(answer),
             Completion::Later => {
                 self.step = Step::Writing;
                 self.confirmation = answer;
-                None
             }
         }
     }
@@ -379,9 +363,9 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         object: Multiplexer,
         code: AbortCode,
         streams: &mut S,
-    ) -> [u8; 8] {
+    ) {
         self.drop_transfer(streams);
-        abort_message(object, code)
+        self.answers.push(abort_message(object, code));
     }
 
     /// A frame belongs to no open transfer of its kind. There is no object to name when nothing is open.
@@ -395,7 +379,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     }
 }
 
-fn abort_message(object: Multiplexer, code: AbortCode) -> [u8; 8] {
+pub(super) fn abort_message(object: Multiplexer, code: AbortCode) -> [u8; 8] {
     Response::Abort {
         object,
         code: code.get(),

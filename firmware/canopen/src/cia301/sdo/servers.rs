@@ -156,18 +156,22 @@ impl<C: Counts> Servers<C> {
         if server.answers.is_full() {
             return server.receive_abort(request, &mut objects).then_some(());
         }
-        if let Some(answer) = server.receive(request, now, &mut objects) {
-            server.answers.push(answer);
-        }
+        server.receive(request, now, &mut objects);
         Some(())
     }
 
     /// What a server has to send, and when it wants to be called.
-    #[inline]
+    #[inline(always)] // In the middle of every request.
     pub(crate) fn settle(&self, number: usize, agenda: &mut Agenda<C::Senders>) {
         if let Some(server) = self.servers.as_ref().get(number) {
-            agenda.set(server.sender, server.is_pending());
-            agenda.wake_at(server.deadline());
+            if server.is_pending() {
+                agenda.set(server.sender, true);
+            } else {
+                agenda.set(server.sender, false);
+            }
+            if server.is_open() {
+                agenda.wake_at(server.deadline());
+            }
         }
     }
 
@@ -191,10 +195,8 @@ impl<C: Counts> Servers<C> {
         agenda: &mut Agenda<C::Senders>,
     ) {
         for server in self.servers.as_mut() {
-            if let Some(answer) = server.complete(object, result) {
-                server.answers.push(answer);
-                agenda.set(server.sender, true);
-            }
+            server.complete(object, result);
+            agenda.set(server.sender, server.is_pending());
         }
     }
 
@@ -206,9 +208,7 @@ impl<C: Counts> Servers<C> {
         agenda: &mut Agenda<C::Senders>,
     ) {
         for server in self.servers.as_mut() {
-            if let Some(answer) = server.poll(now, streams) {
-                server.answers.push(answer);
-            }
+            server.poll(now, streams);
             agenda.set(server.sender, server.is_pending());
         }
     }
@@ -228,8 +228,7 @@ impl<C: Counts> Servers<C> {
         agenda: &mut Agenda<C::Senders>,
     ) -> Option<Frame> {
         let server = self.servers.as_mut().get_mut(number)?;
-        let answer = server.answers.pop();
-        let frame = answer.or_else(|| server.transmit_segment(streams));
+        let frame = server.transmit(streams);
         if !server.is_pending() {
             agenda.set(server.sender, false);
             if server.has_sent_sub_block() {

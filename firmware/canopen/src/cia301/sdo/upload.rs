@@ -74,16 +74,38 @@ pub(super) fn with_command(frame: [u8; 8], command: u8) -> [u8; 8] {
 }
 
 impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
-    /// Sends a short value at once; gets ready to send a long one, and an empty one, whose length 0 only the segmented
-    /// form can tell.
+    /// Sends a number of one, two or four bytes at once, as most are.
+    #[inline]
     pub(super) fn initiate_upload<O: Objects>(
         &mut self,
         object: Multiplexer,
         now: Instant,
         objects: &mut O,
-    ) -> [u8; 8] {
-        self.drop_transfer(objects);
-        let value = match objects.open(object) {
+    ) {
+        self.begin(objects);
+        match objects.readable(object) {
+            Ok(entry) => match objects.number(entry) {
+                Some(number) => {
+                    let answer = Response::number(object, number, entry.size());
+                    self.answers.push(answer);
+                }
+                None => self.upload_value(object, entry, now, objects),
+            },
+            Err(code) => self.abort(object, code, objects),
+        }
+    }
+
+    /// Sends a short value at once; gets ready to send a long one, and an empty one, whose length 0 only the segmented
+    /// form can tell.
+    #[inline(never)]
+    fn upload_value<O: Objects>(
+        &mut self,
+        object: Multiplexer,
+        entry: &'static Entry,
+        now: Instant,
+        objects: &mut O,
+    ) {
+        let value = match objects.open(entry) {
             Ok(value) => value,
             Err(code) => return self.abort(object, code, objects),
         };
@@ -91,13 +113,15 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             && matches!(bytes.len(), 1..=4)
         {
             let payload = Payload::Expedited(bytes);
-            return Response::InitiateUpload { object, payload }.emit();
+            return self
+                .answers
+                .push(Response::InitiateUpload { object, payload }.emit());
         }
         self.object = object;
-        if let Err(code) = self.open_upload(value) {
-            return self.abort(object, code, objects);
+        match self.open_upload(value) {
+            Ok(()) => self.begin_upload(now, objects),
+            Err(code) => self.abort(object, code, objects),
         }
-        self.begin_upload(now, objects)
     }
 
     /// Makes the value the one that is sent from position 0 on.
@@ -126,7 +150,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     }
 
     /// The answer that begins an upload without blocks of the value that is open.
-    pub(super) fn begin_upload<S: Streams>(&mut self, now: Instant, streams: &mut S) -> [u8; 8] {
+    pub(super) fn begin_upload<S: Streams>(&mut self, now: Instant, streams: &mut S) {
         let object = self.object;
         // Only what the application serves can turn out to be short here; of the other values the length was known.
         if self.size.is_none_or(|size| size <= 4) {
@@ -138,7 +162,9 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
                     let bytes = [a, b, c, d];
                     let length = usize::from(7_u8.saturating_sub(piece.empty));
                     let payload = Payload::Expedited(bytes.get(..length).unwrap_or(&bytes));
-                    return Response::InitiateUpload { object, payload }.emit();
+                    return self
+                        .answers
+                        .push(Response::InitiateUpload { object, payload }.emit());
                 }
                 Ok(_) => {}
                 Err(code) => return self.abort(object, code, streams),
@@ -148,7 +174,8 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         self.toggle = false;
         self.wait(now);
         let payload = Payload::Segmented(self.size);
-        Response::InitiateUpload { object, payload }.emit()
+        self.answers
+            .push(Response::InitiateUpload { object, payload }.emit());
     }
 
     /// Sends the next seven bytes.
@@ -157,7 +184,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         toggle: bool,
         now: Instant,
         streams: &mut S,
-    ) -> [u8; 8] {
+    ) {
         let mut frame = [0; 8];
         let piece = match self.take_upload_request(toggle, now, streams, &mut frame) {
             Ok(piece) => piece,
@@ -171,7 +198,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             self.toggle = !toggle;
             self.wait(now);
         }
-        with_command(frame, command)
+        self.answers.push(with_command(frame, command));
     }
 
     #[inline]

@@ -6,8 +6,12 @@ mod properties;
 mod store;
 mod values;
 
+use store::Store;
+
+use super::AbortCode;
 use super::server::Server;
 use crate::od::Unused;
+use crate::time::Instant;
 use crate::wire::sdo::Multiplexer;
 
 /// A server whose buffer holds every value of these tests.
@@ -15,6 +19,26 @@ type TestServer = Server<[u8; 2048]>;
 
 fn server() -> TestServer {
     TestServer::UNUSED
+}
+
+impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
+    /// The answer to a request, if it has one now.
+    fn answer(&mut self, request: &[u8; 8], now: Instant, store: &mut Store) -> Option<[u8; 8]> {
+        self.receive(request, now, store);
+        self.answers.pop()
+    }
+
+    /// What a client is told at this moment.
+    fn tell(&mut self, now: Instant, store: &mut Store) -> Option<[u8; 8]> {
+        self.poll(now, store);
+        self.answers.pop()
+    }
+
+    /// What a client is told when the owner of an object is done.
+    fn done(&mut self, object: Multiplexer, result: Result<(), AbortCode>) -> Option<[u8; 8]> {
+        self.complete(object, result);
+        self.answers.pop()
+    }
 }
 
 /// A string in RAM.

@@ -67,14 +67,20 @@ impl Streams for Store {
 }
 
 impl Objects for Store {
-    fn open(&mut self, object: Multiplexer) -> Result<Value<'_>, AbortCode> {
-        match object {
-            STRING => Ok(Value::Variable(&self.value)),
-            STREAM => {
-                let size = (!self.hides_size).then_some(self.value.len() as u32);
-                Ok(Value::Streamed(&STREAM_ENTRY, size))
-            }
-            _ => Err(AbortCode::NoObject),
+    fn readable(&mut self, object: Multiplexer) -> Result<&'static Entry, AbortCode> {
+        self.writable(object)
+    }
+
+    fn number(&self, _: &Entry) -> Option<u32> {
+        None
+    }
+
+    fn open(&mut self, entry: &'static Entry) -> Result<Value<'_>, AbortCode> {
+        if entry.is_streamed() {
+            let size = (!self.hides_size).then_some(self.value.len() as u32);
+            Ok(Value::Streamed(entry, size))
+        } else {
+            Ok(Value::Variable(&self.value))
         }
     }
 

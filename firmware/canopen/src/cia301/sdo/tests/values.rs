@@ -22,7 +22,7 @@ fn abort(object: Multiplexer, code: AbortCode) -> [u8; 8] {
 
 /// The answer to a request.
 fn ask(server: &mut TestServer, store: &mut Store, request: Request<'_>) -> Option<[u8; 8]> {
-    server.receive(&request.emit(), NOW, store)
+    server.answer(&request.emit(), NOW, store)
 }
 
 /// Uploads as a client does; the size that was told, and the data.
@@ -121,10 +121,10 @@ fn a_value_beyond_the_buffer_is_out_of_memory_and_not_cut() {
         payload: Payload::Segmented(size),
     };
     assert_eq!(
-        server.receive(&open(Some(10)).emit(), NOW, &mut store),
+        server.answer(&open(Some(10)).emit(), NOW, &mut store),
         refusal
     );
-    server.receive(&open(None).emit(), NOW, &mut store);
+    server.answer(&open(None).emit(), NOW, &mut store);
     let segment = |toggle, data| {
         Request::DownloadSegment {
             toggle,
@@ -133,15 +133,15 @@ fn a_value_beyond_the_buffer_is_out_of_memory_and_not_cut() {
         }
         .emit()
     };
-    server.receive(&segment(false, &long[..7]), NOW, &mut store);
+    server.answer(&segment(false, &long[..7]), NOW, &mut store);
     assert_eq!(
-        server.receive(&segment(true, &long[7..]), NOW, &mut store),
+        server.answer(&segment(true, &long[7..]), NOW, &mut store),
         refusal
     );
     assert!(store.value.is_empty());
     store.value = long.to_vec();
     let read = Request::InitiateUpload(STRING).emit();
-    assert_eq!(server.receive(&read, NOW, &mut store), refusal);
+    assert_eq!(server.answer(&read, NOW, &mut store), refusal);
 }
 
 #[test]
@@ -153,12 +153,12 @@ fn s26_the_time_out_aborts_once() {
     };
     ask(&mut server, &mut store, Request::InitiateUpload(STRING));
     let just_before = NOW + TIME_OUT - crate::Duration::from_ticks(1);
-    assert_eq!(server.poll(just_before, &mut store), None);
+    assert_eq!(server.tell(just_before, &mut store), None);
     assert_eq!(
-        server.poll(NOW + TIME_OUT, &mut store),
+        server.tell(NOW + TIME_OUT, &mut store),
         Some(abort(STRING, AbortCode::TimedOut))
     );
-    assert_eq!(server.poll(NOW + TIME_OUT, &mut store), None);
+    assert_eq!(server.tell(NOW + TIME_OUT, &mut store), None);
 }
 
 #[test]
@@ -177,10 +177,10 @@ fn the_answer_to_a_write_may_come_later() {
     let refused = abort(STRING, AbortCode::HardwareError);
     for (result, answer) in [(Ok(()), written), (Err(AbortCode::HardwareError), refused)] {
         assert_eq!(ask(&mut server, &mut store, write), None);
-        assert_eq!(server.poll(later, &mut store), None, "there is no time-out");
-        assert_eq!(server.complete(STREAM, Ok(())), None);
-        assert_eq!(server.complete(STRING, result), Some(answer));
-        assert_eq!(server.complete(STRING, result), None, "once");
+        assert_eq!(server.tell(later, &mut store), None, "there is no time-out");
+        assert_eq!(server.done(STREAM, Ok(())), None);
+        assert_eq!(server.done(STRING, result), Some(answer));
+        assert_eq!(server.done(STRING, result), None, "once");
     }
     // A client that gives up, or asks for something else, gets no answer to what it asked before.
     let give_up = Request::Abort {
@@ -190,6 +190,6 @@ fn the_answer_to_a_write_may_come_later() {
     for other in [give_up, Request::InitiateUpload(STRING)] {
         assert_eq!(ask(&mut server, &mut store, write), None);
         ask(&mut server, &mut store, other);
-        assert_eq!(server.complete(STRING, Ok(())), None);
+        assert_eq!(server.done(STRING, Ok(())), None);
     }
 }
