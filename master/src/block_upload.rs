@@ -11,6 +11,9 @@ use crate::{Failure, Line, Master};
 /// Segments of a sub-block.
 const BLOCK_SIZE: u8 = 127;
 
+/// Segments that may come of a sub-block, with those that were doubled on the way.
+const MOST: usize = 2 * BLOCK_SIZE as usize;
+
 /// How long after a segment the rest of its sub-block is taken for lost, at most.
 const SEGMENT_TIME: Duration = Duration::from_ticks(200_000);
 
@@ -47,7 +50,9 @@ impl<L: Line> Master<L> {
         let result = self.receive_blocks(node, object, size, has_crc);
         if let Err(failure) = &result {
             let code = match failure {
-                Failure::Abort { .. } | Failure::LineDown(_) => return result,
+                Failure::Abort { .. } | Failure::LineDown(_) | Failure::Endless { .. } => {
+                    return result;
+                }
                 Failure::WrongValue { .. } => WRONG_CRC,
                 Failure::Unexpected { .. } => INVALID_COMMAND,
                 _ => TIMED_OUT,
@@ -69,6 +74,9 @@ impl<L: Line> Master<L> {
         let mut attempts = 0;
         loop {
             let (received, is_last) = self.receive_sub_block(node, object, &mut bytes)?;
+            // The last segment may be filled up.
+            let length = bytes.len().saturating_sub(6);
+            self.unless_endless(node, object, length, size)?;
             attempts = if received > 0 { 0 } else { attempts + 1 };
             if attempts > ATTEMPTS {
                 return Err(Failure::Timeout {
@@ -82,10 +90,16 @@ impl<L: Line> Master<L> {
                 break;
             }
         }
+        let mut doubled = 0;
         loop {
             let [command, low, high, ..] = match self.next_sdo(node, self.answer_time())? {
                 // Segments that were doubled on the way.
-                [command, ..] if !matches!(command & 0xE3, 0xC1) && command != ABORT => continue,
+                [command, ..]
+                    if !matches!(command & 0xE3, 0xC1) && command != ABORT && doubled < MOST =>
+                {
+                    doubled += 1;
+                    continue;
+                }
                 end => self.unless_aborted(node, object, end)?,
             };
             let unused = usize::from(command >> 2 & 0x07);
@@ -109,7 +123,8 @@ impl<L: Line> Master<L> {
     ) -> Result<(u8, bool), Failure> {
         let mut received = 0;
         let mut patience = self.answer_time();
-        loop {
+        // More than these are no sub-block, whatever their numbers are.
+        for _ in 0..MOST {
             let segment = match self.next_sdo(node, patience) {
                 Ok(segment) => segment,
                 Err(Failure::Timeout { .. }) => return Ok((received, false)),
@@ -129,6 +144,7 @@ impl<L: Line> Master<L> {
                 return Ok((received, is_next && ends));
             }
         }
+        Ok((received, false))
     }
 
     /// How long the rest of a sub-block may take.

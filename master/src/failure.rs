@@ -51,6 +51,13 @@ pub enum Failure {
         /// What it is.
         got: String,
     },
+    /// The device sends more than it has told, or than anybody would wait for.
+    Endless {
+        /// What it sends.
+        what: String,
+        /// After how much nobody waits any longer.
+        limit: String,
+    },
     /// The bus itself cannot be used any more.
     LineDown(LineDown),
 }
@@ -86,6 +93,9 @@ impl fmt::Display for Failure {
                 )
             }
             Self::WrongValue { expected, got } => write!(f, "expected {expected}, got {got}"),
+            Self::Endless { what, limit } => {
+                write!(f, "{what} does not end: stopped after {limit}")
+            }
             Self::LineDown(down) => write!(f, "{down}"),
         }
     }

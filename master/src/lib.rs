@@ -52,6 +52,9 @@ pub const ANSWER_TIME: Duration = Duration::from_ticks(100_000);
 /// How long each step of a fastscan waits by default for slaves to say that they match.
 pub const SCAN_TIME: Duration = Duration::from_ticks(10_000);
 
+/// The longest object that is read by default, in bytes: a device whose object does not end is left after so many.
+pub const LONGEST_UPLOAD: usize = 4 << 20;
+
 /// NMT commands (CiA 301, command specifier of the frame with identifier 000h).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -74,6 +77,7 @@ pub struct Master<L = Simulated> {
     line: L,
     answer_time: Duration,
     scan_time: Duration,
+    longest_upload: usize,
     /// Of the nodes that are not asked on the default channel.
     sdo_channels: BTreeMap<u8, SdoChannel>,
 }
@@ -85,6 +89,7 @@ impl<L: Line> Master<L> {
             line,
             answer_time: ANSWER_TIME,
             scan_time: SCAN_TIME,
+            longest_upload: LONGEST_UPLOAD,
             sdo_channels: BTreeMap::new(),
         }
     }
@@ -113,6 +118,11 @@ impl<L: Line> Master<L> {
     /// scan fails at the end of that number.
     pub fn set_scan_time(&mut self, scan_time: Duration) -> Duration {
         std::mem::replace(&mut self.scan_time, scan_time)
+    }
+
+    /// The longest object that is read, in bytes.
+    pub fn set_longest_upload(&mut self, bytes: usize) {
+        self.longest_upload = bytes;
     }
 
     /// How long a fastscan waits at each bit.

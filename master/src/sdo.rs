@@ -2,7 +2,7 @@
 //!
 //! The channel is meant for one client (CiA 301, 7.2.4.1), and people have more: a tool beside the master of the machine. Each hears the
 //! answers to all. Those that begin or refuse a transfer name its object, so this client passes by what is for others. A transfer in
-//! segments that another one has ended is begun anew, as is a read that had no answer while others had theirs. A short write that had none is
+//! segments that another one has ended is begun anew when the server has been silent for a while, as is a read that had no answer while others had theirs. A short write that had none is
 //! not repeated, as it may have been carried out: only if the server says that it was not.
 
 use std::fmt;
@@ -89,7 +89,7 @@ impl<L: Line> Master<L> {
     /// [`Failure::Abort`] if the device refuses, [`Failure::WrongValue`] if the length does not fit the type,
     /// [`Failure::Timeout`] or [`Failure::Unexpected`] if the device does not keep to the protocol.
     pub fn read<T: Value>(&mut self, node: u8, index: u16, sub: u8) -> Result<T, Failure> {
-        let bytes = self.repeated(|master| master.upload(node, index, sub))?;
+        let bytes = self.repeated(node, |master| master.upload(node, index, sub))?;
         T::from_bytes(&bytes).ok_or_else(|| Failure::WrongValue {
             expected: format!("{index:04X}h:{sub:02X} as {}", std::any::type_name::<T>()),
             got: format!("{bytes:02X?}"),
@@ -179,11 +179,16 @@ impl<L: Line> Master<L> {
             let request = [0x60 | toggle, 0, 0, 0, 0, 0, 0, 0];
             let answer = self.go_on(node, object, request, |command| command & 0xF0 == toggle)?;
             let [command, data @ ..] = answer;
-            bytes.extend_from_slice(&data[..7 - usize::from(command >> 1 & 0x07)]);
+            let part = &data[..7 - usize::from(command >> 1 & 0x07)];
+            bytes.extend_from_slice(part);
             toggle ^= 0x10;
             if command & 0x01 != 0 {
                 break;
             }
+            if part.is_empty() {
+                return Err(self.endless(node, object, "an empty segment"));
+            }
+            self.unless_endless(node, object, bytes.len(), announced)?;
         }
         match announced {
             Some(size) if size as usize != bytes.len() => Err(Failure::WrongValue {
@@ -191,6 +196,31 @@ impl<L: Line> Master<L> {
                 got: format!("{} bytes", bytes.len()),
             }),
             _ => Ok(bytes),
+        }
+    }
+
+    /// What has come of an object is no more than was announced, or than is ever read; else the transfer is aborted.
+    pub(super) fn unless_endless(
+        &mut self,
+        node: u8,
+        object: Object,
+        length: usize,
+        announced: Option<u32>,
+    ) -> Result<(), Failure> {
+        let announced = announced.and_then(|size| usize::try_from(size).ok());
+        let limit = self.longest_upload.min(announced.unwrap_or(usize::MAX));
+        if length <= limit {
+            return Ok(());
+        }
+        Err(self.endless(node, object, &format!("{limit} bytes")))
+    }
+
+    fn endless(&mut self, node: u8, object: Object, limit: &str) -> Failure {
+        let abort = object.request(ABORT, TOO_LONG.to_le_bytes());
+        self.send_data(self.channel(node).request, &abort);
+        Failure::Endless {
+            what: object.to_string(),
+            limit: limit.to_owned(),
         }
     }
 
@@ -220,7 +250,9 @@ impl<L: Line> Master<L> {
     ) -> Result<(), Failure> {
         for _ in 1..ATTEMPTS {
             match self.download_expedited(node, index, sub, bytes) {
-                Err(Failure::Abort { code, .. }) if OUT_OF_STEP.contains(&code) => {}
+                Err(Failure::Abort { code, .. }) if OUT_OF_STEP.contains(&code) => {
+                    self.wait_for_silence(node)?;
+                }
                 result => return result,
             }
         }
@@ -238,7 +270,7 @@ impl<L: Line> Master<L> {
         sub: u8,
         bytes: &[u8],
     ) -> Result<(), Failure> {
-        self.repeated(|master| master.download(node, index, sub, bytes))
+        self.repeated(node, |master| master.download(node, index, sub, bytes))
     }
 
     fn download(&mut self, node: u8, index: u16, sub: u8, bytes: &[u8]) -> Result<(), Failure> {
@@ -315,6 +347,7 @@ impl<L: Line> Master<L> {
     /// A transfer that may have been disturbed by another client is tried again.
     fn repeated<T>(
         &mut self,
+        node: u8,
         mut transfer: impl FnMut(&mut Self) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         for _ in 1..ATTEMPTS {
@@ -323,13 +356,43 @@ impl<L: Line> Master<L> {
                 Err(Failure::Abort { code, .. }) if OUT_OF_STEP.contains(&code) => {}
                 result => return result,
             }
+            self.wait_for_silence(node)?;
         }
         transfer(self)
+    }
+
+    /// Lets another client have its turn: waits until nothing was sent to this server or by it for a while, but not for ever. How long the
+    /// while is differs from time to time, so that two clients that wait for each other do not begin together.
+    fn wait_for_silence(&mut self, node: u8) -> Result<(), Failure> {
+        let channel = self.channel(node);
+        let of_server = |frame: &Frame| {
+            let id = frame.standard_id();
+            (id == Some(channel.request) || id == Some(channel.answer)).then_some(())
+        };
+        let end = self.now() + LONGEST_TURN;
+        loop {
+            while self.line.inbox().take_from(0, of_server).is_some() {}
+            let silence = SHORTEST_SILENCE * (1 + (self.now().ticks() / 7 % 8) as u32);
+            match self.wait_for("silence", silence, of_server) {
+                Ok(()) if self.now() < end => {}
+                Ok(()) | Err(Failure::Timeout { .. }) => return Ok(()),
+                Err(failure) => return Err(failure),
+            }
+        }
     }
 }
 
 /// How often a transfer is begun at most.
-const ATTEMPTS: u32 = 5;
+const ATTEMPTS: u32 = 8;
+
+/// For how long another client is let to have its turn at most.
+const LONGEST_TURN: Duration = Duration::from_ticks(1_000_000);
+
+/// How long a server is silent at least between two transfers of others.
+const SHORTEST_SILENCE: Duration = Duration::from_ticks(3_000);
+
+/// The abort code for an object that is too long (CiA 301).
+const TOO_LONG: u32 = 0x0607_0012;
 
 /// The command of an abort.
 pub(super) const ABORT: u8 = 0x80;

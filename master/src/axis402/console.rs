@@ -9,12 +9,12 @@ pub struct Console<'a> {
     output: &'a mut dyn Write,
     progress: &'a mut dyn Write,
     is_terminal: bool,
-    /// What stands in the last line of the terminal, and the quarter that was told last.
+    /// What stands in the last line of the terminal.
     line: Option<String>,
 }
 
 impl<'a> Console<'a> {
-    /// Results go to `output`, progress to `progress`: on a terminal in one line that changes, elsewhere in a few lines.
+    /// Results go to `output`, remarks to `progress`; and progress, if that is a terminal, in one line that changes.
     pub fn new(output: &'a mut dyn Write, progress: &'a mut dyn Write, is_terminal: bool) -> Self {
         Self {
             output,
@@ -43,28 +43,19 @@ impl<'a> Console<'a> {
         let _ = writeln!(self.progress, "{line}");
     }
 
-    /// How far a long work is.
+    /// How far a long work is, on a terminal.
     pub fn progress(&mut self, what: &str, done: u32, of: u32) {
         let percent = (u64::from(done) * 100).checked_div(of.into()).unwrap_or(0);
-        if self.is_terminal {
-            let line = format!("{what}: {percent} %");
-            if self.line.as_ref() != Some(&line) {
-                let _ =
-                    write!(self.progress, "\r\x1B[K{line}").and_then(|()| self.progress.flush());
-                self.line = Some(line);
-            }
-            return;
-        }
-        let line = format!("{what}: {} %", percent / 25 * 25);
-        if self.line.as_ref() != Some(&line) {
-            let _ = writeln!(self.progress, "{line}");
+        let line = format!("{what}: {percent} %");
+        if self.is_terminal && self.line.as_ref() != Some(&line) {
+            let _ = write!(self.progress, "\r\x1B[K{line}").and_then(|()| self.progress.flush());
             self.line = Some(line);
         }
     }
 
     /// Takes the progress off the terminal.
     fn end_progress(&mut self) {
-        if self.line.take().is_some() && self.is_terminal {
+        if self.line.take().is_some() {
             let _ = write!(self.progress, "\r\x1B[K").and_then(|()| self.progress.flush());
         }
     }

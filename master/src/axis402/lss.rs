@@ -8,6 +8,9 @@ use crate::{Failure, Identity, Line, Master};
 /// How often a fastscan is tried: on a busy bus an answer may be late, and the scan is misled.
 const ATTEMPTS: u32 = 4;
 
+/// Devices of one bus that can have a node-ID.
+const MOST: u32 = 127;
+
 /// How long a device may take to boot.
 const BOOT_TIME: Duration = Duration::from_ticks(3_000_000);
 
@@ -45,9 +48,17 @@ pub fn find<L: Line>(master: &mut Master<L>, console: &mut Console<'_>) -> Resul
     master.lss_switch_to_waiting();
     waiting_afterwards(master, |master| {
         let mut count = 0;
+        let mut last = None;
         // A device that was found is in configuration state and takes no part in the next scan.
         while let Some(identity) = next(master, count + 1, console)? {
             count += 1;
+            if last.replace(identity) == Some(identity) || count > MOST {
+                return Err(Failure::Endless {
+                    what: format!("the search, with {identity} again,"),
+                    limit: format!("{count} devices"),
+                }
+                .into());
+            }
             console.say(&format!("{count}: {identity}"))?;
         }
         console.say(&match count {

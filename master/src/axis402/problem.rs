@@ -9,11 +9,11 @@ use crate::{Failure, LineDown};
 /// What went wrong.
 #[derive(Debug)]
 pub enum Problem {
-    /// The command line, a file or an adapter is wrong: exit code 2.
+    /// The command line, a file or an adapter is wrong, or the adapter has gone: exit code 2.
     Usage(String),
     /// The bus or a device did not do what was asked: exit code 1.
     Failed(String),
-    /// The output could not be written: exit code 1, or 0 if its reader has seen enough.
+    /// The output could not be written: exit code 2, or 0 if its reader has seen enough.
     Output(io::Error),
     /// A person stopped it: exit code 130.
     Stopped,
@@ -45,9 +45,9 @@ impl Problem {
     /// The exit code.
     pub fn code(&self) -> u8 {
         match self {
-            Self::Usage(_) => 2,
             Self::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => 0,
-            Self::Failed(_) | Self::Output(_) => 1,
+            Self::Usage(_) | Self::Output(_) => 2,
+            Self::Failed(_) => 1,
             Self::Stopped => 130,
         }
     }
@@ -57,6 +57,7 @@ impl From<Failure> for Problem {
     fn from(failure: Failure) -> Self {
         match failure {
             Failure::LineDown(down) if down == LineDown::stopped() => Self::Stopped,
+            Failure::LineDown(down) => Self::Usage(down.to_string()),
             Failure::LssRefused { service, error } => Self::Failed(refusal(service, error)),
             other => Self::Failed(other.to_string()),
         }

@@ -4,7 +4,7 @@ use canopen::Duration;
 
 use super::{Console, Node, Problem};
 use crate::data_sheet::Address;
-use crate::{Line, Master};
+use crate::{Failure, Line, Master};
 
 /// The signature "save" (CiA 301, 7.5.2.13).
 const SIGNATURE: &[u8; 4] = b"save";
@@ -26,7 +26,8 @@ pub enum Group {
     Manufacturer,
 }
 
-/// Saves parameters, and waits until the node says that it is done.
+/// Saves parameters, and waits until the node says that it is done, for as long as that may take; one that does not answer at all is
+/// waited for as ever.
 ///
 /// # Errors
 /// [`Problem::Failed`] if the node refuses or does not answer.
@@ -37,6 +38,11 @@ pub fn save<L: Line>(
     console: &mut Console<'_>,
 ) -> Result<(), Problem> {
     let address = Address::new(0x1010, group as u8 + 1);
+    // Whoever is not there is not waited for as long as a save may take.
+    match node.upload(master, address) {
+        Ok(_) | Err(Failure::Abort { .. }) => {}
+        Err(failure) => return Err(Problem::with_node(node.id, failure)),
+    }
     let usual = master.set_answer_time(SAVE_TIME);
     let result = node.download(master, address, SIGNATURE);
     master.set_answer_time(usual);

@@ -74,9 +74,11 @@ fn present<L: Line>(
 }
 
 /// Hears answers and heartbeats until there was no answer for as long as one may take.
+/// Answers that never end, to another master or of a device that is broken, do not keep it waiting.
 fn listen<L: Line>(master: &mut Master<L>, nodes: &mut BTreeMap<u8, Found>) -> Result<(), Problem> {
+    let quiet = QUIET.max(master.answer_time() / 20);
+    let end = master.now() + quiet * u32::from(AT_ONCE);
     loop {
-        let quiet = QUIET.max(master.answer_time() / 20);
         let answer = master.wait_for("an answer", quiet, |frame| {
             id_of(frame, 0x580).filter(|_| frame.full_payload().is_some())
         });
@@ -95,7 +97,7 @@ fn listen<L: Line>(master: &mut Master<L>, nodes: &mut BTreeMap<u8, Found>) -> R
                 nodes.entry(id).or_default().answers = true;
             }
         }
-        if is_over {
+        if is_over || master.now() >= end {
             return Ok(());
         }
     }

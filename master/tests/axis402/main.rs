@@ -4,6 +4,7 @@
 mod bench;
 mod bit_rate;
 mod configuration;
+mod liars;
 mod monitoring;
 mod numbering;
 mod objects;

@@ -188,6 +188,48 @@ fn a_refusal_is_one_line_and_exit_code_1() {
     );
 }
 
+/// Both read 1008h and other strings in segments, from one server.
+#[test]
+fn two_dumps_at_once_both_end_well() {
+    let served = Served::start(Setup::with_node_id(1, 4));
+    let both = [(); 2].map(|()| {
+        Command::new(env!("CARGO_BIN_EXE_axis402"))
+            .args(["--slcan", &served.address.to_string()])
+            .args(["od", "dump", "4"])
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap()
+    });
+    let [first, second] = both.map(|dump| thread::spawn(|| dump.wait_with_output().unwrap()));
+    let lines = |output: Output| {
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{error}");
+        output.stdout.iter().filter(|byte| **byte == b'\n').count()
+    };
+    let (first, second) = (lines(first.join().unwrap()), lines(second.join().unwrap()));
+    assert_eq!(first, second);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_is_full_is_exit_code_2() {
+    let served = Served::start(Setup::with_node_id(1, 4));
+    let full = std::fs::File::options().write(true).open("/dev/full");
+    let output = Command::new(env!("CARGO_BIN_EXE_axis402"))
+        .args(["--slcan", &served.address.to_string()])
+        .args(["od", "read", "4", "1000"])
+        .stdout(full.unwrap())
+        .output()
+        .unwrap();
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert_eq!(
+        error,
+        "axis402: cannot write the output: no space left on device\n"
+    );
+}
+
 #[test]
 fn mistakes_are_one_line_and_exit_code_2() {
     let bus = ["--slcan", "127.0.0.1:1"];
@@ -311,7 +353,7 @@ fn an_adapter_that_goes_away_is_told() {
         "4",
         "1000",
     ];
-    assert_refused(&read, "SLCAN adapter", 1);
+    assert_refused(&read, "SLCAN adapter", 2);
     goes.join().unwrap();
 }
 
