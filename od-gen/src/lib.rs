@@ -17,6 +17,7 @@
 
 pub mod bind;
 mod build_script;
+pub mod convert;
 mod data_type;
 pub mod dcf;
 mod diagnostic;
@@ -51,3 +52,4 @@ pub use print::{format, print};
 pub use report::{ReadError, Report, parse, read};
 pub use rules::Rule;
 pub use source::{Source, Span};
+pub use xdd::write as print_xdd;

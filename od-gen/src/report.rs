@@ -92,13 +92,19 @@ impl Report {
         };
         rules::check(&subject, &mut findings);
         let is_for_code = findings.is_for_code();
-        let silenced = findings.silence();
+        let mut silenced = findings.silence();
         let mut findings = findings.into_sorted();
         let is_unused = |finding: &Diagnostic| finding.rule == &reading::UNUSED_ALLOWANCE;
         if !is_for_code && findings.iter().any(is_unused) {
             // It may be for what only code asks for.
             let of_code = Self::for_code(&source.file, source.text()).findings;
             findings.retain(|finding| !is_unused(finding) || of_code.contains(finding));
+        }
+        if is_xml {
+            let silenced = silenced.iter_mut().map(|(finding, _)| finding);
+            for finding in findings.iter_mut().chain(silenced) {
+                xdd::words::translate(finding, &source);
+            }
         }
         Self {
             source,

@@ -497,3 +497,45 @@ fn a_network_becomes_files() {
     let missing = od_gen(&["network", "no-such.toml"]);
     assert_eq!(missing.status.code(), Some(2));
 }
+
+#[test]
+fn a_data_sheet_is_converted_there_and_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (xdd, eds, dcf) = (path("a.xdd"), path("a.eds"), path("a.dcf"));
+    let there = od_gen(&["convert", "../eds/axis402.eds", &xdd]);
+    assert_eq!(there.status.code(), Some(0), "{there:?}");
+    let shown = text(&there.stderr);
+    // RevisionNumber and Comments.
+    assert_eq!(shown.lines().count(), 2, "{shown}");
+    assert!(
+        shown.contains("a.xdd: warning: this format does not say: ~ [DeviceInfo] RevisionNumber")
+    );
+    let checked = od_gen(&["check", &xdd, "--deny-warnings"]);
+    assert_eq!(checked.status.code(), Some(0), "{checked:?}");
+    let back = od_gen(&["convert", &xdd, &eds]);
+    assert_eq!((back.status.code(), text(&back.stderr)), (Some(0), ""));
+    let differences = od_gen(&["diff", "../eds/axis402.eds", &eds]);
+    assert_eq!(
+        text(&differences.stdout).lines().count(),
+        2,
+        "{differences:?}"
+    );
+    for (arguments, expected) in [
+        (
+            [&xdd, &dcf],
+            "a.xdd: error: it is for no node: `od-gen dcf --node-id` makes it for one",
+        ),
+        (
+            [&xdd, &path("a.txt")],
+            "a.txt: error: the extension is not .eds, .dcf, .xdd or .xdc",
+        ),
+    ] {
+        let refused = od_gen(&["convert", arguments[0], arguments[1]]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(
+            text(&refused.stderr).trim_end().ends_with(expected),
+            "{refused:?}"
+        );
+    }
+}

@@ -7,6 +7,7 @@ use std::fmt;
 
 use crate::rules::Rule;
 use crate::source::Span;
+use crate::xdd::words::in_words_of_xml;
 
 pub(crate) use allowances::{Allowances, is_allowance, without};
 pub use render::{Colour, render};
@@ -47,6 +48,12 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
+    /// Whether another finding says the same, of whichever format.
+    pub fn says_what(&self, other: &Self) -> bool {
+        let said = in_words_of_xml(&other.message);
+        self.rule == other.rule && in_words_of_xml(&self.message).ends_with(&said)
+    }
+
     /// Says what to do.
     pub fn help(&mut self, help: impl Into<String>) {
         self.help = Some(help.into());

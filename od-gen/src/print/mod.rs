@@ -18,12 +18,7 @@ use allowances::{unused_in, without_unused};
 
 /// Writes a model as an EDS; as a DCF when it is the configuration of one device.
 pub fn print(model: &Model) -> String {
-    let mut sections = device::sections(model);
-    modules::write(model, &mut sections);
-    sections.extend(lists(model));
-    for object in model.types.iter().chain(&model.objects) {
-        object::write(object, &mut sections);
-    }
+    let sections = sections(model);
     let document = Document {
         head: (model.remarks.0.iter())
             .map(|remark| Comment::new(remark, 0))
@@ -36,6 +31,17 @@ pub fn print(model: &Model) -> String {
     };
     let text = document::write(&document::canonical(document));
     without_unused(file, text, &[])
+}
+
+/// The sections of a model.
+pub(crate) fn sections(model: &Model) -> Vec<Section<'_>> {
+    let mut sections = device::sections(model);
+    modules::write(model, &mut sections);
+    sections.extend(lists(model));
+    for object in model.types.iter().chain(&model.objects) {
+        object::write(object, &mut sections);
+    }
+    sections
 }
 
 /// The three lists of objects.
@@ -93,4 +99,4 @@ pub(crate) fn formatted(
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -93,7 +93,11 @@ pub(super) fn write_entry<'a>(
     {
         section.remark(format!("Capacity={capacity}"));
     }
-    if entry.note("Storage").is_none() && entry.storage != implied_storage((index, object), entry) {
+    // What the application has is not stored.
+    if !entry.is_with_application
+        && entry.note("Storage").is_none()
+        && entry.storage != implied_storage((index, object), entry)
+    {
         let name = entry.storage.map_or("none", StorageGroup::name);
         section.remark(format!("Storage={name}"));
     }

@@ -233,7 +233,7 @@ fn object(index: u16) -> impl Strategy<Value = Object> {
     })
 }
 
-fn made_up() -> impl Strategy<Value = Model> {
+pub(crate) fn made_up() -> impl Strategy<Value = Model> {
     let indices = proptest::collection::btree_set(0x2000..0xA000u16, 0..8);
     let objects = indices.prop_flat_map(|indices| {
         let objects = indices.into_iter().map(object);
@@ -310,7 +310,7 @@ fn an_allowance_of_a_section_without_objects_is_printed_for_the_whole_file() {
 }
 
 /// Comments are notes once they have been read.
-fn without_notes(mut model: Model) -> Model {
+pub(crate) fn without_notes(mut model: Model) -> Model {
     for entry in model
         .objects
         .iter_mut()

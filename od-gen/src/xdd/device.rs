@@ -2,9 +2,30 @@
 
 use roxmltree::Node;
 
-use super::{Reader, find, flag, is, one_line, text};
+use super::text::{eds_date, eds_time, one_line};
+use super::{Reader, as_it_is, find, flag, is};
 use crate::document::{Key, Section};
 use crate::number::Number;
+
+/// Elements of DeviceIdentity, and what DeviceInfo calls them.
+pub(super) const IDENTITY: [(&str, &str); 5] = [
+    ("vendorName", "VendorName"),
+    ("vendorID", "VendorNumber"),
+    ("productName", "ProductName"),
+    ("productID", "ProductNumber"),
+    ("orderNumber", "OrderCode"),
+];
+
+/// Keys of DeviceInfo, as attributes of CANopenGeneralFeatures, and whether they are `true` or `false`.
+pub(super) const FEATURES: [(&str, &str, bool); 7] = [
+    ("Granularity", "granularity", false),
+    ("NrOfRXPDO", "nrOfRxPDO", false),
+    ("NrOfTXPDO", "nrOfTxPDO", false),
+    ("DynamicChannelsSupported", "dynamicChannels", false),
+    ("GroupMessaging", "groupMessaging", true),
+    ("SimpleBootUpSlave", "bootUpSlave", true),
+    ("LSS_Supported", "layerSettingServiceSlave", true),
+];
 
 impl<'a, 'x> Reader<'a, 'x> {
     /// All sections that are no objects.
@@ -38,21 +59,21 @@ impl<'a, 'x> Reader<'a, 'x> {
         let mut section = self.section("FileInfo".into(), body);
         // The whole file is in it: its comments are for the whole file.
         section.lines = 0..0;
-        for (key, attribute) in [
-            ("FileName", "fileName"),
-            ("CreatedBy", "fileCreator"),
-            ("CreationDate", "fileCreationDate"),
-            ("CreationTime", "fileCreationTime"),
-            ("ModifiedBy", "fileModifiedBy"),
-            ("ModificationDate", "fileModificationDate"),
-            ("ModificationTime", "fileModificationTime"),
+        for (key, attribute, spell) in [
+            ("FileName", "fileName", as_it_is as fn(&str) -> String),
+            ("CreatedBy", "fileCreator", as_it_is),
+            ("CreationDate", "fileCreationDate", eds_date),
+            ("CreationTime", "fileCreationTime", eds_time),
+            ("ModifiedBy", "fileModifiedBy", as_it_is),
+            ("ModificationDate", "fileModificationDate", eds_date),
+            ("ModificationTime", "fileModificationTime", eds_time),
         ] {
-            self.put(&mut section, key, (body, attribute), text);
+            self.put(&mut section, key, (body, attribute), spell);
         }
         // A version is any text in XML, and a number in an EDS.
         let version = body.attribute("fileVersion").unwrap_or_default();
         if Number::parse_within(version, 0, 255).is_ok() {
-            self.put(&mut section, "FileVersion", (body, "fileVersion"), text);
+            self.put(&mut section, "FileVersion", (body, "fileVersion"), as_it_is);
         }
         section
     }
@@ -62,25 +83,12 @@ impl<'a, 'x> Reader<'a, 'x> {
             return Section::new("DeviceInfo");
         };
         let mut section = self.section("DeviceInfo".into(), identity);
-        for (key, name) in [
-            ("VendorName", "vendorName"),
-            ("VendorNumber", "vendorID"),
-            ("ProductName", "productName"),
-            ("ProductNumber", "productID"),
-            ("OrderCode", "orderNumber"),
-        ] {
+        for (name, key) in IDENTITY {
             self.put_text(&mut section, key, find(identity, name));
         }
         if let Some(features) = find(root, "CANopenGeneralFeatures") {
-            for (key, attribute, spell) in [
-                ("Granularity", "granularity", text as fn(&str) -> String),
-                ("NrOfRXPDO", "nrOfRxPDO", text),
-                ("NrOfTXPDO", "nrOfTxPDO", text),
-                ("DynamicChannelsSupported", "dynamicChannels", text),
-                ("GroupMessaging", "groupMessaging", flag),
-                ("SimpleBootUpSlave", "bootUpSlave", flag),
-                ("LSS_Supported", "layerSettingServiceSlave", flag),
-            ] {
+            for (key, attribute, is_flag) in FEATURES {
+                let spell = if is_flag { flag } else { as_it_is };
                 self.put(&mut section, key, (features, attribute), spell);
             }
         }
@@ -113,11 +121,11 @@ impl<'a, 'x> Reader<'a, 'x> {
     fn commissioning(&self, node: Node<'_, '_>) -> Section<'a> {
         let mut section = self.section("DeviceComissioning".into(), node);
         for (key, attribute, spell) in [
-            ("NodeID", "nodeID", text as fn(&str) -> String),
-            ("NodeName", "nodeName", text),
+            ("NodeID", "nodeID", as_it_is as fn(&str) -> String),
+            ("NodeName", "nodeName", as_it_is),
             ("Baudrate", "actualBaudRate", bit_rate),
-            ("NetNumber", "networkNumber", text),
-            ("NetworkName", "networkName", text),
+            ("NetNumber", "networkNumber", as_it_is),
+            ("NetworkName", "networkName", as_it_is),
             ("CANopenManager", "CANopenManager", flag),
         ] {
             self.put(&mut section, key, (node, attribute), spell);

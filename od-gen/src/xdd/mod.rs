@@ -9,6 +9,9 @@
 mod device;
 mod entities;
 mod object;
+mod text;
+pub(crate) mod words;
+mod write;
 
 use std::collections::HashMap;
 
@@ -17,7 +20,9 @@ use roxmltree::{Document as Xml, Node, ParsingOptions};
 use crate::diagnostic::Findings;
 use crate::document::{Comment, Document, Key, Section};
 use crate::rules::reading;
-use crate::source::{Source, Span, is_control};
+use crate::source::{Source, Span};
+use text::one_line;
+pub use write::write;
 
 /// Whether a text is XML rather than a list of keys.
 pub(crate) fn is_xml(text: &str) -> bool {
@@ -152,16 +157,8 @@ impl<'a, 'x> Reader<'a, 'x> {
     }
 }
 
-/// A text of XML, where an EDS has one line: all white space, and what cannot be seen, is one space. References such as `&#10;`
-/// are characters by now; a line end among them would go on into the lines of what is generated.
-fn one_line(text: &str) -> String {
-    let words = text.split(|letter: char| letter.is_whitespace() || is_control(letter));
-    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
-    words.join(" ")
-}
-
 /// As it is.
-fn text(value: &str) -> String {
+fn as_it_is(value: &str) -> String {
     value.to_owned()
 }
 

@@ -2,9 +2,25 @@
 
 use roxmltree::Node;
 
-use super::{Reader, find, hexadecimal, is, one_line, text};
+use super::text::one_line;
+use super::{Reader, as_it_is, find, hexadecimal, is};
 use crate::data_type::DataType;
 use crate::document::{Comment, Key, Section};
+use crate::model::Access;
+
+/// Keys of an object or of a value, as attributes of CANopenObject and CANopenSubObject.
+pub(super) const ATTRIBUTES: [(&str, &str); 10] = [
+    ("ParameterName", "name"),
+    ("ObjectType", "objectType"),
+    ("DataType", "dataType"),
+    ("ObjFlags", "objFlags"),
+    ("AccessType", "accessType"),
+    ("LowLimit", "lowLimit"),
+    ("HighLimit", "highLimit"),
+    ("DefaultValue", "defaultValue"),
+    ("ParameterValue", "actualValue"),
+    ("Denotation", "denotation"),
+];
 
 impl<'a, 'x> Reader<'a, 'x> {
     /// The lists of objects, and a section for each object and sub-index.
@@ -37,7 +53,7 @@ impl<'a, 'x> Reader<'a, 'x> {
             let is_sub = |node: &Node<'_, '_>| is(*node, "CANopenSubObject");
             let is_inside = |node: Node<'_, '_>| node.ancestors().any(|above| is_sub(&above));
             section.comments = self.comments(object, is_inside);
-            self.put(&mut section, "SubNumber", (object, "subNumber"), text);
+            self.put(&mut section, "SubNumber", (object, "subNumber"), as_it_is);
             self.value(&mut section, object);
             sections.push(section);
             let subs = object.children();
@@ -67,23 +83,19 @@ impl<'a, 'x> Reader<'a, 'x> {
 
     /// The keys of a value, its own and those of the parameter it refers to.
     fn value(&self, section: &mut Section<'a>, node: Node<'_, 'x>) {
-        for (key, attribute, spell) in [
-            ("ParameterName", "name", text as fn(&str) -> String),
-            ("ObjectType", "objectType", text),
-            ("DataType", "dataType", hexadecimal),
-            ("ObjFlags", "objFlags", hexadecimal),
-            ("AccessType", "accessType", text),
-            ("LowLimit", "lowLimit", text),
-            ("HighLimit", "highLimit", text),
-            ("DefaultValue", "defaultValue", text),
-            ("ParameterValue", "actualValue", text),
-            ("Denotation", "denotation", text),
-        ] {
+        for (key, attribute) in ATTRIBUTES {
+            let spell = match attribute {
+                "dataType" | "objFlags" => hexadecimal,
+                _ => as_it_is as fn(&str) -> String,
+            };
             self.put(section, key, (node, attribute), spell);
         }
         let parameter = node.attribute("uniqueIDRef");
         if let Some(parameter) = parameter.and_then(|id| self.parameters.get(id)) {
             self.parameter(section, *parameter);
+            if section.key("AccessType").is_none() && !has_subs(node) {
+                self.default_access(section, *parameter);
+            }
             if section.key("DataType").is_none() && !has_subs(node) {
                 self.parameter_type(section, *parameter);
             }
@@ -106,19 +118,19 @@ impl<'a, 'x> Reader<'a, 'x> {
                 "access",
                 access as fn(&str) -> String,
             ),
-            ("LowLimit", limit("minValue"), "value", text),
-            ("HighLimit", limit("maxValue"), "value", text),
+            ("LowLimit", limit("minValue"), "value", as_it_is),
+            ("HighLimit", limit("maxValue"), "value", as_it_is),
             (
                 "DefaultValue",
                 child(parameter, "defaultValue"),
                 "value",
-                text,
+                as_it_is,
             ),
             (
                 "ParameterValue",
                 child(parameter, "actualValue"),
                 "value",
-                text,
+                as_it_is,
             ),
         ] {
             if let Some(node) = node.filter(|_| section.key(key).is_none()) {
@@ -136,11 +148,25 @@ impl<'a, 'x> Reader<'a, 'x> {
         }
     }
 
+    /// The access of a parameter that names none: the schema's default.
+    fn default_access(&self, section: &mut Section<'a>, parameter: Node<'_, '_>) {
+        let range = parameter.range();
+        let tag = range.start..range.start + 1 + parameter.tag_name().name().len();
+        let span = self.source.span(tag);
+        section.keys.push(Key {
+            name: "AccessType".into(),
+            value: access("read").into(),
+            name_span: span,
+            span,
+        });
+    }
+
     /// The type that a parameter names by an element, such as `<UINT/>`.
     fn parameter_type(&self, section: &mut Section<'a>, parameter: Node<'x, 'x>) {
+        let has_value = section.key("DefaultValue").is_some();
         let found = parameter
             .children()
-            .find_map(|node| Some((node, data_type(node.tag_name().name())?)));
+            .find_map(|node| Some((node, data_type(node.tag_name().name(), has_value)?)));
         if let Some((node, data_type)) = found {
             let span = self.source.span(node.range());
             section.keys.push(Key {
@@ -197,36 +223,69 @@ fn has_subs(node: Node<'_, '_>) -> bool {
     )
 }
 
-/// The type of a value by the name that a parameter has for it (IEC 61131-3). What BITSTRING and CHAR are, vendors do not agree on.
-fn data_type(name: &str) -> Option<DataType> {
-    Some(match name {
-        "BOOL" => DataType::Boolean,
-        "SINT" => DataType::Integer8,
-        "INT" => DataType::Integer16,
-        "DINT" => DataType::Integer32,
-        "LINT" => DataType::Integer64,
-        "USINT" | "BYTE" => DataType::Unsigned8,
-        "UINT" | "WORD" => DataType::Unsigned16,
-        "UDINT" | "DWORD" => DataType::Unsigned32,
-        "ULINT" | "LWORD" => DataType::Unsigned64,
-        "REAL" => DataType::Real32,
-        "LREAL" => DataType::Real64,
-        "STRING" => DataType::VisibleString,
-        "WSTRING" => DataType::UnicodeString,
-        _ => return None,
-    })
+/// The types that parameters name by an element (IEC 61131-3). Of two for one type the first is written.
+const TYPES: [(&str, DataType); 18] = [
+    ("BOOL", DataType::Boolean),
+    ("SINT", DataType::Integer8),
+    ("CHAR", DataType::Integer8),
+    ("INT", DataType::Integer16),
+    ("DINT", DataType::Integer32),
+    ("LINT", DataType::Integer64),
+    ("USINT", DataType::Unsigned8),
+    ("BYTE", DataType::Unsigned8),
+    ("UINT", DataType::Unsigned16),
+    ("WORD", DataType::Unsigned16),
+    ("UDINT", DataType::Unsigned32),
+    ("DWORD", DataType::Unsigned32),
+    ("ULINT", DataType::Unsigned64),
+    ("LWORD", DataType::Unsigned64),
+    ("REAL", DataType::Real32),
+    ("LREAL", DataType::Real64),
+    ("STRING", DataType::VisibleString),
+    ("WSTRING", DataType::UnicodeString),
+];
+
+/// What stands for everything that IEC 61131-3 has no name for.
+const BITS: &str = "BITSTRING";
+
+/// The type that a parameter names. A BITSTRING is an OCTET_STRING where it has a value, and a DOMAIN where it has none, as the
+/// editor of CANopenNode has it.
+fn data_type(name: &str, has_value: bool) -> Option<DataType> {
+    if name == BITS {
+        return Some(match has_value {
+            true => DataType::OctetString,
+            false => DataType::Domain,
+        });
+    }
+    let found = TYPES.iter().find(|(own, _)| *own == name);
+    found.map(|(_, data_type)| *data_type)
 }
+
+/// The element that names a type.
+pub(super) fn type_name(data_type: DataType) -> &'static str {
+    let found = TYPES.iter().find(|(_, own)| *own == data_type);
+    found.map_or(BITS, |(name, _)| *name)
+}
+
+/// What parameters can be accessed for, and what data sheets call it.
+const ACCESSES: [(&str, Access); 7] = [
+    ("const", Access::Constant),
+    ("read", Access::ReadOnly),
+    ("noAccess", Access::ReadOnly),
+    ("write", Access::WriteOnly),
+    ("readWrite", Access::ReadWrite),
+    ("readWriteInput", Access::ReadWriteInput),
+    ("readWriteOutput", Access::ReadWriteOutput),
+];
 
 /// The access of a parameter as that of an object.
 fn access(value: &str) -> String {
-    let name = match value {
-        "const" => "const",
-        "read" | "noAccess" => "ro",
-        "write" => "wo",
-        "readWrite" => "rw",
-        "readWriteInput" => "rwr",
-        "readWriteOutput" => "rww",
-        _ => value,
-    };
-    name.into()
+    let found = ACCESSES.iter().find(|(name, _)| *name == value);
+    found.map_or(value, |(_, access)| access.name()).into()
+}
+
+/// The access of a parameter.
+pub(super) fn parameter_access(access: Access) -> &'static str {
+    let found = ACCESSES.iter().find(|(_, own)| *own == access);
+    found.map_or("", |(name, _)| *name)
 }

@@ -41,13 +41,13 @@ fn findings_point_at_attributes() {
             "lowLimit=\"-5\" highLimit=\"-99999\"/>"
         ),
         [
-            "sensor.xdd:43:131: error[limit-type]: HighLimit -99999 does not fit INTEGER16 (-32768 to 32767)"
+            "sensor.xdd:43:131: error[limit-type]: highLimit -99999 does not fit INTEGER16 (-32768 to 32767)"
         ]
     );
     assert_eq!(
         findings("<minValue value=\"10\"/>", "<minValue value=\"x\"/>"),
         [
-            "sensor.xdd:19:52: error[not-a-number]: `x` is not a number (decimal, 0x hexadecimal or leading-zero octal)"
+            "sensor.xdd:19:52: error[not-a-number]: minValue: `x` is not a number (decimal, 0x hexadecimal or leading-zero octal)"
         ]
     );
     let gone = findings("index=\"1000\"", "index=\"1x00\"");
@@ -228,7 +228,7 @@ fn an_object_that_is_there_twice_is_found() {
     let found = findings(end, &format!("{object}{end}"));
     assert!(
         found.iter().any(|found| found
-            .contains("error[repeated-section]: the section [2000] is already on line")),
+            .contains("error[repeated-section]: CANopenObject 2000 is already on line")),
         "{found:?}"
     );
 }
@@ -290,4 +290,145 @@ fn what_an_object_allows_stays_allowed_when_it_is_printed() {
     assert_eq!(silenced(&report).len(), 2);
     assert_eq!(silenced(&printed), silenced(&report));
     assert!(printed.findings.is_empty(), "{:?}", printed.findings);
+}
+
+/// What a file means, whatever its kind, and without what XML has no words for.
+fn without_words_of_an_eds(mut model: Model) -> Model {
+    model.kind = FileKind::Eds;
+    model.file.clear();
+    model.comments.clear();
+    model.remarks.0.clear();
+    model.device.compact_pdo = 0;
+    model.device.revision_number = None;
+    let info = &mut model.file_info;
+    info.file_revision = 0;
+    for text in [
+        &mut info.eds_version,
+        &mut info.description,
+        &mut info.last_eds,
+    ] {
+        text.clear();
+    }
+    if let Some(node) = &mut model.commissioning {
+        node.serial_number = None;
+    }
+    for object in &mut model.objects {
+        for entry in &mut object.entries {
+            (entry.upload_file, entry.download_file) = (None, None);
+            // The unit comes from elsewhere.
+            entry.notes.sort_by(|a, b| a.name.cmp(&b.name));
+        }
+    }
+    model
+}
+
+#[test]
+fn every_data_sheet_becomes_an_xdd_and_comes_back() {
+    for (name, text) in [
+        ("small.eds", include_str!("../../tests/data/small.eds")),
+        ("types.eds", include_str!("../../tests/data/types.eds")),
+        ("drive.eds", include_str!("../../tests/data/drive.eds")),
+        ("vendor.eds", include_str!("../../tests/data/vendor.eds")),
+        ("sensor.eds", EDS),
+        ("sensor.xdd", XDD),
+        ("axis402.eds", include_str!("../../../eds/axis402.eds")),
+        ("lmd.eds", include_str!("../../../eds/lmd.eds")),
+        ("nanotec.eds", include_str!("../../../eds/nanotec.eds")),
+        ("s200.eds", include_str!("../../../eds/s200.eds")),
+        ("tc1.eds", include_str!("../../../eds/tc1.eds")),
+        ("every.dcf", include_str!("../../tests/data/every.dcf")),
+    ] {
+        let first = Report::new(name, text).model;
+        let written = super::write(&first);
+        let read = Report::new("written.xdd", &written);
+        let (first, second) = (
+            without_words_of_an_eds(first),
+            without_words_of_an_eds(read.model),
+        );
+        let differences = crate::diff::diff(&first, &second);
+        assert!(differences.is_empty(), "{name}: {differences:#?}");
+        assert_eq!(first.objects, second.objects, "{name}");
+        assert_eq!(super::write(&second), super::write(&first), "{name}");
+    }
+}
+
+proptest::proptest! {
+    #[test]
+    fn a_made_up_dictionary_becomes_an_xdd_and_comes_back(
+        made_up in print::tests::made_up(),
+        name in "[A-Za-z0-9]([ -~äß€]{0,20}[!-~])?",
+    ) {
+        let mut made_up = made_up;
+        made_up.device.product_name = name;
+        made_up.file_info.creation_date = "11-21-2026".into();
+        made_up.file_info.modification_time = "01:07PM".into();
+        if made_up.commissioning.is_some() {
+            for object in &mut made_up.objects {
+                object.denotation = object.object_type.has_subs().then(|| "<&\"'>".into());
+                for entry in &mut object.entries {
+                    entry.configured = entry.default.clone();
+                    entry.denotation = Some("here".into());
+                }
+            }
+        }
+        let written = super::write(&made_up);
+        let read = print::tests::without_notes(Report::new("x.xdd", &written).model);
+        let (first, second) = (without_words_of_an_eds(made_up), without_words_of_an_eds(read));
+        proptest::prop_assert_eq!(first, second, "{}", written);
+    }
+}
+
+#[test]
+fn what_a_format_cannot_say_is_told() {
+    use crate::convert::{Format, convert};
+    let every = Report::new("every.dcf", include_str!("../../tests/data/every.dcf")).model;
+    let none = convert(&every, Format::Dcf, "again.dcf").unwrap();
+    assert_eq!(none.lost, [""; 0]);
+    let xdc = convert(&every, Format::Xdc, "every.xdc").unwrap();
+    let back = convert(&xdc.report.model, Format::Dcf, "back.dcf").unwrap();
+    assert_eq!(back.lost, [""; 0]);
+    let eds = convert(&every, Format::Eds, "every.eds").unwrap();
+    insta::assert_snapshot!(format!(
+        "XDC\n{}\n\nEDS\n{}",
+        xdc.lost.join("\n"),
+        eds.lost.join("\n")
+    ));
+    assert!(convert(&eds.report.model, Format::Xdc, "no.xdc").is_none());
+}
+
+#[test]
+fn what_a_parameter_leaves_out_is_what_the_schema_says() {
+    let text = XDD.replace("<UINT/><", "<BITSTRING/><").replace(
+        "<parameter uniqueID=\"UID_RATE\" access=\"readWrite\">",
+        "<parameter uniqueID=\"UID_RATE\">",
+    );
+    assert_ne!(text, XDD);
+    let rate = Report::new("sensor.xdd", &text).model;
+    assert_eq!(
+        rate.entry(0x2000, 0).unwrap().access,
+        crate::model::Access::ReadOnly
+    );
+    for (element, data_type) in [
+        ("<BITSTRING/>", DataType::Domain),
+        (
+            "<BITSTRING/><defaultValue value=\"00 A5\"/>",
+            DataType::OctetString,
+        ),
+        ("<CHAR/>", DataType::Integer8),
+    ] {
+        let object =
+            "<CANopenObject index=\"2002\" name=\"Raw\" objectType=\"7\" uniqueIDRef=\"UID_RAW\"/>";
+        let parameter = format!("<parameter uniqueID=\"UID_RAW\">{element}</parameter>");
+        let text = XDD
+            .replace("</parameterList>", &format!("{parameter}</parameterList>"))
+            .replace(
+                "</CANopenObjectList>",
+                &format!("{object}</CANopenObjectList>"),
+            );
+        let read = Report::new("sensor.xdd", &text).model;
+        assert_eq!(
+            read.entry(0x2002, 0).map(|entry| entry.data_type),
+            Some(data_type)
+        );
+    }
 }

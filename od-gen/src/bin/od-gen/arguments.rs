@@ -26,6 +26,8 @@ pub(crate) enum Command {
     Dump(Dump),
     /// Say what two data sheets mean differently; exit code 1 when something is different
     Diff(Diff),
+    /// Write a data sheet in another format: EDS, DCF, XDD or XDC, by the extension
+    Convert(Convert),
     /// Print the configuration of one device, made from a data sheet
     Dcf(Dcf),
     /// Write the configuration of each node of a network, and its master's, from a description of all; print the bus load
@@ -126,6 +128,14 @@ pub(crate) enum ListFormat {
     Text,
     /// For programs
     Json,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Convert {
+    /// What there is: EDS, DCF, XDD or XDC
+    pub(crate) input: PathBuf,
+    /// What is to be: a file with the extension .eds, .dcf, .xdd or .xdc
+    pub(crate) output: PathBuf,
 }
 
 #[derive(Debug, Args)]

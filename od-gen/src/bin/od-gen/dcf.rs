@@ -87,8 +87,7 @@ fn node(arguments: &Dcf, before: Option<Commissioning>) -> Result<Commissioning,
 
 /// Whether the data sheet has the same finding: it has been shown.
 fn is_in(input: &Report, finding: &Diagnostic) -> bool {
-    let is_same = |own: &Diagnostic| own.rule == finding.rule && own.message == finding.message;
-    input.findings.iter().any(is_same)
+    input.findings.iter().any(|own| own.says_what(finding))
 }
 
 /// What a device description in XML silences for a whole object, a DCF silences in the section that it is found in.

@@ -7,6 +7,7 @@
 mod arguments;
 mod bindings;
 mod check;
+mod convert;
 mod dcf;
 mod diff;
 mod doc;
@@ -49,6 +50,7 @@ fn main() -> ExitCode {
     let done = match arguments.command {
         Command::Bindings(arguments) => bindings::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Dcf(arguments) => dcf::run(&arguments),
         Command::Diff(arguments) => diff::run(&arguments),
         Command::Doc(arguments) => doc::run(&arguments),

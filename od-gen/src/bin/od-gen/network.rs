@@ -56,7 +56,7 @@ fn tell_what_is_wrong(made: &Made, sheets: &[Report]) -> bool {
     report.findings.retain(|finding| {
         let is_known = sheet.is_some_and(|sheet| {
             let mut known = sheet.findings.iter();
-            known.any(|own| own.rule == finding.rule && own.message == finding.message)
+            known.any(|own| own.says_what(finding))
         });
         finding.severity == Severity::Error && !is_known
     });
