@@ -39,6 +39,8 @@ fn t01_a_time_of_another_length_is_ignored() {
         assert_eq!(time_of_day(&mut bench), None, "{frame}");
     }
     bench.silence(100);
+    bench.send(NOON);
+    assert!(time_of_day(&mut bench).is_some());
 }
 
 #[test]
@@ -47,6 +49,9 @@ fn t01_and_n09_a_stopped_device_takes_no_time() {
     bench.send("000 [2] 02 04");
     bench.send(NOON);
     assert_eq!(time_of_day(&mut bench), None);
+    bench.send("000 [2] 80 04");
+    bench.send(NOON);
+    assert!(time_of_day(&mut bench).is_some());
 }
 
 #[test]
@@ -55,6 +60,9 @@ fn t01_a_device_that_consumes_no_time_takes_none() {
     bench.write_u32(0x1012, 0, 0x100);
     bench.send(NOON);
     assert_eq!(time_of_day(&mut bench), None);
+    bench.write_u32(0x1012, 0, 0x8000_0100);
+    bench.send(NOON);
+    assert!(time_of_day(&mut bench).is_some());
 }
 
 #[test]

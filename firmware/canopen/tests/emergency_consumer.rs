@@ -42,6 +42,10 @@ fn n09_a_stopped_device_hears_none() {
     device.events();
     device.send("085#1086210102030405");
     assert_eq!(device.events(), []);
+    device.send("000#8004");
+    device.events();
+    device.send("085#1086210102030405");
+    assert_eq!(device.events().len(), 1);
 }
 
 #[test]

@@ -85,6 +85,8 @@ fn lss_requests_are_for_others() {
 fn a_question_of_a_guarding_master_gets_no_answer() {
     let mut node = node();
     assert_eq!(answer(&mut node, &Frame::remote_frame(0x704, 1)), None);
+    let upload = Frame::full(0x604, [0x40, 0x00, 0x10, 0, 0, 0, 0, 0]);
+    assert!(answer(&mut node, &upload).is_some(), "it lives");
 }
 
 #[test]

@@ -46,6 +46,7 @@ fn g01_the_questions_to_others_are_not_answered() {
     let mut device = Device::new();
     assert_eq!(device.ask("705#R"), [""; 0]);
     assert_eq!(device.ask("703#R"), [""; 0]);
+    assert_eq!(device.ask("704#R"), ["704#7F"]);
 }
 
 #[test]

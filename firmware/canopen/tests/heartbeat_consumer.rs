@@ -220,6 +220,8 @@ fn a_heartbeat_has_one_byte() {
     device.send("705#");
     device.send("705#R");
     assert!(device.pass(5000).is_empty());
+    device.send("705#05");
+    assert_eq!(device.pass(5000).len(), 1, "from now on it is awaited");
 }
 
 /// Operational, 1029h:1 as given, then node 5 falls silent.

@@ -39,6 +39,10 @@ fn l01_the_waiting_state_tells_nothing() {
         assert!(ask(&mut device, request).is_empty());
     }
     assert!(device.events().is_empty());
+    ask(&mut device, "0401");
+    for request in ["5E", "5A", "110B", "130002"] {
+        assert_eq!(ask(&mut device, request).len(), 1, "{request}");
+    }
 }
 
 #[test]

@@ -97,6 +97,15 @@ fn identifying_is_interrupted_by_any_other_service_in_both_states() {
             }
         }
     }
+    let mut device = Device::new();
+    for request in words.iter().chain(&last[..1]) {
+        assert!(ask(&mut device, request).is_empty());
+    }
+    assert_eq!(
+        ask(&mut device, last[1]).len(),
+        1,
+        "without another service"
+    );
 }
 
 #[test]

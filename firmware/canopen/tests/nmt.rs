@@ -35,6 +35,8 @@ fn n02_pre_operational_without_heartbeat_is_silent() {
     let mut device = Device::new();
     device.set_value(0x2005, 0, &[1, 2, 3, 4]);
     assert!(device.pass(5000).is_empty());
+    device.send("000#0104");
+    assert_eq!(device.pass(5000).len(), 1, "Operational is not");
 }
 
 #[test]

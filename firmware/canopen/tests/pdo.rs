@@ -143,6 +143,10 @@ fn p12_a_pdo_without_objects_is_inert() {
     device.send("000#0104");
     device.send("204#01");
     assert!(device.pass(1000).is_empty());
+    device.send("000#8004");
+    map(&mut device, 0x1800, 0x184, 255, &[0x2005_0020]);
+    device.send("000#0104");
+    assert_eq!(device.pass(1000).len(), 1, "with one it is not");
 }
 
 #[test]
@@ -370,6 +374,8 @@ fn p32_without_a_change_nothing_is_sent() {
     let mut device = Device::operational();
     device.set_value(0x2005, 0, &[0; 4]);
     assert!(device.pass(10_000).is_empty());
+    device.set_value(0x2005, 0, &[1, 0, 0, 0]);
+    assert_eq!(device.pass(10_000).len(), 1);
 }
 
 #[test]

@@ -47,6 +47,12 @@ fn writing_what_is_there_sends_nothing() {
         assert!(write(&mut device, request).is_empty(), "{request}");
         assert!(device.pass(1000).is_empty(), "{request}");
     }
+    assert_eq!(write(&mut device, "604#2300180184010080"), [""; 0]);
+    assert_eq!(
+        write(&mut device, "604#2300180184010000").len(),
+        1,
+        "a change does"
+    );
 }
 
 #[test]

@@ -360,6 +360,7 @@ fn s28_a_request_has_eight_bytes() {
     for frame in ["604#40001000", "604#", "604#400010000000"] {
         assert!(device.ask(frame).is_empty());
     }
+    assert_eq!(device.ask("604#4000100000000000").len(), 1);
 }
 
 #[test]
@@ -377,6 +378,7 @@ fn s29_requests_for_others_extended_and_remote_frames() {
         .node
         .receive(&extended, device.now, &mut device.firmware);
     assert!(device.sent().is_empty());
+    assert_eq!(device.ask("604#4000100000000000").len(), 1);
 }
 
 #[test]

@@ -61,6 +61,8 @@ fn e01_switching_off_drops_what_waits() {
     queue.push([2; 8], at(0));
     queue.set_cob_id(CobId(0x84));
     assert_eq!(queue.take(), None);
+    queue.push([3; 8], at(0));
+    assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([3; 8]));
 }
 
 #[test]

@@ -364,6 +364,10 @@ fn l09_another_order_selects_nobody() {
         assert_eq!(select(&mut slave, &address), [None; 4]);
         assert_eq!(select(&mut slave, &ADDRESS[3..]), [None]);
     }
+    assert_eq!(
+        select(&mut slave(4), &ADDRESS).pop(),
+        Some(Some(message(&[0x44])))
+    );
 }
 
 #[test]
@@ -387,6 +391,12 @@ fn l09_another_service_between_the_words_selects_nobody() {
             );
         }
     }
+    let mut slave = slave(4);
+    select(&mut slave, &ADDRESS[..2]);
+    assert_eq!(
+        select(&mut slave, &ADDRESS[2..]),
+        [None, Some(message(&[0x44]))]
+    );
 }
 
 #[test]
@@ -411,6 +421,10 @@ fn l16_without_a_node_id_nothing_boots() {
     slave.ask(&[0x11, 0xFF]);
     slave.ask(&[0x04, 0x00]);
     assert_eq!(slave.event(), None);
+    slave.ask(&[0x04, 0x01]);
+    slave.ask(&[0x11, 0x0B]);
+    slave.ask(&[0x04, 0x00]);
+    assert_eq!(slave.event(), Some(LssEvent::Boot));
 }
 
 #[test]
@@ -431,6 +445,12 @@ fn l12_fastscan_is_not_for_the_configuration_state() {
     assert_eq!(
         slave.receive(&fastscan(0, 128, 0, 0), &IDENTITY, START),
         None
+    );
+    slave.ask(&[0x04, 0x00]);
+    assert!(
+        slave
+            .receive(&fastscan(0, 128, 0, 0), &IDENTITY, START)
+            .is_some()
     );
 }
 

@@ -56,6 +56,7 @@ fn l10_a_slave_outside_of_the_range_is_silent() {
         range[position] = range[position].wrapping_add_signed(step);
         assert_eq!(identify(&mut slave(4), range), None, "limit {position}");
     }
+    assert!(identify(&mut slave(4), EXACT).is_some());
 }
 
 #[test]
@@ -73,6 +74,7 @@ fn l10_the_limits_come_in_order_and_without_another_service() {
             );
         }
     }
+    assert!(identify(&mut slave(4), EXACT).is_some());
 }
 
 #[test]
@@ -102,6 +104,7 @@ fn l12_fastscan_is_answered_without_a_node_id_only() {
 #[test]
 fn l12_a_slave_that_was_just_given_a_node_id_is_found_no_more() {
     let mut slave = slave(255);
+    assert!(slave.ask(&[0x4C]).is_some());
     slave.ask(&[0x04, 0x01]);
     slave.ask(&[0x11, 0x0B]);
     slave.ask(&[0x04, 0x00]);

@@ -41,6 +41,8 @@ fn p35_each_frame_starts_it_anew() {
         device.after(49);
         assert_eq!(device.reports(), []);
     }
+    device.after(1);
+    assert_eq!(device.reports().len(), 1, "the last one ends");
 }
 
 #[test]
@@ -52,6 +54,10 @@ fn p35_nothing_is_expected_before_the_first_frame() {
     device.leave_operational();
     device.after(5000);
     assert_eq!(device.reports(), [], "nor outside of Operational");
+    device.enter_operational();
+    device.frame(0x204, &[1]);
+    device.after(5000);
+    assert_eq!(device.reports().len(), 1, "but behind the first frame");
 }
 
 #[test]

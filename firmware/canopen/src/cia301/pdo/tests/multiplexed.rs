@@ -104,6 +104,8 @@ fn m18_limits_and_the_application_have_their_word() {
     device.frame(0x204, &[0x84, 0x00, 0x20, 0, 7, 0, 0, 0]);
     assert!(device.recorder.written.is_empty());
     assert_eq!(device.reports(), [], "the object is there");
+    device.frame(0x204, &[0x84, 0x00, 0x20, 0, 6, 0, 0, 0]);
+    assert_eq!(device.recorder.written, [0x2000]);
 }
 
 #[test]

@@ -120,6 +120,9 @@ fn p23_no_request_is_answered_outside_of_operational_or_for_another() {
     device.leave_operational();
     device.request(0x184);
     assert_eq!(device.sent(), []);
+    device.enter_operational();
+    device.request(0x184);
+    assert_eq!(device.sent(), frame(1));
 }
 
 /// The counters of the SYNCs at which something is sent, of 40 SYNCs that begin with this counter and overflow at 10.

@@ -41,6 +41,9 @@ fn n15_a_repeated_start_sends_nothing() {
     let mut device = operational(255, &[U8]);
     device.enter_operational();
     assert_eq!(device.after(10), []);
+    device.leave_operational();
+    device.enter_operational();
+    assert_eq!(device.after(10).len(), 1, "a start sends");
 }
 
 #[test]
@@ -53,6 +56,8 @@ fn n02_outside_of_operational_nothing_is_sent() {
     device.put(0x2000, &[2]);
     device.sync();
     assert_eq!(device.after(5000), []);
+    device.enter_operational();
+    assert_eq!(device.sent(), frame(&[2]));
 }
 
 #[test]
@@ -292,6 +297,8 @@ fn p40_an_old_frame_that_waits_is_not_sent_with_a_new_mapping() {
     device.sync();
     device.map(0x1800, 0, 1, &[U16]).unwrap();
     assert_eq!(device.sent(), []);
+    device.sync();
+    assert_eq!(device.sent(), frame(&[0, 0]));
 }
 
 #[test]
