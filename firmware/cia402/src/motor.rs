@@ -17,7 +17,7 @@ pub(crate) const REACH: i64 = u32::MAX as i64;
 
 /// A motor. The modes see it without knowing what moves it.
 #[derive(Debug)]
-pub(crate) struct Motor<A: ?Sized = dyn Actuator> {
+pub(crate) struct Motor<A> {
     /// Pulses have been cut off: the actuator does not know where the motor is until it is told.
     cut: bool,
     /// What the master's count has beyond the board's.
@@ -44,7 +44,7 @@ pub(crate) struct Motor<A: ?Sized = dyn Actuator> {
     actuator: A,
 }
 
-impl<A: ?Sized> Deref for Motor<A> {
+impl<A> Deref for Motor<A> {
     type Target = A;
 
     fn deref(&self) -> &A {
@@ -52,7 +52,7 @@ impl<A: ?Sized> Deref for Motor<A> {
     }
 }
 
-impl<A: ?Sized> DerefMut for Motor<A> {
+impl<A> DerefMut for Motor<A> {
     fn deref_mut(&mut self) -> &mut A {
         &mut self.actuator
     }
@@ -107,7 +107,7 @@ impl<A: Actuator> Motor<A> {
     }
 }
 
-impl<A: Actuator + ?Sized> Motor<A> {
+impl<A: Actuator> Motor<A> {
     /// The master's count for one of the board's, which may wrap.
     pub(crate) fn position_of(&self, count: i64) -> i64 {
         let count = if self.is_reversed {

@@ -13,8 +13,6 @@
 
 mod step_axis;
 
-use core::fmt;
-
 use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
 
 use crate::configuration::Configuration;
@@ -51,13 +49,6 @@ pub struct CourseEnd {
     pub position: Position,
     /// How far it would go on from there until that moment, in steps × 2³².
     pub distance: i64,
-}
-
-// Not of the trait itself: each image would have the text of everything that an actuator is made of, 40 kB.
-impl fmt::Debug for dyn Actuator + '_ {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Actuator").finish_non_exhaustive()
-    }
 }
 
 /// See the module.

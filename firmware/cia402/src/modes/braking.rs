@@ -5,6 +5,7 @@
 
 use motion::{Ramps, SignedSpeed, Speed};
 
+use crate::actuator::Actuator;
 use crate::motor::Motor;
 use crate::travel::Travel;
 
@@ -30,7 +31,7 @@ pub(super) struct Held {
 
 impl Held {
     /// The motor has its motion. It is not harder than it was asked to be, so no later one may be harder still because of it.
-    pub(super) const fn taken(self, motor: &mut Motor) {
+    pub(super) const fn taken(self, motor: &mut Motor<impl Actuator>) {
         if self.hardest > 0 {
             motor.set_hardest(self.hardest);
         }
@@ -50,7 +51,7 @@ impl Held {
 ///
 /// The motion ends at `target` if it ends.
 pub(super) fn held_between(
-    motor: &Motor,
+    motor: &Motor<impl Actuator>,
     target: Option<i64>,
     (low, high): (i64, i64),
     asked: Ramp,

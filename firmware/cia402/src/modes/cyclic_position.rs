@@ -14,6 +14,7 @@
 
 use super::Context;
 use super::following::{Following, Outcome};
+use crate::actuator::Actuator;
 use crate::statusword::{FOLLOWS, INTERNAL_LIMIT, TARGET_REACHED};
 
 /// The mode.
@@ -43,7 +44,7 @@ impl CyclicPosition {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
         if context.is_held() {
             if !self.held {
                 self.held = true;
@@ -70,7 +71,7 @@ impl CyclicPosition {
 }
 
 /// Statusword bits 10 to 12 of the modes that follow positions.
-pub(super) fn bits(motion: &Following, context: &Context<'_>) -> u16 {
+pub(super) fn bits(motion: &Following, context: &Context<'_, impl Actuator>) -> u16 {
     let bit = |condition, bit| if condition { bit } else { 0 };
     let stands = context.is_halted() && context.motor.standstill();
     bit(stands, TARGET_REACHED)

@@ -17,6 +17,7 @@ use motion::{Limits, Ramps, SignedSpeed, Speed};
 
 use super::following::{braking_distance, gain, seconds};
 use super::kept_velocity::{KeptVelocity, Order};
+use crate::actuator::Actuator;
 use crate::cyclic::{Fine, Slot};
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
@@ -59,7 +60,7 @@ impl CyclicVelocity {
     }
 
     /// The mode begins, whatever the motor does.
-    pub(super) fn enter(&mut self, motor: &Motor) {
+    pub(super) fn enter(&mut self, motor: &Motor<impl Actuator>) {
         *self = Self::new();
         if motor.is_following() {
             self.follows = true;
@@ -84,7 +85,7 @@ impl CyclicVelocity {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
         if context.is_held() {
             if !self.held {
                 self.held = true;
@@ -113,7 +114,7 @@ impl CyclicVelocity {
             | bit(self.follows && !self.is_barred, FOLLOWS)
     }
 
-    fn take(&mut self, slot: &Slot, context: &mut Context<'_>) {
+    fn take(&mut self, slot: &Slot, context: &mut Context<'_, impl Actuator>) {
         let asked = slot.event.and_then(|event| event.velocity);
         let lost = &context.configuration.cyclic.lost;
         match asked {
@@ -166,7 +167,7 @@ impl CyclicVelocity {
     }
 
     /// Until the first set-point: a motion that has no end, or ends beyond a software limit, becomes one that ends at the limit.
-    fn go_on(&mut self, context: &mut Context<'_>) {
+    fn go_on(&mut self, context: &mut Context<'_, impl Actuator>) {
         if context.motor.is_at_rest() {
             self.goes_on = false;
             return;
@@ -199,7 +200,7 @@ impl CyclicVelocity {
     }
 
     /// The velocity within all limits.
-    fn allowed(&mut self, interval: Fine, context: &Context<'_>) -> SignedSpeed {
+    fn allowed(&mut self, interval: Fine, context: &Context<'_, impl Actuator>) -> SignedSpeed {
         let asked = self.velocity;
         let before = context.motor.course_end();
         let wanted = asked.within(context.max_velocity());
@@ -225,7 +226,7 @@ fn within_ramps(
     velocity: SignedSpeed,
     before: SignedSpeed,
     interval: Fine,
-    context: &Context<'_>,
+    context: &Context<'_, impl Actuator>,
 ) -> SignedSpeed {
     let seconds = seconds(interval);
     let grows = velocity.unsigned_abs() > before.unsigned_abs();
@@ -250,7 +251,7 @@ fn before_limit(
     velocity: SignedSpeed,
     interval: Fine,
     position: i64,
-    context: &Context<'_>,
+    context: &Context<'_, impl Actuator>,
 ) -> SignedSpeed {
     let (low, high) = context.travel.increments;
     let room = match velocity.bits() {

@@ -25,6 +25,7 @@ use period::{away, distance_at, fine_distance, may_brake_behind, over, slope, to
 
 pub(super) use period::{braking_distance, gain, seconds};
 
+use crate::actuator::Actuator;
 use crate::cyclic::{Fine, Slot};
 use crate::motor::{Motor, REACH};
 use crate::option_codes::StopRamp;
@@ -143,7 +144,7 @@ impl Following {
         &mut self,
         slot: Slot,
         target: Option<i64>,
-        context: &mut Context<'_>,
+        context: &mut Context<'_, impl Actuator>,
     ) -> Outcome {
         let is_cubic = context.configuration.cyclic.is_cubic;
         let end = slot.due(context.pipeline, is_cubic);
@@ -226,7 +227,7 @@ impl Following {
     }
 
     /// Begins where the motor stands.
-    fn stand(&mut self, motor: &Motor) {
+    fn stand(&mut self, motor: &Motor<impl Actuator>) {
         let at = motor.committed_position();
         if !self.is_active {
             self.is_active = true;
@@ -242,7 +243,12 @@ impl Following {
     }
 
     /// Finds from where a set-point is gone to that is due at `end`, and how fast the motor is there; `None` if there is no time for it.
-    fn set_out(&mut self, end: Fine, period: Fine, motor: &mut Motor) -> Option<Leg> {
+    fn set_out(
+        &mut self,
+        end: Fine,
+        period: Fine,
+        motor: &mut Motor<impl Actuator>,
+    ) -> Option<Leg> {
         let is_steady = |interval: Fine| interval.abs_diff(period) <= period / 4;
         let mut course = motor.course_to(end);
         if let Some(waiting) = self.waiting {
@@ -291,7 +297,7 @@ impl Following {
     }
 
     /// The distance that is asked for; `None` if too many set-points are missing.
-    fn need(&mut self, target: Option<i64>, context: &Context<'_>) -> Option<i64> {
+    fn need(&mut self, target: Option<i64>, context: &Context<'_, impl Actuator>) -> Option<i64> {
         let lost = &context.configuration.cyclic.lost;
         if let Some(goal) = target {
             self.head_for(goal);
@@ -320,7 +326,7 @@ impl Following {
         pace: i64,
         most: i64,
         seconds: u64,
-        context: &Context<'_>,
+        context: &Context<'_, impl Actuator>,
     ) -> i64 {
         let asked = need;
         let has_ends = context.travel.increments != Travel::NONE.increments;
@@ -390,13 +396,18 @@ impl Following {
     }
 
     /// The distance, if no limit switch bars it.
-    fn unbarred(distance: i64, context: &Context<'_>) -> i64 {
+    fn unbarred(distance: i64, context: &Context<'_, impl Actuator>) -> i64 {
         let is_free = context.motor.is_free(distance).is_ok();
         if is_free { distance } else { 0 }
     }
 
     /// The distance that still lets the motor stop at a software limit.
-    fn before_limit(&self, distance: i64, seconds: u64, context: &Context<'_>) -> i64 {
+    fn before_limit(
+        &self,
+        distance: i64,
+        seconds: u64,
+        context: &Context<'_, impl Actuator>,
+    ) -> i64 {
         let (low, high) = context.travel.increments;
         let room = match distance {
             1.. => fine_distance(high).saturating_sub(self.at),
@@ -416,7 +427,7 @@ impl Following {
     }
 
     /// Gives a set-point to the axis; on a cubic the one before it. What the axis does not take, the next distance makes up for.
-    fn give(&mut self, knot: Knot, before: i64, is_cubic: bool, motor: &mut Motor) {
+    fn give(&mut self, knot: Knot, before: i64, is_cubic: bool, motor: &mut Motor<impl Actuator>) {
         let stands = before == 0 && knot.distance == 0;
         let Some(waiting) = self.waiting else {
             if stands {
@@ -444,7 +455,7 @@ impl Following {
 }
 
 /// By how much a distance may grow and shrink from period to period while the motor catches up.
-fn ramps(seconds: u64, context: &Context<'_>) -> (i64, i64) {
+fn ramps(seconds: u64, context: &Context<'_, impl Actuator>) -> (i64, i64) {
     let (limits, _) = context.within(Limits {
         velocity: Speed::ZERO,
         acceleration: context.commands.profile_acceleration,
@@ -471,7 +482,7 @@ const fn is_tame(first: i64, last: i64, knot: Knot) -> bool {
 }
 
 /// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two distances.
-fn rounding(context: &Context<'_>) -> i64 {
+fn rounding(context: &Context<'_, impl Actuator>) -> i64 {
     let unit = context.configuration.units.position(1).saturating_abs();
     let most = unit.max(1).saturating_add(1).saturating_mul(2);
     most.min(1 << 40) << POINT

@@ -14,6 +14,7 @@
 use super::Context;
 use super::cyclic_position::bits;
 use super::following::{Following, Outcome};
+use crate::actuator::Actuator;
 use crate::controlword::NEW_SET_POINT;
 use crate::statusword::TARGET_REACHED;
 
@@ -50,7 +51,7 @@ impl InterpolatedPosition {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
         let is_enabled = context.commands.controlword & ENABLE != 0;
         if context.is_held() || !is_enabled {
             if !self.held {

@@ -13,6 +13,7 @@ use motion::{Limits, Ramps, SignedSpeed};
 
 use super::Context;
 use super::braking::{self, Ramp};
+use crate::actuator::Actuator;
 use crate::motor::{Motor, REACH};
 use crate::travel::Travel;
 
@@ -87,7 +88,7 @@ impl KeptVelocity {
     }
 
     /// A limit switch is stopping the motor. A motion away from it goes on.
-    pub(super) fn limit_met(&mut self, motor: &Motor) {
+    pub(super) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
         let is_into = |order: Order| motor.is_free(order.velocity.bits()).is_err();
         if self.order.is_some_and(is_into) {
             self.course = Course::AtSwitch;
@@ -110,7 +111,7 @@ impl KeptVelocity {
 
     /// Carries out an order. Nothing is planned while it stays the same; what software limits bar is tried again, what a limit
     /// switch has ended is not, unless another velocity is asked for.
-    pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_>) {
+    pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_, impl Actuator>) {
         let motor = &mut *context.motor;
         let is_new = if self.course == Course::AtSwitch {
             // A limit that is written cuts the velocity otherwise, but asks for no other.
@@ -129,7 +130,7 @@ impl KeptVelocity {
     }
 
     /// Whether a limit slows the motor down or holds it.
-    pub(super) fn is_limited(&self, motor: &Motor) -> bool {
+    pub(super) fn is_limited(&self, motor: &Motor<impl Actuator>) -> bool {
         let is_held_back =
             self.held_back != 0 && motor.committed_velocity().bits().signum() == self.held_back;
         is_held_back
@@ -151,13 +152,13 @@ const fn end_of(order: Order) -> i64 {
 }
 
 /// Whether a motion to a limit can be planned, the distance to stop included.
-fn is_within_reach(end: i64, motor: &Motor) -> bool {
+fn is_within_reach(end: i64, motor: &Motor<impl Actuator>) -> bool {
     let distance = end.saturating_sub(motor.committed_position());
     distance.unsigned_abs() < REACH.unsigned_abs() / 2
 }
 
 /// Plans the motion. Returns what has become of it, and the sign of the velocity that is lost on a harder ramp; 0 for none.
-fn begin(order: Order, motor: &mut Motor) -> (Course, i64) {
+fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Course, i64) {
     let Order {
         asked: _,
         velocity,
@@ -225,7 +226,7 @@ fn begin(order: Order, motor: &mut Motor) -> (Course, i64) {
     (course, held_back)
 }
 
-fn stop(motor: &mut Motor, deceleration: u32) {
+fn stop(motor: &mut Motor<impl Actuator>, deceleration: u32) {
     if !motor.standstill() {
         motor.stop(deceleration);
     }

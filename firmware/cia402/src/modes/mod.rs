@@ -19,6 +19,7 @@ mod velocity;
 use canopen::Instant;
 use motion::{Demand, Limits, Ramps, SignedSpeed, Speed};
 
+use crate::actuator::Actuator;
 use crate::commands::Commands;
 use crate::configuration::Configuration;
 use crate::controlword::HALT;
@@ -42,7 +43,7 @@ use profile_velocity::ProfileVelocity;
 use velocity::Velocity;
 
 /// What a mode sees, and the motor it moves, in one control tick.
-pub(crate) struct Context<'a> {
+pub(crate) struct Context<'a, A> {
     pub(crate) now: Instant,
     /// The mode at work.
     pub(crate) mode: Mode,
@@ -65,7 +66,7 @@ pub(crate) struct Context<'a> {
     pub(crate) has_changed: bool,
     pub(crate) frame: &'a mut Frame,
     pub(crate) is_brake_open: bool,
-    pub(crate) motor: &'a mut Motor,
+    pub(crate) motor: &'a mut Motor<A>,
     /// The set-points of this tick, for the cyclic modes.
     pub(crate) slots: &'a [Slot],
     /// The data records that wait.
@@ -78,7 +79,7 @@ pub(crate) struct Context<'a> {
     pub(crate) lost_set_points: &'a mut bool,
 }
 
-impl Context<'_> {
+impl<A: Actuator> Context<'_, A> {
     /// Too many set-points were missing: stops with 6085h.
     #[inline(never)]
     pub(crate) fn lose_set_points(&mut self) {
@@ -223,7 +224,7 @@ impl Modes {
 
     /// A limit switch is stopping the motor: what the mode was after is not reached.
     #[inline(never)]
-    pub(crate) fn limit_met(&mut self, motor: &Motor) {
+    pub(crate) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
         match self.active {
             Mode::NoMode | Mode::Homing => {}
             Mode::ProfilePosition => self.profile_position.limit_met(motor),
@@ -241,7 +242,7 @@ impl Modes {
     }
 
     /// Operation is enabled: the mode starts with no set-point and all its bits at rest.
-    pub(crate) fn enter(&mut self, motor: &Motor) {
+    pub(crate) fn enter(&mut self, motor: &Motor<impl Actuator>) {
         self.interrupted = false;
         match self.active {
             Mode::NoMode => {}
@@ -269,7 +270,7 @@ impl Modes {
     /// under way, becomes no gentler by that.
     pub(crate) fn interrupt(
         &mut self,
-        motor: &mut Motor,
+        motor: &mut Motor<impl Actuator>,
         ramp: StopRamp,
         commands: &Commands,
         configuration: &Configuration,
@@ -288,7 +289,7 @@ impl Modes {
 
     fn slow_down(
         &self,
-        motor: &mut Motor,
+        motor: &mut Motor<impl Actuator>,
         ramp: StopRamp,
         commands: &Commands,
         configuration: &Configuration,
@@ -306,7 +307,11 @@ impl Modes {
 
     /// The bits of the statusword that a mode has outside of operation enabled: a master that asks whether home is known need not
     /// enable the drive for it.
-    pub(crate) const fn idle_bits(&self, motor: &Motor, configuration: &Configuration) -> u16 {
+    pub(crate) const fn idle_bits(
+        &self,
+        motor: &Motor<impl Actuator>,
+        configuration: &Configuration,
+    ) -> u16 {
         let shows = matches!(self.active, Mode::Homing) && !configuration.homing.starts_afresh();
         if shows && motor.is_referenced() {
             HOMING_ATTAINED
@@ -317,7 +322,7 @@ impl Modes {
 
     /// One control tick in operation enabled. Returns the bits of the statusword that belong to the mode. A mode that the drive has
     /// not got is not linked.
-    pub(crate) fn tick<D: Objects>(&mut self, context: &mut Context<'_>) -> u16 {
+    pub(crate) fn tick<D: Objects>(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
         let has = |mode: Mode| mode.is_among(D::DRIVE.modes);
         let wanted = Mode::among(D::DRIVE.modes, context.commands.mode).unwrap_or(self.active);
         if wanted != self.active {

@@ -32,7 +32,7 @@ use motion::{Limits, SignedSpeed, Speed};
 use super::Context;
 use super::braking::{self, Ramp};
 use super::kept_velocity::{KeptVelocity, Order};
-use crate::actuator::Refused;
+use crate::actuator::{Actuator, Refused};
 use crate::controlword::NEW_SET_POINT;
 use crate::dwell::Dwell;
 use crate::motor::Motor;
@@ -113,7 +113,7 @@ impl ProfilePosition {
     }
 
     /// The mode begins: no set-point, no acknowledge, the target is where the motor stands (or comes to rest).
-    pub(super) fn enter(&mut self, motor: &Motor) {
+    pub(super) fn enter(&mut self, motor: &Motor<impl Actuator>) {
         *self = Self::new();
         self.target = motor.destination();
     }
@@ -132,7 +132,7 @@ impl ProfilePosition {
 
     /// A limit switch is stopping the motor: the set-points are not carried out. One that leads away from the switch is: the motor
     /// was turning round to it.
-    pub(super) fn limit_met(&mut self, motor: &Motor) {
+    pub(super) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
         let leads_away = self.current.is_some_and(|set_point| {
             let distance = set_point.target.saturating_sub(motor.committed_position());
             motor.is_free(distance).is_ok()
@@ -147,7 +147,7 @@ impl ProfilePosition {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
         let controlword = context.commands.controlword;
         let was_held = self.held;
         self.held = context.is_held();
@@ -187,7 +187,7 @@ impl ProfilePosition {
     }
 
     /// The set-point under way may have come to its end.
-    fn look_for_the_end(&mut self, context: &Context<'_>) {
+    fn look_for_the_end(&mut self, context: &Context<'_, impl Actuator>) {
         let Some(set_point) = self.current else {
             return;
         };
@@ -205,7 +205,7 @@ impl ProfilePosition {
     }
 
     /// A set-point becomes the one under way.
-    fn begin(&mut self, mut set_point: SetPoint, context: &mut Context<'_>) {
+    fn begin(&mut self, mut set_point: SetPoint, context: &mut Context<'_, impl Actuator>) {
         self.is_recut = false;
         self.head_for(&mut set_point, context);
         self.current = Some(set_point);
@@ -216,7 +216,7 @@ impl ProfilePosition {
     }
 
     /// The target of a set-point is the one that counts from now on.
-    fn head_for(&mut self, set_point: &mut SetPoint, context: &mut Context<'_>) {
+    fn head_for(&mut self, set_point: &mut SetPoint, context: &mut Context<'_, impl Actuator>) {
         let distance = (set_point.target).saturating_sub(context.motor.committed_position());
         self.direction = distance.signum();
         set_point.end_within(context.travel, self.direction, context.motor.window());
@@ -227,7 +227,7 @@ impl ProfilePosition {
     }
 
     /// The set-point under way as it is left for the one that waits: with bit 9 without slowing down more than needed.
-    fn blended(&self, mut current: SetPoint, motor: &Motor) -> SetPoint {
+    fn blended(&self, mut current: SetPoint, motor: &Motor<impl Actuator>) -> SetPoint {
         if let Some(next) = self.next.filter(|next| next.blends) {
             let distance = next.target.saturating_sub(current.target);
             if distance.signum() == self.direction {
@@ -240,7 +240,7 @@ impl ProfilePosition {
     /// A limit may have changed: it counts for the set-points under way and in the buffer too. What is done stays as it is.
     #[cold]
     #[inline(never)]
-    fn look_at_limits(&mut self, context: &mut Context<'_>) {
+    fn look_at_limits(&mut self, context: &mut Context<'_, impl Actuator>) {
         let is_cut_anew = core::mem::replace(&mut self.travel, context.travel) != context.travel;
         let is_under_way = self.progress == Progress::UnderWay;
         let before = (self.current).filter(|_| is_under_way || self.progress == Progress::Passed);
@@ -274,7 +274,7 @@ impl ProfilePosition {
     }
 
     /// The target has been passed: the end velocity is kept, within the software limits.
-    fn go_beyond(&mut self, context: &mut Context<'_>) {
+    fn go_beyond(&mut self, context: &mut Context<'_, impl Actuator>) {
         let Some(set_point) = self.current else {
             return;
         };
@@ -294,19 +294,19 @@ impl ProfilePosition {
     }
 
     /// The halt is over: the set-point under way goes on.
-    fn resume(&mut self, context: &mut Context<'_>) {
+    fn resume(&mut self, context: &mut Context<'_, impl Actuator>) {
         self.beyond.forget();
         self.go_on(context);
     }
 
     /// The set-point under way is begun again, from whatever the motor does.
-    fn go_on(&mut self, context: &mut Context<'_>) {
+    fn go_on(&mut self, context: &mut Context<'_, impl Actuator>) {
         if let (Progress::UnderWay, Some(set_point)) = (self.progress, self.current) {
             self.start(set_point, context);
         }
     }
 
-    fn start(&mut self, set_point: SetPoint, context: &mut Context<'_>) {
+    fn start(&mut self, set_point: SetPoint, context: &mut Context<'_, impl Actuator>) {
         let starts_anew = core::mem::take(&mut self.starts_anew);
         let is_recut = core::mem::take(&mut self.is_recut);
         self.beyond.forget();
@@ -357,7 +357,7 @@ impl ProfilePosition {
         held.taken(motor);
     }
 
-    fn bits(&mut self, context: &Context<'_>, taken: bool) -> u16 {
+    fn bits(&mut self, context: &Context<'_, impl Actuator>, taken: bool) -> u16 {
         let limited = self
             .current
             .map_or(Limited::NONE, |set_point| set_point.limited);
@@ -381,7 +381,7 @@ impl ProfilePosition {
         bits
     }
 
-    fn is_reached(&mut self, context: &Context<'_>, limited: Limited) -> bool {
+    fn is_reached(&mut self, context: &Context<'_, impl Actuator>, limited: Limited) -> bool {
         let configuration = context.configuration;
         let window = configuration.position_window;
         let distance = context.position.abs_diff(self.target);
@@ -414,7 +414,7 @@ impl ProfilePosition {
 }
 
 /// Where the motor comes to rest, in steps, with the ramps that the set-point would have.
-fn rest(context: &Context<'_>, deceleration: u32) -> i64 {
+fn rest(context: &Context<'_, impl Actuator>, deceleration: u32) -> i64 {
     let motor = &context.motor;
     if motor.is_at_rest() || motor.is_stopping() {
         return motor.destination();
@@ -425,7 +425,7 @@ fn rest(context: &Context<'_>, deceleration: u32) -> i64 {
 }
 
 /// How far the motor may go until it stands, in steps: no less than it really is, but for a ramp that is under way.
-fn longest_stop(context: &Context<'_>, set_point: &SetPoint) -> i64 {
+fn longest_stop(context: &Context<'_, impl Actuator>, set_point: &SetPoint) -> i64 {
     let velocity = context.motor.committed_velocity().unsigned_abs();
     let deceleration = set_point
         .asked

@@ -15,6 +15,7 @@ use motion::{Limits, SignedSpeed, Speed};
 
 use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
+use crate::actuator::Actuator;
 use crate::dwell::Dwell;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
@@ -50,13 +51,13 @@ impl ProfileVelocity {
     }
 
     /// A limit switch is stopping the motor.
-    pub(super) fn limit_met(&mut self, motor: &Motor) {
+    pub(super) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
         self.motion.limit_met(motor);
     }
 
     /// One control tick; returns statusword bits 10 to 13.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
         let asked = context.commands.target_velocity;
         let (limits, is_cut) = context.within(Limits {
             velocity: asked.unsigned_abs(),
@@ -82,7 +83,12 @@ impl ProfileVelocity {
         self.bits(context, asked, is_cut)
     }
 
-    fn bits(&mut self, context: &Context<'_>, asked: SignedSpeed, is_cut: bool) -> u16 {
+    fn bits(
+        &mut self,
+        context: &Context<'_, impl Actuator>,
+        asked: SignedSpeed,
+        is_cut: bool,
+    ) -> u16 {
         let configuration = context.configuration;
         let velocity = context.observed.velocity;
         let reached = self.reached.has_held(

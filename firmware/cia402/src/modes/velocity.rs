@@ -14,6 +14,7 @@ use motion::{Limits, SignedSpeed};
 
 use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
+use crate::actuator::Actuator;
 use crate::configuration::VelocityConfiguration;
 use crate::controlword::{ENABLE_RAMP, REFERENCE_RAMP, UNLOCK_RAMP};
 use crate::motor::Motor;
@@ -65,13 +66,13 @@ impl Velocity {
     }
 
     /// A limit switch is stopping the motor.
-    pub(super) fn limit_met(&mut self, motor: &Motor) {
+    pub(super) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
         self.motion.limit_met(motor);
     }
 
     /// One control tick; returns statusword bits 10 and 11.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
         self.read(context);
         let before = self.control;
         self.control = self.controlled_by(context);
@@ -107,7 +108,7 @@ impl Velocity {
     }
 
     /// 6042h as it is written; 0 without the reference ramp.
-    const fn reference(context: &Context<'_>) -> i16 {
+    const fn reference(context: &Context<'_, impl Actuator>) -> i16 {
         if context.commands.controlword & REFERENCE_RAMP == 0 {
             0
         } else {
@@ -116,7 +117,7 @@ impl Velocity {
     }
 
     /// 6042h with its limits. The division is made only when something has changed.
-    fn read(&mut self, context: &Context<'_>) {
+    fn read(&mut self, context: &Context<'_, impl Actuator>) {
         let profile = context.configuration.velocity;
         let reference = Self::reference(context);
         if self.source == Some((reference, profile)) {
@@ -133,7 +134,7 @@ impl Velocity {
         self.asked = profile.speed(within, reference < 0);
     }
 
-    fn controlled_by(&self, context: &Context<'_>) -> Control {
+    fn controlled_by(&self, context: &Context<'_, impl Actuator>) -> Control {
         let controlword = context.commands.controlword;
         if context.is_held() {
             Control::Halt
@@ -148,7 +149,7 @@ impl Velocity {
         }
     }
 
-    fn stop(&self, context: &mut Context<'_>) {
+    fn stop(&self, context: &mut Context<'_, impl Actuator>) {
         if self.control == Control::Halt {
             context.halt();
         } else if !context.motor.standstill() {
@@ -156,7 +157,7 @@ impl Velocity {
         }
     }
 
-    fn bits(&self, context: &Context<'_>, reached: bool, is_cut: bool) -> u16 {
+    fn bits(&self, context: &Context<'_, impl Actuator>, reached: bool, is_cut: bool) -> u16 {
         let is_limited = is_cut || self.motion.is_limited(context.motor);
         let bit = |condition, bit| if condition { bit } else { 0 };
         bit(reached, TARGET_REACHED) | bit(is_limited, INTERNAL_LIMIT)

@@ -2,6 +2,7 @@
 
 use motion::{Limits, Ramps, Speed};
 
+use crate::actuator::Actuator;
 use crate::commands;
 use crate::modes::{Context, braking};
 use crate::motor::Motor;
@@ -82,7 +83,7 @@ impl SetPoint {
     }
 
     /// Cuts velocities and ramps to 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach, and 6082h to 6081h.
-    pub(super) fn pace(&mut self, context: &Context<'_>) {
+    pub(super) fn pace(&mut self, context: &Context<'_, impl Actuator>) {
         (self.limits, self.limited.profile) = context.within(self.asked);
         self.end_velocity = self.asked_end.min(self.limits.velocity);
         self.limited.profile |= self.end_velocity != self.asked_end;
@@ -91,7 +92,7 @@ impl SetPoint {
     /// Cuts the target to the software limits, to 32 bits around `here`, in units of the user, and to these increments.
     pub(super) fn aim(
         &mut self,
-        context: &Context<'_>,
+        context: &Context<'_, impl Actuator>,
         here: i64,
         (nearest, farthest): (i64, i64),
     ) {
@@ -142,7 +143,7 @@ impl SetPoint {
     }
 
     /// The positions between which the target is the end that lies ahead of the motor.
-    pub(super) fn around(&self, motor: &Motor) -> (i64, i64) {
+    pub(super) fn around(&self, motor: &Motor<impl Actuator>) -> (i64, i64) {
         let (low, high) = Travel::NONE.increments;
         if self.target < motor.committed_position() {
             (self.target, high)
@@ -152,7 +153,7 @@ impl SetPoint {
     }
 
     /// Whether the motor is beyond the limit that the target was cut to.
-    pub(super) fn is_passed_by(&self, motor: &Motor, units: &Units) -> bool {
+    pub(super) fn is_passed_by(&self, motor: &Motor<impl Actuator>, units: &Units) -> bool {
         let wanted = units.position(self.wanted);
         let position = motor.committed_position();
         wanted > self.target && self.target < position

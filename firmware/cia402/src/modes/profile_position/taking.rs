@@ -2,6 +2,7 @@
 
 use super::set_point::SetPoint;
 use super::{ProfilePosition, Progress, RELATIVE_TO, longest_stop, rest};
+use crate::actuator::Actuator;
 use crate::commands;
 use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, RELATIVE};
 use crate::modes::Context;
@@ -10,7 +11,7 @@ use crate::units::Rotation;
 
 impl ProfilePosition {
     /// Takes the set-point in the commands, if there is room. Returns whether it did.
-    pub(super) fn take(&mut self, context: &mut Context<'_>) -> bool {
+    pub(super) fn take(&mut self, context: &mut Context<'_, impl Actuator>) -> bool {
         let given = context.commands.set_point();
         let controlword = given.controlword;
         let immediately = controlword & CHANGE_IMMEDIATELY != 0;
@@ -37,7 +38,12 @@ impl ProfilePosition {
     }
 
     /// A set-point within all limits.
-    fn read(&self, given: commands::SetPoint, context: &mut Context<'_>, waits: bool) -> SetPoint {
+    fn read(
+        &self,
+        given: commands::SetPoint,
+        context: &mut Context<'_, impl Actuator>,
+        waits: bool,
+    ) -> SetPoint {
         let here = self.base(context, waits);
         let mut set_point = SetPoint::new(
             given,
@@ -50,7 +56,12 @@ impl ProfilePosition {
     }
 
     /// Gives a set-point its target within the software limits, and within what one motion can lead.
-    pub(super) fn aim(&self, set_point: &mut SetPoint, context: &Context<'_>, waits: bool) {
+    pub(super) fn aim(
+        &self,
+        set_point: &mut SetPoint,
+        context: &Context<'_, impl Actuator>,
+        waits: bool,
+    ) {
         let here = self.base(context, waits);
         let (start, stop) = if waits {
             (self.target, 0)
@@ -69,7 +80,7 @@ impl ProfilePosition {
     }
 
     /// Where the motor should be, or will be when a set-point that waits begins, in units of the user.
-    fn base(&self, context: &Context<'_>, waits: bool) -> i64 {
+    fn base(&self, context: &Context<'_, impl Actuator>, waits: bool) -> i64 {
         if waits {
             self.previous(context)
         } else {
@@ -79,7 +90,7 @@ impl ProfilePosition {
     }
 
     /// The previous target in units of the user.
-    fn previous(&self, context: &Context<'_>) -> i64 {
+    fn previous(&self, context: &Context<'_, impl Actuator>) -> i64 {
         let units = &context.configuration.units;
         self.user
             .unwrap_or_else(|| context.frame.position(self.target, units))
@@ -89,7 +100,7 @@ impl ProfilePosition {
     fn wanted(
         &self,
         given: commands::SetPoint,
-        context: &mut Context<'_>,
+        context: &mut Context<'_, impl Actuator>,
         waits: bool,
         here: i64,
     ) -> i64 {
