@@ -55,6 +55,10 @@ impl<B: Mailboxes, L: Mutex<T = B>> Mailboxes for LockedBus<'_, L> {
     fn put(&mut self, frame: &Frame) -> Option<Frame> {
         self.0.lock(|bus| bus.put(frame))
     }
+
+    fn withdraw(&mut self) {
+        self.0.lock(B::withdraw);
+    }
 }
 
 impl<B: Controller, L: Mutex<T = B>> Controller for LockedBus<'_, L> {

@@ -58,6 +58,9 @@ pub trait Mailboxes {
 
     /// Takes the frame, for which there is room. Gives back the one that had to make way, or this one if there is no room after all.
     fn put(&mut self, frame: &Frame) -> Option<Frame>;
+
+    /// What waits is void: the device starts anew, or the bit rate changes. A frame that is on the bus leaves.
+    fn withdraw(&mut self) {}
 }
 
 /// Frames that had to make way, at most `PLACES` of them.

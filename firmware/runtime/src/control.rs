@@ -10,11 +10,11 @@
 //! - Pulses the drive gives up are dropped in the same tick.
 //! - A tick begins with a segment and a half of pulses left at least: the refills have its priority and wait for it.
 //! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
-//!   starts anew.
+//!   starts anew. That takes seconds, so a motor with current stops before, with a fault, when the node task has not run for 20 ms.
 
 use core::ops::Deref;
 
-use canopen::Instant;
+use canopen::{Duration, Instant};
 use cia402::recorder::{Memory, Recorder};
 use cia402::{Drive, DriveConfig, Inputs, Objects, Outputs, Share, State};
 use motion::PulseSink;
@@ -24,6 +24,12 @@ use crate::ports::PowerStage;
 /// Error code 8110h of CiA 301: frames were lost, a command may have been among them. A fault while the drive is enabled;
 /// with no current in the motor there is nothing to stop, and it is a message alone.
 const CAN_OVERRUN: u16 = 0x8110;
+
+/// Error code 6100h of CiA 402: the firmware itself. Nobody could command the motor any more.
+const NODE_HANGS: u16 = 0x6100;
+
+/// How long the node task may not run while the motor has current.
+const NODE_PATIENCE: Duration = Duration::millis(20);
 
 /// The drive of the dictionary `D` and what it works on, with the memory `M` of the scope. The power stage is the host's: it comes with each call, always the
 /// same one.
@@ -35,6 +41,10 @@ pub struct Control<D, M> {
     lost: u32,
     /// The motor had current after the last tick.
     powered: bool,
+    /// When the node task was seen to run last.
+    alive_at: Instant,
+    /// It has hung with current in the motor, and not run since.
+    hangs: bool,
     /// What was measured in the last tick. It stays here: the edges of the inputs are many words that seldom change.
     inputs: Inputs,
 }
@@ -48,6 +58,8 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
             recorder: Recorder::new(scope, config.tick),
             lost: 0,
             powered: false,
+            alive_at: Instant::from_ticks(0),
+            hangs: false,
             inputs: Inputs::default(),
             // Last, as it is large: so it is made where it stays.
             drive: Drive::new(config),
@@ -73,6 +85,7 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
 
         self.top_up(stage);
         let now = self.look(overrun && !harmless, stage);
+        self.watch_node(now, alive);
         stage.measure(&mut self.inputs);
         let outputs = self.drive.tick(now, &self.inputs, stage.pulses(), exchange);
         self.carry_out(&outputs, stage);
@@ -115,6 +128,19 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
         let fault = &mut self.inputs.fault;
         *fault = fault.or(overrun.then_some(CAN_OVERRUN));
         now
+    }
+
+    /// A node task that hangs is a fault if the motor has current.
+    fn watch_node(&mut self, now: Instant, alive: bool) {
+        if alive {
+            self.alive_at = now;
+            self.hangs = false;
+        } else if self.powered {
+            let silent = now.checked_duration_since(self.alive_at);
+            self.hangs |= silent.is_some_and(|silent| silent > NODE_PATIENCE);
+        }
+        let fault = &mut self.inputs.fault;
+        *fault = fault.or(self.hangs.then_some(NODE_HANGS));
     }
 
     fn carry_out(&mut self, outputs: &Outputs, stage: &mut impl PowerStage) {

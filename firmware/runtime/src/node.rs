@@ -207,6 +207,7 @@ where
         if node.is_mute() {
             if node.state() == NmtState::Initialisation {
                 self.outbox.clear();
+                mailboxes.withdraw();
             }
             return;
         }
@@ -316,6 +317,9 @@ where
         let Some((timing, _)) = self.switch.filter(|(_, at)| now >= *at) else {
             return;
         };
+        // Nothing of the old bit rate is sent at the new one.
+        self.outbox.clear();
+        controller.withdraw();
         // A frame on the bus may take a while; meanwhile the control tick goes on, and so do the pulses.
         if !controller.leave() {
             return;

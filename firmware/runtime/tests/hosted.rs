@@ -157,6 +157,7 @@ struct Stage {
     now: u64,
     pulses: Pulses,
     fed: u32,
+    powered: bool,
 }
 
 #[derive(Debug, Default)]
@@ -187,12 +188,15 @@ impl PowerStage for Stage {
 
     fn look(&mut self, inputs: &mut Inputs) -> Instant {
         inputs.supply = true;
+        inputs.fault = None;
         Instant::from_ticks(self.now)
     }
 
     fn measure(&mut self, _: &mut Inputs) {}
 
-    fn carry_out(&mut self, _: &Outputs) {}
+    fn carry_out(&mut self, outputs: &Outputs) {
+        self.powered = outputs.power_stage;
+    }
 
     fn drop_pulses(&mut self) {}
 
@@ -498,6 +502,38 @@ fn the_watchdog_is_fed_while_the_node_lives() {
         (rig.control).tick(0, alive, &mut rig.stage, exchange);
         assert_eq!(rig.stage.fed, fed);
     }
+}
+
+/// Control ticks in which the node does not run; then the error code.
+fn hang(rig: &mut Rig, ticks: u64) -> u16 {
+    for _ in 0..ticks {
+        rig.around.now += TICK.ticks();
+        rig.stage.now = rig.around.now;
+        let exchange = &mut rig.around.exchange;
+        (rig.control).tick(0, false, &mut rig.stage, exchange);
+    }
+    let actuals = rig.around.exchange.actuals_at(canopen::time::NEVER);
+    actuals.error_code
+}
+
+#[test]
+fn a_node_that_hangs_is_a_fault_while_the_motor_has_current() {
+    let mut rig = Rig::at(BitTiming::Fixed(BitRate::Kbit500));
+    rig.ticks(3);
+    assert_eq!(hang(&mut rig, 100), 0);
+    for controlword in [6, 7, 15] {
+        let write = [0x2B, 0x40, 0x60, 0, controlword, 0, 0, 0];
+        rig.bus.received.push_back(Stamped {
+            frame: Frame::data_frame(0x604, &write),
+            at: Instant::from_ticks(rig.around.now),
+        });
+        rig.ticks(3);
+    }
+    assert!(rig.stage.powered);
+    assert_eq!(hang(&mut rig, 19), 0);
+    assert_eq!(hang(&mut rig, 3), 0x6100);
+    rig.ticks(50);
+    assert!(!rig.stage.powered);
 }
 
 #[test]

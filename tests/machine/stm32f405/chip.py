@@ -141,6 +141,8 @@ class Chip:
     def load(self, offset, size):
         self.core.accesses += 1
         peripheral = self.blocks.get(offset >> 10)
+        # What RCC shows changes by its events alone.
+        self.core.unsteady += peripheral is not self.rcc
         if peripheral is None:
             self.breach(f"{0x4000_0000 + offset:#x} read, which is not modelled")
             return 0
@@ -148,6 +150,7 @@ class Chip:
 
     def store(self, offset, size, value):
         self.core.accesses += 1
+        self.core.unsteady += 1
         peripheral = self.blocks.get(offset >> 10)
         if peripheral is None:
             self.breach(f"{0x4000_0000 + offset:#x} written with {value:#x}, which is not modelled")
@@ -179,7 +182,7 @@ class Chip:
         """Runs a slice, or sleeps to the next event."""
         core = self.core
         upcoming = min(min(p.next_event() for p in self.with_events), core.system.ticks_at, until)
-        if core.sleeping or core.is_stopped:
+        if core.sleeping or core.loops or core.is_stopped:
             self.time = max(self.time, upcoming)
         else:
             self.time += core.run_slice(upcoming - self.time) + core.stall
@@ -190,7 +193,7 @@ class Chip:
         if core.wants_reset:
             return self.reset(core.wants_reset)
         while self.pass_events(core):
-            pass
+            core.loops, core.seen = False, {}
         if core is not self.core or core.is_stopped:
             return
         core.take_lines()

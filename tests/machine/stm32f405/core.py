@@ -23,11 +23,16 @@ EXC_RETURN = 0xFFFF_FFF9
 #: Numbers of unicorn's interrupt hook: a branch to EXC_RETURN, and an SVC.
 LEFT, CALLED = 8, 2
 
+#: Instructions of a loop that is seen to be one.
+LONGEST_LOOP = 8
+
 WFI = b"\x30\xbf"
 
 STACKED = (
     UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR,
 )
+
+GENERAL = [*range(UC_ARM_REG_R0, UC_ARM_REG_R12 + 1), UC_ARM_REG_SP, UC_ARM_REG_LR, UC_ARM_REG_XPSR]
 
 
 class Core:
@@ -40,11 +45,15 @@ class Core:
         self.system = System(self)
         #: Clocks in which the core stands still (flash), accesses in this slice, whether one is under way.
         self.stall, self.accesses, self.slice = 0, 0, 0
-        self.sleeping = self.is_stopped = False
+        self.sleeping = self.loops = self.is_stopped = False
+        #: Registers at places of what may be a loop, and accesses to what changes of itself, or that change something.
+        self.seen, self.unsteady = {}, 0
         self.left, self.fault, self.wants_reset = False, None, None
         #: Exceptions that are served: number, priority, and what their entry has stacked.
         self.active = []
         self.counts = collections.Counter()
+        #: When each exception became pending, and the longest that one has waited for its handler.
+        self.pending_since, self.latency = {}, collections.Counter()
         self.instructions = 0
         self.pc = 0
 
@@ -65,12 +74,14 @@ class Core:
 
     def read_system(self, _uc, offset, size, _):
         self.accesses += 1
+        self.unsteady += 1
         if 0x42000 <= offset < 0x42400:
             return self.chip.debug.load(offset - 0x42000, size)
         return self.system.load(offset, size)
 
     def write_system(self, _uc, offset, size, value, _):
         self.accesses += 1
+        self.unsteady += 1
         if 0x42000 <= offset < 0x42400:
             self.chip.debug.store(offset - 0x42000, size, value)
         else:
@@ -91,9 +102,15 @@ class Core:
         for peripheral in self.chip.with_lines:
             for irq, level in peripheral.lines():
                 if level and irq + 16 not in served:
-                    self.system.pending.add(irq + 16)
+                    self.pend(irq + 16)
         if self.chip.rcc.nmi and NMI not in served:
-            self.system.pending.add(NMI)
+            self.pend(NMI)
+
+    def pend(self, number):
+        """An exception waits from now on."""
+        if number not in self.system.pending:
+            self.system.pending.add(number)
+            self.pending_since[number] = self.chip.time
 
     def current_priority(self):
         """What an exception must be below of, in number, to come now."""
@@ -119,6 +136,7 @@ class Core:
 
     def enter(self, number):
         uc = self.uc
+        self.loops, self.seen = False, {}
         sp, xpsr = uc.reg_read(UC_ARM_REG_SP), uc.reg_read(UC_ARM_REG_XPSR)
         registers = [uc.reg_read(r) for r in STACKED]
         floats = None
@@ -145,6 +163,8 @@ class Core:
             self.chip.breach(f"exception {number} has no handler")
         self.pc = vector | 1
         self.counts[number] += 1
+        waited = self.chip.time - self.pending_since.pop(number, self.chip.time)
+        self.latency[number] = max(self.latency[number], waited)
 
     def leave(self):
         uc = self.uc
@@ -176,7 +196,8 @@ class Core:
         """Runs so many instructions at most, 1 or more. Gives the clocks that they took."""
         uc = self.uc
         count = max(1, min(most, SLICE))
-        self.accesses, self.slice = 0, count
+        self.accesses, self.unsteady, self.slice = 0, 0, count
+        self.loops = False
         try:
             uc.emu_start(self.pc, EXC_RETURN & ~1, 0, count)
         except UcError:
@@ -196,6 +217,7 @@ class Core:
             # unicorn does not tell where in the slice it was.
             count = min(count, 8 * self.accesses + 40)
         else:
+            self.idles(pc)
             self.pc = pc | 1
             if self.chip.is_code(pc) and uc.mem_read(pc - 2, 2) == WFI:
                 self.sleeping = True
@@ -203,6 +225,18 @@ class Core:
         self.lowest_stack = min(self.lowest_stack, uc.reg_read(UC_ARM_REG_SP))
         self.instructions += count
         return count
+
+    def idles(self, pc):
+        """An endless loop: it has come to the same place with the same registers, and looked at nothing but what only an event changes. It goes
+        on until one, or an exception."""
+        if self.unsteady:
+            self.seen = {}
+            return
+        if pc not in self.seen and len(self.seen) > LONGEST_LOOP:
+            self.seen = {}
+        state = [self.uc.reg_read(register) for register in GENERAL]
+        self.loops = state == self.seen.get(pc)
+        self.seen[pc] = state
 
     def since_slice(self):
         """Clocks since the slice began."""

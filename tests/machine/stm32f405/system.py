@@ -140,7 +140,7 @@ class System:
     def tick(self, time):
         """The timer has come to 0; its reload register is taken now."""
         if self.control & 2:
-            self.pending.add(SYSTICK_EXCEPTION)
+            self.core.pend(SYSTICK_EXCEPTION)
         self.ticks_at += self.reload + 1
         if self.ticks_at < time:
             self.ticks_at = time + self.reload + 1

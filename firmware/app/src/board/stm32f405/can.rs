@@ -1,117 +1,156 @@
-//! The CAN controller (bxCAN): three transmit mailboxes, a receive FIFO of three frames, and error counters.
+//! The CAN controller (bxCAN): a receive FIFO of three frames, error counters, and the mailboxes ([`super::mailboxes`]).
 //!
-//! - Sending: the controller offers the frame with the lowest identifier of its mailboxes to the bus, and repeats it
-//!   until it has gone out. A frame gets a mailbox only if it goes before everything that waits there, so two frames
-//!   with the same identifier leave in the order they came. With all three full, the lowest priority gives way: it is
-//!   taken back and returned to be offered again ([`canopen::Outbox`]). So nothing is lost, and an urgent frame never waits
-//!   behind three others.
 //! - Receiving: every frame passes the filter. A frame that finds the FIFO full is lost and counted.
 //! - Errors: the controller is error passive from 128 errors on, and bus-off after 256 transmit errors; each raises the error
 //!   interrupt. It stays bus-off until it is started again, when the device says so, and 128 times 11 recessive bits have
-//!   passed. What its mailboxes hold waits.
+//!   passed: it goes from initialisation straight to normal mode, as RM0090, 32.7.6 has it. What its mailboxes hold waits.
 //! - Listening: in silent mode the controller takes part as always, but the dominant bits that it would send, such as an
 //!   acknowledge, go to itself only. It shows the last error it saw, or that the last frame was whole.
+//! - Nothing waits for a register without an end.
 
-use bxcan::filter::Mask32;
-use bxcan::{Fifo, Interrupts};
 use canopen::outbox::{Mailboxes, Room};
 use canopen::{BitRate, ControllerState, Frame};
-use embedded_can::{ExtendedId, Frame as _, Id, StandardId};
-use stm32f4xx_hal::can::Can;
+use stm32f4xx_hal::gpio::{Alternate, PB8, PB9};
 use stm32f4xx_hal::pac;
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::bit_timing;
+use super::mailboxes::{self, Transmission};
 use crate::board::Receive;
 use crate::clock;
 use runtime::{Controller as _, Inbox, Unreachable};
 
+/// Silent mode in CAN_BTR.
+const SILENT: u32 = 1 << 31;
+
+/// Looks at a register that changes within some clocks of the controller, unless a frame is on the bus.
+const MOST_POLLS: u32 = 10_000;
+
+/// Frames that an interrupt takes, three and those that come meanwhile.
+const MOST_FRAMES: u32 = 8;
+
 /// CAN1 with all its filters.
 pub struct Controller {
-    can: bxcan::Can<Can<pac::CAN1>>,
+    can: pac::CAN1,
+    transmission: Transmission,
 }
 
 impl Controller {
     /// A controller that is not on the bus yet. It takes frames of every identifier: which of them matter is for the CANopen
     /// device to say.
-    pub fn new(can: Can<pac::CAN1>) -> Self {
-        let mut can = bxcan::Can::builder(can).leave_disabled();
-        can.modify_filters()
-            .enable_bank(0, Fifo::Fifo0, Mask32::accept_all());
-        can.enable_interrupts(
-            Interrupts::FIFO0_MESSAGE_PENDING
-                | Interrupts::FIFO0_OVERRUN
-                | Interrupts::TRANSMIT_MAILBOX_EMPTY
-                | Interrupts::ERROR,
-        );
-        registers()
-            .ier()
-            .modify(|_, w| w.bofie().set_bit().epvie().set_bit());
-        Self { can }
+    pub fn new(
+        can: pac::CAN1,
+        _pins: (PB9<Alternate<9>>, PB8<Alternate<9>>),
+        rcc: &mut Rcc,
+    ) -> Self {
+        pac::CAN1::enable(rcc);
+        pac::CAN1::reset(rcc);
+        let mut controller = Self {
+            can,
+            transmission: Transmission::new(),
+        };
+        controller.request_initialisation();
+        controller.accept_all();
+        controller.can.ier().write(|w| {
+            w.fmpie0().set_bit().fovie0().set_bit();
+            w.tmeie().set_bit();
+            w.errie().set_bit().bofie().set_bit().epvie().set_bit()
+        });
+        controller
     }
-}
 
-/// The identifiers of the frames that wait in the mailboxes.
-fn waiting() -> [Option<u16>; 3] {
-    let can = registers();
-    [0, 1, 2].map(|mailbox: usize| {
-        let waiting = can.tx(mailbox).tir().read();
-        // The upper eleven bits, of an extended identifier too.
-        waiting
-            .txrq()
-            .bit_is_set()
-            .then(|| (waiting.bits() >> 21) as u16)
-    })
-}
-
-impl Mailboxes for Controller {
-    fn room(&mut self, cob_id: u16) -> Room {
-        let waiting = waiting();
-        if waiting.iter().flatten().any(|id| *id <= cob_id) {
-            Room::None
-        } else if waiting.iter().all(Option::is_some) {
-            Room::InPlaceOfAnother
-        } else {
-            Room::Free
+    /// Bank 0: one mask of 32 bits that leaves everything through, to FIFO 0.
+    fn accept_all(&mut self) {
+        let can = &self.can;
+        can.fmr().modify(|_, w| w.finit().set_bit());
+        // SAFETY: every value is one of these registers. The masks are 0, so identifiers of the bank do not matter.
+        unsafe {
+            can.fm1r().write(|w| w.bits(0));
+            can.fs1r().write(|w| w.bits(1));
+            can.ffa1r().write(|w| w.bits(0));
+            can.fb(0).fr1().write(|w| w.bits(0));
+            can.fb(0).fr2().write(|w| w.bits(0));
+            can.fa1r().write(|w| w.bits(1));
         }
+        can.fmr().modify(|_, w| w.finit().clear_bit());
     }
 
-    fn holds(&mut self, cob_id: u16) -> bool {
-        waiting().contains(&Some(cob_id))
+    /// Asks for initialisation mode, which comes after the frame that is on the bus.
+    fn request_initialisation(&mut self) {
+        let mcr = self.can.mcr();
+        mcr.modify(|_, w| w.sleep().clear_bit().inrq().set_bit());
     }
 
-    fn put(&mut self, frame: &Frame) -> Option<Frame> {
-        match self.can.transmit(&to_controller(frame)?) {
-            Ok(status) => status.dequeued_frame().and_then(from_controller),
-            Err(_full) => Some(*frame),
-        }
+    fn is_initialising(&self) -> bool {
+        let status = self.can.msr().read();
+        status.inak().bit_is_set() && status.slak().bit_is_clear()
     }
-}
 
-impl Controller {
     /// The error interrupt, if there is one.
     fn note_errors(&mut self) {
-        if registers().msr().read().erri().bit_is_clear() {
+        if self.can.msr().read().erri().bit_is_clear() {
             return;
         }
-        registers().msr().write(|w| w.erri().set_bit());
+        self.can.msr().write(|w| w.erri().set_bit());
         if self.state() == ControllerState::BusOff {
             defmt::warn!("bus-off: the controller left the bus after too many errors");
         }
     }
 
     /// Goes on the bus at this rate, or listens to it in silence.
-    fn enter(&mut self, bit_rate: BitRate, silent: bool) -> Result<(), Unreachable> {
+    fn enter(&mut self, bit_rate: BitRate, mode: u32) -> Result<(), Unreachable> {
         let timing = bit_timing::register(bit_rate).ok_or(Unreachable)?;
-        self.can
-            .modify_config()
-            .set_bit_timing(timing)
-            .set_silent(silent)
-            .leave_disabled();
-        // Not waiting: the controller goes on the bus by itself after 11 recessive bits; `WouldBlock` says just that. `bxcan`
-        // also lets it return by itself from bus-off (ABOM), which is for the device to order.
-        let _ = self.can.enable_non_blocking();
-        registers().mcr().modify(|_, w| w.abom().clear_bit());
+        self.request_initialisation();
+        // At once, but for a frame on the bus, for which `leave` has waited.
+        if !(0..MOST_POLLS).any(|_| self.is_initialising()) {
+            defmt::error!("the CAN controller does not leave the bus");
+            return Ok(());
+        }
+        // SAFETY: a bit timing of this controller, and a bit of the register.
+        self.can.btr().write(|w| unsafe { w.bits(timing | mode) });
+        // Not waiting: the controller goes on the bus by itself after 11 recessive bits.
+        self.can.mcr().modify(|_, w| w.inrq().clear_bit());
         Ok(())
+    }
+
+    /// The oldest frame of the FIFO; `Err` if some were lost before it.
+    fn receive(&mut self) -> Option<Result<Frame, ()>> {
+        let can = &self.can;
+        let fifo = can.rf0r().read();
+        if fifo.fovr().bit_is_set() {
+            can.rf0r().write(|w| w.fovr().clear());
+            return Some(Err(()));
+        }
+        if fifo.fmp().bits() == 0 {
+            return None;
+        }
+        let rx = can.rx(0);
+        let words = [rx.rdlr().read().bits(), rx.rdhr().read().bits()];
+        let length = rx.rdtr().read().dlc().bits();
+        let frame = mailboxes::frame(rx.rir().read().bits(), length, words);
+        can.rf0r().write(|w| w.rfom().release());
+        // The FIFO goes on some clocks later.
+        let goes_on = || can.rf0r().read().rfom().bit_is_clear();
+        let _ = (0..MOST_POLLS).any(|_| goes_on());
+        frame.map(Ok)
+    }
+}
+
+impl Mailboxes for Controller {
+    fn room(&mut self, cob_id: u16) -> Room {
+        self.transmission.room(&self.can, cob_id)
+    }
+
+    fn holds(&mut self, cob_id: u16) -> bool {
+        self.transmission.holds(&self.can, cob_id)
+    }
+
+    fn put(&mut self, frame: &Frame) -> Option<Frame> {
+        self.transmission.put(&self.can, frame)
+    }
+
+    fn withdraw(&mut self) {
+        self.transmission.withdraw(&self.can);
     }
 }
 
@@ -119,34 +158,30 @@ impl runtime::Controller for Controller {
     const BIT_RATES: &'static [BitRate] = &bit_timing::BIT_RATES;
 
     fn leave(&mut self) -> bool {
-        // The order that `bxcan` gives too, which then waits for the answer: a frame of 10 kbit/s takes 13 ms.
-        registers()
-            .mcr()
-            .modify(|_, w| w.sleep().clear_bit().inrq().set_bit());
-        let status = registers().msr().read();
-        status.inak().bit_is_set() && status.slak().bit_is_clear()
+        self.request_initialisation();
+        self.is_initialising()
     }
 
     fn start(&mut self, bit_rate: BitRate) -> Result<(), Unreachable> {
-        self.enter(bit_rate, false)
+        self.enter(bit_rate, 0)
     }
 
     fn listen(&mut self, bit_rate: BitRate) -> Result<(), Unreachable> {
-        self.enter(bit_rate, true)?;
+        self.enter(bit_rate, SILENT)?;
         // What it says of the bit rate before is void.
         self.error_seen();
         Ok(())
     }
 
     fn error_seen(&mut self) -> bool {
-        let code = registers().esr().read().lec().bits();
+        let code = self.can.esr().read().lec().bits();
         // 7 is left as it is until the next frame, whole (0) or broken (1 to 6).
-        registers().esr().modify(|_, w| w.lec().set(7));
+        self.can.esr().modify(|_, w| w.lec().set(7));
         (1..=6).contains(&code)
     }
 
     fn state(&mut self) -> ControllerState {
-        let status = registers().esr().read();
+        let status = self.can.esr().read();
         if status.boff().bit_is_set() {
             ControllerState::BusOff
         } else if status.epvf().bit_is_set() {
@@ -164,51 +199,14 @@ pub struct Receiver;
 
 impl Receive<Controller> for Receiver {
     fn on_interrupt(&mut self, bus: &mut Controller, inbox: &mut Inbox) {
-        bus.can.clear_tx_interrupt();
+        bus.transmission.on_interrupt(&bus.can);
         bus.note_errors();
-        loop {
-            match bus.can.receive() {
-                Ok(frame) => {
-                    if let Some(frame) = from_controller(&frame) {
-                        inbox.put(frame, clock::now());
-                    }
-                }
-                Err(nb::Error::Other(_overrun)) => inbox.count_lost(),
-                Err(nb::Error::WouldBlock) => break,
+        for _ in 0..MOST_FRAMES {
+            match bus.receive() {
+                Some(Ok(frame)) => inbox.put(frame, clock::now()),
+                Some(Err(())) => inbox.count_lost(),
+                None => break,
             }
         }
-    }
-}
-
-/// The registers, for what `bxcan` leaves out.
-fn registers() -> &'static pac::can1::RegisterBlock {
-    // SAFETY: `Controller` owns CAN1, and its methods touch one register after the other. What is touched here, `bxcan` does
-    // not use: the interrupt enables of bus-off and error passive, once at the start, the error flag, the last error code, and the
-    // read-only status;
-    // or it uses it the same way: the request to leave the bus, and the return from bus-off, which it only sets. What waits in
-    // the mailboxes is read only.
-    unsafe { &*pac::CAN1::ptr() }
-}
-
-fn to_controller(frame: &Frame) -> Option<bxcan::Frame> {
-    let id = match frame.id() {
-        Id::Standard(id) => bxcan::Id::Standard(bxcan::StandardId::new(id.as_raw())?),
-        Id::Extended(id) => bxcan::Id::Extended(bxcan::ExtendedId::new(id.as_raw())?),
-    };
-    Some(if frame.is_remote() {
-        bxcan::Frame::new_remote(id, frame.length())
-    } else {
-        bxcan::Frame::new_data(id, bxcan::Data::new(frame.payload())?)
-    })
-}
-
-fn from_controller(frame: &bxcan::Frame) -> Option<Frame> {
-    let id = match frame.id() {
-        bxcan::Id::Standard(id) => Id::Standard(StandardId::new(id.as_raw())?),
-        bxcan::Id::Extended(id) => Id::Extended(ExtendedId::new(id.as_raw())?),
-    };
-    match frame.data() {
-        Some(data) => Frame::new(id, data),
-        None => Frame::new_remote(id, usize::from(frame.dlc())),
     }
 }

@@ -24,24 +24,27 @@
 
 mod bit_timing;
 mod can;
+mod clocks;
 mod converter;
+mod end;
 mod flash;
 mod input_lines;
+mod mailboxes;
 mod pulse_timer;
 mod stage;
 mod switches;
+mod watchdog;
 
 use canopen::cia301::serial_number::fold;
-use cortex_m_rt::{exception, ExceptionFrame};
 use stm32f4xx_hal::gpio::{Output, Pull, Speed, PC12, PC6, PC7};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::{Config, Enable, Reset};
+use stm32f4xx_hal::rcc::{Enable, Reset};
 use stm32f4xx_hal::signature::Uid;
-use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::{user_memory, Board, Parts};
 use crate::control::RATE_HZ;
+use watchdog::Watchdog;
 
 app! {
     device: stm32f4xx_hal::pac,
@@ -65,7 +68,7 @@ const TIMERS_HZ: u32 = 84_000_000;
 /// Time without a sign of life after which the board starts anew. Erasing a flash sector stops the core for 0.8 s at
 /// most, and two may be erased in a row; the watchdog's oscillator has 17 to 47 kHz instead of its nominal 32 kHz, so it bites after 2.0 to
 /// 5.6 s. The ring of step pulses is silent for longer than that.
-const WATCHDOG_MS: u32 = 3_000;
+const WATCHDOG_MS: u16 = 3_000;
 
 impl Board for Stm32f405 {
     const TICKS_PER_MICROSECOND: u32 = TIMERS_HZ / 1_000_000;
@@ -88,15 +91,9 @@ impl Board for Stm32f405 {
 
     fn start(device: pac::Peripherals) -> Parts<Self> {
         // First of all: a crystal that does not start then means another try, not silence for ever.
-        let mut watchdog = IndependentWatchdog::new(device.IWDG);
-        watchdog.stop_on_debug(&device.DBGMCU, true);
-        watchdog.start(WATCHDOG_MS.millis());
-
-        let clocks = Config::hse(8.MHz())
-            .sysclk(CORE_HZ.Hz())
-            .pclk1(42.MHz())
-            .pclk2(84.MHz());
-        let mut rcc = device.RCC.freeze(clocks);
+        let watchdog = Watchdog::start(device.IWDG, WATCHDOG_MS, &device.DBGMCU);
+        let mut rcc = clocks::start(device.RCC);
+        clocks::watch_supply(&device.PWR, &device.EXTI, &mut rcc);
 
         let a = device.GPIOA.split(&mut rcc);
         let b = device.GPIOB.split(&mut rcc);
@@ -149,8 +146,9 @@ impl Board for Stm32f405 {
             (
                 (
                     // At the lowest speed of a pin a pulse of 100 ns would hardly leave.
-                    b.pb13.into_alternate().speed(Speed::VeryHigh),
-                    b.pb14.into_alternate().speed(Speed::VeryHigh),
+                    // While the timer does not drive them they are low.
+                    (b.pb13.into_alternate().speed(Speed::VeryHigh)).internal_resistor(Pull::Down),
+                    (b.pb14.into_alternate().speed(Speed::VeryHigh)).internal_resistor(Pull::Down),
                     b.pb12.into_alternate().internal_resistor(Pull::Up),
                 ),
                 (
@@ -197,12 +195,17 @@ impl Board for Stm32f405 {
         ];
         let factory_reset = c.pc1.into_pull_up_input().erase();
 
-        let controller = device.CAN1.can((b.pb9, b.pb8), &mut rcc);
+        let can_pins = (
+            // At the lowest speed an edge takes a tenth of a bit of 1 Mbit/s.
+            b.pb9.into_alternate().speed(Speed::High),
+            // Without a transceiver the bus is recessive.
+            b.pb8.into_alternate().internal_resistor(Pull::Up),
+        );
         Parts {
             pulses,
             steps,
             receiver: can::Receiver,
-            bus: can::Controller::new(controller),
+            bus: can::Controller::new(device.CAN1, can_pins, &mut rcc),
             stage,
             lights,
             input_lines,
@@ -273,27 +276,4 @@ fn serial_number() -> u32 {
         .chain(wafer)
         .chain(uid.lot_num().bytes());
     fold(bytes)
-}
-
-/// A bug was found. The motor loses its current at once; the watchdog starts the board anew.
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo) -> ! {
-    cortex_m::interrupt::disable();
-    stage::cut_power();
-    defmt::error!("panic: {}", defmt::Display2Format(info));
-    stop()
-}
-
-/// A fault of the processor ends like a panic.
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    stage::cut_power();
-    defmt::error!("hard fault at {=u32:#010x}", frame.pc());
-    stop()
-}
-
-fn stop() -> ! {
-    loop {
-        cortex_m::asm::nop();
-    }
 }

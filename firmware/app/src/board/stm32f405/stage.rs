@@ -5,11 +5,11 @@ use cia402::Inputs;
 use embedded_hal::digital::OutputPin;
 use stm32f4xx_hal::gpio::{ErasedPin, Input, Output, PA2, PA3, PC0, PC2};
 use stm32f4xx_hal::pac;
-use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use runtime::Lights;
 
 use super::converter::Converter;
+use super::watchdog::Watchdog;
 use crate::board::Stage;
 
 /// Error code 5400h of CiA 402: the hardware of the power section.
@@ -25,7 +25,7 @@ pub struct StepStage {
     /// The levels of the outputs.
     levels: u8,
     converter: Converter,
-    watchdog: IndependentWatchdog,
+    watchdog: Watchdog,
 }
 
 impl StepStage {
@@ -37,7 +37,7 @@ impl StepStage {
         brake: PC2<Output>,
         outputs: [ErasedPin<Output>; COUNT],
         converter: Converter,
-        watchdog: IndependentWatchdog,
+        watchdog: Watchdog,
     ) -> Self {
         Self {
             enable,
@@ -98,13 +98,6 @@ impl Stage for StepStage {
     fn feed_watchdog(&mut self) {
         self.watchdog.feed();
     }
-}
-
-/// Takes the current from the motor, whoever owns the pin. Only for the end: interrupts are off and nothing runs after it.
-pub fn cut_power() {
-    // SAFETY: one write to the set half of GPIOA's set/reset register, which touches no other pin. The owner of the pin
-    // never runs again.
-    unsafe { (*pac::GPIOA::ptr()).bsrr().write(|w| w.bs2().set_bit()) };
 }
 
 /// Whether the enable pin lets current into the motor.

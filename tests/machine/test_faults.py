@@ -1,0 +1,121 @@
+"""Faults that the firmware survives: what becomes of the motor, how it is told, and that the drive works on."""
+
+import pytest
+from conftest import NODE_ID
+from drive import FAULT_RESET
+from stm32f405 import MS, US
+from stm32f405.bxcan import Frame
+from stm32f405.interrupts import IRQ
+
+EMERGENCY = 0x80 + NODE_ID
+
+
+def codes(drive, since):
+    """The codes of the emergency messages behind a moment."""
+    return [int.from_bytes(f.data[:2], "little") for f in drive.bench.sent_since(since, EMERGENCY)]
+
+
+def recovers(drive):
+    """The fault is reset, and the motor turns again."""
+    drive[0x60FF] = 0
+    drive[0x6040] = 0
+    drive[0x6040] = FAULT_RESET
+    drive.bench.milliseconds(5)
+    assert not drive[0x6041] & 8
+    drive[0x6040] = 0
+    drive.turn(5_000)
+
+
+def test_the_break_input_ends_the_pulses_at_once(drive):
+    drive.turn(100_000)
+    chip, since = drive.chip, drive.chip.time
+    chip.pins.drive("PB12", 0)
+    chip.run(MS)
+    assert drive.is_safe()
+    assert chip.tim1.last_pulse <= since
+    chip.run(5 * MS)
+    assert codes(drive, since) == [0x9000]
+    assert drive[0x6064] - drive.settle() in range(-1, 2)
+    chip.pins.drive("PB12", 1)
+    recovers(drive)
+
+
+@pytest.mark.parametrize(("pin", "code"), [("PC0", 0x3220), ("PA3", 0x5400)], ids=["supply", "driver"])
+def test_a_stage_without_supply_or_with_a_fault_gets_no_current(drive, pin, code):
+    drive.turn(20_000)
+    chip, since = drive.chip, drive.chip.time
+    chip.pins.drive(pin, 0)
+    # The control tick looks at it once in a millisecond.
+    chip.run(MS + MS // 10)
+    assert drive.is_safe()
+    chip.run(5 * MS)
+    assert codes(drive, since) == [code]
+    chip.pins.drive(pin, 1)
+    recovers(drive)
+
+
+def test_bus_off_is_a_quick_stop_and_the_controller_returns(drive):
+    drive[0x6085] = 1_000_000
+    drive.turn(20_000)
+    chip, since = drive.chip, drive.chip.time
+    chip.can.go_bus_off()
+    chip.run(60 * MS)
+    drive.settle()
+    # 20,000 steps/s at 1,000,000 steps/s² is 20 ms.
+    assert chip.tim1.last_pulse - since < 30 * MS
+    assert not drive.has_power()
+    # The device has it start again a tenth of a second later; 128 × 11 bits of 1 µs are to pass then.
+    chip.run(60 * MS)
+    assert codes(drive, since) == [0x8140, 0]
+    assert drive.bench.sent_since(since)[0].time - since > 100 * MS + 1_408 * US
+    recovers(drive)
+
+
+def test_a_fifo_that_runs_over_is_a_fault_with_current_in_the_motor(drive):
+    drive.turn(20_000)
+    chip, since = drive.chip, drive.chip.time
+    for _ in range(12):
+        chip.can.to_send.append(Frame(0x123, False, False, bytes(8)))
+    # Nobody takes them for 2 ms.
+    handlers = {IRQ[name] for name in ("CAN1_TX", "CAN1_RX0", "CAN1_SCE")}
+    chip.core.system.enabled -= handlers
+    chip.run(2 * MS)
+    chip.core.system.enabled |= handlers
+    chip.run(100 * MS)
+    assert chip.can.stats["overruns"] > 0
+    assert codes(drive, since) == [0x8110]
+    assert not drive.has_power()
+    recovers(drive)
+
+
+def test_a_dma_stream_that_fails_is_a_fault_and_no_pulse_is_wild(drive):
+    drive.turn(20_000)
+    chip, since = drive.chip, drive.chip.time
+    chip.dma2.fail()
+    chip.run(2 * MS)
+    assert drive.is_safe()
+    assert chip.tim1.last_pulse - since < MS
+    chip.run(5 * MS)
+    assert codes(drive, since) == [0x5200]
+    assert drive[0x6064] == drive.settle()
+    recovers(drive)
+
+
+def test_after_a_reset_of_the_node_the_boot_up_is_its_first_frame(drive):
+    chip = drive.chip
+    # Nobody acknowledges, so the mailboxes keep what they have.
+    drive[0x1017] = 5
+    chip.can.acknowledged = False
+    chip.can.to_send.append(Frame(0x600 + NODE_ID, False, False, bytes.fromhex("40 00 10 00 00 00 00 00")))
+    chip.run(20 * MS)
+    assert any(chip.can[f"T{i}IR"] & 1 for i in range(3))
+    since = chip.time
+    chip.can.to_send.append(Frame(0, False, False, bytes([129, NODE_ID])))
+    chip.run(5 * MS)
+    chip.can.acknowledged = True
+    chip.run(100 * MS)
+    sent = drive.bench.sent_since(since)
+    boot_up = [(frame.id, frame.data) for frame in sent].index((0x700 + NODE_ID, b"\x00"))
+    # That the controller was error passive may be told before, as its identifier is lower; of the life before there is nothing.
+    assert {frame.id for frame in sent[:boot_up]} <= {EMERGENCY}
+    assert {frame.id for frame in sent[boot_up + 1 :]} <= {EMERGENCY}
