@@ -244,7 +244,7 @@ pub fn put<D: Dictionary + ?Sized>(dictionary: &mut D, entry: &Entry, bytes: &[u
         let place = ram.get_mut(usize::from(offset)..).unwrap_or(&mut []);
         match (entry.width(), bytes) {
             (4, &[a, b, c, d]) if let Some(place) = place.first_chunk_mut() => {
-                *place = [a, b, c, d]
+                *place = [a, b, c, d];
             }
             (2, &[a, b]) if let Some(place) = place.first_chunk_mut() => *place = [a, b],
             (1, &[a]) if let Some(place) = place.first_mut() => *place = a,

@@ -131,14 +131,14 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         match Request::parse(request) {
             Request::InitiateUpload(object) => self.initiate_upload(object, now, objects),
             Request::InitiateDownload { object, payload } => {
-                self.initiate_download(object, payload, now, objects)
+                self.initiate_download(object, payload, now, objects);
             }
             Request::UploadSegment { toggle } => self.upload_segment(toggle, now, objects),
             Request::DownloadSegment { toggle, data, last } => {
-                self.download_segment(toggle, data, last, now, objects)
+                self.download_segment(toggle, data, last, now, objects);
             }
             Request::Block(request) if O::HAVE_BLOCK_TRANSFER => {
-                self.receive_block(request, now, objects)
+                self.receive_block(request, now, objects);
             }
             Request::Block(_) => {
                 self.abort(Multiplexer::of(request), AbortCode::InvalidCommand, objects);
@@ -165,7 +165,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             } => self.initiate_block_upload(object, crc, block_size, threshold, now, objects),
             BlockRequest::StartUpload => self.start_block_upload(now, objects),
             BlockRequest::Acknowledge { seqno, block_size } => {
-                self.acknowledge_block_upload(seqno, block_size, now, objects)
+                self.acknowledge_block_upload(seqno, block_size, now, objects);
             }
             BlockRequest::EndUpload => self.end_block_upload(now, objects),
         }
