@@ -231,8 +231,11 @@ impl<W: Slots<Word>> Agenda<W> {
     /// A timer has begun that ends at this moment.
     #[inline]
     pub(crate) const fn wake_at(&mut self, deadline: Instant) {
-        self.timers = earlier(self.timers, deadline);
-        self.next = earlier(self.next, deadline);
+        // Mostly another one ends before, such as that of the segment before this one.
+        if deadline.ticks() < self.timers.ticks() {
+            self.timers = deadline;
+            self.next = earlier(self.next, deadline);
+        }
     }
 
     /// Timers have begun, or ended.

@@ -153,12 +153,25 @@ impl<D: Dictionary> Node<D> {
         number: usize,
         application: &mut A,
     ) -> Option<Frame> {
+        match self.sdo.answer(number, &mut self.services.agenda) {
+            None => self.take_segment(number, application),
+            answer => answer,
+        }
+    }
+
+    /// The next segment of a block upload.
+    #[inline(never)]
+    fn take_segment<A: Application<D>>(
+        &mut self,
+        number: usize,
+        application: &mut A,
+    ) -> Option<Frame> {
         let mut streams = Streams {
             dictionary: &self.dictionary,
             application,
         };
         self.sdo
-            .transmit(number, &mut streams, &mut self.services.agenda)
+            .segment(number, &mut streams, &mut self.services.agenda)
     }
 
     /// Adds an LSS answer; one that finds no room is lost, and counts.

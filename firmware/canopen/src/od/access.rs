@@ -241,15 +241,21 @@ pub fn set<D: Dictionary + ?Sized>(
 pub fn put<D: Dictionary + ?Sized>(dictionary: &mut D, entry: &Entry, bytes: &[u8]) {
     if let Location::Ram(offset) = entry.location() {
         let ram = dictionary.ram_mut();
-        let place = ram.get_mut(usize::from(offset)..).unwrap_or(&mut []);
         match (entry.width(), bytes) {
-            (4, &[a, b, c, d]) if let Some(place) = place.first_chunk_mut() => {
-                *place = [a, b, c, d];
-            }
-            (2, &[a, b]) if let Some(place) = place.first_chunk_mut() => *place = [a, b],
-            (1, &[a]) if let Some(place) = place.first_mut() => *place = a,
+            (4, &[a, b, c, d]) => put_number(ram, offset, [a, b, c, d]),
+            (2, &[a, b]) => put_number(ram, offset, [a, b]),
+            (1, &[a]) => put_number(ram, offset, [a]),
             _ => put_at(ram, offset, entry, bytes),
         }
+    }
+}
+
+/// Writes a number, if all of its place is there.
+#[inline]
+fn put_number<const N: usize>(ram: &mut [u8], offset: u16, bytes: [u8; N]) {
+    let place = ram.get_mut(usize::from(offset)..);
+    if let Some(place) = place.and_then(<[u8]>::first_chunk_mut) {
+        *place = bytes;
     }
 }
 

@@ -181,15 +181,11 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         is_abort
     }
 
-    /// The next frame that is to be sent: an answer that waits, or a segment of a block upload.
+    /// The next segment of a block upload.
     #[inline]
-    pub(super) fn transmit<S: Streams>(&mut self, streams: &mut S) -> Option<[u8; 8]> {
-        match self.answers.pop() {
-            None if S::HAVE_BLOCK_TRANSFER && self.step == Step::BlockUpload => {
-                Some(self.send_block_segment(streams))
-            }
-            answer => answer,
-        }
+    pub(super) fn segment<S: Streams>(&mut self, streams: &mut S) -> Option<[u8; 8]> {
+        let is_next = S::HAVE_BLOCK_TRANSFER && self.step == Step::BlockUpload;
+        is_next.then(|| self.send_block_segment(streams))
     }
 
     /// Whether something is to be sent.

@@ -137,7 +137,9 @@ impl<C: Counts> Servers<C> {
         if server.is_pending() || !server.pass(request, now, streams) {
             return None;
         }
-        agenda.set(server.sender, server.is_pending());
+        if server.is_pending() {
+            agenda.set(server.sender, true);
+        }
         Some(server.deadline())
     }
 
@@ -219,16 +221,30 @@ impl<C: Counts> Servers<C> {
         servers.fold(NEVER, |next, server| earlier(next, server.deadline()))
     }
 
-    /// The next frame of a server that waits.
+    /// The next answer of a server.
     #[inline]
-    pub(crate) fn transmit<S: Streams>(
+    pub(crate) fn answer(
+        &mut self,
+        number: usize,
+        agenda: &mut Agenda<C::Senders>,
+    ) -> Option<Frame> {
+        let server = self.servers.as_mut().get_mut(number)?;
+        let answer = server.answers.pop()?;
+        if !server.is_pending() {
+            agenda.set(server.sender, false);
+        }
+        Some(Frame::full(server.response, answer))
+    }
+
+    /// The next segment of a block upload of a server that has no answer to send.
+    pub(crate) fn segment<S: Streams>(
         &mut self,
         number: usize,
         streams: &mut S,
         agenda: &mut Agenda<C::Senders>,
     ) -> Option<Frame> {
         let server = self.servers.as_mut().get_mut(number)?;
-        let frame = server.transmit(streams);
+        let segment = server.segment(streams);
         if !server.is_pending() {
             agenda.set(server.sender, false);
             if server.has_sent_sub_block() {
@@ -236,7 +252,7 @@ impl<C: Counts> Servers<C> {
                 agenda.wake();
             }
         }
-        frame.map(|frame| Frame::full(server.response, frame))
+        segment.map(|segment| Frame::full(server.response, segment))
     }
 }
 

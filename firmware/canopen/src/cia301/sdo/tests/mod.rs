@@ -28,6 +28,11 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         self.answers.pop()
     }
 
+    /// The next frame that is to be sent.
+    fn transmit(&mut self, store: &mut Store) -> Option<[u8; 8]> {
+        self.answers.pop().or_else(|| self.segment(store))
+    }
+
     /// What a client is told at this moment.
     fn tell(&mut self, now: Instant, store: &mut Store) -> Option<[u8; 8]> {
         self.poll(now, store);
