@@ -72,6 +72,7 @@ impl Line for Real {
         };
         match message {
             Some(Incoming::Frame { frame, .. }) => self.inbox.put(self.now(), frame),
+            Some(Incoming::Lost(_)) => {}
             Some(Incoming::Refused) => self.refused += 1,
             Some(Incoming::ClientLeft(_) | Incoming::ClientRefused(_)) => {}
             Some(Incoming::Failed(what)) => return Err(LineDown(what)),

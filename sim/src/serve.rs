@@ -1,10 +1,13 @@
 //! The virtual drive in real time, for masters of other programs.
 //!
 //! Virtual time follows the computer's clock: the drive is polled when it asked for it or when a frame has come, and runs
-//! every control tick that is due. After a stall of the machine it catches up tick by tick, so motion loses nothing.
+//! every control tick that is due. After a stall of the machine it catches up tick by tick, so motion loses nothing: what waits is taken
+//! before time passes, each frame at the time at which it came. SocketCAN tells that time; on TCP nobody does, so frames that have
+//! waited there are spread over the stall.
 
+use std::fmt;
 use std::io::{self, Write};
-use std::time::Instant as WallClock;
+use std::time::{Duration, Instant as WallClock};
 
 use canopen::cia301::error_behaviour::CommunicationError;
 use canopen::cia301::heartbeat::HeartbeatError;
@@ -78,23 +81,73 @@ pub fn serve(service: Service) -> Result<(), String> {
 /// Messages between two turns of the drive, so that a flood of them does not stop it.
 const BATCH: usize = 64;
 
+/// The same after a stall: all that could wait for the drive.
+const BACKLOG: usize = 4 * 1024;
+
+/// Later than this is a stall.
+const STALL: Duration = Duration::from_millis(10);
+
+/// How long the transports are silent when they have handed over all that has waited for them.
+const GRACE: Duration = Duration::from_millis(5);
+
 /// The drive, the bus it is on, and the clock.
 #[derive(Debug)]
 pub struct Server {
     bus: LiveBus,
     drive: Axis402,
     start: WallClock,
+    /// When the drive wants its next turn.
+    deadline: WallClock,
+    /// All that came until then is taken.
+    taken: WallClock,
+    /// The time of the drive.
+    last: Instant,
+    counts: Counts,
     verbose: bool,
     warned: bool,
+}
+
+/// What has passed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Frames of others.
+    pub received: u64,
+    /// Frames of the drive.
+    pub sent: u64,
+    /// Frames for which the system had no room.
+    pub lost: u64,
+    /// Lines that are no frames, and frames at another bit rate.
+    pub refused: u64,
+    /// Emergency messages of the drive.
+    pub emergencies: u64,
+}
+
+impl fmt::Display for Counts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} frames in, {} out, {} lost, {} refused, {} emergency messages",
+            self.received, self.sent, self.lost, self.refused, self.emergencies
+        )
+    }
 }
 
 impl Server {
     /// A drive on a bus, powered when it has its first turn.
     pub fn new(bus: LiveBus, setup: Setup, verbose: bool) -> Self {
+        Self::started(bus, setup, verbose, WallClock::now())
+    }
+
+    /// The same; its time begins at `start`. Since then it has stalled.
+    pub fn started(bus: LiveBus, setup: Setup, verbose: bool, start: WallClock) -> Self {
         Self {
             bus,
             drive: Axis402::new(setup),
-            start: WallClock::now(),
+            start,
+            deadline: start,
+            taken: start,
+            last: Instant::from_ticks(0),
+            counts: Counts::default(),
             verbose,
             warned: false,
         }
@@ -105,36 +158,94 @@ impl Server {
     /// # Errors
     /// What failed, in one line.
     pub fn run(&mut self) -> Result<(), String> {
-        loop {
-            let mut deadline = self.turn();
-            for _ in 0..BATCH {
-                match self.bus.receive(deadline) {
-                    Some(Incoming::Frame {
-                        source,
-                        frame,
-                        bit_rate,
-                    }) => self.forward(&frame, source, bit_rate),
-                    Some(Incoming::ClientLeft(number)) => {
-                        self.tell(&format!("client {number} left"));
-                    }
-                    Some(Incoming::ClientRefused(why)) => {
-                        note(&format!("cannot serve another client: {why}"));
-                    }
-                    // A server has no adapter.
-                    Some(Incoming::Refused) => {}
-                    Some(Incoming::Failed(what)) => return Err(what),
-                    Some(Incoming::Stop) => return Ok(()),
-                    None => break,
-                }
-                // What else is there is taken, but not waited for.
-                deadline = self.start;
-            }
-        }
+        while self.pass()? {}
+        self.tell(&self.counts.to_string());
+        Ok(())
     }
 
-    /// Lets the drive do what is due now, and sends its frames. Returns when it wants its next turn.
-    pub fn turn(&mut self) -> WallClock {
-        let now = self.now();
+    /// Waits for what comes until the drive wants its turn, takes all of it, and lets the drive have that turn. Returns false when
+    /// it is told to stop.
+    ///
+    /// # Errors
+    /// What failed, in one line.
+    pub fn pass(&mut self) -> Result<bool, String> {
+        for message in self.gather() {
+            match message {
+                Incoming::Frame {
+                    source,
+                    frame,
+                    bit_rate,
+                    at,
+                } => {
+                    let now = self.time(at.min(self.taken));
+                    self.forward(&frame, source, bit_rate, now);
+                }
+                Incoming::Lost(count) => {
+                    self.counts.lost += u64::from(count);
+                    self.drive.frames_lost(count, self.last);
+                }
+                Incoming::ClientLeft(number) => self.tell(&format!("client {number} left")),
+                Incoming::ClientRefused(why) => {
+                    note(&format!("cannot serve another client: {why}"));
+                }
+                Incoming::Refused => self.counts.refused += 1,
+                Incoming::Failed(what) => return Err(what),
+                Incoming::Stop => return Ok(false),
+            }
+        }
+        self.turn_at(self.taken);
+        Ok(true)
+    }
+
+    /// All that has come until now, which is then [`Server::taken`].
+    fn gather(&mut self) -> Vec<Incoming> {
+        let expected = self.deadline.max(self.taken);
+        let mut messages = Vec::from_iter(self.bus.receive(self.deadline));
+        let woken = WallClock::now();
+        let has_stalled = woken.saturating_duration_since(expected) > STALL;
+        // The transports have stalled as well.
+        let (most, patience) = if has_stalled {
+            (BACKLOG, GRACE)
+        } else {
+            (BATCH, Duration::ZERO)
+        };
+        self.taken = loop {
+            let now = WallClock::now();
+            match self.bus.receive(now + patience) {
+                Some(message) => messages.push(message),
+                None => break now,
+            }
+            if messages.len() >= most {
+                // Time goes on to what was taken last; behind it there may be more.
+                break match messages.last() {
+                    Some(Incoming::Frame { at, .. }) => self.taken.max(*at),
+                    _ => now,
+                };
+            }
+        };
+        if has_stalled {
+            spread(&mut messages, expected, woken);
+        }
+        messages
+    }
+
+    /// The drive.
+    pub fn drive(&self) -> &Axis402 {
+        &self.drive
+    }
+
+    /// What has passed so far.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Lets the drive do what is due now, and sends its frames.
+    pub fn turn(&mut self) {
+        self.turn_at(WallClock::now());
+    }
+
+    fn turn_at(&mut self, now: WallClock) {
+        let now = self.time(now);
         let mut wake = self.drive.poll(now);
         // Some times begin when a frame has left.
         while self.send_frames() {
@@ -144,27 +255,30 @@ impl Server {
         let sleep = wake
             .checked_duration_since(now)
             .map_or(0, |span| span.ticks());
-        self.start
-            + std::time::Duration::from_micros(
-                now.ticks() + sleep.min(LONGEST_SLEEP.as_micros() as u64),
-            )
+        let sleep = sleep.min(LONGEST_SLEEP.as_micros() as u64);
+        self.deadline = self.start + Duration::from_micros(now.ticks() + sleep);
     }
 
-    fn now(&self) -> Instant {
-        Instant::from_ticks(self.start.elapsed().as_micros() as u64)
+    /// A time of the computer as one of the drive, which never runs backwards.
+    fn time(&mut self, at: WallClock) -> Instant {
+        let passed = at.saturating_duration_since(self.start).as_micros() as u64;
+        self.last = self.last.max(Instant::from_ticks(passed));
+        self.last
     }
 
-    fn forward(&mut self, frame: &Frame, source: Source, bit_rate: Option<u32>) {
+    fn forward(&mut self, frame: &Frame, source: Source, bit_rate: Option<u32>, now: Instant) {
+        self.counts.received += 1;
         self.send(frame, source, bit_rate);
         let own = self.bit_rate();
         if bit_rate.is_none() || bit_rate == own {
-            let now = self.now();
             self.drive.receive(frame, now);
             // What changed by this frame goes out before the answer to the next one, as on a board.
             self.drive.poll(now);
             self.send_frames();
-        } else if self.drive.is_silent() {
-            let now = self.now();
+            return;
+        }
+        self.counts.refused += 1;
+        if self.drive.is_silent() {
             self.drive.error_seen(now);
         } else if !self.warned {
             self.warned = true;
@@ -182,6 +296,9 @@ impl Server {
         while let Some(frame) = self.drive.transmit() {
             let bit_rate = self.bit_rate();
             self.send(&frame, Source::Own, bit_rate);
+            self.counts.sent += 1;
+            let is_emergency = matches!(frame.standard_id(), Some(0x081..=0x0FF));
+            self.counts.emergencies += u64::from(is_emergency);
             has_sent = true;
         }
         has_sent
@@ -231,6 +348,26 @@ impl Server {
             note(text);
         }
     }
+}
+
+/// Frames that clients have sent during a stall were read when it was over: they are spread over it in their order, as far from each
+/// other as from its ends. Then all are in the order of time.
+fn spread(messages: &mut [Incoming], from: WallClock, to: WallClock) {
+    let read_late = |message: &&mut Incoming| matches!(message, Incoming::Frame { source: Source::Slcan(_), at, .. } if *at + GRACE > to);
+    let count = messages.iter_mut().filter(read_late).count() as u32;
+    for (number, message) in (0..).zip(messages.iter_mut().filter(read_late)) {
+        if let Incoming::Frame { at, .. } = message {
+            *at = from + (to - from) * (2 * number + 1) / (2 * count);
+        }
+    }
+    let mut last = from;
+    messages.sort_by_cached_key(|message| {
+        // What is no frame stays behind what came before it.
+        if let Incoming::Frame { at, .. } = message {
+            last = *at;
+        }
+        last
+    });
 }
 
 /// A bit rate as it is configured.

@@ -43,8 +43,12 @@ pub enum Incoming {
         frame: Frame,
         /// Its bit rate in kbit/s, if the transport knows one.
         bit_rate: Option<u32>,
+        /// When it came: where the system tells, even if this program was not running.
+        at: Instant,
     },
-    /// The SLCAN adapter refused a frame.
+    /// The system had no room for so many frames.
+    Lost(u32),
+    /// The SLCAN adapter refused a frame, or a line of a client was refused.
     Refused,
     /// An SLCAN client closed its connection.
     ClientLeft(u64),

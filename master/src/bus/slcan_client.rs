@@ -146,6 +146,7 @@ fn read_lines(mut connection: Connection, ended: &AtomicBool, incoming: &SyncSen
                     source: Source::Adapter,
                     frame,
                     bit_rate: None,
+                    at: Instant::now(),
                 },
                 // Replies, and what adapters say besides.
                 _ => continue,

@@ -11,7 +11,7 @@ use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use canopen::Frame;
 use slcan::{Channel, Decoder, encode};
@@ -200,6 +200,7 @@ fn read_commands(
             Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
             Err(_) => return,
         };
+        let at = Instant::now();
         let (mut replies, mut messages) = (Vec::new(), Vec::new());
         for command in bytes[..count].iter().filter_map(|byte| decoder.push(*byte)) {
             let (answer, bit_rate) = {
@@ -211,7 +212,11 @@ fn read_commands(
                 source: Source::Slcan(number),
                 frame,
                 bit_rate: bit_rate.map(|rate| rate.kbit_per_second()),
+                at,
             }));
+            if answer.reply == b"\x07" {
+                messages.push(Incoming::Refused);
+            }
         }
         // A client that sends without reading its replies is not served any longer.
         if !replies.is_empty() && lines.try_send(replies).is_err() {
