@@ -119,6 +119,34 @@ fn the_parts_of_a_fastscan_are_in_a_fastscan() {
     );
 }
 
+/// CANopenLinux configures a device only behind a fastscan or a selective switch (ERROR:102), and does not activate bit rates.
+#[test]
+fn cocomm_configures_what_it_has_chosen() {
+    let commands = blocks("sh");
+    let lines = commands.iter().flatten();
+    let lines: Vec<_> = lines
+        .filter_map(|line| line.strip_prefix("cocomm "))
+        .collect();
+    assert!(lines.len() > 6);
+    for line in lines {
+        let mut is_chosen = false;
+        for command in line.split('"').skip(1).step_by(2) {
+            let name = command.split(' ').next().unwrap_or_default();
+            match name {
+                "_lss_fastscan" | "lss_switch_sel" => is_chosen = true,
+                "lss_set_node" | "lss_get_node" | "lss_conf_bitrate" | "lss_store" => {
+                    assert!(is_chosen, "{line}");
+                }
+                "lss_switch_glob" => {
+                    assert_eq!(command, "lss_switch_glob 0", "{line}");
+                    is_chosen = false;
+                }
+                _ => assert_ne!(name, "lss_activate_bitrate", "{line}"),
+            }
+        }
+    }
+}
+
 #[test]
 fn the_commands_send_what_the_listings_show() {
     let commands = blocks("sh");
