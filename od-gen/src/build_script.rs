@@ -21,7 +21,11 @@ use crate::report::Report;
 pub fn build(eds: impl AsRef<Path>, output: &str, options: Options<'_>) {
     let eds = eds.as_ref();
     println!("cargo::rerun-if-changed={}", eds.display());
-    let report = Report::read_for_code(eds)
+    let beside = crate::allowances_beside(eds);
+    if beside.exists() {
+        println!("cargo::rerun-if-changed={}", beside.display());
+    }
+    let report = Report::read_for_code(eds, &[])
         .unwrap_or_else(|error| fail(&format!("{}: error: {error}", eds.display())));
     if report.has_errors() {
         fail(&report.render(Colour::Never));

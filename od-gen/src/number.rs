@@ -115,23 +115,16 @@ impl DefaultNumber {
         })
     }
 
-    /// What was meant by a text that is none of these, where that is plain; else 0.
-    pub(crate) fn meant(text: &str) -> Self {
+    /// What was meant by a text that is none of these, where that is plain.
+    pub(crate) fn meant(text: &str) -> Option<Self> {
         let at = text.to_ascii_uppercase().find("NODEID");
-        let meant = match at {
+        match at {
             Some(at) => Self::with_node_id(&with_dollar(text, at)),
             None => Number::meant(text).map(|number| Self {
                 number,
                 adds_node_id: false,
             }),
-        };
-        meant.unwrap_or(Self {
-            number: Number {
-                value: 0,
-                is_pattern: false,
-            },
-            adds_node_id: false,
-        })
+        }
     }
 
     /// Reads what adds the node-ID; `None` for everything else.

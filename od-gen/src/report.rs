@@ -1,9 +1,12 @@
 //! A file with everything that there is to say about it.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::{fmt, io};
 
-use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
+use crate::diagnostic::{
+    Allowances, Colour, Diagnostic, Exemption, Findings, Severity, read_beside, render, render_some,
+};
 use crate::model::{FileKind, Model};
 use crate::rules::{self, Subject, reading};
 use crate::source::Source;
@@ -23,24 +26,31 @@ pub struct Report {
 }
 
 impl Report {
-    /// Reads and checks a file, in whatever encoding and with whatever line ends it comes.
+    /// Reads and checks a file, in whatever encoding and with whatever line ends it comes. What is allowed beside it is silenced
+    /// ([`allowances_beside`](crate::allowances_beside)).
     ///
     /// # Errors
-    /// The file cannot be read from its disk.
+    /// The file, or that of its allowances, cannot be read.
     pub fn read(path: &Path) -> io::Result<Self> {
-        Ok(Self::of_bytes(
-            &path.display().to_string(),
-            &files::read(path)?,
-        ))
+        Self::read_allowing(path, &[])
+    }
+
+    /// The same with more rules that are silenced.
+    ///
+    /// # Errors
+    /// The file, or that of its allowances, cannot be read.
+    pub fn read_allowing(path: &Path, exemptions: &[Exemption]) -> io::Result<Self> {
+        let (bytes, findings) = opened(path, exemptions)?;
+        Ok(Self::decoded(&bytes, findings))
     }
 
     /// Reads and checks a file that code is to be made of: 0 stands in for each default that it does not state.
     ///
     /// # Errors
-    /// The file cannot be read from its disk.
-    pub fn read_for_code(path: &Path) -> io::Result<Self> {
-        let findings = Findings::new(&path.display().to_string()).for_code();
-        Ok(Self::decoded(&files::read(path)?, findings))
+    /// The file, or that of its allowances, cannot be read.
+    pub fn read_for_code(path: &Path, exemptions: &[Exemption]) -> io::Result<Self> {
+        let (bytes, findings) = opened(path, exemptions)?;
+        Ok(Self::decoded(&bytes, findings.for_code()))
     }
 
     /// Checks a text that code is to be made of, as [`Report::read_for_code`] does.
@@ -92,12 +102,14 @@ impl Report {
         };
         rules::check(&subject, &mut findings);
         let is_for_code = findings.is_for_code();
+        let exemptions = findings.exemptions().to_vec();
         let mut silenced = findings.silence();
         let mut findings = findings.into_sorted();
         let is_unused = |finding: &Diagnostic| finding.rule == &reading::UNUSED_ALLOWANCE;
         if !is_for_code && findings.iter().any(is_unused) {
             // It may be for what only code asks for.
-            let of_code = Self::for_code(&source.file, source.text()).findings;
+            let of_code = Findings::new(&source.file).for_code();
+            let of_code = Self::of(source.clone(), of_code.exempting(exemptions)).findings;
             findings.retain(|finding| !is_unused(finding) || of_code.contains(finding));
         }
         if is_xml {
@@ -127,7 +139,15 @@ impl Report {
         }
     }
 
-    /// Whether something is wrong that leaves the file unusable.
+    /// Whether anything of a dictionary could be read: there may be errors all the same.
+    pub fn has_model(&self) -> bool {
+        let is_fatal =
+            |own: &Diagnostic| own.severity == Severity::Error && !own.rule.can_be_allowed;
+        let is_fatal = self.findings.iter().any(is_fatal);
+        !is_fatal && (!self.model.objects.is_empty() || !self.has_errors())
+    }
+
+    /// Whether something is wrong: no code is made of the file then.
     pub fn has_errors(&self) -> bool {
         self.count(Severity::Error) > 0
     }
@@ -140,8 +160,34 @@ impl Report {
             .count()
     }
 
-    /// The findings with their lines, one after the other.
+    /// The findings with their lines, one after the other. Of those that break one rule the first ones are shown, the others counted.
     pub fn render(&self, colour: Colour) -> String {
+        let mut lines: HashMap<&str, Vec<u32>> = HashMap::new();
+        for finding in &self.findings {
+            let own = lines.entry(finding.rule.name).or_default();
+            own.push(finding.span.line);
+        }
+        let mut seen: HashMap<&str, usize> = HashMap::new();
+        let mut rendered = Vec::new();
+        for finding in &self.findings {
+            let name = finding.rule.name;
+            let number = seen.entry(name).or_default();
+            *number += 1;
+            let all = lines.get(name).map_or(&[][..], Vec::as_slice);
+            // One more takes no more room than to say that there is one more.
+            let is_shown = *number <= SHOWN || all.len() <= SHOWN + 1;
+            let others = (*number == SHOWN && all.len() > SHOWN + 1)
+                .then(|| others(all.get(SHOWN..).unwrap_or_default()));
+            if is_shown {
+                let others = others.as_deref();
+                rendered.push(render_some(finding, &self.source, colour, others) + "\n");
+            }
+        }
+        rendered.join("\n")
+    }
+
+    /// All findings with their lines, one after the other.
+    pub fn render_all(&self, colour: Colour) -> String {
         let findings = self.findings.iter();
         let rendered = findings.map(|finding| render(finding, &self.source, colour) + "\n");
         rendered.collect::<Vec<_>>().join("\n")
@@ -158,6 +204,28 @@ impl Report {
             Ok(self.model)
         }
     }
+}
+
+/// How many findings of one rule are shown.
+const SHOWN: usize = 3;
+/// How many lines of the others are named.
+const NAMED: usize = 8;
+
+/// What there is beside the findings that are shown.
+fn others(lines: &[u32]) -> String {
+    let named = lines.iter().take(NAMED).map(u32::to_string);
+    let named = named.collect::<Vec<_>>().join(", ");
+    let more = if lines.len() > NAMED { ", ..." } else { "" };
+    format!("{} more like this, on lines {named}{more}", lines.len())
+}
+
+/// What a file holds, and room for findings about it.
+fn opened(path: &Path, exemptions: &[Exemption]) -> io::Result<(Vec<u8>, Findings)> {
+    let bytes = files::read(path)?;
+    let mut all = read_beside(path)?;
+    all.extend_from_slice(exemptions);
+    let findings = Findings::new(&path.display().to_string());
+    Ok((bytes, findings.exempting(all)))
 }
 
 /// Why there is no model.

@@ -211,7 +211,17 @@ fn diff_ends_like_diff() {
     assert_eq!(other.status.code(), Some(1));
     assert!(text(&other.stdout).contains("+ 6040h Control word: VAR UNSIGNED16 rww\n"));
     let broken = od_gen(&["diff", small, "tests/data/broken.eds"]);
-    assert_eq!((broken.status.code(), text(&broken.stdout)), (Some(2), ""));
+    assert_eq!(
+        broken.status.code(),
+        Some(1),
+        "what could be read is compared"
+    );
+    assert!(
+        text(&broken.stderr).ends_with("which `od-gen check` shows; what could be read is used\n")
+    );
+    assert_eq!(text(&broken.stderr).lines().count(), 1);
+    let unread = od_gen(&["diff", small, "Cargo.toml"]);
+    assert_eq!((unread.status.code(), text(&unread.stdout)), (Some(2), ""));
     let json = od_gen(&["diff", "--format", "json", small, drive]);
     let differences: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     assert_eq!(differences[0]["place"], "[DeviceInfo]");

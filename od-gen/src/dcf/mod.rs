@@ -91,7 +91,8 @@ pub fn commission(model: &mut Model, node: Commissioning, file: &str) {
 /// Puts values into a configuration. Returns what is wrong with them, in the order of their lines; what is an error there has
 /// not been put.
 pub fn apply(model: &mut Model, values: &Values) -> Vec<Diagnostic> {
-    let mut findings = Findings::new(&values.source.file);
+    // They are to be written: what a device refuses is an error here.
+    let mut findings = Findings::new(&values.source.file).for_code();
     let allowances = Allowances::beside(&model.remarks, &values.comments(), &mut findings);
     findings.allow(allowances);
     findings.extend(values.findings.iter().cloned());

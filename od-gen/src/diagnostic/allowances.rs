@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use super::{Diagnostic, Findings};
+use super::{Diagnostic, Exemption, Findings};
 use crate::document::{Comment, Document};
 use crate::model::Remarks;
 use crate::rules::{self, Rule, reading};
@@ -56,6 +56,11 @@ impl Allowances {
         for comment in &document.head {
             allowances.take(comment, &[], findings);
         }
+        let exemptions = findings.exemptions().to_vec();
+        let is_whole = |own: &&Exemption| own.objects.is_empty();
+        for own in exemptions.iter().filter(is_whole) {
+            allowances.exempt(own);
+        }
         allowances.whole = allowances.list.len();
         let mut parts: HashMap<String, Vec<Range<u32>>> = HashMap::new();
         for section in &document.sections {
@@ -72,8 +77,36 @@ impl Allowances {
                 allowances.take(comment, lines, findings);
             }
         }
+        for own in exemptions.iter().filter(|own| !is_whole(own)) {
+            let allowance = allowances.list.len();
+            for (object, lines) in &parts {
+                let index = object
+                    .get(..4)
+                    .and_then(|text| u16::from_str_radix(text, 16).ok());
+                let is_for = |index| own.objects.iter().any(|range| range.contains(&index));
+                if index.is_some_and(is_for) {
+                    let places = lines.iter().map(|lines| Place {
+                        lines: lines.clone(),
+                        allowance,
+                        reach: 0,
+                    });
+                    allowances.places.extend(places);
+                }
+            }
+            allowances.exempt(own);
+        }
         allowances.sort();
         allowances
+    }
+
+    /// Takes what is allowed from outside.
+    fn exempt(&mut self, own: &Exemption) {
+        self.list.push(Allowance {
+            rule: own.rule,
+            reason: own.reason.clone(),
+            span: None,
+            is_used: false,
+        });
     }
 
     /// What a data sheet, by its remarks, allows for a file beside it, which has comments of its own: each with the lines it is for, none for

@@ -1,6 +1,7 @@
 //! What is wrong with a data sheet, in the form compilers use.
 
 mod allowances;
+mod beside;
 mod render;
 
 use std::fmt;
@@ -10,6 +11,9 @@ use crate::source::Span;
 use crate::xdd::words::in_words_of_xml;
 
 pub(crate) use allowances::{Allowances, is_allowance, without};
+pub(crate) use beside::read as read_beside;
+pub use beside::{Exemption, allowances_beside};
+pub(crate) use render::render_some;
 pub use render::{Colour, render};
 
 /// How bad it is.
@@ -35,7 +39,7 @@ impl fmt::Display for Severity {
 pub struct Diagnostic {
     /// The rule that is broken.
     pub rule: &'static Rule,
-    /// How bad it is.
+    /// How bad it is for what the file is read for.
     pub severity: Severity,
     /// The file as its reader named it.
     pub file: String,
@@ -45,6 +49,8 @@ pub struct Diagnostic {
     pub message: String,
     /// What to do.
     pub help: Option<String>,
+    /// Another place that has to do with it, and what is there.
+    pub other: Option<(Span, String)>,
 }
 
 impl Diagnostic {
@@ -52,6 +58,12 @@ impl Diagnostic {
     pub fn says_what(&self, other: &Self) -> bool {
         let said = in_words_of_xml(&other.message);
         self.rule == other.rule && in_words_of_xml(&self.message).ends_with(&said)
+    }
+
+    /// Shows another place too.
+    pub(crate) fn also(&mut self, span: Span, what: impl Into<String>) -> &mut Self {
+        self.other = Some((span, what.into()));
+        self
     }
 
     /// Says what to do.
@@ -105,6 +117,8 @@ pub struct Findings {
     allowances: Allowances,
     /// Whether code is to be made of the file.
     is_for_code: bool,
+    /// What is allowed from outside.
+    exemptions: Vec<Exemption>,
 }
 
 impl Findings {
@@ -114,6 +128,7 @@ impl Findings {
             list: Vec::new(),
             allowances: Allowances::default(),
             is_for_code: false,
+            exemptions: Vec::new(),
         }
     }
 
@@ -121,6 +136,17 @@ impl Findings {
     pub(crate) fn for_code(mut self) -> Self {
         self.is_for_code = true;
         self
+    }
+
+    /// With what is allowed from outside of the file.
+    pub(crate) fn exempting(mut self, exemptions: Vec<Exemption>) -> Self {
+        self.exemptions = exemptions;
+        self
+    }
+
+    /// What is allowed from outside of the file.
+    pub(crate) fn exemptions(&self) -> &[Exemption] {
+        &self.exemptions
     }
 
     /// Whether code is to be made of the file.
@@ -181,11 +207,12 @@ impl Findings {
         let at = self.list.len();
         self.list.push(Diagnostic {
             rule,
-            severity: rule.severity,
+            severity: self.severity(rule),
             file: self.file.clone(),
             span,
             message: message.into(),
             help: None,
+            other: None,
         });
         &mut self.list[at]
     }
@@ -202,6 +229,28 @@ impl Findings {
     /// Adds findings that are known already.
     pub(crate) fn extend(&mut self, more: impl Iterator<Item = Diagnostic>) {
         self.list.extend(more);
+    }
+
+    /// Adds all of another list.
+    pub(crate) fn append(&mut self, mut more: Self) {
+        self.list.append(&mut more.list);
+    }
+
+    /// Makes them findings of one rule.
+    pub(crate) fn all_under(&mut self, rule: &'static Rule) {
+        let severity = self.severity(rule);
+        for finding in &mut self.list {
+            (finding.rule, finding.severity) = (rule, severity);
+        }
+    }
+
+    /// How bad it is to break a rule, for what the file is read for.
+    fn severity(&self, rule: &Rule) -> Severity {
+        if self.is_for_code {
+            rule.severity_for_code
+        } else {
+            rule.severity
+        }
     }
 
     /// Adds those of another list that are asked for and are not here yet.

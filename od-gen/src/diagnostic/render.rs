@@ -3,7 +3,7 @@
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::{Diagnostic, Severity};
-use crate::source::Source;
+use crate::source::{Source, Span};
 
 /// Whether to use colours; only a terminal shows them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,6 +17,16 @@ pub enum Colour {
 
 /// A finding with its line.
 pub fn render(finding: &Diagnostic, source: &Source, colour: Colour) -> String {
+    render_some(finding, source, colour, None)
+}
+
+/// A finding with its line, and a word about others of its kind that are not shown.
+pub(crate) fn render_some(
+    finding: &Diagnostic,
+    source: &Source,
+    colour: Colour,
+    others: Option<&str>,
+) -> String {
     let renderer = match colour {
         Colour::Never => Renderer::plain(),
         Colour::Always => Renderer::styled(),
@@ -25,24 +35,38 @@ pub fn render(finding: &Diagnostic, source: &Source, colour: Colour) -> String {
         Severity::Warning => Level::WARNING,
         Severity::Error => Level::ERROR,
     };
-    let line = source.line(finding.span.line).unwrap_or_default();
-    let column = usize::try_from(finding.span.column.saturating_sub(1)).unwrap_or_default();
-    let length = usize::try_from(finding.span.length).unwrap_or_default();
+    let snippet = |span: Span, kind: AnnotationKind, label| {
+        let line = source.line(span.line).unwrap_or_default();
+        let range = range(line, span);
+        Snippet::source(line)
+            .path(&finding.file)
+            .line_start(usize::try_from(span.line).unwrap_or(1))
+            .annotation(kind.span(range).label(label))
+    };
+    let first = snippet(finding.span, AnnotationKind::Primary, None);
+    let mut group = level
+        .primary_title(&finding.message)
+        .id(finding.rule.name)
+        .element(first);
+    if let Some((span, what)) = &finding.other {
+        group = group.element(snippet(*span, AnnotationKind::Context, Some(what.as_str())));
+    }
+    if let Some(help) = &finding.help {
+        group = group.element(Level::HELP.message(help));
+    }
+    if let Some(others) = others {
+        group = group.element(Level::NOTE.message(others));
+    }
+    renderer.render(&[group])
+}
+
+/// The bytes of a line that a span covers.
+fn range(line: &str, span: Span) -> std::ops::Range<usize> {
+    let column = usize::try_from(span.column.saturating_sub(1)).unwrap_or_default();
+    let length = usize::try_from(span.length).unwrap_or_default();
     let offset = |characters: usize| {
         let letter = line.char_indices().nth(characters);
         letter.map_or(line.len(), |(at, _)| at)
     };
-    let span = offset(column)..offset(column.saturating_add(length));
-    let snippet = Snippet::source(line)
-        .path(&finding.file)
-        .line_start(usize::try_from(finding.span.line).unwrap_or(1))
-        .annotation(AnnotationKind::Primary.span(span));
-    let mut group = level
-        .primary_title(&finding.message)
-        .id(finding.rule.name)
-        .element(snippet);
-    if let Some(help) = &finding.help {
-        group = group.element(Level::HELP.message(help));
-    }
-    renderer.render(&[group])
+    offset(column)..offset(column.saturating_add(length))
 }

@@ -8,8 +8,8 @@ mod read;
 mod write;
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use crate::diagnostic::Findings;
@@ -17,7 +17,7 @@ use crate::rules::reading;
 use crate::source::Span;
 
 pub(crate) use order::{SECTIONS, canonical};
-pub(crate) use read::read;
+pub(crate) use read::{read, read_all};
 pub(crate) use write::write;
 
 /// A file.
@@ -44,8 +44,12 @@ pub(crate) struct Section<'a> {
 }
 
 impl Document<'_> {
-    /// Of a section that is there twice, however its name is spelled, the first one stays; the others are reported.
-    pub(crate) fn keep_first(&mut self, findings: &mut Findings) {
+    /// Of a section that is there twice, however its name is spelled, the first one stays; the others are reported, and become
+    /// comments behind what stands above them where nothing may be lost.
+    pub(crate) fn keep_first(&mut self, keeps_all: bool, findings: &mut Findings) {
+        if keeps_all {
+            self.quote_others();
+        }
         let mut first = HashMap::new();
         self.sections.retain(|section| {
             let (name, span) = (&section.name, section.span);
@@ -59,9 +63,49 @@ impl Document<'_> {
             let message = format!("the section [{name}] is already on line {line}");
             let finding = findings.report(&reading::REPEATED_SECTION, span, message);
             finding.help("only the first one counts: remove one of them");
+            finding.also(
+                Span {
+                    line,
+                    ..Span::START
+                },
+                "the first one",
+            );
             false
         });
     }
+
+    /// Makes comments of the sections that do not count.
+    fn quote_others(&mut self) {
+        let mut seen = HashSet::new();
+        let mut kept: Vec<Section<'_>> = Vec::new();
+        for section in std::mem::take(&mut self.sections) {
+            if seen.insert(order::identity(&section.name)) {
+                kept.push(section);
+                continue;
+            }
+            let Some(above) = kept.last_mut() else {
+                continue;
+            };
+            let position = above.keys.len();
+            let mut quote = |text: &str| {
+                let quoted = Comment::new(left_out(text), position);
+                above.comments.push(quoted);
+            };
+            quote(&format!("[{}]", section.name));
+            for key in &section.keys {
+                quote(&format!("{}={}", key.name, key.value));
+            }
+            for comment in section.lead.iter().chain(&section.comments) {
+                quote(&comment.text);
+            }
+        }
+        self.sections = kept;
+    }
+}
+
+/// What a line that means nothing becomes; no tool takes it for a note.
+fn left_out(text: &str) -> String {
+    format!(" left out: {text}")
 }
 
 impl<'a> Section<'a> {

@@ -1,5 +1,6 @@
 //! From lines to a [`Document`].
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::mem;
 
@@ -10,7 +11,17 @@ use crate::source::{Source, Span};
 
 /// Reads the lines of a file.
 pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Document<'a> {
+    read_lines(source, false, findings)
+}
+
+/// Reads the lines of a file that is to be written again: those that mean nothing are kept as comments.
+pub(crate) fn read_all<'a>(source: &'a Source, findings: &mut Findings) -> Document<'a> {
+    read_lines(source, true, findings)
+}
+
+fn read_lines<'a>(source: &'a Source, keeps_all: bool, findings: &mut Findings) -> Document<'a> {
     let mut reader = Reader {
+        keeps_all,
         document: Document::default(),
         lead: Vec::new(),
         after_blank: true,
@@ -27,6 +38,8 @@ pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Document<
 
 struct Reader<'a, 'f> {
     document: Document<'a>,
+    /// Whether lines that mean nothing become comments.
+    keeps_all: bool,
     /// Comments after a blank line: they belong to the next section, if that comes before the next key.
     lead: Vec<Comment<'a>>,
     after_blank: bool,
@@ -66,12 +79,20 @@ impl<'a> Reader<'a, '_> {
                         )),
                         None => finding.help("remove it, or put `;` in front of it"),
                     }
+                    self.keep(text, span);
                 }
             },
         }
     }
 
-    fn comment(&mut self, text: &'a str, span: Span) {
+    /// Keeps a text that means nothing.
+    fn keep(&mut self, text: &'a str, span: Span) {
+        if self.keeps_all && !text.is_empty() {
+            self.comment(super::left_out(text), span);
+        }
+    }
+
+    fn comment(&mut self, text: impl Into<Cow<'a, str>>, span: Span) {
         let mut comment = Comment {
             text: text.into(),
             span,
@@ -106,6 +127,7 @@ impl<'a> Reader<'a, '_> {
                 .report(&reading::UNCLOSED_SECTION, span, message);
         }
         let name = name.trim();
+        let rest = if comment.is_some() { "" } else { rest.trim() };
         self.keys.clear();
         let lead = mem::take(&mut self.lead);
         let start = lead.first().map_or(span.line, |comment| comment.span.line);
@@ -125,6 +147,8 @@ impl<'a> Reader<'a, '_> {
                 .into_iter()
                 .collect(),
         });
+        self.after_blank = false;
+        self.keep(rest, span);
     }
 
     fn key(&mut self, number: u32, line: &'a str, name: &'a str, value: &'a str) {
@@ -133,6 +157,7 @@ impl<'a> Reader<'a, '_> {
             let message = format!("`{name}` stands before the first section");
             self.findings
                 .report(&reading::KEY_OUTSIDE, name_span, message);
+            self.keep(line.trim(), name_span);
             return;
         };
         section.comments.append(&mut self.lead);
@@ -153,15 +178,20 @@ impl<'a> Reader<'a, '_> {
         let at = section.keys.len();
         let first = *self.keys.entry(name.to_ascii_lowercase()).or_insert(at);
         if let Some(first) = section.keys.get(first).filter(|_| first != at) {
-            let (line, known) = (first.span.line, &first.value);
+            let (on, known) = (first.span.line, &first.value);
             let rule = if *known == value {
                 &reading::REPEATED_KEY
             } else {
                 &reading::CONTRADICTING_KEY
             };
-            let message = format!("`{name}` is already on line {line}, as `{known}`");
+            let message = format!("`{name}` is already on line {on}, as `{known}`");
+            let place = first.span;
             let finding = self.findings.report(rule, name_span, message);
             finding.help("only the first one counts: remove one of them");
+            finding.also(place, "this one counts");
+            if rule == &reading::CONTRADICTING_KEY {
+                self.keep(line.trim(), name_span);
+            }
             return;
         }
         section.keys.push(Key {
@@ -185,7 +215,7 @@ impl<'a> Reader<'a, '_> {
         if let Some(section) = self.document.sections.last_mut() {
             section.comments.extend(lead);
         }
-        self.document.keep_first(self.findings);
+        self.document.keep_first(self.keeps_all, self.findings);
         self.document
     }
 }

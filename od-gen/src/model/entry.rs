@@ -189,6 +189,20 @@ impl Access {
         found.map(|(access, _)| access)
     }
 
+    /// What was plainly meant by a text that is no name: `r/o`, `RW.`, `read-write`.
+    pub(crate) fn meant(text: &str) -> Option<Self> {
+        let letters = text.chars().filter(char::is_ascii_alphanumeric);
+        let letters: String = letters.collect::<String>().to_ascii_lowercase();
+        let spelled = match letters.as_str() {
+            "read" | "readonly" => "ro",
+            "write" | "writeonly" => "wo",
+            "readwrite" | "wr" => "rw",
+            "constant" => "const",
+            other => other,
+        };
+        Self::from_name(spelled)
+    }
+
     /// The name that CiA 306 gives it.
     pub fn name(self) -> &'static str {
         let found = Self::NAMES.into_iter().find(|(access, _)| *access == self);

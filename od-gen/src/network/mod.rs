@@ -85,7 +85,7 @@ impl NetworkReport {
     pub fn read(path: &Path) -> io::Result<Self> {
         let file = path.display().to_string();
         let bytes = crate::files::read(path)?;
-        let mut findings = Findings::new(&file);
+        let mut findings = Findings::new(&file).for_code();
         let source = Source::decode(&file, &bytes, &mut findings).unwrap_or_default();
         let folder = path.parent().unwrap_or(Path::new(""));
         Ok(Self::of(source, findings, |sheet| {
@@ -95,7 +95,7 @@ impl NetworkReport {
 
     /// Checks a text that is at hand. `file` is its name, for the findings; `sheet` gives the data sheet of a name.
     pub fn new(file: &str, text: &str, sheet: impl FnMut(&str) -> io::Result<Report>) -> Self {
-        let mut findings = Findings::new(file);
+        let mut findings = Findings::new(file).for_code();
         let source = Source::new(file, text, &mut findings);
         Self::of(source, findings, sheet)
     }

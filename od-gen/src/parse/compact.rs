@@ -12,7 +12,7 @@ use super::value::{self, Written};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
 use crate::document::Section;
-use crate::model::{Access, DefaultValue, Entry, Object, Places};
+use crate::model::{Access, DefaultValue, Entry, Field, Object, Places};
 use crate::number::Number;
 use crate::rules::structure as rule;
 
@@ -30,6 +30,7 @@ pub(super) fn expand(
         sub: 1,
         is_dcf: sections.is_dcf,
         is_domain: false,
+        is_compact: true,
         is_extension: false,
         types: &sections.types,
     };
@@ -55,6 +56,7 @@ pub(super) fn expand(
         findings,
         |entry, text, _| {
             entry.name = text.text.into();
+            entry.places.put(Field::ParameterName, text.span);
         },
     );
     read_list(
@@ -64,6 +66,7 @@ pub(super) fn expand(
         findings,
         |entry, text, _| {
             entry.denotation = Some(text.text.into());
+            entry.places.put(Field::Denotation, text.span);
         },
     );
     let is_dcf = sections.is_dcf;
@@ -74,13 +77,21 @@ pub(super) fn expand(
         findings,
         |entry, text, findings| {
             let value = value::value(text, entry.data_type, findings);
-            match value {
-                Some(value) if is_dcf => entry.configured = Some(value),
-                Some(value) => entry.default = Some(value),
-                None => {}
+            if is_dcf {
+                entry.configured = value;
+                entry.places.put(Field::ParameterValue, text.span);
+            } else {
+                entry.default = value;
+                entry.places.put(Field::DefaultValue, text.span);
+                entry::check_default(entry, Some(text.text), findings);
             }
         },
     );
+    // Once for all of them.
+    let is_open = |entry: &&Entry| entry.sub > 0 && entry.default.is_none();
+    if let Some(entry) = object.entries.iter().find(is_open) {
+        entry::check_constant(entry, section.span, findings);
+    }
 }
 
 /// Calls `take` for each sub-index in one of the lists.

@@ -6,7 +6,7 @@ use crate::diagnostic::Findings;
 use crate::document::Section;
 use crate::model::{Access, Commissioning, DeviceInfo, DynamicChannel, FileInfo, KeyPlaces, Tools};
 use crate::number::Number;
-use crate::rules::reading;
+use crate::rules::{reading, value};
 
 /// Bit rates that DeviceInfo can name, in kbit/s.
 const BIT_RATES: [u16; 8] = [10, 20, 50, 125, 250, 500, 800, 1000];
@@ -55,9 +55,11 @@ pub(crate) const DEVICE_INFO_KEYS: [&str; 23] = [
 ];
 
 /// The keys of the section.
-pub(crate) const COMMISSIONING_KEYS: [&str; 7] = [
+pub(crate) const COMMISSIONING_KEYS: [&str; 9] = [
     "NodeID",
     "NodeName",
+    "NodeRefd",
+    "NetRefd",
     "Baudrate",
     "NetNumber",
     "NetworkName",
@@ -71,7 +73,7 @@ pub(super) fn file_info(sections: &Sections<'_>, findings: &mut Findings) -> Fil
         return FileInfo::default();
     };
     check_keys(section, &FILE_INFO_KEYS, findings);
-    let mut byte = |name: &str| number(section, name, (0, 255), findings).map_or(0, narrow);
+    let mut byte = |name: &str| version(section, name, findings);
     FileInfo {
         file_name: text(section, "FileName"),
         file_version: byte("FileVersion"),
@@ -86,6 +88,28 @@ pub(super) fn file_info(sections: &Sections<'_>, findings: &mut Findings) -> Fil
         modified_by: text(section, "ModifiedBy"),
         last_eds: text(section, "LastEDS"),
     }
+}
+
+/// FileVersion and FileRevision; of `1.0` what is before the point.
+fn version(section: &Section<'_>, name: &str, findings: &mut Findings) -> u8 {
+    let Some(key) = section.key(name) else {
+        return 0;
+    };
+    let text: &str = &key.value;
+    // 08 is no octal number, and what is meant is plain.
+    let byte = |text: &str| match Number::parse(text) {
+        Ok(number) => u8::try_from(number.value).ok(),
+        Err(_) => text.parse().ok(),
+    };
+    byte(text).unwrap_or_else(|| {
+        let message = format!("{name} `{text}` is no number from 0 to 255");
+        let near = text.split(['.', ',']).next().and_then(byte);
+        let finding = findings.report(&value::FILE_VERSION, key.span, message);
+        if let Some(near) = near {
+            finding.help(format!("write `{name}={near}`"));
+        }
+        near.unwrap_or_default()
+    })
 }
 
 /// A number whose range has been checked.
@@ -155,7 +179,8 @@ pub(super) fn commissioning(
     let mut of = |name: &str, range| number(section, name, range, findings);
     let largest = i128::from(u32::MAX);
     Some(Commissioning {
-        node_id: of("NodeID", (1, 127)).map_or(0, narrow),
+        // Some tools write 0 while it is for no node yet.
+        node_id: of("NodeID", (0, 127)).map_or(0, narrow),
         bit_rate: of("Baudrate", (0, 1000)).map_or(0, narrow),
         net_number: of("NetNumber", (0, largest)).map_or(0, narrow),
         is_manager: of("CANopenManager", (0, 1)) == Some(1),

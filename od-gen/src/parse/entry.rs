@@ -26,6 +26,8 @@ pub(super) struct Context<'a> {
     pub(super) is_dcf: bool,
     /// Whether its object is a DOMAIN: its data type then goes without saying.
     pub(super) is_domain: bool,
+    /// Whether it stands for many: their lists of values are still to come.
+    pub(super) is_compact: bool,
     /// Whether it says how a module extends an object.
     pub(super) is_extension: bool,
     /// The types that the file defines, by index.
@@ -45,7 +47,7 @@ pub(super) fn read(
     let flags = object_flags(section, findings);
     let mapping = number(section, "PDOMapping", (0, 1), findings);
     let notes = notes(section);
-    let (data_type, access) = (data_type?, access?);
+    let data_type = data_type?;
 
     let mut entry = Entry::new(context.sub, name, data_type);
     entry.access = access;
@@ -57,41 +59,37 @@ pub(super) fn read(
         let span = places.of(Field::PdoMapping);
         let message = format!("PDOMapping of a {} is not supported", data_type.name());
         findings.report(&rule::MAPPING_OF_VARIABLE_LENGTH, span, message);
-        entry.pdo_mapping = false;
+        // The file has it; a generated dictionary does not.
+        entry.pdo_mapping = !findings.is_for_code();
     }
-    let mut limit = |name: &str| match section.key(name) {
-        Some(key) => value::limit(written(key), data_type, findings),
-        None => Some(None),
-    };
-    let (low_limit, high_limit) = (limit("LowLimit"), limit("HighLimit"));
-    let mut of = |name: &str| match section.key(name) {
-        Some(key) => value::value(written(key), data_type, findings).map(Some),
-        None => Some(None),
-    };
+    let mut limit = |name: &str| value::limit(written(section.key(name)?), data_type, findings);
+    (entry.low_limit, entry.high_limit) = (limit("LowLimit"), limit("HighLimit"));
+    let mut of = |name: &str| value::value(written(section.key(name)?), data_type, findings);
     let (default, configured) = (of("DefaultValue"), of("ParameterValue"));
-    (entry.low_limit, entry.high_limit) = (low_limit?, high_limit?);
-    entry.default = default?.filter(|default| !is_empty(default));
+    entry.default = default;
     if context.is_dcf {
-        entry.configured = configured?;
+        entry.configured = configured;
         let text = |name: &str| section.key(name).map(|key| key.value.to_string());
         entry.denotation = text("Denotation");
         entry.upload_file = text("UploadFile");
         entry.download_file = text("DownloadFile");
     }
     entry.places = places;
-    check_limits(&mut entry, section, findings);
-    check_constant(&entry, section, findings);
+    check_order(&mut entry, findings);
+    check_default(
+        &entry,
+        section.key("DefaultValue").map(|key| &*key.value),
+        findings,
+    );
+    if !context.is_compact {
+        check_constant(&entry, section.span, findings);
+    }
     entry.size = size(section, &entry, findings)?;
-    entry.storage = storage(section, context.index, access, findings)?;
+    entry.storage = storage(section, context.index, access, findings);
     if let Some((span, note)) = note_place(section, "Memory") {
         give_to_application(&mut entry, context.index, (span, note), findings);
     }
     Some(entry)
-}
-
-/// Whether a default says no more than none.
-fn is_empty(default: &DefaultValue) -> bool {
-    matches!(default, DefaultValue::Text(bytes) if bytes.is_empty())
 }
 
 fn written<'a>(key: &'a Key<'a>) -> Written<'a> {
@@ -135,23 +133,26 @@ pub(super) fn parameter_name(
     (index, sub): (u16, u8),
     findings: &mut Findings,
 ) -> String {
-    let (span, message) = match section.key("ParameterName") {
-        Some(key)
-            if key
-                .value
-                .contains(|letter: char| letter.is_ascii_alphanumeric()) =>
-        {
-            return key.value.to_string();
-        }
+    let mut keys = section.keys.iter();
+    let key = keys.find(|key| key.name.eq_ignore_ascii_case("ParameterName"));
+    match key {
         Some(key) => {
             let name = &key.value;
-            let message =
-                format!("ParameterName `{name}` has none of the letters A to Z and no digit");
-            (key.span, message)
+            let is_plain = name.contains(|letter: char| letter.is_ascii_alphanumeric());
+            if !is_plain {
+                let message =
+                    format!("ParameterName `{name}` has none of the letters A to Z and no digit");
+                findings.report(&structure::PLAIN_NAME, key.span, message);
+            }
+            if !name.is_empty() {
+                return name.to_string();
+            }
         }
-        None => (section.span, missing("ParameterName", section)),
-    };
-    findings.report(&structure::NO_NAME, span, message);
+        None => {
+            let message = missing("ParameterName", section);
+            findings.report(&structure::NO_NAME, section.span, message);
+        }
+    }
     if sub == 0 {
         format!("Object {index:04X}h")
     } else {
@@ -201,7 +202,7 @@ fn data_type(
         ..mistake
     });
     let Some(code) = findings.take(&rule::NOT_A_NUMBER, key.span, code) else {
-        return findings.allowed(&rule::NOT_A_NUMBER, key.span, named)?;
+        return named;
     };
     let defined = || context.types.get(&u16::try_from(code.value).ok()?).copied();
     let data_type = DataType::from_code(code.value).or_else(defined);
@@ -216,24 +217,34 @@ fn data_type(
     data_type
 }
 
-fn access(section: &Section<'_>, context: Context<'_>, findings: &mut Findings) -> Option<Access> {
+fn access(section: &Section<'_>, context: Context<'_>, findings: &mut Findings) -> Access {
     if context.is_domain && section.key("AccessType").is_none() {
-        return Some(Access::ReadWrite);
+        return Access::ReadWrite;
     }
     let Some(key) = required(section, "AccessType", &rule::NO_ACCESS, findings) else {
-        return findings.allowed(&rule::NO_ACCESS, section.span, Access::ReadOnly);
+        return unknown_access(&rule::NO_ACCESS, section.span, findings);
     };
     if let Some(access) = Access::from_name(&key.value) {
-        return Some(access);
+        return access;
     }
     let text = &key.value;
     let message = format!("AccessType `{text}` is not ro, wo, rw, rwr, rww or const");
-    findings.report(&rule::ACCESS, key.span, message);
-    findings.allowed(&rule::ACCESS, key.span, Access::ReadOnly)
+    let meant = Access::meant(text);
+    let finding = findings.report(&rule::ACCESS, key.span, message);
+    if let Some(meant) = meant {
+        finding.help(format!("write `AccessType={}`", meant.name()));
+    }
+    meant.unwrap_or_else(|| unknown_access(&rule::ACCESS, key.span, findings))
 }
 
-/// The limits leave room, and the default is in it with every node-ID.
-fn check_limits(entry: &mut Entry, section: &Section<'_>, findings: &mut Findings) {
+/// A value that nobody knows how to reach is ro where that is meant to be; else it is rw, of which nothing follows that could be wrong too.
+fn unknown_access(rule: &Rule, span: Span, findings: &Findings) -> Access {
+    let read_only = findings.allowed(rule, span, Access::ReadOnly);
+    read_only.unwrap_or(Access::ReadWrite)
+}
+
+/// The limits leave room.
+fn check_order(entry: &mut Entry, findings: &mut Findings) {
     if let (Some(low), Some(high)) = (entry.low_limit, entry.high_limit)
         && low > high
     {
@@ -241,8 +252,11 @@ fn check_limits(entry: &mut Entry, section: &Section<'_>, findings: &mut Finding
         let message = format!("LowLimit {low} is above HighLimit {high}");
         findings.report(&rule::LOW_ABOVE_HIGH, span, message);
         (entry.low_limit, entry.high_limit) = (None, None);
-        return;
     }
+}
+
+/// The default lies between the limits with every node-ID; `text` is how it is written.
+pub(super) fn check_default(entry: &Entry, text: Option<&str>, findings: &mut Findings) {
     // The device starts with 0 where nothing is stated, and of that only code is made.
     let default = match &entry.default {
         None if findings.is_for_code() => Some(entry.initial()),
@@ -260,8 +274,7 @@ fn check_limits(entry: &mut Entry, section: &Section<'_>, findings: &mut Finding
         Some(DefaultValue::Real(value)) => (Limit::Real(value), Limit::Real(value)),
         Some(DefaultValue::Text(_)) | None => return,
     };
-    let key = section.key("DefaultValue");
-    let text = key.map_or("0 (there is none)", |key| &*key.value);
+    let text = text.unwrap_or("0 (there is none)");
     let outside = match (entry.low_limit, entry.high_limit) {
         (Some(low), _) if least < low => format!("below LowLimit {low}"),
         (_, Some(high)) if most > high => format!("above HighLimit {high}"),
@@ -273,14 +286,17 @@ fn check_limits(entry: &mut Entry, section: &Section<'_>, findings: &mut Finding
     let is_zero = |limit: Option<Limit>| limit == Some(Limit::Integer(0));
     if is_zero(entry.low_limit) && is_zero(entry.high_limit) {
         finding.help("some tools write 0 and 0 where there are no limits: remove both");
+    } else {
+        finding.help("either the default is wrong, or the limit");
     }
 }
 
-fn check_constant(entry: &Entry, section: &Section<'_>, findings: &mut Findings) {
+pub(super) fn check_constant(entry: &Entry, span: Span, findings: &mut Findings) {
     let is_number = entry.data_type.size().is_some();
-    if entry.access == Access::Constant && is_number && section.key("DefaultValue").is_none() {
-        let message = format!("[{}] is const: it needs a DefaultValue", section.name);
-        findings.report(&rule::CONST_WITHOUT_DEFAULT, section.span, message);
+    let has_default = entry.default.is_some() || entry.places.has(Field::DefaultValue);
+    if entry.access == Access::Constant && is_number && !has_default {
+        let message = format!("`{}` is const: it needs a DefaultValue", entry.name);
+        findings.report(&rule::CONST_WITHOUT_DEFAULT, span, message);
     }
 }
 
@@ -291,10 +307,8 @@ fn size(section: &Section<'_>, entry: &Entry, findings: &mut Findings) -> Option
         Some((span, text)) => {
             let capacity = Number::parse_within(text, 1, u16::MAX.into());
             let capacity = capacity.map_err(|why| why.of("Capacity"));
-            match findings.take(&rule::CAPACITY, span, capacity) {
-                Some(capacity) => Some((span, u16::try_from(capacity).unwrap_or(u16::MAX))),
-                None => findings.allowed(&rule::CAPACITY, span, None)?,
-            }
+            let capacity = findings.take(&rule::CAPACITY, span, capacity);
+            capacity.map(|capacity| (span, u16::try_from(capacity).unwrap_or(u16::MAX)))
         }
         None => None,
     };
@@ -331,7 +345,7 @@ fn size(section: &Section<'_>, entry: &Entry, findings: &mut Findings) -> Option
             let message =
                 format!("Capacity {capacity} is less than the {length} bytes of the default");
             findings.report(&rule::CAPACITY_TOO_SMALL, span, message);
-            return findings.allowed(&rule::CAPACITY_TOO_SMALL, span, length);
+            length
         }
         Some((_, capacity)) => capacity,
         None if entry.access.is_writable() => length.max(LEAST_CAPACITY),
@@ -370,39 +384,36 @@ fn storage(
     index: u16,
     access: Access,
     findings: &mut Findings,
-) -> Option<Option<StorageGroup>> {
+) -> Option<StorageGroup> {
     let default = StorageGroup::default_of(index, access);
-    match storage_note(section, findings)? {
-        None => Some(default),
-        Some((_, None)) => Some(None),
+    match storage_note(section, findings) {
+        None => default,
+        Some((_, None)) => None,
         Some((span, Some(_))) if !access.is_writable() => {
             let message = format!("Storage of a value that is {}", access.name());
             findings.report(&rule::STORAGE_OF_FIXED, span, message);
-            Some(None)
+            None
         }
-        Some((_, group)) => Some(group),
+        Some((_, group)) => group,
     }
 }
 
-/// The comment `;Storage=` with its place; `None` outside when it is wrong.
-#[allow(clippy::type_complexity, reason = "there or not, stored or not")]
+/// The comment `;Storage=` with its place: stored or not. `None` when there is none, or a wrong one.
 pub(super) fn storage_note(
     section: &Section<'_>,
     findings: &mut Findings,
-) -> Option<Option<(Span, Option<StorageGroup>)>> {
-    let Some((span, text)) = note_place(section, "Storage") else {
-        return Some(None);
-    };
+) -> Option<(Span, Option<StorageGroup>)> {
+    let (span, text) = note_place(section, "Storage")?;
     if text.eq_ignore_ascii_case("none") {
-        return Some(Some((span, None)));
+        return Some((span, None));
     }
     if let Some(group) = StorageGroup::from_name(text) {
-        return Some(Some((span, Some(group))));
+        return Some((span, Some(group)));
     }
     let message =
         format!("Storage `{text}` is not none, communication, application or manufacturer");
     findings.report(&rule::STORAGE, span, message);
-    findings.allowed(&rule::STORAGE, span, None)
+    None
 }
 
 /// The comments of the form `;Name=value`: CiA 306 has no keys for them, and tools complain about keys that are not in it.

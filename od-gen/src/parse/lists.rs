@@ -47,13 +47,15 @@ pub(super) fn check(sections: &Sections<'_>, findings: &mut Findings) {
     ] {
         if let Some(section) = section {
             let count_key = "SupportedObjects";
-            read(Some(list), section, count_key, &mut listed, findings);
+            let list = Some((list, sections));
+            read(list, section, count_key, &mut listed, findings);
         }
     }
     for (index, span) in &listed {
         if !sections.objects.contains_key(index) {
             let message = format!("{index:04X}h is listed, but there is no section [{index:04X}]");
-            findings.report(&rule::LISTED_WITHOUT_SECTION, *span, message);
+            let finding = findings.report(&rule::LISTED_WITHOUT_SECTION, *span, message);
+            finding.help("add the section, or take it off the list");
         }
     }
     for (index, section) in sections.objects.range(0x1000..) {
@@ -86,13 +88,15 @@ pub(super) fn indices(
 
 /// Reads one list into `listed`: index and place.
 fn read(
-    list: Option<List>,
+    list: Option<(List, &Sections<'_>)>,
     section: &Section<'_>,
     count_key: &str,
     listed: &mut BTreeMap<u16, Span>,
     findings: &mut Findings,
 ) {
     let (mut count, mut next) = (0, 1);
+    let sections = list.map(|(_, sections)| sections);
+    let list = list.map(|(list, _)| list);
     for key in &section.keys {
         if key.name.eq_ignore_ascii_case(count_key) {
             continue;
@@ -108,12 +112,15 @@ fn read(
         }
         count += 1;
         let number = Number::parse(&key.value).ok();
-        let Some(index) = number.and_then(index_of) else {
+        // Types that the file defines may be listed like objects.
+        let defined = |index: u16| {
+            index >= 0x1000 || sections.is_some_and(|own| own.objects.contains_key(&index))
+        };
+        let Some(index) = number.and_then(index_of).filter(|index| defined(*index)) else {
             let message = format!("`{}` is not an index (0x1000 to 0xFFFF)", key.value);
             findings.report(&rule::NOT_AN_INDEX, key.span, message);
             let meant = Number::meant(&key.value).and_then(index_of);
-            let meant = findings.allowed(&rule::NOT_AN_INDEX, key.span, meant);
-            if let Some(index) = meant.flatten() {
+            if let Some(index) = meant.filter(|index| defined(*index)) {
                 listed.entry(index).or_insert(key.span);
             }
             continue;
@@ -121,7 +128,7 @@ fn read(
         if let Some(first) = listed.insert(index, key.span) {
             let message = format!("{index:04X}h is already listed on line {}", first.line);
             findings.report(&rule::LISTED_TWICE, key.span, message);
-        } else if list.is_some_and(|list| List::of(index) != list) {
+        } else if index >= 0x1000 && list.is_some_and(|list| List::of(index) != list) {
             let message = format!("{index:04X}h belongs in [{}]", List::of(index).name());
             findings.report(&rule::WRONG_LIST, key.span, message);
         }
@@ -131,8 +138,7 @@ fn read(
 
 /// The index of an object.
 fn index_of(number: Number) -> Option<u16> {
-    let index = u16::try_from(number.value).ok();
-    index.filter(|index| *index >= 0x1000)
+    u16::try_from(number.value).ok().filter(|index| *index > 0)
 }
 
 /// A list has as many entries as its key says.
@@ -148,7 +154,7 @@ pub(super) fn check_count(section: &Section<'_>, name: &str, count: i128, findin
         Ok(_) => {
             let message = format!("{name} is {}, but {count} are listed", key.value);
             let finding = findings.report(&rule::LIST_COUNT, key.span, message);
-            finding.help(format!("write {name}={count}"));
+            finding.help(format!("write {name}={count}, or list what {name} counts"));
         }
         Err(mistake) => {
             findings.take::<(), _>(&rule::LIST_COUNT, key.span, Err(mistake));

@@ -149,6 +149,7 @@ fn read_module(
             sub: 1,
             is_dcf,
             is_domain: false,
+            is_compact: false,
             is_extension: true,
             types: &sections.objects.types,
         };

@@ -18,10 +18,7 @@ pub(super) fn read(
     findings: &mut Findings,
 ) {
     for (index, section) in &sections.objects {
-        let Some(object) = read_object(*index, section, sections, broken, findings) else {
-            broken.objects.insert(*index);
-            continue;
-        };
+        let object = read_object(*index, section, sections, broken, findings);
         // Nothing is left of it, which has been reported.
         let is_empty = object.entries.is_empty() && broken.has(*index, 0);
         if is_empty {
@@ -73,7 +70,7 @@ fn read_object(
     sections: &Sections<'_>,
     broken: &mut Broken,
     findings: &mut Findings,
-) -> Option<Object> {
+) -> Object {
     let has_subs = section.key("CompactSubObj").is_some()
         || (sections.subs.range((index, 0)..=(index, u8::MAX)).next()).is_some();
     let likely = if has_subs {
@@ -81,11 +78,9 @@ fn read_object(
     } else {
         ObjectType::Var
     };
-    let object_type = object_type(section, likely, findings)?;
+    let object_type = object_type(section, likely, findings);
     let is_type = matches!(object_type, ObjectType::DefType | ObjectType::DefStruct);
-    let count = number(section, "CompactSubObj", (0, 254), findings)
-        .and_then(|count| u8::try_from(count).ok())
-        .filter(|count| *count > 0);
+    let count = compact_count(section, findings).filter(|count| *count > 0);
     let is_value = match object_type {
         ObjectType::Null => false,
         ObjectType::DefType => section.key("AccessType").is_some(),
@@ -134,6 +129,7 @@ fn read_object(
                     sub: 0,
                     is_dcf: sections.is_dcf,
                     is_domain: object_type == ObjectType::Domain,
+                    is_compact: false,
                     is_extension: false,
                     types: &sections.types,
                 };
@@ -144,11 +140,63 @@ fn read_object(
             }
         }
     }
+    if object_type.has_subs() && count.is_none() {
+        check_header(&object, section, sections, findings);
+    }
     if object_type.has_subs() && !is_type && !broken.objects.contains(&index) {
         check_sub_0(&mut object, section, broken, findings);
         check_array(&object, findings);
     }
-    Some(object)
+    object
+}
+
+/// CompactSubObj. One that says too much stands for as many sub-indices as there can be, so that nothing else is said about them.
+fn compact_count(section: &Section<'_>, findings: &mut Findings) -> Option<u8> {
+    let key = section.key("CompactSubObj")?;
+    let before = findings.len();
+    let count = number(section, "CompactSubObj", (0, 254), findings);
+    if findings.len() == before {
+        return count.and_then(|count| u8::try_from(count).ok());
+    }
+    let stated = Number::parse(&key.value).ok()?;
+    (stated.value > 254).then_some(254)
+}
+
+/// The header of an object with sub-indices has what is true of all of them; the rest is theirs.
+fn check_header(
+    object: &Object,
+    section: &Section<'_>,
+    sections: &Sections<'_>,
+    findings: &mut Findings,
+) {
+    let of_values = ["AccessType", "LowLimit", "HighLimit", "DefaultValue"];
+    let mut keys: Vec<_> = of_values
+        .iter()
+        .filter_map(|name| section.key(name))
+        .collect();
+    // A RECORD may name the DEFSTRUCT that it is made by (CiA 301, table 44: 0020h to 0FFFh).
+    let is_simple = |code: u16| DataType::from_code(code.into()).is_some();
+    if object.object_type == ObjectType::Record
+        && object.data_type.is_some_and(is_simple)
+        && let Some(key) = section.key("DataType")
+    {
+        keys.push(key);
+    }
+    let Some(first) = keys.iter().min_by_key(|key| key.span) else {
+        return;
+    };
+    let names: Vec<&str> = keys.iter().map(|key| &*key.name).collect();
+    let (names, kind) = (names.join(", "), object.object_type.name());
+    let has_subs = sections
+        .subs
+        .range((object.index, 0)..=(object.index, u8::MAX));
+    let message = format!("[{}] is a {kind}: {names} means nothing here", section.name);
+    let finding = findings.report(&rule::HEADER_KEY, first.span, message);
+    finding.help(if has_subs.count() == 0 {
+        "the sub-indices have such keys; if it is one value, write ObjectType=0x7"
+    } else {
+        "the sub-indices have such keys: remove it here"
+    });
 }
 
 fn quiet_places(section: &Section<'_>) -> Places {
@@ -162,13 +210,9 @@ fn quiet_places(section: &Section<'_>) -> Places {
 }
 
 /// The kind of an object; `likely` where it cannot be read, and that is allowed.
-fn object_type(
-    section: &Section<'_>,
-    likely: ObjectType,
-    findings: &mut Findings,
-) -> Option<ObjectType> {
+fn object_type(section: &Section<'_>, likely: ObjectType, findings: &mut Findings) -> ObjectType {
     let Some(key) = section.key("ObjectType") else {
-        return Some(ObjectType::Var);
+        return ObjectType::Var;
     };
     let named = ObjectType::from_name(&key.value);
     let code = Number::parse(&key.value).map_err(|mistake| Mistake {
@@ -186,8 +230,7 @@ fn object_type(
             "0x0 NULL, 0x2 DOMAIN, 0x5 DEFTYPE, 0x6 DEFSTRUCT, 0x7 VAR, 0x8 ARRAY, 0x9 RECORD",
         );
     }
-    let instead = named.unwrap_or(likely);
-    object_type.or_else(|| findings.allowed(&rule::OBJECT_TYPE, key.span, instead))
+    object_type.or(named).unwrap_or(likely)
 }
 
 fn read_subs(
@@ -200,7 +243,7 @@ fn read_subs(
     let index = object.index;
     let is_compact = !object.entries.is_empty();
     // `;Storage=` of an object is for all its sub-indices that do not say otherwise.
-    let storage = entry::storage_note(section, findings).flatten();
+    let storage = entry::storage_note(section, findings);
     // So is `;Memory=`, but for sub-index 0, which only counts them.
     let memory = entry::note_place(section, "Memory");
     for ((_, sub), section) in sections.subs.range((index, 0)..=(index, u8::MAX)) {
@@ -213,9 +256,7 @@ fn read_subs(
             findings.report(&rule::SUB_FF, section.span, message);
         }
         let kind = object_type(section, ObjectType::Var, findings);
-        if let Some(kind) =
-            kind.filter(|kind| !matches!(kind, ObjectType::Var | ObjectType::Domain))
-        {
+        if !matches!(kind, ObjectType::Var | ObjectType::Domain) {
             let span = section
                 .key("ObjectType")
                 .map_or(section.span, |key| key.span);
@@ -229,7 +270,8 @@ fn read_subs(
             index,
             sub: *sub,
             is_dcf: sections.is_dcf,
-            is_domain: kind == Some(ObjectType::Domain),
+            is_domain: kind == ObjectType::Domain,
+            is_compact: false,
             is_extension: false,
             types: &sections.types,
         };
@@ -275,7 +317,11 @@ fn check_sub_number(
             let message =
                 format!("SubNumber is {number}, but {index:04X}h has {count} sub sections");
             let finding = findings.report(&rule::SUB_NUMBER, key.span, message);
-            finding.help(format!("write SubNumber={count}"));
+            finding.help(if number > count as i128 {
+                format!("write SubNumber={count}, or add the sections that are missing")
+            } else {
+                format!("write SubNumber={count}, or remove the sections that are too much")
+            });
         }
         Err(mistake) => _ = findings.take::<(), _>(&rule::SUB_NUMBER, key.span, Err(mistake)),
     }
@@ -343,23 +389,22 @@ fn check_sub_0(
         findings.report(&rule::SUB_0_TYPE, first.places.of(Field::DataType), message);
         return;
     }
-    let default = first.default_number().unwrap_or_default();
+    let Some(default) = first.default_number() else {
+        fix_count(object, broken, findings);
+        return;
+    };
     let is_mapping = matches!(index, 0x1600..=0x17FF | 0x1A00..=0x1BFF);
     // Of a multiplexed PDO it is no number of objects (CiA 301, 7.5.2.36 and 7.5.2.38).
     if is_mapping && matches!(default, 254 | 255) {
         return;
     }
-    let is_read_only = matches!(first.access, Access::Constant | Access::ReadOnly);
-    let is_fixed = is_read_only && !is_mapping && index != 0x1003;
+    let is_fixed = is_count(index, first);
     let message = if is_fixed && default != i128::from(highest) {
         format!("{index:04X}h:0 is {default}, but the highest sub-index is {highest}")
     } else if default > i128::from(highest) {
         format!("{index:04X}h:0 is {default}, above the highest sub-index {highest}")
     } else {
-        // The device does not have what could not be read.
-        if let Some(first) = object.entries.first_mut().filter(|_| is_fixed) {
-            first.default = Some(DefaultValue::number(present.into()));
-        }
+        fix_count(object, broken, findings);
         return;
     };
     let finding = findings.report(
@@ -367,7 +412,33 @@ fn check_sub_0(
         first.places.of(Field::DefaultValue),
         message,
     );
-    finding.help(format!("write DefaultValue={highest}"));
+    finding.help(if default > i128::from(highest) {
+        format!("write DefaultValue={highest}, or describe the sub-indices up to {default}")
+    } else {
+        format!("write DefaultValue={highest}")
+    });
+}
+
+/// Whether a sub-index 0 always tells the highest one: that of a mapping and of the list of errors changes.
+fn is_count(index: u16, first: &Entry) -> bool {
+    let is_mapping = matches!(index, 0x1600..=0x17FF | 0x1A00..=0x1BFF);
+    let is_read_only = matches!(first.access, Access::Constant | Access::ReadOnly);
+    is_read_only && !is_mapping && index != 0x1003
+}
+
+/// A dictionary does not have what could not be read, and its sub-index 0 says so.
+fn fix_count(object: &mut Object, broken: &Broken, findings: &Findings) {
+    let index = object.index;
+    let highest = object.entries.iter().rfind(|entry| entry.sub != u8::MAX);
+    let present = highest.map_or(0, |entry| entry.sub);
+    let mut unread = broken.entries.range((index, 0)..(index, u8::MAX));
+    let is_whole = unread.next().is_none();
+    let first = object.entries.first_mut();
+    if let Some(first) = first.filter(|first| first.sub == 0 && is_count(index, first))
+        && (findings.is_for_code() || !is_whole)
+    {
+        first.default = Some(DefaultValue::number(present.into()));
+    }
 }
 
 /// The elements of an ARRAY have one type.

@@ -91,14 +91,15 @@ impl<'a> Sections<'a> {
             module.objects.is_dcf = sorted.is_dcf;
             module.objects.types = sorted.types.clone();
         }
-        for (name, section) in [
-            ("FileInfo", sorted.file_info),
-            ("DeviceInfo", sorted.device_info),
-            ("MandatoryObjects", sorted.mandatory),
+        let missing = &structure::MISSING_SECTION;
+        for (name, section, rule) in [
+            ("FileInfo", sorted.file_info, &structure::MISSING_FILE_INFO),
+            ("DeviceInfo", sorted.device_info, missing),
+            ("MandatoryObjects", sorted.mandatory, missing),
         ] {
             if section.is_none() {
                 let message = format!("the section [{name}] is missing");
-                findings.report(&structure::MISSING_SECTION, Span::START, message);
+                findings.report(rule, Span::START, message);
             }
         }
         sorted
@@ -238,7 +239,7 @@ pub(super) fn unknown_key(
     }
 }
 
-/// A key's number between `low` and `high`; `None` when it is not there or wrong.
+/// A key's number between `low` and `high`; `None` when it is not there, or wrong and what was meant is not plain.
 pub(super) fn number(
     section: &Section<'_>,
     name: &str,
@@ -247,15 +248,8 @@ pub(super) fn number(
 ) -> Option<i128> {
     let key = section.key(name)?;
     let spelled = Number::parse(&key.value).map_err(|why| why.of(name));
-    let value = match findings.take(&value::NOT_A_NUMBER, key.span, spelled) {
-        Some(number) => number.value,
-        None => {
-            let meant = Number::meant(&key.value);
-            findings
-                .allowed(&value::NOT_A_NUMBER, key.span, meant)??
-                .value
-        }
-    };
+    let number = findings.take(&value::NOT_A_NUMBER, key.span, spelled);
+    let value = number.or_else(|| Number::meant(&key.value))?.value;
     if (low..=high).contains(&value) {
         return Some(value);
     }

@@ -19,32 +19,23 @@ pub(crate) struct Written<'a> {
     pub(crate) span: Span,
 }
 
-/// Reads LowLimit or HighLimit; `None` inside where it means nothing, `None` outside where it is wrong.
+/// Reads LowLimit or HighLimit; `None` where it is wrong or means nothing, which has been reported.
 pub(super) fn limit(
     written: Written<'_>,
     data_type: DataType,
     findings: &mut Findings,
-) -> Option<Option<Limit>> {
+) -> Option<Limit> {
     if data_type.is_real() {
-        let limit = real(written, data_type, findings).map(|value| Some(Limit::Real(value)));
-        return limit.or_else(|| findings.allowed(&rule::NOT_A_NUMBER, written.span, None));
+        return real(written, data_type, findings).map(Limit::Real);
     }
     if data_type.range().is_none() {
         let message = format!("{} does not go with {}", written.key, data_type.name());
         findings.report(&rule::LIMIT_OF_NO_NUMBER, written.span, message);
-        return Some(None);
+        return None;
     }
     let number = Number::parse(written.text);
-    let number = match findings.take(&rule::NOT_A_NUMBER, written.span, number) {
-        Some(number) => number,
-        None => match findings.allowed(&rule::NOT_A_NUMBER, written.span, ()) {
-            Some(()) => match Number::meant(written.text) {
-                Some(meant) => meant,
-                None => return Some(None),
-            },
-            None => return None,
-        },
-    };
+    let number = findings.take(&rule::NOT_A_NUMBER, written.span, number);
+    let number = number.or_else(|| Number::meant(written.text))?;
     let nearest = |value: i128, (low, high)| value.clamp(low, high);
     let value = fit(
         number,
@@ -53,10 +44,10 @@ pub(super) fn limit(
         (&rule::LIMIT_TYPE, nearest),
         findings,
     )?;
-    Some(Some(Limit::Integer(value)))
+    Some(Limit::Integer(value))
 }
 
-/// Reads a default, or what a DCF configures.
+/// Reads a default, or what a DCF configures; `None` where it is wrong or means nothing, which has been reported.
 pub(crate) fn value(
     written: Written<'_>,
     data_type: DataType,
@@ -66,12 +57,10 @@ pub(crate) fn value(
         DataType::Domain => {
             let message = format!("{} of a DOMAIN means nothing", written.key);
             findings.report(&rule::VALUE_OF_A_DOMAIN, written.span, message);
-            Some(DefaultValue::Text(Vec::new()))
+            None
         }
         DataType::Real32 | DataType::Real64 => {
-            let value = real(written, data_type, findings)
-                .or_else(|| findings.allowed(&rule::NOT_A_NUMBER, written.span, 0.0));
-            value.map(DefaultValue::Real)
+            real(written, data_type, findings).map(DefaultValue::Real)
         }
         DataType::VisibleString => {
             let is_visible = |letter: char| (' '..='~').contains(&letter);
@@ -85,7 +74,7 @@ pub(crate) fn value(
             let units = written.text.encode_utf16().flat_map(u16::to_le_bytes);
             Some(DefaultValue::Text(units.collect()))
         }
-        DataType::OctetString => octets(written, findings),
+        DataType::OctetString => Some(octets(written, findings)),
         _ => number(written, data_type, findings),
     }
 }
@@ -100,13 +89,9 @@ fn number(
     let DefaultNumber {
         number,
         adds_node_id,
-    } = match findings.take(&rule::NOT_A_NUMBER, span, parsed) {
-        Some(default) => default,
-        None => {
-            let meant = DefaultNumber::meant(text);
-            findings.allowed(&rule::NOT_A_NUMBER, span, meant)?
-        }
-    };
+    } = findings
+        .take(&rule::NOT_A_NUMBER, span, parsed)
+        .or_else(|| DefaultNumber::meant(text))?;
     let lowest_bits = |value: i128, (low, high): (i128, i128)| match data_type {
         DataType::Boolean => value.signum().abs(),
         _ => low + (value - low).rem_euclid(high - low + 1),
@@ -193,22 +178,19 @@ fn real(written: Written<'_>, data_type: DataType, findings: &mut Findings) -> O
     value
 }
 
-fn octets(written: Written<'_>, findings: &mut Findings) -> Option<DefaultValue> {
+fn octets(written: Written<'_>, findings: &mut Findings) -> DefaultValue {
     let digits: Vec<u8> = written.text.bytes().filter(|byte| *byte != b' ').collect();
     let pairs = digits.chunks_exact(2);
     let is_whole = pairs.remainder().is_empty();
     let bytes =
         pairs.map(|pair| Some(hexadecimal(pair.first()?)? * 16 + hexadecimal(pair.last()?)?));
     let bytes = bytes.collect::<Option<Vec<u8>>>().filter(|_| is_whole);
-    if bytes.is_none() {
+    DefaultValue::Text(bytes.unwrap_or_else(|| {
         let text = written.text;
         let message = format!("`{text}` is not an OCTET_STRING: two hexadecimal digits a byte");
         findings.report(&rule::OCTET_STRING, written.span, message);
-        let letters = text.as_bytes().to_vec();
-        let letters = findings.allowed(&rule::OCTET_STRING, written.span, letters);
-        return letters.map(DefaultValue::Text);
-    }
-    bytes.map(DefaultValue::Text)
+        text.as_bytes().to_vec()
+    }))
 }
 
 fn hexadecimal(digit: &u8) -> Option<u8> {

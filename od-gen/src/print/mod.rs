@@ -9,7 +9,7 @@ mod modules;
 mod object;
 pub(crate) mod value;
 
-use crate::diagnostic::{Diagnostic, Findings, Severity};
+use crate::diagnostic::{Diagnostic, Findings};
 use crate::document::{self, Comment, Document, Section};
 use crate::model::{FileKind, Model};
 use crate::rules::reading;
@@ -84,12 +84,10 @@ pub(crate) fn formatted(
     source: &Source,
     mut findings: Findings,
 ) -> Result<String, Vec<Diagnostic>> {
-    let document = document::read(source, &mut findings);
+    let document = document::read_all(source, &mut findings);
     let findings = findings.into_sorted();
     // Control characters are gone by now: a file without them would come out shorter than it went in.
-    let is_loss = |finding: &Diagnostic| {
-        finding.severity == Severity::Error || finding.rule == &reading::CONTROL_CHARACTER
-    };
+    let is_loss = |finding: &Diagnostic| finding.rule == &reading::CONTROL_CHARACTER;
     if findings.iter().any(is_loss) {
         return Err(findings.into_iter().filter(is_loss).collect());
     }

@@ -11,11 +11,11 @@ pub(crate) const RULES: &[&Rule] = &[&CONFIGURED_READ_ONLY, &CONFIGURED_OUTSIDE_
 /// Of a file of values that a configuration is made from.
 pub(crate) const OF_VALUES: &[&Rule] = &[&VALUE_LINE, &VALUE_OF_NOTHING, &VALUE_TWICE];
 
-static CONFIGURED_READ_ONLY: Rule = Rule::error(
+static CONFIGURED_READ_ONLY: Rule = Rule::masters(
     "configured-read-only",
     "Only what can be written is configured.",
     "A configuration tool writes every ParameterValue into the device, which refuses what is ro or const with 06010002h.",
-);
+).strict();
 
 static CONFIGURED_OUTSIDE_LIMITS: Rule = Rule::error(
     "configured-outside-limits",

@@ -21,13 +21,42 @@ use crate::diagnostic::{Findings, Severity};
 use crate::model::Model;
 use crate::parse::Broken;
 
+/// What it is that a finding breaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Class {
+    /// CiA 306 or CiA 301: the file is wrong, whoever reads it.
+    Standard,
+    /// What masters and tools expect: some of them stumble over it.
+    Masters,
+    /// What this firmware and its generator can do: no matter for anybody else.
+    Firmware,
+    /// Good sense.
+    Advice,
+}
+
+impl Class {
+    /// Its name in lists.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Standard => "standard",
+            Self::Masters => "masters",
+            Self::Firmware => "firmware",
+            Self::Advice => "advice",
+        }
+    }
+}
+
 /// A rule.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Rule {
     /// Its name, in words joined by hyphens.
     pub name: &'static str,
+    /// What is broken with it.
+    pub class: Class,
     /// How bad it is to break it.
     pub severity: Severity,
+    /// How bad it is where code is to be made of the file.
+    pub severity_for_code: Severity,
     /// Whether a comment in the file can silence it: the file has a sensible meaning without it.
     pub can_be_allowed: bool,
     /// What it asks, in a sentence.
@@ -37,34 +66,60 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// A rule whose findings leave the file usable.
-    pub(crate) const fn warning(
-        name: &'static str,
-        summary: &'static str,
-        explanation: &'static str,
+    const fn new(
+        class: Class,
+        severity: Severity,
+        (name, summary, explanation): (&'static str, &'static str, &'static str),
     ) -> Self {
         Self {
             name,
-            severity: Severity::Warning,
+            class,
+            severity,
+            severity_for_code: severity,
             can_be_allowed: true,
             summary,
             explanation,
         }
     }
 
-    /// A rule that a file must keep, unless it says why it does not.
+    /// What is unwise.
+    pub(crate) const fn warning(
+        name: &'static str,
+        summary: &'static str,
+        explanation: &'static str,
+    ) -> Self {
+        let text = (name, summary, explanation);
+        Self::new(Class::Advice, Severity::Warning, text)
+    }
+
+    /// What makes masters stumble.
+    pub(crate) const fn masters(
+        name: &'static str,
+        summary: &'static str,
+        explanation: &'static str,
+    ) -> Self {
+        let text = (name, summary, explanation);
+        Self::new(Class::Masters, Severity::Warning, text)
+    }
+
+    /// What this firmware cannot do: no code is made of it.
+    pub(crate) const fn firmware(
+        name: &'static str,
+        summary: &'static str,
+        explanation: &'static str,
+    ) -> Self {
+        let text = (name, summary, explanation);
+        Self::new(Class::Firmware, Severity::Warning, text).strict()
+    }
+
+    /// What breaks the standard.
     pub(crate) const fn error(
         name: &'static str,
         summary: &'static str,
         explanation: &'static str,
     ) -> Self {
-        Self {
-            name,
-            severity: Severity::Error,
-            can_be_allowed: true,
-            summary,
-            explanation,
-        }
+        let text = (name, summary, explanation);
+        Self::new(Class::Standard, Severity::Error, text)
     }
 
     /// A rule without which nothing of the file can be read, and so no comment that could silence it.
@@ -74,12 +129,22 @@ impl Rule {
         explanation: &'static str,
     ) -> Self {
         Self {
-            name,
-            severity: Severity::Error,
             can_be_allowed: false,
-            summary,
-            explanation,
+            ..Self::error(name, summary, explanation)
         }
+    }
+
+    /// No code is made of a file that breaks it.
+    pub(crate) const fn strict(self) -> Self {
+        Self {
+            severity_for_code: Severity::Error,
+            ..self
+        }
+    }
+
+    /// The same rule of another class.
+    pub(crate) const fn of(self, class: Class) -> Self {
+        Self { class, ..self }
     }
 }
 

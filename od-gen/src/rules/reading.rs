@@ -38,7 +38,7 @@ pub(crate) static NOT_XML: Rule = Rule::fatal(
      neither.",
 );
 
-pub(crate) static NOT_UTF_8: Rule = Rule::warning(
+pub(crate) static NOT_UTF_8: Rule = Rule::masters(
     "not-utf-8",
     "The file is in UTF-8.",
     "A file that begins as UTF-16 does is read as that. Other bytes that are not UTF-8 are taken for Windows-1252 (Latin-1 \
@@ -46,7 +46,7 @@ pub(crate) static NOT_UTF_8: Rule = Rule::warning(
      UTF-8.",
 );
 
-pub(crate) static CONTROL_CHARACTER: Rule = Rule::warning(
+pub(crate) static CONTROL_CHARACTER: Rule = Rule::masters(
     "control-character",
     "There are no control characters in the file.",
     "Nobody sees NUL or a mark of direction in an editor. They are left out while reading, and a file that has them \
@@ -72,7 +72,7 @@ pub(crate) static KEY_OUTSIDE: Rule = Rule::error(
     "A key above the first section belongs to nothing. It is skipped when this is silenced.",
 );
 
-pub(crate) static TRAILING_COMMENT: Rule = Rule::warning(
+pub(crate) static TRAILING_COMMENT: Rule = Rule::masters(
     "trailing-comment",
     "A comment takes a line of its own.",
     "CiA 306 knows no comments behind a value. Some readers cut them off, as this one does, others take them for a \
@@ -85,7 +85,7 @@ pub(crate) static REPEATED_SECTION: Rule = Rule::error(
     "[2000sub1] and [2000sub01] are the same section. Readers differ in which of two sections counts. Here the first one does when this is silenced.",
 );
 
-pub(crate) static REPEATED_KEY: Rule = Rule::warning(
+pub(crate) static REPEATED_KEY: Rule = Rule::masters(
     "repeated-key",
     "Each key is there once in its section.",
     "The key is there twice with the same value. Remove one of them.",
@@ -97,14 +97,14 @@ pub(crate) static CONTRADICTING_KEY: Rule = Rule::error(
     "Readers differ in which of two keys counts. Here the first one does when this is silenced.",
 );
 
-pub(crate) static UNKNOWN_SECTION: Rule = Rule::warning(
+pub(crate) static UNKNOWN_SECTION: Rule = Rule::masters(
     "unknown-section",
     "Each section is one of CiA 306.",
     "Vendors keep data of their tools in sections of their own. They are kept when the file is printed again, and \
      mean nothing here. A mistake in the spelling of a section shows up here too.",
 );
 
-pub(crate) static UNKNOWN_KEY: Rule = Rule::warning(
+pub(crate) static UNKNOWN_KEY: Rule = Rule::masters(
     "unknown-key",
     "Each key is one of CiA 306.",
     "Vendors keep data of their tools in keys of their own. They are kept when the file is printed again, and mean \

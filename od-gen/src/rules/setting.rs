@@ -46,7 +46,8 @@ impl Setting {
     pub(super) fn node_ids(&self, model: &Model) -> RangeInclusive<u8> {
         match &model.commissioning {
             _ if !self.adds_node_id => 0..=0,
-            Some(commissioning) => commissioning.node_id..=commissioning.node_id,
+            // Where it is for no node yet any will do.
+            Some(node) => node.node_id.max(1)..=node.node_id.max(1),
             None => 1..=127,
         }
     }

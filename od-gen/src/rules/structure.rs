@@ -4,6 +4,7 @@ use super::Rule;
 
 pub(crate) const RULES: &[&Rule] = &[
     &MISSING_SECTION,
+    &MISSING_FILE_INFO,
     &MISSING_MANDATORY_OBJECT,
     &LIST_NUMBERING,
     &LIST_COUNT,
@@ -23,17 +24,25 @@ pub(crate) const RULES: &[&Rule] = &[
     &SUB_0_VALUE,
     &SUB_FF,
     &SUB_OBJECT_TYPE,
+    &HEADER_KEY,
     &ARRAY_OF_MANY_TYPES,
     &COMPACT_AND_SUBS,
     &COMPACT_LIST,
     &NO_NAME,
+    &PLAIN_NAME,
     &NO_MODULE,
 ];
 
 pub(crate) static MISSING_SECTION: Rule = Rule::error(
     "missing-section",
-    "The sections FileInfo, DeviceInfo and MandatoryObjects are there.",
+    "The sections DeviceInfo and MandatoryObjects are there.",
     "CiA 306 asks for them in every file. When this is silenced, a missing section counts as empty.",
+);
+
+pub(crate) static MISSING_FILE_INFO: Rule = Rule::masters(
+    "missing-file-info",
+    "The section FileInfo is there.",
+    "CiA 306 asks for it, and tools show it: name, version and date of the file. It says nothing about the device.",
 );
 
 pub(crate) static MISSING_MANDATORY_OBJECT: Rule = Rule::error(
@@ -42,7 +51,7 @@ pub(crate) static MISSING_MANDATORY_OBJECT: Rule = Rule::error(
     "CiA 301 asks for them in every device.",
 );
 
-pub(crate) static LIST_NUMBERING: Rule = Rule::warning(
+pub(crate) static LIST_NUMBERING: Rule = Rule::masters(
     "list-numbering",
     "The keys of a list are numbered from 1 on, without gaps.",
     "Some tools stop reading a list at the first gap.",
@@ -62,13 +71,13 @@ pub(crate) static NOT_AN_INDEX: Rule = Rule::error(
      and any other line does not count.",
 );
 
-pub(crate) static LISTED_TWICE: Rule = Rule::warning(
+pub(crate) static LISTED_TWICE: Rule = Rule::masters(
     "listed-twice",
     "An object is listed once.",
     "Remove one of the two.",
 );
 
-pub(crate) static WRONG_LIST: Rule = Rule::warning(
+pub(crate) static WRONG_LIST: Rule = Rule::masters(
     "wrong-list",
     "An object is in the list it belongs in.",
     "1000h, 1001h and 1018h are mandatory, 2000h to 5FFFh are the manufacturer's, everything else is optional (CiA \
@@ -81,11 +90,12 @@ pub(crate) static LISTED_WITHOUT_SECTION: Rule = Rule::error(
     "When this is silenced, the object does not exist.",
 );
 
-pub(crate) static NOT_LISTED: Rule = Rule::error(
+pub(crate) static NOT_LISTED: Rule = Rule::masters(
     "not-listed",
     "An object that has a section is listed.",
     "Tools that go by the lists do not see it. When this is silenced, it exists.",
-);
+)
+.strict();
 
 pub(crate) static OBJECT_TYPE: Rule = Rule::error(
     "object-type",
@@ -121,13 +131,13 @@ pub(crate) static SUB_NUMBER: Rule = Rule::error(
      section counts.",
 );
 
-pub(crate) static NO_SUB_NUMBER: Rule = Rule::warning(
+pub(crate) static NO_SUB_NUMBER: Rule = Rule::masters(
     "no-sub-number",
     "An ARRAY and a RECORD have SubNumber or CompactSubObj.",
     "Every section of a sub-index counts without it.",
 );
 
-pub(crate) static NO_SUB_0: Rule = Rule::warning(
+pub(crate) static NO_SUB_0: Rule = Rule::masters(
     "no-sub-0",
     "An ARRAY and a RECORD have a sub-index 0.",
     "It is added: UNSIGNED8, const, the highest sub-index.",
@@ -139,12 +149,12 @@ pub(crate) static SUB_0_TYPE: Rule = Rule::error(
     "It is the highest sub-index that there is (CiA 301, 7.4.6).",
 );
 
-pub(crate) static SUB_0_VALUE: Rule = Rule::error(
+pub(crate) static SUB_0_VALUE: Rule = Rule::masters(
     "sub-0-value",
     "Sub-index 0 is the highest sub-index.",
     "Where it can change (1003h, PDO mappings), its default is not above the highest sub-index. Masters read it to \
      know how far to go.",
-);
+).strict();
 
 pub(crate) static SUB_FF: Rule = Rule::error(
     "sub-ff",
@@ -152,24 +162,33 @@ pub(crate) static SUB_FF: Rule = Rule::error(
     "CiA 301 gives it to the description of the object's type; it is no value.",
 );
 
-pub(crate) static SUB_OBJECT_TYPE: Rule = Rule::error(
+pub(crate) static SUB_OBJECT_TYPE: Rule = Rule::masters(
     "sub-object-type",
     "A sub-index is a VAR or a DOMAIN.",
     "Objects do not nest.",
+)
+.strict();
+
+pub(crate) static HEADER_KEY: Rule = Rule::masters(
+    "header-key",
+    "The header of an ARRAY or a RECORD has no keys of values.",
+    "AccessType, DefaultValue and limits belong to the sub-indices, and so does the DataType of a RECORD; the header has them with \
+     CompactSubObj alone (CiA 306, 4.6). They mean nothing.",
 );
 
-pub(crate) static ARRAY_OF_MANY_TYPES: Rule = Rule::error(
+pub(crate) static ARRAY_OF_MANY_TYPES: Rule = Rule::masters(
     "array-of-many-types",
     "The elements of an ARRAY have one type.",
     "An object with elements of several types is a RECORD.",
-);
+)
+.strict();
 
-pub(crate) static COMPACT_AND_SUBS: Rule = Rule::error(
+pub(crate) static COMPACT_AND_SUBS: Rule = Rule::masters(
     "compact-and-subs",
     "An object has CompactSubObj or sections of its sub-indices.",
     "With CompactSubObj all sub-indices are like the object. When this is silenced, sections of their own count for \
      those that have them.",
-);
+).strict();
 
 pub(crate) static COMPACT_LIST: Rule = Rule::error(
     "compact-list",
@@ -181,6 +200,12 @@ pub(crate) static NO_NAME: Rule = Rule::error(
     "no-name",
     "An object and a sub-index have a ParameterName.",
     "When this is silenced, the index is the name.",
+);
+
+pub(crate) static PLAIN_NAME: Rule = Rule::warning(
+    "plain-name",
+    "A ParameterName has a letter A to Z or a digit.",
+    "It becomes a name in code. One that is empty, or has none of these letters, becomes the index.",
 );
 
 pub(crate) static NO_MODULE: Rule = Rule::error(

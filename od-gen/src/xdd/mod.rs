@@ -77,7 +77,7 @@ pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Option<Do
         sections: reader.device(root),
     };
     document.sections.extend(reader.objects(list));
-    document.keep_first(findings);
+    document.keep_first(false, findings);
     Some(document)
 }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use od_gen::Exemption;
 
 /// Electronic data sheets (CiA 306) in, typed static object dictionaries in Rust out.
 #[derive(Debug, Parser)]
@@ -38,6 +39,14 @@ pub(crate) enum Command {
     Rules(Rules),
 }
 
+/// What is silenced from outside of the file, beside what stands in NAME.allow.toml.
+#[derive(Debug, Args)]
+pub(crate) struct Allow {
+    /// Say nothing about this rule; can be given often
+    #[arg(long = "allow", value_name = "RULE", value_parser = Exemption::of_rule)]
+    pub(crate) rules: Vec<Exemption>,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct Check {
     /// Data sheets (EDS), device configurations (DCF) or device descriptions (XDD)
@@ -46,9 +55,14 @@ pub(crate) struct Check {
     /// How to print what is found
     #[arg(long, value_enum, default_value_t = CheckFormat::Full)]
     pub(crate) format: CheckFormat,
+    /// Show every finding, also where many break one rule
+    #[arg(long)]
+    pub(crate) all: bool,
     /// Warnings are errors
     #[arg(long)]
     pub(crate) deny_warnings: bool,
+    #[command(flatten)]
+    pub(crate) allow: Allow,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -74,12 +88,16 @@ pub(crate) struct Rust {
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) allow: Allow,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Bindings {
     /// The electronic data sheet; the bindings are in the same place, with the extension .bind.toml
     pub(crate) file: PathBuf,
+    #[command(flatten)]
+    pub(crate) allow: Allow,
 }
 
 #[derive(Debug, Args)]
@@ -92,6 +110,8 @@ pub(crate) struct Doc {
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) allow: Allow,
 }
 
 #[derive(Debug, Args)]
@@ -101,6 +121,8 @@ pub(crate) struct Dump {
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) allow: Allow,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -120,6 +142,8 @@ pub(crate) struct Diff {
     /// How to print what is different
     #[arg(long, value_enum, default_value_t = ListFormat::Text)]
     pub(crate) format: ListFormat,
+    #[command(flatten)]
+    pub(crate) allow: Allow,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -136,6 +160,8 @@ pub(crate) struct Convert {
     pub(crate) input: PathBuf,
     /// What is to be: a file with the extension .eds, .dcf, .xdd or .xdc
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) allow: Allow,
 }
 
 #[derive(Debug, Args)]
@@ -172,6 +198,8 @@ pub(crate) struct Dcf {
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) allow: Allow,
 }
 
 #[derive(Debug, Args)]
@@ -213,6 +241,8 @@ pub(crate) struct Fmt {
     /// Change nothing: name the files that would change, with exit code 1
     #[arg(long)]
     pub(crate) check: bool,
+    #[command(flatten)]
+    pub(crate) allow: Allow,
 }
 
 #[derive(Debug, Args)]

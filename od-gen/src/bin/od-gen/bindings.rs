@@ -11,7 +11,7 @@ use crate::arguments::Bindings;
 use crate::{input, output};
 
 pub(crate) fn run(arguments: &Bindings) -> Result<ExitCode, Failure> {
-    let model = input::model(&arguments.file)?;
+    let model = input::model(&arguments.file, &arguments.allow)?;
     let bindings = input::bindings(&arguments.file, &model)?;
     let mut text = String::new();
     for parameter in ALL {

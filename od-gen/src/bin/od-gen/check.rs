@@ -15,7 +15,7 @@ pub(crate) fn run(arguments: &Check) -> Result<ExitCode, Failure> {
     let mut is_unread = false;
     let mut reports = Vec::new();
     for file in &arguments.files {
-        let report = match input::report(file) {
+        let report = match input::report(file, &arguments.allow) {
             Ok(report) => report,
             // It hides nothing of the others.
             Err(Failure::Refused(line)) => {
@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &Check) -> Result<ExitCode, Failure> {
             true => Ok(None),
             false => input::binding_report(file, &report.model),
         };
-        let mut checked = vec![Checked::of_file(report)];
+        let mut checked = vec![Checked::of_file(report, arguments.all)];
         match bindings {
             Ok(bindings) => checked.extend(bindings.map(Checked::of_bindings)),
             Err(Failure::Refused(line)) => {
@@ -75,9 +75,13 @@ struct Checked {
 }
 
 impl Checked {
-    fn of_file(report: Report) -> Self {
+    fn of_file(report: Report, shows_all: bool) -> Self {
+        let colour = output::colour();
         Self {
-            rendered: report.render(output::colour()),
+            rendered: match shows_all {
+                true => report.render_all(colour),
+                false => report.render(colour),
+            },
             file: report.source.file,
             findings: report.findings,
             silenced: report.silenced,
@@ -103,7 +107,9 @@ impl Checked {
 
     /// One line about it, for a person who looks on.
     fn summarize(&self) {
-        if !std::io::stderr().is_terminal() {
+        // A file that is right has nothing to say, but to a person who looks on.
+        let is_silent = self.findings.is_empty();
+        if is_silent && !std::io::stderr().is_terminal() {
             return;
         }
         let count = |number: usize, what: &str| {
@@ -113,8 +119,19 @@ impl Checked {
         let errors = count(self.count(Severity::Error), "error");
         let warnings = count(self.count(Severity::Warning), "warning");
         let silenced = self.silenced.len();
+        let silenced = match silenced {
+            0 => String::new(),
+            number => format!(", {number} silenced"),
+        };
+        let hint = match self.findings.first() {
+            Some(finding) => {
+                let name = finding.rule.name;
+                format!("; `od-gen rules NAME` explains a rule, such as `od-gen rules {name}`")
+            }
+            None => String::new(),
+        };
         output::tell(&format!(
-            "{}: {errors}, {warnings}, {silenced} silenced",
+            "{}: {errors}, {warnings}{silenced}{hint}",
             self.file
         ));
     }
@@ -124,6 +141,7 @@ impl Checked {
         let finding = |finding: &Diagnostic| {
             json!({
                 "rule": finding.rule.name,
+                "class": finding.rule.class.name(),
                 "severity": finding.severity.to_string(),
                 "line": finding.span.line,
                 "column": finding.span.column,

@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use od_gen::Severity;
 use od_gen::convert::{Format, convert};
 
 use crate::Failure;
@@ -11,7 +10,7 @@ use crate::arguments::Convert;
 use crate::{input, output};
 
 pub(crate) fn run(arguments: &Convert) -> Result<ExitCode, Failure> {
-    let Convert { input, output } = arguments;
+    let Convert { input, output, .. } = arguments;
     let refuse = |file: &Path, why: &str| {
         Err(Failure::Refused(format!(
             "{}: error: {why}",
@@ -22,18 +21,7 @@ pub(crate) fn run(arguments: &Convert) -> Result<ExitCode, Failure> {
     let Some(format) = extension.and_then(Format::of_extension) else {
         return refuse(output, "the extension is not .eds, .dcf, .xdd or .xdc");
     };
-    let report = input::report(input)?;
-    if report.model.objects.is_empty() {
-        output::tell(report.render(output::colour_of_errors()).trim_end());
-        return Err(Failure::Findings);
-    }
-    let errors = report.count(Severity::Error);
-    if errors > 0 {
-        let file = input.display();
-        output::tell(&format!(
-            "{file}: {errors} errors: `od-gen check` shows them"
-        ));
-    }
+    let report = input::readable(input, &arguments.allow)?;
     let name = output.file_name().map(Path::new).unwrap_or(output);
     let name = name.display().to_string();
     let Some(converted) = convert(&report.model, format, &name) else {

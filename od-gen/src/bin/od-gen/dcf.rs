@@ -12,13 +12,7 @@ use crate::arguments::Dcf;
 use crate::{input, output};
 
 pub(crate) fn run(arguments: &Dcf) -> Result<ExitCode, Failure> {
-    let input = input::report(&arguments.file)?;
-    if !input.findings.is_empty() {
-        output::tell(input.render(output::colour_of_errors()).trim_end());
-    }
-    if input.has_errors() {
-        return Err(Failure::Findings);
-    }
+    let input = input::readable(&arguments.file, &arguments.allow)?;
     let mut model = input.model.clone();
     let node = node(arguments, model.commissioning.take())?;
     let file = name(arguments);
@@ -47,13 +41,14 @@ pub(crate) fn run(arguments: &Dcf) -> Result<ExitCode, Failure> {
     // What each value is on its own may be wrong for all of them together, such as one COB-ID twice.
     let text = with_silence(od_gen::print(&model), &file, &input);
     let mut report = Report::new(&file, &text);
+    report.findings.retain(|finding| !is_in(&input, finding));
     if report.has_errors() {
-        report.findings.retain(|finding| !is_in(&input, finding));
         output::tell(report.render(output::colour_of_errors()).trim_end());
         return Ok(ExitCode::FAILURE);
     }
     // A line break or a ` ;` ends a value for who reads it.
-    if let Some(difference) = od_gen::diff::diff(&model, &report.model).first() {
+    let differences = od_gen::diff::diff(&model, &report.model);
+    if let Some(difference) = differences.first() {
         let line = format!("{file}: error: a DCF cannot say this: {difference}");
         return Err(Failure::Refused(line.replace(['\n', '\r'], " ")));
     }
@@ -64,6 +59,7 @@ pub(crate) fn run(arguments: &Dcf) -> Result<ExitCode, Failure> {
 /// The node that is asked for; what is not asked for stays as the file has it.
 fn node(arguments: &Dcf, before: Option<Commissioning>) -> Result<Commissioning, Failure> {
     let node_id = before.as_ref().map(|node| node.node_id);
+    let node_id = node_id.filter(|node_id| *node_id != 0);
     let Some(node_id) = arguments.node_id.or(node_id) else {
         let file = arguments.file.display();
         let line = format!("{file}: error: it is for no node: --node-id says for which");

@@ -13,12 +13,11 @@ use crate::{input, output};
 pub(crate) fn run(arguments: &Diff) -> Result<ExitCode, Failure> {
     let mut models = Vec::new();
     for file in [&arguments.before, &arguments.after] {
-        let report = input::report(file)?;
-        if report.has_errors() {
-            output::tell(report.render(output::colour_of_errors()).trim_end());
-            return Ok(ExitCode::from(2));
+        match input::readable(file, &arguments.allow) {
+            Ok(report) => models.push(report.model),
+            Err(Failure::Findings) => return Ok(ExitCode::from(2)),
+            Err(failure) => return Err(failure),
         }
-        models.push(report.model);
     }
     let [before, after] = models.as_slice() else {
         return Ok(ExitCode::SUCCESS);

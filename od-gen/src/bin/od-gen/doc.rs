@@ -7,7 +7,7 @@ use crate::arguments::{Doc, DocFormat};
 use crate::{input, output};
 
 pub(crate) fn run(arguments: &Doc) -> Result<ExitCode, Failure> {
-    let model = input::model(&arguments.file)?;
+    let model = input::readable(&arguments.file, &arguments.allow)?.model;
     let text = match arguments.format {
         DocFormat::Html => od_gen::doc::html(&model),
         DocFormat::Markdown => od_gen::doc::markdown(&model),

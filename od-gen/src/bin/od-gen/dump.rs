@@ -7,7 +7,7 @@ use crate::arguments::Dump;
 use crate::{input, output};
 
 pub(crate) fn run(arguments: &Dump) -> Result<ExitCode, Failure> {
-    let model = input::model(&arguments.file)?;
+    let model = input::readable(&arguments.file, &arguments.allow)?.model;
     output::write(&od_gen::json(&model), arguments.output.as_deref())?;
     Ok(ExitCode::SUCCESS)
 }

@@ -3,8 +3,6 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use od_gen::Diagnostic;
-
 use crate::Failure;
 use crate::arguments::Fmt;
 use crate::{input, output};
@@ -13,7 +11,7 @@ pub(crate) fn run(arguments: &Fmt) -> Result<ExitCode, Failure> {
     let mut is_wrong = false;
     let mut is_refused = false;
     for file in &arguments.files {
-        match format(file, arguments.check) {
+        match format(file, arguments) {
             Ok(is_right) => is_wrong |= !is_right,
             Err(Failure::Findings) => is_wrong = true,
             // It hides nothing of the others.
@@ -31,8 +29,9 @@ pub(crate) fn run(arguments: &Fmt) -> Result<ExitCode, Failure> {
 }
 
 /// Brings a file into its canonical form, or only asks. Whether nothing is left to say about it.
-fn format(file: &Path, only_asks: bool) -> Result<bool, Failure> {
-    let Some((before, after)) = formatted(file)? else {
+fn format(file: &Path, arguments: &Fmt) -> Result<bool, Failure> {
+    let only_asks = arguments.check;
+    let Some((before, after)) = formatted(file, arguments)? else {
         return Ok(false);
     };
     if before == after.as_bytes() {
@@ -47,9 +46,9 @@ fn format(file: &Path, only_asks: bool) -> Result<bool, Failure> {
 }
 
 /// What a file holds, and what it should hold; `None` after a finding that leaves no way to say that.
-fn formatted(file: &Path) -> Result<Option<(Vec<u8>, String)>, Failure> {
+fn formatted(file: &Path, arguments: &Fmt) -> Result<Option<(Vec<u8>, String)>, Failure> {
     let before = od_gen::files::read(file).map_err(|error| input::unreadable(file, &error))?;
-    let report = input::report(file)?;
+    let report = input::readable(file, &arguments.allow)?;
     if report.source.text().trim_start().starts_with('<') {
         let file = file.display();
         let line =
@@ -57,7 +56,7 @@ fn formatted(file: &Path) -> Result<Option<(Vec<u8>, String)>, Failure> {
         return Err(Failure::Refused(line));
     }
     // They are left out while reading: to write the text back would delete them.
-    let is_lost = |finding: &&Diagnostic| finding.rule.name == "control-character";
+    let is_lost = |finding: &&od_gen::Diagnostic| finding.rule.name == "control-character";
     let mut lost = report.findings.iter().filter(is_lost).peekable();
     if lost.peek().is_some() {
         for finding in lost {

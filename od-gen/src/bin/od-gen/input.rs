@@ -3,14 +3,32 @@
 use std::path::Path;
 
 use od_gen::bind::{self, Binding};
-use od_gen::{BindingReport, Model, Report};
+use od_gen::{BindingReport, Model, Report, Severity};
 
 use crate::Failure;
+use crate::arguments::Allow;
 use crate::output::{self, reason};
 
 /// A file with its findings.
-pub(crate) fn report(file: &Path) -> Result<Report, Failure> {
-    Report::read(file).map_err(|error| unreadable(file, &error))
+pub(crate) fn report(file: &Path, allow: &Allow) -> Result<Report, Failure> {
+    Report::read_allowing(file, &allow.rules).map_err(|error| unreadable(file, &error))
+}
+
+/// A file of which something could be read. Where it has errors, one line says so.
+pub(crate) fn readable(file: &Path, allow: &Allow) -> Result<Report, Failure> {
+    let report = report(file, allow)?;
+    if !report.has_model() {
+        output::tell(report.render(output::colour_of_errors()).trim_end());
+        return Err(Failure::Findings);
+    }
+    let errors = report.count(Severity::Error);
+    if errors > 0 {
+        let (file, plural) = (file.display(), if errors == 1 { "" } else { "s" });
+        output::tell(&format!(
+            "{file}: {errors} error{plural}, which `od-gen check` shows; what could be read is used"
+        ));
+    }
+    Ok(report)
 }
 
 /// One line about a file that cannot be read or written.
@@ -19,8 +37,9 @@ pub(crate) fn unreadable(file: &Path, error: &std::io::Error) -> Failure {
 }
 
 /// What a file means that code is to be made of. Its findings go to standard error; without an error among them there is a model.
-pub(crate) fn model_for_code(file: &Path) -> Result<Model, Failure> {
-    let report = Report::read_for_code(file).map_err(|error| unreadable(file, &error))?;
+pub(crate) fn model_for_code(file: &Path, allow: &Allow) -> Result<Model, Failure> {
+    let report =
+        Report::read_for_code(file, &allow.rules).map_err(|error| unreadable(file, &error))?;
     if !report.findings.is_empty() {
         output::tell(report.render(output::colour_of_errors()).trim_end());
     }
@@ -28,8 +47,8 @@ pub(crate) fn model_for_code(file: &Path) -> Result<Model, Failure> {
 }
 
 /// What a file means. Its findings go to standard error; without an error among them there is a model.
-pub(crate) fn model(file: &Path) -> Result<Model, Failure> {
-    let report = report(file)?;
+pub(crate) fn model(file: &Path, allow: &Allow) -> Result<Model, Failure> {
+    let report = report(file, allow)?;
     if !report.findings.is_empty() {
         output::tell(report.render(output::colour_of_errors()).trim_end());
     }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::process::ExitCode;
 
-use od_gen::{Rule, rules};
+use od_gen::{Class, Rule, rules};
 use serde_json::{Value, json};
 
 use crate::Failure;
@@ -43,8 +43,13 @@ fn list() -> String {
         // Writing into memory does not fail.
         let _ = writeln!(text, "{separator}{}", chapter.title);
         for rule in chapter.rules {
-            let (name, severity) = (rule.name, rule.severity);
-            let _ = writeln!(text, "  {severity:7}  {name:widest$}  {}", rule.summary);
+            let (name, class) = (rule.name, rule.class.name());
+            let severity = severity(rule);
+            let _ = writeln!(
+                text,
+                "  {severity:8}  {class:8}  {name:widest$}  {}",
+                rule.summary
+            );
         }
     }
     text
@@ -60,10 +65,28 @@ fn explain(rule: &Rule) -> String {
         "It cannot be silenced.".into()
     };
     let explanation = wrapped(rule.explanation);
+    let broken = match rule.class {
+        Class::Standard => "It is what CiA 306 and CiA 301 ask for",
+        Class::Masters => "It is what masters and tools expect",
+        Class::Firmware => "It is a limit of this firmware and its tools",
+        Class::Advice => "It is advice",
+    };
+    let is_stricter = rule.severity != rule.severity_for_code;
+    let code = if is_stricter {
+        "; `od-gen rust` refuses a file that breaks it"
+    } else {
+        ""
+    };
     format!(
-        "{}[{}]: {}\n\n{explanation}\n\n{silenced}\n",
+        "{}[{}]: {}\n\n{explanation}\n\n{broken}{code}.\n{silenced}\n",
         rule.severity, rule.name, rule.summary
     )
+}
+
+/// How bad it is: the star stands for an error of `rust`.
+fn severity(rule: &Rule) -> String {
+    let is_stricter = rule.severity != rule.severity_for_code;
+    format!("{}{}", rule.severity, if is_stricter { "*" } else { "" })
 }
 
 /// Lines of at most 80 characters.
@@ -85,7 +108,9 @@ fn wrapped(text: &str) -> String {
 fn value(rule: &Rule) -> Value {
     json!({
         "name": rule.name,
+        "class": rule.class.name(),
         "severity": rule.severity.to_string(),
+        "severity_for_code": rule.severity_for_code.to_string(),
         "can_be_allowed": rule.can_be_allowed,
         "summary": rule.summary,
         "explanation": rule.explanation,

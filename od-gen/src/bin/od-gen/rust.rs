@@ -9,7 +9,7 @@ use crate::arguments::Rust;
 use crate::{input, output};
 
 pub(crate) fn run(arguments: &Rust) -> Result<ExitCode, Failure> {
-    let model = input::model_for_code(&arguments.file)?;
+    let model = input::model_for_code(&arguments.file, &arguments.allow)?;
     let cia402 = arguments.cia402;
     let bindings = input::bindings(&arguments.file, &model)?;
     let options = Options {

@@ -91,9 +91,8 @@ fn bit_30_is_refused_where_the_device_refuses_it() {
             .replace("0x1005", "0x1014")
             .replace("[1005]", "[1014]")
             .replace(SYNC, &format!("DefaultValue={default}"));
-        super::parse("x.eds", &text)
-            .err()
-            .unwrap_or_default()
+        crate::report::Report::new("x.eds", &text)
+            .findings
             .iter()
             .map(|finding| finding.message.clone())
             .collect::<Vec<_>>()

@@ -194,8 +194,8 @@ fn communication_objects_have_their_standard_types() {
 #[test]
 fn pdos_come_in_pairs_from_number_1_on() {
     let text = SMALL.replace("[1600", "[1601").replace("0x1600", "0x1601");
-    let found: Vec<String> = super::parse("x.eds", &text)
-        .unwrap_err()
+    let found: Vec<String> = Report::new("x.eds", &text)
+        .findings
         .iter()
         .map(|finding| finding.message.clone())
         .collect();

@@ -268,7 +268,7 @@ fn a_constant_has_a_value() {
         "DefaultValue=$NODEID\n",
         "",
         "[2009]",
-        "[2009] is const: it needs a DefaultValue",
+        "`Own identifier` is const: it needs a DefaultValue",
     );
 }
 
@@ -372,7 +372,28 @@ fn limits_of_0_and_0_may_be_meant_as_none() {
         let finding = report.findings.into_iter().next();
         finding.and_then(|finding| finding.help)
     };
-    assert_eq!(help("LowLimit=-5\nHighLimit=-3\n"), None);
+    let either = "either the default is wrong, or the limit";
+    assert_eq!(help("LowLimit=-5\nHighLimit=-3\n").as_deref(), Some(either));
     let none = "some tools write 0 and 0 where there are no limits: remove both";
     assert_eq!(help("LowLimit=0\nHighLimit=0\n").as_deref(), Some(none));
+}
+
+#[test]
+fn nothing_hides_another_mistake() {
+    let old = "AccessType=wo\nPDOMapping=1\nLowLimit=0x8000\nHighLimit=0x7FFF\n";
+    assert_eq!(SMALL.matches(old).count(), 1);
+    let new = "AccessType=w/o\nPDOMapping=1\nLowLimit=low\nHighLimit=70000\n";
+    let text = SMALL.replacen(old, new, 1);
+    let report = Report::new("small.eds", &text);
+    let rules = report.findings.iter().map(|finding| finding.rule.name);
+    let rules: Vec<&str> = rules.collect();
+    assert_eq!(rules, ["access-type", "not-a-number", "limit-type"]);
+    let entry = report.model.entry(0x2003, 0).unwrap();
+    assert_eq!(
+        entry.access,
+        crate::model::Access::WriteOnly,
+        "plainly meant"
+    );
+    assert_eq!((entry.low_limit, entry.high_limit), (None, None));
+    assert!(entry.default.is_some());
 }

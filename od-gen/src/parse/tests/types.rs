@@ -139,7 +139,7 @@ fn the_file_says_what_stores_a_value() {
     assert_eq!(entry(0x2013).storage, Some(StorageGroup::Application));
     assert_eq!(entry(0x2014).storage, None);
     let text = EVERY.replace(";Storage=none", ";Storage=somewhere");
-    let findings = parse("every.dcf", &text).unwrap_err();
+    let findings = Report::for_code("every.dcf", &text).findings;
     assert_eq!(findings[0].rule.name, "storage");
     assert_eq!(findings.len(), 1);
 }

@@ -11,7 +11,9 @@ pub(crate) const RULES: &[&Rule] = &[
     &RESTRICTED_COB_ID,
     &EXTENDED_COB_ID,
     &RESERVED_COB_ID_BIT,
+    &SDO_CLIENT_COB_ID,
     &COB_ID_USED_TWICE,
+    &COB_ID_USED_TWICE_WITH_A_NODE_ID,
 ];
 
 static RESTRICTED_COB_ID: Rule = Rule::error(
@@ -22,16 +24,24 @@ static RESTRICTED_COB_ID: Rule = Rule::error(
      all the same, and refuses it from a master.",
 );
 
-static EXTENDED_COB_ID: Rule = Rule::error(
+static EXTENDED_COB_ID: Rule = Rule::firmware(
     "extended-cob-id",
     "COB-IDs have 11 bits.",
     "The firmware sends and receives base frames: bits 11 to 29 must be 0. When this is silenced, the service is switched off.",
 );
 
-static RESERVED_COB_ID_BIT: Rule = Rule::error(
+static RESERVED_COB_ID_BIT: Rule = Rule::masters(
     "reserved-cob-id-bit",
     "The reserved bits of a COB-ID are 0.",
     "Bit 30 of 1014h and bits 30 of the SDO parameters mean nothing (CiA 301, tables 53 and 60).",
+)
+.strict();
+
+static SDO_CLIENT_COB_ID: Rule = Rule::firmware(
+    "sdo-client-cob-id",
+    "An SDO client has identifiers of its own.",
+    "A master's client at 601h and 581h asks the default SDO server of node 1, which is its right. The firmware takes no identifier \
+     that is restricted to default servers (CiA 301, table 40). When this is silenced, the client is as if it was switched off.",
 );
 
 static COB_ID_USED_TWICE: Rule = Rule::error(
@@ -41,6 +51,14 @@ static COB_ID_USED_TWICE: Rule = Rule::error(
      controller gives up. Several services may receive one identifier. Switch one of them off (bit 31), or give it another \
      identifier.",
 );
+
+static COB_ID_USED_TWICE_WITH_A_NODE_ID: Rule = Rule::masters(
+    "cob-id-used-twice-with-a-node-id",
+    "Services with and without the node-ID in their identifiers do not meet, whatever the node-ID.",
+    "An identifier that the node-ID is added to may be the one that another service always has: with that node-ID both send, or one hears \
+     the other. Add the node-ID to both, or leave that node-ID out.",
+)
+.strict();
 
 /// Switched off; means nothing in 1005h.
 const INVALID: i128 = 1 << 31;
@@ -168,6 +186,11 @@ fn broken(cob_id: &CobId, value: i128) -> Option<(&'static Rule, String)> {
         ));
     }
     let identifier = value & IDENTIFIER;
+    let is_default_server = matches!(identifier, 0x581..=0x5FF | 0x601..=0x67F);
+    if matches!(cob_id.index, 0x1280..=0x12FF) && is_default_server {
+        let why = format!("{identifier:03X}h belongs to a default SDO server");
+        return (cob_id.is_used_for != OFF).then_some((&SDO_CLIENT_COB_ID, why));
+    }
     (cob_id.is_used_for != OFF && is_restricted(identifier)).then(|| {
         let why = format!("the identifier {identifier:03X}h is restricted (CiA 301, table 40)");
         (&RESTRICTED_COB_ID, why)
@@ -193,7 +216,7 @@ fn check_uses(model: &Subject<'_>, cob_ids: &[CobId], findings: &mut Findings) {
     for cob_id in cob_ids.iter().filter(|cob_id| cob_id.is_used_for != OFF) {
         let identifier = cob_id.setting.value & IDENTIFIER;
         let node_ids = match &model.commissioning {
-            Some(commissioning) => commissioning.node_id..=commissioning.node_id,
+            Some(node) => node.node_id.max(1)..=node.node_id.max(1),
             None => 1..=127,
         };
         let (same, other) = if cob_id.setting.adds_node_id {
@@ -222,7 +245,13 @@ fn check_uses(model: &Subject<'_>, cob_ids: &[CobId], findings: &mut Findings) {
             let with = node_id.map_or_else(String::new, |id| format!(" with node-ID {id}"));
             let (place, first) = (cob_id.place(), before.place());
             let message = format!("{place} is the same identifier as {first}{with}");
-            findings.report(&COB_ID_USED_TWICE, cob_id.setting.span, message);
+            let node = model.commissioning.as_ref();
+            let is_certain = node_id.is_none() || node.is_some_and(|node| node.node_id != 0);
+            let rule = match is_certain {
+                true => &COB_ID_USED_TWICE,
+                false => &COB_ID_USED_TWICE_WITH_A_NODE_ID,
+            };
+            findings.report(rule, cob_id.setting.span, message);
         }
         // A sender hides a receiver, so that it is not forgotten.
         let slot = same.entry(identifier).or_insert(cob_id);

@@ -3,7 +3,7 @@
 use crate::diagnostic::Findings;
 use crate::model::DeviceInfo;
 use crate::rules::setting::Setting;
-use crate::rules::{Rule, Subject};
+use crate::rules::{Class, Rule, Subject};
 use crate::source::Span;
 
 pub(crate) const RULES: &[&Rule] = &[
@@ -17,11 +17,11 @@ pub(crate) const RULES: &[&Rule] = &[
     &COMPACT_PDO,
 ];
 
-static IDENTITY_MISMATCH: Rule = Rule::error(
+static IDENTITY_MISMATCH: Rule = Rule::masters(
     "identity-mismatch",
     "VendorNumber, ProductNumber and RevisionNumber are the defaults of 1018h.",
     "Masters find the data sheet of a device by these numbers, and refuse a device that reports others.",
-);
+).strict();
 
 static NO_VENDOR_ID: Rule = Rule::warning(
     "no-vendor-id",
@@ -29,20 +29,21 @@ static NO_VENDOR_ID: Rule = Rule::warning(
     "CAN in Automation assigns vendor-IDs to makers of devices; 0 is none.",
 );
 
-static PDO_COUNT: Rule = Rule::error(
+static PDO_COUNT: Rule = Rule::masters(
     "pdo-count",
     "NrOfRXPDO and NrOfTXPDO are how many PDOs are described.",
     "Tools make room by these numbers. When this is silenced, what is described counts.",
-);
+)
+.strict();
 
-static LSS_WITHOUT_IDENTITY: Rule = Rule::error(
+static LSS_WITHOUT_IDENTITY: Rule = Rule::masters(
     "lss-without-identity",
     "A device with LSS has 1018h with all four sub-indices.",
     "The LSS address is vendor-ID, product code, revision number and serial number (CiA 305): without one of them a master \
      cannot select the device.",
-);
+).strict();
 
-static NO_BIT_RATE: Rule = Rule::warning(
+static NO_BIT_RATE: Rule = Rule::masters(
     "no-bit-rate",
     "DeviceInfo names a bit rate.",
     "Write BaudRate_125=1 and its like for each that the device has.",
@@ -59,9 +60,9 @@ static MODULAR_DEVICE: Rule = Rule::warning(
     "The device has no channels that come and go.",
     "The generated dictionary is static: DynamicChannelsSupported should be 0. What it adds to the dictionary of a modular device \
      while it runs is not there.",
-);
+).of(Class::Firmware);
 
-static COMPACT_PDO: Rule = Rule::warning(
+static COMPACT_PDO: Rule = Rule::masters(
     "compact-pdo",
     "CompactPDO goes with the number of PDOs and has a bit for their COB-ID.",
     "CompactPDO stands for the PDOs up to NrOfRXPDO and NrOfTXPDO that no section describes. Its bits say which sub-indices of the \

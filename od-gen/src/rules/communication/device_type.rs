@@ -17,7 +17,7 @@ static PROFILE_WITHOUT_OBJECTS: Rule = Rule::warning(
      without a profile has 0 there.",
 );
 
-static OBJECTS_WITHOUT_PROFILE: Rule = Rule::warning(
+static OBJECTS_WITHOUT_PROFILE: Rule = Rule::masters(
     "objects-without-profile",
     "A device with objects of a profile says which one.",
     "Objects at 6000h to 9FFFh mean nothing without the number of their profile in the low word of 1000h. Objects of the \

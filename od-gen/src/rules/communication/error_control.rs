@@ -16,13 +16,13 @@ pub(crate) const RULES: &[&Rule] = &[
     &NMT_STARTUP,
 ];
 
-static NO_ERROR_CONTROL: Rule = Rule::warning(
+static NO_ERROR_CONTROL: Rule = Rule::masters(
     "no-error-control",
     "A device has the heartbeat (1017h) or node guarding (100Ch and 100Dh).",
     "CiA 301 asks for one of them, and for new devices for the heartbeat: without it nobody notices that the device is gone.",
 );
 
-static HALF_A_GUARD: Rule = Rule::warning(
+static HALF_A_GUARD: Rule = Rule::masters(
     "half-a-guard",
     "100Ch and 100Dh come together.",
     "The life time is guard time times life time factor: one of them alone means nothing.",
@@ -34,24 +34,26 @@ static GUARD_AND_HEARTBEAT: Rule = Rule::warning(
     "A device uses one of them at a time; where 1017h is not 0, guarding is off (CiA 301, 7.2.8.2).",
 );
 
-static HEARTBEAT_CONSUMER: Rule = Rule::error(
+static HEARTBEAT_CONSUMER: Rule = Rule::masters(
     "heartbeat-consumer",
     "An entry of 1016h is a time in milliseconds and a node-ID.",
     "Bits 0 to 15 are the time, bits 16 to 23 the node-ID, 0 to 127, and bits 24 to 31 are 0 (CiA 301, 7.5.2.19). When this is \
      silenced, the entry is not used.",
-);
+).strict();
 
-static HEARTBEAT_CONSUMED_TWICE: Rule = Rule::error(
+static HEARTBEAT_CONSUMED_TWICE: Rule = Rule::masters(
     "heartbeat-consumed-twice",
     "1016h names a node once.",
     "A device refuses a second time for one node with 06040043h.",
-);
+)
+.strict();
 
-static ERROR_BEHAVIOUR: Rule = Rule::error(
+static ERROR_BEHAVIOUR: Rule = Rule::masters(
     "error-behaviour",
     "1029h holds 0, 1 or 2, or a value of the manufacturer from 80h on.",
     "0 goes to Pre-operational, 1 stays, 2 stops (CiA 301, 7.5.2.32). The others are reserved.",
-);
+)
+.strict();
 
 static NMT_STARTUP: Rule = Rule::warning(
     "nmt-startup",

@@ -10,6 +10,7 @@ use crate::source::Span;
 pub(crate) const RULES: &[&Rule] = &[
     &MAPPING_GAP,
     &MAPPED_MISSING,
+    &UNUSED_MAPPING,
     &MAPPED_UNMAPPABLE,
     &MAPPED_DIRECTION,
     &MAPPED_LENGTH,
@@ -20,12 +21,12 @@ pub(crate) const RULES: &[&Rule] = &[
     &CONST_MAPPABLE,
 ];
 
-static MAPPING_GAP: Rule = Rule::error(
+static MAPPING_GAP: Rule = Rule::masters(
     "mapping-gap",
     "Each mapping entry that counts names an object.",
     "Up to the number in sub-index 0 the entries are used; an entry of 0 among them names nothing. A gap in a receive PDO is \
      made with a dummy, such as 0x00050008 for one byte. When this is silenced, the PDO is switched off.",
-);
+).strict();
 
 static MAPPED_MISSING: Rule = Rule::error(
     "mapped-object-missing",
@@ -34,11 +35,19 @@ static MAPPED_MISSING: Rule = Rule::error(
      master writes another mapping.",
 );
 
-static MAPPED_UNMAPPABLE: Rule = Rule::error(
+static UNUSED_MAPPING: Rule = Rule::masters(
+    "unused-mapping",
+    "What stands in a mapping could be mapped, also beyond the number in sub-index 0.",
+    "Entries beyond sub-index 0 map nothing as the device comes. A master that only raises the number is refused by the device.",
+)
+.strict();
+
+static MAPPED_UNMAPPABLE: Rule = Rule::masters(
     "mapped-object-unmappable",
     "What is mapped has PDOMapping=1.",
     "The device would refuse this mapping from a master.",
-);
+)
+.strict();
 
 static MAPPED_DIRECTION: Rule = Rule::error(
     "mapped-direction",
@@ -53,7 +62,7 @@ static MAPPED_LENGTH: Rule = Rule::error(
      be mapped, unless they are whole bytes: the length of another type is most often a mistake.",
 );
 
-static MAPPED_TWICE: Rule = Rule::warning(
+static MAPPED_TWICE: Rule = Rule::masters(
     "mapped-twice",
     "A PDO carries an object once.",
     "In a receive PDO the later place wins, in a transmit PDO the second one is wasted.",
@@ -65,18 +74,18 @@ static MAPPING_TOO_LONG: Rule = Rule::error(
     "A CAN frame has eight bytes.",
 );
 
-static MAPPING_GRANULARITY: Rule = Rule::warning(
+static MAPPING_GRANULARITY: Rule = Rule::masters(
     "mapping-granularity",
     "Mapped lengths are multiples of Granularity.",
     "Granularity in DeviceInfo tells masters which lengths the device can map: 8 for whole bytes, 1 for single bits.",
 );
 
-static DUMMY: Rule = Rule::error(
+static DUMMY: Rule = Rule::masters(
     "dummy-mapping",
     "A gap is in a receive PDO, and DummyUsage allows it.",
     "The data types 0001h to 0007h make gaps in a receive PDO, of their length, for bytes that are meant for other devices \
      (CiA 301, 7.4.7). `Dummy0005=1` in DummyUsage says that the device has them.",
-);
+).strict();
 
 static CONST_MAPPABLE: Rule = Rule::warning(
     "const-mappable",
@@ -152,7 +161,12 @@ fn check_mapping(
             }
             continue;
         }
-        check_mapped(model, &mapped, direction, &place, setting.span, findings);
+        let mut found = findings.same_file();
+        check_mapped(model, &mapped, direction, &place, setting.span, &mut found);
+        if !is_used {
+            found.all_under(&UNUSED_MAPPING);
+        }
+        findings.append(found);
         if !is_used {
             continue;
         }

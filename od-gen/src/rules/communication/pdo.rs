@@ -17,47 +17,48 @@ pub(crate) const RULES: &[&Rule] = &[
     &SYNC_START_WITHOUT_COUNTER,
 ];
 
-static PDO_WITHOUT_MAPPING: Rule = Rule::error(
+static PDO_WITHOUT_MAPPING: Rule = Rule::masters(
     "pdo-without-mapping",
     "Each PDO has a mapping record.",
     "The communication record 1400h+n goes with the mapping record 1600h+n, and 1800h+n with 1A00h+n. When this is silenced, the \
      PDO carries nothing.",
-);
+).strict();
 
-static MAPPING_WITHOUT_PDO: Rule = Rule::error(
+static MAPPING_WITHOUT_PDO: Rule = Rule::masters(
     "mapping-without-pdo",
     "Each mapping record has a PDO.",
     "The mapping record 1600h+n goes with the communication record 1400h+n, and 1A00h+n with 1800h+n. When this is silenced, the \
      mapping can be written, and nothing comes of it.",
-);
+).strict();
 
-static PDO_GAP: Rule = Rule::warning(
+static PDO_GAP: Rule = Rule::masters(
     "pdo-gap",
     "PDOs are numbered from 1 on, without gaps.",
     "Gaps are allowed, but the firmware keeps room for the PDOs that are left out, and masters that count upwards stop at the gap.",
 );
 
-static PDO_WITHOUT_OBJECTS: Rule = Rule::warning(
+static PDO_WITHOUT_OBJECTS: Rule = Rule::masters(
     "pdo-without-objects",
     "A PDO that is valid by default carries something.",
     "It would never be sent, and what is received with its identifier would be thrown away. Set bit 31 of the COB-ID, or map \
      something.",
 );
 
-static RESERVED_TRANSMISSION_TYPE: Rule = Rule::error(
+static RESERVED_TRANSMISSION_TYPE: Rule = Rule::masters(
     "reserved-transmission-type",
     "The transmission type of a PDO is none of the reserved ones.",
     "0 to 240 is by SYNC, 254 and 255 by event; 252 and 253 are for transmit PDOs alone, which are sent on request (CiA 301, \
      tables 69 and 72). When this is silenced, the PDO is switched off until a master writes another type.",
-);
+).strict();
 
-static SYNCHRONOUS_PDO_WITHOUT_SYNC: Rule = Rule::error(
+static SYNCHRONOUS_PDO_WITHOUT_SYNC: Rule = Rule::masters(
     "synchronous-pdo-without-sync",
     "A device with synchronous PDOs has 1005h.",
     "Without the COB-ID of SYNC the PDO would wait for ever.",
-);
+)
+.strict();
 
-static SYNC_START_WITHOUT_COUNTER: Rule = Rule::warning(
+static SYNC_START_WITHOUT_COUNTER: Rule = Rule::masters(
     "sync-start-without-counter",
     "A SYNC start value goes with a SYNC counter.",
     "Sub-index 6 of a transmit PDO waits for a count that only SYNC messages with a counter have: 1019h must be there and not 0.",
@@ -169,7 +170,11 @@ fn check_transmission_type(
         findings.report(&SYNCHRONOUS_PDO_WITHOUT_SYNC, kind.span, message);
     }
     let start = Setting::at(model, index, 6).filter(|start| start.value != 0);
-    if let Some(start) = start.filter(|_| number(model, 0x1019, 0).unwrap_or(0) == 0) {
+    let counts = || match model.entry(0x1019, 0) {
+        Some(entry) => Setting::of(entry).is_none_or(|counter| counter.value != 0),
+        None => false,
+    };
+    if let Some(start) = start.filter(|_| !counts()) {
         let message = format!(
             "{name} waits for SYNC number {}, but 1019h counts none",
             start.value

@@ -8,26 +8,26 @@ use crate::rules::{Rule, Subject};
 
 pub(crate) const RULES: &[&Rule] = &[&PREDEFINED_COB_ID, &PDO_BEYOND_THE_SET, &DEFAULT_SDO_COB_ID];
 
-static PREDEFINED_COB_ID: Rule = Rule::warning(
+static PREDEFINED_COB_ID: Rule = Rule::masters(
     "predefined-cob-id",
     "SYNC, TIME, EMCY and the first four PDOs have the identifiers of the predefined connection set.",
     "SYNC 80h, TIME 100h, EMCY 80h+node-ID, TPDO 180h, 280h, 380h and 480h+node-ID, RPDO 200h, 300h, 400h and 500h+node-ID. A \
      master that was not told otherwise expects them there.",
 );
 
-static PDO_BEYOND_THE_SET: Rule = Rule::warning(
+static PDO_BEYOND_THE_SET: Rule = Rule::masters(
     "pdo-beyond-the-predefined-set",
     "PDOs from the fifth on are off by default.",
     "The predefined connection set has no identifiers for them: what one chooses may belong to another device. Set bit 31 of the \
      COB-ID, and let the master give it one (CiA 301, 7.5.2.35 and 7.5.2.37).",
 );
 
-static DEFAULT_SDO_COB_ID: Rule = Rule::error(
+static DEFAULT_SDO_COB_ID: Rule = Rule::masters(
     "default-sdo-cob-id",
     "The default SDO server has 600h+node-ID and 580h+node-ID, and nobody can change that.",
     "It is how every master finds a device (CiA 301, 7.5.2.33): 1200h:1 is $NODEID+0x600, 1200h:2 is $NODEID+0x580, both ro or \
      const.",
-);
+).strict();
 
 /// Switched off.
 const INVALID: i128 = 1 << 31;

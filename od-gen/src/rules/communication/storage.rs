@@ -6,20 +6,20 @@ use crate::rules::{Rule, Subject};
 
 pub(crate) const RULES: &[&Rule] = &[&STORE_WITHOUT_RESTORE, &STORE_CAPABILITY, &PROGRAM_DOWNLOAD];
 
-static STORE_WITHOUT_RESTORE: Rule = Rule::warning(
+static STORE_WITHOUT_RESTORE: Rule = Rule::masters(
     "store-without-restore",
     "1010h and 1011h come together, with the same sub-indices.",
     "What a user has stored, a user wants to get rid of again.",
 );
 
-static STORE_CAPABILITY: Rule = Rule::warning(
+static STORE_CAPABILITY: Rule = Rule::masters(
     "store-capability",
     "The default of 1010h and 1011h is what a master reads there: how the device stores.",
     "Bit 0 stores on command, bit 1 of 1010h on its own; all other bits are 0. The signatures `save` and `load` are what a master \
      writes.",
 );
 
-static PROGRAM_DOWNLOAD: Rule = Rule::warning(
+static PROGRAM_DOWNLOAD: Rule = Rule::masters(
     "program-download",
     "1F50h goes with 1F51h.",
     "A master loads a program into 1F50h, and starts and stops it with 1F51h (CiA 302-3).",

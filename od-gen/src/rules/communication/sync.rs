@@ -13,39 +13,40 @@ pub(crate) const RULES: &[&Rule] = &[
     &ERROR_LIST,
 ];
 
-static SYNC_WITHOUT_COB_ID: Rule = Rule::warning(
+static SYNC_WITHOUT_COB_ID: Rule = Rule::masters(
     "sync-without-cob-id",
     "1006h, 1007h and 1019h go with 1005h.",
     "Period, window and counter belong to a SYNC that the device does not know without its COB-ID.",
 );
 
-static SYNC_PRODUCER_WITHOUT_PERIOD: Rule = Rule::error(
+static SYNC_PRODUCER_WITHOUT_PERIOD: Rule = Rule::masters(
     "sync-producer-without-period",
     "A device that produces SYNC has a period.",
     "With bit 30 of 1005h the device sends SYNC every 1006h microseconds; 0, or no 1006h, is never. When this is silenced, it \
      sends none until a master writes 1006h.",
-);
+).strict();
 
-static SYNC_WINDOW: Rule = Rule::warning(
+static SYNC_WINDOW: Rule = Rule::masters(
     "sync-window",
     "The SYNC window is shorter than the SYNC period.",
     "Synchronous PDOs that come later than 1007h microseconds after SYNC are dropped: a window as long as the period, 1006h, \
      drops none.",
 );
 
-static SYNC_COUNTER: Rule = Rule::error(
+static SYNC_COUNTER: Rule = Rule::masters(
     "sync-counter",
     "1019h is 0 or 2 to 240.",
     "The counter runs from 1 to this number; 1 and 241 to 255 are reserved (CiA 301, 7.5.2.22).",
-);
+)
+.strict();
 
-static EMERGENCY_WITHOUT_COB_ID: Rule = Rule::warning(
+static EMERGENCY_WITHOUT_COB_ID: Rule = Rule::masters(
     "emergency-without-cob-id",
     "1003h and 1015h go with 1014h.",
     "A list of errors and an inhibit time belong to emergencies, which the device cannot send without their COB-ID.",
 );
 
-static ERROR_LIST: Rule = Rule::warning(
+static ERROR_LIST: Rule = Rule::masters(
     "error-list",
     "The list of errors, 1003h, is empty by default, and a master can clear it.",
     "A device starts without errors; writing 0 to sub-index 0 clears the list (CiA 301, 7.5.2.4).",
@@ -68,7 +69,9 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
             findings.report(rule, object.places.section, message);
         }
     }
-    let period = number(model, 0x1006, 0).unwrap_or(0);
+    // A period that the file does not state is not 0.
+    let has_period = model.entry(0x1006, 0).is_some();
+    let period = number(model, 0x1006, 0).unwrap_or(i128::from(has_period) * i128::MAX);
     if let Some(cob_id) = Setting::at(model, 0x1005, 0)
         && cob_id.value & 1 << 30 != 0
         && period == 0

@@ -13,30 +13,30 @@ pub(crate) const RULES: &[&Rule] = &[
     &DEFAULT_MODE,
 ];
 
-static MODE_OBJECT: Rule = Rule::error(
+static MODE_OBJECT: Rule = Rule::masters(
     "mode-object",
     "A mode that 6502h claims has the objects that it cannot do without.",
     "A master that selects the mode writes its target and reads its actual value by the standard. When this is silenced, the mode \
      is claimed all the same.",
-);
+).strict();
 
-static MODE_NOT_CLAIMED: Rule = Rule::warning(
+static MODE_NOT_CLAIMED: Rule = Rule::masters(
     "mode-not-claimed",
     "Objects that only one mode has come with that mode.",
     "6502h tells masters which modes they may select; objects of another one suggest that a bit is missing there.",
 );
 
-static RESERVED_MODE: Rule = Rule::warning(
+static RESERVED_MODE: Rule = Rule::masters(
     "reserved-mode",
     "6502h claims no modes that CiA 402 has reserved.",
     "Bit 4 and bits 11 to 15 are reserved; modes of the manufacturer have bits 16 to 31.",
 );
 
-static DEFAULT_MODE: Rule = Rule::error(
+static DEFAULT_MODE: Rule = Rule::masters(
     "default-mode",
     "The drive starts in a mode that it has, or in none.",
     "6060h and 6061h are 0 (no mode), negative (a mode of the manufacturer), or a mode whose bit is set in 6502h.",
-);
+).strict();
 
 /// A mode of CiA 402.
 struct Mode {

@@ -8,20 +8,20 @@ use crate::rules::{Rule, Subject};
 
 pub(crate) const RULES: &[&Rule] = &[&DRIVE_OBJECT, &DRIVE_WORDS, &DRIVE_TYPE];
 
-static DRIVE_OBJECT: Rule = Rule::error(
+static DRIVE_OBJECT: Rule = Rule::masters(
     "drive-object",
     "A drive has controlword, statusword, modes of operation with their display, and supported drive modes.",
     "A master of CiA 402 commands with 6040h and 6060h, watches 6041h and 6061h, and learns from 6502h what there is. When this is \
      silenced, the device is a drive that generic masters cannot use.",
-);
+).strict();
 
-static DRIVE_WORDS: Rule = Rule::warning(
+static DRIVE_WORDS: Rule = Rule::masters(
     "drive-words-mappable",
     "The controlword goes into receive PDOs, the statusword into transmit PDOs.",
     "Masters command the state machine by PDO. Write PDOMapping=1 for both.",
 );
 
-static DRIVE_TYPE: Rule = Rule::warning(
+static DRIVE_TYPE: Rule = Rule::masters(
     "drive-type",
     "The device type says what kind of drive it is.",
     "Bits 16 to 23 of 1000h: 01h frequency converter, 02h servo drive, 04h stepper motor (CiA 402-1).",

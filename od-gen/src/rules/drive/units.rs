@@ -7,28 +7,28 @@ use crate::rules::{Rule, Subject};
 
 pub(crate) const RULES: &[&Rule] = &[&ZERO_FACTOR, &OBSOLETE_UNIT, &UNIT, &POLARITY];
 
-static ZERO_FACTOR: Rule = Rule::error(
+static ZERO_FACTOR: Rule = Rule::masters(
     "zero-factor",
     "Gear ratio, feed constant, encoder resolution and the other factors are not 0.",
     "Positions and velocities are multiplied and divided by them: 0 leaves no motion, or no result. When this is silenced, the \
      drive takes 1.",
-);
+).strict();
 
-static OBSOLETE_UNIT: Rule = Rule::warning(
+static OBSOLETE_UNIT: Rule = Rule::masters(
     "obsolete-unit",
     "Units are given by 60A8h to 60ABh, and factors by 608Fh to 6092h, 6096h and 6097h.",
     "The notation and dimension indices 6089h to 608Eh and the factors 6093h to 6095h are of the first version of CiA 402; newer \
      masters do not look at them.",
 );
 
-static UNIT: Rule = Rule::warning(
+static UNIT: Rule = Rule::masters(
     "si-unit",
     "60A8h to 60ABh are units of CiA 303-2.",
     "Bits 24 to 31 are the prefix as a power of ten, bits 16 to 23 the numerator, bits 8 to 15 the denominator, and bits 0 to 7 \
      are 0.",
 );
 
-static POLARITY: Rule = Rule::warning(
+static POLARITY: Rule = Rule::masters(
     "polarity",
     "607Eh sets bits 6 and 7 at most.",
     "Bit 7 turns positions around, bit 6 velocities; the others are reserved.",

@@ -16,25 +16,25 @@ pub(crate) const RULES: &[&Rule] = &[
     &VELOCITY_ABOVE_MAXIMUM,
 ];
 
-static OPTION_CODE: Rule = Rule::error(
+static OPTION_CODE: Rule = Rule::masters(
     "option-code",
     "6007h and 605Ah to 605Eh hold options of CiA 402, or negative ones of the manufacturer.",
     "6007h: 0 to 3; 605Ah: 0 to 8; 605Bh and 605Ch: 0 and 1; 605Dh and 605Eh: 0 to 4. The others are reserved.",
-);
+).strict();
 
-static CROSSED_LIMITS: Rule = Rule::error(
+static CROSSED_LIMITS: Rule = Rule::masters(
     "crossed-limits",
     "Of a pair of limits, the lower one is not above the upper one.",
     "607Bh and 607Dh are position limits, 6046h limits of the velocity: with crossed limits no target is allowed.",
-);
+).strict();
 
-static HOMING_METHOD: Rule = Rule::warning(
+static HOMING_METHOD: Rule = Rule::masters(
     "homing-method",
     "6098h is a homing method that exists, and that 60E3h lists.",
     "1 to 14, 17 to 30 and 33 to 37 are methods of CiA 402, 0 is none, negative ones are the manufacturer's.",
 );
 
-static INTERPOLATION_TIME: Rule = Rule::warning(
+static INTERPOLATION_TIME: Rule = Rule::masters(
     "interpolation-time",
     "A drive with cyclic or interpolated modes has an interpolation time, 60C2h, that is not 0.",
     "Sub-index 1 times ten to the power of sub-index 2 is the time in seconds between two set-points; sub-index 2 is -128 to 63.",

@@ -13,33 +13,33 @@ pub(crate) const RULES: &[&Rule] = &[
     &UNKNOWN_SUB_INDEX,
 ];
 
-static STANDARD_KIND: Rule = Rule::warning(
+static STANDARD_KIND: Rule = Rule::masters(
     "standard-kind",
     "An object of CiA 301 or CiA 402 is the VAR, ARRAY or RECORD that the standard has.",
     "A master that knows the standard asks for sub-indices that are not there, or misses some. A RECORD where an ARRAY is due, \
      and the reverse, harms nobody but tools that show one line for all elements.",
 );
 
-static STANDARD_TYPE: Rule = Rule::error(
+static STANDARD_TYPE: Rule = Rule::masters(
     "standard-type",
     "An object of CiA 301 or CiA 402 has the data type of the standard.",
     "Masters map and write these objects by the standard, without a look into the data sheet: with another length or sign they \
      fail, or write something else. The firmware's own layers ask for the standard's types too.",
-);
+).strict();
 
-static STANDARD_ACCESS: Rule = Rule::warning(
+static STANDARD_ACCESS: Rule = Rule::masters(
     "standard-access",
     "An object of CiA 301 or CiA 402 can be read and written as the standard says.",
     "What the device reports (statusword, actual values, identity) is read-only, what commands it can be written. Where the \
      standard lets the device choose, any access is right.",
 );
 
-static MISSING_SUB_INDEX: Rule = Rule::error(
+static MISSING_SUB_INDEX: Rule = Rule::masters(
     "missing-sub-index",
     "An object of CiA 301 or CiA 402 has the sub-indices that the standard asks for.",
     "A PDO, for instance, is nothing without its COB-ID and its transmission type. When this is silenced, the device answers a \
      request for the missing one with 06090011h.",
-);
+).strict();
 
 static UNKNOWN_SUB_INDEX: Rule = Rule::warning(
     "unknown-sub-index",
@@ -125,7 +125,9 @@ fn check_access(
     standard: &str,
     findings: &mut Findings,
 ) {
-    if rights.allow(entry.access) {
+    // What could not be read has been reported.
+    let is_read = entry.places.has(Field::AccessType);
+    if rights.allow(entry.access) || !is_read {
         return;
     }
     let (place, is) = (place(object, entry), entry.access.name());

@@ -183,6 +183,24 @@ pub(super) const CASES: &[Case] = &[
         &["1028:1 U32 rw 0x80000701"],
     ),
     case(
+        "sdo-client-cob-id",
+        &[
+            "1280:1 U32 rw 0x601",
+            "1280:2 U32 rw 0x80000000",
+            "1280:3 U8 rw 1",
+        ],
+        &[
+            "1280:1 U32 rw 0x80000601",
+            "1280:2 U32 rw 0x80000581",
+            "1280:3 U8 rw 1",
+        ],
+    ),
+    case(
+        "cob-id-used-twice-with-a-node-id",
+        &["1014 U32 rw $NODEID+0x80", "1028:1 U32 rw 0x85"],
+        &["1014 U32 rw $NODEID+0x80", "1028:1 U32 rw 0x80000085"],
+    ),
+    case(
         "extended-cob-id",
         &["1014 U32 rw $NODEID+0x20000080"],
         &["1014 U32 rw $NODEID+0x80000080"],

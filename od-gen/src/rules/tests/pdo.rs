@@ -228,6 +228,24 @@ pub(super) const CASES: &[Case] = &[
         ],
     ),
     case(
+        "unused-mapping",
+        &[
+            "1800:1 U32 rw $NODEID+0x180",
+            "1800:2 U8 rw 255",
+            "1A00:0 U8 rw 1",
+            "1A00:1 U32 rw 0x10010008",
+            "1A00:2 U32 rw 0x20000008",
+        ],
+        &[
+            "1800:1 U32 rw $NODEID+0x180",
+            "1800:2 U8 rw 255",
+            "1A00:0 U8 rw 1",
+            "1A00:1 U32 rw 0x10010008",
+            "1A00:2 U32 rw 0x20000008",
+            "2000 U8 ro 0 map",
+        ],
+    ),
+    case(
         "mapped-object-unmappable",
         &[
             "1800:1 U32 rw $NODEID+0x180",

@@ -99,6 +99,14 @@ fn rules_that_are_checked_while_a_data_sheet_is_read() {
     }
     let missing = device::data_sheet(&["-1018", "@LSS_Supported=0"]);
     silence("missing-mandatory-object", &missing, false);
+    // What is printed has the section, and it is empty.
+    let text = allowance("missing-section, lss-without-identity")
+        + &SMALL.replace("; od-gen: allow", "; od-gen; allow");
+    let start = text.find("[DeviceInfo]").unwrap();
+    let end = text.find("[DummyUsage]").unwrap();
+    let report = Report::new("test.eds", &format!("{}{}", &text[..start], &text[end..]));
+    assert!(!report.has_errors(), "{}", report.render(Colour::Never));
+    is_generated("missing-section", &report.model);
 }
 
 #[test]
@@ -229,7 +237,7 @@ fn no_rule_is_left_out() {
     for rule in changes
         .chain(others)
         .chain(models)
-        .chain(["missing-mandatory-object"])
+        .chain(["missing-mandatory-object", "missing-section"])
     {
         *tested.entry(rule).or_default() += 1;
     }

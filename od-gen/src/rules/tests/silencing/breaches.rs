@@ -70,7 +70,7 @@ pub(super) const CHANGES: &[Change] = &[
         )],
     ),
     (
-        "missing-section",
+        "missing-file-info",
         &[(
             "[FileInfo]\nFileName=small.eds\nFileVersion=1\nFileRevision=0\nEDSVersion=4.0\n",
             "",
@@ -202,6 +202,18 @@ pub(super) const CHANGES: &[Change] = &[
         &[("[200B]", "[200AName]\nNrOfEntries=0\n\n[200B]")],
     ),
     ("no-name", &[("ParameterName=Type\n", "")]),
+    (
+        "plain-name",
+        &[("ParameterName=Type\n", "ParameterName=?!\n")],
+    ),
+    (
+        "header-key",
+        &[(
+            "ObjectType=8\nSubNumber=3",
+            "ObjectType=8\nSubNumber=3\nAccessType=rw",
+        )],
+    ),
+    ("file-version", &[("FileVersion=1\n", "FileVersion=1.0\n")]),
     (
         "no-module",
         &[("[200B]", "[ConnectedModules]\nNrOfEntries=0\n1=5\n\n[200B]")],
