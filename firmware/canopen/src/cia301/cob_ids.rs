@@ -104,16 +104,19 @@ pub(crate) fn is_taken<D: Dictionary>(dictionary: &D, entry: &Entry, new: &[u8])
     let Some(wanted) = sent(entry, new) else {
         return false;
     };
-    let others = D::TABLE.range(0x1005..=0x19FF).iter();
-    { others }.any(|other| {
-        is_transmit_pdo(other) != is_transmit_pdo(entry)
-            && sent(other, value(dictionary, other)) == Some(wanted)
-    })
+    let sends = |other: &Entry| sent(other, value(dictionary, other)) == Some(wanted);
+    let any_in = |indices| D::TABLE.range(indices).iter().any(sends);
+    if entry.index >= TRANSMIT_PDO {
+        let mut services = [0x1005, 0x1012, 0x1014].into_iter();
+        services.any(|index| any_in(index..=index)) || any_in(0x1200..=0x127F)
+    } else {
+        let mut pdos = D::TABLE.range(TRANSMIT_PDO..=0x19FF).iter();
+        pdos.any(|pdo| pdo.sub == 1 && sends(pdo))
+    }
 }
 
-const fn is_transmit_pdo(entry: &Entry) -> bool {
-    entry.index >= 0x1800
-}
+/// The communication parameter of the first transmit PDO.
+const TRANSMIT_PDO: u16 = 0x1800;
 
 /// The identifier that an object with this value makes the device send, or the clients of its SDO server.
 fn sent(entry: &Entry, bytes: &[u8]) -> Option<u16> {

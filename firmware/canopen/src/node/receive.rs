@@ -5,6 +5,7 @@
 
 use super::Node;
 use super::objects::{Objects, Streams};
+use super::services::Services;
 use crate::application::Application;
 use crate::cia301::nmt::{Command, NmtState};
 use crate::cia301::pdo::Received;
@@ -201,7 +202,9 @@ impl<D: Dictionary> Node<D> {
             }
             self.services.agenda.wake_at(self.services.sync.deadline());
         }
-        self.services.report_errors(&mut self.dictionary, now);
+        if self.services.sync.has_report() {
+            self.services.report_errors(&mut self.dictionary, now);
+        }
     }
 
     /// A frame for a receive PDO, or for one of the services that are not used all the time.
@@ -210,19 +213,20 @@ impl<D: Dictionary> Node<D> {
         let Some(cob_id) = frame.standard_id() else {
             return;
         };
-        if D::FEATURES.sync && self.services.sync.ends_window(now) {
-            self.services.window_over();
+        let Services { rpdos, sync, .. } = &mut self.services;
+        // A frame may be given before time passes: its stamp counts.
+        let is_late = || D::FEATURES.sync && sync.is_window_over(now);
+        let dictionary = &mut self.dictionary;
+        let received = rpdos.receive(cob_id, frame, now, is_late, dictionary, application);
+        if received == Received::NOTHING {
+            return self.receive_other(cob_id, frame, now);
         }
-        match self
-            .services
-            .rpdos
-            .receive(cob_id, frame, now, &mut self.dictionary, application)
-        {
-            Received::Nothing => return self.receive_other(cob_id, frame, now),
-            Received::Kept => {}
-            Received::Applied => self.services.agenda.look(),
+        if received.is_applied() {
+            self.services.agenda.look();
         }
-        if self.services.rpdos.has_report() {
+        if received.has_news() {
+            // A deadline may have begun.
+            self.services.agenda.wake();
             self.services.report_errors(&mut self.dictionary, now);
         }
     }

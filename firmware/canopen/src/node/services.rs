@@ -321,11 +321,6 @@ impl<C: Counts> Services<C> {
     #[cold]
     #[inline(never)]
     pub(super) fn report_errors<D: Dictionary>(&mut self, dictionary: &mut D, now: Instant) {
-        if !self.sync.has_report() && !self.rpdos.has_report() {
-            return;
-        }
-        // The deadline of a receive PDO may have begun.
-        self.agenda.wake();
         let next = |services: &mut Self| {
             let report = if D::FEATURES.sync {
                 services.sync.report()

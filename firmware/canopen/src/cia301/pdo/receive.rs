@@ -36,8 +36,10 @@ pub struct Receive<S, M> {
     circumstances: Circumstances,
     /// Whether two PDOs have the same COB-ID.
     has_twins: bool,
-    /// Whether a PDO waits for SYNC.
-    has_synchronous: bool,
+    /// Whether a frame is for one PDO, if any: the device is Operational, and there are no twins.
+    is_for_one: bool,
+    /// Behind the last PDO that waits for SYNC.
+    synchronous_end: u16,
     objects: PhantomData<M>,
 }
 
@@ -49,11 +51,11 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
             is_operational: false,
             circumstances: Circumstances {
                 is_window_over: false,
-                has_news: false,
                 node_id: 0,
             },
             has_twins: false,
-            has_synchronous: false,
+            is_for_one: false,
+            synchronous_end: 0,
             objects: PhantomData,
         }
     }
@@ -62,9 +64,7 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
     /// left, and errors end: ask [`Receive::report`] afterwards.
     pub fn configure_all<D: Dictionary>(&mut self, dictionary: &D, node_id: u8) {
         self.circumstances.node_id = node_id;
-        self.is_operational = false;
-        self.circumstances.is_window_over = false;
-        self.circumstances.has_news = true;
+        self.set_operational(false);
         for (number, pdo) in (0..).zip(self.pdos.as_mut()) {
             pdo.reset();
             pdo.configure(dictionary, Parameters::new(Direction::Receive, number));
@@ -73,13 +73,18 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
 
     /// Operational is entered: PDOs are received from now on.
     pub fn enter_operational(&mut self) {
-        self.is_operational = true;
+        self.set_operational(true);
+    }
+
+    fn set_operational(&mut self, is_operational: bool) {
+        self.is_operational = is_operational;
+        self.is_for_one = is_operational && !self.has_twins;
         self.circumstances.is_window_over = false;
     }
 
     /// Operational is left. Frames that wait for a SYNC are dropped, and no deadline runs.
     pub fn leave_operational(&mut self) {
-        self.is_operational = false;
+        self.set_operational(false);
         for pdo in self.pdos.as_mut() {
             pdo.stop();
         }
@@ -115,7 +120,6 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
         } else {
             pdo.configure(dictionary, parameters);
         }
-        self.circumstances.has_news |= pdo.has_report();
     }
 
     /// The identifiers that PDOs are received with, some perhaps more than once. They change with [`Receive::configure_all`]
@@ -128,10 +132,12 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
     /// These places in RAM are looked at by event-driven transmit PDOs ([`super::Transmit::watched`]). To be called after
     /// [`Receive::configure_all`], [`Receive::written`] and their like of the transmit PDOs.
     pub fn watch(&mut self, places: &Range<u16>) {
-        self.has_synchronous = false;
-        for pdo in self.pdos.as_mut() {
+        self.synchronous_end = 0;
+        for (end, pdo) in (1..).zip(self.pdos.as_mut()) {
             pdo.watch(places);
-            self.has_synchronous |= pdo.is_synchronous();
+            if pdo.is_synchronous() {
+                self.synchronous_end = end;
+            }
         }
         let mut rest = self.pdos.as_ref();
         self.has_twins = false;
@@ -140,9 +146,10 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
             self.has_twins |= pdo.cob_id() != 0 && others.iter().any(is_twin);
             rest = others;
         }
+        self.is_for_one = self.is_operational && !self.has_twins;
     }
 
-    /// A data frame with an 11-bit identifier arrived; `now` is when. [`Receive::report`] may have something to tell afterwards.
+    /// A data frame with an 11-bit identifier arrived; `now` is when, and `is_late` tells whether the SYNC window is over then.
     /// Outside of Operational nothing is done.
     #[inline]
     pub fn receive<D: Dictionary, A: Application<D>>(
@@ -150,26 +157,28 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
         cob_id: u16,
         frame: &Frame,
         now: Instant,
+        is_late: impl FnOnce() -> bool,
         dictionary: &mut D,
         application: &mut A,
     ) -> Received {
-        if !self.is_operational {
-            return Received::Nothing;
-        }
-        if self.has_twins {
+        if !self.is_for_one {
+            self.circumstances.is_window_over |= is_late();
             return self.receive_by_twins(cob_id, frame, now, dictionary, application);
         }
         let mut pdos = self.pdos.as_mut().iter_mut();
         let Some(pdo) = pdos.find(|pdo| pdo.cob_id() == cob_id) else {
-            return Received::Nothing;
+            return Received::NOTHING;
         };
         match pdo.receive_plain(frame, dictionary, application) {
             Some(received) => received,
-            None => pdo.receive(frame, now, &mut self.circumstances, dictionary, application),
+            None => {
+                self.circumstances.is_window_over |= is_late();
+                pdo.receive(frame, now, &self.circumstances, dictionary, application)
+            }
         }
     }
 
-    /// Several PDOs may want the frame.
+    /// Several PDOs may want the frame, or none.
     #[cold]
     #[inline(never)]
     fn receive_by_twins<D: Dictionary, A: Application<D>>(
@@ -180,10 +189,13 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
         dictionary: &mut D,
         application: &mut A,
     ) -> Received {
-        let mut received = Received::Nothing;
+        let mut received = Received::NOTHING;
+        if !self.is_operational {
+            return received;
+        }
         for pdo in self.pdos.as_mut() {
             if pdo.cob_id() == cob_id {
-                let circumstances = &mut self.circumstances;
+                let circumstances = &self.circumstances;
                 received =
                     received.and(pdo.receive(frame, now, circumstances, dictionary, application));
             }
@@ -200,7 +212,7 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
         application: &mut A,
     ) -> bool {
         self.circumstances.is_window_over = false;
-        self.has_synchronous && self.apply_waiting(dictionary, application)
+        self.synchronous_end != 0 && self.apply_waiting(dictionary, application)
     }
 
     #[inline(never)]
@@ -210,11 +222,12 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
         application: &mut A,
     ) -> bool {
         // Outside of Operational nothing waits.
-        let mut is_applied = false;
-        for pdo in self.pdos.as_mut() {
-            is_applied |= pdo.on_sync(dictionary, application) == Received::Applied;
+        let mut received = Received::NOTHING;
+        let end = usize::from(self.synchronous_end);
+        for pdo in self.pdos.as_mut().iter_mut().take(end) {
+            received = received.and(pdo.on_sync(dictionary, application));
         }
-        is_applied
+        received.is_applied()
     }
 
     /// The SYNC window (1007h) has passed: frames of synchronous PDOs are discarded until the next SYNC.
@@ -223,34 +236,21 @@ impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
     }
 
     /// Looks at the deadlines; returns the next one. Ask [`Receive::report`] afterwards. To be called again when a frame has
-    /// brought news ([`Receive::has_report`]), as a deadline may have begun.
+    /// brought news ([`Received::has_news`]), as a deadline may have begun.
     pub fn poll(&mut self, now: Instant) -> Instant {
         let mut next = NEVER;
         for pdo in self.pdos.as_mut() {
-            self.circumstances.has_news |= pdo.poll(now);
+            pdo.poll(now);
             next = earlier(next, pdo.expires_at());
         }
         next
     }
 
-    /// Whether [`Receive::report`] may have something to tell, or a deadline has begun.
-    pub const fn has_report(&self) -> bool {
-        self.circumstances.has_news
-    }
-
     /// What the emergency producer has to hear, one at a time until `None`: the end of an error, then the error that has
     /// taken its place. The number of the PDO, from 1, is the info.
     pub fn report(&mut self) -> Option<ErrorReport> {
-        if !self.circumstances.has_news {
-            return None;
-        }
-        for (number, pdo) in (1..).zip(self.pdos.as_mut()) {
-            if let Some(report) = pdo.report(number) {
-                return Some(report);
-            }
-        }
-        self.circumstances.has_news = false;
-        None
+        let mut pdos = (1..).zip(self.pdos.as_mut());
+        pdos.find_map(|(number, pdo)| pdo.report(number))
     }
 }
 

@@ -13,25 +13,40 @@ use crate::od::{Dictionary, Slots, Unused, check, put};
 use crate::time::{Duration, Instant, NEVER, has_come};
 use crate::wire::Frame;
 
-/// What has become of a frame.
+/// What has become of a frame: a bit for each thing that has to be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Received {
-    /// It is for nobody here.
-    Nothing,
-    /// It was for a PDO, and no event-driven transmit PDO has to look for changes.
-    Kept,
-    /// It was for a PDO, and transmit PDOs have to look for changes.
-    Applied,
-}
+pub struct Received(u8);
 
 impl Received {
+    /// It is for nobody here.
+    pub const NOTHING: Self = Self(0);
+    /// It was for a PDO, and no event-driven transmit PDO has to look for changes.
+    pub const KEPT: Self = Self(1 << 0);
+    /// It was for a PDO, and transmit PDOs have to look for changes.
+    pub const APPLIED: Self = Self(1 << 0 | 1 << 1);
+    /// An error came or went, or a deadline has begun.
+    const NEWS: Self = Self(1 << 2);
+
     /// Of two PDOs.
-    pub(super) fn and(self, other: Self) -> Self {
-        match (self, other) {
-            (Self::Applied, _) | (_, Self::Applied) => Self::Applied,
-            (Self::Kept, _) | (_, Self::Kept) => Self::Kept,
-            _ => Self::Nothing,
-        }
+    pub(super) const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// The same, with news.
+    const fn with_news(self, has_news: bool) -> Self {
+        if has_news { self.and(Self::NEWS) } else { self }
+    }
+
+    /// Whether transmit PDOs have to look for changes.
+    #[inline]
+    pub const fn is_applied(self) -> bool {
+        self.0 & 1 << 1 != 0
+    }
+
+    /// Whether [`super::Receive::report`] may have something to tell, or a deadline has begun.
+    #[inline]
+    pub const fn has_news(self) -> bool {
+        self.0 & Self::NEWS.0 != 0
     }
 }
 
@@ -40,8 +55,6 @@ impl Received {
 pub(super) struct Circumstances {
     /// Whether it is too late for what belongs to the last SYNC.
     pub(super) is_window_over: bool,
-    /// Whether an error may not be as the emergency producer knows it, or a deadline has begun.
-    pub(super) has_news: bool,
     /// That of the device.
     pub(super) node_id: u8,
 }
@@ -157,13 +170,6 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
         self.record.cob_id()
     }
 
-    /// Whether the emergency producer has to hear of a change.
-    #[inline]
-    pub(super) const fn has_report(&self) -> bool {
-        self.errors.without(self.reported).first().is_some()
-            || self.reported.without(self.errors).first().is_some()
-    }
-
     /// When its deadline ends.
     pub(super) const fn expires_at(&self) -> Instant {
         if self.expires_at.ticks() == 0 {
@@ -193,73 +199,68 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
         })
     }
 
-    /// Takes a frame; after the SYNC window a synchronous PDO only notes that it came. Sets `has_news` when an error came or went,
-    /// or a deadline has begun that was not running. One function for all PDOs: few of many frames get here.
+    /// Takes a frame; after the SYNC window a synchronous PDO only notes that it came. One function for all PDOs: few of many frames
+    /// get here.
     #[inline(never)]
     pub(super) fn receive<D: Dictionary, A: Application<D>>(
         &mut self,
         frame: &Frame,
         now: Instant,
-        circumstances: &mut Circumstances,
+        circumstances: &Circumstances,
         dictionary: &mut D,
         application: &mut A,
     ) -> Received {
+        let before = self.errors;
         if frame.length() != self.record.mapping.length() {
-            circumstances.has_news |= self.receive_other_length(frame.length());
+            self.receive_other_length(frame.length());
             if self.errors.has(Errors::SHORT) {
-                return Received::Kept;
+                return Received::KEPT.with_news(self.errors != before);
             }
         } else if self.errors != Errors::NONE {
-            circumstances.has_news |= self.end_errors();
+            self.end_errors();
         }
-        if self.record.communication.event_timer != 0 {
-            circumstances.has_news |= self.restart_deadline(now);
-        }
-        if D::FEATURES.multiplexed_pdo
+        let begins = self.record.communication.event_timer != 0 && self.restart_deadline(now);
+        let received = if D::FEATURES.multiplexed_pdo
             && let Some(addressing) = self.addressing()
         {
             let node_id = circumstances.node_id;
-            circumstances.has_news |=
-                self.dispatch(addressing, node_id, frame.bytes(), dictionary, application);
-            return Received::Applied;
-        }
-        if !self.is_synchronous() {
-            return self.apply(frame.bytes(), dictionary, application);
-        }
-        if !circumstances.is_window_over {
-            self.waiting = *frame.bytes();
-            self.is_waiting = true;
-        }
-        Received::Kept
+            self.dispatch(addressing, node_id, frame.bytes(), dictionary, application);
+            Received::APPLIED
+        } else if !self.is_synchronous() {
+            self.apply(frame.bytes(), dictionary, application)
+        } else {
+            if !circumstances.is_window_over {
+                self.waiting = *frame.bytes();
+                self.is_waiting = true;
+            }
+            Received::KEPT
+        };
+        received.with_news(begins || self.errors != before)
     }
 
-    /// A good frame has come. Returns whether an error went.
+    /// A good frame has come.
     #[cold]
-    fn end_errors(&mut self) -> bool {
-        let before = self.errors;
+    fn end_errors(&mut self) {
         // Whether its object is there shows when it is dispatched, and only if it is for this device.
-        self.errors = if before.has(Errors::NO_OBJECT) {
+        self.errors = if self.errors.has(Errors::NO_OBJECT) {
             Errors::NO_OBJECT
         } else {
             Errors::NONE
         };
         self.find_plain_length();
-        self.errors != before
     }
 
-    /// Looks at a frame that is not as long as the mapping. Returns whether an error came or went.
+    /// Looks at a frame that is not as long as the mapping.
     #[cold]
     #[inline(never)]
-    fn receive_other_length(&mut self, length: u8) -> bool {
-        let before = self.errors;
+    fn receive_other_length(&mut self, length: u8) {
         self.errors = if length < self.record.mapping.length() {
             // It is not processed: a deadline that is missed stays so.
-            before.without(Errors::LONG).with(Errors::SHORT)
+            self.errors.without(Errors::LONG).with(Errors::SHORT)
         } else {
             Errors::LONG
         };
         self.find_plain_length();
-        self.errors != before
     }
 
     /// Returns whether it was not running.
@@ -270,15 +271,13 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
         !was_running
     }
 
-    /// Looks at the deadline; returns whether it has been missed just now.
-    pub(super) fn poll(&mut self, now: Instant) -> bool {
-        let is_late = has_come(self.expires_at(), now);
-        if is_late {
+    /// Looks at the deadline.
+    pub(super) fn poll(&mut self, now: Instant) {
+        if has_come(self.expires_at(), now) {
             self.expires_at = NOT_RUNNING;
             self.errors = self.errors.with(Errors::LATE);
             self.find_plain_length();
         }
-        is_late
     }
 
     /// A SYNC: the frame that waits is applied.
@@ -289,14 +288,13 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
         application: &mut A,
     ) -> Received {
         if !self.is_waiting {
-            return Received::Nothing;
+            return Received::NOTHING;
         }
         self.is_waiting = false;
         self.apply(&self.waiting, dictionary, application)
     }
 
-    /// Writes the object that a frame names. Returns whether an error came or went: there is no such object, and the sender has to
-    /// hear of it.
+    /// Writes the object that a frame names. If there is no such object the sender has to hear of it.
     #[cold]
     #[inline(never)]
     fn dispatch<D: Dictionary, A: Application<D>>(
@@ -306,14 +304,14 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
         frame: &[u8; 8],
         dictionary: &mut D,
         application: &mut A,
-    ) -> bool {
+    ) {
         let message = Message::parse(frame);
         if message.addressing != addressing {
-            return false;
+            return;
         }
         let is_for_us = message.node_id == 0 || message.node_id == node_id;
         let entry = match addressing {
-            Addressing::Destination if !is_for_us => return false,
+            Addressing::Destination if !is_for_us => return,
             Addressing::Destination => {
                 multiplexed::object::<D>(message.index, message.sub, Direction::Receive)
             }
@@ -329,14 +327,12 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
                 application.written(dictionary, entry);
             }
         }
-        let before = self.errors;
         let is_missing = entry.is_none() && addressing == Addressing::Destination;
         self.errors = if is_missing {
-            before.with(Errors::NO_OBJECT)
+            self.errors.with(Errors::NO_OBJECT)
         } else {
-            before.without(Errors::NO_OBJECT)
+            self.errors.without(Errors::NO_OBJECT)
         };
-        self.errors != before
     }
 
     /// Copies the bytes of a frame into the mapped objects that take them.
@@ -375,9 +371,9 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
             }
         }
         if A::WRITES_BACK || self.is_watched {
-            Received::Applied
+            Received::APPLIED
         } else {
-            Received::Kept
+            Received::KEPT
         }
     }
 
@@ -449,7 +445,7 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
                 application.written(dictionary, entry);
             }
         }
-        Received::Applied
+        Received::APPLIED
     }
 
     /// What the emergency producer has to hear, one at a time: what is gone first. `number` is that of the PDO, from 1.

@@ -109,13 +109,11 @@ fn p35_a_new_deadline_counts_from_the_next_frame_on() {
 #[test]
 fn p35_the_next_deadline_is_told() {
     let mut device = operational(255);
-    device.frame(0x204, &[1]);
     let begin = device.now.ticks();
-    assert!(device.receive.has_report(), "a deadline has begun");
+    assert!(device.frame(0x204, &[1]).has_news(), "a deadline has begun");
     assert_eq!(device.receive.poll(device.now).ticks(), begin + 50_000);
     assert_eq!(device.reports(), []);
     device.after(10);
-    device.frame(0x204, &[1]);
-    assert!(!device.receive.has_report(), "it ran already");
+    assert!(!device.frame(0x204, &[1]).has_news(), "it ran already");
     assert_eq!(device.receive.poll(device.now).ticks(), begin + 60_000);
 }

@@ -176,17 +176,17 @@ impl Device {
         self.write_u32(first + number, 1, identifier)
     }
 
-    /// A frame from the bus; whether it brought a report.
-    pub(super) fn frame(&mut self, cob_id: u16, bytes: &[u8]) -> bool {
+    /// A frame from the bus; what has become of it.
+    pub(super) fn frame(&mut self, cob_id: u16, bytes: &[u8]) -> Received {
         let frame = Frame::data_frame(cob_id, bytes);
-        let received = self.receive.receive(
+        self.receive.receive(
             cob_id,
             &frame,
             self.now,
+            || false,
             &mut self.objects,
             &mut self.recorder,
-        );
-        received != Received::Nothing
+        )
     }
 
     /// A remote frame from the bus.

@@ -31,7 +31,7 @@ fn p10_dummies_are_skipped() {
 fn p19_a_short_frame_changes_nothing_and_is_reported_once() {
     let mut device = operational(255, &[U8, U16]);
     for bytes in [&[][..], &[1, 2], &[5]] {
-        assert!(device.frame(0x204, bytes));
+        assert_ne!(device.frame(0x204, bytes), Received::NOTHING);
     }
     assert_eq!(device.bytes(0x2000, 0), [0]);
     assert_eq!(device.bytes(0x2001, 0), [0, 0]);
@@ -311,11 +311,11 @@ fn transmit_pdos_have_to_look_only_if_a_place_of_theirs_is_written() {
     let (start, end) = (entry.offset, entry.offset + entry.size());
     // Behind it, before it, its last byte, its first byte, and nothing.
     for (places, received) in [
-        (end..end + 4, Received::Kept),
-        (0..start, Received::Kept),
-        (end - 1..end + 4, Received::Applied),
-        (0..start + 1, Received::Applied),
-        (0..0, Received::Kept),
+        (end..end + 4, Received::KEPT),
+        (0..start, Received::KEPT),
+        (end - 1..end + 4, Received::APPLIED),
+        (0..start + 1, Received::APPLIED),
+        (0..0, Received::KEPT),
     ] {
         device.receive.watch(&places);
         let frame = Frame::data_frame(0x204, &[1, 2]);
@@ -323,7 +323,7 @@ fn transmit_pdos_have_to_look_only_if_a_place_of_theirs_is_written() {
         assert_eq!(
             device
                 .receive
-                .receive(0x204, &frame, device.now, objects, &mut ()),
+                .receive(0x204, &frame, device.now, || false, objects, &mut ()),
             received,
             "{places:?}"
         );
