@@ -17,6 +17,8 @@ def codes(drive, since):
 
 def recovers(drive):
     """The fault is reset, and the motor turns again."""
+    # Some control ticks in which the cause is gone.
+    drive.bench.milliseconds(5)
     drive[0x60FF] = 0
     drive[0x6040] = 0
     drive[0x6040] = FAULT_RESET

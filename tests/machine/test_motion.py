@@ -52,15 +52,18 @@ def test_a_velocity_is_held_to_the_clock_and_ends_by_quick_stop(drive):
     drive.until(lambda: not drive.has_power(), "no current")
 
 
-def test_the_highest_rate_of_the_board_is_exact(drive):
-    times = (400, 400, 5_000, 5_000)
+@pytest.mark.parametrize(("rate", "width", "burst"), [(1_000_000, 400, 60), (4_900_000, 100, 80)])
+def test_the_highest_rates_of_the_board_are_exact(drive, rate, width, burst):
+    drive.chip.dma2.BURST = burst
+    times = (width, width, 5_000, 5_000)
     for sub, value in enumerate((255, *times), start=1):
         drive.sdo[0x20B0][sub].raw = value
     drive.bench.pulse_times = times
-    drive[0x6080] = drive[0x607F] = 1_000_000
-    drive.turn(1_000_000, acceleration=20_000_000)
-    drive.bench.milliseconds(20)
-    assert {run.period for run in drive.chip.tim1.log[-10:]} == {168}
+    drive[0x6080] = drive[0x607F] = rate
+    drive.turn(rate, acceleration=40 * rate)
+    begin, since = drive.settle(), drive.chip.time
+    drive.bench.milliseconds(10)
+    assert drive.settle() - begin == pytest.approx(rate * (drive.chip.time - since) / HZ, rel=0.001)
     drive[0x6040] = HALT
     drive.until(lambda: stands(drive), "it stands")
     counted(drive)

@@ -62,7 +62,7 @@ class Can(Peripheral):
     def reset(self):
         super().reset()
         self.fifo, self.overrun = [], False
-        self.busy_until, self.on_bus = NEVER, None
+        self.busy_until, self.on_bus, self.idle_from = NEVER, None, 0
         self.normal_at = self.recover_at = NEVER
         self.wants_to_leave = False
 
@@ -73,9 +73,10 @@ class Can(Peripheral):
         return ((b & 0x3FF) + 1) * (3 + (b >> 16 & 15) + (b >> 20 & 7)) * RATIO
 
     def frame_time(self, length, extended):
-        bits = 47 + 8 * length + (20 if extended else 0)
+        """Up to the end of the frame, behind which three bits are between frames."""
+        bits = 44 + 8 * length + (20 if extended else 0)
         # Every eighth bit is stuffed, about.
-        return (bits + (bits - 13) // 8) * self.bit()
+        return (bits + (bits - 10) // 8) * self.bit()
 
     def takes_part(self):
         return not self["MSR"] & (INAK | SLAK) and self.normal_at == NEVER and not self["ESR"] & BOFF
@@ -208,7 +209,7 @@ class Can(Peripheral):
     # The bus.
 
     def begin_frame(self, now):
-        if self.on_bus or not self.takes_part():
+        if self.on_bus or not self.takes_part() or now < self.idle_from:
             return
         waiting = [(self[f"T{i}IR"] >> 3, i) for i in range(3) if self[f"T{i}IR"] & 1]
         if self["BTR"] & SILENT:
@@ -224,9 +225,12 @@ class Can(Peripheral):
             self.on_bus = ("received", theirs)
             self.busy_until = now + self.frame_time(len(theirs.data), theirs.extended)
 
+    def wants_to_send(self):
+        return self["TSR"] >> 26 & 7 != 7 and not self["BTR"] & SILENT
+
     def next_event(self):
-        if self.on_bus is None and self.to_send and self.takes_part():
-            return self.chip.time
+        if self.on_bus is None and self.takes_part() and (self.to_send or self.wants_to_send()):
+            return max(self.chip.time, self.idle_from)
         return min(self.busy_until, self.normal_at, self.recover_at)
 
     def event(self):
@@ -238,7 +242,7 @@ class Can(Peripheral):
             self.normal_at = NEVER
         if self.busy_until <= now:
             kind, what = self.on_bus
-            self.on_bus, self.busy_until = None, NEVER
+            self.on_bus, self.busy_until, self.idle_from = None, NEVER, now + 3 * self.bit()
             if self.bus_bit is not None and self.bus_bit != self.bit():
                 self.garbled()
             elif kind == "sent":

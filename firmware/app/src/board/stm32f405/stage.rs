@@ -9,6 +9,7 @@ use stm32f4xx_hal::pac;
 use runtime::Lights;
 
 use super::converter::Converter;
+use super::input_lines::Guard;
 use super::watchdog::Watchdog;
 use crate::board::Stage;
 
@@ -26,6 +27,7 @@ pub struct StepStage {
     levels: u8,
     converter: Converter,
     watchdog: Watchdog,
+    lines: Guard,
 }
 
 impl StepStage {
@@ -48,6 +50,7 @@ impl StepStage {
             levels: 0,
             converter,
             watchdog,
+            lines: Guard::default(),
         }
     }
 }
@@ -79,6 +82,7 @@ impl Stage for StepStage {
     }
 
     fn measure(&mut self, inputs: &mut Inputs) {
+        self.lines.tick();
         self.converter.advance();
         inputs.analogue = self.converter.input;
         // There is no sensor at the stage; the chip beside it tells.
