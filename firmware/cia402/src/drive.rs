@@ -138,7 +138,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         Seen {
             actuals,
             commands: &self.commands,
-            units: &self.configuration.units,
+            units: self.configuration.units.of_drive::<D>(),
         }
     }
 
@@ -333,12 +333,17 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     #[cold]
     #[inline(never)]
     fn look_at_units(&mut self, position: i64) {
-        if self.frame.set_units(&self.configuration.units) {
+        let units = self.configuration.units.of_drive::<D>();
+        if self.frame.set_units(units) {
             self.periphery.probes.show_anew();
         }
         let is_referenced = self.motor.is_referenced();
-        self.limits
-            .work_out(&self.configuration, &self.frame, position, is_referenced);
+        self.limits.work_out(
+            &self.configuration,
+            (&self.frame, units),
+            position,
+            is_referenced,
+        );
     }
 
     /// Commits the pulses of the next segments between two ticks ([`DriveConfig::refills`]). Nothing is decided here.

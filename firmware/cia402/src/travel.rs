@@ -61,8 +61,7 @@ struct Basis {
 }
 
 impl Basis {
-    fn of(configuration: &Configuration, frame: &Frame) -> Self {
-        let units = &configuration.units;
+    fn of(configuration: &Configuration, frame: &Frame, units: &Units) -> Self {
         Self {
             ratio: units.of_positions(),
             has_polarity: units.has_position_polarity(),
@@ -103,12 +102,11 @@ impl SoftwareLimits {
     pub(crate) fn work_out(
         &mut self,
         configuration: &Configuration,
-        frame: &Frame,
+        (frame, units): (&Frame, &Units),
         position: i64,
         is_referenced: bool,
     ) {
         self.is_referenced = is_referenced;
-        let units = &configuration.units;
         let (low, high) = configuration.position_limits;
         let options = configuration.position_limit_options;
         let home = if options.are_as_shown {
@@ -119,7 +117,7 @@ impl SoftwareLimits {
         let limit =
             |limit: i32, none: i32| (limit != none).then(|| home.saturating_add(limit.into()));
         let (low_limit, high_limit) = (limit(low, i32::MIN), limit(high, i32::MAX));
-        let basis = Some(Basis::of(configuration, frame));
+        let basis = Some(Basis::of(configuration, frame, units));
         if self.basis != basis {
             self.basis = basis;
             self.turn = if is_referenced && !options.are_as_shown {

@@ -80,6 +80,7 @@ fn features(layout: &Layout<'_>, all: &[(&Description, Vec<Site<'_>>)]) -> Strin
         motor_current,
         power_stage,
         scope,
+        units,
     } = Features::of(&offered, u32::try_from(modes).unwrap_or(0), scope);
     format!(
         "    const DRIVE: ::cia402::Features = ::cia402::Features {{
@@ -90,6 +91,7 @@ fn features(layout: &Layout<'_>, all: &[(&Description, Vec<Site<'_>>)]) -> Strin
         motor_current: {motor_current},
         power_stage: {power_stage},
         scope: {scope},
+        units: {units},
     }};\n"
     )
 }

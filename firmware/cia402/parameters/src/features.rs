@@ -27,6 +27,25 @@ const fn every_mode() -> u32 {
     modes
 }
 
+/// What makes units others than increments.
+const UNITS: [Parameter; 15] = [
+    Parameter::PositionEncoderIncrements,
+    Parameter::PositionEncoderRevolutions,
+    Parameter::VelocityEncoderIncrements,
+    Parameter::VelocityEncoderRevolutions,
+    Parameter::GearMotorRevolutions,
+    Parameter::GearShaftRevolutions,
+    Parameter::Feed,
+    Parameter::FeedShaftRevolutions,
+    Parameter::VelocityFactorNumerator,
+    Parameter::VelocityFactorDivisor,
+    Parameter::AccelerationFactorNumerator,
+    Parameter::AccelerationFactorDivisor,
+    Parameter::Polarity,
+    Parameter::MinPositionRangeLimit,
+    Parameter::MaxPositionRangeLimit,
+];
+
 /// The parts of a drive: what is not there is not compiled into it. `od-gen` finds them with [`Features::of`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Features {
@@ -44,6 +63,8 @@ pub struct Features {
     pub power_stage: bool,
     /// The scope, 20D0h.
     pub scope: bool,
+    /// 607Bh, 607Eh, or an object of the factor group. Without them a unit is an increment.
+    pub units: bool,
 }
 
 impl Features {
@@ -56,6 +77,7 @@ impl Features {
         motor_current: true,
         power_stage: true,
         scope: true,
+        units: true,
     };
 
     /// Those of a drive with these parameters, with this 6502h, and with or without a scope.
@@ -77,6 +99,7 @@ impl Features {
                 || has(Parameter::TemperatureWarning)
                 || has(Parameter::OverTemperatureFault),
             scope,
+            units: UNITS.into_iter().any(has),
         }
     }
 }

@@ -174,7 +174,7 @@ impl<A> Hooks<A> {
         is_sync: bool,
     ) -> SyncEvent {
         let (position, velocity) = core::mem::take(&mut self.fresh);
-        let units = &self.units;
+        let units = self.units.of_drive::<D>();
         SyncEvent {
             at,
             is_sync,
@@ -197,7 +197,7 @@ impl<A> Hooks<A> {
     /// What the drive objects ask of the drive. What has passed in the controlword is given once. Velocities and accelerations become
     /// increments here.
     pub(crate) fn commands<D: Objects>(&mut self, dictionary: &D, network: Network) -> Commands {
-        let units = &self.units;
+        let units = self.units.of_drive::<D>();
         let passed = self.history.take();
         Commands {
             controlword: dictionary.controlword(),

@@ -43,7 +43,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                 let limit = self.enforce_limit_switches();
                 let is_brake_open = self.is_brake_open(tick.now);
                 let blocked = self.blocked(tick);
-                let bits = self.modes.tick::<D>(&mut Context {
+                let bits = self.modes.tick::<(D, A)>(&mut Context {
                     now: tick.now,
                     mode: self.modes.active(),
                     commands: &self.commands,

@@ -45,7 +45,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
 
     /// What is new for the device.
     pub(super) fn periphery_news(&mut self, inputs: &Inputs) -> News {
-        let units = &self.configuration.units;
+        let units = self.configuration.units.of_drive::<D>();
         let shown = |increments| self.frame.shown(increments, units);
         self.periphery.news::<D>(shown, inputs, &self.configuration)
     }

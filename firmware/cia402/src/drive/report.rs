@@ -20,7 +20,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     pub(super) fn actuals(&self, now: Instant, inputs: &Inputs, mode_bits: u16) -> Actuals {
         let state = self.machine.state();
         let bit = |condition, bit| if condition { bit } else { 0 };
-        let units = &self.configuration.units;
+        let units = self.configuration.units.of_drive::<D>();
         let shown = |increments| self.frame.shown(increments, units);
         let position = self.motor.position_of(inputs.position);
         let (demand, observed) = (self.motor.demand(), self.monitor.observed());

@@ -19,7 +19,7 @@ mod period;
 
 use motion::{Limits, Speed};
 
-use super::Context;
+use super::{Context, Parts};
 use acceleration::{Most, SetPoints};
 use period::{away, distance_at, fine_distance, may_brake_behind, over, slope, to, whole};
 
@@ -144,7 +144,7 @@ impl Following {
         &mut self,
         slot: Slot,
         target: Option<i64>,
-        context: &mut Context<'_, impl Actuator>,
+        context: &mut Context<'_, impl Parts>,
     ) -> Outcome {
         let is_cubic = context.configuration.cyclic.is_cubic;
         let end = slot.due(context.pipeline, is_cubic);
@@ -297,7 +297,7 @@ impl Following {
     }
 
     /// The distance that is asked for; `None` if too many set-points are missing.
-    fn need(&mut self, target: Option<i64>, context: &Context<'_, impl Actuator>) -> Option<i64> {
+    fn need(&mut self, target: Option<i64>, context: &Context<'_, impl Parts>) -> Option<i64> {
         let lost = &context.configuration.cyclic.lost;
         if let Some(goal) = target {
             self.head_for(goal);
@@ -326,7 +326,7 @@ impl Following {
         pace: i64,
         most: i64,
         seconds: u64,
-        context: &Context<'_, impl Actuator>,
+        context: &Context<'_, impl Parts>,
     ) -> i64 {
         let asked = need;
         let has_ends = context.travel.increments != Travel::NONE.increments;
@@ -396,18 +396,13 @@ impl Following {
     }
 
     /// The distance, if no limit switch bars it.
-    fn unbarred(distance: i64, context: &Context<'_, impl Actuator>) -> i64 {
+    fn unbarred(distance: i64, context: &Context<'_, impl Parts>) -> i64 {
         let is_free = context.motor.is_free(distance).is_ok();
         if is_free { distance } else { 0 }
     }
 
     /// The distance that still lets the motor stop at a software limit.
-    fn before_limit(
-        &self,
-        distance: i64,
-        seconds: u64,
-        context: &Context<'_, impl Actuator>,
-    ) -> i64 {
+    fn before_limit(&self, distance: i64, seconds: u64, context: &Context<'_, impl Parts>) -> i64 {
         let (low, high) = context.travel.increments;
         let room = match distance {
             1.. => fine_distance(high).saturating_sub(self.at),
@@ -455,7 +450,7 @@ impl Following {
 }
 
 /// By how much a distance may grow and shrink from period to period while the motor catches up.
-fn ramps(seconds: u64, context: &Context<'_, impl Actuator>) -> (i64, i64) {
+fn ramps(seconds: u64, context: &Context<'_, impl Parts>) -> (i64, i64) {
     let (limits, _) = context.within(Limits {
         velocity: Speed::ZERO,
         acceleration: context.commands.profile_acceleration,
@@ -482,8 +477,8 @@ const fn is_tame(first: i64, last: i64, knot: Knot) -> bool {
 }
 
 /// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two distances.
-fn rounding(context: &Context<'_, impl Actuator>) -> i64 {
-    let unit = context.configuration.units.position(1).saturating_abs();
+fn rounding(context: &Context<'_, impl Parts>) -> i64 {
+    let unit = context.units().position(1).saturating_abs();
     let most = unit.max(1).saturating_add(1).saturating_mul(2);
     most.min(1 << 40) << POINT
 }

@@ -23,7 +23,7 @@
 use motion::homing::{self as engine, Failure, Fitted, Method, Order, Outcome, Seen};
 use motion::{Direction, Limits, Speed};
 
-use super::Context;
+use super::{Context, Parts};
 use crate::actuator::{Actuator, Refused};
 use crate::configuration::HomingConfiguration;
 use crate::controlword::NEW_SET_POINT;
@@ -71,7 +71,7 @@ struct Search {
 
 impl Search {
     /// What the engine is told.
-    fn seen(&self, context: &Context<'_, impl Actuator>) -> Seen {
+    fn seen(&self, context: &Context<'_, impl Parts>) -> Seen {
         let seen = seen(context);
         Seen {
             position: seen.position.wrapping_sub(self.shift),
@@ -80,9 +80,9 @@ impl Search {
     }
 
     /// From now on the engine's position `home` has its name.
-    fn set_home(&mut self, context: &mut Context<'_, impl Actuator>, home: i32) {
+    fn set_home(&mut self, context: &mut Context<'_, impl Parts>, home: i32) {
         let user = self.configuration.position_at_home();
-        let name = context.configuration.units.position(user.into());
+        let name = context.units().position(user.into());
         let known_as = home.wrapping_add(self.shift);
         let change = context.motor.set_home(context.position, known_as, name);
         context.frame.found_home(user, name);
@@ -126,7 +126,7 @@ impl Homing {
 
     /// One control tick; returns statusword bits 10 to 13.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Parts>) -> u16 {
         let begins = core::mem::replace(&mut self.begins, false);
         if begins && context.motor.is_referenced() && !context.configuration.homing.starts_afresh()
         {
@@ -149,7 +149,7 @@ impl Homing {
         self.bits(context)
     }
 
-    fn begin(&mut self, context: &Context<'_, impl Actuator>) {
+    fn begin(&mut self, context: &Context<'_, impl Parts>) {
         self.failure = NO_FAILURE;
         let configuration = context.configuration.homing;
         let method = Method::from_code(configuration.method).filter(|method| {
@@ -176,7 +176,7 @@ impl Homing {
     }
 
     #[inline(never)]
-    fn go_on(&mut self, context: &mut Context<'_, impl Actuator>) {
+    fn go_on(&mut self, context: &mut Context<'_, impl Parts>) {
         let Progress::UnderWay(search) = &mut self.progress else {
             return;
         };
@@ -199,7 +199,7 @@ impl Homing {
     }
 
     /// Gives up what is under way.
-    fn interrupt(&mut self, context: &mut Context<'_, impl Actuator>) {
+    fn interrupt(&mut self, context: &mut Context<'_, impl Parts>) {
         if let Progress::UnderWay(search) = &self.progress
             && !context.motor.standstill()
         {
@@ -216,7 +216,7 @@ impl Homing {
         self.progress = Progress::Failed;
     }
 
-    fn bits(&self, context: &Context<'_, impl Actuator>) -> u16 {
+    fn bits(&self, context: &Context<'_, impl Parts>) -> u16 {
         let at_rest = if context.motor.standstill() {
             TARGET_REACHED
         } else {
@@ -239,7 +239,7 @@ impl Homing {
 }
 
 /// What is seen, in the master's count.
-fn seen(context: &Context<'_, impl Actuator>) -> Seen {
+fn seen(context: &Context<'_, impl Parts>) -> Seen {
     Seen {
         elapsed: context.elapsed,
         position: context.position as i32,
@@ -267,7 +267,7 @@ const fn fitted(inputs: &InputConfiguration, block: bool) -> Fitted {
 fn carry_out(
     order: Order,
     search: &mut Search,
-    context: &mut Context<'_, impl Actuator>,
+    context: &mut Context<'_, impl Parts>,
 ) -> Result<(), Refused> {
     let configuration = search.configuration;
     // A motion that has ended is cut no longer.

@@ -11,9 +11,9 @@
 //! stands. Bit 11 as in cyclic synchronous position. Bit 12: the
 //! motor follows records.
 
-use super::Context;
 use super::cyclic_position::bits;
 use super::following::{Following, Outcome};
+use super::{Context, Parts};
 use crate::actuator::Actuator;
 use crate::controlword::NEW_SET_POINT;
 use crate::statusword::TARGET_REACHED;
@@ -51,7 +51,7 @@ impl InterpolatedPosition {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Parts>) -> u16 {
         let is_enabled = context.commands.controlword & ENABLE != 0;
         if context.is_held() || !is_enabled {
             if !self.held {

@@ -11,8 +11,8 @@
 
 use motion::{Limits, Ramps, SignedSpeed};
 
-use super::Context;
 use super::braking::{self, Ramp};
+use super::{Context, Parts};
 use crate::actuator::Actuator;
 use crate::motor::{Motor, REACH};
 use crate::travel::Travel;
@@ -111,7 +111,7 @@ impl KeptVelocity {
 
     /// Carries out an order. Nothing is planned while it stays the same; what software limits bar is tried again, what a limit
     /// switch has ended is not, unless another velocity is asked for.
-    pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_, impl Actuator>) {
+    pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_, impl Parts>) {
         let motor = &mut *context.motor;
         let is_new = if self.course == Course::AtSwitch {
             // A limit that is written cuts the velocity otherwise, but asks for no other.

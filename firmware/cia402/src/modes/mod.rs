@@ -32,7 +32,7 @@ use crate::objects::Objects;
 use crate::option_codes::StopRamp;
 use crate::statusword::HOMING_ATTAINED;
 use crate::travel::Travel;
-use crate::units::Frame;
+use crate::units::{Frame, Units};
 
 use cyclic_position::CyclicPosition;
 use cyclic_velocity::CyclicVelocity;
@@ -42,8 +42,19 @@ use profile_position::ProfilePosition;
 use profile_velocity::ProfileVelocity;
 use velocity::Velocity;
 
+/// What a drive is made of, known when it is compiled: the objects of its data sheet, and what moves its motor.
+pub(crate) trait Parts {
+    type Objects: Objects;
+    type Actuator: Actuator;
+}
+
+impl<D: Objects, A: Actuator> Parts for (D, A) {
+    type Objects = D;
+    type Actuator = A;
+}
+
 /// What a mode sees, and the motor it moves, in one control tick.
-pub(crate) struct Context<'a, A> {
+pub(crate) struct Context<'a, P: Parts> {
     pub(crate) now: Instant,
     /// The mode at work.
     pub(crate) mode: Mode,
@@ -66,7 +77,7 @@ pub(crate) struct Context<'a, A> {
     pub(crate) has_changed: bool,
     pub(crate) frame: &'a mut Frame,
     pub(crate) is_brake_open: bool,
-    pub(crate) motor: &'a mut Motor<A>,
+    pub(crate) motor: &'a mut Motor<P::Actuator>,
     /// The set-points of this tick, for the cyclic modes.
     pub(crate) slots: &'a [Slot],
     /// The data records that wait.
@@ -79,7 +90,12 @@ pub(crate) struct Context<'a, A> {
     pub(crate) lost_set_points: &'a mut bool,
 }
 
-impl<A: Actuator> Context<'_, A> {
+impl<'a, P: Parts> Context<'a, P> {
+    /// The units of the user.
+    pub(crate) const fn units(&self) -> &'a Units {
+        self.configuration.units.of_drive::<P::Objects>()
+    }
+
     /// Too many set-points were missing: stops with 6085h.
     #[inline(never)]
     pub(crate) fn lose_set_points(&mut self) {
@@ -96,7 +112,7 @@ impl<A: Actuator> Context<'_, A> {
     /// The position of a target of the user, in increments: of those that are shown like it, the one nearest to where the motor
     /// should be. There 6062h and 6064h will read as it was given.
     pub(crate) fn target(&mut self, user: i32) -> i64 {
-        let units = &self.configuration.units;
+        let units = self.units();
         let now = self.frame.position(self.demand.position, units);
         let target = units.range().nearest(user.into(), now);
         let increments = units.position(target);
@@ -322,9 +338,10 @@ impl Modes {
 
     /// One control tick in operation enabled. Returns the bits of the statusword that belong to the mode. A mode that the drive has
     /// not got is not linked.
-    pub(crate) fn tick<D: Objects>(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
-        let has = |mode: Mode| mode.is_among(D::DRIVE.modes);
-        let wanted = Mode::among(D::DRIVE.modes, context.commands.mode).unwrap_or(self.active);
+    pub(crate) fn tick<P: Parts>(&mut self, context: &mut Context<'_, P>) -> u16 {
+        let has = |mode: Mode| mode.is_among(P::Objects::DRIVE.modes);
+        let wanted =
+            Mode::among(P::Objects::DRIVE.modes, context.commands.mode).unwrap_or(self.active);
         if wanted != self.active {
             if !context.motor.standstill() && !wanted.begins_in_motion() {
                 let (commands, configuration) = (context.commands, context.configuration);

@@ -29,9 +29,9 @@ mod taking;
 
 use motion::{Limits, SignedSpeed, Speed};
 
-use super::Context;
 use super::braking::{self, Ramp};
 use super::kept_velocity::{KeptVelocity, Order};
+use super::{Context, Parts};
 use crate::actuator::{Actuator, Refused};
 use crate::controlword::NEW_SET_POINT;
 use crate::dwell::Dwell;
@@ -147,7 +147,7 @@ impl ProfilePosition {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Parts>) -> u16 {
         let controlword = context.commands.controlword;
         let was_held = self.held;
         self.held = context.is_held();
@@ -187,7 +187,7 @@ impl ProfilePosition {
     }
 
     /// The set-point under way may have come to its end.
-    fn look_for_the_end(&mut self, context: &Context<'_, impl Actuator>) {
+    fn look_for_the_end(&mut self, context: &Context<'_, impl Parts>) {
         let Some(set_point) = self.current else {
             return;
         };
@@ -205,7 +205,7 @@ impl ProfilePosition {
     }
 
     /// A set-point becomes the one under way.
-    fn begin(&mut self, mut set_point: SetPoint, context: &mut Context<'_, impl Actuator>) {
+    fn begin(&mut self, mut set_point: SetPoint, context: &mut Context<'_, impl Parts>) {
         self.is_recut = false;
         self.head_for(&mut set_point, context);
         self.current = Some(set_point);
@@ -216,7 +216,7 @@ impl ProfilePosition {
     }
 
     /// The target of a set-point is the one that counts from now on.
-    fn head_for(&mut self, set_point: &mut SetPoint, context: &mut Context<'_, impl Actuator>) {
+    fn head_for(&mut self, set_point: &mut SetPoint, context: &mut Context<'_, impl Parts>) {
         let distance = (set_point.target).saturating_sub(context.motor.committed_position());
         self.direction = distance.signum();
         set_point.end_within(context.travel, self.direction, context.motor.window());
@@ -240,7 +240,7 @@ impl ProfilePosition {
     /// A limit may have changed: it counts for the set-points under way and in the buffer too. What is done stays as it is.
     #[cold]
     #[inline(never)]
-    fn look_at_limits(&mut self, context: &mut Context<'_, impl Actuator>) {
+    fn look_at_limits(&mut self, context: &mut Context<'_, impl Parts>) {
         let is_cut_anew = core::mem::replace(&mut self.travel, context.travel) != context.travel;
         let is_under_way = self.progress == Progress::UnderWay;
         let before = (self.current).filter(|_| is_under_way || self.progress == Progress::Passed);
@@ -274,7 +274,7 @@ impl ProfilePosition {
     }
 
     /// The target has been passed: the end velocity is kept, within the software limits.
-    fn go_beyond(&mut self, context: &mut Context<'_, impl Actuator>) {
+    fn go_beyond(&mut self, context: &mut Context<'_, impl Parts>) {
         let Some(set_point) = self.current else {
             return;
         };
@@ -294,23 +294,24 @@ impl ProfilePosition {
     }
 
     /// The halt is over: the set-point under way goes on.
-    fn resume(&mut self, context: &mut Context<'_, impl Actuator>) {
+    fn resume(&mut self, context: &mut Context<'_, impl Parts>) {
         self.beyond.forget();
         self.go_on(context);
     }
 
     /// The set-point under way is begun again, from whatever the motor does.
-    fn go_on(&mut self, context: &mut Context<'_, impl Actuator>) {
+    fn go_on(&mut self, context: &mut Context<'_, impl Parts>) {
         if let (Progress::UnderWay, Some(set_point)) = (self.progress, self.current) {
             self.start(set_point, context);
         }
     }
 
-    fn start(&mut self, set_point: SetPoint, context: &mut Context<'_, impl Actuator>) {
+    fn start(&mut self, set_point: SetPoint, context: &mut Context<'_, impl Parts>) {
         let starts_anew = core::mem::take(&mut self.starts_anew);
         let is_recut = core::mem::take(&mut self.is_recut);
         self.beyond.forget();
         let quick_stop = context.deceleration(StopRamp::QuickStop);
+        let units = context.units();
         let motor = &mut *context.motor;
         let asked = Ramp {
             deceleration: set_point.limits.deceleration,
@@ -340,7 +341,7 @@ impl ProfilePosition {
             end_velocity,
             ..
         } = set_point;
-        let is_beyond = held.passes || set_point.is_passed_by(motor, &context.configuration.units);
+        let is_beyond = held.passes || set_point.is_passed_by(motor, units);
         let result = if is_recut && set_point.limited.target && is_beyond {
             Err(Refused)
         } else if end_velocity == Speed::ZERO {
@@ -357,7 +358,7 @@ impl ProfilePosition {
         held.taken(motor);
     }
 
-    fn bits(&mut self, context: &Context<'_, impl Actuator>, taken: bool) -> u16 {
+    fn bits(&mut self, context: &Context<'_, impl Parts>, taken: bool) -> u16 {
         let limited = self
             .current
             .map_or(Limited::NONE, |set_point| set_point.limited);
@@ -381,7 +382,7 @@ impl ProfilePosition {
         bits
     }
 
-    fn is_reached(&mut self, context: &Context<'_, impl Actuator>, limited: Limited) -> bool {
+    fn is_reached(&mut self, context: &Context<'_, impl Parts>, limited: Limited) -> bool {
         let configuration = context.configuration;
         let window = configuration.position_window;
         let distance = context.position.abs_diff(self.target);
@@ -414,7 +415,7 @@ impl ProfilePosition {
 }
 
 /// Where the motor comes to rest, in steps, with the ramps that the set-point would have.
-fn rest(context: &Context<'_, impl Actuator>, deceleration: u32) -> i64 {
+fn rest(context: &Context<'_, impl Parts>, deceleration: u32) -> i64 {
     let motor = &context.motor;
     if motor.is_at_rest() || motor.is_stopping() {
         return motor.destination();
@@ -425,7 +426,7 @@ fn rest(context: &Context<'_, impl Actuator>, deceleration: u32) -> i64 {
 }
 
 /// How far the motor may go until it stands, in steps: no less than it really is, but for a ramp that is under way.
-fn longest_stop(context: &Context<'_, impl Actuator>, set_point: &SetPoint) -> i64 {
+fn longest_stop(context: &Context<'_, impl Parts>, set_point: &SetPoint) -> i64 {
     let velocity = context.motor.committed_velocity().unsigned_abs();
     let deceleration = set_point
         .asked

@@ -13,8 +13,8 @@
 
 use motion::{Limits, SignedSpeed, Speed};
 
-use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
+use super::{Context, Parts};
 use crate::actuator::Actuator;
 use crate::dwell::Dwell;
 use crate::motor::Motor;
@@ -57,7 +57,7 @@ impl ProfileVelocity {
 
     /// One control tick; returns statusword bits 10 to 13.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Parts>) -> u16 {
         let asked = context.commands.target_velocity;
         let (limits, is_cut) = context.within(Limits {
             velocity: asked.unsigned_abs(),
@@ -83,12 +83,7 @@ impl ProfileVelocity {
         self.bits(context, asked, is_cut)
     }
 
-    fn bits(
-        &mut self,
-        context: &Context<'_, impl Actuator>,
-        asked: SignedSpeed,
-        is_cut: bool,
-    ) -> u16 {
+    fn bits(&mut self, context: &Context<'_, impl Parts>, asked: SignedSpeed, is_cut: bool) -> u16 {
         let configuration = context.configuration;
         let velocity = context.observed.velocity;
         let reached = self.reached.has_held(

@@ -12,8 +12,8 @@
 
 use motion::{Limits, SignedSpeed};
 
-use super::Context;
 use super::kept_velocity::{KeptVelocity, Order};
+use super::{Context, Parts};
 use crate::actuator::Actuator;
 use crate::configuration::VelocityConfiguration;
 use crate::controlword::{ENABLE_RAMP, REFERENCE_RAMP, UNLOCK_RAMP};
@@ -72,7 +72,7 @@ impl Velocity {
 
     /// One control tick; returns statusword bits 10 and 11.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Actuator>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Parts>) -> u16 {
         self.read(context);
         let before = self.control;
         self.control = self.controlled_by(context);
@@ -108,7 +108,7 @@ impl Velocity {
     }
 
     /// 6042h as it is written; 0 without the reference ramp.
-    const fn reference(context: &Context<'_, impl Actuator>) -> i16 {
+    const fn reference(context: &Context<'_, impl Parts>) -> i16 {
         if context.commands.controlword & REFERENCE_RAMP == 0 {
             0
         } else {
@@ -117,7 +117,7 @@ impl Velocity {
     }
 
     /// 6042h with its limits. The division is made only when something has changed.
-    fn read(&mut self, context: &Context<'_, impl Actuator>) {
+    fn read(&mut self, context: &Context<'_, impl Parts>) {
         let profile = context.configuration.velocity;
         let reference = Self::reference(context);
         if self.source == Some((reference, profile)) {
@@ -134,7 +134,7 @@ impl Velocity {
         self.asked = profile.speed(within, reference < 0);
     }
 
-    fn controlled_by(&self, context: &Context<'_, impl Actuator>) -> Control {
+    fn controlled_by(&self, context: &Context<'_, impl Parts>) -> Control {
         let controlword = context.commands.controlword;
         if context.is_held() {
             Control::Halt
@@ -149,7 +149,7 @@ impl Velocity {
         }
     }
 
-    fn stop(&self, context: &mut Context<'_, impl Actuator>) {
+    fn stop(&self, context: &mut Context<'_, impl Parts>) {
         if self.control == Control::Halt {
             context.halt();
         } else if !context.motor.standstill() {
@@ -157,7 +157,7 @@ impl Velocity {
         }
     }
 
-    fn bits(&self, context: &Context<'_, impl Actuator>, reached: bool, is_cut: bool) -> u16 {
+    fn bits(&self, context: &Context<'_, impl Parts>, reached: bool, is_cut: bool) -> u16 {
         let is_limited = is_cut || self.motion.is_limited(context.motor);
         let bit = |condition, bit| if condition { bit } else { 0 };
         bit(reached, TARGET_REACHED) | bit(is_limited, INTERNAL_LIMIT)

@@ -216,7 +216,16 @@ impl Units {
 
     /// The units of a dictionary. Its rules keep out factors that make none; those of a data sheet that do count as increments.
     pub fn of<D: Objects>(dictionary: &D) -> Self {
+        if !D::DRIVE.units {
+            return Self::NONE;
+        }
         Self::new(Factors::of(dictionary)).unwrap_or(Self::NONE)
+    }
+
+    /// These, of a drive that has units; else increments, which the compiler knows.
+    #[inline]
+    pub(crate) const fn of_drive<D: Objects>(&self) -> &Self {
+        if D::DRIVE.units { self } else { &Self::NONE }
     }
 
     /// Increments of a position, on the count that goes on behind the ends of 607Bh.

@@ -4,7 +4,7 @@ use motion::{Limits, Ramps, Speed};
 
 use crate::actuator::Actuator;
 use crate::commands;
-use crate::modes::{Context, braking};
+use crate::modes::{Context, Parts, braking};
 use crate::motor::Motor;
 use crate::travel::Travel;
 use crate::units::Units;
@@ -83,7 +83,7 @@ impl SetPoint {
     }
 
     /// Cuts velocities and ramps to 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach, and 6082h to 6081h.
-    pub(super) fn pace(&mut self, context: &Context<'_, impl Actuator>) {
+    pub(super) fn pace(&mut self, context: &Context<'_, impl Parts>) {
         (self.limits, self.limited.profile) = context.within(self.asked);
         self.end_velocity = self.asked_end.min(self.limits.velocity);
         self.limited.profile |= self.end_velocity != self.asked_end;
@@ -92,11 +92,11 @@ impl SetPoint {
     /// Cuts the target to the software limits, to 32 bits around `here`, in units of the user, and to these increments.
     pub(super) fn aim(
         &mut self,
-        context: &Context<'_, impl Actuator>,
+        context: &Context<'_, impl Parts>,
         here: i64,
         (nearest, farthest): (i64, i64),
     ) {
-        let units = &context.configuration.units;
+        let units = context.units();
         let (low, high) = context.travel.user;
         let (low, high) = (low.min(self.start), high.max(self.start));
         let (least, most) = units.range().within_reach(here);

@@ -5,13 +5,13 @@ use super::{ProfilePosition, Progress, RELATIVE_TO, longest_stop, rest};
 use crate::actuator::Actuator;
 use crate::commands;
 use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, RELATIVE};
-use crate::modes::Context;
+use crate::modes::{Context, Parts};
 use crate::motor::REACH;
 use crate::units::Rotation;
 
 impl ProfilePosition {
     /// Takes the set-point in the commands, if there is room. Returns whether it did.
-    pub(super) fn take(&mut self, context: &mut Context<'_, impl Actuator>) -> bool {
+    pub(super) fn take(&mut self, context: &mut Context<'_, impl Parts>) -> bool {
         let given = context.commands.set_point();
         let controlword = given.controlword;
         let immediately = controlword & CHANGE_IMMEDIATELY != 0;
@@ -41,7 +41,7 @@ impl ProfilePosition {
     fn read(
         &self,
         given: commands::SetPoint,
-        context: &mut Context<'_, impl Actuator>,
+        context: &mut Context<'_, impl Parts>,
         waits: bool,
     ) -> SetPoint {
         let here = self.base(context, waits);
@@ -59,7 +59,7 @@ impl ProfilePosition {
     pub(super) fn aim(
         &self,
         set_point: &mut SetPoint,
-        context: &Context<'_, impl Actuator>,
+        context: &Context<'_, impl Parts>,
         waits: bool,
     ) {
         let here = self.base(context, waits);
@@ -80,18 +80,18 @@ impl ProfilePosition {
     }
 
     /// Where the motor should be, or will be when a set-point that waits begins, in units of the user.
-    fn base(&self, context: &Context<'_, impl Actuator>, waits: bool) -> i64 {
+    fn base(&self, context: &Context<'_, impl Parts>, waits: bool) -> i64 {
         if waits {
             self.previous(context)
         } else {
-            let units = &context.configuration.units;
+            let units = context.units();
             context.frame.position(context.demand.position, units)
         }
     }
 
     /// The previous target in units of the user.
-    fn previous(&self, context: &Context<'_, impl Actuator>) -> i64 {
-        let units = &context.configuration.units;
+    fn previous(&self, context: &Context<'_, impl Parts>) -> i64 {
+        let units = context.units();
         self.user
             .unwrap_or_else(|| context.frame.position(self.target, units))
     }
@@ -100,11 +100,11 @@ impl ProfilePosition {
     fn wanted(
         &self,
         given: commands::SetPoint,
-        context: &mut Context<'_, impl Actuator>,
+        context: &mut Context<'_, impl Parts>,
         waits: bool,
         here: i64,
     ) -> i64 {
-        let units = &context.configuration.units;
+        let units = context.units();
         let asked = i64::from(given.target_position);
         if given.controlword & RELATIVE != 0 {
             let base = match given.positioning_option & RELATIVE_TO {

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 
 use super::{NONE, ratio};
+use crate::parameters::{ALL, Features, Parameter};
 use crate::units::{Factors, Units};
 
 #[test]
@@ -206,4 +207,15 @@ proptest! {
         units.position_in_units(i64::MIN);
         units.position(i64::MIN);
     }
+}
+
+#[test]
+fn m73_without_an_object_of_the_units_a_unit_is_an_increment() {
+    let factors = Factors::of(&crate::objects::Everything);
+    assert_eq!(Units::new(factors), Some(Units::NONE));
+    let has = |parameter| Features::of(&[parameter], 0, false).units;
+    assert!(has(Parameter::Feed) && has(Parameter::Polarity));
+    assert!(!has(Parameter::TargetPosition));
+    let factors = ALL.iter().map(|description| description.parameter);
+    assert!(factors.filter(|one| Factors::has(*one)).all(has));
 }
