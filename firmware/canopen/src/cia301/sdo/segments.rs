@@ -18,10 +18,11 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// Whether the next frame may be for [`Server::pass`].
     #[inline]
     pub(super) fn is_in_segments(&self) -> bool {
-        matches!(
-            self.step,
-            Step::Upload | Step::Download | Step::BlockDownload
-        )
+        cfg!(feature = "fast")
+            && matches!(
+                self.step,
+                Step::Upload | Step::Download | Step::BlockDownload
+            )
     }
 
     /// Takes the next segment of the open transfer, or the question for it. Returns whether the frame was that; if it was not,
