@@ -5,7 +5,7 @@
 //! one object waits, or a few. Of times there is one, the next: who starts a timer moves it forward ([`Agenda::wake_at`]), who
 //! changes a value that transmit PDOs may look at, too ([`Agenda::look`]).
 
-use crate::od::{Slots, Unused};
+use crate::slots::{Slots, Unused};
 use crate::time::{Instant, earlier};
 
 /// A moment that has always come.

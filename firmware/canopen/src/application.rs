@@ -1,7 +1,7 @@
 //! What the device asks of the firmware around it when an object is written.
 
-use crate::cia301::sdo::{AbortCode, Completion};
 use crate::od::{Dictionary, Entry};
+use crate::wire::sdo::AbortCode;
 
 /// The application's word on its own objects (everything outside 1000h to 1FFFh). The calls are short and never wait.
 ///
@@ -116,6 +116,17 @@ pub trait Application<D: Dictionary> {
     fn power_on(&mut self, dictionary: &mut D) {
         let _ = dictionary;
     }
+}
+
+/// When a write that was not refused is complete, and the client gets its answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Completion {
+    /// At once.
+    Now,
+    /// When the owner of the object says so ([`Node::complete_write`](crate::Node::complete_write)): saving parameters takes a while. The server
+    /// waits without a time-out; an abort or a new request of the client drops the answer, not the work. An owner that
+    /// is asked for the same again before it is done refuses with [`AbortCode::DeviceState`].
+    Later,
 }
 
 /// No application: plain objects, for tests and simple devices.

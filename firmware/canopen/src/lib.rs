@@ -33,6 +33,7 @@ pub mod node;
 pub mod od;
 pub mod outbox;
 pub mod settings;
+mod slots;
 pub mod stream;
 pub mod time;
 pub mod wire;

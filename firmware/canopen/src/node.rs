@@ -50,6 +50,7 @@ use crate::cia301::sdo;
 use crate::cia302::startup;
 use crate::cia305::{self, LssEvent};
 use crate::od::{self, Counts, Dictionary};
+pub use crate::settings::StoreError;
 use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings, Wish};
 use crate::time::{Duration, Instant, NEVER, earlier, has_come};
 use crate::wire::sdo::Multiplexer;
@@ -86,15 +87,6 @@ pub enum Event {
         /// When to leave the present bit rate.
         at: Instant,
     },
-}
-
-/// Why settings could not be stored (CiA 305, answer to 17h).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StoreError {
-    /// This device cannot store (01h).
-    NotSupported,
-    /// The storage medium failed (02h).
-    Medium,
 }
 
 /// A CANopen device over the dictionary `D`, with as many PDOs as its data sheet has.

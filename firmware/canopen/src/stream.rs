@@ -8,8 +8,9 @@ mod domain;
 
 pub use domain::Domain;
 
-use crate::cia301::sdo::{AbortCode, Completion};
+use crate::application::Completion;
 use crate::od::Dictionary;
+use crate::wire::sdo::AbortCode;
 
 /// A value that is read piece by piece. While a client reads it no other one ends a write of it: that is refused with 08000022h.
 pub trait Source<D: Dictionary> {

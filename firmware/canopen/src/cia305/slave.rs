@@ -4,7 +4,7 @@ mod configuration;
 
 use super::fastscan::{Fastscan, Outcome, Scan};
 use super::identity::Identity;
-use crate::node::StoreError;
+use crate::settings::StoreError;
 use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings, Source, Wish};
 use crate::time::{Duration, Instant, NEVER};
 

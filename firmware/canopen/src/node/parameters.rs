@@ -11,8 +11,8 @@ use crate::cia301::parameters::{
     Replay, Writer, loss, refusal,
 };
 use crate::cia301::sdo::{self, AbortCode, Others};
-use crate::node::StoreError;
 use crate::od::{Dictionary, Entry};
+use crate::settings::StoreError;
 use crate::time::Instant;
 
 /// The objects that are loaded at a reset; the identity object has nothing that is stored.

@@ -34,8 +34,12 @@ impl<D: Dictionary> Node<D> {
         if frame.is_remote() {
             self.receive_remote(cob_id, stamp);
         } else if let Some(server) = self.sdo.find(cob_id) {
-            if let Some(request) = frame.full_payload() {
-                self.receive_sdo(server, request, stamp, application);
+            // Most frames of a long transfer are segments, and those have a way of their own.
+            if let Some(request) = frame.full_payload()
+                && !(self.sdo.is_in_segments(server)
+                    && self.receive_segment(server, request, stamp, application))
+            {
+                self.receive_request(server, request, stamp, application);
             }
         } else if D::FEATURES.lss && cob_id == cia305::REQUEST_COB_ID {
             if let Some(request) = frame.full_payload() {
@@ -47,22 +51,6 @@ impl<D: Dictionary> Node<D> {
             self.receive_sync(frame, stamp, application);
         } else {
             self.receive_pdo(frame, stamp, application);
-        }
-    }
-
-    /// A frame for an SDO server. Most frames of a long transfer are segments, and those have a way of their own.
-    #[inline]
-    fn receive_sdo<A: Application<D>>(
-        &mut self,
-        server: usize,
-        request: &[u8; 8],
-        now: Instant,
-        application: &mut A,
-    ) {
-        let is_segment = self.sdo.is_in_segments(server)
-            && self.receive_segment(server, request, now, application);
-        if !is_segment {
-            self.receive_request(server, request, now, application);
         }
     }
 
@@ -102,16 +90,21 @@ impl<D: Dictionary> Node<D> {
             self.receive_sdo_in_silence(server, request, application);
             return;
         }
-        let (dictionary, services) = (&mut self.dictionary, &mut self.services);
-        let executed = self.sdo.receive(server, request, now, |others| Objects {
-            dictionary,
+        let Some((sdo, others)) = self.sdo.split(server) else {
+            return;
+        };
+        let has_room = sdo.has_room();
+        let mut objects = Objects {
+            dictionary: &mut self.dictionary,
             application,
-            services,
+            services: &mut self.services,
             others,
             now,
             number: [0; 8],
-        });
-        if executed.is_none() {
+        };
+        if has_room {
+            sdo.receive(request, now, &mut objects);
+        } else if !sdo.receive_abort(request, &mut objects) {
             self.queue.count_lost_request();
             return;
         }

@@ -62,7 +62,12 @@ impl<D: Dictionary> Node<D> {
     #[inline]
     pub fn transmit<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
         let first = self.services.agenda.first()?;
-        self.take(first, application)
+        match first.kind(self.services.tpdos.len()) {
+            Kind::Pdo(number) => self.services.tpdos.take(number, &mut self.services.agenda),
+            Kind::Answer(number) => self.take_answer(number, application),
+            Kind::Service if first == Object::EMERGENCY => self.take_emergency(),
+            Kind::Service => self.take_seldom(first),
+        }
     }
 
     /// Drops synchronous PDOs whose SYNC window (1007h) is over at `now`, so that none leaves late: to be called before
@@ -95,17 +100,6 @@ impl<D: Dictionary> Node<D> {
             is_process_data,
             follows: answers_sync.then(|| services.sync.cob_id()),
         })
-    }
-
-    /// The frame of what may leave first.
-    #[inline]
-    fn take<A: Application<D>>(&mut self, first: Object, application: &mut A) -> Option<Frame> {
-        match first.kind(self.services.tpdos.len()) {
-            Kind::Pdo(number) => self.services.tpdos.take(number, &mut self.services.agenda),
-            Kind::Answer(number) => self.take_answer(number, application),
-            Kind::Service if first == Object::EMERGENCY => self.take_emergency(),
-            Kind::Service => self.take_seldom(first),
-        }
     }
 
     /// The emergency message that may leave.

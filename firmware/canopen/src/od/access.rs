@@ -7,8 +7,8 @@
 use core::ops::RangeInclusive;
 
 use super::{Attributes, DataType, Dictionary, Entry, Location, Table, buckets};
-use crate::cia301::sdo::AbortCode;
 use crate::copy::copy;
+use crate::wire::sdo::AbortCode;
 
 /// Why an entry cannot be had.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,30 +9,7 @@ use crate::agenda::{SERVICES, Word};
 use crate::cia301::heartbeat::Consumer;
 use crate::cia301::pdo::{Mapped, ReceivePdo, TransmitPdo};
 use crate::cia301::sdo::Server;
-
-/// The places of a service, one for each of what it serves: `[T; N]`.
-pub trait Slots<T>: AsRef<[T]> + AsMut<[T]> + Debug + Unused {
-    /// Places with nothing in use.
-    fn unused() -> Self {
-        Self::UNUSED
-    }
-}
-
-/// What a place is before anything uses it.
-pub trait Unused: Sized {
-    /// Not in use.
-    const UNUSED: Self;
-}
-
-impl<T: Unused, const N: usize> Unused for [T; N] {
-    const UNUSED: Self = [const { T::UNUSED }; N];
-}
-
-impl Unused for u8 {
-    const UNUSED: Self = 0;
-}
-
-impl<T: Unused + Debug, const N: usize> Slots<T> for [T; N] {}
+use crate::slots::Slots;
 
 /// The places of all services that are counted. [`Count`] implements it.
 pub trait Counts: Debug {

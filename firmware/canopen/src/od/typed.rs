@@ -4,8 +4,8 @@
 
 use core::fmt;
 
-use crate::cia301::sdo::AbortCode;
 use crate::copy::copy;
+use crate::wire::sdo::AbortCode;
 
 /// The `N` bytes of the block at `AT`.
 #[inline]

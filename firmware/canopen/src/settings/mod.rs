@@ -200,3 +200,12 @@ impl From<Settings> for Configuration {
         settings.configuration()
     }
 }
+
+/// Why settings could not be stored (CiA 305, answer to 17h).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StoreError {
+    /// This device cannot store (01h).
+    NotSupported,
+    /// The storage medium failed (02h).
+    Medium,
+}

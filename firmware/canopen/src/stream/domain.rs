@@ -4,9 +4,10 @@
 //! come; so a transfer that ends early changes nothing, and meanwhile the old value can be read.
 
 use super::{Sink, Source};
-use crate::cia301::sdo::{AbortCode, Completion};
+use crate::application::Completion;
 use crate::copy::copy;
 use crate::od::Dictionary;
+use crate::wire::sdo::AbortCode;
 
 /// The value of a DOMAIN, in two buffers `B` of the same size. It is empty at first, whatever the buffers hold.
 ///

@@ -4,8 +4,10 @@
 //! borrows its data from the frame. Parsing cannot fail on a request: what has no meaning is [`Request::Unknown`]. Reserved
 //! bits are not looked at, and are zero in what is emitted.
 
+mod abort;
 mod block;
 
+pub use abort::AbortCode;
 pub use block::{ABORT_COMMAND, BlockRequest, BlockResponse, BlockSegment, MOST_SEGMENTS};
 
 /// The object that a transfer is about.

@@ -30,7 +30,7 @@ pub(crate) use service::{Job, Parameters, loss, refusal};
 pub use service::{PARAMETERS_LOST, PARAMETERS_REFUSED};
 pub(crate) use walk::Walk;
 
-use crate::node::StoreError;
+use crate::settings::StoreError;
 
 /// Most bytes that a [`ParameterStore`] is given or asked for at a time.
 pub const CHUNK: usize = 240;

@@ -4,8 +4,8 @@ use super::{ParameterSet, ParameterSets, RESTORE, Refused, STORE, VERIFY_CONFIGU
 use crate::cia301::emergency::{Emergency, ErrorRegister};
 use crate::cia301::nmt::Reset;
 use crate::cia301::sdo::AbortCode;
-use crate::node::StoreError;
 use crate::od::{self, Dictionary, Entry};
+use crate::settings::StoreError;
 
 /// Emergency error code "loss of parameters" (63xxh is "data set" of CiA 301): a stored set cannot be read. Its
 /// parameters have the values of the data sheet.

@@ -1,8 +1,8 @@
 //! Download: the client writes an object, expedited or in segments.
 
-use super::AbortCode;
-use super::objects::{Completion, Objects, Streams};
+use super::objects::{Objects, Streams};
 use super::server::{Place, Server, Step};
+use super::{AbortCode, Completion};
 use crate::copy::copy;
 use crate::od::Entry;
 use crate::time::Instant;

@@ -24,7 +24,6 @@
 //!   and counts as lost; an abort by the client always counts.
 //! - Servers are independent. Only a streamed object is written by one of them at a time.
 
-mod abort;
 mod answers;
 mod block;
 mod block_download;
@@ -38,8 +37,9 @@ mod server;
 mod servers;
 mod upload;
 
-pub use abort::AbortCode;
-pub use objects::{Completion, Objects, Streams, Value};
+pub use crate::application::Completion;
+pub use crate::wire::sdo::AbortCode;
+pub use objects::{Objects, Streams, Value};
 pub use server::Server;
 pub(crate) use servers::Others;
 pub use servers::Servers;

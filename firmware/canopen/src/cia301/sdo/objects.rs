@@ -1,6 +1,6 @@
 //! What a server reads and writes: the object dictionary, and the application behind streamed objects.
 
-use super::AbortCode;
+use super::{AbortCode, Completion};
 use crate::od::Entry;
 use crate::wire::sdo::Multiplexer;
 
@@ -89,15 +89,4 @@ pub enum Value<'a> {
     Constant(&'static [u8]),
     /// With the application, which knows the size, or will know it at the end.
     Streamed(&'static Entry, Option<u32>),
-}
-
-/// When a write that was not refused is complete, and the client gets its answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Completion {
-    /// At once.
-    Now,
-    /// When the owner of the object says so ([`crate::Node::complete_write`]): saving parameters takes a while. The server
-    /// waits without a time-out; an abort or a new request of the client drops the answer, not the work. An owner that
-    /// is asked for the same again before it is done refuses with [`AbortCode::DeviceState`].
-    Later,
 }

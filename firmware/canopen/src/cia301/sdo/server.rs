@@ -2,10 +2,10 @@
 
 use super::answers::Answers;
 use super::block::Block;
-use super::objects::{Completion, Objects, Streams};
+use super::objects::{Objects, Streams};
 use super::parameters::CobIds;
 use super::upload::Ahead;
-use super::{AbortCode, TIME_OUT};
+use super::{AbortCode, Completion, TIME_OUT};
 use crate::agenda::Object;
 use crate::od::{Entry, Unused};
 use crate::time::{Duration, Instant, NEVER, has_come};
@@ -115,9 +115,15 @@ impl<B: Unused> Unused for Server<B> {
 }
 
 impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
+    /// Whether an answer has room. A request is not to be executed without.
+    #[inline]
+    pub(crate) fn has_room(&self) -> bool {
+        !self.answers.is_full()
+    }
+
     /// Takes a request. Its answer, if it has one now, waits for the bus; there must be room for it.
     #[inline]
-    pub(super) fn receive<O: Objects>(&mut self, request: &[u8; 8], now: Instant, objects: &mut O) {
+    pub(crate) fn receive<O: Objects>(&mut self, request: &[u8; 8], now: Instant, objects: &mut O) {
         let step = self.step;
         if O::HAVE_BLOCK_TRANSFER && self.is_open() {
             match step {
@@ -173,7 +179,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
 
     /// Takes a request that can have no answer now: an abort ends the open transfer. Returns whether it was one; anything
     /// else does nothing.
-    pub(super) fn receive_abort<S: Streams>(&mut self, request: &[u8; 8], streams: &mut S) -> bool {
+    pub(crate) fn receive_abort<S: Streams>(&mut self, request: &[u8; 8], streams: &mut S) -> bool {
         let is_abort = Request::is_abort(request);
         if is_abort {
             self.drop_transfer(streams);

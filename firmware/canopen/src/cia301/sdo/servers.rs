@@ -2,7 +2,7 @@
 
 use super::AbortCode;
 use super::NO_COB_ID;
-use super::objects::{Objects, Streams};
+use super::objects::Streams;
 use super::parameters::CobIds;
 use super::server::Server;
 use crate::agenda::{Agenda, Object};
@@ -143,23 +143,16 @@ impl<C: Counts> Servers<C> {
         Some(server.deadline())
     }
 
-    /// Gives a request to a server. `objects` makes the dictionary from what the other servers have under way. `None` if the request
-    /// was not executed, as its answer would have had no room; then [`Servers::settle`].
+    /// One server, and what the others have under way.
     #[inline]
-    pub(crate) fn receive<'a, O: Objects>(
-        &'a mut self,
+    #[expect(clippy::type_complexity, reason = "a server, and all but it")]
+    pub(crate) fn split(
+        &mut self,
         number: usize,
-        request: &[u8; 8],
-        now: Instant,
-        objects: impl FnOnce(Others<'a, C::SdoBuffer>) -> O,
-    ) -> Option<()> {
-        let (before, server, after) = split(self.servers.as_mut(), number)?;
-        let mut objects = objects(Others { before, after });
-        if server.answers.is_full() {
-            return server.receive_abort(request, &mut objects).then_some(());
-        }
-        server.receive(request, now, &mut objects);
-        Some(())
+    ) -> Option<(&mut Server<C::SdoBuffer>, Others<'_, C::SdoBuffer>)> {
+        let (before, rest) = self.servers.as_mut().split_at_mut_checked(number)?;
+        let (server, after) = rest.split_first_mut()?;
+        Some((server, Others { before, after }))
     }
 
     /// What a server has to send, and when it wants to be called.
@@ -254,16 +247,4 @@ impl<C: Counts> Servers<C> {
         }
         segment.map(|segment| Frame::full(server.response, segment))
     }
-}
-
-/// One server, those before it and those after it.
-#[inline]
-#[expect(clippy::type_complexity, reason = "three parts of one slice")]
-fn split<B>(
-    servers: &mut [Server<B>],
-    number: usize,
-) -> Option<(&[Server<B>], &mut Server<B>, &[Server<B>])> {
-    let (before, rest) = servers.split_at_mut_checked(number)?;
-    let (server, after) = rest.split_first_mut()?;
-    Some((before, server, after))
 }

@@ -5,7 +5,7 @@ use std::vec::Vec;
 
 use super::{IDENTITY, START, fastscan, message, slave, word};
 use crate::cia305::{LssEvent, Slave};
-use crate::node::StoreError;
+use crate::settings::StoreError;
 use crate::settings::{BitRate, BitTiming, Configuration, NodeId, Settings, Sources, Wish};
 use crate::time::{Instant, NEVER};
 
