@@ -6,7 +6,7 @@ use std::{env, fs, process};
 
 use crate::bind::{self, Binding, BindingReport};
 use crate::diagnostic::Colour;
-use crate::generate::{Options, generate};
+use crate::generate::{Options, generate, misfits};
 use crate::model::Model;
 use crate::report::Report;
 
@@ -42,6 +42,13 @@ pub fn build(eds: impl AsRef<Path>, output: &str, options: Options<'_>) {
     } else {
         options.bindings.to_vec()
     };
+    if options.cia402 {
+        let misfits = misfits(&model, &bindings);
+        let shown = misfits.iter().map(ToString::to_string);
+        if !misfits.is_empty() {
+            fail(&shown.collect::<Vec<_>>().join("\n"));
+        }
+    }
     let options = Options {
         bindings: &bindings,
         ..options

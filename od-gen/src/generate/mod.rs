@@ -9,6 +9,7 @@ mod constants;
 mod documentation;
 mod drive;
 mod figures;
+mod fit;
 mod format;
 mod hooks;
 mod layout;
@@ -22,6 +23,7 @@ use std::path::Path;
 use crate::bind::Binding;
 use crate::model::Model;
 pub use figures::Figures;
+pub use fit::misfits;
 use layout::Layout;
 pub(crate) use names::snake_case;
 

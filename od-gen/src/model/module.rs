@@ -48,6 +48,8 @@ pub struct DynamicChannel {
     pub first: u16,
     /// Range: last index.
     pub last: u16,
+    /// What follows the offset of BOOLEANs behind a comma: the difference of their addresses.
+    pub difference: Option<u32>,
     /// PPOffset: where the first variable lies in the process image.
     pub offset: u32,
 }

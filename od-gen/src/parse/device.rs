@@ -260,7 +260,8 @@ pub(super) fn dynamic_channels(
             let value = number(section, &format!("{name}{segment}"), (0, high), findings);
             value.unwrap_or_default()
         };
-        let (data_type, offset) = (of("Type", 0xFFFF), of("PPOffset", u32::MAX.into()));
+        let data_type = of("Type", 0xFFFF);
+        let (offset, difference) = offset(section, segment, findings);
         let range = text(section, &format!("Range{segment}"));
         let (first, last) = range.split_once('-').unwrap_or((&range, &range));
         let index = |text: &str| Number::parse(text.trim()).map_or(0, |number| number.value);
@@ -269,8 +270,32 @@ pub(super) fn dynamic_channels(
             access: Access::from_name(&text(section, &format!("Dir{segment}"))),
             first: narrow(index(first)),
             last: narrow(index(last)),
-            offset: narrow(offset),
+            offset,
+            difference,
         }
     });
     numbers.collect()
+}
+
+/// PPOffset of a segment: a number, of BOOLEANs with the difference of their addresses behind a comma.
+fn offset(section: &Section<'_>, segment: i128, findings: &mut Findings) -> (u32, Option<u32>) {
+    let name = format!("PPOffset{segment}");
+    let Some(key) = section.key(&name) else {
+        return (0, None);
+    };
+    let numbers = key
+        .value
+        .splitn(2, ',')
+        .map(|text| Number::parse(text.trim()));
+    match numbers.collect::<Result<Vec<_>, _>>() {
+        Ok(numbers) => {
+            let mut numbers = numbers.iter().map(|number| narrow(number.value));
+            (numbers.next().unwrap_or_default(), numbers.next())
+        }
+        Err(why) => {
+            let why = why.of(&name);
+            findings.take::<(), _>(&value::NOT_A_NUMBER, key.span, Err(why));
+            (0, None)
+        }
+    }
 }

@@ -18,7 +18,11 @@ pub(super) fn write<'a>(model: &'a Model, sections: &mut Vec<Section<'a>>) {
             }
             let range = format!("0x{:04X}-0x{:04X}", channel.first, channel.last);
             section.put(format!("Range{number}"), range);
-            section.put(format!("PPOffset{number}"), channel.offset.to_string());
+            let offset = match channel.difference {
+                Some(difference) => format!("{},{difference}", channel.offset),
+                None => channel.offset.to_string(),
+            };
+            section.put(format!("PPOffset{number}"), offset);
         }
         sections.push(section);
     }

@@ -11,7 +11,7 @@ mod modules;
 pub(crate) mod network;
 pub(crate) mod reading;
 mod setting;
-mod standard;
+pub(crate) mod standard;
 pub(crate) mod structure;
 pub(crate) mod value;
 

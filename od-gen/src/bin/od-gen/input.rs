@@ -36,14 +36,17 @@ pub(crate) fn unreadable(file: &Path, error: &std::io::Error) -> Failure {
     Failure::Refused(format!("{}: error: {}", file.display(), reason(error)))
 }
 
-/// What a file means that code is to be made of. Its findings go to standard error; without an error among them there is a model.
-pub(crate) fn model_for_code(file: &Path, allow: &Allow) -> Result<Model, Failure> {
+/// A file that code is to be made of, and that has no errors. Its findings go to standard error.
+pub(crate) fn report_for_code(file: &Path, allow: &Allow) -> Result<Report, Failure> {
     let report =
         Report::read_for_code(file, &allow.rules).map_err(|error| unreadable(file, &error))?;
     if !report.findings.is_empty() {
         output::tell(report.render(output::colour_of_errors()).trim_end());
     }
-    report.into_result().map_err(|_| Failure::Findings)
+    if report.has_errors() {
+        return Err(Failure::Findings);
+    }
+    Ok(report)
 }
 
 /// What a file means. Its findings go to standard error; without an error among them there is a model.

@@ -9,16 +9,27 @@ use crate::arguments::Rust;
 use crate::{input, output};
 
 pub(crate) fn run(arguments: &Rust) -> Result<ExitCode, Failure> {
-    let model = input::model_for_code(&arguments.file, &arguments.allow)?;
+    let report = input::report_for_code(&arguments.file, &arguments.allow)?;
+    let model = &report.model;
     let cia402 = arguments.cia402;
-    let bindings = input::bindings(&arguments.file, &model)?;
+    let bindings = input::bindings(&arguments.file, model)?;
+    if cia402 {
+        let misfits = od_gen::misfits(model, &bindings);
+        for finding in &misfits {
+            let colour = output::colour_of_errors();
+            output::tell(&od_gen::render(finding, &report.source, colour));
+        }
+        if !misfits.is_empty() {
+            return Err(Failure::Findings);
+        }
+    }
     let options = Options {
         cia402,
         bindings: &bindings,
         names: arguments.names,
         ..Options::DEVICE
     };
-    let text = od_gen::generate(&model, options);
+    let text = od_gen::generate(model, options);
     output::write(&text, arguments.output.as_deref())?;
     Ok(ExitCode::SUCCESS)
 }

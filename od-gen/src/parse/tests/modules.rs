@@ -49,6 +49,7 @@ fn variables_have_ranges_of_indices() {
             first: 0xA400,
             last: 0xA43F,
             offset: 64,
+            difference: None,
         }
     );
 }

@@ -251,7 +251,8 @@ fn check_uses(model: &Subject<'_>, cob_ids: &[CobId], findings: &mut Findings) {
                 true => &COB_ID_USED_TWICE,
                 false => &COB_ID_USED_TWICE_WITH_A_NODE_ID,
             };
-            findings.report(rule, cob_id.setting.span, message);
+            let finding = findings.report(rule, cob_id.setting.span, message);
+            finding.also(before.setting.span, first);
         }
         // A sender hides a receiver, so that it is not forgotten.
         let slot = same.entry(identifier).or_insert(cob_id);

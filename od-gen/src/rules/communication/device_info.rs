@@ -135,12 +135,15 @@ fn check_identity(model: &Subject<'_>, findings: &mut Findings) {
         ("ProductNumber", device.product_number, 2),
         ("RevisionNumber", device.revision_number, 3),
     ] {
-        let default = Setting::at(model, 0x1018, sub).map(|setting| setting.value);
-        if let (Some(stated), Some(default)) = (stated, default)
-            && i128::from(stated) != default
+        let setting = Setting::at(model, 0x1018, sub);
+        if let (Some(stated), Some(setting)) = (stated, setting)
+            && i128::from(stated) != setting.value
         {
+            let default = setting.value;
             let message = format!("{key} is 0x{stated:08X}, but 1018h:{sub:X} is 0x{default:08X}");
-            findings.report(&IDENTITY_MISMATCH, device.places.of(key), message);
+            let finding = findings.report(&IDENTITY_MISMATCH, device.places.of(key), message);
+            finding.also(setting.span, "what the device says");
+            finding.help("one of the two is wrong: a master compares with what the device says");
         }
     }
     if let Some(vendor) = Setting::at(model, 0x1018, 1).filter(|vendor| vendor.value == 0) {

@@ -20,14 +20,14 @@ static STANDARD_KIND: Rule = Rule::masters(
      and the reverse, harms nobody but tools that show one line for all elements.",
 );
 
-static STANDARD_TYPE: Rule = Rule::masters(
+pub(crate) static STANDARD_TYPE: Rule = Rule::masters(
     "standard-type",
     "An object of CiA 301 or CiA 402 has the data type of the standard.",
     "Masters map and write these objects by the standard, without a look into the data sheet: with another length or sign they \
      fail, or write something else. The firmware's own layers ask for the standard's types too.",
 ).strict();
 
-static STANDARD_ACCESS: Rule = Rule::masters(
+pub(crate) static STANDARD_ACCESS: Rule = Rule::masters(
     "standard-access",
     "An object of CiA 301 or CiA 402 can be read and written as the standard says.",
     "What the device reports (statusword, actual values, identity) is read-only, what commands it can be written. Where the \

@@ -1,6 +1,6 @@
 //! What CiA 301 and CiA 402 say about their objects: kind, types, access, sub-indices.
 
-pub(super) mod check;
+pub(crate) mod check;
 mod communication;
 mod drive;
 
