@@ -23,6 +23,7 @@ macro_rules! app {
 
             use crate::board::{Board, ControlTimer, Selected};
             use crate::control::Control;
+            use crate::stepping::Stepping;
             use crate::tasks::{self, CanBus, Firmware, Memory, NodeTask, Panel, Reception, Step};
 
             #[shared]
@@ -32,6 +33,7 @@ macro_rules! app {
                 alive: bool,
                 #[lock_free]
                 reception: Reception,
+                stepping: &'static Stepping,
                 #[lock_free]
                 control: &'static mut Control,
                 #[lock_free]
@@ -51,6 +53,7 @@ macro_rules! app {
                 lost: Lost = Lost::new(),
                 edges: Capture = Capture::new(),
                 // They begin where they stay: on the stack they would be more than all else that is ever there.
+                stepping: MaybeUninit<Stepping> = MaybeUninit::uninit(),
                 control: MaybeUninit<Control> = MaybeUninit::uninit(),
                 node: MaybeUninit<NodeTask> = MaybeUninit::uninit(),
             ])]
@@ -59,6 +62,7 @@ macro_rules! app {
                     frames: cx.local.frames,
                     lost: cx.local.lost,
                     edges: cx.local.edges,
+                    stepping: cx.local.stepping,
                     control: cx.local.control,
                     node: cx.local.node,
                 };
@@ -66,6 +70,7 @@ macro_rules! app {
                     exchange,
                     bus,
                     reception,
+                    stepping,
                     control,
                     node,
                     step,
@@ -77,6 +82,7 @@ macro_rules! app {
                     bus,
                     alive: true,
                     reception,
+                    stepping,
                     control,
                     node,
                     step,
@@ -92,21 +98,21 @@ macro_rules! app {
             }
 
             $(
-                #[task(binds = $pulses_interrupt, priority = 5, shared = [step])]
+                #[task(binds = $pulses_interrupt, priority = 6, shared = [step])]
                 fn $pulses(cx: $pulses::Context) {
                     cx.shared.step.on_interrupt();
                 }
             )*
 
             $(
-                #[task(binds = $edge_interrupt, priority = 5, shared = [step])]
+                #[task(binds = $edge_interrupt, priority = 6, shared = [step])]
                 fn $edge(cx: $edge::Context) {
                     cx.shared.step.on_edge();
                 }
             )*
 
             $(
-                #[task(binds = $can_interrupt, priority = 4, shared = [bus, reception])]
+                #[task(binds = $can_interrupt, priority = 5, shared = [bus, reception])]
                 fn $can(mut cx: $can::Context) {
                     let reception = cx.shared.reception;
                     cx.shared.bus.lock(|bus| reception.on_interrupt(bus));
@@ -130,9 +136,10 @@ macro_rules! app {
             }
 
             $(
-                #[task(binds = $refill_interrupt, priority = 3, shared = [control])]
+                #[task(binds = $refill_interrupt, priority = 4, shared = [&stepping])]
                 fn $refill(cx: $refill::Context) {
-                    cx.shared.control.refill();
+                    cx.shared.stepping.refill();
+                    Selected::refill_done();
                 }
             )*
 

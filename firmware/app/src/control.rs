@@ -12,6 +12,7 @@ use crate::board::{Board, Pulses, Selected, Stage};
 use crate::clock;
 use crate::dictionary::Dictionary;
 use crate::share::Locked;
+use crate::stepping::{SharedEmitter, SharedPulses, Stepping};
 
 /// Control ticks in a second.
 pub const RATE_HZ: u32 = 1_000;
@@ -27,7 +28,7 @@ pub const TIMING: DriverTiming = DriverTiming {
 
 /// The drive and what it works on.
 pub struct Control {
-    control: runtime::Control<Dictionary, &'static Memory>,
+    control: runtime::Control<Dictionary, &'static Memory, SharedEmitter>,
     stage: StepStage,
     lost: &'static Lost,
 }
@@ -35,16 +36,16 @@ pub struct Control {
 impl Control {
     /// A drive that stands, without power.
     pub fn new(
-        pulses: <Selected as Board>::Pulses,
+        stepping: &'static Stepping,
         stage: <Selected as Board>::Stage,
         lost: &'static Lost,
         edges: &'static Capture,
         scope: &'static Memory,
     ) -> Self {
         Self {
-            control: runtime::Control::new(config(), scope),
+            control: runtime::Control::with_emitter(CONFIG, scope, || SharedEmitter(stepping)),
             stage: StepStage {
-                pulses,
+                pulses: SharedPulses(stepping),
                 stage,
                 edges,
                 now: Instant::from_ticks(0),
@@ -71,17 +72,11 @@ impl Control {
         let exchange = &mut Locked(&mut exchange);
         self.control.stop(&mut self.stage, exchange);
     }
-
-    /// Commits pulses between two ticks.
-    pub fn refill(&mut self) {
-        self.control.refill(&mut self.stage);
-        Selected::refill_done();
-    }
 }
 
 /// The power stage of the board with its pulses, and the edges of its inputs.
 struct StepStage {
-    pulses: <Selected as Board>::Pulses,
+    pulses: SharedPulses,
     stage: <Selected as Board>::Stage,
     edges: &'static Capture,
     /// When the tick has looked, and the board's counter then.
@@ -90,7 +85,7 @@ struct StepStage {
 }
 
 impl PowerStage for StepStage {
-    type Pulses = <Selected as Board>::Pulses;
+    type Pulses = SharedPulses;
 
     fn pulses(&mut self) -> &mut Self::Pulses {
         &mut self.pulses
@@ -142,7 +137,8 @@ impl PowerStage for StepStage {
     }
 }
 
-const fn config() -> DriveConfig {
+/// What the drive is built from.
+pub const CONFIG: DriveConfig = {
     let Some(clock) = Clock::new(Selected::STEP_CLOCK_HZ) else {
         panic!("a step clock that motion can use")
     };
@@ -155,7 +151,7 @@ const fn config() -> DriveConfig {
         tick: Duration::micros(1_000_000 / RATE_HZ as u64),
         refills: Selected::REFILLS,
     }
-}
+};
 
 /// Nanoseconds in ticks of the step clock, rounded up.
 const fn ticks(nanoseconds: u32) -> u32 {

@@ -2,18 +2,18 @@
 //!
 //! | task | priority | raised by | does |
 //! |---|---|---|---|
-//! | `step`, `cut_off` | 5 | step timer: a step, where it needs help with each; its break input | step pulses, counted; stops the timer whose pulses no longer leave |
-//! | `edge` | 5 | an edge of a digital input | captures the position |
-//! | `received`, `sent`, `error` | 4 | CAN controller | stamps frames and queues them; room for the next frame; errors |
+//! | `step`, `cut_off` | 6 | step timer: a step, where it needs help with each; its break input | step pulses, counted; stops the timer whose pulses no longer leave |
+//! | `edge` | 6 | an edge of a digital input | captures the position |
+//! | `received`, `sent`, `error` | 5 | CAN controller | stamps frames and queues them; room for the next frame; errors |
+//! | `refill` | 4 | refill timer, 4 kHz | commits pulses |
 //! | `control` | 3 | system timer, 1 kHz or in step with SYNC | state machine, mode, planner |
 //! | `stop` | 3 | `node`, for a command to stop | the control tick for it, which does not wait for the next one |
-//! | `refill` | 3 | refill timer, 4 kHz | commits pulses between control ticks |
 //! | `node` | 2 | a frame, room to send, every control tick, a deadline of its own | CANopen; writes the parameter sectors |
 //! | `wake` | 2 | wake timer | runs `node` at its deadline |
 //! | `lights` | 1 | `node`, every 50 ms | green and red light |
 //!
 //! A task may only be interrupted by those above it. What two of them share is locked while a snapshot is copied or a
-//! frame handed over, no longer.
+//! frame handed over, no longer; the emitter, which the refill needs, also while a tick commits pulses itself.
 //!
 //! What the tasks do is in [`tasks`] and in the crate `runtime`. Which interrupts raise them is the board's: it makes the app
 //! of itself by the macro [`app`](macro@app), with its device and the names of its interrupts.
@@ -39,5 +39,7 @@ mod machine;
 mod settings;
 #[forbid(unsafe_code)]
 mod share;
+#[forbid(unsafe_code)]
+mod stepping;
 #[forbid(unsafe_code)]
 mod tasks;

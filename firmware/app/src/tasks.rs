@@ -12,11 +12,12 @@ use store::Store;
 
 use crate::board::{self, Board, ControlTimer, InputLines, Parts, Receive, Selected, Steps};
 use crate::clock;
-use crate::control::{Control, RATE_HZ};
+use crate::control::{Control, CONFIG, RATE_HZ};
 use crate::dictionary::Dictionary;
 use crate::machine::Machine;
 use crate::settings::BUILD;
 use crate::share::{Alone, Around, LockedBus};
+use crate::stepping::Stepping;
 
 /// The CAN controller.
 pub type CanBus = <Selected as Board>::Bus;
@@ -35,6 +36,7 @@ pub struct Firmware {
     pub exchange: Exchange,
     pub bus: CanBus,
     pub reception: Reception,
+    pub stepping: &'static Stepping,
     pub control: &'static mut Control,
     pub node: &'static mut NodeTask,
     pub step: Step,
@@ -47,6 +49,7 @@ pub struct Memory {
     pub frames: &'static mut inbox::Memory,
     pub lost: &'static Lost,
     pub edges: &'static Capture,
+    pub stepping: &'static mut MaybeUninit<Stepping>,
     pub control: &'static mut MaybeUninit<Control>,
     pub node: &'static mut MaybeUninit<NodeTask>,
 }
@@ -144,6 +147,7 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
         frames,
         lost,
         edges,
+        stepping,
         control,
         node,
     } = memory;
@@ -183,13 +187,15 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
         stop: || {},
     };
     (node.node).power_on(&mut around, &mut LockedBus(&mut bus));
+    let stepping: &_ = place(stepping, || Stepping::new(CONFIG, pulses));
     let control = place(control, || {
-        Control::new(pulses, stage, lost, edges, &board::SCOPE_MEMORY)
+        Control::new(stepping, stage, lost, edges, &board::SCOPE_MEMORY)
     });
     Firmware {
         exchange: exchange.0,
         bus: bus.0,
         reception: Reception { receiver, inbox },
+        stepping,
         control,
         node,
         step: Step {

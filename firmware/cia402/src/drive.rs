@@ -18,8 +18,8 @@ use core::marker::PhantomData;
 
 use canopen::{Duration, Instant};
 
-use crate::actuator::{Actuator, AtPort, StepAxis};
-use crate::board::{DriveConfig, Inputs, Outputs, outlast_tick};
+use crate::actuator::{Actuator, AtPort, Emitter, EmitterLock, StepAxis};
+use crate::board::{DriveConfig, Inputs, Outputs};
 use crate::brake::Brakes;
 use crate::commands::Commands;
 use crate::configuration::Configuration;
@@ -94,8 +94,16 @@ impl<D: Objects> Drive<D> {
     // Out of line, so that it is made where it stays.
     #[inline(never)]
     pub fn new(config: DriveConfig) -> Self {
-        let axis = outlast_tick(config);
-        Self::with_actuator(|| StepAxis::new(axis), StepAxis::lead(&axis), config.tick)
+        Self::with_emitter(config, || Emitter::new(config))
+    }
+}
+
+impl<D: Objects, L: EmitterLock> Drive<D, StepAxis<L>> {
+    /// A drive with a step axis whose emitter a refill of higher priority uses, too.
+    #[inline]
+    pub fn with_emitter(config: DriveConfig, emitter: impl FnOnce() -> L) -> Self {
+        let lead = StepAxis::<L>::lead(config);
+        Self::with_actuator(|| StepAxis::new(config, emitter), lead, config.tick)
     }
 }
 
@@ -346,23 +354,13 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         );
     }
 
-    /// Commits the pulses of the next segments between two ticks ([`DriveConfig::refills`]). Nothing is decided here.
+    /// Commits the pulses of the next segments between two ticks ([`DriveConfig::refills`]), where these and the refills come one after the other; where
+    /// refills interrupt the ticks, [`Emitter::refill`] is for them. Nothing is decided here.
     pub fn refill<P>(&mut self, port: &mut P)
     where
         A: AtPort<P>,
     {
-        self.motor.advance(port);
-    }
-
-    /// To be called before a tick where ticks and refills do not interrupt each other: commits pulses if a refill will soon be due, which would
-    /// have to wait for that tick.
-    pub fn top_up<P>(&mut self, port: &mut P)
-    where
-        A: AtPort<P>,
-    {
-        if self.motor.runs_short(port) {
-            self.refill(port);
-        }
+        self.motor.refill(port);
     }
 
     fn look_at_switches(&mut self, tick: &Tick<'_>) {

@@ -56,6 +56,7 @@ mod testing;
 mod travel;
 pub mod units;
 
+pub use actuator::{Emitter, EmitterLock, StepAxis};
 pub use board::{DriveConfig, Inputs, Outputs};
 pub use cia402_parameters::{self as parameters, Features, Parameter};
 pub use commands::{Commands, SetPoint};

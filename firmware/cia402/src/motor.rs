@@ -91,6 +91,7 @@ impl<A: Actuator> Motor<A> {
             self.cut = false;
         }
         self.actuator.observe(now, port);
+        self.look_at_rest();
     }
 
     /// Commits what comes next.
@@ -99,6 +100,11 @@ impl<A: Actuator> Motor<A> {
         A: AtPort<P>,
     {
         self.actuator.advance(port, self.is_reversed);
+        self.look_at_rest();
+    }
+
+    /// At rest there is nothing left of the motion before.
+    fn look_at_rest(&mut self) {
         if self.actuator.is_at_rest() {
             self.stopped();
             self.planned_with(0);

@@ -9,20 +9,20 @@
 //!
 //! Every pulse is accounted for: [`Axis::committed_position`] is always the sum of the pulses committed to the sink.
 
-mod averaged;
+mod draft;
 mod following;
-mod preview;
 mod trace;
 
-use crate::average::Average;
+use crate::average::{Average, Mean};
 use crate::clock::{Clock, Ticks};
-use crate::fixed::State;
+use crate::fixed::{Exact, State};
 use crate::path::Path;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::speed::{SignedSpeed, Speed};
 use crate::stepper::piece::Piece;
 use crate::stepper::{CHORDS_PER_SEGMENT, Stepper};
+pub use draft::Draft;
 use trace::Trace;
 
 /// Chords that [`Axis::advance`] makes at most: those of four segments, and one for each piece of the shortest.
@@ -185,14 +185,8 @@ impl Axis {
     /// # Errors
     /// [`PlanError::ZeroDeceleration`]; the motion goes on as it was.
     pub fn stop(&mut self, deceleration: u32) -> Result<(), PlanError> {
-        self.ramp_to(
-            SignedSpeed::ZERO,
-            Limits {
-                velocity: Speed::ZERO,
-                acceleration: 0,
-                deceleration,
-            },
-        )
+        let (goal, limits) = Goal::stop(deceleration);
+        self.replan(goal, limits)
     }
 
     /// The tick of the axis' time that is being played now, if the sink still has `pending` ticks to play. It stands
@@ -322,7 +316,31 @@ impl Axis {
         hz.map_or(Speed::ZERO, Speed::per_second)
     }
 
-    /// Where the plan or the path is at tick `t`.
+    /// What it goes on with if it follows the mean of a plan; `None` if it does not.
+    pub fn mean(&self) -> Option<Mean> {
+        self.is_averaged
+            .then(|| Mean::new(self.average.clone(), self.plan))
+    }
+
+    /// The window of the mean that it follows, in ticks; 0 if it follows none.
+    pub fn window(&self) -> u32 {
+        if self.is_averaged {
+            self.average.window().ticks()
+        } else {
+            0
+        }
+    }
+
+    /// Where plan, path or mean are at tick `t`.
+    fn exact_at(&self, t: Ticks) -> Exact {
+        match &self.path {
+            Some(path) => path.exact_at(t),
+            None if self.is_averaged => self.average.exact_at(t),
+            None => self.plan.exact_at(t),
+        }
+    }
+
+    /// The same, rounded.
     fn state_at(&self, t: Ticks) -> State {
         self.exact_at(t).rounded()
     }

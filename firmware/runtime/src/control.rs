@@ -8,7 +8,8 @@
 //! - Lost frames are a fault only while the motor has current. Storing stops the processor, so on a busy bus frames are lost
 //!   then; a master gets the device's message, and no fault it would have to reset.
 //! - Pulses the drive gives up are dropped in the same tick.
-//! - A tick begins with a segment and a half of pulses left at least: the refills have its priority and wait for it.
+//! - A refill may interrupt a tick: it needs the emitter alone ([`cia402::Emitter`]), which the tick locks for a question, a copy or the pulses it
+//!   commits itself. Where the two come one after the other, [`Control::refill`] is for it.
 //! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
 //!   starts anew. That takes seconds, so a motor with current stops before, with a fault, when the node task has not run for 20 ms.
 
@@ -16,7 +17,9 @@ use core::ops::Deref;
 
 use canopen::{Duration, Instant};
 use cia402::recorder::{Memory, Recorder};
-use cia402::{Drive, DriveConfig, Inputs, Objects, Outputs, Share, State};
+use cia402::{
+    Drive, DriveConfig, Emitter, EmitterLock, Inputs, Objects, Outputs, Share, State, StepAxis,
+};
 use motion::PulseSink;
 
 use crate::ports::PowerStage;
@@ -31,11 +34,11 @@ const NODE_HANGS: u16 = 0x6100;
 /// How long the node task may not run while the motor has current.
 const NODE_PATIENCE: Duration = Duration::millis(20);
 
-/// The drive of the dictionary `D` and what it works on, with the memory `M` of the scope. The power stage is the host's: it comes with each call, always the
+/// The drive of the dictionary `D` and what it works on, with the memory `M` of the scope, and with an emitter behind the lock `L`. The power stage is the host's: it comes with each call, always the
 /// same one.
 #[derive(Debug)]
-pub struct Control<D, M> {
-    drive: Drive<D>,
+pub struct Control<D, M, L = Emitter> {
+    drive: Drive<D, StepAxis<L>>,
     recorder: Recorder<M>,
     /// How many frames were lost before.
     lost: u32,
@@ -51,9 +54,16 @@ pub struct Control<D, M> {
 
 impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
     /// A drive that stands, without power.
+    pub fn new(config: DriveConfig, scope: M) -> Self {
+        Self::with_emitter(config, scope, || Emitter::new(config))
+    }
+}
+
+impl<D: Objects, M: Deref<Target = Memory>, L: EmitterLock> Control<D, M, L> {
+    /// The same with an emitter that refills use between any two moments of a tick.
     // Out of line, so that it is made where it stays.
     #[inline(never)]
-    pub fn new(config: DriveConfig, scope: M) -> Self {
+    pub fn with_emitter(config: DriveConfig, scope: M, emitter: impl FnOnce() -> L) -> Self {
         Self {
             recorder: Recorder::new(scope, config.tick),
             lost: 0,
@@ -62,7 +72,7 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
             hangs: false,
             inputs: Inputs::default(),
             // Last, as it is large: so it is made where it stays.
-            drive: Drive::new(config),
+            drive: Drive::with_emitter(config, emitter),
         }
     }
 
@@ -83,7 +93,6 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
                 State::Fault | State::FaultReactionActive
             );
 
-        self.top_up(stage);
         let now = self.look(overrun && !harmless, stage);
         self.watch_node(now, alive);
         stage.measure(&mut self.inputs);
@@ -101,7 +110,6 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
         if !exchange.lock(|exchange| exchange.calls_early()) {
             return false;
         }
-        self.top_up(stage);
         let now = self.look(false, stage);
         let outputs = self
             .drive
@@ -110,16 +118,10 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
         true
     }
 
-    /// Commits pulses between two ticks.
+    /// Commits pulses between two ticks, if none of them is interrupted by a refill.
     pub fn refill(&mut self, stage: &mut impl PowerStage) {
         stage.service();
         self.drive.refill(stage.pulses());
-    }
-
-    /// Whatever the tick plans, there are pulses enough until it is over.
-    fn top_up(&mut self, stage: &mut impl PowerStage) {
-        stage.service();
-        self.drive.top_up(stage.pulses());
     }
 
     /// Takes what the stage sees and every tick needs. Returns when that was.

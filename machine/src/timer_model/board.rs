@@ -3,29 +3,25 @@
 //! It runs what the tasks of the firmware run, at their rates: a control tick each millisecond, a refill each quarter of one, the
 //! node when a frame comes. Instructions take no time here; in their place each control tick, each refill and each early tick comes late by up to
 //! 50 µs, which is longer than what the processor is busy with in most of them (`docs/benchmarks.md`). With [`Board::set_busy`] the ticks take
-//! a time of their own, in which nothing else of their priority runs.
+//! a time of their own, in which refills come at any moment.
 
 use std::fmt;
+use std::rc::Rc;
 
 use canopen::{BitRate, Duration, Frame, Instant, NodeId, Settings};
 use cia402::faults::of_pulses;
-use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Outputs, State};
-use motion::advanced_timer::{Output, Ring, on_break};
+use cia402::{Device, Drive, DriveConfig, Everything, Exchange, Inputs, Outputs, State, StepAxis};
+use motion::advanced_timer::Ring;
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
 
 use super::rig::{HZ, SEGMENT};
+use super::stepping::{Beat, Lateness, MICROSECOND, REFILL, SharedEmitter, SharedPulses, Stepping};
 use super::{Judge, TimerModel};
 use crate::dictionary::Dictionary;
 use master::bus::Station;
 
-/// Ticks of the step timer in a microsecond.
-const MICROSECOND: u64 = HZ as u64 / 1_000_000;
-
 /// Control ticks are so far apart.
 const CONTROL: Duration = Duration::from_ticks(1_000);
-
-/// Refills are so far apart.
-const REFILL: Duration = Duration::from_ticks(250);
 
 /// What a DMA burst may take (`docs/step-engine.md`), in ticks.
 const BURST: u64 = 84;
@@ -39,46 +35,18 @@ const LATEST: u64 = 50;
 /// The same where the ticks take a time of their own: the interrupts of higher priority.
 const INTERRUPTED: u64 = 18;
 
-/// Something that comes again and again, more or less late.
-#[derive(Clone, Copy, Debug)]
-struct Beat {
-    due: Instant,
-    late: Duration,
-}
-
-impl Beat {
-    fn at(self) -> Instant {
-        self.due + self.late
-    }
-}
-
-/// What runs at the priority of the control tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Task {
-    Control,
-    Early,
-    Refill,
-}
-
 /// A drive on the modelled timers. Its node-ID is [`Board::NODE`]; the supply is there.
 pub struct Board {
     device: Device<Dictionary>,
-    drive: Drive,
+    drive: Drive<Everything, StepAxis<SharedEmitter>>,
     exchange: Exchange,
-    output: Output<'static, TimerModel<'static>>,
+    stepping: Rc<Stepping>,
     model: TimerModel<'static>,
     control: Beat,
-    refill: Beat,
     /// When a command to stop is carried out that has come.
     early: Option<Instant>,
-    /// How long control ticks take, early ones too, before they hand out pulses.
+    /// How long control ticks take, early ones too.
     busy: Duration,
-    /// The one that is running, and when it does so.
-    running: Option<(Instant, Task)>,
-    /// A control tick, an early one or a refill is late by less than this, in microseconds.
-    latest: u64,
-    /// What says how late the next one is (an xorshift generator).
-    random: u64,
     powered: bool,
     /// When the last control tick was, or an early one.
     ticked: Instant,
@@ -120,23 +88,17 @@ impl Board {
             node_id: NodeId::new(Self::NODE).expect("a node-ID"),
             bit_rate: BitRate::Kbit1000,
         };
-        let beat = |phase| Beat {
-            due: Instant::from_ticks(0) + phase,
-            late: Duration::from_ticks(0),
-        };
+        let timers = (model.clone(), ring);
+        let stepping = Rc::new(Stepping::new(config, timers, phase, Lateness::new(LATEST)));
         Self {
             device: Device::new(Dictionary::default(), settings, 1),
-            drive: Drive::new(config),
+            drive: Drive::with_emitter(config, || SharedEmitter(Rc::clone(&stepping))),
             exchange: Exchange::new(),
-            output: Output::new(model.clone(), ring),
+            stepping,
             model,
-            control: beat(Duration::from_ticks(0)),
-            refill: beat(phase),
+            control: Beat::at_phase(Duration::from_ticks(0)),
             early: None,
             busy: Duration::from_ticks(0),
-            running: None,
-            latest: LATEST,
-            random: 0x9E37_79B9_7F4A_7C15,
             powered: false,
             ticked: Instant::from_ticks(0),
         }
@@ -157,11 +119,11 @@ impl Board {
         self.ticked
     }
 
-    /// Control ticks take so long from now on, early ones too: what they hand out comes at the end. Nothing of their priority runs meanwhile. What
+    /// Control ticks take so long from now on, early ones too, and refills come in between. What
     /// is due comes late by up to 18 µs then, for the interrupts of higher priority.
     pub fn set_busy(&mut self, busy: Duration) {
         self.busy = busy;
-        self.latest = INTERRUPTED;
+        self.stepping.lateness.set_latest(INTERRUPTED);
     }
 
     /// The pulses that have left until `now`.
@@ -181,73 +143,47 @@ impl Board {
             self.powered = true;
             self.device.power_on(now, &mut self.exchange);
         }
-        while let Some(next) = Some(self.next()).filter(|next| *next <= now) {
-            self.play_until(next);
-            match self.running.take() {
-                Some((_, task)) => self.run(task, next),
-                None => self.begin(next),
-            }
+        while let Some(next) = Some(self.next_tick()).filter(|next| *next <= now) {
+            self.stepping.run_until(next);
+            self.begin(self.stepping.now());
         }
-        self.play_until(now);
+        self.stepping.run_until(now);
     }
 
-    /// When something ends or begins.
-    fn next(&self) -> Instant {
-        if let Some((end, _)) = self.running {
-            return end;
-        }
-        let beat = self.control.at().min(self.refill.at());
-        beat.min(self.early.unwrap_or(beat))
+    /// When the next tick is due, or the one that runs ends.
+    fn next_tick(&self) -> Instant {
+        let control = self.control.at();
+        let next = control.min(self.early.unwrap_or(control));
+        next.max(self.stepping.now())
     }
 
-    /// Something is due. Of one priority the system timer goes first, then the timer of the refills, then what software has asked for.
+    /// A tick is due. The system timer goes before what software has asked for.
     fn begin(&mut self, now: Instant) {
-        let task = if self.control.at() <= now {
-            self.control = self.after(self.control, CONTROL);
-            Task::Control
-        } else if self.refill.at() <= now {
-            self.refill = self.after(self.refill, REFILL);
-            Task::Refill
+        let is_regular = self.control.at() <= now;
+        if is_regular {
+            self.control = (self.control).after(CONTROL, self.stepping.lateness.next());
         } else {
             self.early = None;
-            Task::Early
-        };
-        if task != Task::Refill {
-            self.output.service();
-            self.drive.top_up(&mut self.output);
-        }
-        if task == Task::Refill || self.busy.ticks() == 0 {
-            self.run(task, now);
-        } else {
-            self.running = Some((now + self.busy, task));
-        }
-    }
-
-    fn run(&mut self, task: Task, now: Instant) {
-        match task {
-            Task::Control => self.control_tick(now),
-            Task::Early => self.early_tick(now),
-            Task::Refill => {
-                self.output.service();
-                self.drive.refill(&mut self.output);
+            if !self.exchange.calls_early() {
+                // A control tick was first.
+                return;
             }
         }
-        self.answer_break();
-    }
-
-    /// The next of its kind.
-    fn after(&mut self, beat: Beat, period: Duration) -> Beat {
-        Beat {
-            due: beat.due + period,
-            late: self.lateness(),
-        }
-    }
-
-    fn lateness(&mut self) -> Duration {
-        self.random ^= self.random << 13;
-        self.random ^= self.random >> 7;
-        self.random ^= self.random << 17;
-        Duration::from_ticks(self.random % self.latest)
+        self.ticked = now;
+        self.stepping.begin_tick(self.busy);
+        let inputs = self.inputs();
+        let (exchange, pulses) = (
+            &mut self.exchange,
+            &mut SharedPulses(Rc::clone(&self.stepping)),
+        );
+        let outputs = if is_regular {
+            self.drive.tick(now, &inputs, pulses, exchange)
+        } else {
+            self.drive.early_tick(now, &inputs, pulses, exchange)
+        };
+        self.stepping.end_tick();
+        self.end_tick(self.stepping.now(), &outputs);
+        self.stepping.answer_break();
     }
 
     /// The break input is active from now on, or no longer.
@@ -257,64 +193,37 @@ impl Board {
         if is_active {
             self.model.run(BREAK_LATENCY);
         }
-        self.answer_break();
-    }
-
-    /// The interrupt of the break.
-    fn answer_break(&mut self) {
-        if self.model.is_break_interrupt() {
-            on_break(&mut self.model);
-        }
-    }
-
-    fn play_until(&mut self, now: Instant) {
-        let ticks = Self::ticks(now).saturating_sub(self.model.time());
-        self.model.run(ticks);
-    }
-
-    fn control_tick(&mut self, now: Instant) {
-        self.ticked = now;
-        let inputs = self.inputs();
-        let outputs = self
-            .drive
-            .tick(now, &inputs, &mut self.output, &mut self.exchange);
-        self.end_tick(now, &outputs);
-    }
-
-    fn early_tick(&mut self, now: Instant) {
-        if !self.exchange.calls_early() {
-            // A control tick was first.
-            return;
-        }
-        self.ticked = now;
-        let inputs = self.inputs();
-        let outputs = self
-            .drive
-            .early_tick(now, &inputs, &mut self.output, &mut self.exchange);
-        self.end_tick(now, &outputs);
+        self.stepping.answer_break();
     }
 
     fn inputs(&mut self) -> Inputs {
-        self.output.service();
+        let mut output = self.stepping.output.borrow_mut();
+        output.service();
+        let position = output.position();
+        drop(output);
         Inputs {
             supply: true,
-            position: self.output.position(),
+            position,
             fault: self.fault(),
             ..Inputs::default()
         }
     }
 
     fn fault(&self) -> Option<u16> {
-        of_pulses(self.output.has_failed(), self.output.is_broken())
+        let output = self.stepping.output.borrow();
+        of_pulses(output.has_failed(), output.is_broken())
     }
 
     fn end_tick(&mut self, now: Instant, outputs: &Outputs) {
-        if !outputs.power_stage && self.fault().is_some() {
-            self.output.mend();
+        let is_failed = self.fault().is_some();
+        let mut output = self.stepping.output.borrow_mut();
+        if !outputs.power_stage && is_failed {
+            output.mend();
         }
-        if outputs.drop_pulses && self.output.pending() > 0 {
-            self.output.drop_all();
+        if outputs.drop_pulses && output.pending() > 0 {
+            output.drop_all();
         }
+        drop(output);
         self.device.poll(now, &mut self.exchange);
         self.heed_stop(now);
     }
@@ -322,7 +231,7 @@ impl Board {
     /// A command to stop has come: an early tick is due.
     fn heed_stop(&mut self, now: Instant) {
         if self.device.calls_early() {
-            let late = self.lateness();
+            let late = self.stepping.lateness.next();
             self.early.get_or_insert(now + late);
         }
     }
@@ -340,7 +249,7 @@ impl Station for Board {
         let deadline = self.device.poll(now, &mut self.exchange);
         self.heed_stop(now);
         while self.device.event().is_some() {}
-        deadline.min(self.next())
+        deadline.min(self.next_tick()).min(self.stepping.next())
     }
 
     fn transmit(&mut self) -> Option<Frame> {

@@ -13,6 +13,7 @@ mod counter;
 mod judge;
 mod processor;
 pub mod rig;
+mod stepping;
 mod stream;
 #[cfg(test)]
 mod tests;

@@ -18,7 +18,7 @@ use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpee
 use crate::configuration::Configuration;
 use crate::cyclic::Fine;
 
-pub use step_axis::StepAxis;
+pub use step_axis::{Emitter, EmitterLock, StepAxis};
 
 /// The modes of torque, profile (4) and cyclic synchronous (10), by their bits in 6502h.
 pub const TORQUE_MODES: u32 = 1 << 3 | 1 << 9;
@@ -170,8 +170,8 @@ pub trait AtPort<P>: Actuator {
     /// Commits what comes next. With `is_reversed` the motor is to turn the other way (2072h).
     fn advance(&mut self, port: &mut P, is_reversed: bool);
 
-    /// Whether so little is committed that a tick that plans may make a pause.
-    fn runs_short(&self, port: &P) -> bool;
+    /// The same between two ticks, where these and the refills come one after the other. Nothing is decided here.
+    fn refill(&mut self, port: &mut P);
 }
 
 /// The position that is the same modulo 2³² and next to another.

@@ -1,89 +1,124 @@
 //! The step axis: demands become pulses, which are committed a little ahead of the time they are sent.
 
 mod directed;
+mod emitter;
+
+use core::cell::Cell;
 
 use motion::{
-    AdvanceError, Axis, AxisConfig, Demand, Direction, FollowError, Limits, PlanError, Position,
+    Axis, AxisConfig, Demand, Direction, Draft, FollowError, Goal, Limits, PlanError, Position,
     PulseSink, Ramps, SignedSpeed, Speed, Ticks, Velocity,
 };
 
 use super::{Actuator, AtPort, CourseEnd, NotSupported, Refused, TORQUE_MODES, Trouble, near};
+use crate::board::{DriveConfig, outlast_tick};
 use crate::configuration::Configuration;
 use crate::cyclic::{Fine, POINT, Timescale};
 use crate::pulse_timing::PulseTiming;
 
-use directed::Directed;
+pub use emitter::{Emitter, EmitterLock};
 
-/// An axis, and what has become of its pulses.
+/// An axis behind the lock `L`, and what has become of its pulses.
 #[derive(Debug)]
-pub struct StepAxis {
-    axis: Axis,
+pub struct StepAxis<L = Emitter> {
     built: AxisConfig,
     /// What the driver of the motor needs.
     timing: PulseTiming,
-    /// Where the committed pulses lead. The axis counts modulo 2³²; this goes on.
+    /// Where the committed pulses lead, as of the start of the tick or its end. The axis counts modulo 2³²; this goes on.
     committed: i64,
     at_rest: bool,
     standstill: bool,
     demand: Demand,
     /// The axis' time in comparison with that of the control tick.
     timescale: Timescale,
-    /// Late are pulses, and all of them are sent; broken are planner or axis, and some may be missing.
-    trouble: Trouble,
+    /// From which tick on the next set-point was asked about in this control tick.
+    course: Cell<Ticks>,
+    /// A plan cannot be.
+    is_broken: bool,
+    emitter: L,
 }
 
-impl StepAxis {
-    /// An axis that stands at position 0.
+impl<L: EmitterLock> StepAxis<L> {
+    /// With an emitter that stands at position 0.
     #[inline(never)]
-    pub fn new(config: AxisConfig) -> Self {
+    pub fn new(config: DriveConfig, emitter: impl FnOnce() -> L) -> Self {
+        let built = outlast_tick(config);
         Self {
-            built: config,
+            built,
             timing: PulseTiming::AsBuilt,
             committed: 0,
             at_rest: true,
             standstill: true,
             demand: Demand::default(),
-            timescale: Timescale::new(config.clock.hz()),
-            trouble: Trouble::default(),
+            timescale: Timescale::new(built.clock.hz()),
+            course: Cell::new(Ticks::MAX),
+            is_broken: false,
             // Last, as it is large: so it is made where it stays.
-            axis: Axis::new(config),
+            emitter: emitter(),
         }
     }
 
     /// How long ahead of the motor an axis commits its pulses: two segments.
-    pub(crate) fn lead(config: &AxisConfig) -> Fine {
-        let hz = u64::from(config.clock.hz());
-        let ahead = u64::from(config.segment).saturating_mul(2_000_000) << POINT;
+    pub(crate) fn lead(config: DriveConfig) -> Fine {
+        let axis = outlast_tick(config);
+        let hz = u64::from(axis.clock.hz());
+        let ahead = u64::from(axis.segment).saturating_mul(2_000_000) << POINT;
         ahead.checked_div(hz).unwrap_or(0)
     }
 
-    /// After either the motor may not be where the pulses say.
-    pub(crate) fn look_at(&mut self, result: Result<(), AdvanceError>) {
-        self.trouble.is_late |= result == Err(AdvanceError::Underrun);
-        self.trouble.is_broken |= result == Err(AdvanceError::Internal);
+    /// For a test: what a refill has found.
+    #[cfg(test)]
+    pub(crate) fn look_at(&mut self, result: Result<(), motion::AdvanceError>) {
+        self.emitter.lock(|emitter| emitter.look_at(result));
     }
 
-    fn planned(&mut self, result: Result<(), PlanError>) -> Result<(), Refused> {
-        self.trouble.is_broken |= result == Err(PlanError::Internal);
-        result.map_err(|_| Refused)
-    }
-
-    fn demand_of(&self, pending: Ticks) -> Demand {
-        let demand = self.axis.demand(pending);
+    /// The same position in the count that goes on.
+    fn counted(&self, demand: Demand) -> Demand {
         Demand {
             position: near(demand.position, self.committed),
             ..demand
         }
     }
 
-    /// The position in the count of the axis. One that is too far away stays so.
-    fn on_axis(&self, target: i64) -> i64 {
-        let distance = target.saturating_sub(self.committed);
-        self.axis.committed_position().saturating_add(distance)
+    /// Follows a set-point, unless a refill has gone beyond where it was to begin.
+    fn go_on(
+        &mut self,
+        follow: impl FnOnce(&mut Axis) -> Result<(), FollowError>,
+    ) -> Result<(), FollowError> {
+        let begin = self.course.get();
+        self.emitter.lock(|emitter| {
+            if emitter.axis.begins_beyond(begin) {
+                return Err(FollowError::TooLate);
+            }
+            follow(&mut emitter.axis)
+        })
+    }
+
+    /// Plans a motion while the one before is played, and goes on with it. A target that is too far away stays so.
+    fn plan(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
+        let committed = self.committed;
+        let plan = |draft: &mut Draft| {
+            let here = draft.committed_position();
+            let shift = here.wrapping_sub(near(here, committed));
+            draft.plan(goal.shifted(shift), limits, ramps)
+        };
+        let mut draft = self.emitter.look(|emitter| emitter.axis.draft());
+        let mut result = plan(&mut draft);
+        if result.is_ok() && !self.emitter.lock(|emitter| emitter.axis.install(&draft)) {
+            // A refill was in between; so the next one is far, and can wait for a plan.
+            result = self.emitter.lock(|emitter| {
+                draft = emitter.axis.draft();
+                plan(&mut draft)?;
+                let is_done = emitter.axis.install(&draft);
+                is_done.then_some(()).ok_or(PlanError::Internal)
+            });
+        }
+        self.is_broken |= result == Err(PlanError::Internal);
+        result.map_err(|_| Refused)
     }
 }
 
-impl<S: PulseSink> AtPort<S> for StepAxis {
+impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
     /// Nothing measures the current.
     const MODES: u32 = !TORQUE_MODES;
 
@@ -92,18 +127,24 @@ impl<S: PulseSink> AtPort<S> for StepAxis {
         if timing != self.timing {
             self.timing = timing;
             let ticks = timing.in_ticks(self.built.clock, self.built.timing);
-            self.axis.set_timing(ticks);
+            self.emitter.lock(|emitter| emitter.axis.set_timing(ticks));
         }
     }
 
     fn observe(&mut self, now: Fine, pulses: &S) {
-        let pending = pulses.pending();
+        self.course.set(Ticks::MAX);
+        let (pending, played, demand) = self.emitter.look(|emitter| {
+            let (pending, axis) = (pulses.pending(), &emitter.axis);
+            self.committed = near(axis.committed_position(), self.committed);
+            self.at_rest = axis.is_at_rest();
+            (pending, axis.played(pending), axis.demand(pending))
+        });
         self.standstill = self.at_rest && pending == 0;
-        self.demand = self.demand_of(pending);
+        self.demand = self.counted(demand);
         if self.at_rest {
             self.timescale.stop();
         }
-        self.timescale.compare(now, self.axis.played(pending));
+        self.timescale.compare(now, played);
     }
 
     fn look_again(&mut self, pulses: &S) {
@@ -111,28 +152,28 @@ impl<S: PulseSink> AtPort<S> for StepAxis {
     }
 
     fn advance(&mut self, pulses: &mut S, is_reversed: bool) {
-        let mut directed = Directed {
-            pulses,
-            is_reversed,
-        };
-        let result = self.axis.advance(&mut directed);
-        self.look_at(result);
-        self.committed = near(self.axis.committed_position(), self.committed);
-        self.at_rest = self.axis.is_at_rest();
+        self.emitter.lock(|emitter| {
+            emitter.is_reversed = is_reversed;
+            emitter.refill(pulses);
+            self.committed = near(emitter.axis.committed_position(), self.committed);
+            self.at_rest = emitter.axis.is_at_rest();
+        });
     }
 
-    fn runs_short(&self, pulses: &S) -> bool {
-        self.axis.runs_short(pulses.pending())
+    fn refill(&mut self, pulses: &mut S) {
+        self.emitter.lock(|emitter| emitter.refill(pulses));
     }
 }
 
-impl Actuator for StepAxis {
+impl<L: EmitterLock> Actuator for StepAxis<L> {
     fn torque(&self) -> Option<i16> {
         None
     }
 
     fn take_trouble(&mut self) -> Trouble {
-        core::mem::take(&mut self.trouble)
+        let mut trouble = self.emitter.lock(Emitter::take_trouble);
+        trouble.is_broken |= core::mem::take(&mut self.is_broken);
+        trouble
     }
 
     fn hold_torque(&mut self, _: i16) -> Result<(), NotSupported> {
@@ -156,36 +197,36 @@ impl Actuator for StepAxis {
     }
 
     fn committed_velocity(&self) -> SignedSpeed {
-        self.axis.committed_velocity()
+        self.emitter
+            .look(|emitter| emitter.axis.committed_velocity())
     }
 
     fn destination(&self) -> i64 {
-        near(self.axis.target(), self.committed)
+        let target = self.emitter.look(|emitter| emitter.axis.target());
+        near(target, self.committed)
     }
 
     fn heading(&self) -> Option<Direction> {
-        self.axis.heading()
+        self.emitter.look(|emitter| emitter.axis.heading())
     }
 
     fn is_ending(&self) -> bool {
-        self.axis.is_ending()
+        self.emitter.look(|emitter| emitter.axis.is_ending())
     }
 
     fn max_velocity(&self) -> Speed {
-        self.axis.max_velocity()
+        self.emitter.look(|emitter| emitter.axis.max_velocity())
     }
 
     fn window(&self) -> u64 {
-        let ticks = u64::from(self.axis.window()).wrapping_mul(1_000_000);
+        let window = self.emitter.look(|emitter| emitter.axis.window());
+        let ticks = u64::from(window).wrapping_mul(1_000_000);
         let microseconds = ticks.checked_div(self.built.clock.hz().into());
         microseconds.map_or(0, |whole| whole.saturating_add(1))
     }
 
     fn move_to(&mut self, target: i64, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
-        let target = self.on_axis(target);
-        self.axis.set_ramps(ramps);
-        let result = self.axis.move_to(target, limits);
-        self.planned(result)
+        self.plan(Goal::Rest(target), limits, ramps)
     }
 
     fn move_through(
@@ -195,10 +236,7 @@ impl Actuator for StepAxis {
         limits: Limits,
         ramps: Ramps,
     ) -> Result<(), Refused> {
-        let target = self.on_axis(target);
-        self.axis.set_ramps(ramps);
-        let result = self.axis.move_through(target, end_velocity, limits);
-        self.planned(result)
+        self.plan(Goal::Pass(target, end_velocity), limits, ramps)
     }
 
     fn ramp_to(
@@ -207,31 +245,32 @@ impl Actuator for StepAxis {
         limits: Limits,
         ramps: Ramps,
     ) -> Result<(), Refused> {
-        self.axis.set_ramps(ramps);
-        let result = self.axis.ramp_to(velocity, limits);
-        self.planned(result)
+        self.plan(Goal::Velocity(velocity), limits, ramps)
     }
 
     fn stop(&mut self, deceleration: u32, ramps: Ramps) -> Result<(), Refused> {
-        self.axis.set_ramps(ramps);
-        let result = self.axis.stop(deceleration);
-        self.planned(result)
+        let (goal, limits) = Goal::stop(deceleration);
+        self.plan(goal, limits, ramps)
     }
 
     fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
-        let rest = self.axis.stop_preview(deceleration, ramps, leaves);
+        let draft = self.emitter.look(|emitter| emitter.axis.draft());
+        let rest = draft.stop_preview(deceleration, ramps, leaves);
         rest.map_or(self.committed, |rest| near(rest, self.committed))
     }
 
     fn cut_off(&mut self) {
-        self.axis.abort();
+        self.emitter.lock(|emitter| emitter.axis.abort());
         self.at_rest = true;
     }
 
     fn stand_at(&mut self, position: i64) {
-        self.axis.set_position(position);
         self.committed = position;
-        self.demand = self.demand_of(0);
+        let demand = self.emitter.lock(|emitter| {
+            emitter.axis.set_position(position);
+            emitter.axis.demand(0)
+        });
+        self.demand = self.counted(demand);
     }
 
     fn follow(
@@ -242,30 +281,30 @@ impl Actuator for StepAxis {
     ) -> Result<(), FollowError> {
         let tick = self.timescale.tick_at(end);
         match velocity {
-            None => self.axis.follow(tick, to),
+            None => self.go_on(|axis| axis.follow(tick, to)),
             Some((distance, time)) => {
                 let ticks = self.timescale.ticks(time);
                 let velocity = Velocity::over(distance, ticks);
-                self.axis.follow_smoothly(tick, to, velocity)
+                self.go_on(|axis| axis.follow_smoothly(tick, to, velocity))
             }
         }
     }
 
     fn follow_velocity(&mut self, end: Fine, velocity: SignedSpeed) -> Result<(), FollowError> {
         let tick = self.timescale.tick_at(end);
-        self.axis.follow_velocity(tick, velocity)
+        self.go_on(|axis| axis.follow_velocity(tick, velocity))
     }
 
     fn course_end(&self) -> Demand {
-        let end = self.axis.course_end_demand();
-        Demand {
-            position: near(end.position, self.committed),
-            ..end
-        }
+        let end = self
+            .emitter
+            .look(|emitter| emitter.axis.course_end_demand());
+        self.counted(end)
     }
 
     fn course_to(&self, end: Fine) -> CourseEnd {
-        let (tick, state) = self.axis.course_end();
+        let (tick, state) = self.emitter.look(|emitter| emitter.axis.course_end());
+        self.course.set(tick);
         let left = self.timescale.tick_at(end).wrapping_sub(tick);
         let left = u32::try_from(left.cast_signed().max(0)).unwrap_or(u32::MAX);
         CourseEnd {
@@ -276,15 +315,17 @@ impl Actuator for StepAxis {
     }
 
     fn is_following(&self) -> bool {
-        !self.at_rest && self.axis.is_following()
+        !self.at_rest && self.emitter.look(|emitter| emitter.axis.is_following())
     }
 
     fn is_running_out(&self, time: Fine) -> bool {
         let ticks = self.timescale.ticks(time);
-        self.axis.is_running_out(ticks.into())
+        self.emitter
+            .look(|emitter| emitter.axis.is_running_out(ticks.into()))
     }
 
     fn expect_acceleration(&mut self, acceleration: u32) {
-        self.axis.expect_acceleration(acceleration);
+        self.emitter
+            .lock(|emitter| emitter.axis.expect_acceleration(acceleration));
     }
 }

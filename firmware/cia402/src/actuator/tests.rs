@@ -5,31 +5,70 @@ mod servo;
 use canopen::{Duration, Instant};
 use motion::{AxisConfig, Clock, DriverTiming};
 
-use super::{Actuator, AtPort, NotSupported, StepAxis, TORQUE_MODES};
+use super::{Actuator, AtPort, Emitter, NotSupported, StepAxis, TORQUE_MODES};
 use crate::commands::Commands;
 use crate::configuration::Configuration;
 use crate::controlword::ControlwordHistory;
-use crate::cyclic::SyncEvent;
+use crate::cyclic::{SyncEvent, fine};
 use crate::exchange::{Actuals, Exchange};
 use crate::objects::Everything;
 use crate::state_machine::State;
 use crate::statusword::{FOLLOWS, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
 use crate::testing::Player;
-use crate::{Drive, Inputs};
+use crate::{Drive, DriveConfig, Inputs};
 use servo::{Servo, Shaft};
+
+fn step_axis() -> StepAxis {
+    let config = DriveConfig {
+        axis: AxisConfig {
+            clock: Clock::new(1_000_000).unwrap(),
+            segment: 500,
+            timing: DriverTiming {
+                pulse_high: 2,
+                pulse_low: 2,
+                direction_setup: 5,
+                direction_hold: 5,
+            },
+        },
+        tick: Duration::from_ticks(1_000),
+        refills: 1,
+    };
+    StepAxis::new(config, || Emitter::new(config))
+}
+
+/// It was limited for where it was to begin; from where the axis has come to meanwhile it would be faster.
+#[test]
+fn a_set_point_that_a_refill_has_overtaken_is_too_late() {
+    for refills in [0, 1] {
+        let (mut axis, mut pulses) = (step_axis(), Player::with_room(256));
+        let micros = |time: u64| fine(Instant::from_ticks(time));
+        axis.observe(micros(0), &pulses);
+        axis.follow_velocity(micros(3_000), 1_000.into()).unwrap();
+        axis.advance(&mut pulses, false);
+        for tick in 1..3 {
+            pulses.play(1_000);
+            axis.observe(micros(1_000 * tick), &pulses);
+            axis.advance(&mut pulses, false);
+        }
+        // All of it is committed, and a millisecond behind it.
+        let course = axis.course_to(micros(6_000));
+        assert!(course.left.abs_diff(micros(2_000)) < micros(2));
+        for _ in 0..refills {
+            pulses.play(100);
+            axis.refill(&mut pulses);
+        }
+        let result = axis.follow_velocity(micros(6_000), 1_000.into());
+        assert_eq!(result.is_err(), refills > 0);
+        pulses.play(500);
+        axis.observe(micros(3_000), &pulses);
+        let next = axis.follow_velocity(micros(7_000), 1_000.into());
+        assert_eq!(next, Ok(()), "in the next tick there is time");
+    }
+}
 
 #[test]
 fn a_step_axis_has_no_torque() {
-    let mut axis = StepAxis::new(AxisConfig {
-        clock: Clock::new(1_000_000).unwrap(),
-        segment: 500,
-        timing: DriverTiming {
-            pulse_high: 2,
-            pulse_low: 2,
-            direction_setup: 5,
-            direction_hold: 5,
-        },
-    });
+    let mut axis = step_axis();
     assert_eq!(<StepAxis as AtPort<Player>>::MODES & TORQUE_MODES, 0);
     assert_eq!(axis.torque(), None);
     assert_eq!(axis.hold_torque(100), Err(NotSupported));

@@ -2,23 +2,28 @@ use canopen::{Duration, Instant};
 use motion::{AxisConfig, Clock, DriverTiming, Limits};
 
 use super::Motor;
-use crate::actuator::StepAxis;
+use crate::DriveConfig;
+use crate::actuator::{Emitter, StepAxis};
 use crate::cyclic::fine;
 use crate::testing::Player;
 
 #[test]
 fn what_is_followed_has_no_ramp_of_its_own() {
-    let config = AxisConfig {
-        clock: Clock::new(1_000_000).unwrap(),
-        segment: 500,
-        timing: DriverTiming {
-            pulse_high: 2,
-            pulse_low: 2,
-            direction_setup: 5,
-            direction_hold: 5,
+    let config = DriveConfig {
+        axis: AxisConfig {
+            clock: Clock::new(1_000_000).unwrap(),
+            segment: 500,
+            timing: DriverTiming {
+                pulse_high: 2,
+                pulse_low: 2,
+                direction_setup: 5,
+                direction_hold: 5,
+            },
         },
+        tick: Duration::from_ticks(1_000),
+        refills: 1,
     };
-    let mut motor = Motor::new(|| StepAxis::new(config));
+    let mut motor = Motor::new(|| StepAxis::new(config, || Emitter::new(config)));
     let mut pulses = Player::with_room(256);
     let limits = Limits {
         velocity: 1_000.into(),

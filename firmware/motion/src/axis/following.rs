@@ -77,6 +77,13 @@ impl Axis {
         })
     }
 
+    /// Whether what is gone to next begins at the commit horizon, and that is beyond this tick.
+    pub fn begins_beyond(&self, tick: Ticks) -> bool {
+        let horizon = self.horizon();
+        let is_ahead = |path: &Path| path.end().0 >= horizon;
+        tick < horizon && !self.path.as_ref().is_some_and(is_ahead)
+    }
+
     /// What [`Axis::course_end`] will be in whole steps and steps/s.
     pub fn course_end_demand(&self) -> Demand {
         self.demand_of(self.course_end().1)

@@ -2,10 +2,10 @@
 
 mod averaged;
 mod behaviour;
+mod draft;
 mod forms;
 mod hours;
 mod mean;
-mod prepare;
 mod preview;
 mod random;
 mod replay;

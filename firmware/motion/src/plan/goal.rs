@@ -64,6 +64,28 @@ pub enum Goal {
     Velocity(SignedSpeed),
 }
 
+impl Goal {
+    /// A stop: what [`Axis::stop`](crate::Axis::stop) asks for at `deceleration` steps/s².
+    pub const fn stop(deceleration: u32) -> (Self, Limits) {
+        let limits = Limits {
+            velocity: Speed::ZERO,
+            acceleration: 0,
+            deceleration,
+        };
+        (Self::Velocity(SignedSpeed::ZERO), limits)
+    }
+
+    /// The same where all positions have other numbers, more by `shift`. One that is too far away stays so.
+    #[must_use]
+    pub const fn shifted(self, shift: i64) -> Self {
+        match self {
+            Self::Rest(target) => Self::Rest(target.saturating_add(shift)),
+            Self::Pass(target, end) => Self::Pass(target.saturating_add(shift), end),
+            Self::Velocity(_) => self,
+        }
+    }
+}
+
 /// Why there is no plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlanError {

@@ -134,9 +134,7 @@ impl AtPort<Shaft> for Servo {
         *shaft = self.committed_position();
     }
 
-    fn runs_short(&self, _: &Shaft) -> bool {
-        false
-    }
+    fn refill(&mut self, _: &mut Shaft) {}
 }
 
 #[rustfmt::skip] // A table: most of it says one thing in a line.

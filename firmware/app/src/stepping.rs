@@ -1,0 +1,123 @@
+//! The emitter and the pulses, which control tick and refill share.
+//!
+//! The refill stands above the tick. Each of the two is locked for a question, a copy or the pulses of a few segments; a refill that comes meanwhile
+//! does not wait: who opens the lock makes up for it. So nothing is masked, and no interrupt is later for it.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use cia402::{DriveConfig, Emitter, EmitterLock};
+use motion::{PulseSink, Record, Ticks};
+use spin::Mutex;
+
+use crate::board::{Board, Pulses, Selected};
+
+/// The pulses of the board.
+type BoardPulses = <Selected as Board>::Pulses;
+
+/// An emitter and its pulses.
+pub struct Stepping {
+    /// A refill has found one of them locked.
+    is_due: AtomicBool,
+    pulses: Mutex<BoardPulses>,
+    emitter: Mutex<Emitter>,
+}
+
+impl Stepping {
+    /// An axis that stands at position 0.
+    // Out of line, so that it is made where it stays.
+    #[inline(never)]
+    pub fn new(config: DriveConfig, pulses: BoardPulses) -> Self {
+        Self {
+            is_due: AtomicBool::new(false),
+            pulses: Mutex::new(pulses),
+            emitter: Mutex::new(Emitter::new(config)),
+        }
+    }
+
+    /// Commits pulses, or leaves that to who has locked them. Returns whether it has.
+    pub fn refill(&self) -> bool {
+        let (Some(mut emitter), Some(mut pulses)) =
+            (self.emitter.try_lock(), self.pulses.try_lock())
+        else {
+            self.is_due.store(true, Ordering::Relaxed);
+            return false;
+        };
+        pulses.service();
+        emitter.refill(&mut *pulses);
+        true
+    }
+
+    /// For the control tick alone: nothing else holds a lock while that runs, so it never waits.
+    fn with<T, R>(&self, shared: &Mutex<T>, f: impl FnOnce(&mut T) -> R) -> R {
+        let result = f(&mut shared.lock());
+        // As long as the other one is locked it stays due.
+        while self.is_due.swap(false, Ordering::Relaxed) && self.refill() {}
+        result
+    }
+}
+
+/// The emitter for the control tick.
+pub struct SharedEmitter(pub &'static Stepping);
+
+impl EmitterLock for SharedEmitter {
+    fn look<R>(&self, f: impl FnOnce(&Emitter) -> R) -> R {
+        self.0.with(&self.0.emitter, |emitter| f(emitter))
+    }
+
+    fn lock<R>(&mut self, f: impl FnOnce(&mut Emitter) -> R) -> R {
+        self.0.with(&self.0.emitter, f)
+    }
+}
+
+/// The pulses for the control tick.
+pub struct SharedPulses(pub &'static Stepping);
+
+impl SharedPulses {
+    fn with<R>(&self, f: impl FnOnce(&mut BoardPulses) -> R) -> R {
+        self.0.with(&self.0.pulses, f)
+    }
+}
+
+impl PulseSink for SharedPulses {
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        self.with(|pulses| pulses.push(record))
+    }
+
+    fn push_all(&mut self, records: &[Record]) -> usize {
+        self.with(|pulses| pulses.push_all(records))
+    }
+
+    fn pending(&self) -> Ticks {
+        self.with(|pulses| pulses.pending())
+    }
+
+    fn free(&self) -> usize {
+        self.with(|pulses| pulses.free())
+    }
+}
+
+impl Pulses for SharedPulses {
+    fn service(&mut self) {
+        self.with(Pulses::service);
+    }
+
+    fn position(&mut self) -> i64 {
+        self.with(Pulses::position)
+    }
+
+    fn position_at(&self, count: u32) -> i32 {
+        self.with(|pulses| pulses.position_at(count))
+    }
+
+    fn drop_all(&mut self) {
+        self.with(Pulses::drop_all);
+    }
+
+    fn fault(&self) -> Option<u16> {
+        self.with(|pulses| pulses.fault())
+    }
+
+    fn mend(&mut self) {
+        self.with(Pulses::mend);
+    }
+}

@@ -1,0 +1,71 @@
+//! What the refill needs of a step axis, and the control tick shares with it.
+
+use motion::{AdvanceError, Axis, PulseSink};
+
+use super::directed::Directed;
+use crate::actuator::Trouble;
+use crate::board::{DriveConfig, outlast_tick};
+
+/// The axis that makes pulses of motions.
+#[derive(Debug)]
+pub struct Emitter {
+    pub(super) is_reversed: bool,
+    /// Late are pulses, and all of them are sent; broken is the axis, and some may be missing.
+    trouble: Trouble,
+    pub(super) axis: Axis,
+}
+
+impl Emitter {
+    /// It stands at position 0.
+    // Out of line, so that it is made where it stays.
+    #[inline(never)]
+    pub fn new(config: DriveConfig) -> Self {
+        Self {
+            is_reversed: false,
+            trouble: Trouble::default(),
+            // Last, as it is large: so it is made where it stays.
+            axis: Axis::new(outlast_tick(config)),
+        }
+    }
+
+    /// Commits the pulses of the next segments. Nothing is decided here.
+    pub fn refill<S: PulseSink>(&mut self, pulses: &mut S) {
+        let mut directed = Directed {
+            pulses,
+            is_reversed: self.is_reversed,
+        };
+        let result = self.axis.advance(&mut directed);
+        self.look_at(result);
+    }
+
+    /// After either the motor may not be where the pulses say.
+    pub(crate) fn look_at(&mut self, result: Result<(), AdvanceError>) {
+        self.trouble.is_late |= result == Err(AdvanceError::Underrun);
+        self.trouble.is_broken |= result == Err(AdvanceError::Internal);
+    }
+
+    pub(super) fn take_trouble(&mut self) -> Trouble {
+        core::mem::take(&mut self.trouble)
+    }
+}
+
+/// How the control tick gets at an emitter. Between any two calls a refill may commit pulses, so what belongs together is asked in one; none of them
+/// takes longer than a refill.
+pub trait EmitterLock: 'static {
+    /// Asks something.
+    fn look<R>(&self, f: impl FnOnce(&Emitter) -> R) -> R;
+
+    /// Changes something.
+    fn lock<R>(&mut self, f: impl FnOnce(&mut Emitter) -> R) -> R;
+}
+
+/// Where ticks and refills come one after the other.
+impl EmitterLock for Emitter {
+    fn look<R>(&self, f: impl FnOnce(&Emitter) -> R) -> R {
+        f(self)
+    }
+
+    fn lock<R>(&mut self, f: impl FnOnce(&mut Emitter) -> R) -> R {
+        f(self)
+    }
+}
