@@ -27,6 +27,12 @@ pub fn build(eds: impl AsRef<Path>, output: &str, options: Options<'_>) {
     }
     let report = Report::read_for_code(eds, &[])
         .unwrap_or_else(|error| fail(&format!("{}: error: {error}", eds.display())));
+    for part in report.source.parts() {
+        println!("cargo::rerun-if-changed={}", part.file);
+    }
+    for variable in &report.variables {
+        println!("cargo::rerun-if-env-changed={variable}");
+    }
     if report.has_errors() {
         fail(&report.render(Colour::Never));
     }

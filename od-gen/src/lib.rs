@@ -33,6 +33,7 @@ pub mod network;
 mod number;
 mod parse;
 mod print;
+mod recipe;
 mod report;
 pub mod rules;
 mod source;

@@ -7,7 +7,9 @@ use std::{fmt, io};
 use crate::diagnostic::{
     Allowances, Colour, Diagnostic, Exemption, Findings, Severity, read_beside, render, render_some,
 };
+use crate::document::Document;
 use crate::model::{FileKind, Model};
+use crate::recipe::{self, Recipe};
 use crate::rules::{self, Subject, reading};
 use crate::source::Source;
 use crate::{document, files, parse as parser, xdd};
@@ -23,6 +25,66 @@ pub struct Report {
     pub findings: Vec<Diagnostic>,
     /// What the file silences, with the reasons it gives.
     pub silenced: Vec<(Diagnostic, String)>,
+    /// The variables of the environment that a recipe asks for.
+    pub variables: Vec<String>,
+}
+
+/// What there is to say about sections.
+struct Judged {
+    model: Model,
+    findings: Vec<Diagnostic>,
+    silenced: Vec<(Diagnostic, String)>,
+    is_for_code: bool,
+}
+
+impl Judged {
+    fn of(file: &str, document: &Document<'_>, is_xml: bool, mut findings: Findings) -> Self {
+        let allowances = Allowances::read(document, &mut findings);
+        findings.allow(allowances);
+        let (mut model, broken) = parser::parse(file, document, &mut findings);
+        if is_xml {
+            model.kind = FileKind::Xdd;
+        }
+        let subject = Subject {
+            model: &model,
+            broken: &broken,
+        };
+        rules::check(&subject, &mut findings);
+        let is_for_code = findings.is_for_code();
+        let silenced = findings.silence();
+        Self {
+            model,
+            findings: findings.into_sorted(),
+            silenced,
+            is_for_code,
+        }
+    }
+
+    /// Leaves out what is said of allowances that silence nothing where they are for what only code asks for.
+    fn leave_to_code(&mut self, of_code: impl Fn() -> Vec<Diagnostic>) {
+        let is_unused = |finding: &Diagnostic| finding.rule == &reading::UNUSED_ALLOWANCE;
+        if !self.is_for_code && self.findings.iter().any(is_unused) {
+            let of_code = of_code();
+            self.findings
+                .retain(|finding| !is_unused(finding) || of_code.contains(finding));
+        }
+    }
+
+    fn for_each(&mut self, mut change: impl FnMut(&mut Diagnostic)) {
+        self.findings.iter_mut().for_each(&mut change);
+        let silenced = self.silenced.iter_mut();
+        silenced.for_each(|(finding, _)| change(finding));
+    }
+
+    fn into_report(self, source: Source, variables: Vec<String>) -> Report {
+        Report {
+            source,
+            model: self.model,
+            findings: self.findings,
+            silenced: self.silenced,
+            variables,
+        }
+    }
 }
 
 impl Report {
@@ -40,6 +102,9 @@ impl Report {
     /// # Errors
     /// The file, or that of its allowances, cannot be read.
     pub fn read_allowing(path: &Path, exemptions: &[Exemption]) -> io::Result<Self> {
+        if recipe::is_recipe(path) {
+            return Self::of_recipe(path, exemptions, false);
+        }
         let (bytes, findings) = opened(path, exemptions)?;
         Ok(Self::decoded(&bytes, findings))
     }
@@ -49,6 +114,9 @@ impl Report {
     /// # Errors
     /// The file, or that of its allowances, cannot be read.
     pub fn read_for_code(path: &Path, exemptions: &[Exemption]) -> io::Result<Self> {
+        if recipe::is_recipe(path) {
+            return Self::of_recipe(path, exemptions, true);
+        }
         let (bytes, findings) = opened(path, exemptions)?;
         Ok(Self::decoded(&bytes, findings.for_code()))
     }
@@ -90,40 +158,44 @@ impl Report {
         let Some(document) = document else {
             return Self::unreadable(source, findings);
         };
-        let allowances = Allowances::read(&document, &mut findings);
-        findings.allow(allowances);
-        let (mut model, broken) = parser::parse(&source.file, &document, &mut findings);
-        if is_xml {
-            model.kind = FileKind::Xdd;
-        }
-        let subject = Subject {
-            model: &model,
-            broken: &broken,
-        };
-        rules::check(&subject, &mut findings);
-        let is_for_code = findings.is_for_code();
         let exemptions = findings.exemptions().to_vec();
-        let mut silenced = findings.silence();
-        let mut findings = findings.into_sorted();
-        let is_unused = |finding: &Diagnostic| finding.rule == &reading::UNUSED_ALLOWANCE;
-        if !is_for_code && findings.iter().any(is_unused) {
-            // It may be for what only code asks for.
-            let of_code = Findings::new(&source.file).for_code();
-            let of_code = Self::of(source.clone(), of_code.exempting(exemptions)).findings;
-            findings.retain(|finding| !is_unused(finding) || of_code.contains(finding));
-        }
+        let mut judged = Judged::of(&source.file, &document, is_xml, findings);
         if is_xml {
-            let silenced = silenced.iter_mut().map(|(finding, _)| finding);
-            for finding in findings.iter_mut().chain(silenced) {
-                xdd::words::translate(finding, &source);
+            judged.for_each(|finding| xdd::words::translate(finding, &source));
+        }
+        judged.leave_to_code(|| {
+            let of_code = Findings::new(&source.file).for_code();
+            Self::of(source.clone(), of_code.exempting(exemptions.clone())).findings
+        });
+        judged.into_report(source, Vec::new())
+    }
+
+    /// Checks a data sheet that is made of a base and parts.
+    fn of_recipe(path: &Path, exemptions: &[Exemption], is_for_code: bool) -> io::Result<Self> {
+        let recipe = Recipe::load(path)?;
+        let mut findings = Findings::new(&path.display().to_string());
+        if is_for_code {
+            findings = findings.for_code();
+        }
+        let all = recipe.exemptions.iter().chain(exemptions).cloned();
+        let mut findings = findings.exempting(all.collect());
+        let variables = recipe.variables.clone();
+        let Some(document) = recipe.document(&mut findings) else {
+            let mut unreadable = Self::unreadable(Source::default(), findings);
+            for finding in &mut unreadable.findings {
+                recipe.place(finding);
             }
-        }
-        Self {
-            source,
-            model,
-            findings,
-            silenced,
-        }
+            unreadable.source = recipe.into_source();
+            unreadable.model.file.clone_from(&unreadable.source.file);
+            return Ok(unreadable);
+        };
+        let mut judged = Judged::of(recipe.file(), &document, false, findings);
+        judged.for_each(|finding| recipe.place(finding));
+        judged.leave_to_code(|| {
+            let of_code = Self::of_recipe(path, exemptions, true);
+            of_code.map_or_else(|_| Vec::new(), |report| report.findings)
+        });
+        Ok(judged.into_report(recipe.into_source(), variables))
     }
 
     fn unreadable(source: Source, findings: Findings) -> Self {
@@ -136,6 +208,7 @@ impl Report {
             model,
             findings: findings.into_sorted(),
             silenced: Vec::new(),
+            variables: Vec::new(),
         }
     }
 
@@ -162,18 +235,18 @@ impl Report {
 
     /// The findings with their lines, one after the other. Of those that break one rule the first ones are shown, the others counted.
     pub fn render(&self, colour: Colour) -> String {
-        let mut lines: HashMap<&str, Vec<u32>> = HashMap::new();
+        let mut lines: HashMap<(&str, &str), Vec<u32>> = HashMap::new();
         for finding in &self.findings {
-            let own = lines.entry(finding.rule.name).or_default();
+            let own = lines.entry((&finding.file, finding.rule.name)).or_default();
             own.push(finding.span.line);
         }
-        let mut seen: HashMap<&str, usize> = HashMap::new();
+        let mut seen: HashMap<(&str, &str), usize> = HashMap::new();
         let mut rendered = Vec::new();
         for finding in &self.findings {
-            let name = finding.rule.name;
-            let number = seen.entry(name).or_default();
+            let place = (finding.file.as_str(), finding.rule.name);
+            let number = seen.entry(place).or_default();
             *number += 1;
-            let all = lines.get(name).map_or(&[][..], Vec::as_slice);
+            let all = lines.get(&place).map_or(&[][..], Vec::as_slice);
             // One more takes no more room than to say that there is one more.
             let is_shown = *number <= SHOWN || all.len() <= SHOWN + 1;
             let others = (*number == SHOWN && all.len() > SHOWN + 1)

@@ -52,6 +52,8 @@ pub struct Source {
     text: String,
     /// Where each line begins.
     lines: Vec<usize>,
+    /// The other files that a recipe is made of.
+    parts: Vec<Source>,
 }
 
 impl Source {
@@ -63,7 +65,13 @@ impl Source {
         let starts = text.match_indices('\n').map(|(at, _)| at + 1);
         let lines = std::iter::once(0).chain(starts).collect();
         let file = file.into();
-        Self { file, text, lines }
+        let parts = Vec::new();
+        Self {
+            file,
+            text,
+            lines,
+            parts,
+        }
     }
 
     /// The bytes of a file; `None` when they are no text, which has then been reported.
@@ -107,6 +115,21 @@ impl Source {
     /// The text, without a byte order mark and without control characters.
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// The files that a recipe is made of.
+    pub fn parts(&self) -> &[Self] {
+        &self.parts
+    }
+
+    pub(crate) fn set_parts(&mut self, parts: Vec<Self>) {
+        self.parts = parts;
+    }
+
+    /// This file, or the part of it with that name.
+    pub fn of(&self, file: &str) -> &Self {
+        let mut parts = self.parts.iter();
+        parts.find(|part| part.file == file).unwrap_or(self)
     }
 
     /// A line by its number, without its end.

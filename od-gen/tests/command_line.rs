@@ -59,6 +59,10 @@ fn a_wrong_command_line_or_file_is_one_line_with_exit_code_2() {
             "tests/data/sensor.xdd: error: this is XML: only EDS and DCF files have a canonical form",
         ),
         (
+            &["fmt", "pump.toml"],
+            "pump.toml: error: this is a recipe: only EDS and DCF files have a canonical form",
+        ),
+        (
             &["dcf", "x.eds", "--node-id", "128"],
             "error: invalid value '128' for '--node-id <NODE_ID>': 128 is not in 1..=127",
         ),
@@ -548,4 +552,63 @@ fn a_data_sheet_is_converted_there_and_back() {
             "{refused:?}"
         );
     }
+}
+
+#[test]
+fn a_recipe_stands_wherever_a_data_sheet_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let eds = std::fs::canonicalize("../eds/axis402.eds").unwrap();
+    let recipe = format!(
+        "[base]\neds = {eds:?}\nremove = [\"20D0h-20D3h\"]\n\n[[part]]\neds = \"part.eds\"\n\n\
+         [identity]\nproduct_code = \"$PUMP_CODE\"\n"
+    );
+    std::fs::write(folder.path().join("pump.toml"), recipe).unwrap();
+    let part = "[2FF0]\nParameterName=Flow\nDataType=0x0006\nAccessType=rw\nDefaultValue=70\n";
+    std::fs::write(folder.path().join("part.eds"), part).unwrap();
+    let run = |arguments: &[&str], code: &str| {
+        Command::new(env!("CARGO_BIN_EXE_od-gen"))
+            .args(arguments)
+            .current_dir(folder.path())
+            .env("PUMP_CODE", code)
+            .output()
+            .unwrap()
+    };
+    for (arguments, expected) in [
+        (&["check", "pump.toml", "--deny-warnings"][..], ""),
+        (&["rust", "pump.toml"], "2FF0"),
+        (&["doc", "pump.toml", "--format", "markdown"], "Flow"),
+        (&["dump", "pump.toml"], "\"Flow\""),
+        (
+            &["dcf", "pump.toml", "--node-id", "4"],
+            "ProductNumber=0x00000777",
+        ),
+    ] {
+        let output = run(arguments, "0x777");
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{arguments:?} {}",
+            text(&output.stderr)
+        );
+        assert!(text(&output.stdout).contains(expected), "{arguments:?}");
+    }
+    let differs = run(&["diff", eds.to_str().unwrap(), "pump.toml"], "0x777");
+    assert!(
+        text(&differs.stdout).contains("+ 2FF0h Flow"),
+        "{differs:?}"
+    );
+    let wrong = run(&["check", "--format", "short", "pump.toml"], "many");
+    assert_eq!(wrong.status.code(), Some(1));
+    assert!(
+        text(&wrong.stdout).starts_with("pump.toml:9:16: error["),
+        "{wrong:?}"
+    );
+    std::fs::write(folder.path().join("part.eds"), part.replace("70", "70000")).unwrap();
+    let wrong = run(&["check", "pump.toml"], "5");
+    assert!(text(&wrong.stdout).contains("part.eds:5:14"), "{wrong:?}");
+    let wrong = run(&["check", "--format", "json", "pump.toml"], "5");
+    assert!(
+        text(&wrong.stdout).contains("\"file\": \"part.eds\""),
+        "{wrong:?}"
+    );
 }

@@ -35,7 +35,7 @@ use cia402_parameters::Conversion;
 use cia402_parameters::{Description, PROFILE};
 
 pub(crate) use file::comments;
-pub(crate) use place::entry;
+pub(crate) use place::{entry, indices};
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
 use crate::files;

@@ -15,7 +15,7 @@ pub(crate) fn entry(text: &str) -> Option<(u16, u8)> {
 }
 
 /// Indices: `2054h`, `2100h-21FFh`.
-pub(super) fn indices(text: &str) -> Option<RangeInclusive<u16>> {
+pub(crate) fn indices(text: &str) -> Option<RangeInclusive<u16>> {
     let (first, last) = text.split_once('-').unwrap_or((text, text));
     let index = |text: &str| u16::try_from(hexadecimal(text)?).ok();
     let (first, last) = (index(first)?, index(last)?);

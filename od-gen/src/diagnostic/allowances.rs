@@ -68,6 +68,7 @@ impl Allowances {
             let (object, _) = name.split_once("sub").unwrap_or((&name, ""));
             let lines = parts.entry(object.to_owned()).or_default();
             lines.push(section.lines.clone());
+            lines.extend(section.also.iter().cloned());
         }
         for section in &document.sections {
             let own = [section.lines.clone()];

@@ -36,7 +36,7 @@ pub(crate) fn render_some(
         Severity::Error => Level::ERROR,
     };
     let snippet = |span: Span, kind: AnnotationKind, label| {
-        let line = source.line(span.line).unwrap_or_default();
+        let line = source.of(&finding.file).line(span.line).unwrap_or_default();
         let range = range(line, span);
         Snippet::source(line)
             .path(&finding.file)

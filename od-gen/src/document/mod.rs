@@ -16,7 +16,7 @@ use crate::diagnostic::Findings;
 use crate::rules::reading;
 use crate::source::Span;
 
-pub(crate) use order::{SECTIONS, canonical};
+pub(crate) use order::{SECTIONS, canonical, identity};
 pub(crate) use read::{read, read_all};
 pub(crate) use write::write;
 
@@ -39,6 +39,8 @@ pub(crate) struct Section<'a> {
     pub(crate) span: Span,
     /// Its lines, those of `lead` among them.
     pub(crate) lines: Range<u32>,
+    /// The lines of other files that say more of it, in a recipe.
+    pub(crate) also: Vec<Range<u32>>,
     pub(crate) keys: Vec<Key<'a>>,
     pub(crate) comments: Vec<Comment<'a>>,
 }
@@ -53,7 +55,7 @@ impl Document<'_> {
         let mut first = HashMap::new();
         self.sections.retain(|section| {
             let (name, span) = (&section.name, section.span);
-            let line = match first.entry(order::identity(name)) {
+            let line = match first.entry(identity(name)) {
                 Entry::Vacant(place) => {
                     place.insert(span.line);
                     return true;
@@ -79,7 +81,7 @@ impl Document<'_> {
         let mut seen = HashSet::new();
         let mut kept: Vec<Section<'_>> = Vec::new();
         for section in std::mem::take(&mut self.sections) {
-            if seen.insert(order::identity(&section.name)) {
+            if seen.insert(identity(&section.name)) {
                 kept.push(section);
                 continue;
             }
@@ -136,6 +138,7 @@ impl<'a> Section<'a> {
             name: name.into(),
             span: Span::default(),
             lines: 0..0,
+            also: Vec::new(),
             keys: Vec::new(),
             comments: Vec::new(),
         }

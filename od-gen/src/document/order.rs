@@ -75,7 +75,7 @@ pub(crate) fn canonical(mut document: Document<'_>) -> Document<'_> {
 }
 
 /// A name as the canonical form spells it, in lower case: equal for two names of the same section.
-pub(super) fn identity(section: &str) -> String {
+pub(crate) fn identity(section: &str) -> String {
     let mut section = Section::new(section);
     name(&mut section);
     section.name.to_ascii_lowercase()

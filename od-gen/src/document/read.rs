@@ -137,6 +137,7 @@ impl<'a> Reader<'a, '_> {
             name: name.into(),
             span,
             lines: start..u32::MAX,
+            also: Vec::new(),
             keys: Vec::new(),
             comments: comment
                 .map(|text| Comment {

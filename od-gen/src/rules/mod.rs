@@ -10,6 +10,7 @@ mod drive;
 mod modules;
 pub(crate) mod network;
 pub(crate) mod reading;
+pub(crate) mod recipe;
 mod setting;
 pub(crate) mod standard;
 pub(crate) mod structure;
@@ -185,11 +186,17 @@ const OF_OTHER_FILES: [Chapter; 2] = [
     },
 ];
 
-/// The rules of a description of a network, which has comments of its own.
-const OF_NETWORKS: [Chapter; 1] = [Chapter {
-    title: "Networks",
-    rules: network::RULES,
-}];
+/// The rules of what other files are made of.
+const OF_DESCRIPTIONS: [Chapter; 2] = [
+    Chapter {
+        title: "Recipes",
+        rules: recipe::RULES,
+    },
+    Chapter {
+        title: "Networks",
+        rules: network::RULES,
+    },
+];
 
 /// The rules of the finished model.
 const OF_MODELS: [Chapter; 15] = [
@@ -318,7 +325,7 @@ pub(crate) fn check(subject: &Subject<'_>, findings: &mut Findings) {
 /// All rules, by what they are about.
 pub fn chapters() -> impl Iterator<Item = Chapter> {
     let files = OF_FILES.into_iter().chain(OF_OTHER_FILES);
-    files.chain(OF_NETWORKS).chain(OF_MODELS)
+    files.chain(OF_DESCRIPTIONS).chain(OF_MODELS)
 }
 
 /// Whether a rule is about files beside a data sheet; the data sheet can silence it all the same.

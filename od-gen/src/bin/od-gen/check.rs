@@ -140,6 +140,7 @@ impl Checked {
     fn value(&self) -> Value {
         let finding = |finding: &Diagnostic| {
             json!({
+                "file": finding.file,
                 "rule": finding.rule.name,
                 "class": finding.rule.class.name(),
                 "severity": finding.severity.to_string(),

@@ -47,6 +47,14 @@ fn format(file: &Path, arguments: &Fmt) -> Result<bool, Failure> {
 
 /// What a file holds, and what it should hold; `None` after a finding that leaves no way to say that.
 fn formatted(file: &Path, arguments: &Fmt) -> Result<Option<(Vec<u8>, String)>, Failure> {
+    let is_toml = |extension: &std::ffi::OsStr| extension.eq_ignore_ascii_case("toml");
+    if file.extension().is_some_and(is_toml) {
+        let file = file.display();
+        let line = format!(
+            "{file}: error: this is a recipe: only EDS and DCF files have a canonical form"
+        );
+        return Err(Failure::Refused(line));
+    }
     let before = od_gen::files::read(file).map_err(|error| input::unreadable(file, &error))?;
     let report = input::readable(file, &arguments.allow)?;
     if report.source.text().trim_start().starts_with('<') {
