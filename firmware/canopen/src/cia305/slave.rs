@@ -61,20 +61,6 @@ enum Storing {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Refused;
 
-/// What of the settings cannot be configured, as the build has fixed it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Fixed {
-    node_id: bool,
-    bit_timing: bool,
-}
-
-/// What was pending and kept before [`Slave::configure_and_store`], as far as nothing was configured since.
-#[derive(Clone, Copy, Debug, Default)]
-struct Undo {
-    node_id: Option<(NodeId, NodeId)>,
-    bit_timing: Option<(BitTiming, BitTiming)>,
-}
-
 /// The LSS slave of a device.
 #[derive(Debug)]
 pub struct Slave {
@@ -86,9 +72,9 @@ pub struct Slave {
     /// What is stored, with all that was configured since. It differs from what is pending if at power-on another source went
     /// before the store, such as switches.
     kept: Configuration,
-    /// What comes back if it cannot be stored.
-    undo: Undo,
-    fixed: Fixed,
+    /// What goes before both if it can be stored: configured by [`Slave::configure_and_store`], and not anew since.
+    wish: Wish,
+    /// What can be configured: a bit for each bit rate, and [`FREE_NODE_ID`], [`FREE_BIT_TIMING`].
     supported: u16,
     /// The message that goes on with a service of several, which come in order and with no other between them; 0 for none.
     expected: u8,
@@ -108,14 +94,7 @@ impl Slave {
             active: settings,
             pending: settings.configuration(),
             kept: settings.configuration(),
-            undo: Undo {
-                node_id: None,
-                bit_timing: None,
-            },
-            fixed: Fixed {
-                node_id: false,
-                bit_timing: false,
-            },
+            wish: Wish::NOTHING,
             supported: !DETECTION,
             expected: 0,
             scan: Scan::IDLE,
@@ -131,7 +110,7 @@ impl Slave {
         Self {
             supported: bit_rates
                 .iter()
-                .fold(self.supported & DETECTION, |mask, bit_rate| {
+                .fold(self.supported & !BIT_RATES, |mask, bit_rate| {
                     mask | bit(BitTiming::Fixed(*bit_rate))
                 }),
             ..self
@@ -149,13 +128,17 @@ impl Slave {
     /// The same after a power-on with these sources: what is stored is kept until it is configured anew, even if another source
     /// went before it; what the build has fixed cannot be configured.
     pub fn started(self, power_on: &PowerOn) -> Self {
+        let mut supported = self.supported;
+        if power_on.node_id.source == Source::Build {
+            supported &= !FREE_NODE_ID;
+        }
+        if power_on.bit_timing.source == Source::Build {
+            supported &= !FREE_BIT_TIMING;
+        }
         Self {
             pending: power_on.configuration(),
             kept: power_on.stored,
-            fixed: Fixed {
-                node_id: power_on.node_id.source == Source::Build,
-                bit_timing: power_on.bit_timing.source == Source::Build,
-            },
+            supported,
             ..self
         }
     }
@@ -270,7 +253,12 @@ impl Slave {
 
     /// The node-ID that comes into force with the next reset communication.
     pub const fn pending_node_id(&self) -> NodeId {
-        self.pending.node_id
+        self.pending().node_id
+    }
+
+    /// What is pending.
+    const fn pending(&self) -> Configuration {
+        self.wish.over(self.pending)
     }
 
     /// Communication starts anew, at NMT reset node and reset communication and for [`LssEvent::Boot`]: the pending node-ID
@@ -278,7 +266,7 @@ impl Slave {
     pub fn reset(&mut self) -> NodeId {
         self.enter(State::Waiting);
         self.expected = 0;
-        self.active.node_id = self.pending.node_id;
+        self.active.node_id = self.pending().node_id;
         self.active.node_id
     }
 
@@ -294,10 +282,11 @@ impl Slave {
             }
             Storing::Running => self.storing = Storing::Idle,
         }
-        let undo = core::mem::take(&mut self.undo);
-        if result.is_err() {
-            self.put_back(undo);
+        if result.is_ok() {
+            self.pending = self.pending();
+            self.kept = self.configuration();
         }
+        self.wish = Wish::NOTHING;
         let error = match result {
             Ok(()) => 0x00,
             Err(StoreError::NotSupported) => 0x01,
@@ -318,31 +307,12 @@ impl Slave {
         if !timing_is_good || !node_id_is_good {
             return Err(Refused);
         }
-        if let Some(node_id) = wish.node_id {
-            let before = (self.pending.node_id, self.kept.node_id);
-            self.undo.node_id.get_or_insert(before);
-            self.pending.node_id = node_id;
-            self.kept.node_id = node_id;
-        }
-        if let Some(timing) = wish.bit_timing {
-            let before = (self.pending.bit_timing, self.kept.bit_timing);
-            self.undo.bit_timing.get_or_insert(before);
-            self.pending.bit_timing = timing;
-            self.kept.bit_timing = timing;
-        }
+        self.wish = Wish {
+            node_id: wish.node_id.or(self.wish.node_id),
+            bit_timing: wish.bit_timing.or(self.wish.bit_timing),
+        };
         self.store();
         Ok(())
-    }
-
-    fn put_back(&mut self, undo: Undo) {
-        if let Some((pending, kept)) = undo.node_id {
-            self.pending.node_id = pending;
-            self.kept.node_id = kept;
-        }
-        if let Some((pending, kept)) = undo.bit_timing {
-            self.pending.bit_timing = pending;
-            self.kept.bit_timing = kept;
-        }
     }
 
     /// Whether settings are being stored.
@@ -352,25 +322,30 @@ impl Slave {
 
     /// What is stored, with all that was configured since.
     pub const fn configuration(&self) -> Configuration {
-        self.kept
+        self.wish.over(self.kept)
     }
 
     /// Whether the node-ID can be configured: the build has not fixed it.
     pub const fn takes_node_id(&self) -> bool {
-        !self.fixed.node_id
+        self.supported & FREE_NODE_ID != 0
     }
 
     /// Whether this bit rate can be configured.
     pub const fn takes(&self, timing: BitTiming) -> bool {
-        !self.fixed.bit_timing && self.supported & bit(timing) != 0
+        self.has_free_bit_timing() && self.supported & bit(timing) != 0
+    }
+
+    /// Whether a bit rate can be configured: the build has not fixed it.
+    const fn has_free_bit_timing(&self) -> bool {
+        self.supported & FREE_BIT_TIMING != 0
     }
 
     fn store(&mut self) {
         if let Storing::Idle = self.storing {
             self.storing = Storing::Running;
-            self.event = Some(LssEvent::Store(self.kept));
+            self.event = Some(LssEvent::Store(self.configuration()));
         } else {
-            self.storing = Storing::Again(self.kept);
+            self.storing = Storing::Again(self.configuration());
         }
     }
 
@@ -386,7 +361,7 @@ impl Slave {
 
     /// Neither has a node-ID nor will get one: the only slaves that fastscan is for.
     fn is_non_configured(&self) -> bool {
-        !self.active.node_id.is_configured() && !self.pending.node_id.is_configured()
+        !self.active.node_id.is_configured() && !self.pending().node_id.is_configured()
     }
 
     /// Switch state global: both ways without an answer; a mode that does not exist changes nothing.
@@ -395,7 +370,7 @@ impl Slave {
             0 => {
                 let boots = self.state == State::Configuration
                     && !self.active.node_id.is_configured()
-                    && self.pending.node_id.is_configured();
+                    && self.pending().node_id.is_configured();
                 if boots {
                     self.event = Some(LssEvent::Boot);
                 }
@@ -429,6 +404,15 @@ const fn bit(timing: BitTiming) -> u16 {
 
 /// The bit of automatic detection.
 const DETECTION: u16 = bit(BitTiming::Automatic);
+
+/// The build has not fixed the node-ID.
+const FREE_NODE_ID: u16 = 1 << 15;
+
+/// The build has not fixed the bit rate.
+const FREE_BIT_TIMING: u16 = 1 << 14;
+
+/// The bits of all bit rates.
+const BIT_RATES: u16 = !(DETECTION | FREE_NODE_ID | FREE_BIT_TIMING);
 
 /// An answer: command specifier, data, zeros.
 #[inline(never)]

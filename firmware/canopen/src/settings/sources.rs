@@ -31,6 +31,20 @@ impl Wish {
         bit_timing: None,
     };
 
+    /// What is asked for, and of the rest what is there.
+    pub(crate) const fn over(self, there: Configuration) -> Configuration {
+        Configuration {
+            node_id: match self.node_id {
+                Some(node_id) => node_id,
+                None => there.node_id,
+            },
+            bit_timing: match self.bit_timing {
+                Some(bit_timing) => bit_timing,
+                None => there.bit_timing,
+            },
+        }
+    }
+
     /// What a build fixes, from texts that are given to it: the node-ID (1 to 127) and the bit rate (in kbit/s, or `auto`). A text
     /// that is not there fixes nothing. `None` if a text means nothing; that is for the build to refuse.
     pub const fn of_build(node_id: Option<&str>, bit_rate: Option<&str>) -> Option<Self> {

@@ -69,10 +69,10 @@ impl Slave {
 
     /// A new node-ID, for the next reset communication and to be stored; refused with the error of service 11h.
     fn configure_node_id(&mut self, node_id: NodeId) -> Result<(), [u8; 2]> {
-        if self.fixed.node_id {
+        if !self.takes_node_id() {
             return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
         }
-        self.undo.node_id = None;
+        self.wish.node_id = None;
         self.pending.node_id = node_id;
         self.kept.node_id = node_id;
         Ok(())
@@ -80,13 +80,13 @@ impl Slave {
 
     /// A new bit rate, for service 15h and to be stored; refused with the error of service 13h.
     fn configure_bit_timing(&mut self, timing: BitTiming) -> Result<(), [u8; 2]> {
-        if self.fixed.bit_timing {
+        if !self.has_free_bit_timing() {
             return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
         }
         if self.supported & bit(timing) == 0 {
             return Err(OUT_OF_RANGE);
         }
-        self.undo.bit_timing = None;
+        self.wish.bit_timing = None;
         self.pending.bit_timing = timing;
         self.kept.bit_timing = timing;
         Ok(())
@@ -94,7 +94,7 @@ impl Slave {
 
     /// Activate bit timing: the pending bit rate comes into force at `at`, between two silences of `delay`.
     fn switch_bit_rate(&mut self, at: Instant, delay: Duration) {
-        let to = self.pending.bit_timing;
+        let to = self.pending().bit_timing;
         let (end, event) = match to {
             BitTiming::Fixed(bit_rate) => {
                 (after(at, delay), LssEvent::SwitchBitRate { bit_rate, at })
