@@ -93,9 +93,11 @@ impl History {
     /// Makes room for one more error in front of these.
     #[inline(never)]
     fn move_down(&self, ram: &mut [u8], present: u8) {
-        let places = self.places(ram);
-        let stay = usize::from(present).min(places.len().saturating_sub(1));
-        places.copy_within(..stay, 1);
+        let mut carried = [0; WORD];
+        // One more than are present, as far as there is room.
+        for place in self.places(ram).iter_mut().take(usize::from(present) + 1) {
+            core::mem::swap(place, &mut carried);
+        }
     }
 
     /// Writing 0 to sub-index 0 empties the field: the errors become 0 as well, so that none returns.
