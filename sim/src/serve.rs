@@ -350,12 +350,22 @@ impl Server {
     }
 }
 
-/// Frames that clients have sent during a stall were read when it was over: they are spread over it in their order, as far from each
-/// other as from its ends. Then all are in the order of time.
+/// Frames that clients have sent during a stall were read when it was over: they are spread over what of it is behind those that were read
+/// in time, as far from each other as from its ends. Then all are in the order of time, those of each transport in their own.
 fn spread(messages: &mut [Incoming], from: WallClock, to: WallClock) {
-    let read_late = |message: &&mut Incoming| matches!(message, Incoming::Frame { source: Source::Slcan(_), at, .. } if *at + GRACE > to);
-    let count = messages.iter_mut().filter(read_late).count() as u32;
-    for (number, message) in (0..).zip(messages.iter_mut().filter(read_late)) {
+    let read_late = |message: &Incoming| matches!(message, Incoming::Frame { source: Source::Slcan(_), at, .. } if *at + GRACE > to);
+    let in_time = messages.iter().filter_map(|message| match message {
+        Incoming::Frame {
+            source: Source::Slcan(_),
+            at,
+            ..
+        } if !read_late(message) => Some(*at),
+        _ => None,
+    });
+    let from = in_time.fold(from, WallClock::max).min(to);
+    let count = messages.iter().filter(|message| read_late(message)).count() as u32;
+    let late = messages.iter_mut().filter(|message| read_late(message));
+    for (number, message) in (0..).zip(late) {
         if let Incoming::Frame { at, .. } = message {
             *at = from + (to - from) * (2 * number + 1) / (2 * count);
         }
@@ -399,5 +409,44 @@ fn describe(error: CommunicationError) -> String {
         CommunicationError::LifeGuarding => "nobody guards the drive any more".to_owned(),
         CommunicationError::BusOff => "the CAN controller is bus-off".to_owned(),
         other => format!("{other:?}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frames of a client that the transport has read when the drive should have had its turn long ago, and behind the stall.
+    #[test]
+    fn the_frames_of_a_transport_stay_in_their_order() {
+        let from = WallClock::now();
+        let millis = |count| from + Duration::from_millis(count);
+        let to = millis(40);
+        let frame = |number: u8, source, at| Incoming::Frame {
+            source,
+            frame: Frame::data_frame(0x604, &[number]),
+            bit_rate: None,
+            at,
+        };
+        let client = Source::Slcan(1);
+        let mut messages = vec![
+            frame(1, client, millis(0)),
+            frame(2, client, millis(20)),
+            frame(9, Source::SocketCan, millis(30)),
+            frame(3, client, millis(39)),
+            Incoming::Lost(1),
+            frame(4, client, millis(41)),
+            // Another client's, read by another thread.
+            frame(8, Source::Slcan(2), millis(34)),
+            frame(5, client, millis(44)),
+        ];
+        spread(&mut messages, from, to);
+        let order: Vec<u8> = (messages.iter())
+            .filter_map(|message| match message {
+                Incoming::Frame { frame, .. } => frame.payload().first().copied(),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(order, [1, 2, 9, 8, 3, 4, 5]);
     }
 }
