@@ -1,7 +1,8 @@
-//! `cargo xtask soak`: very many pulses through planner, train and the modelled timers of the board, built for speed.
+//! `cargo xtask soak`: very many pulses through planner, train and the modelled timers of the board, and very many SYNCs, built for speed.
 //!
-//! It is the test `machine/tests/soak.rs` at any length: as it stands half a minute of counting behind some minutes of building, and a night
-//! with larger numbers. Every pulse on the modelled pins is counted; one too many or too few fails.
+//! It is the tests `machine/tests/soak.rs` and `sim/tests/sync_soak.rs` at any length: as it stands some minutes of counting behind some
+//! minutes of building, and a night with larger numbers. Every pulse on the modelled pins is counted; one too many or too few fails. Each
+//! SYNC takes four counters to the drive and brings them back; one that is missing, mixed with another SYNC's, or later than the others fails.
 
 use std::process::ExitCode;
 
@@ -19,6 +20,9 @@ pub struct Arguments {
     /// Random sequences of commands
     #[arg(long, default_value_t = 1_000_000)]
     sequences: u64,
+    /// SYNCs at 1 kHz, each with four receive and four transmit PDOs
+    #[arg(long, default_value_t = 600_000)]
+    syncs: u32,
 }
 
 /// Runs the command.
@@ -30,10 +34,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             "--release",
             "--package",
             "machine",
+            "--package",
+            "sim",
             "--test",
             "soak",
+            "--test",
+            "sync_soak",
         ])
         .args(["--", "--nocapture"])
+        .env("AXIS402_SOAK_SYNCS", arguments.syncs.to_string())
         .env("AXIS402_SOAK_PULSES", arguments.pulses.to_string())
         .env("AXIS402_SOAK_SEQUENCES", arguments.sequences.to_string());
     Ok(if process::run(&mut command)?.success() {

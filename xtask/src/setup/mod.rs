@@ -2,9 +2,11 @@
 //! to type.
 
 mod debian;
+mod node;
 mod python;
 mod rust;
 
+pub use node::packages as node_packages;
 pub use python::environment as python_environment;
 pub use rust::add_target as rust_target;
 

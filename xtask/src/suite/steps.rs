@@ -28,7 +28,7 @@ pub enum Step {
     Fuzz,
     /// The images for the target, and the proof that they contain no panic path
     Firmware,
-    /// Python-canopen against the virtual drive, and the data sheets
+    /// Python-canopen and node-canopen against the virtual drive, and the data sheets
     Python,
     /// Python-canopen against the image of the board, on a model of its chip
     Board,
@@ -67,7 +67,9 @@ impl Step {
             Self::Host => "Rust tests on the PC",
             Self::Fuzz => "node, SDO server and LSS slave under a fuzzer",
             Self::Firmware => "images for the target, no panic path",
-            Self::Python => "python-canopen and axis402 against the virtual drive, data sheets",
+            Self::Python => {
+                "python-canopen, node-canopen and axis402 against the virtual drive, data sheets"
+            }
             Self::Board => "the flashed image on a model of its chip, register by register",
             Self::Qemu => "python-canopen and axis402 against the firmware in QEMU",
             Self::Socketcan => "python-canopen and axis402 against the virtual drive on SocketCAN",
@@ -101,6 +103,8 @@ impl fmt::Display for Step {
 pub struct Ready {
     /// The Python with everything that the tests need.
     python: PathBuf,
+    /// The packages of Node.js.
+    node: PathBuf,
     /// Where a real SocketCAN is, or why there is none.
     socketcan: Result<Socketcan, String>,
 }
@@ -125,12 +129,21 @@ impl Ready {
         } else {
             PathBuf::new()
         };
+        let node = if steps.contains(&Step::Python) {
+            setup::node_packages()?
+        } else {
+            PathBuf::new()
+        };
         let socketcan = if steps.contains(&Step::Socketcan) {
             Socketcan::find().map_err(|error| one_line(&error))
         } else {
             Err("not asked for".to_owned())
         };
-        Ok(Self { python, socketcan })
+        Ok(Self {
+            python,
+            node,
+            socketcan,
+        })
     }
 }
 
@@ -195,7 +208,11 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
             if built.failed > 0 {
                 built
             } else {
-                tests(&mut against(&ready.python, "virtual"))?
+                tests(
+                    against(&ready.python, "virtual")
+                        .arg("--node-modules")
+                        .arg(&ready.node),
+                )?
             }
         }
         Step::Board => {
