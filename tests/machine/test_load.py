@@ -6,6 +6,7 @@ from conftest import EDS, NODE_ID
 from drive import Drive
 from stm32f405 import HZ, MS, US
 from stm32f405.bxcan import Frame
+from stm32f405.interrupts import IRQ
 
 SYSTICK = 15
 
@@ -108,3 +109,28 @@ def test_a_full_bus_loses_no_frame_and_no_tick(drive):
     assert longest < 100
     assert drive[0x603F] == 0
     assert struct.pack("<I", drive[0x6041])[0] & 0x6F == 0x27
+
+
+def test_a_full_bus_and_a_million_pulses_a_second_leave_most_of_the_processor(drive):
+    times = (400, 400, 5_000, 5_000)
+    for sub, value in enumerate((255, *times), start=1):
+        drive.sdo[0x20B0][sub].raw = value
+    drive.bench.pulse_times = times
+    drive.turn(1_000_000, acceleration=20_000_000)
+    chip, core = drive.chip, drive.chip.core
+    chip.can.to_send.extend(Frame(0x123, False, False, b"") for _ in range(2_000))
+    core.latency.clear()
+    since, before = chip.time, core.instructions
+    control_ticks(drive, 50)
+    share = (core.instructions - before) / (chip.time - since)
+    waited = {name: core.latency[16 + irq] / US for name, irq in (("frame", IRQ["CAN1_RX0"]), ("refill", IRQ["TIM3"]))}
+    stack = chip.image.symbols["_stack_start"] - core.lowest_stack
+    print(f"share {share:.3f}, tick {core.latency[SYSTICK] / US:.1f} µs, {waited}, stack {stack}")
+    assert chip.can.stats["overruns"] == 0
+    assert share < 0.5
+    # Three frames are in the FIFO after 141 µs.
+    assert waited["frame"] < 40
+    # A refill that is as late as this finds pulses for as long again.
+    assert waited["refill"] < 120
+    # Of 32 KiB.
+    assert stack < 24 * 1024

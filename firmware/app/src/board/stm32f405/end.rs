@@ -68,7 +68,7 @@ unsafe extern "C" fn hard_fault() -> ! {
 /// `frame`: where the processor has put what it saved, if it could.
 extern "C" fn fault(frame: u32) -> ! {
     cut();
-    if RAM.contains(&frame) && frame % 4 == 0 {
+    if RAM.contains(&frame) && frame.is_multiple_of(4) {
         // SAFETY: eight words from there on lie in RAM, and any bits are a number.
         let address = unsafe { (frame as *const u32).add(6).read_volatile() };
         defmt::error!("hard fault at {=u32:#010x}", address);

@@ -96,8 +96,8 @@ fn go_on() {
 impl InputLines for Lines {
     fn take(&mut self) -> u8 {
         if SERVED.fetch_add(1, Ordering::Relaxed) >= MOST {
-            // SAFETY: the other lines stay as they are.
             let imr = self.exti.imr();
+            // SAFETY: the other lines stay as they are.
             imr.modify(|r, w| unsafe { w.bits(r.bits() & !ALL) });
         }
         let pending = self.exti.pr().read().bits() & ALL;
