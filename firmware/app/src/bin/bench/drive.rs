@@ -158,6 +158,8 @@ fn convert(ratio: Ratio, increments: i64) -> i64 {
 
 impl Bench {
     /// A drive that has just got power, with a refill of pulses in each control tick.
+    // Out of line, so that it is made where it stays: the stack has no room for it twice.
+    #[inline(never)]
     fn new(is_timed: bool) -> Self {
         let settings = Settings {
             node_id: NodeId::new(10).unwrap(),
