@@ -1,4 +1,51 @@
 //! What the device asks of the firmware around it when an object is written.
+//!
+//! A device whose outputs must never be on all at once, and that counts how often they were written:
+//!
+//! ```
+//! use canopen::cia301::nmt::Reset;
+//! use canopen::cia301::sdo::AbortCode;
+//! use canopen::od::Entry;
+//! use canopen::{Application, BitRate, Frame, Instant, Node, NodeId, Settings};
+//! # mod dictionary {
+//! #     include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/io_device/dictionary.rs"));
+//! # }
+//! use dictionary::Dictionary; // made from a data sheet by `od-gen`
+//!
+//! struct Outputs {
+//!     writes: u32,
+//! }
+//!
+//! impl Application<Dictionary> for Outputs {
+//!     fn validate(&mut self, _: &Dictionary, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
+//!         match (entry.index, entry.sub, value) {
+//!             (0x6200, 1, [0xFF]) => Err(AbortCode::InvalidValue),
+//!             _ => Ok(()),
+//!         }
+//!     }
+//!
+//!     fn written(&mut self, _: &mut Dictionary, entry: &Entry) {
+//!         self.writes += u32::from(entry.index == 0x6200);
+//!     }
+//! }
+//!
+//! let settings = Settings { node_id: NodeId::new(5).unwrap(), bit_rate: BitRate::Kbit500 };
+//! let mut node = Node::new(Dictionary::new(), settings);
+//! let (mut outputs, now) = (Outputs { writes: 0 }, Instant::from_ticks(0));
+//! node.boot(Reset::Node, now, &mut outputs);
+//! // An SDO client writes 6200h:1, first 0Fh, then FFh: 06090030h, invalid value.
+//! for value in [0x0F, 0xFF] {
+//!     let request = [0x2F, 0x00, 0x62, 1, value, 0, 0, 0];
+//!     node.receive(&Frame::data_frame(0x605, &request), now, &mut outputs);
+//! }
+//! assert_eq!(node.dictionary().digital_outputs_1_to_8(), 0x0F);
+//! assert_eq!(outputs.writes, 1);
+//! let boot_up = node.transmit(&mut outputs);
+//! assert_eq!(boot_up, Some(Frame::data_frame(0x705, &[0])));
+//! let answers = [node.transmit(&mut outputs).unwrap(), node.transmit(&mut outputs).unwrap()];
+//! assert_eq!(*answers[0].bytes(), [0x60, 0x00, 0x62, 1, 0, 0, 0, 0]);
+//! assert_eq!(*answers[1].bytes(), [0x80, 0x00, 0x62, 1, 0x30, 0x00, 0x09, 0x06]);
+//! ```
 
 use crate::od::{Dictionary, Entry};
 use crate::wire::sdo::AbortCode;
