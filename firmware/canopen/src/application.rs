@@ -1,4 +1,6 @@
 //! What the device asks of the firmware around it when an object is written.
+//! A generated dictionary has the same with types, two methods for each object that can be written (its trait `Hooks`, which
+//! `Hooked` makes an [`Application`] of).
 //!
 //! A device whose outputs must never be on all at once, and that counts how often they were written:
 //!

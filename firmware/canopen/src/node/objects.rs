@@ -229,7 +229,7 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         if D::FEATURES.streams && entry.attributes.has(Attributes::STREAMED) {
             return self.give_number(entry, value);
         }
-        od::put(self.dictionary, entry, value);
+        od::put_here(self.dictionary, entry, value);
         self.application.written(self.dictionary, entry);
         self.end_write_of_value(entry, is_changed);
         Ok(self.application.completion(self.dictionary, entry))

@@ -237,14 +237,20 @@ pub fn set<D: Dictionary + ?Sized>(
 
 /// Writes a value that has passed [`check`], without checking it again. An entry that is not in RAM does not change, and no byte
 /// outside of the entry's own place is ever written.
-#[inline]
+#[inline(never)]
 pub fn put<D: Dictionary + ?Sized>(dictionary: &mut D, entry: &Entry, bytes: &[u8]) {
+    put_here(dictionary, entry, bytes);
+}
+
+/// [`put`] without a call, for the one place that every write of the application's objects passes.
+#[inline(always)]
+pub(crate) fn put_here<D: Dictionary + ?Sized>(dictionary: &mut D, entry: &Entry, bytes: &[u8]) {
     if let Location::Ram(offset) = entry.location() {
         let ram = dictionary.ram_mut();
-        match (entry.width(), bytes) {
-            (4, &[a, b, c, d]) => put_number(ram, offset, [a, b, c, d]),
-            (2, &[a, b]) => put_number(ram, offset, [a, b]),
-            (1, &[a]) => put_number(ram, offset, [a]),
+        match *bytes {
+            [a, b, c, d] if entry.width() == 4 => put_number(ram, offset, [a, b, c, d]),
+            [a, b] if entry.width() == 2 => put_number(ram, offset, [a, b]),
+            [a] if entry.width() == 1 => put_number(ram, offset, [a]),
             _ => put_at(ram, offset, entry, bytes),
         }
     }
