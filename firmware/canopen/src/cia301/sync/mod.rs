@@ -195,10 +195,8 @@ impl Sync {
         Some(Due::Produce(Beat { counter }))
     }
 
-    /// Whether the window is over since the last call of this or of [`Sync::poll`]. A frame may be given before time passes: its
-    /// stamp counts.
-    #[inline]
-    pub fn ends_window(&mut self, now: Instant) -> bool {
+    /// Whether the window is over since the last call.
+    fn ends_window(&mut self, now: Instant) -> bool {
         let is_over = has_come(self.window_end, now);
         if is_over {
             self.window_end = NEVER;
