@@ -16,9 +16,24 @@ pub fn json(model: &Model) -> String {
         "product_name": device.product_name,
         "bit_rates": device.bit_rates,
         "node_id": model.commissioning.as_ref().map(|node| node.node_id),
-        "objects": model.objects.iter().map(object).collect::<Vec<_>>(),
+        "objects": [],
     });
-    format!("{whole:#}\n")
+    // One object at a time: thousands of them as values would take a hundred times their text.
+    let objects = model.objects.iter().map(|own| indented(&object(own)));
+    let objects = objects.collect::<Vec<_>>().join(",\n");
+    let objects = match objects.is_empty() {
+        true => "[]".into(),
+        false => format!("[\n{objects}\n  ]"),
+    };
+    let whole = format!("{whole:#}\n");
+    whole.replacen("\"objects\": []", &format!("\"objects\": {objects}"), 1)
+}
+
+/// An element of the list of objects, as it stands in the whole.
+fn indented(value: &Value) -> String {
+    let text = format!("{value:#}");
+    let lines = text.lines().map(|line| format!("    {line}"));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 fn object(object: &Object) -> Value {
@@ -77,6 +92,16 @@ fn integer(value: i128) -> Value {
 mod tests {
     use super::*;
     use crate::report::parse;
+
+    #[test]
+    fn the_text_is_that_of_the_whole_as_one_value() {
+        let text = include_str!("../tests/data/every.dcf");
+        let written = json(&parse("every.dcf", text).unwrap());
+        let value: Value = serde_json::from_str(&written).unwrap();
+        assert_eq!(written, format!("{value:#}\n"));
+        let empty = json(&Model::default());
+        assert!(empty.contains("\"objects\": [],"), "{empty}");
+    }
 
     #[test]
     fn every_type_is_written_as_it_is() {

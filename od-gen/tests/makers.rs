@@ -1,6 +1,7 @@
 //! Excerpts with the traits of data sheets that makers ship: what is said about each, and that every tool works on it.
 
 use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
 
 use od_gen::diff::diff;
 use od_gen::model::{Commissioning, FileKind};
@@ -93,4 +94,53 @@ fn what_is_allowed_beside_a_file_or_on_the_command_line_is_silent() {
     std::fs::remove_file(&beside).unwrap();
     let asked = od_gen::Exemption::of_rule("configured-read-only").unwrap();
     assert_eq!(rules(&Report::read_allowing(&file, &[asked]).unwrap()), 0);
+}
+
+fn od_gen(arguments: &[&str]) -> Output {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_od-gen"));
+    program.args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+#[test]
+fn check_puts_right_what_is_plain() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("numbers.eds");
+    std::fs::copy("tests/data/makers/numbers.eds", &file).unwrap();
+    let name = file.to_str().unwrap();
+    let output = od_gen(&["check", "--fix", name]);
+    assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), ""));
+    assert_eq!(text(&output.stderr), format!("{name}: 4 put right\n"));
+    let now = std::fs::read_to_string(&file).unwrap();
+    assert!(
+        now.contains("DataType=0x0006\n") && now.contains("DefaultValue=8\n"),
+        "{now}"
+    );
+    let again = od_gen(&["check", "--fix", name]);
+    assert_eq!((again.status.code(), text(&again.stderr)), (Some(0), ""));
+}
+
+#[test]
+fn what_a_drive_cannot_take_is_refused_at_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("drive.eds");
+    let sheet = std::fs::read_to_string("tests/data/drive.eds").unwrap();
+    let old = "ParameterName=Target\nDataType=0x0004";
+    assert!(sheet.contains(old));
+    // No master could tell: the rule about the standard's types is silenced.
+    let allow = ";od-gen: allow standard-type because a test asks for it\n";
+    let wide = sheet.replace(old, "ParameterName=Target\nDataType=0x0015");
+    std::fs::write(&file, format!("{allow}{wide}")).unwrap();
+    let name = file.to_str().unwrap();
+    let output = od_gen(&["rust", "--cia402", name]);
+    assert_eq!((output.status.code(), text(&output.stdout)), (Some(1), ""));
+    let said = text(&output.stderr);
+    assert!(
+        said.contains("607Ah is INTEGER64, but target_position of the drive is i32"),
+        "{said}"
+    );
+    assert_eq!(od_gen(&["rust", name]).status.code(), Some(0));
 }

@@ -334,6 +334,12 @@ pub(crate) fn is_about_other_files(rule: &Rule) -> bool {
     rules.any(|other| other.name == rule.name)
 }
 
+/// Whether a rule is about how a file is written, not about the device in it.
+pub(crate) fn is_of_files(rule: &Rule) -> bool {
+    let mut rules = OF_FILES.iter().flat_map(|chapter| chapter.rules);
+    rules.any(|other| other.name == rule.name)
+}
+
 /// All rules.
 pub fn all() -> impl Iterator<Item = &'static Rule> {
     chapters().flat_map(|chapter| chapter.rules).copied()

@@ -55,6 +55,9 @@ pub(crate) struct Check {
     /// How to print what is found
     #[arg(long, value_enum, default_value_t = CheckFormat::Full)]
     pub(crate) format: CheckFormat,
+    /// Write into the file what puts mistakes of spelling and structure right, where there is one reading; everything else stays
+    #[arg(long)]
+    pub(crate) fix: bool,
     /// Show every finding, also where many break one rule
     #[arg(long)]
     pub(crate) all: bool,

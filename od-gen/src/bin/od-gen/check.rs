@@ -1,6 +1,7 @@
 //! `od-gen check`: what is wrong with data sheets, and with the bindings beside them.
 
 use std::io::IsTerminal;
+use std::path::Path;
 use std::process::ExitCode;
 
 use od_gen::{BindingReport, Diagnostic, Report, Severity};
@@ -15,6 +16,9 @@ pub(crate) fn run(arguments: &Check) -> Result<ExitCode, Failure> {
     let mut is_unread = false;
     let mut reports = Vec::new();
     for file in &arguments.files {
+        if arguments.fix {
+            put_right(file, arguments)?;
+        }
         let report = match input::report(file, &arguments.allow) {
             Ok(report) => report,
             // It hides nothing of the others.
@@ -65,6 +69,36 @@ pub(crate) fn run(arguments: &Check) -> Result<ExitCode, Failure> {
     }
     Ok(if is_unread { ExitCode::from(2) } else { code })
 }
+
+/// Puts right what is plain in a file, and says how much that was.
+fn put_right(file: &Path, arguments: &Check) -> Result<(), Failure> {
+    let mut fixed = 0;
+    // What is put right may uncover another mistake on its line.
+    for _ in 0..MOST_ROUNDS {
+        let Ok(bytes) = od_gen::files::read(file) else {
+            // The check says why.
+            return Ok(());
+        };
+        let Ok(text) = String::from_utf8(bytes) else {
+            let file = file.display();
+            output::tell(&format!("{file}: not in UTF-8: nothing is put right"));
+            return Ok(());
+        };
+        let report = input::report(file, &arguments.allow)?;
+        let Some((new, count)) = od_gen::fix(&report, &text) else {
+            break;
+        };
+        output::write(&new, Some(file))?;
+        fixed += count;
+    }
+    if fixed > 0 {
+        output::tell(&format!("{}: {fixed} put right", file.display()));
+    }
+    Ok(())
+}
+
+/// How often a file is looked at again.
+const MOST_ROUNDS: usize = 8;
 
 /// A data sheet, or bindings, with what there is to say.
 struct Checked {
