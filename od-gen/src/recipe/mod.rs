@@ -37,6 +37,8 @@ use merge::Merged;
 
 /// How deep recipes are made of recipes.
 const DEEPEST: usize = 8;
+/// Of how many files, each as often as it is named.
+const MOST: usize = 256;
 
 /// Whether a path names a recipe.
 pub(crate) fn is_recipe(path: &Path) -> bool {
@@ -142,6 +144,11 @@ impl Recipe {
                 self.report(at, &rule::PART, span, message);
                 parts.push(None);
                 continue;
+            }
+            if self.pieces.len() >= MOST {
+                let message = format!("the recipe is made of more than {MOST} files");
+                self.report(at, &rule::PART, span, message);
+                break;
             }
             let node = match files::read(&path) {
                 Ok(bytes) => self.add(&path, &bytes, above),

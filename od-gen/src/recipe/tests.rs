@@ -210,6 +210,34 @@ fn a_recipe_can_be_made_of_recipes() {
 }
 
 #[test]
+fn recipes_that_blow_up_end_at_a_limit() {
+    let mut files = vec![("base.eds".to_owned(), SMALL.to_owned())];
+    for level in 0..7 {
+        let next = match level {
+            6 => "base.eds".into(),
+            _ => format!("level{}.toml", level + 1),
+        };
+        let part = format!("[[part]]\neds = \"{next}\"\n").repeat(5);
+        files.push((
+            format!("level{level}.toml"),
+            format!("[base]\neds = \"{next}\"\n{part}"),
+        ));
+    }
+    let text = "[base]\neds = \"level0.toml\"\n";
+    files.push(("device.toml".to_owned(), text.to_owned()));
+    let files: Vec<(&str, &str)> = files
+        .iter()
+        .map(|(name, text)| (&**name, &**text))
+        .collect();
+    let family = Family::new(&files);
+    let said = family.said(&family.report());
+    assert!(
+        said.contains("the recipe is made of more than 256 files"),
+        "{said}"
+    );
+}
+
+#[test]
 fn every_mistake_of_a_recipe_is_told_with_its_line() {
     let mut said = String::new();
     for (old, new) in [

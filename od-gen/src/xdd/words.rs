@@ -31,6 +31,9 @@ const WORDS: [(&str, &str); 18] = [
 pub(crate) fn translate(finding: &mut Diagnostic, source: &Source) {
     finding.message = in_words_of_xml(&finding.message);
     finding.help = finding.help.as_deref().map(in_words_of_xml);
+    if let Some((_, what)) = &mut finding.other {
+        *what = in_words_of_xml(what);
+    }
     if let Some(place) = attribute(source, finding)
         && !finding.message.contains(&place)
     {
