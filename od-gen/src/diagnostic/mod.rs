@@ -66,6 +66,13 @@ impl Diagnostic {
         self
     }
 
+    /// Whether it is about a character that formatting would lose. The end mark of old systems and NUL say nothing.
+    pub fn is_loss(&self) -> bool {
+        let says_nothing = ["U+001A", "U+0000"];
+        let is_harmless = says_nothing.iter().any(|mark| self.message.contains(mark));
+        self.rule == &crate::rules::reading::CONTROL_CHARACTER && !is_harmless
+    }
+
     /// Says what to do.
     pub fn help(&mut self, help: impl Into<String>) {
         self.help = Some(help.into());

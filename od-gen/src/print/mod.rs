@@ -12,7 +12,6 @@ pub(crate) mod value;
 use crate::diagnostic::{Diagnostic, Findings};
 use crate::document::{self, Comment, Document, Section};
 use crate::model::{FileKind, Model};
-use crate::rules::reading;
 use crate::source::Source;
 use allowances::{unused_in, without_unused};
 
@@ -87,7 +86,7 @@ pub(crate) fn formatted(
     let document = document::read_all(source, &mut findings);
     let findings = findings.into_sorted();
     // Control characters are gone by now: a file without them would come out shorter than it went in.
-    let is_loss = |finding: &Diagnostic| finding.rule == &reading::CONTROL_CHARACTER;
+    let is_loss = Diagnostic::is_loss;
     if findings.iter().any(is_loss) {
         return Err(findings.into_iter().filter(is_loss).collect());
     }

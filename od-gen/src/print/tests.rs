@@ -359,6 +359,11 @@ proptest! {
 fn formatting_refuses_what_it_would_lose() {
     let findings = format("x.eds", "[2000]\nParameterName=A\u{7}B\n").unwrap_err();
     assert_eq!(findings.len(), 1, "{findings:?}");
+    // What old systems end a file with.
+    assert_eq!(
+        format("x.eds", "[2000]\na=1\n\u{1A}").unwrap(),
+        "[2000]\na=1\n"
+    );
 }
 
 #[test]

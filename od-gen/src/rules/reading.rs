@@ -50,7 +50,7 @@ pub(crate) static CONTROL_CHARACTER: Rule = Rule::masters(
     "control-character",
     "There are no control characters in the file.",
     "Nobody sees NUL or a mark of direction in an editor. They are left out while reading, and a file that has them \
-     is not formatted.",
+     is not formatted, but for NUL and the end mark 1Ah.",
 );
 
 pub(crate) static STRAY_LINE: Rule = Rule::error(

@@ -64,7 +64,7 @@ fn formatted(file: &Path, arguments: &Fmt) -> Result<Option<(Vec<u8>, String)>, 
         return Err(Failure::Refused(line));
     }
     // They are left out while reading: to write the text back would delete them.
-    let is_lost = |finding: &&od_gen::Diagnostic| finding.rule.name == "control-character";
+    let is_lost = |finding: &&od_gen::Diagnostic| finding.is_loss();
     let mut lost = report.findings.iter().filter(is_lost).peekable();
     if lost.peek().is_some() {
         for finding in lost {
