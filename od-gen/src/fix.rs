@@ -18,7 +18,8 @@ enum Change {
 /// The text of a file after each mistake of spelling and structure is put right whose advice leaves one reading, and how many there
 /// are. Line ends, comments and all other lines stay. `None` where nothing is to be done, and for XML.
 pub fn fix(report: &Report, text: &str) -> Option<(String, usize)> {
-    if xdd::is_xml(report.source.text()) {
+    // A recipe is no data sheet: its findings are about the files that it is made of.
+    if xdd::is_xml(report.source.text()) || !report.source.parts().is_empty() {
         return None;
     }
     let mut changes: BTreeMap<u32, Change> = BTreeMap::new();

@@ -156,6 +156,7 @@ fn findings_name_the_file_and_the_line_of_their_part() {
             "parts/pump.eds:6:14: error[default-type]: DefaultValue 70000 does not fit UNSIGNED16 (0 to 65535)",
         ]
     );
+    assert_eq!(crate::fix(&report, &recipe), None);
     let shown = report.render(Colour::Never);
     assert!(shown.contains("6 | DefaultValue=70000"), "{shown}");
     assert!(shown.contains("13 | \"1400h:2\" = 300"), "{shown}");
