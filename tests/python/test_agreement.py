@@ -106,7 +106,7 @@ def test_both_readers_see_the_same(od_gen, data_sheet):
             assert variable.min == entry["low_limit"], where
             assert variable.max == entry["high_limit"], where
         if variable.default is None:
-            assert entry["default"] in (0, "") or is_octal_or_bits(variable.default_raw), where
+            assert entry["default"] in (None, 0, "") or is_octal_or_bits(variable.default_raw), where
         elif code != datatypes.DOMAIN:
             assert same(variable.default, entry), where
         compared += 1
