@@ -19,6 +19,14 @@ const DATA_SHEET: &str = "eds/axis402.eds";
 fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::copy(MEMORY, out.join("memory.x")).expect("memory.x lies in the root of the workspace");
+    let board = if env::var_os("CARGO_FEATURE_QEMU").is_some() {
+        "qemu"
+    } else {
+        "stm32f405"
+    };
+    let ram = format!("src/board/{board}/ram.x");
+    fs::copy(&ram, out.join("ram.x")).expect("each board has a ram.x");
+    println!("cargo:rerun-if-changed={ram}");
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rerun-if-changed={MEMORY}");
     println!("cargo:rerun-if-changed=build.rs");
