@@ -149,6 +149,7 @@ const CHECK: &str = r#"
     }
     let table = NAME::Dictionary::TABLE;
     let flash = size_of_val(table.entries)
+        + size_of_val(table.buckets)
         + size_of_val(table.limits)
         + size_of_val(table.rom)
         + size_of_val(table.defaults);
