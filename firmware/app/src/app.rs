@@ -18,7 +18,7 @@ macro_rules! app {
             use core::mem::MaybeUninit;
 
             use cia402::inputs::Capture;
-            use cia402::Exchange;
+            use cia402::{Emitter, Exchange};
             use runtime::{inbox, Lost, Signals};
 
             use crate::board::{Board, ControlTimer, Selected};
@@ -53,6 +53,7 @@ macro_rules! app {
                 lost: Lost = Lost::new(),
                 edges: Capture = Capture::new(),
                 // They begin where they stay: on the stack they would be more than all else that is ever there.
+                emitter: MaybeUninit<Emitter> = MaybeUninit::uninit(),
                 stepping: MaybeUninit<Stepping> = MaybeUninit::uninit(),
                 control: MaybeUninit<Control> = MaybeUninit::uninit(),
                 node: MaybeUninit<NodeTask> = MaybeUninit::uninit(),
@@ -62,6 +63,7 @@ macro_rules! app {
                     frames: cx.local.frames,
                     lost: cx.local.lost,
                     edges: cx.local.edges,
+                    emitter: cx.local.emitter,
                     stepping: cx.local.stepping,
                     control: cx.local.control,
                     node: cx.local.node,

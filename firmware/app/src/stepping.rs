@@ -5,7 +5,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use cia402::{DriveConfig, Emitter, EmitterLock};
+use cia402::{Emitter, EmitterLock};
 use motion::{PulseSink, Record, Ticks};
 use spin::Mutex;
 
@@ -19,18 +19,16 @@ pub struct Stepping {
     /// A refill has found one of them locked.
     is_due: AtomicBool,
     pulses: Mutex<BoardPulses>,
-    emitter: Mutex<Emitter>,
+    emitter: Mutex<&'static mut Emitter>,
 }
 
 impl Stepping {
-    /// An axis that stands at position 0.
-    // Out of line, so that it is made where it stays.
-    #[inline(never)]
-    pub fn new(config: DriveConfig, pulses: BoardPulses) -> Self {
+    /// Both are locked by nobody.
+    pub const fn new(emitter: &'static mut Emitter, pulses: BoardPulses) -> Self {
         Self {
             is_due: AtomicBool::new(false),
             pulses: Mutex::new(pulses),
-            emitter: Mutex::new(Emitter::new(config)),
+            emitter: Mutex::new(emitter),
         }
     }
 
@@ -65,7 +63,7 @@ impl EmitterLock for SharedEmitter {
     }
 
     fn lock<R>(&mut self, f: impl FnOnce(&mut Emitter) -> R) -> R {
-        self.0.with(&self.0.emitter, f)
+        self.0.with(&self.0.emitter, |emitter| f(emitter))
     }
 }
 

@@ -3,7 +3,7 @@
 use core::mem::MaybeUninit;
 
 use cia402::inputs::Capture;
-use cia402::Exchange;
+use cia402::{Emitter, Exchange};
 use cortex_m::peripheral::SYST;
 use embedded_storage::nor_flash::ReadNorFlash;
 use rtic::Mutex;
@@ -49,6 +49,7 @@ pub struct Memory {
     pub frames: &'static mut inbox::Memory,
     pub lost: &'static Lost,
     pub edges: &'static Capture,
+    pub emitter: &'static mut MaybeUninit<Emitter>,
     pub stepping: &'static mut MaybeUninit<Stepping>,
     pub control: &'static mut MaybeUninit<Control>,
     pub node: &'static mut MaybeUninit<NodeTask>,
@@ -147,6 +148,7 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
         frames,
         lost,
         edges,
+        emitter,
         stepping,
         control,
         node,
@@ -187,7 +189,8 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
         stop: || {},
     };
     (node.node).power_on(&mut around, &mut LockedBus(&mut bus));
-    let stepping: &_ = place(stepping, || Stepping::new(CONFIG, pulses));
+    let emitter = place(emitter, || Emitter::new(CONFIG));
+    let stepping: &_ = place(stepping, || Stepping::new(emitter, pulses));
     let control = place(control, || {
         Control::new(stepping, stage, lost, edges, &board::SCOPE_MEMORY)
     });
