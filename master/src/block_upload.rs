@@ -74,8 +74,8 @@ impl<L: Line> Master<L> {
         let mut attempts = 0;
         loop {
             let (received, is_last) = self.receive_sub_block(node, object, &mut bytes)?;
-            // The last segment may be filled up.
-            let length = bytes.len().saturating_sub(6);
+            // The last segment may be filled up, that of an empty object with seven bytes.
+            let length = bytes.len().saturating_sub(7);
             self.unless_endless(node, object, length, size)?;
             attempts = if received > 0 { 0 } else { attempts + 1 };
             if attempts > ATTEMPTS {
