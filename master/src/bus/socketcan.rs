@@ -67,11 +67,15 @@ impl Interface {
 
 fn read_frames(socket: &CanSocket, incoming: &SyncSender<Incoming>) {
     let mut lost = 0;
+    let mut latest = Instant::now();
     loop {
         let messages = match receive(socket) {
             Ok(Received { frame, at, dropped }) => {
                 let newly = dropped.map_or(0, |dropped| dropped.wrapping_sub(lost));
                 lost = dropped.unwrap_or(lost);
+                // Two clocks make the time: it may differ by less than lies between two frames, but those stay in their order.
+                latest = latest.max(at);
+                let at = latest;
                 let frame = frame.map(|frame| Incoming::Frame {
                     source: Source::SocketCan,
                     frame,
