@@ -151,23 +151,11 @@ impl Commands {
     /// Whether these ask for what those of before did, with other numbers at most, and nothing is given once.
     pub(crate) fn repeat(&self, before: &Self) -> bool {
         let asked = |commands: &Self| {
-            let Self {
-                controlword,
-                remote,
-                connection_error,
-                restart,
-                mode,
-                ..
-            } = *commands;
-            let Self {
-                digital_outputs,
-                digital_outputs_mask,
-                touch_probe_function,
-                ..
-            } = *commands;
             (
-                (controlword, remote, connection_error, restart, mode),
-                (digital_outputs, digital_outputs_mask, touch_probe_function),
+                (commands.controlword, commands.remote, commands.mode),
+                (commands.connection_error, commands.restart),
+                (commands.digital_outputs, commands.digital_outputs_mask),
+                commands.touch_probe_function,
             )
         };
         let is_passed = self.rising | self.touch_probes_off != 0
@@ -202,5 +190,51 @@ impl Commands {
             profile_acceleration: self.profile_acceleration,
             profile_deceleration: self.profile_deceleration,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_repeat_those_before_if_they_differ_in_numbers_alone() {
+        let before = Commands {
+            controlword: 0x0F,
+            mode: 8,
+            ..Commands::NONE
+        };
+        let numbers = Commands {
+            target_position: 1,
+            target_velocity: SignedSpeed::per_second(1),
+            vl_target_velocity: 1,
+            profile_acceleration: 1,
+            ..before
+        };
+        assert!(before.repeat(&before) && numbers.repeat(&before));
+        let asks: [fn(&mut Commands); 16] = [
+            |commands| commands.controlword = 0x10F,
+            |commands| commands.rising = 0x10,
+            |commands| commands.stop = Some(Command::QuickStop),
+            |commands| commands.shutdown_first = true,
+            |commands| commands.overwritten = Some(Command::Shutdown),
+            |commands| commands.remote = true,
+            |commands| commands.connection_error = Some(0x8130),
+            |commands| commands.restart = true,
+            |commands| commands.mode = 1,
+            |commands| commands.touch_probe_function = 1,
+            |commands| commands.touch_probes_off = 1,
+            |commands| commands.digital_outputs = 1,
+            |commands| commands.digital_outputs_mask = 1,
+            |commands| commands.outputs_written = true,
+            |commands| commands.passed_set_point = Some(Commands::NONE.set_point()),
+            // What was asked for and is no more.
+            |commands| commands.controlword = 0,
+        ];
+        for (number, ask) in asks.into_iter().enumerate() {
+            let mut commands = before;
+            ask(&mut commands);
+            assert!(!commands.repeat(&before), "{number}");
+        }
     }
 }
