@@ -1,11 +1,9 @@
 //! The CAN controller: C01, C02, E09 of the listed cases.
 
-mod device;
-
+use crate::device::Device;
 use canopen::cia301::error_behaviour::CommunicationError;
 use canopen::cia301::nmt::NmtState;
 use canopen::{ControllerState, Duration, Event};
-use device::Device;
 
 const ENDED: &str = "084#0000000000000000";
 

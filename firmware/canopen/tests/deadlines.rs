@@ -1,10 +1,8 @@
 //! A device that is polled at the deadlines it names sends what it sends when it is polled all the time.
 
-mod device;
-
+use crate::device::Device;
 use canopen::cia301::emergency::Emergency;
 use canopen::{Duration, Frame, Instant};
-use device::Device;
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 

@@ -1,10 +1,8 @@
 //! Emergency producer: E01 to E10 of the listed cases.
 
-mod device;
-
+use crate::device::{Device, abort};
 use canopen::cia301::emergency::{Emergency, ErrorRegister};
 use canopen::cia301::nmt::{NmtState, Reset};
-use device::{Device, abort};
 
 const OVERCURRENT: Emergency = Emergency {
     code: 0x2310,

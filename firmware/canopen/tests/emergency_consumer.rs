@@ -1,10 +1,8 @@
 //! The emergency consumer 1028h: messages of other devices, and what may be written.
 
-mod device;
-
+use crate::device::{Device, abort};
 use canopen::Event;
 use canopen::cia301::emergency::ReceivedEmergency;
-use device::{Device, abort};
 
 /// Sub-index 2 listens to node 5.
 fn listening() -> Device {

@@ -1,11 +1,9 @@
 //! What a device does that was compiled without some services: as if it had never heard of them.
 
-mod device;
-
+use crate::device::Objects;
 use canopen::cia301::nmt::Reset;
 use canopen::od::{Dictionary, Features, Table};
 use canopen::{Frame, Instant, Node, NodeId, Settings};
-use device::Objects;
 
 /// The small dictionary in a device that has no LSS and no block transfer, and no object of guarding.
 struct Plain(Objects);

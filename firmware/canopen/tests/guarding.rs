@@ -1,11 +1,9 @@
 //! Node guarding and life guarding: G01 to G07 of the listed cases.
 
-mod device;
-
+use crate::device::{Device, Sent};
 use canopen::Event;
 use canopen::cia301::error_behaviour::CommunicationError;
 use canopen::cia301::nmt::NmtState;
-use device::{Device, Sent};
 
 const LOST: &str = "084#3081110000000000";
 const ENDED: &str = "084#0000000000000000";

@@ -1,11 +1,9 @@
 //! Heartbeat producer: H01, H02 of the listed cases, and its place in the transmit queue.
 
-mod device;
-
+use crate::device::Device;
 use canopen::Duration;
-use device::Device;
 
-fn heartbeats(times: &[u64], state: &str) -> Vec<device::Sent> {
+fn heartbeats(times: &[u64], state: &str) -> Vec<crate::device::Sent> {
     times
         .iter()
         .map(|time| (*time, format!("704#{state}")))

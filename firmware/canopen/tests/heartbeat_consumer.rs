@@ -1,12 +1,10 @@
 //! Heartbeat consumers: H03 to H09 of the listed cases, and the error behaviour N17 that follows a loss.
 
-mod device;
-
+use crate::device::{Device, abort};
 use canopen::cia301::error_behaviour::CommunicationError;
 use canopen::cia301::heartbeat::HeartbeatError;
 use canopen::cia301::nmt::NmtState;
 use canopen::{Event, NodeId};
-use device::{Device, abort};
 use proptest::prelude::*;
 
 fn five() -> NodeId {
@@ -225,7 +223,7 @@ fn a_heartbeat_has_one_byte() {
 }
 
 /// Operational, 1029h:1 as given, then node 5 falls silent.
-fn n17(behaviour: u8, state: &str) -> (Device, Vec<device::Sent>) {
+fn n17(behaviour: u8, state: &str) -> (Device, Vec<crate::device::Sent>) {
     let mut device = watching();
     device.ask(&format!("604#2F291001{behaviour:02X}000000"));
     device.send(&format!("000#{state}04"));

@@ -1,8 +1,6 @@
 //! Who gets a frame: identifiers that change, and a second device with ours (C04).
 
-mod device;
-
-use device::{Device, abort};
+use crate::device::{Device, abort};
 
 fn collision(cob_id: u16) -> String {
     let [low, high] = cob_id.to_le_bytes();

@@ -1,12 +1,10 @@
 //! What the lights of CiA 303-3 are to say of a device, in its states and with its errors.
 
-mod device;
-
+use crate::device::Device;
 use canopen::ControllerState;
 use canopen::cia301::emergency::{Emergency, ErrorRegister};
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia303::CommunicationState;
-use device::Device;
 
 fn communication(device: &Device) -> CommunicationState {
     device.node.signal().communication

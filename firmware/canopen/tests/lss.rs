@@ -1,11 +1,9 @@
 //! Layer setting services on the bus: L01 to L19 of the listed cases, frame by frame.
 
-mod device;
-
+use crate::device::{Device, frame};
 use canopen::cia301::nmt::Reset;
 use canopen::node::StoreError;
 use canopen::{BitRate, Event, Frame, NodeId, Settings};
-use device::{Device, frame};
 use embedded_can::{ExtendedId, Frame as _};
 
 /// A request with its bytes filled up to eight; what is sent then.

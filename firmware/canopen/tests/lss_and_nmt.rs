@@ -1,11 +1,9 @@
 //! Layer setting services across resets, stores that overlap, and a bus that is not free: frame by frame.
 
-mod device;
-
+use crate::device::Device;
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::node::StoreError;
 use canopen::{BitRate, Configuration, Event, NodeId};
-use device::Device;
 
 /// A request with its bytes filled up to eight; what is sent then.
 fn ask(device: &mut Device, bytes: &str) -> Vec<String> {

@@ -1,10 +1,8 @@
 //! Network management: N01 to N19 of the listed cases, and C05, L19.
 
-mod device;
-
+use crate::device::{Device, entries};
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::{Event, Frame};
-use device::{Device, entries};
 use embedded_can::{ExtendedId, Frame as _};
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
@@ -142,7 +140,7 @@ fn n09_stopped_does_nothing_but_nmt_error_control_and_lss() {
     );
     assert_eq!(
         device.ask("604#6000000000000000"),
-        [device::abort(0, 0, 0x0504_0001)]
+        [crate::device::abort(0, 0, 0x0504_0001)]
     );
 }
 
@@ -362,7 +360,7 @@ fn c05_frames_that_classic_can_cannot_carry_do_not_exist() {
         .node
         .receive(&extended, device.now, &mut device.firmware);
     assert!(device.sent().is_empty());
-    assert_eq!(device::frame("604#00112233445566778899").length(), 8);
+    assert_eq!(crate::device::frame("604#00112233445566778899").length(), 8);
 }
 
 proptest! {

@@ -1,14 +1,12 @@
 //! Store and restore parameters: 1010h, 1011h, 1020h, on a store in memory.
 
-mod device;
-
+use crate::device::ram_store::RamStore;
+use crate::device::{Device, Objects, abort};
 use canopen::Node;
 use canopen::cia301::nmt::Reset;
 use canopen::cia301::parameters::ParameterSet;
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::Dictionary;
-use device::ram_store::RamStore;
-use device::{Device, Objects, abort};
 
 const SAVE_ALL: &str = "604#2310100173617665";
 const SAVED_ALL: &str = "584#6010100100000000";

@@ -3,9 +3,7 @@
 //! The device maps 2003h and 2004h into its first receive PDO, 2005h and 2006h into its first transmit PDO; the second ones
 //! map the same and are not valid.
 
-mod device;
-
-use device::{Device, abort, text};
+use crate::device::{Device, abort, text};
 
 use canopen::Frame;
 

@@ -1,9 +1,7 @@
 //! What writing the parameters of a live transmit PDO changes, and what it leaves: frame by frame.
 
-mod device;
-
+use crate::device::Device;
 use canopen::Duration;
-use device::Device;
 
 /// Writes with one SDO request, which must succeed; what else is sent then.
 fn write(device: &mut Device, request: &str) -> Vec<String> {

@@ -1,10 +1,8 @@
 //! When a transmit PDO is sent, under random changes, SYNCs and times: as the transmission type says, with the newest values, never
 //! within the inhibit time, and never later than the event timer.
 
-mod device;
-
+use crate::device::Device;
 use canopen::Duration;
-use device::Device;
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 

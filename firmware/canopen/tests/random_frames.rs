@@ -1,11 +1,9 @@
 //! C06, in small: whatever frames come at whatever times, the device neither panics nor breaks its contract.
 
-mod device;
-
+use crate::device::Device;
 use canopen::cia301::emergency::Emergency;
 use canopen::cia301::nmt::NmtState;
 use canopen::{Duration, Event, Frame};
-use device::Device;
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 
@@ -107,7 +105,7 @@ proptest! {
                 Step::Request(command, place, [a, b, c, d]) => {
                     // A step of a block upload may set off a sub-block.
                     ledger.requests += if command >> 5 == 5 { 64 } else { 1 };
-                    let entries = device::entries();
+                    let entries = crate::device::entries();
                     let entry = &entries[place % entries.len()];
                     let [low, high] = entry.index.to_le_bytes();
                     let frame = Frame::data_frame(0x604, &[command, low, high, entry.sub, a, b, c, d]);
@@ -158,7 +156,7 @@ proptest! {
         let mut device = Device::new();
         let mut may_be_in_a_block = false;
         for (command, place, [a, b, c, d]) in requests {
-            let entries = device::entries();
+            let entries = crate::device::entries();
             let entry = &entries[place % entries.len()];
             let [low, high] = entry.index.to_le_bytes();
             device.node.receive(

@@ -1,9 +1,7 @@
 //! SDO server on 1200h, expedited and segmented: S01 to S37 and S41 of the listed cases.
 
-mod device;
-
+use crate::device::{Device, abort};
 use canopen::Frame;
-use device::{Device, abort};
 use embedded_can::{ExtendedId, Frame as _};
 
 /// Requests with bytes 5 to 8 zero are written short: `40 00 10 00`.
@@ -267,7 +265,7 @@ fn s22_strings_around_multiples_of_seven() {
             let sent = device
                 .ask(&request(if segment % 2 == 0 { "60" } else { "70" }))
                 .remove(0);
-            let frame = device::frame(&sent);
+            let frame = crate::device::frame(&sent);
             let [command, data @ ..] = frame.bytes();
             text.extend_from_slice(&data[..7 - usize::from(command >> 1 & 7)]);
             if command & 1 == 1 {

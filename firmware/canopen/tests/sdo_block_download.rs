@@ -1,13 +1,11 @@
 //! SDO block download: those of B01 to B28 of the listed cases in which the client writes.
 
-mod device;
-
-use canopen::cia301::sdo::AbortCode;
-use device::block::{
+use crate::device::block::{
     INVALID_COMMAND, LETTERS, OPEN, READY, TIMED_OUT, answer, crc, exchange, idle, open_letters,
     refused, request, segment,
 };
-use device::{Device, abort};
+use crate::device::{Device, abort};
+use canopen::cia301::sdo::AbortCode;
 
 #[test]
 fn b01_a_download_of_twenty_bytes() {

@@ -1,10 +1,8 @@
 //! SDO block upload: those of B01 to B28 of the listed cases in which the client reads.
 
-mod device;
-
+use crate::device::block::{answer, crc, exchange, idle, refused, request};
+use crate::device::{Device, abort};
 use canopen::cia301::sdo::AbortCode;
-use device::block::{answer, crc, exchange, idle, refused, request};
-use device::{Device, abort};
 
 #[test]
 fn b03_an_upload_without_a_checksum() {
@@ -130,9 +128,15 @@ fn b23_a_client_confirms_before_all_is_sent() {
     exchange(&mut device, "A4 01 20 00 03", &["C6 01 20 00 14"]);
     device.send(&request("A3"));
     let first = device.node.transmit(&mut device.firmware).unwrap();
-    assert_eq!(device::text(&first), answer("01 41 42 43 44 45 46 47"));
+    assert_eq!(
+        crate::device::text(&first),
+        answer("01 41 42 43 44 45 46 47")
+    );
     let second = device.node.transmit(&mut device.firmware).unwrap();
-    assert_eq!(device::text(&second), answer("02 48 49 4A 4B 4C 4D 4E"));
+    assert_eq!(
+        crate::device::text(&second),
+        answer("02 48 49 4A 4B 4C 4D 4E")
+    );
     exchange(
         &mut device,
         "A2 01 7F",

@@ -1,10 +1,8 @@
 //! How a transfer ends beside its last segment: by the client's abort on a busy bus or in silence, and by the time of
 //! its frames. What comes after it is served at once.
 
-mod device;
-
+use crate::device::{Device, abort};
 use canopen::Duration;
-use device::{Device, abort};
 
 const OPEN_DOWNLOAD: &str = "604#2101200005000000";
 const TIMED_OUT: u32 = 0x0504_0000;

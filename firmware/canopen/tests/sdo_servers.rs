@@ -1,8 +1,6 @@
 //! The second SDO server, 1201h: S38 to S40 of the listed cases, and streamed objects.
 
-mod device;
-
-use device::{Device, abort};
+use crate::device::{Device, abort};
 
 const INVALID_VALUE: u32 = 0x0609_0030;
 

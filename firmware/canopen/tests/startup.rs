@@ -1,10 +1,8 @@
 //! NMT start-up 1F80h: N16 of the listed cases.
 
-mod device;
-
+use crate::device::{Device, abort};
 use canopen::Event;
 use canopen::cia301::nmt::{NmtState, Reset};
-use device::{Device, abort};
 
 /// What is sent and what is told at power-on with this value of 1F80h.
 fn power_on(startup: u32) -> (Vec<String>, Vec<Event>) {

@@ -1,10 +1,8 @@
 //! SYNC and TIME as services of a node: Y01 to Y09 and T01 of the listed cases.
 
-mod device;
-
+use crate::device::{Device, Sent, abort, frame};
 use canopen::Duration;
 use canopen::cia301::time_stamp::TimeOfDay;
-use device::{Device, Sent, abort, frame};
 
 fn write_u32(device: &mut Device, index: u16, value: u32) -> Vec<String> {
     let [low, high] = index.to_le_bytes();

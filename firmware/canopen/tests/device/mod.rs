@@ -1,7 +1,5 @@
 //! The device under test: a node with a small dictionary, on virtual time, and frames in candump notation (`604#4000...`).
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
 pub mod block;
 mod objects;
 pub mod ram_store;
