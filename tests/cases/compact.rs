@@ -10,7 +10,7 @@ const ATTAINED: u16 = 1 << 12;
 
 #[test]
 fn the_compact_drive_is_numbered_by_lss() {
-    let table = <dictionaries::compact::Dictionary as canopen::od::Dictionary>::TABLE;
+    let table = <products::compact::Dictionary as canopen::od::Dictionary>::TABLE;
     let device = VirtualDrive::new(Setup::unconfigured(7));
     let mut drive = CompactBench::new(device, 4, table);
     drive.silence(100);

@@ -11,7 +11,7 @@ import pytest
 
 from conftest import NODE_ID, ROOT
 
-DATA_SHEETS = sorted((ROOT / "eds").glob("*.eds")) + sorted((ROOT / "tests" / "eds").glob("*.eds"))
+DATA_SHEETS = [path for folder in ("eds", "products/*", "tests/eds") for path in sorted(ROOT.glob(f"{folder}/*.eds"))]
 
 
 # They are the same for every target.
@@ -39,7 +39,7 @@ def test_dcfchk_has_no_complaint(data_sheet):
 
 
 def test_the_products_are_what_the_converter_makes(tmp_path):
-    subprocess.run([sys.executable, ROOT / "tests" / "products" / "convert.py", tmp_path], check=True)
-    made = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    subprocess.run([sys.executable, ROOT / "products" / "convert.py", tmp_path], check=True)
+    made = {path.relative_to(tmp_path): path.read_bytes() for path in tmp_path.glob("*/*.eds")}
     assert len(made) == 4
-    assert made == {name: (ROOT / "eds" / name).read_bytes() for name in made}
+    assert made == {name: (ROOT / "products" / name).read_bytes() for name in made}

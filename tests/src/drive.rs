@@ -16,7 +16,7 @@ pub type AxisDrive = sim::Axis402;
 pub type DriveBench = Line<AxisDrive>;
 
 /// The same with the dictionary of `eds/compact.eds`.
-pub type CompactBench = Line<VirtualDrive<dictionaries::compact::Dictionary>>;
+pub type CompactBench = Line<VirtualDrive<products::compact::Dictionary>>;
 
 /// A state of CiA 402 as the statusword shows it: mask and value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,8 +12,8 @@ use canopen::{
 use cia402::recorder::Memory;
 use cia402::{DriveConfig, Exchange, Inputs, Outputs, Share};
 use core::sync::atomic::AtomicU32;
-use dictionaries::lmd::Dictionary;
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink, Record, Ticks};
+use products::lmd::Dictionary;
 use runtime::inbox::DEPTH;
 use runtime::{
     Control, Controller, Host, Machine, Node, PowerStage, PowerUp, Reception, Stamped, Storage,

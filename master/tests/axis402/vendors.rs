@@ -6,10 +6,10 @@ use std::sync::Arc;
 use canopen::cia301::nmt::Reset;
 use canopen::od::Dictionary;
 use canopen::{BitRate, Duration, Event, Frame, Instant, NodeId, Settings};
-use dictionaries::{lmd, nanotec, s200, tc1};
 use master::axis402::{Node, dump, load, read, scan, write};
 use master::bus::Station;
 use master::data_sheet::DataSheet;
+use products::{lmd, nanotec, s200, tc1};
 
 use crate::bench::Bench;
 
@@ -50,7 +50,7 @@ impl<D: Dictionary + std::fmt::Debug + 'static> Station for Device<D> {
 
 fn sheet(name: &str) -> Arc<DataSheet> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../eds")
+        .join("../products")
         .join(name);
     Arc::new(od_gen::read(&path).unwrap().into())
 }
@@ -114,7 +114,7 @@ fn a_stranger_has_the_objects_of_the_standards_and_the_rest_by_number() {
     assert_eq!(told, "1018h:01 Identity object: Vendor-ID: 539\n");
 
     // With its data sheet the objects of its manufacturer have names and types too.
-    let sheet = sheet("lmd.eds");
+    let sheet = sheet("lmd/lmd.eds");
     let (object, entry) = (sheet.model().entries())
         .find(|(object, entry)| {
             (0x2000..=0x5FFF).contains(&object.index)

@@ -145,7 +145,7 @@ fn printing_makes_no_difference() {
     for (file, text) in [
         ("small.eds", SMALL),
         ("axis402.eds", include_str!("../../../eds/axis402.eds")),
-        ("lmd.eds", include_str!("../../../eds/lmd.eds")),
+        ("lmd.eds", include_str!("../../../products/lmd/lmd.eds")),
         ("every.dcf", include_str!("../../tests/data/every.dcf")),
     ] {
         let model = parse(file, text).unwrap();

@@ -332,10 +332,13 @@ fn every_data_sheet_becomes_an_xdd_and_comes_back() {
         ("sensor.eds", EDS),
         ("sensor.xdd", XDD),
         ("axis402.eds", include_str!("../../../eds/axis402.eds")),
-        ("lmd.eds", include_str!("../../../eds/lmd.eds")),
-        ("nanotec.eds", include_str!("../../../eds/nanotec.eds")),
-        ("s200.eds", include_str!("../../../eds/s200.eds")),
-        ("tc1.eds", include_str!("../../../eds/tc1.eds")),
+        ("lmd.eds", include_str!("../../../products/lmd/lmd.eds")),
+        (
+            "nanotec.eds",
+            include_str!("../../../products/nanotec/nanotec.eds"),
+        ),
+        ("s200.eds", include_str!("../../../products/s200/s200.eds")),
+        ("tc1.eds", include_str!("../../../products/tc1/tc1.eds")),
         ("every.dcf", include_str!("../../tests/data/every.dcf")),
     ] {
         let first = Report::new(name, text).model;

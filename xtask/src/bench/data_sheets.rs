@@ -14,18 +14,27 @@ use super::table::{Row, Table};
 use crate::firmware::{PROFILE, TARGET};
 use crate::place;
 
-/// Flash and RAM of the dictionary of each data sheet in `eds/`.
+/// Flash and RAM of the dictionary of each data sheet in `eds/` and of each product.
 pub fn dictionaries() -> Result<Table> {
-    let folder = place::root().join("eds");
-    let files = fs::read_dir(&folder).with_context(|| format!("reading {}", folder.display()))?;
-    let mut paths = Vec::new();
-    for file in files {
-        let path = file?.path();
-        if path.extension().is_some_and(|extension| extension == "eds") {
-            paths.push(path);
+    let mut folders = vec![place::root().join("eds")];
+    for entry in fs::read_dir(place::root().join("products")).context("reading products")? {
+        let path = entry?.path();
+        if path.is_dir() {
+            folders.push(path);
         }
     }
-    paths.sort();
+    let mut paths = Vec::new();
+    for folder in folders {
+        let files =
+            fs::read_dir(&folder).with_context(|| format!("reading {}", folder.display()))?;
+        for file in files {
+            let path = file?.path();
+            if path.extension().is_some_and(|extension| extension == "eds") {
+                paths.push(path);
+            }
+        }
+    }
+    paths.sort_by_key(|path| path.file_name().map(ToOwned::to_owned));
     let mut rows = Vec::new();
     for path in paths {
         let model = od_gen::read(&path)?;
@@ -57,7 +66,7 @@ pub fn hooks() -> Result<Table> {
             "--profile",
             PROFILE,
             "-p",
-            "dictionaries",
+            "products",
             "--lib",
         ]);
         build.args(["--target", TARGET]).args(feature);

@@ -312,7 +312,7 @@ fn documentation() -> [Command; 1] {
 /// Builds every image of the drive, and the dictionaries of the other data sheets; each is one check. The first image links only
 /// if no panic path is left in the core.
 fn images() -> Result<Count> {
-    let mut dictionaries = cargo(&["build", "--profile", PROFILE, "--package", "dictionaries"]);
+    let mut dictionaries = cargo(&["build", "--profile", PROFILE, "--package", "products"]);
     dictionaries.args(["--target", TARGET]);
     let mut sum = checks([dictionaries])?;
     for image in [Image::NoPanic, Image::Board, Image::Qemu] {

@@ -53,22 +53,22 @@ fn every_entry_answers<D: Dictionary>(dictionary: D) {
 
 #[test]
 fn o01_every_entry_of_lmd_answers() {
-    every_entry_answers(dictionaries::lmd::Dictionary::new());
+    every_entry_answers(products::lmd::Dictionary::new());
 }
 
 #[test]
 fn o01_every_entry_of_nanotec_answers() {
-    every_entry_answers(dictionaries::nanotec::Dictionary::new());
+    every_entry_answers(products::nanotec::Dictionary::new());
 }
 
 #[test]
 fn o01_every_entry_of_s200_answers() {
-    every_entry_answers(dictionaries::s200::Dictionary::new());
+    every_entry_answers(products::s200::Dictionary::new());
 }
 
 #[test]
 fn o01_every_entry_of_tc1_answers() {
-    every_entry_answers(dictionaries::tc1::Dictionary::new());
+    every_entry_answers(products::tc1::Dictionary::new());
 }
 
 /// The objects of their makers stand for what the bindings beside the data sheets say.
@@ -76,7 +76,7 @@ mod bindings {
     use canopen::cia301::sdo::AbortCode;
     use canopen::od::{self, Dictionary};
     use cia402::Objects;
-    use dictionaries::{lmd, nanotec};
+    use products::{lmd, nanotec};
 
     /// Writes as a master does; the application of the drive is asked whether the number means something to it.
     fn set<D: Dictionary>(dictionary: &mut D, index: u16, sub: u8, bytes: &[u8]) {
@@ -180,7 +180,7 @@ mod bindings {
 
     #[test]
     fn what_the_s200_shows_twice_is_the_same() {
-        let mut dictionary = dictionaries::s200::Dictionary::new();
+        let mut dictionary = products::s200::Dictionary::new();
         Objects::set_position_actual_value(&mut dictionary, 77);
         assert_eq!(dictionary.pfb_value(), 77);
         assert_eq!(dictionary.position_actual_value_user_units(), 77);
@@ -199,8 +199,8 @@ mod bindings {
 
     #[test]
     fn a_write_to_one_object_shows_in_the_other() {
-        let mut dictionary = dictionaries::s200::Dictionary::new();
-        let stop = od::find::<dictionaries::s200::Dictionary>(0x3525, 1).unwrap();
+        let mut dictionary = products::s200::Dictionary::new();
+        let stop = od::find::<products::s200::Dictionary>(0x3525, 1).unwrap();
         assert!(od::set(&mut dictionary, stop, &500_i32.to_le_bytes()).is_ok());
         dictionary.carry_over(stop);
         assert_eq!(Objects::quick_stop_deceleration(&dictionary), 500);

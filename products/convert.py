@@ -1,4 +1,4 @@
-"""Makes the data sheets of the four drives from the tables beside this file: python3 tests/products/convert.py [FOLDER]
+"""Makes the data sheet of each of the four drives from the table in its folder: python3 products/convert.py [FOLDER]
 
 What a manual does not tell, or tells in a way that no data sheet can, is decided here, in one place:
 - A sub-index 0 that the table leaves out is added, with the highest sub-index.
@@ -15,7 +15,6 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).parent
-SHEETS = HERE.parent.parent / "eds"
 
 SIZES = {
     "BOOLEAN": (0x01, 1, False), "INTEGER8": (0x02, 8, True), "INTEGER16": (0x03, 16, True),
@@ -120,7 +119,7 @@ def entry_name(name, row):
 class Sheet:
     def __init__(self, drive):
         self.drive, self.lines = drive, []
-        with open(HERE / f"{drive.file}.csv", newline="", encoding="utf-8") as file:
+        with open(HERE / drive.file / "objects.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         self.dummies = {int(row["index"], 16) for row in rows if int(row["index"], 16) < 0x20 and row["pdo_mappable"] == "rx"}
         self.objects = {}
@@ -146,7 +145,9 @@ class Sheet:
             self.put(*(f"{count}=0x{index:04X}" for count, index in enumerate(sorted(indices), 1)), "")
             for index in sorted(indices):
                 self.object(index, self.objects[index])
-        (folder / f"{self.drive.file}.eds").write_text("\n".join(self.lines), encoding="utf-8", newline="\n")
+        home = folder / self.drive.file
+        home.mkdir(exist_ok=True)
+        (home / f"{self.drive.file}.eds").write_text("\n".join(self.lines), encoding="utf-8", newline="\n")
 
     def put(self, *lines):
         self.lines += lines
@@ -155,7 +156,7 @@ class Sheet:
         drive = self.drive
         identity = {int(row["sub"], 0): number(row["default"]) or number(row["min"]) for row in self.objects[0x1018]}
         vendor, product, revision = ((identity[sub] or (0, False))[0] for sub in (1, 2, 3))
-        self.put(f"; {drive.about}: the object dictionary as the manual tells it.", "; Made by tests/products/convert.py.")
+        self.put(f"; {drive.about}: the object dictionary as the manual tells it.", "; Made by products/convert.py.")
         self.put(*(f"; od-gen: allow {rule} because {why}" for rule, why in drive.silenced.items() if isinstance(rule, str)), "")
         self.put("[FileInfo]", f"FileName={drive.file}.eds", "FileVersion=1", "FileRevision=0", "EDSVersion=4.0", f"Description={drive.about}")
         self.put("CreationTime=12:00PM", "CreationDate=11-21-2026", "CreatedBy=Axis402", "")
@@ -266,4 +267,4 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else SHEETS)
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else HERE)

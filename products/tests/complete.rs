@@ -15,7 +15,7 @@ fn number(text: &str) -> u16 {
 
 /// Every row of the table, but dummies and what the manual gives no access to, is an entry of the dictionary.
 fn is_complete(name: &str, table: &Table, least: usize) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../products/{name}.csv"));
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("{name}/objects.csv"));
     let mut rows = csv::Reader::from_reader(File::open(path).unwrap());
     let mut count = 0;
     for row in rows.records() {
@@ -33,20 +33,20 @@ fn is_complete(name: &str, table: &Table, least: usize) {
 
 #[test]
 fn lmd_is_complete() {
-    is_complete("lmd", dictionaries::lmd::Dictionary::TABLE, 320);
+    is_complete("lmd", products::lmd::Dictionary::TABLE, 320);
 }
 
 #[test]
 fn nanotec_is_complete() {
-    is_complete("nanotec", dictionaries::nanotec::Dictionary::TABLE, 310);
+    is_complete("nanotec", products::nanotec::Dictionary::TABLE, 310);
 }
 
 #[test]
 fn s200_is_complete() {
-    is_complete("s200", dictionaries::s200::Dictionary::TABLE, 2090);
+    is_complete("s200", products::s200::Dictionary::TABLE, 2090);
 }
 
 #[test]
 fn tc1_is_complete() {
-    is_complete("tc1", dictionaries::tc1::Dictionary::TABLE, 130);
+    is_complete("tc1", products::tc1::Dictionary::TABLE, 130);
 }
