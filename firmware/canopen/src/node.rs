@@ -262,6 +262,12 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
+    /// Whether the network must be able to reach the device from now on, as its motor has power: LSS makes it deaf for long neither by the
+    /// delay of a new bit rate nor by a search for one ([`cia305::Slave::stay_reachable`]).
+    pub const fn stay_reachable(&mut self, stays: bool) {
+        self.lss.stay_reachable(stays);
+    }
+
     /// Whether a commanded reset is held back.
     pub fn holds_reset(&self) -> bool {
         self.is_held

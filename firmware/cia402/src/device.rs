@@ -148,6 +148,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         if self.phase == Phase::Running {
             self.node.hold_resets(actuals.is_driving());
         }
+        self.node.stay_reachable(actuals.has_power());
         self.hooks
             .protection
             .prepare(actuals.has_power(), actuals.is_moving, stamp);

@@ -29,7 +29,7 @@ mod tests;
 
 pub use detection::{DETECTABLE, Detection, PATIENCE};
 pub use identity::Identity;
-pub use slave::{LssEvent, Refused, Slave};
+pub use slave::{LONGEST_SILENCE, LssEvent, Refused, Slave};
 
 /// The identifier of requests from the LSS master.
 pub const REQUEST_COB_ID: u16 = 0x7E5;

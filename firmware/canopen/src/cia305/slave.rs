@@ -57,6 +57,9 @@ enum Storing {
     Again(Configuration),
 }
 
+/// The longest delay of service 15h that a device takes which must stay reachable ([`Slave::stay_reachable`]).
+pub const LONGEST_SILENCE: Duration = Duration::millis(1_000);
+
 /// What was to be configured cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Refused;
@@ -83,6 +86,8 @@ pub struct Slave {
     storing: Storing,
     /// A master waits for the answer to service 17h.
     owes_answer: bool,
+    /// See [`Slave::stay_reachable`].
+    stays_reachable: bool,
     event: Option<LssEvent>,
 }
 
@@ -101,6 +106,7 @@ impl Slave {
             switch: None,
             storing: Storing::Idle,
             owes_answer: false,
+            stays_reachable: false,
             event: None,
         }
     }
@@ -231,6 +237,13 @@ impl Slave {
         } else {
             switch.at
         }
+    }
+
+    /// Whether the network must be able to reach the device from now on, as a motor has power. Meanwhile service 15h changes nothing
+    /// where it would leave the device deaf for long: with a delay beyond [`LONGEST_SILENCE`], or with a search for the bit rate,
+    /// which has no end. The service has no answer in which this could be told.
+    pub const fn stay_reachable(&mut self, stays: bool) {
+        self.stays_reachable = stays;
     }
 
     /// The bit rate of the network was found ([`LssEvent::FindBitRate`], or at power-on): it is in force, and the silence is over.

@@ -499,6 +499,26 @@ fn what_the_firmware_has_to_do_waits_behind_any_number_of_changes_of_state() {
 }
 
 #[test]
+fn l06_no_bit_rate_makes_a_drive_with_power_deaf_for_long() {
+    let mut station = Station::enabled();
+    let switch = |station: &mut Station| {
+        station.events();
+        station.send(0x7E5, &[0x04, 0x01, 0, 0, 0, 0, 0, 0]);
+        station.send(0x7E5, &[0x13, 0, 0x03, 0, 0, 0, 0, 0]);
+        station.send(0x7E5, &[0x15, 0xE9, 0x03, 0, 0, 0, 0, 0]);
+        let events = station.events();
+        let is_switch = |event: &Event| matches!(event, Event::SwitchBitRate { .. });
+        events.iter().any(is_switch)
+    };
+    assert!(!switch(&mut station), "a second and more");
+    // It still hears what stops it.
+    station.download(0x6040, 0, 2, 0).unwrap();
+    station.milliseconds(50);
+    assert_eq!(station.state(), State::SwitchOnDisabled);
+    assert!(switch(&mut station), "without power");
+}
+
+#[test]
 fn a_reset_shows_as_a_change_of_state_and_not_as_a_task() {
     let mut station = Station::new();
     station.events();

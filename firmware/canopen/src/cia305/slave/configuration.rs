@@ -1,6 +1,6 @@
 //! Services of the configuration state: node-ID, bit rate, store, and what the slave tells of itself.
 
-use super::{LssEvent, Slave, Switch, after, bit, message};
+use super::{LONGEST_SILENCE, LssEvent, Slave, Switch, after, bit, message};
 use crate::cia305::identity::Identity;
 use crate::settings::{BitTiming, NodeId};
 use crate::time::{Duration, Instant, NEVER};
@@ -95,6 +95,10 @@ impl Slave {
     /// Activate bit timing: the pending bit rate comes into force at `at`, between two silences of `delay`.
     fn switch_bit_rate(&mut self, at: Instant, delay: Duration) {
         let to = self.pending().bit_timing;
+        let is_long = delay > LONGEST_SILENCE || to == BitTiming::Automatic;
+        if self.stays_reachable && is_long {
+            return;
+        }
         let (end, event) = match to {
             BitTiming::Fixed(bit_rate) => {
                 (after(at, delay), LssEvent::SwitchBitRate { bit_rate, at })

@@ -240,6 +240,42 @@ fn l06_no_delay_is_no_silence() {
 }
 
 #[test]
+fn l06_a_device_that_must_stay_reachable_is_not_silent_for_long() {
+    for (delay, is_taken) in [
+        (0_u16, true),
+        (1_000, true),
+        (1_001, false),
+        (0xFFFF, false),
+    ] {
+        let mut slave = in_configuration();
+        slave.stay_reachable(true);
+        slave.ask(&[0x13, 0x00, 0x03]);
+        let [low, high] = delay.to_le_bytes();
+        assert_eq!(slave.ask(&[0x15, low, high]), None);
+        assert_eq!(slave.event().is_some(), is_taken, "{delay} ms");
+        assert_eq!(slave.is_silent(START), is_taken && delay > 0);
+        slave.stay_reachable(false);
+        if !is_taken {
+            slave.ask(&[0x15, low, high]);
+            assert!(slave.is_silent(START), "{delay} ms without power");
+        }
+    }
+}
+
+#[test]
+fn l06_a_device_that_must_stay_reachable_looks_for_no_bit_rate() {
+    let mut slave = slave(4).detecting();
+    slave.ask(&[0x04, 0x01]);
+    slave.ask(&[0x13, 0, 9]);
+    slave.stay_reachable(true);
+    slave.ask(&[0x15, 0x0A, 0x00]);
+    assert!(slave.event().is_none() && !slave.is_silent(START));
+    slave.stay_reachable(false);
+    slave.ask(&[0x15, 0x0A, 0x00]);
+    assert_eq!(slave.event(), Some(LssEvent::FindBitRate { at: at(10) }));
+}
+
+#[test]
 fn l07_the_answer_to_store_is_its_result() {
     for (result, error) in [
         (Ok(()), 0),
