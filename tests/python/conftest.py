@@ -42,6 +42,9 @@ def pytest_addoption(parser):
     parser.addoption(
         "--io-device", default=ROOT / "target" / "debug" / "examples" / "io_device", help="the example of the crate canopen"
     )
+    parser.addoption(
+        "--plant-trace", default=ROOT / "target" / "debug" / "examples" / "plant_trace", help="the plant of the servo, played"
+    )
     parser.addoption("--xtask", default=ROOT / "target" / "debug" / "xtask", help="the program that runs the emulator")
     parser.addoption("--node-modules", help="the packages of Node.js")
     parser.addoption("--image", help="the firmware's ELF file; without it, it is built")

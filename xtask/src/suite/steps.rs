@@ -258,8 +258,8 @@ fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the programs of the Python tests: the virtual drive, the one in virtual time, a master's command line, the generator's, and a
-/// device that is no drive.
+/// Builds the programs of the Python tests: the virtual drive, the one in virtual time, a master's command line, the generator's, a
+/// device that is no drive, and the plant of the servo.
 fn devices() -> Command {
     cargo(&[
         "build",
@@ -272,6 +272,8 @@ fn devices() -> Command {
         "--package",
         "sim",
         "--package",
+        "servo-plant",
+        "--package",
         "tests",
         "--bin",
         "sim",
@@ -283,6 +285,8 @@ fn devices() -> Command {
         "od-gen",
         "--example",
         "io_device",
+        "--example",
+        "plant_trace",
     ])
 }
 
@@ -369,6 +373,8 @@ fn against(python: &Path, target: &str) -> Command {
         .arg(place::built("od-gen"))
         .arg("--io-device")
         .arg(place::built("examples/io_device"))
+        .arg("--plant-trace")
+        .arg(place::built("examples/plant_trace"))
         .arg("--xtask")
         .arg(place::built("xtask"));
     command

@@ -1,0 +1,147 @@
+//! The windings, solved exactly in each step.
+//!
+//! A voltage that stands still beside the stator turns backwards in the frame of the rotor: dvd/dt = ωe vq, dvq/dt = −ωe vd. With it as
+//! two more states the equations of the windings are linear, `dx/dt = A x + b` with x = (id, iq, vd, vq) and b the voltage of the magnet, as
+//! long as the speed is constant. Their solution is the series of the matrix exponential, applied to the state term by term until nothing is added.
+
+use crate::data::{MotorData, Phases};
+
+const SQRT3: f64 = 1.732_050_807_568_877_2;
+
+/// A vector beside the stator in the frame of a rotor at this electrical angle.
+pub fn to_rotor([alpha, beta]: [f64; 2], angle: f64) -> [f64; 2] {
+    let (sine, cosine) = libm::sincos(angle);
+    [alpha * cosine + beta * sine, beta * cosine - alpha * sine]
+}
+
+/// A vector in the frame of a rotor at this electrical angle beside the stator.
+pub fn to_stator([d, q]: [f64; 2], angle: f64) -> [f64; 2] {
+    let (sine, cosine) = libm::sincos(angle);
+    [d * cosine - q * sine, d * sine + q * cosine]
+}
+
+/// What a vector beside the stator is in the phases. Those of three add up to 0; of two, the third is 0.
+pub fn to_phases(phases: Phases, [alpha, beta]: [f64; 2]) -> [f64; 3] {
+    match phases {
+        Phases::Two => [alpha, beta, 0.0],
+        Phases::Three => {
+            let across = SQRT3 / 2.0 * beta;
+            [alpha, across - alpha / 2.0, -across - alpha / 2.0]
+        }
+    }
+}
+
+/// The vector of phases, with the amplitude of a phase.
+pub fn of_phases(phases: Phases, [a, b, c]: [f64; 3]) -> [f64; 2] {
+    match phases {
+        Phases::Two => [a, b],
+        Phases::Three => [(2.0 * a - b - c) / 3.0, (b - c) / SQRT3],
+    }
+}
+
+/// The direction in which a phase lies beside the stator.
+fn direction(phases: Phases, phase: usize) -> [f64; 2] {
+    let mut unit = [0.0; 3];
+    if let Some(one) = unit.get_mut(phase) {
+        *one = 1.0;
+    }
+    match (phases, of_phases(phases, unit)) {
+        (Phases::Two, vector) => vector,
+        (Phases::Three, [alpha, beta]) => [alpha * 1.5, beta * 1.5],
+    }
+}
+
+/// What a step has done with energy, in J.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Work {
+    /// Taken from the terminals.
+    pub(crate) input: f64,
+    /// Become heat in the windings.
+    pub(crate) copper: f64,
+}
+
+/// The currents of the windings.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Winding {
+    /// In d and q, in A.
+    pub(crate) current: [f64; 2],
+}
+
+impl Winding {
+    /// A voltage beside the stator acts for a time, while the rotor turns on from an angle, both electrical.
+    pub(crate) fn turn(
+        &mut self,
+        motor: &MotorData,
+        voltage: [f64; 2],
+        angle: f64,
+        speed: f64,
+        time: f64,
+    ) -> Work {
+        let [d, q] = to_rotor(voltage, angle);
+        let start = [self.current[0], self.current[1], d, q];
+        let middle = solve(motor, start, speed, time / 2.0);
+        let end = solve(motor, middle, speed, time / 2.0);
+        self.current = [end[0], end[1]];
+        // Simpson's rule over the powers at start, middle and end.
+        let over = |power: fn([f64; 4]) -> f64| {
+            let sum = power(start) + 4.0 * power(middle) + power(end);
+            motor.phases.count() as f64 / 2.0 * sum / 6.0 * time
+        };
+        Work {
+            input: over(|[id, iq, vd, vq]| id * vd + iq * vq),
+            copper: over(|[id, iq, ..]| id * id + iq * iq) * motor.resistance,
+        }
+    }
+
+    /// The currents of the phases with the rotor at an electrical angle.
+    pub(crate) fn phases(&self, motor: &MotorData, angle: f64) -> [f64; 3] {
+        to_phases(motor.phases, to_stator(self.current, angle))
+    }
+
+    /// A phase carries no current.
+    pub(crate) fn cut(&mut self, motor: &MotorData, phase: usize, angle: f64) {
+        let [x, y] = direction(motor.phases, phase);
+        let [alpha, beta] = to_stator(self.current, angle);
+        let along = alpha * x + beta * y;
+        self.current = to_rotor([alpha - along * x, beta - along * y], angle);
+    }
+}
+
+/// The states after a time: currents and voltages in d and q.
+fn solve(motor: &MotorData, state: [f64; 4], speed: f64, time: f64) -> [f64; 4] {
+    let MotorData {
+        resistance,
+        inductance_d: ld,
+        inductance_q: lq,
+        flux,
+        ..
+    } = *motor;
+    // The greatest of what the matrix can do in the time; the series is taken over parts in which that is below one.
+    let rate = (resistance + speed.abs() * ld.max(lq) + 1.0) / ld.min(lq);
+    let parts = (rate * time).ceil().clamp(1.0, 1e4);
+    let part = time / parts;
+    let slope = |[id, iq, vd, vq]: [f64; 4], magnet: f64| {
+        [
+            (vd - resistance * id + speed * lq * iq) / ld,
+            (vq - resistance * iq - speed * (ld * id + magnet)) / lq,
+            speed * vq,
+            -speed * vd,
+        ]
+    };
+    let mut state = state;
+    for _ in 0..parts as u32 {
+        let mut term = state;
+        let mut magnet = flux;
+        for order in 1..40 {
+            let factor = part / f64::from(order);
+            term = slope(term, magnet).map(|value| value * factor);
+            magnet = 0.0;
+            let before = state;
+            state = std::array::from_fn(|at| state[at] + term[at]);
+            if state == before {
+                break;
+            }
+        }
+    }
+    state
+}

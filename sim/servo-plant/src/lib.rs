@@ -1,0 +1,220 @@
+//! The plant of a servo: motor, load, power stage, supply and sensors, for the loops that drive them to be judged by.
+//!
+//! A permanent magnet synchronous motor of three phases or a hybrid stepper of two, in the frame of its rotor (d along the magnet, q a
+//! quarter of an electrical turn ahead); amplitudes are those of a phase, so the torque has the factor m/2, with m phases:
+//!
+//! ```text
+//! Ld did/dt = vd − R id + ωe Lq iq              T = m/2 p (ψ + (Ld − Lq) id) iq − detent
+//! Lq diq/dt = vq − R iq − ωe (Ld id + ψ)        J dω/dt = T − friction − coupling
+//! ```
+//!
+//! Time goes on in steps of [`STEP`]. Within one the electrical part is solved exactly, for a voltage that stands still beside the stator
+//! and a rotor that turns evenly ([`electrical`]); the torque acts in two halves, before it and behind it, which makes the whole of second
+//! order. The pulse widths act as the mean voltages that they are; there is no ripple of the modulation.
+//!
+//! All numbers are SI units: V, A, Ω, H, V·s, N·m, kg·m², rad, s. The same data, orders and seed give the same numbers on every machine.
+#![forbid(unsafe_code)]
+
+pub mod axes;
+pub mod data;
+pub mod electrical;
+pub mod energy;
+pub mod mechanical;
+mod noise;
+pub mod sensors;
+pub mod stage;
+pub mod supply;
+
+use data::{MotorData, PlantData};
+use electrical::Winding;
+use energy::Energy;
+use mechanical::Mechanics;
+use noise::Noise;
+use sensors::Sensors;
+pub use sensors::{Readings, SensorFaults};
+use stage::Bridge;
+pub use stage::Gates;
+use supply::Supply;
+
+/// A step, in seconds: 200 kHz.
+pub const STEP: f64 = 5e-6;
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    data: PlantData,
+    winding: Winding,
+    mechanics: Mechanics,
+    supply: Supply,
+    sensors: Sensors,
+    noise: Noise,
+    energy: Energy,
+    steps: u64,
+    /// What the gates of the power stage are told.
+    pub gates: Gates,
+    /// What acts on the load from outside, against positive motion, in N·m.
+    pub load_torque: f64,
+    /// The brake chopper burns what the bus has too much of.
+    pub chopper: bool,
+    /// The supply feeds the bus.
+    pub is_fed: bool,
+    /// The wire of this phase is cut; it carries no current.
+    pub cut_phase: Option<usize>,
+    /// What is wrong with the sensors.
+    pub sensor_faults: SensorFaults,
+}
+
+impl Plant {
+    /// At rest at angle 0, no current, the bus at the voltage of its supply, the power stage off.
+    pub fn new(data: PlantData, seed: u64) -> Self {
+        Self {
+            winding: Winding::default(),
+            mechanics: Mechanics::default(),
+            supply: Supply::new(&data.supply),
+            sensors: Sensors::new(&data.sensors),
+            noise: Noise::new(seed),
+            energy: Energy::default(),
+            steps: 0,
+            gates: Gates::Off,
+            load_torque: 0.0,
+            chopper: false,
+            is_fed: true,
+            cut_phase: None,
+            sensor_faults: SensorFaults::default(),
+            data,
+        }
+    }
+
+    /// The same, with its rotor at this angle and with this velocity, in rad and rad/s, and the load with it.
+    pub fn turning(mut self, angle: f64, velocity: f64) -> Self {
+        self.mechanics = Mechanics::turning(angle, velocity);
+        self
+    }
+
+    /// Goes on by a step.
+    pub fn step(&mut self) {
+        let data = &self.data;
+        let mechanics = &data.mechanics(self.load_torque);
+        let before = self.torque();
+        self.mechanics
+            .kick(mechanics, before, STEP / 2.0, &mut self.energy);
+
+        let start = self.electrical_angle();
+        let speed = self.mechanics.velocity * f64::from(self.data.motor.pole_pairs);
+        let bridge = Bridge::new(&self.data, self.gates, self.supply.voltage);
+        let voltage = bridge.voltage(&self.data.motor, &self.winding, start, speed);
+        let work = self
+            .winding
+            .turn(&self.data.motor, voltage, start, speed, STEP);
+        self.mechanics.drift(STEP);
+        let end = self.electrical_angle();
+        bridge.block(&self.data.motor, &mut self.winding, voltage, end);
+        if let Some(phase) = self.cut_phase {
+            self.winding.cut(&self.data.motor, phase, end);
+        }
+        self.energy.electrical += work.input;
+        self.energy.copper += work.copper;
+        let drawn = work.input / STEP;
+        self.energy.supplied +=
+            self.supply
+                .go_on(&self.data.supply, drawn, self.chopper, self.is_fed, STEP);
+
+        let after = self.torque();
+        self.mechanics
+            .kick(mechanics, after, STEP / 2.0, &mut self.energy);
+        self.steps += 1;
+        let phases = self.winding.phases(&self.data.motor, end);
+        self.sensors
+            .look(&self.data.sensors, phases, self.mechanics.angle);
+    }
+
+    /// Goes on for so many steps.
+    pub fn run(&mut self, steps: u32) {
+        for _ in 0..steps {
+            self.step();
+        }
+    }
+
+    /// Seconds since the start.
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * STEP
+    }
+
+    /// What the sensors say now. Each call is a measurement with a noise of its own.
+    pub fn measure(&mut self) -> Readings {
+        let (motor, sensors) = (&self.data.motor, &self.data.sensors);
+        let angle = self.mechanics.angle;
+        let faults = &self.sensor_faults;
+        let mut readings =
+            self.sensors
+                .measure(sensors, motor.pole_pairs, angle, faults, &mut self.noise);
+        readings.bus_voltage = self.supply.voltage;
+        readings
+    }
+
+    /// What the plant is made of.
+    pub fn data(&self) -> &PlantData {
+        &self.data
+    }
+
+    /// The motor.
+    pub fn motor(&self) -> &MotorData {
+        &self.data.motor
+    }
+
+    /// The angle of the rotor in rad, turns counted on.
+    pub fn angle(&self) -> f64 {
+        self.mechanics.angle
+    }
+
+    /// The same in electrical rad.
+    pub fn electrical_angle(&self) -> f64 {
+        self.mechanics.angle * f64::from(self.data.motor.pole_pairs)
+    }
+
+    /// The velocity of the rotor, in rad/s.
+    pub fn velocity(&self) -> f64 {
+        self.mechanics.velocity
+    }
+
+    /// The angle of the load, in rad; that of the rotor if the coupling is rigid.
+    pub fn load_angle(&self) -> f64 {
+        match self.data.coupling {
+            Some(_) => self.mechanics.load_angle,
+            None => self.mechanics.angle,
+        }
+    }
+
+    /// The current in d and q, in A.
+    pub fn current(&self) -> [f64; 2] {
+        self.winding.current
+    }
+
+    /// The true currents of the phases, in A. The third of a motor of two is 0.
+    pub fn phase_currents(&self) -> [f64; 3] {
+        let angle = self.electrical_angle();
+        self.winding.phases(&self.data.motor, angle)
+    }
+
+    /// The torque of current and detents, in N·m.
+    pub fn torque(&self) -> f64 {
+        let motor = &self.data.motor;
+        motor.torque(self.winding.current) + motor.detent_torque(self.mechanics.angle)
+    }
+
+    /// The voltage of the bus, in V.
+    pub fn bus_voltage(&self) -> f64 {
+        self.supply.voltage
+    }
+
+    /// Where the energy has gone since the start.
+    pub fn energy(&self) -> Energy {
+        let mut energy = self.energy;
+        let (motor, mechanics) = (&self.data.motor, &self.mechanics);
+        energy.magnetic = motor.magnetic_energy(self.winding.current);
+        energy.detent = motor.detent_energy(mechanics.angle);
+        energy.kinetic = mechanics.kinetic_energy(&self.data);
+        energy.spring = mechanics.spring_energy(self.data.coupling.as_ref());
+        energy
+    }
+}
