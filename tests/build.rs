@@ -1,14 +1,13 @@
 //! Writes the dictionaries of the devices that the protocol cases are put to.
 
+use od_gen::{Options, build};
+
 fn main() {
-    od_gen::build(
-        "eds/test-device.eds",
-        "test_device.rs",
-        od_gen::Options::DEVICE,
-    );
-    od_gen::build(
+    build("eds/test-device.eds", "test_device.rs", Options::DEVICE);
+    build(
         "eds/multiplexed-device.eds",
         "multiplexed_device.rs",
-        od_gen::Options::DEVICE,
+        Options::DEVICE,
     );
+    build("eds/basic-device.eds", "basic_device.rs", Options::DEVICE);
 }

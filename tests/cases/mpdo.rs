@@ -1,7 +1,7 @@
 //! Multiplexed PDOs (CiA 301, 7.2.2.4 to 7.2.2.7): the frame itself says which object its four bytes are.
 
 use canopen::cia301::pdo::NotSent;
-use tests::multiplexed_node::MultiplexedBench as Bench;
+use tests::bare_node::MultiplexedBench as Bench;
 
 /// Sub-index 0 of a mapping in source address mode.
 const SOURCE: u8 = 254;
@@ -22,7 +22,7 @@ fn multiplex(bench: &mut Bench, count: u8) {
 
 /// Node 4 in Operational, both its PDOs in this mode, its lists empty.
 fn operational(count: u8) -> Bench {
-    let mut bench = Bench::multiplexed(4);
+    let mut bench = Bench::bare(4);
     multiplex(&mut bench, count);
     bench.start();
     bench
@@ -63,7 +63,7 @@ fn a_frame_for_another_node_or_in_the_other_mode_changes_nothing() {
 
 #[test]
 fn outside_operational_no_value_is_taken() {
-    let mut bench = Bench::multiplexed(4);
+    let mut bench = Bench::bare(4);
     multiplex(&mut bench, DESTINATION);
     bench.send("204: 84 00 20 00 01 00 00 00");
     bench.send("204: 84 FF 5F 00 01 00 00 00");
@@ -116,7 +116,7 @@ fn p19_a_frame_that_is_too_short_is_told_and_not_taken() {
 
 #[test]
 fn a_value_is_sent_to_another_node_when_the_application_wants_it() {
-    let mut bench = Bench::multiplexed(4);
+    let mut bench = Bench::bare(4);
     multiplex(&mut bench, DESTINATION);
     assert_eq!(
         bench.send_to(9, 0x6000, 1, [1, 2, 3, 4]),
@@ -164,7 +164,7 @@ fn the_dispatcher_list_says_which_object_stands_for_whose() {
 
 #[test]
 fn the_scanner_list_is_sent_when_operational_is_entered() {
-    let mut bench = Bench::multiplexed(4);
+    let mut bench = Bench::bare(4);
     multiplex(&mut bench, SOURCE);
     // 2004h:2 to :4, and 2000h.
     bench.write_u32(0x1FA0, 1, 0x0320_0402);
@@ -184,7 +184,7 @@ fn the_scanner_list_is_sent_when_operational_is_entered() {
 
 #[test]
 fn p30_the_event_timer_sends_the_scanner_list_again() {
-    let mut bench = Bench::multiplexed(4);
+    let mut bench = Bench::bare(4);
     bench.write_u16(0x1800, 5, 50);
     multiplex(&mut bench, SOURCE);
     bench.write_u32(0x1FA0, 1, 0x0220_0401);
@@ -213,7 +213,7 @@ fn the_application_announces_an_object_of_the_scanner_list() {
 
 #[test]
 fn p07_the_lists_take_objects_of_pdos_alone() {
-    let mut bench = Bench::multiplexed(4);
+    let mut bench = Bench::bare(4);
     // 2003h is for no PDO, 2004h:5 is not there, 2001h is read-only: it may be sent.
     bench.refused("604: 23 A0 1F 01 00 03 20 01", 0x0604_0041);
     bench.refused("604: 23 A0 1F 01 01 04 20 05", 0x0604_0041);
@@ -228,7 +228,7 @@ fn p07_the_lists_take_objects_of_pdos_alone() {
 
 #[test]
 fn p18_a_multiplexed_pdo_of_a_synchronous_type_is_not_made_valid() {
-    let mut bench = Bench::multiplexed(4);
+    let mut bench = Bench::bare(4);
     for (communication, mapping, valid) in
         [(0x14, 0x1600, "04 02 00 00"), (0x18, 0x1A00, "84 01 00 40")]
     {

@@ -12,13 +12,13 @@
 #![forbid(unsafe_code)]
 
 pub mod any_drive;
+pub mod bare_node;
 mod block_transfer;
 mod crc;
 pub mod drive;
 pub mod firmware;
 pub mod late;
 pub mod line;
-pub mod multiplexed_node;
 pub mod notation;
 pub mod plain_node;
 pub mod plugged;
@@ -37,4 +37,14 @@ pub mod test_device {
 /// The dictionary of `eds/multiplexed-device.eds`.
 pub mod multiplexed_device {
     include!(concat!(env!("OUT_DIR"), "/multiplexed_device.rs"));
+}
+
+/// The dictionary of `eds/basic-device.eds`.
+pub mod basic_device {
+    include!(concat!(env!("OUT_DIR"), "/basic_device.rs"));
+}
+
+/// The dictionary of the example of `canopen`, as it is committed there.
+pub mod io_device {
+    include!("../../firmware/canopen/examples/io_device/dictionary.rs");
 }

@@ -8,7 +8,10 @@ use crate::notation::show;
 
 impl<S: Station> Line<S> {
     /// Sends a request and returns the server's answer; other frames between are forgotten. An abort is its code.
-    fn ask(&mut self, request: [u8; 8]) -> Result<[u8; 8], u32> {
+    ///
+    /// # Errors
+    /// The abort code.
+    pub fn ask(&mut self, request: [u8; 8]) -> Result<[u8; 8], u32> {
         let node_id = u16::from(self.node_id);
         self.queue_frame(Frame::data_frame(0x600 + node_id, &request));
         let answer = self.drain_until(&format!("{:03X}: xx ..", 0x580 + node_id), 250);
@@ -67,6 +70,14 @@ impl<S: Station> Line<S> {
         }
         let [a, b, c, d] = (value.len() as u32).to_le_bytes();
         self.ask([0x21, low, high, sub, a, b, c, d])?;
+        self.send_segments(value)
+    }
+
+    /// Sends a value by segments, or the abort code. The download has been initiated.
+    ///
+    /// # Errors
+    /// The abort code.
+    pub fn send_segments(&mut self, value: &[u8]) -> Result<(), u32> {
         let mut toggle = 0;
         let mut rest = value;
         loop {

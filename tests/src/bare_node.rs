@@ -1,22 +1,22 @@
-//! A plain CANopen device with multiplexed PDOs, the objects of `eds/multiplexed-device.eds`.
+//! A CANopen device with nothing around its node: no application, nothing stored. Any dictionary fits.
 
 use canopen::cia301::nmt::Reset;
 use canopen::cia301::pdo::NotSent;
-use canopen::od::Dictionary as _;
+use canopen::od::Dictionary;
 use canopen::{BitRate, Event, Frame, Instant, Node, NodeId, Settings};
 use master::bus::Station;
 
 use crate::line::Line;
-use crate::multiplexed_device::Dictionary;
+use crate::multiplexed_device;
 
-/// The device. It stores nothing.
+/// The device.
 #[derive(Debug)]
-pub struct MultiplexedNode {
-    node: Node<Dictionary>,
+pub struct BareNode<D: Dictionary> {
+    node: Node<D>,
     is_powered: bool,
 }
 
-impl MultiplexedNode {
+impl<D: Dictionary> BareNode<D> {
     fn serve_events(&mut self, now: Instant) {
         while let Some(event) = self.node.event() {
             if let Event::ResetRequested(reset) = event {
@@ -26,7 +26,7 @@ impl MultiplexedNode {
     }
 }
 
-impl Station for MultiplexedNode {
+impl<D: Dictionary + std::fmt::Debug + 'static> Station for BareNode<D> {
     fn receive(&mut self, frame: &Frame, now: Instant) {
         self.node.receive(frame, now, &mut ());
         self.serve_events(now);
@@ -47,27 +47,27 @@ impl Station for MultiplexedNode {
     }
 }
 
-/// The device and a script on one bus.
-pub type MultiplexedBench = Line<MultiplexedNode>;
+/// A device with multiplexed PDOs (`eds/multiplexed-device.eds`), which are off at power-on, and a script on one bus.
+pub type MultiplexedBench = Line<BareNode<multiplexed_device::Dictionary>>;
 
-impl MultiplexedBench {
-    /// A device with this node-ID that has booted and is Pre-operational. Its PDOs are off.
-    pub fn multiplexed(node_id: u8) -> Self {
+impl<D: Dictionary + Default + std::fmt::Debug + 'static> Line<BareNode<D>> {
+    /// A device with this node-ID that has booted and is Pre-operational.
+    pub fn bare(node_id: u8) -> Self {
         let settings = Settings {
             node_id: NodeId::new(node_id).expect("a node-ID"),
             bit_rate: BitRate::Kbit1000,
         };
-        let device = MultiplexedNode {
-            node: Node::new(Dictionary::new(), settings),
+        let device = BareNode {
+            node: Node::new(D::default(), settings),
             is_powered: false,
         };
-        let mut bench = Self::new(device, node_id, Dictionary::TABLE);
+        let mut bench = Self::new(device, node_id, D::TABLE);
         bench.expect(&format!("{:03X} [1] 00", 0x700 + u16::from(node_id)));
         bench
     }
 
     /// Changes values as the application of the device would.
-    pub fn change(&mut self, change: impl FnOnce(&mut Dictionary)) {
+    pub fn change(&mut self, change: impl FnOnce(&mut D)) {
         change(self.bus.station_mut(self.device).node.dictionary_mut());
     }
 
