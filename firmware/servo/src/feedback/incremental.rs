@@ -1,0 +1,164 @@
+//! An incremental encoder with index: a timer that counts, and a capture at the index.
+//!
+//! The count of 16 bits wraps; the position of 64 goes on. The angle within an electrical turn is worked out of the count within a mechanical one,
+//! exactly, however many turns it has gone. The first index is taken for where the turn begins; each that follows must come whole turns later,
+//! within the tolerance for the two edges of an index.
+
+use super::FeedbackFault;
+use crate::{Angle, Motor};
+
+/// See the module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Incremental {
+    counts: u32,
+    /// Electrical turns of a count, in parts of 2⁴⁸ of a turn.
+    factor: u64,
+    /// How many counts an index may be off.
+    tolerance: u32,
+    last: u16,
+    position: i64,
+    /// The count within the turn, from where `offset` is right.
+    in_turn: u32,
+    offset: Angle,
+    index: Option<i64>,
+}
+
+impl Incremental {
+    /// For a motor that was checked, with the timer at this count. An index may be so many counts off.
+    pub fn new(motor: &Motor, timer: u16, tolerance: u32) -> Self {
+        let counts = motor.counts.max(1);
+        Self {
+            counts,
+            factor: (u64::from(motor.pole_pairs) << 48) / u64::from(counts),
+            tolerance,
+            last: timer,
+            position: 0,
+            in_turn: 0,
+            offset: Angle::ZERO,
+            index: None,
+        }
+    }
+
+    /// The timer counts this now. More than 32,767 counts between two looks cannot be seen.
+    #[inline]
+    pub fn look(&mut self, timer: u16) {
+        let moved = timer.wrapping_sub(self.last).cast_signed();
+        self.last = timer;
+        self.position = self.position.wrapping_add(moved.into());
+        let mut in_turn = self.in_turn.cast_signed() + i32::from(moved);
+        let turn = self.counts.cast_signed();
+        // A look is less than a turn of most encoders; of a coarse one it may be several.
+        while in_turn < 0 {
+            in_turn += turn;
+        }
+        while in_turn >= turn {
+            in_turn -= turn;
+        }
+        self.in_turn = in_turn.cast_unsigned();
+    }
+
+    /// The index was passed with the timer at this count, at most half of its range ago.
+    ///
+    /// # Errors
+    /// It is not whole turns away from the one before.
+    pub fn index(&mut self, timer: u16) -> Result<(), FeedbackFault> {
+        let since = self.last.wrapping_sub(timer).cast_signed();
+        let at = self.position.wrapping_sub(since.into());
+        let first = *self.index.get_or_insert(at);
+        let turn = i64::from(self.counts);
+        let off = at.wrapping_sub(first).rem_euclid(turn);
+        let off = off.min(turn - off);
+        if off > i64::from(self.tolerance) {
+            return Err(FeedbackFault::CountsLost);
+        }
+        Ok(())
+    }
+
+    /// The position of the first index; `None` before it was passed.
+    pub fn index_position(&self) -> Option<i64> {
+        self.index
+    }
+
+    /// Counts from where it began.
+    #[inline]
+    pub fn position(&self) -> i64 {
+        self.position
+    }
+
+    /// The electrical angle of the middle of the count, by the offset that was found.
+    #[inline]
+    pub fn angle(&self) -> Angle {
+        let middle = u64::from(self.in_turn)
+            .wrapping_mul(self.factor)
+            .wrapping_add(self.factor / 2);
+        Angle::from_bits((middle >> 16) as u32).plus(self.offset)
+    }
+
+    /// The rotor stands at this electrical angle now.
+    pub fn set_angle(&mut self, angle: Angle) {
+        self.offset = self.offset.plus(angle.minus(self.angle()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motor::tests::servo_100w;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// After any way the angle is that of the position, to the last bits.
+        #[test]
+        fn the_angle_is_that_of_the_position(
+            moves in prop::collection::vec(any::<i16>(), 1..200),
+            counts in 16..100_000_u32,
+            pole_pairs in 1..=100_u16,
+        ) {
+            let motor = Motor { counts, pole_pairs, ..servo_100w() };
+            let mut encoder = Incremental::new(&motor, 77, 2);
+            let (mut timer, mut position) = (77_u16, 0_i64);
+            for moved in moves {
+                timer = timer.wrapping_add_signed(moved);
+                position += i64::from(moved);
+                encoder.look(timer);
+                prop_assert_eq!(encoder.position(), position);
+                let turns = (position.rem_euclid(counts.into()) as f64 + 0.5) * f64::from(pole_pairs) / f64::from(counts);
+                let exact = Angle::from_bits((turns.fract() * 4_294_967_296.0) as u32);
+                prop_assert!(encoder.angle().minus(exact).turns().abs() < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn an_index_comes_whole_turns_after_the_first() {
+        let motor = Motor {
+            counts: 1_000,
+            ..servo_100w()
+        };
+        let mut encoder = Incremental::new(&motor, 0, 2);
+        encoder.look(130);
+        encoder.index(100).unwrap();
+        assert_eq!(encoder.index_position(), Some(100));
+        encoder.look(1_105);
+        encoder.index(1_102).unwrap();
+        encoder.look(65_536u32.wrapping_sub(890) as u16);
+        encoder.index(0u16.wrapping_sub(899)).unwrap();
+        assert_eq!(
+            encoder.index(0u16.wrapping_sub(897)),
+            Err(FeedbackFault::CountsLost)
+        );
+    }
+
+    #[test]
+    fn an_offset_holds_for_whole_turns() {
+        let motor = servo_100w();
+        let mut encoder = Incremental::new(&motor, 0, 2);
+        encoder.look(1_234);
+        encoder.set_angle(Angle::QUARTER);
+        assert_eq!(encoder.angle(), Angle::QUARTER);
+        for turn in 1..=20_u16 {
+            encoder.look(1_234_u16.wrapping_add(turn.wrapping_mul(10_000)));
+            assert_eq!(encoder.angle(), Angle::QUARTER, "after {turn} turns");
+        }
+    }
+}

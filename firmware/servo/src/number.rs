@@ -1,0 +1,82 @@
+//! Numbers of 32 bits that stay numbers.
+
+/// The value within a bound on both sides; what is no number is 0. A bound below 0 or that is no number is 0 as well.
+#[inline]
+pub fn limit(value: f32, bound: f32) -> f32 {
+    let bound = if bound > 0.0 { bound } else { 0.0 };
+    between(value, -bound, bound)
+}
+
+/// The value from `least` to `most`; what is no number is what lies next to 0 there.
+#[inline]
+pub fn between(value: f32, least: f32, most: f32) -> f32 {
+    if value > most {
+        most
+    } else if value >= least {
+        value
+    } else if value < least || least > 0.0 {
+        least
+    } else if most < 0.0 {
+        most
+    } else {
+        0.0
+    }
+}
+
+/// Whether a value lies in a range; what is no number does not.
+#[inline]
+pub fn is_within(value: f32, least: f32, most: f32) -> bool {
+    value >= least && value <= most
+}
+
+/// The square root; 0 of what is below the least normal number, or is no number. Within 10⁻⁶ of it.
+///
+/// Newton's steps for 1/√x, from a first guess by halving the exponent.
+#[inline]
+pub fn root(value: f32) -> f32 {
+    if value < f32::MIN_POSITIVE || !value.is_finite() {
+        return 0.0;
+    }
+    let mut inverse = f32::from_bits(0x5F37_59DF - (value.to_bits() >> 1));
+    for _ in 0..3 {
+        inverse *= 1.5 - 0.5 * value * inverse * inverse;
+    }
+    value * inverse
+}
+
+/// The factor by which something fades in a period, when it fades at so many rad/s: e^(−rate · period), as a quotient that stays between 0 and 1.
+#[inline]
+pub fn fade(rate: f32, period: f32) -> f32 {
+    let half = between(rate * period / 2.0, 0.0, 1.0);
+    (1.0 - half) / (1.0 + half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_number_becomes_one() {
+        for value in [f32::NAN, f32::INFINITY, -f32::INFINITY, 3.0, -3.0, 0.5] {
+            for bound in [f32::NAN, f32::INFINITY, -1.0, 0.0, 2.0] {
+                let held = limit(value, bound);
+                assert!(!held.is_nan(), "{value} within {bound}");
+                assert!(held.abs() <= bound.max(0.0), "{value} within {bound}");
+            }
+        }
+        assert_eq!(between(f32::NAN, 1.0, 2.0), 1.0);
+        assert_eq!(between(f32::NAN, -2.0, -1.0), -1.0);
+        assert_eq!(limit(1.5, 2.0), 1.5);
+    }
+
+    #[test]
+    fn a_root_is_one() {
+        for value in [1e-30_f32, 1e-6, 0.3, 1.0, 2.0, 48.0, 1e9, 3e37] {
+            let away = root(value) / value.sqrt() - 1.0;
+            assert!(away.abs() < 1e-6, "of {value}: {away}");
+        }
+        for value in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert_eq!(root(value), 0.0);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Between the phases, the stator and the rotor (Clarke and Park), with the amplitude of a phase.
+//!
+//! Beside the stator a vector has the parts α, along phase A, and β, a quarter of an electrical turn ahead. Of two phases they are the phases themselves. In
+//! the frame of the rotor it has d and q.
+
+use crate::motor::Wiring;
+
+/// √3 / 2.
+const HEIGHT: f32 = 0.866_025_4;
+
+/// A vector beside the stator.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stator {
+    /// Along phase A.
+    pub alpha: f32,
+    /// A quarter of an electrical turn ahead.
+    pub beta: f32,
+}
+
+/// A vector in the frame of the rotor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rotor {
+    /// Along the magnet.
+    pub d: f32,
+    /// A quarter of an electrical turn ahead.
+    pub q: f32,
+}
+
+impl Stator {
+    /// Of what is in the phases (Clarke). What three have in common is left out.
+    #[inline]
+    pub fn of_phases(wiring: Wiring, [a, b, c]: [f32; 3]) -> Self {
+        match wiring {
+            Wiring::TwoPhase => Self { alpha: a, beta: b },
+            Wiring::ThreePhase => Self {
+                alpha: (a + a - b - c) * (1.0 / 3.0),
+                beta: (b - c) * (0.5 / HEIGHT),
+            },
+        }
+    }
+
+    /// In each phase. Three add up to 0; of two, the third is 0.
+    #[inline]
+    pub fn phases(self, wiring: Wiring) -> [f32; 3] {
+        match wiring {
+            Wiring::TwoPhase => [self.alpha, self.beta, 0.0],
+            Wiring::ThreePhase => {
+                let across = HEIGHT * self.beta;
+                let back = -0.5 * self.alpha;
+                [self.alpha, back + across, back - across]
+            }
+        }
+    }
+
+    /// Seen from a rotor with sine and cosine of its electrical angle (Park).
+    #[inline]
+    pub fn from_rotor(self, (sine, cosine): (f32, f32)) -> Rotor {
+        Rotor {
+            d: self.alpha * cosine + self.beta * sine,
+            q: self.beta * cosine - self.alpha * sine,
+        }
+    }
+}
+
+impl Rotor {
+    /// Nothing.
+    pub const ZERO: Self = Self { d: 0.0, q: 0.0 };
+
+    /// Beside the stator, with sine and cosine of the electrical angle of the rotor.
+    #[inline]
+    pub fn beside_stator(self, (sine, cosine): (f32, f32)) -> Stator {
+        Stator {
+            alpha: self.d * cosine - self.q * sine,
+            beta: self.d * sine + self.q * cosine,
+        }
+    }
+
+    /// The square of its size.
+    #[inline]
+    pub fn square(self) -> f32 {
+        self.d * self.d + self.q * self.q
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Angle;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn there_and_back_is_the_same(d in -50.0..50.0_f32, q in -50.0..50.0_f32, bits: u32) {
+            let turned = Angle::from_bits(bits).sine_cosine();
+            for wiring in [Wiring::TwoPhase, Wiring::ThreePhase] {
+                let phases = Rotor { d, q }.beside_stator(turned).phases(wiring);
+                if wiring == Wiring::ThreePhase {
+                    prop_assert!(phases.iter().sum::<f32>().abs() < 1e-4);
+                }
+                let back = Stator::of_phases(wiring, phases.map(|phase| phase + 7.0 * f32::from(u8::from(wiring == Wiring::ThreePhase)))).from_rotor(turned);
+                prop_assert!((back.d - d).abs() < 1e-3 && (back.q - q).abs() < 1e-3);
+            }
+        }
+    }
+
+    /// The phases are where the magnet is: a current in d at angle 0 is all in phase A.
+    #[test]
+    fn the_magnet_lies_along_phase_a() {
+        let phases = Rotor { d: 2.0, q: 0.0 }
+            .beside_stator(Angle::ZERO.sine_cosine())
+            .phases(Wiring::ThreePhase);
+        assert_eq!(phases, [2.0, -1.0, -1.0]);
+        let turned = Rotor { d: 2.0, q: 0.0 }
+            .beside_stator(Angle::from_turns(1.0 / 3.0).sine_cosine())
+            .phases(Wiring::ThreePhase);
+        assert!((turned[1] - 2.0).abs() < 1e-4, "a third further it is B");
+    }
+}
