@@ -5,6 +5,7 @@
 //! one object waits, or a few. Of times there is one, the next: who starts a timer moves it forward ([`Agenda::wake_at`]), who
 //! changes a value that transmit PDOs may look at, too ([`Agenda::look`]).
 
+use crate::outbox::Pending;
 use crate::slots::{Slots, Unused};
 use crate::time::{Instant, earlier};
 
@@ -35,6 +36,11 @@ impl Object {
     pub const HEARTBEAT: Self = Self(4);
     pub const GUARDING: Self = Self(5);
     pub const LSS: Self = Self(6);
+
+    /// What [`Agenda::pending`] has given.
+    pub(crate) const fn of(pending: &Pending) -> Self {
+        Self(pending.place)
+    }
 
     /// The transmit PDO with this number, 0 for the first.
     pub const fn pdo(number: usize) -> Self {
@@ -68,6 +74,17 @@ impl Object {
 /// Services that send, beside PDO and SDO.
 pub const SERVICES: usize = 7;
 
+/// What becomes of a frame that waits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Manner {
+    /// It is sent, and those behind it: SDO, emergency messages, error control, LSS.
+    Every,
+    /// A newer one takes its place: SYNC, TIME, PDO.
+    Newest,
+    /// As well, and it goes behind the SYNC of the device.
+    AtSync,
+}
+
 /// Places of objects in a word.
 const PLACES: usize = u32::BITS as usize;
 
@@ -75,6 +92,8 @@ const PLACES: usize = u32::BITS as usize;
 #[derive(Debug)]
 pub struct Word {
     waiting: u32,
+    /// Those whose newest frame alone is sent.
+    newest: u32,
     /// Those of transmit PDOs that answer a SYNC.
     synchronous: u32,
     cob_ids: [u16; PLACES],
@@ -83,6 +102,7 @@ pub struct Word {
 impl Unused for Word {
     const UNUSED: Self = Self {
         waiting: 0,
+        newest: 0,
         synchronous: 0,
         cob_ids: [0; PLACES],
     };
@@ -174,6 +194,24 @@ impl<W: Slots<Word>> Agenda<W> {
         }
     }
 
+    /// What [`Agenda::first`] is to those who ask for room.
+    #[inline]
+    pub(crate) fn pending(&self) -> Option<Pending> {
+        let object = self.first()?;
+        let word = self.word(object)?;
+        let sync = self.cob_id(Object::SYNC);
+        let answers_sync = word.synchronous & object.bit() != 0 && sync != 0;
+        Some(Pending {
+            place: object.0,
+            cob_id: self.cob_id(match object {
+                Object::BOOT_UP => Object::HEARTBEAT,
+                _ => object,
+            }),
+            is_process_data: word.newest & object.bit() != 0,
+            follows: answers_sync.then_some(sync),
+        })
+    }
+
     /// The identifier of an object.
     #[inline]
     pub(crate) fn cob_id(&self, object: Object) -> u16 {
@@ -183,18 +221,12 @@ impl<W: Slots<Word>> Agenda<W> {
             .unwrap_or(0)
     }
 
-    /// Whether an object answers a SYNC.
-    #[inline]
-    pub(crate) fn is_synchronous(&self, object: Object) -> bool {
-        self.word(object)
-            .is_some_and(|word| word.synchronous & object.bit() != 0)
-    }
-
-    /// An object sends with this identifier from now on, in answer to a SYNC or not. If it waits, it goes on waiting.
+    /// An object sends with this identifier from now on, 0 for SYNC that another device sends. If it waits, it goes on waiting.
     #[inline(never)]
-    pub(crate) fn name(&mut self, object: Object, cob_id: u16, is_synchronous: bool) {
+    pub(crate) fn name(&mut self, object: Object, cob_id: u16, manner: Manner) {
         if let Some(word) = self.word_mut(object) {
-            word.synchronous = with(word.synchronous, object.bit(), is_synchronous);
+            word.newest = with(word.newest, object.bit(), manner != Manner::Every);
+            word.synchronous = with(word.synchronous, object.bit(), manner == Manner::AtSync);
             if let Some(place) = word.cob_ids.get_mut(usize::from(object.0) % PLACES) {
                 *place = cob_id;
             }
@@ -303,7 +335,7 @@ mod tests {
     #[test]
     fn nothing_leaves_a_mute_device() {
         let mut agenda = Agenda::<[Word; 1]>::new();
-        agenda.name(Object::EMERGENCY, 0x084, false);
+        agenda.name(Object::EMERGENCY, 0x084, Manner::Every);
         agenda.set(Object::EMERGENCY, true);
         assert_eq!(agenda.first(), None);
         agenda.set(Object::BOOT_UP, true);
@@ -346,16 +378,20 @@ mod tests {
             let is_in = |set: u64, place: usize| set >> place & 1 != 0;
             let answers_sync =
                 |place: usize| place >= SERVICES && is_in(synchronous, place);
+            let manner = |place| match answers_sync(place) {
+                true => Manner::AtSync,
+                false => Manner::Every,
+            };
             let mut agenda = Agenda::<[Word; 2]>::new();
             agenda.is_mute = false;
             let mut names = cob_ids;
             for (place, cob_id) in names.iter().enumerate() {
-                agenda.name(object(place), *cob_id, answers_sync(place));
+                agenda.name(object(place), *cob_id, manner(place));
                 agenda.set(object(place), is_in(waiting, place));
             }
             // Who waits goes on waiting with another identifier.
             for (place, cob_id) in renamed {
-                agenda.name(object(place), cob_id, answers_sync(place));
+                agenda.name(object(place), cob_id, manner(place));
                 names[place] = cob_id;
             }
             let sync = usize::from(Object::SYNC.0);

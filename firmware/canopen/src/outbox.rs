@@ -16,6 +16,8 @@ use crate::Frame;
 /// What the device would send next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pending {
+    /// Its place among all that sends, for [`Sender::take`].
+    pub place: u8,
     /// Its identifier, the lowest of what waits in the device.
     pub cob_id: u16,
     /// Whether newer data takes the place of older data: PDO, SYNC and TIME. SDO, emergency messages, error control and LSS are
@@ -27,11 +29,11 @@ pub struct Pending {
 
 /// Who has frames to send.
 pub trait Sender {
-    /// What [`Sender::take`] would give now; `None` if nothing.
+    /// What may leave first; `None` if nothing.
     fn pending(&self) -> Option<Pending>;
 
-    /// The next frame.
-    fn take(&mut self) -> Option<Frame>;
+    /// The frame of what [`Sender::pending`] has just given.
+    fn take(&mut self, next: &Pending) -> Option<Frame>;
 }
 
 /// Whether the mailboxes have room for a frame.
@@ -109,9 +111,10 @@ impl<const PLACES: usize> Outbox<PLACES> {
                 Room::InPlaceOfAnother if place.is_none() && self.is_full() => return,
                 Room::Free | Room::InPlaceOfAnother => {}
             }
-            let frame = match place {
-                Some(_) => self.remove(place),
-                None => device.take(),
+            let frame = match (place, &pending) {
+                (Some(_), _) => self.remove(place),
+                (None, Some(next)) => device.take(next),
+                (None, None) => None,
             };
             let Some(frame) = frame else { return };
             if let Some(back) = mailboxes.put(&frame) {

@@ -400,8 +400,10 @@ impl<D: Dictionary + Objects, A: Application<D>> Sender for Device<D, A> {
         self.node.pending()
     }
 
-    fn take(&mut self) -> Option<Frame> {
-        self.transmit()
+    fn take(&mut self, next: &Pending) -> Option<Frame> {
+        let frame = self.node.take(next, &mut self.hooks)?;
+        self.sees(&frame);
+        Some(frame)
     }
 }
 

@@ -5,7 +5,7 @@
 //! that from somebody else is the sign of a second device with its identifier.
 
 use super::Node;
-use crate::agenda::Object;
+use crate::agenda::{Manner, Object};
 use crate::cia305;
 use crate::od::Dictionary;
 use crate::wire::cob_id;
@@ -76,15 +76,20 @@ impl<D: Dictionary> Node<D> {
         }
         let services = &mut self.services;
         let error_control = cob_id::error_control(self.node_id);
-        for (object, cob_id) in [
-            (Object::EMERGENCY, services.emergency.cob_id().unwrap_or(0)),
-            (Object::SYNC, services.sync.cob_id()),
-            (Object::TIME, services.time.cob_id()),
-            (Object::HEARTBEAT, error_control),
-            (Object::GUARDING, error_control),
-            (Object::LSS, cia305::RESPONSE_COB_ID),
+        let sync = match services.sync.is_producer() {
+            true => services.sync.cob_id(),
+            false => 0,
+        };
+        let emergency = services.emergency.cob_id().unwrap_or(0);
+        for (object, cob_id, manner) in [
+            (Object::EMERGENCY, emergency, Manner::Every),
+            (Object::SYNC, sync, Manner::Newest),
+            (Object::TIME, services.time.cob_id(), Manner::Newest),
+            (Object::HEARTBEAT, error_control, Manner::Every),
+            (Object::GUARDING, error_control, Manner::Every),
+            (Object::LSS, cia305::RESPONSE_COB_ID, Manner::Every),
         ] {
-            services.agenda.name(object, cob_id, false);
+            services.agenda.name(object, cob_id, manner);
         }
     }
 

@@ -62,6 +62,24 @@ impl<D: Dictionary> Node<D> {
     #[inline]
     pub fn transmit<A: Application<D>>(&mut self, application: &mut A) -> Option<Frame> {
         let first = self.services.agenda.first()?;
+        self.take_first(first, application)
+    }
+
+    /// The frame of what [`Node::pending`] has just given.
+    pub fn take<A: Application<D>>(
+        &mut self,
+        next: &Pending,
+        application: &mut A,
+    ) -> Option<Frame> {
+        self.take_first(Object::of(next), application)
+    }
+
+    #[inline]
+    fn take_first<A: Application<D>>(
+        &mut self,
+        first: Object,
+        application: &mut A,
+    ) -> Option<Frame> {
         match first.kind(self.services.tpdos.len()) {
             Kind::Pdo(number) => self.services.tpdos.take(number, &mut self.services.agenda),
             Kind::Answer(number) => self.take_answer(number, application),
@@ -81,25 +99,10 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
-    /// What [`Node::transmit`] would give now: a controller that has no room for it is better not asked to take it, as process data
-    /// is replaced by newer data here. [`Outbox`](crate::Outbox) sees to that.
+    /// What leaves next. A controller that has no room for it is better not asked to take it, as process data is replaced by newer data
+    /// here; [`Node::take`] gives its frame. [`Outbox`](crate::Outbox) sees to that.
     pub fn pending(&self) -> Option<Pending> {
-        let services = &self.services;
-        let first = services.agenda.first()?;
-        let cob_id = match first {
-            Object::BOOT_UP => cob_id::error_control(self.node_id),
-            _ => services.agenda.cob_id(first),
-        };
-        let is_process_data = match first.kind(services.tpdos.len()) {
-            Kind::Pdo(number) => services.tpdos.is_replaced(number),
-            _ => matches!(first, Object::SYNC | Object::TIME),
-        };
-        let answers_sync = services.agenda.is_synchronous(first) && services.sync.is_producer();
-        Some(Pending {
-            cob_id,
-            is_process_data,
-            follows: answers_sync.then(|| services.sync.cob_id()),
-        })
+        self.services.agenda.pending()
     }
 
     /// The emergency message that may leave.
@@ -183,7 +186,7 @@ impl<D: Dictionary, A: Application<D>> Sender for (&mut Node<D>, &mut A) {
         self.0.pending()
     }
 
-    fn take(&mut self) -> Option<Frame> {
-        self.0.transmit(self.1)
+    fn take(&mut self, next: &Pending) -> Option<Frame> {
+        self.0.take(next, self.1)
     }
 }

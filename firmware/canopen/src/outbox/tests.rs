@@ -34,13 +34,14 @@ impl Sender for Device {
     fn pending(&self) -> Option<Pending> {
         let cob_id = *self.waiting.keys().next()?;
         Some(Pending {
+            place: 0,
             cob_id,
             is_process_data: cob_id < PROCESS_DATA,
             follows: (cob_id == SYNCHRONOUS).then_some(SYNC),
         })
     }
 
-    fn take(&mut self) -> Option<Frame> {
+    fn take(&mut self, _: &Pending) -> Option<Frame> {
         let mut first = self.waiting.first_entry()?;
         let value = first.get_mut().remove(0);
         let frame = Frame::data_frame(*first.key(), &[value]);

@@ -367,13 +367,6 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         self.pdos.as_ref().len()
     }
 
-    /// Whether newer data takes the place of what [`Transmit::take`] has given: not so for multiplexed PDOs, each of which names
-    /// another object.
-    pub(crate) fn is_replaced(&self, number: usize) -> bool {
-        let pdo = self.pdos.as_ref().get(number);
-        pdo.is_some_and(|pdo| pdo.addressing().is_none())
-    }
-
     /// The frame of a PDO that waits; its place is empty afterwards.
     #[inline]
     pub fn take(&mut self, number: usize, agenda: &mut Agenda<impl Slots<Word>>) -> Option<Frame> {

@@ -4,7 +4,7 @@ use super::mapping::Mapped;
 use super::multiplexed::{self, Addressing, Message, Scan};
 use super::parameters::{Communication, Parameters, TransmissionType};
 use super::record::Record;
-use crate::agenda::{Agenda, Object, Word};
+use crate::agenda::{Agenda, Manner, Object, Word};
 use crate::od::{Dictionary, Slots, Unused};
 use crate::time::{Duration, Instant, NEVER, earlier, has_come};
 use crate::wire::Frame;
@@ -82,7 +82,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
             self.stop(agenda);
             self.event_at = NOT_RUNNING;
             self.find_watch();
-            agenda.name(self.object, self.cob_id(), self.is_synchronous());
+            agenda.name(self.object, self.cob_id(), self.manner());
         }
         is_changed
     }
@@ -101,6 +101,15 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     /// The places for its objects.
     pub(super) fn places(&mut self) -> &mut [Mapped] {
         self.record.mapping.objects.as_mut()
+    }
+
+    /// Multiplexed PDOs name another object each.
+    fn manner(&self) -> Manner {
+        match self.addressing() {
+            Some(_) => Manner::Every,
+            None if self.is_synchronous() => Manner::AtSync,
+            None => Manner::Newest,
+        }
     }
 
     fn find_watch(&mut self) {

@@ -5,7 +5,7 @@ use super::NO_COB_ID;
 use super::objects::Streams;
 use super::parameters::CobIds;
 use super::server::Server;
-use crate::agenda::{Agenda, Object};
+use crate::agenda::{Agenda, Manner, Object};
 use crate::od::{Counts, Dictionary, Entry, Slots};
 use crate::settings::NodeId;
 use crate::time::{Duration, Instant, NEVER, earlier};
@@ -74,7 +74,7 @@ impl<C: Counts> Servers<C> {
             };
             server.configure(cob_ids);
             server.sender = Object::answer(number.into(), pdos);
-            agenda.name(server.sender, server.response, false);
+            agenda.name(server.sender, server.response, Manner::Every);
         }
     }
 
