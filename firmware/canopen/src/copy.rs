@@ -34,7 +34,9 @@ fn copy_many(to: &mut [u8], from: &[u8], length: usize) {
         copy_chunk::<4>(to, from);
     }
     let done = length & !7;
-    if let (Some(to), Some(from)) = (to.get_mut(done..), from.get(done..)) {
+    if done != length
+        && let (Some(to), Some(from)) = (to.get_mut(done..), from.get(done..))
+    {
         copy_few(to, from, length & 7);
     }
 }

@@ -40,25 +40,24 @@ impl Table {
         Ok(self.entries.partition_point(is_before))
     }
 
-    /// The entry at `index`, `sub`.
+    /// The entry at `index`, `sub`. Mostly the object is in its own bucket, and has all sub-indices from 0 on: that is one look.
     ///
     /// # Errors
     /// The object, or only the sub-index, does not exist.
-    #[inline]
-    pub fn find(&self, index: u16, sub: u8) -> Result<&'static Entry, AccessError> {
-        match self.look(index, sub) {
-            Some(entry) => Ok(entry),
-            None => self.search(index, sub),
-        }
-    }
-
-    /// Mostly the object is in its own bucket, and has all sub-indices from 0 on: that is one look.
     #[inline(never)]
-    fn look(&self, index: u16, sub: u8) -> Option<&'static Entry> {
+    pub fn find(&self, index: u16, sub: u8) -> Result<&'static Entry, AccessError> {
         let bucket = buckets::first(index, self.buckets.len());
-        let start = usize::from(*self.buckets.get(bucket)?);
-        let entry = self.entries.get(start.wrapping_add(usize::from(sub)))?;
-        (entry.index == index && entry.sub == sub).then_some(entry)
+        let Some(&start) = self.buckets.get(bucket) else {
+            return Err(AccessError::NoObject);
+        };
+        if start == buckets::EMPTY {
+            return Err(AccessError::NoObject);
+        }
+        let position = usize::from(start).wrapping_add(usize::from(sub));
+        match self.entries.get(position) {
+            Some(entry) if entry.index == index && entry.sub == sub => Ok(entry),
+            _ => self.search(index, sub),
+        }
     }
 
     /// The object is in another bucket, has gaps among its sub-indices, or does not exist.

@@ -6,7 +6,7 @@
 use super::Entry;
 
 /// A bucket of no object.
-const EMPTY: u16 = u16::MAX;
+pub(super) const EMPTY: u16 = u16::MAX;
 
 /// 2^32 divided by the golden ratio.
 const SPREAD: u32 = 0x9E37_79B1;

@@ -1,13 +1,15 @@
 //! The classic CAN frame, data or remote, 11 or 29 bit identifier, 0 to 8 bytes.
 
+use core::num::NonZeroU32;
+
 use embedded_can::{ExtendedId, Id, StandardId};
 
 /// A classic CAN frame. It implements [`embedded_can::Frame`], so any driver can carry it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
-    /// 11 or 29 bits of identifier, [`EXTENDED`] and [`REMOTE`]: one comparison finds a data frame with the 11-bit
-    /// identifier that one looks for, and a frame moves in four words.
-    header: u32,
+    /// 11 or 29 bits of identifier, [`EXTENDED`], [`REMOTE`] and [`PRESENT`]: one comparison finds a data frame with the 11-bit
+    /// identifier that one looks for, and a frame moves in four words, as does "no frame".
+    header: NonZeroU32,
     data: [u8; 8],
     length: u8,
 }
@@ -16,6 +18,8 @@ pub struct Frame {
 const EXTENDED: u32 = 1 << 31;
 /// Bit of the header: a remote frame.
 const REMOTE: u32 = 1 << 30;
+/// Bit of the header: there is a frame.
+const PRESENT: NonZeroU32 = NonZeroU32::MIN.saturating_add((1 << 29) - 1);
 /// The bits of an 11-bit identifier.
 const STANDARD_ID: u16 = 0x7FF;
 
@@ -66,8 +70,8 @@ impl Frame {
     /// The 11-bit identifier; `None` for an extended frame.
     #[inline]
     pub fn standard_id(&self) -> Option<u16> {
-        if self.header & EXTENDED == 0 {
-            Some(self.header as u16 & STANDARD_ID)
+        if self.header.get() & EXTENDED == 0 {
+            Some(self.header.get() as u16 & STANDARD_ID)
         } else {
             None
         }
@@ -96,12 +100,12 @@ impl Frame {
     /// Whether this is a remote frame.
     #[inline]
     pub fn is_remote(&self) -> bool {
-        self.header & REMOTE != 0
+        self.header.get() & REMOTE != 0
     }
 
     /// The identifier, 11 or 29 bits.
     pub fn id(&self) -> Id {
-        let identifier = self.header & !(EXTENDED | REMOTE);
+        let identifier = self.header.get() & !(EXTENDED | REMOTE | PRESENT.get());
         match self.standard_id() {
             Some(cob_id) => Id::Standard(StandardId::new(cob_id).unwrap_or(StandardId::ZERO)),
             None => Id::Extended(ExtendedId::new(identifier).unwrap_or(ExtendedId::ZERO)),
@@ -115,15 +119,15 @@ impl Frame {
 }
 
 /// The header of a data frame with an 11-bit identifier.
-fn standard(cob_id: u16) -> u32 {
-    u32::from(cob_id & STANDARD_ID)
+fn standard(cob_id: u16) -> NonZeroU32 {
+    PRESENT | u32::from(cob_id & STANDARD_ID)
 }
 
 /// The header of a data frame.
-fn header(id: Id) -> u32 {
+fn header(id: Id) -> NonZeroU32 {
     match id {
-        Id::Standard(id) => u32::from(id.as_raw()),
-        Id::Extended(id) => id.as_raw() | EXTENDED,
+        Id::Standard(id) => standard(id.as_raw()),
+        Id::Extended(id) => PRESENT | id.as_raw() | EXTENDED,
     }
 }
 
@@ -144,7 +148,7 @@ impl embedded_can::Frame for Frame {
     }
 
     fn is_extended(&self) -> bool {
-        self.header & EXTENDED != 0
+        self.header.get() & EXTENDED != 0
     }
 
     fn is_remote_frame(&self) -> bool {

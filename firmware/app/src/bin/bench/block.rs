@@ -64,9 +64,10 @@ impl Application<Dictionary> for Domain {
         position: u32,
         data: &[u8],
     ) -> Result<(), AbortCode> {
-        let room = self.0.get_mut(position as usize..).unwrap_or(&mut []);
-        for (to, from) in room.iter_mut().zip(data) {
-            *to = *from;
+        let begin = position as usize;
+        match self.0.get_mut(begin..begin.saturating_add(data.len())) {
+            Some(room) => room.copy_from_slice(data),
+            None => return Err(AbortCode::LengthTooHigh),
         }
         Ok(())
     }

@@ -17,7 +17,7 @@ pub(super) fn add(crc: u16, bytes: &[u8]) -> u16 {
 }
 
 /// The checksum of what came before and the seven bytes of a full segment, which lie behind byte 0 of its frame.
-#[inline]
+#[inline(always)] // Of a segment it is an eighth of the work.
 pub(super) fn add_segment(crc: u16, frame: &[u8; 8]) -> u16 {
     // Two loads of a word. The command falls out of the first one.
     let words = u64::from_be_bytes(*frame);
