@@ -156,7 +156,7 @@ impl Axis {
     /// # Errors
     /// [`PlanError`]; the motion goes on as it was.
     pub fn move_to(&mut self, target: i64, limits: Limits) -> Result<(), PlanError> {
-        self.replan(Goal::Rest(target), limits)
+        self.order(Goal::Rest(target), limits, self.ramps)
     }
 
     /// Moves through `target` with `end_velocity` and keeps that; see [`Plan::then_move_through`].
@@ -169,7 +169,7 @@ impl Axis {
         end_velocity: Speed,
         limits: Limits,
     ) -> Result<(), PlanError> {
-        self.replan(Goal::Pass(target, end_velocity), limits)
+        self.order(Goal::Pass(target, end_velocity), limits, self.ramps)
     }
 
     /// Ramps to `velocity` and keeps it.
@@ -177,7 +177,7 @@ impl Axis {
     /// # Errors
     /// [`PlanError`]; the motion goes on as it was.
     pub fn ramp_to(&mut self, velocity: SignedSpeed, limits: Limits) -> Result<(), PlanError> {
-        self.replan(Goal::Velocity(velocity), limits)
+        self.order(Goal::Velocity(velocity), limits, self.ramps)
     }
 
     /// Ramps to rest at `deceleration` steps/s²: halt and quick stop. The axis comes to rest on a whole step.
@@ -186,7 +186,7 @@ impl Axis {
     /// [`PlanError::ZeroDeceleration`]; the motion goes on as it was.
     pub fn stop(&mut self, deceleration: u32) -> Result<(), PlanError> {
         let (goal, limits) = Goal::stop(deceleration);
-        self.replan(goal, limits)
+        self.order(goal, limits, self.ramps)
     }
 
     /// The tick of the axis' time that is being played now, if the sink still has `pending` ticks to play. It stands
@@ -319,7 +319,7 @@ impl Axis {
     /// What it goes on with if it follows the mean of a plan; `None` if it does not.
     pub fn mean(&self) -> Option<Mean> {
         self.is_averaged
-            .then(|| Mean::new(self.average.clone(), self.plan))
+            .then(|| Mean::new(self.average.clone(), self.plan.clone()))
     }
 
     /// The window of the mean that it follows, in ticks; 0 if it follows none.

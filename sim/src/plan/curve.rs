@@ -24,11 +24,11 @@ impl Curve {
     /// That of a plan.
     pub(super) fn of(config: AxisConfig, plan: Plan) -> Self {
         Self {
-            axis: Axis::on_plan(config, plan),
-            plan,
+            axis: Axis::on_plan(config, plan.clone()),
             curves: plan.phases().collect(),
             until: plan.end().unwrap_or(Ticks::MAX),
             is_mean: false,
+            plan,
         }
     }
 

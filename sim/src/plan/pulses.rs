@@ -310,7 +310,7 @@ mod tests {
             };
             let every: Vec<u64> = (0..pulses).collect();
             let timing = DriverTiming { pulse_high: 17, pulse_low: 17, direction_setup: 4, direction_hold: 4 };
-            let curve = Curve::of(AxisConfig { clock, segment: 42_000, timing }, plan);
+            let curve = Curve::of(AxisConfig { clock, segment: 42_000, timing }, plan.clone());
             let (shown, all) = (worst(&run.worst(&curve)), worst(&every));
             // Pulses next to the extreme one are as good but for rounding.
             prop_assert!(shown.0 - all.0 < 1e-6 && all.1 - shown.1 < 1e-6, "{shown:?} for {all:?}");

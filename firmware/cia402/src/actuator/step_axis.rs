@@ -6,7 +6,7 @@ mod emitter;
 use core::cell::Cell;
 
 use motion::{
-    Axis, AxisConfig, Demand, Direction, Draft, FollowError, Goal, Limits, PlanError, Position,
+    Axis, AxisConfig, Demand, Direction, FollowError, Goal, Limits, Plan, PlanError, Position,
     PulseSink, Ramps, SignedSpeed, Speed, Ticks, Velocity,
 };
 
@@ -97,20 +97,20 @@ impl<L: EmitterLock> StepAxis<L> {
     /// Plans a motion while the one before is played, and goes on with it. A target that is too far away stays so.
     fn plan(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
         let committed = self.committed;
-        let plan = |draft: &mut Draft| {
-            let here = draft.committed_position();
-            let shift = here.wrapping_sub(near(here, committed));
-            draft.plan(goal.shifted(shift), limits, ramps)
-        };
-        let mut draft = self.emitter.look(|emitter| emitter.axis.draft());
-        let mut result = plan(&mut draft);
-        if result.is_ok() && !self.emitter.lock(|emitter| emitter.axis.install(&draft)) {
+        let shifted = |here| goal.shifted(i64::wrapping_sub(here, near(here, committed)));
+        let mut plan = Plan::at_rest(0, 0);
+        let mut draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
+        let goal = shifted(draft.committed_position());
+        let mut result = draft.plan(&mut plan, goal, limits);
+        if result.is_ok()
+            && !self
+                .emitter
+                .lock(|emitter| emitter.axis.install(&draft, &plan))
+        {
             // A refill was in between; so the next one is far, and can wait for a plan.
             result = self.emitter.lock(|emitter| {
-                draft = emitter.axis.draft();
-                plan(&mut draft)?;
-                let is_done = emitter.axis.install(&draft);
-                is_done.then_some(()).ok_or(PlanError::Internal)
+                let goal = shifted(emitter.axis.committed_position());
+                emitter.axis.order(goal, limits, ramps)
             });
         }
         self.is_broken |= result == Err(PlanError::Internal);
@@ -254,8 +254,8 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
     }
 
     fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
-        let draft = self.emitter.look(|emitter| emitter.axis.draft());
-        let rest = draft.stop_preview(deceleration, ramps, leaves);
+        let draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
+        let rest = draft.stop_preview(deceleration, leaves);
         rest.map_or(self.committed, |rest| near(rest, self.committed))
     }
 

@@ -70,7 +70,7 @@ impl Course {
     /// Another plan, in place of the last one.
     fn redirect(&mut self, horizon: Ticks, goal: Goal, limits: Limits) {
         let joint = self.average.joint(horizon);
-        let mut plan = self.plans.last().unwrap().1;
+        let mut plan = self.plans.last().unwrap().1.clone();
         if plan
             .replan(clock(), joint, goal, limits, Ramps::Linear)
             .is_ok()
@@ -163,7 +163,7 @@ proptest! {
         course.run(Ticks::MAX);
 
         // In its end it is where the last plan is, to the last bit of a position, one window later than that.
-        let (joint, plan) = *course.plans.last().unwrap();
+        let (joint, plan) = course.plans.last().unwrap().clone();
         let end = plan.end().unwrap();
         prop_assert!(course.average.is_over());
         let there = course.average.exact_at(course.average.until());
@@ -251,7 +251,7 @@ fn a_creeping_plan_is_followed_to_the_tick() {
     let (until, line) = *course.pieces.last().unwrap();
     assert_eq!(until, Ticks::MAX);
     assert!(course.pieces.len() <= 403, "{}", course.pieces.len());
-    let plan = course.plans[0].1;
+    let plan = course.plans[0].1.clone();
     let hour = 3600 * u64::from(HZ);
     let half = u64::from(window.ticks()) / 2;
     assert_eq!(line.at(hour), plan.exact_at(hour - half));

@@ -1,8 +1,8 @@
 //! A motion that is planned while the one before is played.
 //!
-//! A [`Draft`] is a copy of all that a plan begins with, as it was at the commit horizon; making a plan of it takes nothing from the axis. The axis
-//! takes it if its horizon is where it was ([`Axis::install`]). So pulses may be committed while somebody plans: who was overtaken by them takes
-//! another draft, and the next refill is far then.
+//! A [`Draft`] is what a plan begins with, as it was at the commit horizon; making a plan of it takes nothing from the axis. The axis
+//! takes it if its horizon is where it was ([`Axis::install`]). So pulses may be committed while somebody plans: who was overtaken by them
+//! orders it at once ([`Axis::order`]), and the next refill is far then.
 
 use super::Axis;
 use crate::average::{Average, Window};
@@ -23,36 +23,21 @@ pub struct Draft {
     steps: i32,
     acceleration: u32,
     mean_jerk: u32,
-    followed: Followed,
+    ramps: Ramps,
+    /// The motion at the commit horizon; that of the plan at its joint, if its mean goes on along another one.
+    start: Start,
+    /// The window of that mean.
+    kept: Option<Window>,
+    /// Where the plan comes to rest that is followed.
+    destination: Option<Exact>,
     next: Next,
-    plan: Plan,
-}
-
-/// What the axis follows at the commit horizon.
-#[derive(Debug, Clone, Copy)]
-enum Followed {
-    Plan,
-    /// A path, which is here.
-    Path(Exact),
-    Mean(MeanThere),
-}
-
-/// The mean of a plan at the commit horizon.
-#[derive(Debug, Clone, Copy)]
-struct MeanThere {
-    at: Exact,
-    /// Q96 steps per tick².
-    acceleration: i128,
-    /// Where it began, if nothing has come of it yet.
-    fresh: Option<Exact>,
-    /// Up to here its plan has been looked at.
-    joint: Ticks,
-    window: Window,
 }
 
 /// What the axis follows from there on.
 #[derive(Debug, Clone, Copy)]
 enum Next {
+    /// The plan that it follows already.
+    Same,
     Plan,
     /// The mean, that goes on along another plan.
     SameMean,
@@ -66,20 +51,21 @@ impl Draft {
         self.steps.into()
     }
 
-    /// Plans a motion, from where the axis is at the commit horizon.
+    /// Plans a motion from where the axis is at the commit horizon, and writes it over `plan`.
     ///
     /// # Errors
-    /// [`PlanError`]; the draft is as it was.
-    pub fn plan(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<(), PlanError> {
+    /// [`PlanError`]; draft and plan are as they were.
+    pub fn plan(&mut self, plan: &mut Plan, goal: Goal, limits: Limits) -> Result<(), PlanError> {
         let limits = Limits {
             velocity: limits.velocity.min(self.max_velocity),
             ..limits
         };
-        if let Ramps::MovingAverage(jerk) = ramps {
-            self.plan_averaged(goal, limits, jerk)?;
+        self.next = if let Ramps::MovingAverage(jerk) = self.ramps {
+            self.plan_averaged(plan, goal, limits, jerk)?
         } else {
-            self.plan_itself(goal, limits, ramps)?;
-        }
+            let goal = self.seen_from(goal, self.start.from);
+            self.plan_itself(plan, goal, limits)?
+        };
         if limits.acceleration > 0 {
             self.acceleration = limits.acceleration;
         }
@@ -91,66 +77,56 @@ impl Draft {
     ///
     /// # Errors
     /// As [`Axis::stop`].
-    pub fn stop_preview(
-        mut self,
-        deceleration: u32,
-        ramps: Ramps,
-        leaves: bool,
-    ) -> Result<i64, PlanError> {
+    pub fn stop_preview(mut self, deceleration: u32, leaves: bool) -> Result<i64, PlanError> {
         let (goal, limits) = Goal::stop(deceleration);
-        let here = self.here();
-        if leaves && matches!(self.followed, Followed::Plan) && !is_averaged(ramps) {
-            let (clock, horizon) = (self.clock, self.horizon);
-            self.plan.leave_ramp(clock, horizon, goal, limits, ramps)?;
+        let mut plan = Plan::at_rest(0, 0);
+        if leaves && !self.is_averaged() {
+            self.start.leave_ramp();
+            plan.make(self.clock, &self.start, goal, limits, self.ramps)?;
+            self.next = Next::Plan;
         } else {
-            self.plan(goal, limits, ramps)?;
+            self.plan(&mut plan, goal, limits)?;
         }
-        let rest = self.plan.destination().unwrap_or(here);
-        Ok(rest.floor().whole_steps())
+        let rest = match self.next {
+            Next::Same => self.destination,
+            _ => plan.destination(),
+        };
+        Ok(rest.unwrap_or(self.start.from).floor().whole_steps())
+    }
+
+    const fn is_averaged(&self) -> bool {
+        matches!(self.ramps, Ramps::MovingAverage(_))
     }
 
     /// The plan itself is followed.
-    fn plan_itself(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<(), PlanError> {
-        let (clock, horizon) = (self.clock, self.horizon);
-        if let Followed::Plan = self.followed {
-            let goal = self.across(goal, horizon);
-            self.plan.replan(clock, horizon, goal, limits, ramps)?;
-        } else {
-            let start = self.start();
-            let goal = self.seen_from(goal, start.from);
-            self.plan.make(clock, &start, goal, limits, ramps)?;
+    fn plan_itself(&self, plan: &mut Plan, goal: Goal, limits: Limits) -> Result<Next, PlanError> {
+        if self.start.is_for(goal, limits, self.ramps) {
+            return Ok(Next::Same);
         }
-        self.next = Next::Plan;
-        Ok(())
+        plan.make(self.clock, &self.start, goal, limits, self.ramps)?;
+        Ok(Next::Plan)
     }
 
     /// The window is chosen where the mean begins, and stays until the axis is at rest; while nothing has come of it yet, another order chooses
     /// it anew. From rest to rest it is as short as the jerk allows if
     /// the two ramps are further apart than that; otherwise one acceleration may come behind the other at once.
-    fn plan_averaged(&mut self, goal: Goal, limits: Limits, jerk: u32) -> Result<(), PlanError> {
-        let (clock, horizon, ramps) = (self.clock, self.horizon, Ramps::MovingAverage(jerk));
-        let limits = Window::within(clock, limits, jerk);
-        let mean = match self.followed {
-            Followed::Mean(MeanThere {
-                fresh: None,
-                joint,
-                window,
-                ..
-            }) => {
-                self.plan.enter(joint);
-                let goal = self.across(goal, joint);
-                self.plan.replan(clock, joint, goal, limits, ramps)?;
-                self.next = Next::SameMean;
-                // The window stays, so harder ramps have a higher jerk.
-                let jerk = window.jerk(clock, limits.acceleration, limits.deceleration);
-                self.mean_jerk = self.mean_jerk.max(jerk);
-                return Ok(());
-            }
-            Followed::Mean(MeanThere {
-                fresh: Some(mean), ..
-            }) => mean,
-            _ => self.here(),
-        };
+    fn plan_averaged(
+        &mut self,
+        plan: &mut Plan,
+        goal: Goal,
+        limits: Limits,
+        jerk: u32,
+    ) -> Result<Next, PlanError> {
+        let limits = Window::within(self.clock, limits, jerk);
+        if let Some(window) = self.kept {
+            let goal = self.seen_from(goal, self.start.from);
+            plan.make(self.clock, &self.start, goal, limits, self.ramps)?;
+            // The window stays, so harder ramps have a higher jerk.
+            let jerk = window.jerk(self.clock, limits.acceleration, limits.deceleration);
+            self.mean_jerk = self.mean_jerk.max(jerk);
+            return Ok(Next::SameMean);
+        }
+        let mean = self.start.from;
         let (a, d) = self.expected(limits, jerk);
         let long = self.window_for(a + d, jerk);
         let from = if mean.velocity != 0 {
@@ -159,33 +135,23 @@ impl Draft {
             mean
         };
         let goal = self.seen_from(goal, from);
-        let start = Start::steady(horizon, from);
-        self.plan.make(clock, &start, goal, limits, ramps)?;
-        self.next = if mean.velocity != 0 {
-            Next::Mean(long, mean)
-        } else if self.plan.end().is_some_and(|end| end <= horizon) {
-            // Nothing need be waited for where nothing moves.
-            Next::Plan
-        } else {
-            let cruise = match goal {
-                Goal::Rest(_) => self.plan.cruise(),
-                Goal::Pass(..) | Goal::Velocity(_) => 0,
-            };
-            let short = self.window_for(a.max(d), jerk);
-            let is_far = cruise >= short.ticks().into();
-            Next::Mean(if is_far { short } else { long }, mean)
-        };
+        let start = Start::steady(self.horizon, from);
+        plan.make(self.clock, &start, goal, limits, self.ramps)?;
         self.mean_jerk = jerk;
-        Ok(())
-    }
-
-    /// As [`Draft::seen_from`], from where the plan is at tick `at`.
-    fn across(&self, goal: Goal, at: Ticks) -> Goal {
-        if matches!(goal, Goal::Velocity(_)) {
-            goal
-        } else {
-            self.seen_from(goal, self.plan.exact_at(at))
+        if mean.velocity != 0 {
+            return Ok(Next::Mean(long, mean));
         }
+        if plan.end().is_some_and(|end| end <= self.horizon) {
+            // Nothing need be waited for where nothing moves.
+            return Ok(Next::Plan);
+        }
+        let cruise = match goal {
+            Goal::Rest(_) => plan.cruise(),
+            Goal::Pass(..) | Goal::Velocity(_) => 0,
+        };
+        let short = self.window_for(a.max(d), jerk);
+        let is_far = cruise >= short.ticks().into();
+        Ok(Next::Mean(if is_far { short } else { long }, mean))
     }
 
     /// A target is as far from the pulses committed as its number says. What is planned begins ahead of these, by half a step or by half a
@@ -196,24 +162,6 @@ impl Draft {
         let unwrapped = i64::from(self.steps).wrapping_add(ahead.into());
         let shift = i64::from(here).wrapping_sub(unwrapped);
         goal.shifted(shift)
-    }
-
-    /// Where the axis is at the commit horizon.
-    fn here(&self) -> Exact {
-        match self.followed {
-            Followed::Plan => self.plan.exact_at(self.horizon),
-            Followed::Path(at) | Followed::Mean(MeanThere { at, .. }) => at,
-        }
-    }
-
-    /// The motion at the commit horizon of a path or a mean, as a plan begins with it.
-    fn start(&self) -> Start {
-        let mut start = Start::steady(self.horizon, self.here());
-        if let Followed::Mean(mean) = self.followed {
-            start.acceleration = mean.acceleration;
-            start.sixth_jerk = self.clock.sixth_jerk(self.mean_jerk);
-        }
-        start
     }
 
     /// The acceleration and the deceleration for which the window is chosen: a stop has no acceleration, but one may come behind it.
@@ -237,25 +185,13 @@ impl Draft {
 }
 
 impl Axis {
-    /// What another motion is planned from.
+    /// What another motion with these ramps is planned from.
     // Out of line, and made where it is wanted.
     #[inline(never)]
-    pub fn draft(&self) -> Draft {
+    pub fn draft(&self, ramps: Ramps) -> Draft {
         let horizon = self.horizon();
-        let followed = if let Some(path) = &self.path {
-            Followed::Path(path.exact_at(horizon))
-        } else if self.is_averaged {
-            let mean = &self.average;
-            Followed::Mean(MeanThere {
-                at: mean.exact_at(horizon),
-                acceleration: mean.phase().acceleration_exact(horizon),
-                fresh: mean.fresh(),
-                joint: mean.joint(horizon),
-                window: mean.window(),
-            })
-        } else {
-            Followed::Plan
-        };
+        let goes_on = matches!(ramps, Ramps::MovingAverage(_)) && self.is_averaged;
+        let fresh = self.average.fresh();
         Draft {
             clock: self.clock,
             max_velocity: self.max_velocity(),
@@ -264,45 +200,74 @@ impl Axis {
             steps: self.steps,
             acceleration: self.acceleration,
             mean_jerk: self.mean_jerk,
-            followed,
-            next: Next::Plan,
-            plan: self.plan,
+            ramps,
+            kept: (goes_on && fresh.is_none()).then(|| self.average.window()),
+            destination: self.plan.destination(),
+            next: Next::Same,
+            start: match &self.path {
+                Some(path) => Start::steady(horizon, path.exact_at(horizon)),
+                None if !self.is_averaged => self.plan.leave(horizon),
+                None if !goes_on => self.mean_start(horizon),
+                None => match fresh {
+                    Some(begin) => Start::steady(horizon, begin),
+                    None => {
+                        let joint = self.average.joint(horizon);
+                        Start::steady(joint, self.plan.exact_at(joint))
+                    }
+                },
+            },
         }
+    }
+
+    /// The motion of the mean, where it is left for another trajectory.
+    fn mean_start(&self, horizon: Ticks) -> Start {
+        let mean = &self.average;
+        Start::steady(horizon, mean.exact_at(horizon)).easing(
+            mean.phase().acceleration_exact(horizon),
+            self.clock.sixth_jerk(self.mean_jerk),
+        )
     }
 
     /// Goes on as planned, from the commit horizon on. Returns whether the draft was in time: if pulses have been committed since it was taken, the
     /// motion goes on as it was. No other order may have come in between.
     #[must_use]
     #[inline(never)]
-    pub fn install(&mut self, draft: &Draft) -> bool {
+    pub fn install(&mut self, draft: &Draft, plan: &Plan) -> bool {
         let horizon = self.horizon();
-        let is_joint = match draft.followed {
-            Followed::Mean(mean) => self.is_averaged && self.average.joint(horizon) == mean.joint,
-            Followed::Plan | Followed::Path(_) => true,
-        };
+        let is_joint = draft.kept.is_none()
+            || self.is_averaged && self.average.joint(horizon) == draft.start.tick;
         if draft.horizon != horizon || !is_joint {
             return false;
         }
-        self.stepper.leave();
-        self.plan = draft.plan;
-        match draft.next {
-            Next::Plan => {}
-            Next::SameMean => self.average.rejoin(&mut self.plan),
-            Next::Mean(window, mean) => self.average.begin(window, horizon, mean),
+        if !matches!(draft.next, Next::Same) {
+            self.plan.clone_from(plan);
         }
-        self.is_averaged = !matches!(draft.next, Next::Plan);
-        self.mean_jerk = draft.mean_jerk;
-        self.acceleration = draft.acceleration;
-        self.path = None;
+        self.go_on_with(draft);
         true
     }
 
-    /// Plans another motion, from where the axis is at the commit horizon. On an error the motion goes on as it was.
-    pub(super) fn replan(&mut self, goal: Goal, limits: Limits) -> Result<(), PlanError> {
-        let mut draft = self.draft();
-        draft.plan(goal, limits, self.ramps)?;
-        // Nothing is committed meanwhile.
-        let _ = self.install(&draft);
+    /// The plan is that of a draft.
+    fn go_on_with(&mut self, draft: &Draft) {
+        self.stepper.leave();
+        match draft.next {
+            Next::Same | Next::Plan => {}
+            Next::SameMean => self.average.rejoin(&mut self.plan),
+            Next::Mean(window, mean) => self.average.begin(window, draft.horizon, mean),
+        }
+        self.is_averaged = matches!(draft.next, Next::SameMean | Next::Mean(..));
+        self.mean_jerk = draft.mean_jerk;
+        self.acceleration = draft.acceleration;
+        self.path = None;
+    }
+
+    /// Leaves for another goal with these ramps, from where the axis is at the commit horizon.
+    ///
+    /// # Errors
+    /// [`PlanError`]; the motion goes on as it was.
+    pub fn order(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<(), PlanError> {
+        let mut draft = self.draft(ramps);
+        draft.plan(&mut self.plan, goal, limits)?;
+        self.go_on_with(&draft);
         Ok(())
     }
 
@@ -316,10 +281,6 @@ impl Axis {
         ramps: Ramps,
         leaves: bool,
     ) -> Result<i64, PlanError> {
-        self.draft().stop_preview(deceleration, ramps, leaves)
+        self.draft(ramps).stop_preview(deceleration, leaves)
     }
-}
-
-const fn is_averaged(ramps: Ramps) -> bool {
-    matches!(ramps, Ramps::MovingAverage(_))
 }

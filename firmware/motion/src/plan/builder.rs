@@ -57,6 +57,8 @@ pub(super) struct PlanBuilder<'a> {
     tick: Ticks,
     pub(super) travelled: i128,
     is_sine: bool,
+    /// Pieces that stay; one behind them is written over.
+    count: usize,
     /// A piece had no room.
     is_full: bool,
 }
@@ -69,32 +71,24 @@ impl<'a> PlanBuilder<'a> {
             origin: origin.from.position,
             reverse,
         };
-        plan.count = 0;
+        plan.pieces.clear();
         plan.last_ramp = origin.start;
-        plan.entered_until = 0;
+        plan.entered = None;
         let mut builder = Self {
             plan,
             now: origin.end,
             tick: origin.end.tick_up(),
             travelled: 0,
             is_sine: origin.is_sine,
+            count: 0,
             is_full: false,
         };
         if let Some(lead) = origin.lead
             && builder.tick != origin.start
         {
-            let turn = |value| builder.plan.frame.turn(value);
-            builder.write(Piece {
-                position: turn(lead.position),
-                velocity: turn(lead.velocity),
-                half_acceleration: turn(lead.half_acceleration),
-                shape: match lead.shape {
-                    Shape::Cubic(sixth_jerk) => Shape::Cubic(turn(sixth_jerk)),
-                    Shape::Sine(time) => Shape::Sine(time),
-                },
-                ..lead
-            });
-            builder.plan.count += 1;
+            let lead = lead.seen_from(&builder.plan.frame);
+            builder.write(lead);
+            builder.count += 1;
         }
         builder
     }
@@ -241,7 +235,7 @@ impl<'a> PlanBuilder<'a> {
     /// Keeps `speed` for ever.
     pub(super) fn keep(mut self, speed: Fine) -> Result<(), PlanError> {
         self.cruise(speed, 0, 0);
-        self.plan.count += 1;
+        self.count += 1;
         self.plan.end = Ticks::MAX;
         self.plan.rest = self.plan.frame.origin;
         self.finish()
@@ -250,11 +244,11 @@ impl<'a> PlanBuilder<'a> {
     /// A plan that lacks a piece goes on as its last one does, until whoever is told stops it.
     fn finish(self) -> Result<(), PlanError> {
         if self.is_full {
-            self.plan.count = self.plan.pieces.len() as u8;
             self.plan.end = Ticks::MAX;
             self.plan.order = None;
             return Err(PlanError::Internal);
         }
+        self.plan.pieces.truncate(self.count);
         Ok(())
     }
 
@@ -272,7 +266,7 @@ impl<'a> PlanBuilder<'a> {
         self.now = self.now.after(time);
         let tick = self.now.tick_up();
         if tick != self.tick {
-            self.plan.count += 1;
+            self.count += 1;
             self.tick = tick;
         }
         self.travelled = self.travelled.wrapping_add(distance);
@@ -280,9 +274,7 @@ impl<'a> PlanBuilder<'a> {
 
     /// Writes the piece that comes next, or writes over it.
     fn write(&mut self, piece: Piece) {
-        match self.plan.pieces.get_mut(usize::from(self.plan.count)) {
-            Some(next) => *next = piece,
-            None => self.is_full = true,
-        }
+        self.plan.pieces.truncate(self.count);
+        self.is_full |= self.plan.pieces.push(piece).is_err();
     }
 }

@@ -8,7 +8,7 @@ use super::builder::Origin;
 use super::goal::{Goal, Limits};
 use super::move_to::distance_to;
 use super::piece::{Instant, Piece, Shape, distance_at, over_time};
-use super::{Plan, sine};
+use super::{Order, Plan, Ramps, sine};
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::quotient;
 use crate::fixed::Exact;
@@ -17,7 +17,7 @@ use crate::wide::Wide;
 use core::cmp::Ordering;
 
 /// A motion, as another one begins with it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct Start {
     pub(crate) tick: Ticks,
     pub(crate) from: Exact,
@@ -25,6 +25,10 @@ pub(crate) struct Start {
     /// to zero: no less than that with which it came about, or the velocity would go on beyond its limit.
     pub(crate) acceleration: i128,
     pub(crate) sixth_jerk: Fine,
+    /// What it was planned for, if its ramps are smooth.
+    pub(super) order: Option<Order>,
+    /// A sin² ramp that is under way and may be finished, in the frame of the axis.
+    pub(super) ramp: Option<Piece>,
 }
 
 impl Start {
@@ -35,16 +39,42 @@ impl Start {
             from,
             acceleration: 0,
             sixth_jerk: 0,
+            order: None,
+            ramp: None,
         }
     }
 
+    /// Whether it is planned for that already.
+    pub(crate) fn is_for(&self, goal: Goal, limits: Limits, ramps: Ramps) -> bool {
+        self.order == Some((goal, limits, ramps))
+    }
+
+    /// With an acceleration, Q96 steps per tick², and a sixth of the jerk of which it is.
+    pub(crate) const fn easing(mut self, acceleration: i128, sixth_jerk: Fine) -> Self {
+        (self.acceleration, self.sixth_jerk) = (acceleration, sixth_jerk);
+        self
+    }
+
+    /// No ramp that is under way is finished.
+    pub(crate) const fn leave_ramp(&mut self) {
+        self.ramp = None;
+    }
+
+    /// From where sin² ramps begin.
+    pub(super) fn smooth_origin(&self, clock: Clock, goal: Goal, limits: Limits) -> Origin {
+        if let Some(finished) = self.finished(clock, goal, limits) {
+            return finished;
+        }
+        self.eased(self.sixth_jerk.max(self.harder_jerk(clock, limits)))
+    }
+
     /// From where sin² ramps go on when the acceleration has been brought to zero; at once if there is no jerk for that.
-    pub(super) fn eased(&self) -> Origin {
+    fn eased(&self, sixth_jerk: Fine) -> Origin {
         let Self {
             tick,
             from,
             acceleration,
-            sixth_jerk,
+            ..
         } = *self;
         let strength = acceleration.unsigned_abs();
         let jerk = 6 * sixth_jerk;
@@ -85,77 +115,39 @@ impl Start {
             is_sine: true,
         }
     }
-}
 
-impl Plan {
-    /// The motion at tick `at` of a smooth plan.
-    pub(super) fn leave(&self, at: Ticks) -> Start {
-        let (from, acceleration) = self.motion_at(at);
-        if acceleration == 0 {
-            return Start::steady(at, from);
-        }
-        let entered = match self.find_piece(at).map(|(piece, _)| (piece, piece.shape)) {
-            Some((piece, Shape::Sine(time))) => sine::jerk(piece.half_acceleration, time),
-            Some((_, Shape::Cubic(sixth_jerk))) if sixth_jerk != 0 => sixth_jerk.unsigned_abs(),
-            _ => self.sixth_jerk,
-        };
-        Start {
-            tick: at,
-            from,
-            acceleration,
-            sixth_jerk: entered,
-        }
-    }
-
-    /// The rest of a sin² ramp that is under way at tick `at`, if a motion to `goal` begins with that anyway.
-    pub(super) fn rest_of_ramp(
-        &self,
-        clock: Clock,
-        at: Ticks,
-        goal: Goal,
-        limits: Limits,
-    ) -> Option<Origin> {
-        let (ramp, _) = self.find_piece(at)?;
+    /// From where the ramp that is under way ends, if a motion to `goal` begins with the rest of it anyway.
+    fn finished(&self, clock: Clock, goal: Goal, limits: Limits) -> Option<Origin> {
+        let ramp = self.ramp.as_ref()?;
         let Shape::Sine(time) = ramp.shape else {
             return None;
         };
-        // Where it ends, in the frame.
-        let (end, position, velocity) = if Instant::from(at) < ramp.anchor {
-            (ramp.anchor, ramp.position, ramp.velocity)
+        let half = ramp.half_acceleration;
+        // From where it is anchored to where it ends.
+        let is_braking = Instant::from(self.tick) < ramp.anchor;
+        let (end, distance, gain) = if is_braking {
+            (ramp.anchor, 0, 0)
         } else {
-            let half_gain = distance_at(ramp.half_acceleration, time);
+            let half_gain = distance_at(half, time);
             let distance = distance_at(ramp.velocity + half_gain, time);
-            (
-                ramp.anchor.after(time),
-                ramp.position.wrapping_add(distance),
-                ramp.velocity + 2 * half_gain,
-            )
+            (ramp.anchor.after(time), distance, 2 * half_gain)
         };
-        let turn = |value| self.frame.turn(value);
-        let half = turn(ramp.half_acceleration);
         let from = Exact {
-            position: self.frame.place(position),
-            velocity: turn(velocity),
+            position: ramp.position.wrapping_add(distance),
+            velocity: ramp.velocity + gain,
         };
-        let change = if ramp.anchor == end { -half } else { half };
+        let change = if is_braking { -half } else { half };
         if !is_done_anyway(from, change, clock, goal, limits) {
             return None;
         }
-        // Only a target to pass asks where it begins; the piece there need not be worked out for another one.
-        let begin = match goal {
-            Goal::Pass(..) => self.exact_at(at).position,
-            Goal::Rest(_) | Goal::Velocity(_) => from.position,
-        };
         Some(Origin {
-            start: at,
+            start: self.tick,
             lead: Some(Piece {
-                start: at,
-                position: turn(ramp.position.wrapping_sub(position)),
-                velocity: turn(ramp.velocity),
-                half_acceleration: half,
+                start: self.tick,
+                position: distance.wrapping_neg(),
                 ..*ramp
             }),
-            begin,
+            begin: self.from.position,
             end,
             from,
             is_sine: true,
@@ -164,16 +156,48 @@ impl Plan {
 
     /// If these limits are harder than those so far, a sixth of the jerk of their ramps from rest to the profile velocity, or from the velocity of
     /// now if that is higher: a quick stop must not last as long as the gentle ramp that it ends.
-    pub(super) fn harder_jerk(&self, clock: Clock, from: Exact, limits: Limits) -> Fine {
+    fn harder_jerk(&self, clock: Clock, limits: Limits) -> Fine {
         let hardest = |limits: Limits| limits.acceleration.max(limits.deceleration);
-        let before = self.order.map_or(0, |(_, before, _)| hardest(before));
-        if hardest(limits) <= before {
+        if !matches!(self.order, Some((_, before, _)) if hardest(limits) > hardest(before)) {
             return 0;
         }
         let speed = clock
             .speed(limits.velocity)
-            .max(from.velocity.unsigned_abs());
+            .max(self.from.velocity.unsigned_abs());
         sine::jerk_of(clock.half_acceleration(hardest(limits)), speed)
+    }
+}
+
+impl Plan {
+    /// The motion at tick `at`, as another one begins with it: from linear ramps with no acceleration.
+    pub(crate) fn leave(&self, at: Ticks) -> Start {
+        if self.order.is_none() {
+            return Start::steady(at, self.exact_at(at));
+        }
+        let (from, acceleration) = self.motion_at(at);
+        let piece = self.find_piece(at).map(|(piece, _)| piece);
+        let mut start = Start {
+            order: self.order.filter(|_| at >= self.frame.start),
+            ..Start::steady(at, from)
+        };
+        if let Some(piece) = piece
+            && let Shape::Sine(_) = piece.shape
+        {
+            let ramp = piece.seen_from(&self.frame);
+            start.ramp = Some(Piece {
+                position: self.frame.origin.wrapping_add(ramp.position),
+                ..ramp
+            });
+        }
+        if acceleration == 0 {
+            return start;
+        }
+        let sixth_jerk = match piece.map(|piece| (piece, piece.shape)) {
+            Some((piece, Shape::Sine(time))) => sine::jerk(piece.half_acceleration, time),
+            Some((_, Shape::Cubic(sixth_jerk))) if sixth_jerk != 0 => sixth_jerk.unsigned_abs(),
+            _ => self.sixth_jerk,
+        };
+        start.easing(acceleration, sixth_jerk)
     }
 }
 

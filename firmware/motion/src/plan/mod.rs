@@ -28,6 +28,7 @@ use crate::speed::{SignedSpeed, Speed};
 use crate::stepper::piece::Piece as Polynomial;
 use builder::Origin;
 pub use goal::{Goal, Limits, PlanError, Ramps};
+use heapless::Vec;
 pub(crate) use lead::Start;
 use phase::Phase;
 use piece::{Frame, Piece};
@@ -39,23 +40,24 @@ pub const MOST_PIECES: usize = if cfg!(feature = "limited-jerk") {
     6
 };
 
+/// What a plan was made for.
+type Order = (Goal, Limits, Ramps);
+
 /// A motion in closed form.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Plan {
     frame: Frame,
     /// `Ticks::MAX` if it never ends.
     end: Ticks,
-    pieces: [Piece; MOST_PIECES],
-    count: u8,
-    /// The phase that was entered, and the first tick behind it; 0 if there is none.
-    entered: Phase,
-    entered_until: Ticks,
+    pieces: Vec<Piece, MOST_PIECES>,
+    /// The phase that was entered, and the first tick behind it.
+    entered: Option<(Phase, Ticks)>,
     /// The position from `end` on, Q96 steps.
     rest: i128,
     /// The first tick of the ramp to rest, or of the last ramp there is.
     last_ramp: Ticks,
     /// What the plan was made for, if its ramps are smooth.
-    order: Option<(Goal, Limits, Ramps)>,
+    order: Option<Order>,
     /// A sixth of the jerk of its ramps, Q128 steps per tick³; 0 if it is not limited.
     sixth_jerk: Fine,
 }
@@ -71,10 +73,8 @@ impl Plan {
                 reverse: false,
             },
             end: start,
-            pieces: [Piece::NONE; MOST_PIECES],
-            count: 0,
-            entered: Phase::NONE,
-            entered_until: 0,
+            pieces: Vec::new(),
+            entered: None,
             rest,
             last_ramp: start,
             order: None,
@@ -177,7 +177,7 @@ impl Plan {
         end_velocity: Speed,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        let mut next = *self;
+        let mut next = self.clone();
         next.replan(
             clock,
             at,
@@ -199,7 +199,7 @@ impl Plan {
         velocity: SignedSpeed,
         limits: Limits,
     ) -> Result<Self, PlanError> {
-        let mut next = *self;
+        let mut next = self.clone();
         next.replan(clock, at, Goal::Velocity(velocity), limits, Ramps::Linear)?;
         Ok(next)
     }
@@ -220,38 +220,11 @@ impl Plan {
         limits: Limits,
         ramps: Ramps,
     ) -> Result<(), PlanError> {
-        if self.order == Some((goal, limits, ramps)) && at >= self.frame.start {
-            return Ok(());
+        let start = self.leave(at);
+        if !start.is_for(goal, limits, ramps) {
+            self.make(clock, &start, goal, limits, ramps)?;
         }
-        if !self.is_smooth() {
-            self.enter(at);
-            let start = Start::steady(at, self.exact_at(at));
-            return self.make(clock, &start, goal, limits, ramps);
-        }
-        if ramps == Ramps::SinSquared
-            && let Some(rest) = self.rest_of_ramp(clock, at, goal, limits)
-        {
-            return self.build(clock, &rest, (goal, limits));
-        }
-        self.enter(at);
-        self.leave_ramp(clock, at, goal, limits, ramps)
-    }
-
-    /// The same of a smooth plan, but no sin² ramp is finished.
-    pub(crate) fn leave_ramp(
-        &mut self,
-        clock: Clock,
-        at: Ticks,
-        goal: Goal,
-        limits: Limits,
-        ramps: Ramps,
-    ) -> Result<(), PlanError> {
-        let mut start = self.leave(at);
-        if ramps == Ramps::SinSquared {
-            let harder = self.harder_jerk(clock, start.from, limits);
-            start.sixth_jerk = start.sixth_jerk.max(harder);
-        }
-        self.make(clock, &start, goal, limits, ramps)
+        Ok(())
     }
 
     /// Makes a plan from a motion. On an error the plan stays as it was.
@@ -265,7 +238,10 @@ impl Plan {
     ) -> Result<(), PlanError> {
         match ramps {
             Ramps::MovingAverage(0) => Err(PlanError::ZeroJerk),
-            Ramps::SinSquared => self.build(clock, &start.eased(), (goal, limits)),
+            Ramps::SinSquared => {
+                let origin = start.smooth_origin(clock, goal, limits);
+                self.build(clock, &origin, (goal, limits))
+            }
             Ramps::Linear | Ramps::MovingAverage(_) => {
                 let origin = Origin::steady(start.tick, start.from);
                 self.build(clock, &origin, (goal, limits))
@@ -307,11 +283,6 @@ impl Plan {
         Ok(())
     }
 
-    /// Whether its ramps are not linear: another smooth plan in motion begins with the acceleration of this one.
-    const fn is_smooth(&self) -> bool {
-        self.order.is_some()
-    }
-
     /// The first tick of the ramp to rest; the end, if the axis stands.
     pub(crate) const fn last_ramp(&self) -> Ticks {
         self.last_ramp
@@ -346,19 +317,13 @@ impl Plan {
         })
     }
 
-    fn pieces(&self) -> &[Piece] {
-        self.pieces
-            .get(..usize::from(self.count))
-            .unwrap_or_default()
-    }
-
     /// The piece at tick `t`, and the first tick behind it.
     fn find_piece(&self, t: Ticks) -> Option<(&Piece, Ticks)> {
         let mut until = self.end;
         if t >= until {
             return None;
         }
-        for piece in self.pieces().iter().rev() {
+        for piece in self.pieces.iter().rev() {
             if piece.start <= t {
                 return Some((piece, until));
             }
@@ -379,7 +344,7 @@ impl Plan {
 
     /// How long it keeps its velocity between its two ramps, if it is one from rest to rest; in ticks.
     pub(crate) fn cruise(&self) -> Ticks {
-        let line = self.pieces().iter().find(|piece| piece.is_line());
+        let line = self.pieces.iter().find(|piece| piece.is_line());
         line.map_or(0, |line| {
             let end = self.next_corner(line.start).unwrap_or(line.start);
             end - line.start
@@ -389,8 +354,8 @@ impl Plan {
     /// How the plan goes on from tick `t`; `None` where it stands. The phase there is entered.
     pub(crate) fn piece_at(&mut self, t: Ticks) -> Option<Polynomial> {
         self.enter(t);
-        let end = self.entered_until;
-        self.entered(t).map(|phase| phase.piece(t, end))
+        let (phase, end) = self.entered.as_ref()?;
+        Some(phase.piece(t, *end))
     }
 
     pub(crate) fn exact_at(&self, t: Ticks) -> Exact {
@@ -427,7 +392,8 @@ impl Plan {
     /// The phase at tick `t`, if it is the one that was entered.
     #[inline]
     pub(crate) fn entered(&self, t: Ticks) -> Option<&Phase> {
-        (t < self.entered_until && t >= self.entered.start()).then_some(&self.entered)
+        let (phase, until) = self.entered.as_ref()?;
+        (t < *until && t >= phase.start()).then_some(phase)
     }
 
     /// Enters the phase at tick `t`: it need not be worked out again while the axis is in it.
@@ -435,11 +401,12 @@ impl Plan {
         if self.entered(t).is_some() {
             return;
         }
-        let (frame, mut entered) = (self.frame, Phase::NONE);
-        if let Some((piece, until)) = self.find_piece(t) {
-            self.entered_until = piece.work_out((t, until), &frame, &mut entered);
-            self.entered = entered;
-        }
+        let mut phase = Phase::NONE;
+        let found = self.find_piece(t);
+        self.entered = found.map(|(piece, until)| {
+            let until = piece.work_out((t, until), &self.frame, &mut phase);
+            (phase, until)
+        });
     }
 
     /// Where the motion comes to rest; `None` if it never does.

@@ -107,14 +107,20 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    pub(super) const NONE: Self = Self {
-        start: 0,
-        anchor: Instant::from(0),
-        position: 0,
-        velocity: 0,
-        half_acceleration: 0,
-        shape: Shape::Cubic(0),
-    };
+    /// The same in a frame that may be turned round: what counts from its zero in one does so in the other.
+    pub(super) fn seen_from(self, frame: &Frame) -> Self {
+        let turn = |value| frame.turn(value);
+        Self {
+            position: turn(self.position),
+            velocity: turn(self.velocity),
+            half_acceleration: turn(self.half_acceleration),
+            shape: match self.shape {
+                Shape::Cubic(sixth_jerk) => Shape::Cubic(turn(sixth_jerk)),
+                Shape::Sine(time) => Shape::Sine(time),
+            },
+            ..self
+        }
+    }
 
     /// Whether its velocity stays.
     pub(super) const fn is_line(&self) -> bool {

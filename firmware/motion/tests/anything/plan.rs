@@ -51,10 +51,13 @@ pub fn check(bytes: &[u8]) {
             _ if hz == SLOWEST => Ramps::Linear,
             ramps => ramps,
         };
-        let before = plan.map_or(from, |plan| plan.state_at(at));
+        let before = plan.as_ref().map_or(from, |plan| plan.state_at(at));
         let next = match plan {
             None => Plan::new(clock, at, from, goal, limits, ramps),
-            Some(mut plan) => plan.replan(clock, at, goal, limits, ramps).map(|()| plan),
+            Some(ref old) => {
+                let mut plan = old.clone();
+                plan.replan(clock, at, goal, limits, ramps).map(|()| plan)
+            }
         };
         let Ok(next) = next else {
             continue;

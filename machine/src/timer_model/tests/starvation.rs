@@ -3,7 +3,7 @@
 //! Only a plan that was overtaken by a refill is made once more while the next one waits for it, and that one is far. The run that is preloaded
 //! (up to 0.1 ms) cannot be changed any more. An instruction takes a cycle and a half, and a cycle is a tick of the step timer.
 
-use motion::{Draft, Goal, Limits, Ramps};
+use motion::{Goal, Limits, Plan, Ramps};
 
 use super::super::rig::{Rig, SEGMENT};
 use super::{FAST, HZ, rig};
@@ -85,28 +85,24 @@ impl Bench {
 
     /// A plan that takes so many instructions, and where it was overtaken another one, for which the refill waits.
     fn order(&mut self, goal: Goal, velocity: u32, ramps: Ramps, cost: u64) {
-        let plan = |mut draft: Draft| {
-            let (goal, limits) = match goal {
-                Goal::Velocity(stop) if stop == 0.into() => Goal::stop(5_000_000),
-                goal => (goal, limits(velocity)),
-            };
-            draft.plan(goal, limits, ramps).unwrap();
-            draft
+        let (goal, limits) = match goal {
+            Goal::Velocity(stop) if stop == 0.into() => Goal::stop(5_000_000),
+            goal => (goal, limits(velocity)),
         };
-        let draft = plan(self.rig.axis.draft());
+        let (mut draft, mut plan) = (self.rig.axis.draft(ramps), Plan::at_rest(0, 0));
+        draft.plan(&mut plan, goal, limits).unwrap();
         self.pass(time(cost));
-        if !self.rig.axis.install(&draft) {
+        if !self.rig.axis.install(&draft, &plan) {
             self.overtaken += 1;
-            self.wait_for(plan, cost);
+            self.wait_for(goal, limits, ramps, cost);
         }
     }
 
     /// A plan that the refill waits for.
-    fn wait_for(&mut self, plan: impl Fn(Draft) -> Draft, cost: u64) {
-        let draft = plan(self.rig.axis.draft());
+    fn wait_for(&mut self, goal: Goal, limits: Limits, ramps: Ramps, cost: u64) {
+        self.rig.axis.order(goal, limits, ramps).unwrap();
         self.rig.model.run(time(cost));
         self.left = self.left.saturating_sub(time(cost));
-        assert!(self.rig.axis.install(&draft), "nothing came in between");
     }
 }
 
@@ -187,11 +183,7 @@ fn a_refill_may_wait_no_longer() {
         for number in 0..100 {
             bench.go_on(2);
             bench.pass(bench.left - 1 - number * 20);
-            let plan = |mut draft: Draft| {
-                draft.plan(goal, limits(3_000), Ramps::Linear).unwrap();
-                draft
-            };
-            bench.wait_for(plan, cost);
+            bench.wait_for(goal, limits(3_000), Ramps::Linear, cost);
         }
         let starved = bench.rig.underruns;
         assert_eq!(starved > 0, cost > 12_500, "{cost}: {starved}");

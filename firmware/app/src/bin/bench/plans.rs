@@ -1,6 +1,6 @@
 //! Motion: planning a move.
 //!
-//! Each plan is made as an axis makes it, over the plan that was. Beside moves that are known, very many are tried with limits from all
+//! Each plan is made as an axis makes it, over the plan that was; smooth ones by an axis, which is in the ramp that it leaves. Beside moves that are known, very many are tried with limits from all
 //! that there are, from rest and from any moment of the motion before: what matters is the worst case.
 
 use core::hint::black_box;
@@ -18,8 +18,9 @@ const HZ: u32 = 84_000_000;
 const TRIED: u32 = 1_500;
 
 #[inline(never)]
-fn plan(clock: Clock, plan: &mut Plan, at: Ticks, goal: Goal, limits: Limits, ramps: Ramps) {
-    plan.replan(clock, at, goal, limits, ramps).unwrap();
+fn plan(clock: Clock, plan: &mut Plan, at: Ticks, goal: Goal) {
+    plan.replan(clock, at, goal, usual(), Ramps::Linear)
+        .unwrap();
 }
 
 fn limits(velocity: u32, acceleration: u32, deceleration: u32) -> Limits {
@@ -47,7 +48,7 @@ pub fn run() {
 /// The reference vectors T01, a long trapezoid, and T14, a target inside the stopping distance: overshoot and return.
 fn reference() {
     let clock = Clock::new(HZ).unwrap();
-    let t01 = cost(Plan::at_rest(0, 0), 0, Goal::Rest(100_000), Ramps::Linear);
+    let t01 = cost(Plan::at_rest(0, 0), 0, Goal::Rest(100_000));
     row("motion: plan T01, from rest", t01);
 
     let moving = State {
@@ -55,7 +56,7 @@ fn reference() {
         velocity: Velocity::from_speed(clock, 50_000.into()),
     };
     let planned = Plan::velocity(clock, 0, moving, 50_000.into(), usual()).unwrap();
-    let t14 = cost(planned, 0, Goal::Rest(1_000), Ramps::Linear);
+    let t14 = cost(planned, 0, Goal::Rest(1_000));
     row("motion: plan T14, overshoot and return", t14);
 }
 
@@ -66,7 +67,9 @@ fn linear() {
         ("motion: plan a velocity, reversing", Some(100_000), -80_000),
         ("motion: plan a stop, cruising", Some(100_000), 0),
     ] {
-        row(name, changed(first, then, Ramps::Linear, CRUISE));
+        let planned = first.map_or(Plan::at_rest(0, 0), running);
+        let goal = Goal::Velocity(SignedSpeed::per_second(then));
+        row(name, cost(planned, CRUISE, goal));
     }
 }
 
@@ -79,50 +82,51 @@ const RAMP: Ticks = (HZ / 10) as Ticks;
 /// sin² ramps.
 fn smooth() {
     let ramps = Ramps::SinSquared;
-    let moving = running(Goal::Rest(100_000), ramps);
-    let rest = Plan::at_rest(0, 0);
+    let target = |axis: &mut Axis, steps| axis.move_to(steps, usual()).unwrap();
+    let ramp = || leaving(100_000, RAMP, ramps);
     for (name, cost) in [
         (
             "motion: plan with sin², from rest",
-            cost(rest, 0, Goal::Rest(100_000), ramps),
+            ordered(standing(ramps), |axis| target(axis, 100_000)),
         ),
         (
             "motion: plan with sin², from rest, a short way",
-            cost(rest, 0, Goal::Rest(1_000), ramps),
+            ordered(standing(ramps), |axis| target(axis, 1_000)),
         ),
         (
             "motion: plan with sin², in a ramp, further",
-            cost(moving, RAMP, Goal::Rest(120_000), ramps),
+            ordered(ramp(), |axis| target(axis, 120_000)),
         ),
         (
             "motion: plan with sin², in a ramp, back",
-            cost(moving, RAMP, Goal::Rest(-2_000), ramps),
+            ordered(ramp(), |axis| target(axis, -2_000)),
         ),
         (
             "motion: plan with sin², a velocity, from rest",
-            changed(None, 100_000, ramps, 0),
+            ordered(standing(ramps), cruise),
         ),
         (
             "motion: plan with sin², a stop, in a ramp",
-            changed(Some(100_000), 0, ramps, RAMP),
+            ordered(ramp(), |axis| axis.stop(500_000).unwrap()),
         ),
     ] {
         row(name, cost);
     }
 }
 
-/// The moving average, of the moves that are known. The axis chooses its window, so it is the axis that is told.
+/// The moving average, of the moves that are known.
 fn averaged() {
+    let ramps = Ramps::MovingAverage(5_000_000);
     let target = |axis: &mut Axis, steps| axis.move_to(steps, usual()).unwrap();
+    let ramp = || leaving(100_000, RAMP, ramps);
+    let stop = |axis: &mut Axis| axis.stop(500_000).unwrap();
     let costs = [
-        ordered(None, 0, |axis| target(axis, 100_000)),
-        ordered(Some(100_000), RAMP, |axis| target(axis, 120_000)),
-        ordered(Some(100_000), RAMP, |axis| target(axis, -2_000)),
-        ordered(None, 0, |axis| {
-            axis.ramp_to(100_000.into(), usual()).unwrap();
-        }),
-        ordered(Some(100_000), RAMP, |axis| axis.stop(500_000).unwrap()),
-        ordered(Some(200_000), CRUISE, |axis| axis.stop(500_000).unwrap()),
+        ordered(standing(ramps), |axis| target(axis, 100_000)),
+        ordered(ramp(), |axis| target(axis, 120_000)),
+        ordered(ramp(), |axis| target(axis, -2_000)),
+        ordered(standing(ramps), cruise),
+        ordered(ramp(), stop),
+        ordered(leaving(200_000, CRUISE, ramps), stop),
     ];
     let names = [
         "motion: plan with moving average, from rest",
@@ -135,6 +139,11 @@ fn averaged() {
     for (name, cost) in names.into_iter().zip(costs) {
         row(name, cost);
     }
+}
+
+/// To 100,000 steps/s.
+fn cruise(axis: &mut Axis) {
+    axis.ramp_to(100_000.into(), usual()).unwrap();
 }
 
 /// Takes all records and plays them at once.
@@ -154,8 +163,8 @@ impl PulseSink for Gone {
     }
 }
 
-/// What an order costs an axis at rest, or so many ticks after it has left for a target.
-fn ordered(first: Option<i64>, after: Ticks, order: impl FnOnce(&mut Axis)) -> u32 {
+/// An axis at rest.
+fn standing(ramps: Ramps) -> Axis {
     let mut axis = Axis::new(AxisConfig {
         clock: Clock::new(HZ).unwrap(),
         segment: HZ / 4_000,
@@ -166,14 +175,23 @@ fn ordered(first: Option<i64>, after: Ticks, order: impl FnOnce(&mut Axis)) -> u
             direction_hold: 2,
         },
     });
-    axis.set_ramps(Ramps::MovingAverage(5_000_000));
-    if let Some(target) = first {
-        axis.move_to(target, usual()).unwrap();
-        while axis.played(0) < after {
-            // It never has anything left to play, and says so.
-            let _ = axis.advance(&mut Gone);
-        }
+    axis.set_ramps(ramps);
+    axis
+}
+
+/// An axis so many ticks after it has left for a target.
+fn leaving(target: i64, after: Ticks, ramps: Ramps) -> Axis {
+    let mut axis = standing(ramps);
+    axis.move_to(target, usual()).unwrap();
+    while axis.played(0) < after {
+        // It never has anything left to play, and says so.
+        let _ = axis.advance(&mut Gone);
     }
+    axis
+}
+
+/// What an order costs an axis.
+fn ordered(mut axis: Axis, order: impl FnOnce(&mut Axis)) -> u32 {
     let (cost, ()) = count(|| order(black_box(&mut axis)));
     assert!(!axis.is_at_rest());
     cost
@@ -191,26 +209,19 @@ fn worst_case() {
     );
 }
 
-/// A motion from rest.
-fn running(goal: Goal, ramps: Ramps) -> Plan {
+/// A motion from rest to a velocity.
+fn running(velocity: i32) -> Plan {
     let mut planned = Plan::at_rest(0, 0);
     let clock = Clock::new(HZ).unwrap();
-    plan(clock, &mut planned, 0, goal, usual(), ramps);
+    let goal = Goal::Velocity(velocity.into());
+    plan(clock, &mut planned, 0, goal);
     planned
 }
 
-/// What it costs to change, at a tick of a motion that keeps one velocity or of rest, to another velocity.
-fn changed(first: Option<i32>, then: i32, ramps: Ramps, at: Ticks) -> u32 {
-    let planned = first.map_or(Plan::at_rest(0, 0), |velocity| {
-        running(Goal::Velocity(velocity.into()), ramps)
-    });
-    cost(planned, at, Goal::Velocity(then.into()), ramps)
-}
-
 /// What it costs to leave for a goal.
-fn cost(mut planned: Plan, at: Ticks, goal: Goal, ramps: Ramps) -> u32 {
+fn cost(mut planned: Plan, at: Ticks, goal: Goal) -> u32 {
     let clock = Clock::new(HZ).unwrap();
-    let (cost, ()) = count(|| plan(clock, black_box(&mut planned), at, goal, usual(), ramps));
+    let (cost, ()) = count(|| plan(clock, black_box(&mut planned), at, goal));
     check(&planned, goal);
     cost
 }

@@ -3,7 +3,7 @@
 use super::behaviour::{T01, ms};
 use super::{FAST, axis, run};
 use crate::axis::Axis;
-use crate::{Goal, Limits, Ramps};
+use crate::{Goal, Limits, Plan, Ramps};
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 use std::format;
@@ -56,8 +56,9 @@ proptest! {
             _ => Goal::Pass(next, 10.into()),
         };
         let before = all(&axis);
-        let mut draft = axis.draft();
-        draft.plan(goal, limits, then).unwrap();
+        let mut draft = axis.draft(then);
+        let mut plan = Plan::at_rest(0, 0);
+        draft.plan(&mut plan, goal, limits).unwrap();
         prop_assert_eq!(&all(&axis), &before);
         let horizon = axis.horizon();
         for _ in 0..meanwhile {
@@ -65,12 +66,10 @@ proptest! {
             axis.advance(&mut sink).unwrap();
         }
         let mut twin = axis.clone();
-        let is_taken = axis.install(&draft);
+        let is_taken = axis.install(&draft, &plan);
         prop_assert_eq!(is_taken, horizon == twin.horizon());
         if is_taken {
-            twin.set_ramps(then);
-            twin.replan(goal, limits).unwrap();
-            axis.set_ramps(then);
+            twin.order(goal, limits, then).unwrap();
         }
         prop_assert_eq!(all(&axis), all(&twin));
         axis.stop(limits.deceleration).unwrap();
@@ -91,17 +90,16 @@ fn who_was_overtaken_takes_another_draft() {
         sink.play(ms(1) / 4);
     }
     let plan = |axis: &Axis| {
-        let mut draft = axis.draft();
-        draft
-            .plan(Goal::Rest(25_000), T01, Ramps::Linear)
-            .map(|()| draft)
+        let (mut draft, mut plan) = (axis.draft(Ramps::Linear), Plan::at_rest(0, 0));
+        draft.plan(&mut plan, Goal::Rest(25_000), T01).unwrap();
+        (draft, plan)
     };
-    let late = plan(&axis).unwrap();
+    let late = plan(&axis);
     axis.advance(&mut sink).unwrap();
-    assert!(!axis.install(&late));
+    assert!(!axis.install(&late.0, &late.1));
     assert_eq!(axis.target(), 30_000);
-    let next = plan(&axis).unwrap();
-    assert!(axis.install(&next));
+    let next = plan(&axis);
+    assert!(axis.install(&next.0, &next.1));
     assert_eq!(axis.target(), 25_000);
     run(&mut axis, &mut sink);
     assert_eq!(sink.position, 25_000);

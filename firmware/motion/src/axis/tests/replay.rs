@@ -24,7 +24,7 @@ impl Curve {
             return Self::Path(path.clone(), axis.horizon());
         }
         if !axis.is_averaged {
-            return Self::Plan(axis.plan);
+            return Self::Plan(axis.plan.clone());
         }
         let mut average = axis.average.clone();
         let mut phases: Vec<_> = [average.phase()].into();
@@ -33,7 +33,7 @@ impl Curve {
             average.piece_at(&axis.plan, until);
             phases.push(average.phase());
         }
-        Self::Mean(phases, average.until(), axis.plan)
+        Self::Mean(phases, average.until(), axis.plan.clone())
     }
 
     fn start(&self) -> Ticks {

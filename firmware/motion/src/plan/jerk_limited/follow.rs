@@ -91,12 +91,12 @@ impl PlanBuilder<'_> {
         let held = begin.after(ramp.entry).after(ramp.hold);
         self.mark_ramp();
         let entry = Piece {
+            start: 0,
             anchor: begin,
             position: self.travelled,
             velocity: ramp.velocity,
             half_acceleration: ramp.acceleration >> 1,
             shape: Shape::Cubic(if ramp.is_easing { -jerk } else { jerk }),
-            ..Piece::NONE
         };
         self.add(entry, ramp.entry);
         // It ends with the state in which the last one begins: v − a·t/2 and x − v·t + a·t²/6.
@@ -107,15 +107,17 @@ impl PlanBuilder<'_> {
             position: target.wrapping_sub(distance_at(mean, ramp.exit)),
             velocity: ramp.end - turned(gain.cast_signed()),
             half_acceleration: turned(ramp.most) >> 1,
-            ..Piece::NONE
+            shape: Shape::Cubic(0),
+            ..entry
         };
         self.add(hold, ramp.hold);
         let exit = Piece {
             anchor: held.after(ramp.exit),
             position: target,
             velocity: ramp.end,
+            half_acceleration: 0,
             shape: Shape::Cubic(-jerk),
-            ..Piece::NONE
+            ..entry
         };
         self.add(exit, ramp.exit);
         self.travelled = target;

@@ -97,7 +97,7 @@ fn i01_a_sine_ramp_between_two_velocities_that_is_left_stays_within_its_velocity
                 let goal = Goal::Velocity(goal.into());
                 plan.replan(clock, at, goal, limits, Ramps::SinSquared)
                     .unwrap();
-                plan
+                plan.clone()
             };
             let ramp = order(0, to).phases().last().unwrap().start();
             let at = ramp * part / 16;
@@ -165,7 +165,7 @@ fn i06_sine_braking_for_its_target_is_finished_whatever_the_limits() {
     .unwrap();
     for deceleration in [1_000, 499_999, 500_001, 5_000_000] {
         for part in 1..16 {
-            let mut plan = first;
+            let mut plan = first.clone();
             let braking = first.end().unwrap() - first.last_ramp();
             limits.deceleration = deceleration;
             let at = first.last_ramp() + braking * part / 16;
@@ -195,7 +195,7 @@ fn i01_a_ramp_of_hours_is_left_without_a_jump() {
         .unwrap();
     for at in all_over(&plan, clock, 100) {
         for target in [0, -2_000_000_000] {
-            let mut left = plan;
+            let mut left = plan.clone();
             left.replan(clock, at, Goal::Rest(target), limits, Ramps::SinSquared)
                 .unwrap();
             let jump = left.state_at(at).position.bits() - plan.state_at(at).position.bits();

@@ -285,12 +285,12 @@ proptest! {
         let first = Plan::new(clock, 3, state(clock, 0, 0), Goal::Rest(target), limits, ramps).unwrap();
         let end = first.end().unwrap();
         let at = 3 + ((u128::from(end - 3) * u128::from(cut)) >> 32) as Ticks;
-        let mut again = first;
+        let mut again = first.clone();
         again.replan(clock, at, Goal::Rest(target), limits, ramps).unwrap();
         prop_assert_eq!(again.end(), Some(end));
         prop_assert_eq!(again.state_at(at), first.state_at(at));
         // A stop within the ramp to rest is that ramp.
-        let mut stopped = first;
+        let mut stopped = first.clone();
         let braking = first.last_ramp() + (end - first.last_ramp()) / 3;
         stopped.replan(clock, braking, Goal::Velocity(0.into()), limits, ramps).unwrap();
         let rest = steps(stopped.state_at(stopped.end().unwrap()));
@@ -526,7 +526,7 @@ fn an_order_that_is_refused_leaves_a_smooth_plan_as_it_was() {
         for (at, target) in orders {
             plan.replan(clock, at, Goal::Rest(target), limits, ramps)
                 .unwrap();
-            let before = plan;
+            let before = plan.clone();
             let begin = at + 500_000;
             let here = plan.state_at(begin);
             assert!(here.velocity > Velocity::ZERO);
