@@ -2,12 +2,13 @@
 
 use std::io::{self, Write};
 use std::process::ExitCode;
-#[cfg(unix)]
-use std::sync::Arc;
 
 use canopen::BitRate;
 use clap::CommandFactory;
 use clap::error::ErrorKind;
+use od_gen::standard_output;
+
+use crate::system_error::plain;
 
 /// Exit code for a bad command line, a busy port, a missing interface.
 const USAGE: u8 = 2;
@@ -32,11 +33,10 @@ pub fn bit_rate(text: &str) -> Result<BitRate, String> {
 /// Help and version go out as they are; a mistake in the command line of `program` as one line.
 pub fn refused<P: CommandFactory>(program: &str, error: &clap::Error) -> ExitCode {
     match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            // Nobody may be reading.
-            let _ = error.print();
-            ExitCode::SUCCESS
-        }
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => match standard_output::help(error) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => fail(program, &cannot_write(&error)),
+        },
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             fail(program, &P::command().render_usage().to_string())
         }
@@ -50,14 +50,9 @@ pub fn refused<P: CommandFactory>(program: &str, error: &clap::Error) -> ExitCod
     }
 }
 
-/// A file that reaches the limit for files (`ulimit -f`) is an error of the write, as a full disk is, and not the end of the program.
-pub fn outlive_long_files() {
-    #[cfg(unix)]
-    {
-        use signal_hook::consts::SIGXFSZ;
-        // Without it, such a write ends the program.
-        let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
-    }
+/// What went wrong with standard output.
+pub fn cannot_write(error: &io::Error) -> String {
+    format!("cannot write the output: {}", plain(error))
 }
 
 /// A line on standard error, if anybody has it open.

@@ -70,6 +70,18 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     written
 }
 
+/// A file that reaches the limit for files (`ulimit -f`) is an error of the write from now on, as a full disk is, and not the end of the
+/// program.
+#[cfg(feature = "process")]
+pub fn outlive_limit() {
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::SIGXFSZ;
+        // Without it, such a write ends the program.
+        let _ = signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default());
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -39,6 +39,8 @@ mod report;
 pub mod rules;
 mod source;
 mod spelling;
+#[cfg(feature = "process")]
+pub mod standard_output;
 pub mod transfer;
 mod xdd;
 

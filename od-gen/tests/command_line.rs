@@ -109,12 +109,17 @@ fn a_reader_of_the_errors_that_goes_away_changes_nothing() {
 
 #[test]
 fn our_own_data_sheets_are_in_canonical_form() {
-    for name in ["axis402", "lmd", "nanotec", "s200", "tc1"] {
-        let output = od_gen(&["fmt", "--check", &format!("../eds/{name}.eds")]);
-        assert!(output.status.success(), "{name}: {output:?}");
-    }
-    for name in ["test-device", "multiplexed-device"] {
-        let output = od_gen(&["fmt", "--check", &format!("../tests/eds/{name}.eds")]);
+    for name in [
+        "eds/axis402",
+        "eds/compact",
+        "products/lmd/lmd",
+        "products/nanotec/nanotec",
+        "products/s200/s200",
+        "products/tc1/tc1",
+        "tests/eds/test-device",
+        "tests/eds/multiplexed-device",
+    ] {
+        let output = od_gen(&["fmt", "--check", &format!("../{name}.eds")]);
         assert!(output.status.success(), "{name}: {output:?}");
     }
 }
@@ -482,4 +487,73 @@ fn who_reads_a_file_while_it_is_written_reads_all_of_it() {
         2,
         "nothing is left"
     );
+}
+
+/// A command of the shell with `od-gen` in the place of `OD`.
+#[cfg(unix)]
+fn shell(command: &str) -> Output {
+    Command::new("sh")
+        .args(["-c", &command.replace("OD", env!("CARGO_BIN_EXE_od-gen"))])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_that_is_closed_is_exit_code_2() {
+    for arguments in [
+        "rust tests/data/small.eds",
+        "doc tests/data/small.eds",
+        "dump tests/data/small.eds",
+        "diff tests/data/small.eds tests/data/types.eds",
+        "dcf tests/data/small.eds --node-id 5",
+        "bindings ../eds/axis402.eds",
+        "check --format json tests/data/broken.eds",
+        "network tests/data/network/machine.toml --check",
+        "rules",
+        "rules not-listed",
+        "--help",
+        "check --help",
+        "--version",
+    ] {
+        let output = shell(&format!("OD {arguments} >&-"));
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {told}");
+        let last = told.lines().last();
+        assert_eq!(
+            last,
+            Some("error: standard output is closed"),
+            "{arguments}"
+        );
+        let output = shell(&format!("OD {arguments} >/dev/null"));
+        assert_ne!(output.status.code(), Some(2), "{arguments}");
+    }
+    // Nothing to say is said without an output.
+    let output = shell("OD check --deny-warnings ../eds/axis402.eds >&-");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_limit_for_files_is_an_error_of_the_write() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("old.html"), "before").unwrap();
+    for (arguments, file) in [
+        ("doc ../eds/axis402.eds", "new.html"),
+        ("doc ../eds/axis402.eds", "old.html"),
+        ("rust ../eds/axis402.eds", "new.rs"),
+    ] {
+        let path = folder.join(file);
+        let output = shell(&format!(
+            "ulimit -f 8; OD {arguments} -o {}",
+            path.display()
+        ));
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(text(&output.stderr).ends_with(": error: File too large\n"));
+        // All or nothing.
+        let left = std::fs::read_to_string(&path).ok();
+        assert_eq!(left.as_deref(), (file == "old.html").then_some("before"));
+    }
 }

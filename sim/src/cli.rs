@@ -8,9 +8,10 @@ use canopen::settings::{Switches, Wish};
 use canopen::{BitTiming, Configuration, NodeId};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgGroup, Args, Parser, Subcommand};
-use master::command_line::{bit_rate, fail, note, outlive_long_files, refused};
+use master::command_line::{bit_rate, fail, note, refused};
 use master::scope;
 use master::system_error::plain;
+use od_gen::{files, standard_output};
 
 use crate::demo::{self, Demo};
 use crate::drive::Setup;
@@ -93,7 +94,7 @@ struct ServeArguments {
 
 /// Runs the command line; returns the exit code.
 pub fn run(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
-    outlive_long_files();
+    files::outlive_limit();
     let command_line = match CommandLine::try_parse_from(arguments) {
         Ok(command_line) => command_line,
         // Of `serve` nothing else is required.
@@ -112,7 +113,7 @@ pub fn run(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode 
         },
         Some(Command::Demo(arguments)) => run_demo(arguments),
         Some(Command::Plan(arguments)) => {
-            conclude_plan(plan::show(&arguments, &mut io::stdout().lock()))
+            conclude_plan(plan::show(&arguments, &mut standard_output::lock()))
         }
         Some(Command::Scope(arguments)) => match scope::run(&arguments) {
             Ok(()) => ExitCode::SUCCESS,
@@ -143,7 +144,7 @@ fn run_demo(arguments: DemoArguments) -> ExitCode {
         node_id: arguments.node_id,
         plot: arguments.plot,
     };
-    conclude(demo::show(&demo, &mut io::stdout().lock()))
+    conclude(demo::show(&demo, &mut standard_output::lock()))
 }
 
 /// The exit code of a demonstration; a failure is told in one line.
@@ -154,7 +155,9 @@ pub(crate) fn conclude(result: Result<(), demo::Problem>) -> ExitCode {
         Err(demo::Problem::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
             ExitCode::SUCCESS
         }
-        Err(problem @ demo::Problem::Picture(..)) => fail(PROGRAM, &problem.to_string()),
+        Err(problem @ (demo::Problem::Picture(..) | demo::Problem::Output(_))) => {
+            fail(PROGRAM, &problem.to_string())
+        }
         Err(problem) => {
             fail(PROGRAM, &problem.to_string());
             ExitCode::FAILURE

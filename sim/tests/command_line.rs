@@ -141,11 +141,29 @@ fn output_that_cannot_be_written_is_an_error() {
         .open("/dev/full")
         .unwrap();
     let output = sim().stdout(full).output().unwrap();
-    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(output.status.code(), Some(2));
     assert_eq!(
         String::from_utf8(output.stderr).unwrap(),
         "sim: cannot write the output: no space left on device\n"
     );
+}
+
+#[cfg(unix)]
+#[test]
+fn output_that_is_closed_is_an_error() {
+    for arguments in [
+        "demo",
+        "plan --distance 100 --velocity 100 --acceleration 100",
+        "--version",
+        "serve --help",
+    ] {
+        let command = format!("exec {} {arguments} >&-", env!("CARGO_BIN_EXE_sim"));
+        let output = Command::new("sh").args(["-c", &command]).output().unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {told}");
+        assert!(told.ends_with(": standard output is closed\n"), "{told}");
+        assert_eq!(told.lines().count(), 1);
+    }
 }
 
 #[test]

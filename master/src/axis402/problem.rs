@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::system_error::plain;
+use crate::command_line::cannot_write;
 use crate::trace::abort_code;
 use crate::{Failure, LineDown};
 
@@ -37,7 +37,7 @@ impl Problem {
         match self {
             Self::Usage(text) | Self::Failed(text) => Some(text.clone()),
             Self::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => None,
-            Self::Output(error) => Some(format!("cannot write the output: {}", plain(error))),
+            Self::Output(error) => Some(cannot_write(error)),
             Self::Stopped => None,
         }
     }

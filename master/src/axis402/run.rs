@@ -12,6 +12,7 @@ use od_gen::Report;
 use od_gen::dcf;
 use od_gen::files;
 use od_gen::model::{Commissioning, FileKind};
+use od_gen::standard_output;
 
 use super::arguments::{Bus, Command, CommandLine, Lss, Od, Sheet};
 use super::{BitRateSwitch, Console, Node, Numbering, Problem, Setting, Watch};
@@ -24,12 +25,12 @@ use crate::{Line, Master, Real};
 
 /// Runs the command line; returns the exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    command_line::outlive_long_files();
+    files::outlive_limit();
     let command_line = match CommandLine::try_parse_from(arguments) {
         Ok(command_line) => command_line,
         Err(error) => return command_line::refused::<CommandLine>("axis402", &error),
     };
-    let (mut output, mut progress) = (io::stdout().lock(), io::stderr().lock());
+    let (mut output, mut progress) = (standard_output::lock(), io::stderr().lock());
     let is_terminal = progress.is_terminal();
     let mut console = Console::new(&mut output, &mut progress, is_terminal);
     let result = go_on_bus(&command_line.bus).and_then(|mut master| {

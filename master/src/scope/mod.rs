@@ -11,6 +11,8 @@ mod trigger;
 
 use std::io::{self, IsTerminal};
 
+use od_gen::standard_output;
+
 pub use arguments::Arguments;
 pub use recording::{Channel, Recording};
 pub use report::Report;
@@ -29,7 +31,7 @@ const CHANNELS: usize = 8;
 /// # Errors
 /// Why there is nothing to show.
 pub fn run(arguments: &Arguments) -> Result<(), Problem> {
-    let (mut output, mut progress) = (io::stdout().lock(), io::stderr().lock());
+    let (mut output, mut progress) = (standard_output::lock(), io::stderr().lock());
     let is_terminal = progress.is_terminal();
     let mut console = Console::new(&mut output, &mut progress, is_terminal);
     let mut master = go_on_bus(&arguments.bus)?;

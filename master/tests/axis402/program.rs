@@ -230,6 +230,34 @@ fn an_output_that_is_full_is_exit_code_2() {
     );
 }
 
+#[cfg(unix)]
+#[test]
+fn an_output_that_is_closed_is_exit_code_2() {
+    let served = Served::start(Setup::with_node_id(1, 4));
+    for arguments in [
+        "scan",
+        "lss find",
+        "od read 4 1000",
+        "od dump 4",
+        "od --help",
+        "--version",
+    ] {
+        let command = format!(
+            "exec {} --slcan {} {arguments} >&-",
+            env!("CARGO_BIN_EXE_axis402"),
+            served.address
+        );
+        let output = Command::new("sh").args(["-c", &command]).output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {error}");
+        assert_eq!(
+            error.lines().last(),
+            Some("axis402: cannot write the output: standard output is closed"),
+            "{arguments}"
+        );
+    }
+}
+
 #[test]
 fn mistakes_are_one_line_and_exit_code_2() {
     let bus = ["--slcan", "127.0.0.1:1"];

@@ -15,7 +15,7 @@ use canopen::BitRate;
 use crate::drive::MotionSample;
 use master::Failure;
 use master::bus::simulated::{Bus, Logged};
-use master::system_error::plain;
+use master::command_line::cannot_write;
 use master::trace::{Group, Interpreter, candump, condense};
 
 pub use script::play;
@@ -75,7 +75,7 @@ impl fmt::Display for Problem {
             Self::Missed(target, position) => {
                 write!(f, "the drive was sent to {target} and is at {position}")
             }
-            Self::Output(error) => write!(f, "cannot write the output: {}", plain(error)),
+            Self::Output(error) => f.write_str(&cannot_write(error)),
             Self::Picture(path, reason) => {
                 write!(f, "cannot write the picture {}: {reason}", path.display())
             }

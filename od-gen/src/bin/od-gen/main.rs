@@ -24,7 +24,8 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use arguments::{Arguments, Command};
-use output::{one_line, tell};
+use od_gen::{files, standard_output};
+use output::{one_line, reason, tell};
 
 /// Why a command ends early.
 enum Failure {
@@ -35,6 +36,7 @@ enum Failure {
 }
 
 fn main() -> ExitCode {
+    files::outlive_limit();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) if error.use_stderr() => {
@@ -42,9 +44,13 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
         Err(help) => {
-            // Nobody left to tell when this fails.
-            let _ = help.print();
-            return ExitCode::SUCCESS;
+            return match standard_output::help(&help) {
+                Ok(()) => ExitCode::SUCCESS,
+                Err(error) => {
+                    tell(&format!("error: {}", reason(&error)));
+                    ExitCode::from(2)
+                }
+            };
         }
     };
     let done = match arguments.command {

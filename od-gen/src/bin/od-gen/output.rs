@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
 use clap::error::ErrorKind;
-use od_gen::{Colour, files};
+use od_gen::{Colour, files, standard_output};
 
 use crate::Failure;
 
@@ -24,7 +24,10 @@ pub(crate) fn write_bytes(bytes: &[u8], file: &Path) -> Result<(), Failure> {
 
 /// Writes to standard output.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
-    let mut output = io::stdout().lock();
+    if text.is_empty() {
+        return Ok(());
+    }
+    let mut output = standard_output::lock();
     match output
         .write_all(text.as_bytes())
         .and_then(|()| output.flush())
