@@ -48,6 +48,48 @@ fn c03_a_blocked_bus_leaves_the_newest_process_data_and_one_heartbeat() {
 }
 
 #[test]
+fn p36_what_has_not_left_within_the_window_is_dropped() {
+    let mut bench = Bench::node(4);
+    bench.write_u32(0x1801, 1, 0xC000_0284);
+    bench.write_u32(0x1800, 1, 0xC000_0184);
+    bench.write_u8(0x1800, 2, 1);
+    bench.write_u32(0x1800, 1, 0x4000_0184);
+    bench.write_u32(0x1007, 0, 1_000);
+    bench.start();
+    bench.send("080 [0]");
+    bench.expect("184 ..");
+    bench.send("080 [0]");
+    bench.jam(Duration::millis(3));
+    bench.silence(50);
+    bench.send("080 [0]");
+    bench.expect("184 ..");
+}
+
+/// Identifier 4FEh is lower than 584h: the abort gets on the bus between the segments.
+#[test]
+fn b24_an_abort_while_segments_are_sent_stops_them() {
+    let mut bench = Bench::node(4);
+    bench.write_u32(0x1201, 1, 0x4FE);
+    bench.write_u32(0x1201, 2, 0x681);
+    bench.send("4FE: A4 01 20 00 7F");
+    bench.expect("681: C6 01 20 00 40");
+    bench.send("4FE: A3");
+    bench.expect("681: 01 41 42 43 44 45 46 47");
+    bench.send("4FE: 80 01 20 00 00 00 00 08");
+    bench.run_millis(10);
+    let sent = bench
+        .cob_ids_of_the_device()
+        .iter()
+        .filter(|id| **id == 0x681)
+        .count();
+    // The answer, and of ten segments those that were in mailboxes.
+    assert!(sent <= 6, "{sent} frames");
+    bench.drain(2_000);
+    bench.send("4FE: 40 00 10 00");
+    bench.expect("681: 43 00 10 00 ..");
+}
+
+#[test]
 fn c05_extended_and_remote_frames_reach_no_service() {
     let mut bench = Bench::node(4);
     bench.start();

@@ -10,9 +10,8 @@ const ATTAINED: u16 = 1 << 12;
 
 #[test]
 fn the_compact_drive_is_numbered_by_lss() {
-    let table = <products::compact::Dictionary as canopen::od::Dictionary>::TABLE;
     let device = VirtualDrive::new(Setup::unconfigured(7));
-    let mut drive = CompactBench::new(device, 4, table);
+    let mut drive = CompactBench::new(device, 4);
     drive.silence(100);
     drive.send("7E5: 04 01");
     drive.send("7E5: 11 04");

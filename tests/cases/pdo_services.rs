@@ -159,30 +159,6 @@ fn p35_a_missed_deadline_is_reported_for_each_pdo() {
 }
 
 #[test]
-fn p17_the_sync_start_value_of_a_valid_pdo_does_not_change() {
-    let mut bench = Bench::node(4);
-    bench.refused("604: 2F 00 18 06 05", 0x0609_0030);
-    bench.write_u32(0x1800, 1, 0xC000_0184);
-    bench.write_u8(0x1800, 6, 5);
-    // The rule of the PDO is broken as well as the limit of the data sheet: its code counts.
-    bench.refused("604: 2F 00 18 06 F1", 0x0609_0030);
-}
-
-#[test]
-fn p18_types_252_and_253_are_for_tpdos() {
-    let mut bench = Bench::node(4);
-    bench.write_u32(0x1800, 1, 0xC000_0184);
-    bench.write_u32(0x1400, 1, 0x8000_0204);
-    for transmission_type in [252, 253] {
-        bench.write_u8(0x1800, 2, transmission_type);
-        bench.refused(
-            &format!("604: 2F 00 14 02 {transmission_type:02X}"),
-            0x0609_0030,
-        );
-    }
-}
-
-#[test]
 fn p37_all_pdos_of_a_sync_leave_by_identifier_on_a_busy_bus() {
     let mut bench = Bench::node(4);
     for (number, identifier) in [(0_u16, 0x184_u32), (1, 0x284), (2, 0x384), (3, 0x484)] {

@@ -57,8 +57,7 @@ fn is_of_the_master(frame: &Frame) -> bool {
 #[test]
 fn the_listings_are_what_the_drive_does() {
     let drive = AxisDrive::new(Setup::unconfigured(1));
-    let table = <sim::dictionary::Dictionary as canopen::od::Dictionary>::TABLE;
-    let mut bench = Line::new(drive, 10, table);
+    let mut bench = Line::new(drive, 10);
     let listings = blocks("candump");
     let listings = listings.iter().filter(|block| !is_extract(block));
     for line in listings.flatten() {

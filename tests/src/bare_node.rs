@@ -61,7 +61,7 @@ impl<D: Dictionary + Default + std::fmt::Debug + 'static> Line<BareNode<D>> {
             node: Node::new(D::default(), settings),
             is_powered: false,
         };
-        let mut bench = Self::new(device, node_id, D::TABLE);
+        let mut bench = Self::new(device, node_id);
         bench.expect(&format!("{:03X} [1] 00", 0x700 + u16::from(node_id)));
         bench
     }

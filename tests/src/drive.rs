@@ -74,7 +74,7 @@ where
     /// A drive of one's own making, booted.
     pub fn with(setup: Setup, node_id: u8) -> Self {
         let device = VirtualDrive::new(setup);
-        let mut bench = Self::new(device, node_id, D::TABLE);
+        let mut bench = Self::new(device, node_id);
         bench.expect(&format!("{:03X} [1] 00", 0x700 + u16::from(node_id)));
         bench
     }

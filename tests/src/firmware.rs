@@ -20,12 +20,8 @@ pub struct Firmware {
     pub domains: BTreeMap<u16, Vec<u8>>,
     /// What clients have written so far, one to each DOMAIN.
     writing: BTreeMap<u16, Vec<u8>>,
-    /// The byte at which every DOMAIN fails, reading and writing, and how.
-    pub fails_at: Option<(u32, AbortCode)>,
     /// The size of a DOMAIN is not told.
     pub hides_size: bool,
-    /// Writes that a client has given up.
-    pub abandoned: usize,
     /// The four words of 1018h, if they are not those of the data sheet.
     pub identity: Option<[u32; 4]>,
 }
@@ -33,14 +29,6 @@ pub struct Firmware {
 impl Firmware {
     fn domain(&self, entry: &Entry) -> &[u8] {
         self.domains.get(&entry.index).map_or(&[], Vec::as_slice)
-    }
-
-    /// The failure, if it is reached with these bytes.
-    fn fails(&self, position: u32, length: usize) -> Result<(), AbortCode> {
-        match self.fails_at {
-            Some((at, code)) if position as usize + length > at as usize => Err(code),
-            _ => Ok(()),
-        }
     }
 }
 
@@ -57,7 +45,6 @@ impl Application<Dictionary> for Firmware {
         position: u32,
         into: &mut [u8],
     ) -> Result<usize, AbortCode> {
-        self.fails(position, into.len())?;
         let rest = self.domain(entry).iter().skip(position as usize);
         let mut length = 0;
         for (to, from) in into.iter_mut().zip(rest) {
@@ -85,17 +72,13 @@ impl Application<Dictionary> for Firmware {
         position: u32,
         data: &[u8],
     ) -> Result<(), AbortCode> {
-        let failure = self.fails(position, data.len());
         let bytes = self
             .writing
             .get_mut(&entry.index)
             .expect("a write has begun");
         assert_eq!(bytes.len(), position as usize);
         bytes.extend_from_slice(data);
-        if failure.is_err() {
-            self.writing.remove(&entry.index);
-        }
-        failure
+        Ok(())
     }
 
     fn end_write(
@@ -114,7 +97,6 @@ impl Application<Dictionary> for Firmware {
     fn abandon_write(&mut self, _: &Dictionary, entry: &Entry) {
         let begun = self.writing.remove(&entry.index);
         assert!(begun.is_some(), "a write has begun");
-        self.abandoned += 1;
     }
 
     fn power_on(&mut self, dictionary: &mut Dictionary) {

@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 use std::fmt::Write as _;
 
-use canopen::od::Table;
 use canopen::time::NEVER;
 use canopen::{BitRate, ControllerState, Duration, Frame, Instant};
 use master::bus::Station;
@@ -49,12 +48,11 @@ pub struct Line<S> {
     script: Handle<Script>,
     /// Where the device's SDO server listens and answers.
     pub(crate) node_id: u8,
-    table: &'static Table,
 }
 
 impl<S: Station> Line<S> {
-    /// Attaches the device. `table` describes its dictionary.
-    pub fn new(device: S, node_id: u8, table: &'static Table) -> Self {
+    /// Attaches the device.
+    pub fn new(device: S, node_id: u8) -> Self {
         let mut bus = Bus::new(BitRate::Kbit1000);
         let device = bus.attach(device);
         let script = bus.attach(Script::default());
@@ -63,7 +61,6 @@ impl<S: Station> Line<S> {
             device,
             script,
             node_id,
-            table,
         }
     }
 
@@ -260,20 +257,6 @@ impl<S: Station> Line<S> {
         self.write_u16(0x1017, 0, 0);
         self.drain(2);
         beat.payload()[0]
-    }
-
-    /// Every readable object of the communication area with its bytes; those that cannot be read now are left out.
-    pub fn communication_area(&mut self) -> Vec<(u16, u8, Vec<u8>)> {
-        let keys: Vec<_> = self
-            .table
-            .entries
-            .iter()
-            .map(|entry| (entry.index, entry.sub))
-            .collect();
-        keys.into_iter()
-            .filter(|(index, _)| (0x1000..0x2000).contains(index))
-            .filter_map(|(index, sub)| Some((index, sub, self.try_read(index, sub).ok()?)))
-            .collect()
     }
 
     /// The last frames on the bus, for messages.

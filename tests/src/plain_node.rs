@@ -3,7 +3,6 @@
 use canopen::can_controller::ControllerState;
 use canopen::cia301::nmt::Reset;
 use canopen::node::StoreError;
-use canopen::od::Dictionary as _;
 use canopen::time::NEVER;
 use canopen::{BitRate, Configuration, Duration, Event, Frame, Instant, Node, NodeId, Settings};
 use master::bus::Station;
@@ -195,7 +194,7 @@ impl Bench {
     /// A device with this node-ID that is about to be powered.
     pub fn powered(node_id: u8) -> Self {
         let device = PlainNode::new(NodeId::new(node_id).expect("a node-ID"));
-        Self::new(device, node_id, Dictionary::TABLE)
+        Self::new(device, node_id)
     }
 
     /// A device that has booted and is Pre-operational.

@@ -2,10 +2,11 @@
 
 use crate::device::Objects;
 use canopen::cia301::nmt::Reset;
-use canopen::od::{Dictionary, Features, Table};
-use canopen::{Frame, Instant, Node, NodeId, Settings};
+use canopen::cia301::sdo::AbortCode;
+use canopen::od::{Dictionary, Entry, Features, Table};
+use canopen::{Application, Frame, Instant, Node, NodeId, Settings};
 
-/// The small dictionary in a device that has no LSS and no block transfer, and no object of guarding.
+/// The small dictionary in a device that has no LSS and no block transfer, no object of guarding, and of the dummies UNSIGNED8 alone.
 struct Plain(Objects);
 
 impl Dictionary for Plain {
@@ -15,6 +16,7 @@ impl Dictionary for Plain {
         lss: false,
         block_transfer: false,
         guarding: false,
+        dummies: 1 << 5,
         ..Features::of(Objects::TABLE)
     };
 
@@ -85,6 +87,47 @@ fn a_question_of_a_guarding_master_gets_no_answer() {
     assert_eq!(answer(&mut node, &Frame::remote_frame(0x704, 1)), None);
     let upload = Frame::full(0x604, [0x40, 0x00, 0x10, 0, 0, 0, 0, 0]);
     assert!(answer(&mut node, &upload).is_some(), "it lives");
+}
+
+#[test]
+fn p10_a_dummy_that_is_not_listed_is_refused() {
+    let mut node = node();
+    for (request, code) in [
+        // RPDO 1 off, its mapping empty; then UNSIGNED8, UNSIGNED16 and BOOLEAN.
+        ([0x23, 0x00, 0x14, 1, 0x04, 0x02, 0, 0x80], [0; 4]),
+        ([0x2F, 0x00, 0x16, 0, 0, 0, 0, 0], [0; 4]),
+        ([0x23, 0x00, 0x16, 1, 8, 0, 5, 0], [0; 4]),
+        ([0x23, 0x00, 0x16, 1, 16, 0, 6, 0], [0x41, 0x00, 0x04, 0x06]),
+        ([0x23, 0x00, 0x16, 1, 1, 0, 1, 0], [0x41, 0x00, 0x04, 0x06]),
+    ] {
+        let (_, bytes) = answer(&mut node, &Frame::full(0x604, request)).unwrap();
+        assert_eq!(bytes[4..], code, "to {request:02X?}");
+        assert_eq!(bytes[0], if code == [0; 4] { 0x60 } else { 0x80 });
+    }
+}
+
+/// An application that tells how long its objects are, and nothing more.
+struct Sizes;
+
+impl Application<Objects> for Sizes {
+    fn size(&mut self, _: &Objects, _: &Entry) -> Result<Option<u32>, AbortCode> {
+        Ok(Some(4))
+    }
+}
+
+#[test]
+fn an_application_that_gives_no_bytes_of_a_stream_refuses_it() {
+    let settings = Settings {
+        node_id: NodeId::new(4).unwrap(),
+        ..Settings::default()
+    };
+    let mut node = Node::new(Objects::new(), settings);
+    node.boot(Reset::Node, NOW, &mut Sizes);
+    node.transmit(&mut Sizes);
+    let request = Frame::full(0x604, [0x40, 0x14, 0x20, 0, 0, 0, 0, 0]);
+    node.receive(&request, NOW, &mut Sizes);
+    let sent = node.transmit(&mut Sizes).unwrap();
+    assert_eq!(*sent.bytes(), [0x80, 0x14, 0x20, 0, 0, 0, 0x01, 0x06]);
 }
 
 #[test]

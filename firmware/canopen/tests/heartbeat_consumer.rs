@@ -100,6 +100,20 @@ fn h05_silence_is_told_once() {
 }
 
 #[test]
+fn h05_what_is_no_heartbeat_of_the_node_does_not_count() {
+    let mut device = watching();
+    device.send("705#05");
+    assert!(device.pass(900).is_empty());
+    for frame in ["706#05", "705#0505", "705#R"] {
+        assert!(device.ask(frame).is_empty(), "{frame}");
+    }
+    assert_eq!(
+        device.pass(5000),
+        [(100, "084#3081110500000000".to_string())]
+    );
+}
+
+#[test]
 fn h06_a_heartbeat_that_returns_resets_the_error() {
     let mut device = lost();
     assert_eq!(device.ask("705#00"), [""; 0], "a boot-up message is none");

@@ -169,6 +169,11 @@ fn p16_the_inhibit_time_of_a_valid_pdo_is_not_changed() {
         write_u16(&mut device, 0x1800, 3, 100),
         abort(0x1800, 3, INVALID_VALUE)
     );
+    assert_eq!(
+        write_u16(&mut device, 0x1800, 3, 0),
+        DONE,
+        "the value that it has"
+    );
     assert_eq!(write_u16(&mut device, 0x1801, 3, 100), DONE);
 }
 
@@ -220,7 +225,7 @@ fn s41_restricted_identifiers_are_refused() {
 }
 
 #[test]
-fn p19_p21_p22_a_short_pdo_is_an_error_until_a_good_one_comes() {
+fn p22_with_p19_and_p21_a_short_pdo_is_an_error_in_every_place_until_a_good_one_comes() {
     let mut device = Device::operational();
     for frame in ["204#", "204#0102", "204#01020304050607"] {
         device.send(frame);

@@ -27,6 +27,11 @@ fn b02_a_download_without_a_checksum() {
     exchange(&mut device, "C2 17 10 00 02", &["A4 17 10 00 7F"]);
     exchange(&mut device, "81 00 00", &["A2 01 7F"]);
     exchange(&mut device, "D5", &["A1"]);
+    // What stands in its place is no checksum.
+    exchange(&mut device, "C2 01 20 00 03", &["A4 01 20 00 7F"]);
+    exchange(&mut device, "81 41 42 43", &["A2 01 7F"]);
+    exchange(&mut device, "D1 FF FF", &["A1"]);
+    assert_eq!(device.value(0x2001, 0), b"ABC");
     idle(&mut device);
 }
 
@@ -175,7 +180,7 @@ fn b14_a_wrong_checksum() {
 
 #[test]
 fn b15_an_end_that_does_not_fit_the_size() {
-    for end in ["C1 34 10", "C9 34 10"] {
+    for end in ["C1 34 10", "C9 34 10", "D9 34 10"] {
         let mut device = Device::new();
         open_letters(&mut device);
         exchange(&mut device, LETTERS[0], &[]);
@@ -229,7 +234,6 @@ fn b17_objects_that_cannot_be_written() {
     refused(&mut device, "C2 00 10 00 04", (0x1000, 0), 0x0601_0002);
     refused(&mut device, "C2 04 10 00 04", (0x1004, 0), 0x0602_0000);
     refused(&mut device, "C2 00 10 05 04", (0x1000, 5), 0x0609_0011);
-    refused(&mut device, "A4 09 20 00 7F", (0x2009, 0), 0x0601_0001);
     idle(&mut device);
 }
 
@@ -239,6 +243,12 @@ fn b18_sizes_that_do_not_fit() {
     refused(&mut device, "C2 00 20 00 05", (0x2000, 0), 0x0607_0012);
     refused(&mut device, "C2 00 20 00 03", (0x2000, 0), 0x0607_0013);
     refused(&mut device, "C2 01 20 00 41", (0x2001, 0), 0x0607_0012);
+    refused(
+        &mut device,
+        "C2 01 20 00 00 00 00 80",
+        (0x2001, 0),
+        0x0607_0012,
+    );
     // Not announced: as soon as it shows. The rest of the sub-block are no requests.
     exchange(&mut device, "C0 0B 20 00", &["A4 0B 20 00 7F"]);
     for seqno in 1..=4 {

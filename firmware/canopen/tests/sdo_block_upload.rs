@@ -38,6 +38,14 @@ fn b05_a_block_size_of_0_or_128() {
     exchange(&mut device, "A4 08 10 00 01", &["C6 08 10 00 10"]);
     exchange(&mut device, "A3", &["01 41 78 69 73 34 30 32"]);
     refused(&mut device, "A2 01 80", (0x1008, 0), 0x0504_0002);
+    exchange(&mut device, "A4 08 10 00 01", &["C6 08 10 00 10"]);
+    exchange(&mut device, "A3", &["01 41 78 69 73 34 30 32"]);
+    refused(&mut device, "A2 01 00", (0x1008, 0), 0x0504_0002);
+    // Behind the last segment it means nothing.
+    exchange(&mut device, "A0 00 10 00 14", &["C6 00 10 00 04"]);
+    exchange(&mut device, "A3", &["81 92 01 02 00"]);
+    exchange(&mut device, "A2 01 00", &["CD"]);
+    exchange(&mut device, "A1", &[]);
     idle(&mut device);
 }
 
@@ -49,6 +57,12 @@ fn b06_a_confirmation_of_segment_128() {
 #[test]
 fn b07_a_confirmation_of_more_than_was_sent() {
     refused_confirmation("A2 02 14");
+    refused_confirmation("A2 7F 14");
+    // One that was sent and others that were not.
+    let mut device = Device::new();
+    exchange(&mut device, "A4 08 10 00 01", &["C6 08 10 00 10"]);
+    exchange(&mut device, "A3", &["01 41 78 69 73 34 30 32"]);
+    refused(&mut device, "A2 02 01", (0x1008, 0), 0x0504_0003);
 }
 
 /// One segment was sent, and this is no answer to it.
@@ -57,6 +71,16 @@ fn refused_confirmation(ack: &str) {
     exchange(&mut device, "A0 00 10 00 14", &["C6 00 10 00 04"]);
     exchange(&mut device, "A3", &["81 92 01 02 00"]);
     refused(&mut device, ack, (0x1000, 0), 0x0504_0003);
+    idle(&mut device);
+}
+
+#[test]
+fn b17_objects_that_cannot_be_read() {
+    let mut device = Device::new();
+    refused(&mut device, "A4 09 20 00 7F", (0x2009, 0), 0x0601_0001);
+    refused(&mut device, "A4 FF 5F 00 7F", (0x5FFF, 0), 0x0602_0000);
+    refused(&mut device, "A4 00 10 05 7F", (0x1000, 5), 0x0609_0011);
+    refused(&mut device, "A4 03 10 01 7F", (0x1003, 1), 0x0800_0024);
     idle(&mut device);
 }
 
@@ -116,9 +140,21 @@ fn b23_what_was_lost_is_sent_again() {
         "A2 01 03",
         &["01 48 49 4A 4B 4C 4D 4E", "82 4F 50 51 52 53 54"],
     );
-    exchange(&mut device, "A2 02 03", &["C5 34 10"]);
+    // Nothing of it has come.
+    exchange(&mut device, "A2 00 01", &["01 48 49 4A 4B 4C 4D 4E"]);
+    exchange(&mut device, "A2 01 01", &["81 4F 50 51 52 53 54"]);
+    exchange(&mut device, "A2 01 03", &["C5 34 10"]);
     exchange(&mut device, "A1", &[]);
     idle(&mut device);
+}
+
+#[test]
+fn an_upload_gives_way_to_a_new_request() {
+    let mut device = Device::new();
+    exchange(&mut device, "A4 08 10 00 01", &["C6 08 10 00 10"]);
+    exchange(&mut device, "A3", &["01 41 78 69 73 34 30 32"]);
+    exchange(&mut device, "40 00 10 00", &["43 00 10 00 92 01 02 00"]);
+    assert!(device.pass(2_000).is_empty());
 }
 
 #[test]

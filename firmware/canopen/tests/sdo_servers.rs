@@ -111,6 +111,19 @@ fn s40_both_servers_time_out_alone() {
 }
 
 #[test]
+fn s40_a_server_that_is_not_valid_is_silent() {
+    let mut device = Device::new();
+    assert_eq!(device.ask("604#23011201A4060000").len(), 1);
+    assert!(device.ask("6A4#4000100000000000").is_empty());
+    assert_eq!(device.ask("604#2301120284060000").len(), 1);
+    assert_eq!(device.ask("6A4#4000100000000000"), ["684#4300100092010200"]);
+    device.send("000#8204");
+    device.serve_reset();
+    assert_eq!(device.sent(), ["704#00"]);
+    assert!(device.ask("6A4#4000100000000000").is_empty());
+}
+
+#[test]
 fn s40_answers_leave_lowest_identifier_first() {
     let mut device = with_second_server();
     device.put("6A4#4000100000000000");

@@ -290,6 +290,9 @@ fn y09_a_stopped_device_neither_sends_nor_misses_it() {
     assert!(device.pass(100).is_empty());
     device.send("000#0104");
     assert_eq!(device.pass(10).last(), Some(&(10, "080#".to_string())));
+    device.send("000#8204");
+    device.serve_reset();
+    assert_eq!(device.pass(100).len(), 1, "the boot-up message alone");
 
     let mut device = Device::new();
     period(&mut device, 10_000);
@@ -318,6 +321,10 @@ fn t01_a_consumer_takes_the_time_of_day() {
     device.send("100#04030201050607");
     device.send("100#R");
     assert_eq!(device.node.time_of_day(device.now), None);
+    device.send("000#0204");
+    device.send(TIME);
+    assert_eq!(device.node.time_of_day(device.now), None, "Stopped");
+    device.send("000#8004");
     device.send(TIME);
     assert_eq!(device.node.time_of_day(device.now), time());
     device.pass(10);

@@ -9,7 +9,6 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use canopen::Duration;
-use canopen::od::Dictionary;
 use sim::drive::{Setup, VirtualDrive};
 use sim::plant::Axis;
 use tests::DriveBench;
@@ -37,7 +36,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         ..Setup::unconfigured(1)
     });
     // The master gives the node-ID.
-    let mut drive = DriveBench::new(device, 0, <sim::dictionary::Dictionary>::TABLE);
+    let mut drive = DriveBench::new(device, 0);
     let mut output = io::stdout().lock();
     for line in io::stdin().lines() {
         let line = line?;
