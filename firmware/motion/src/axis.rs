@@ -95,7 +95,7 @@ pub struct Axis {
     mean_jerk: u32,
     /// The acceleration of the last order that had one, in steps/s²: it may come behind a stop.
     acceleration: u32,
-    /// What the last way of a velocity that is followed had beyond 2⁻³² steps, in 2⁻⁵⁶ of them.
+    /// What the last distance at a velocity that is followed had beyond 2⁻³² steps, in 2⁻⁵⁶ of them.
     carry: u32,
     trace: Trace,
     plan: Plan,

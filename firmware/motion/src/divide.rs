@@ -126,7 +126,7 @@ pub fn by_digit(numerator: u64, divisor: u32) -> (u64, u32) {
     let (Some(first), Some(left)) = (high.checked_div(divisor), high.checked_rem(divisor)) else {
         return (0, 0);
     };
-    // Less than the divisor, so that the rest is one digit, and exactly the estimate.
+    // Less than the divisor, so that what is left is one digit, and exactly the estimate.
     let shift = divisor.leading_zeros() & 31;
     let rest = (u64::from(left) << 32) | u64::from(low);
     let second = estimate(rest << shift, divisor << shift);

@@ -228,7 +228,7 @@ pub struct State {
 pub(crate) struct Exact {
     /// Steps × 2⁹⁶, modulo 2³² steps.
     pub(crate) position: i128,
-    /// Steps/tick × 2⁹⁶, at most half a step per tick either distance.
+    /// Steps/tick × 2⁹⁶, at most half a step per tick either way.
     pub(crate) velocity: i128,
 }
 

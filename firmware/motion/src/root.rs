@@ -29,7 +29,7 @@ pub(crate) fn root(square: u64) -> u32 {
 
 /// 1/√square, to some twenty-two bits; for 0, a large number.
 pub(crate) fn reciprocal_root(square: f32) -> f32 {
-    // Half of the exponent, the other way round: right to three parts in a hundred. Three steps of Newton's method do the rest.
+    // Half of the exponent, the other way round: right to three parts in a hundred. Three steps of Newton's method do the others.
     let mut guess = f32::from_bits(0x5F37_59DF_u32.wrapping_sub(square.to_bits() >> 1));
     for _ in 0..3 {
         guess *= 1.5 - (square * 0.5 * guess) * guess;

@@ -296,14 +296,12 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
     }
 
     fn course_end(&self) -> Demand {
-        let end = self
-            .emitter
-            .look(|emitter| emitter.axis.course_end_demand());
+        let end = self.emitter.look(|emitter| emitter.axis.path_end_demand());
         self.counted(end)
     }
 
     fn course_to(&self, end: Fine) -> CourseEnd {
-        let (tick, state) = self.emitter.look(|emitter| emitter.axis.course_end());
+        let (tick, state) = self.emitter.look(|emitter| emitter.axis.path_end());
         self.course.set(tick);
         let left = self.timescale.tick_at(end).wrapping_sub(tick);
         let left = u32::try_from(left.cast_signed().max(0)).unwrap_or(u32::MAX);

@@ -29,17 +29,17 @@ impl Mark {
     /// The position when the counter shows `count`, as if no other mark followed.
     fn position_at(&self, count: u32) -> i64 {
         let pulses = i64::from(count.wrapping_sub(self.count).cast_signed());
-        let way = match self.direction {
+        let distance = match self.direction {
             Direction::Forward => pulses,
             Direction::Reverse => pulses.wrapping_neg(),
         };
-        self.position.wrapping_add(way)
+        self.position.wrapping_add(distance)
     }
 }
 
 /// Every change of direction, from a while ago to the end of what is committed.
 #[derive(Debug)]
-pub(super) struct Course {
+pub(super) struct PulseCount {
     /// What holds before the first mark that is kept.
     first: Mark,
     later: Deque<Mark, MARKS>,
@@ -47,7 +47,7 @@ pub(super) struct Course {
     direction: Direction,
 }
 
-impl Course {
+impl PulseCount {
     /// The counter shows `count` at `position`.
     pub(super) const fn new(count: u32, position: i64) -> Self {
         Self {
@@ -83,7 +83,7 @@ impl Course {
             direction,
             slot,
         };
-        // There is room, or the mark is not made ([`Course::has_room`]).
+        // There is room, or the mark is not made ([`PulseCount::has_room`]).
         let _ = self.later.push_back(mark);
         self.direction = self.last().direction;
     }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::count::Course;
+use super::count::PulseCount;
 use super::interrupts::on_break;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
@@ -60,7 +60,7 @@ pub struct Output<'a, R> {
     remainder: Remainder,
     /// Pulses taken, modulo 2³²: what the counter will show.
     pulses: u32,
-    course: Course,
+    counted: PulseCount,
 }
 
 impl<R> fmt::Debug for Output<'_, R> {
@@ -93,7 +93,7 @@ impl<'a, R: Registers> Output<'a, R> {
             last: 0,
             remainder: Remainder::NONE,
             pulses: 0,
-            course: Course::new(0, 0),
+            counted: PulseCount::new(0, 0),
         };
         output.let_out();
         output
@@ -156,13 +156,13 @@ impl<'a, R: Registers> Output<'a, R> {
         // Captured at an edge whose interrupt is over ([`count_at_edge`](super::count_at_edge)).
         self.registers.write(Register::CounterSr, 0);
         let count = self.registers.read(Register::CounterCnt);
-        self.course.go_on(count);
-        self.course.position_at(count)
+        self.counted.go_on(count);
+        self.counted.position_at(count)
     }
 
     /// The position in steps at which the counter showed `count`, a captured value. It may lie a few changes of direction back.
     pub fn position_at(&self, count: u32) -> i64 {
-        self.course.position_at(count)
+        self.counted.position_at(count)
     }
 
     /// Drops what has not been played. A pulse that has begun is cut short but counts.
@@ -173,7 +173,7 @@ impl<'a, R: Registers> Output<'a, R> {
             return;
         }
         let count = self.cut();
-        self.course = Course::new(count, self.course.position_at(count));
+        self.counted = PulseCount::new(count, self.counted.position_at(count));
     }
 
     /// Everything taken has been played, and the counter may have missed some of it: the drive has been told, and goes on from what it shows. Changes
@@ -182,7 +182,7 @@ impl<'a, R: Registers> Output<'a, R> {
         let count = self.registers.read(Register::CounterCnt);
         if count != self.pulses {
             self.pulses = count;
-            self.course = Course::new(count, self.course.position_at(count));
+            self.counted = PulseCount::new(count, self.counted.position_at(count));
         }
     }
 
@@ -192,8 +192,8 @@ impl<'a, R: Registers> Output<'a, R> {
         // As a train is dropped, slots may have been fetched since the last service.
         let fetched = self.fetched.wrapping_add(self.newly_fetched());
         let count = self.cut();
-        let position = self.course.position_stuck(count, fetched);
-        self.course = Course::new(count, position);
+        let position = self.counted.position_stuck(count, fetched);
+        self.counted = PulseCount::new(count, position);
         self.failed = true;
     }
 
@@ -302,7 +302,7 @@ impl<'a, R: Registers> Output<'a, R> {
         let most = room.min(self.in_time().max(0).cast_unsigned()) as usize;
         let slots = self.ring.from(self.written);
         let slots = slots.get(..most).unwrap_or(slots);
-        let direction = self.course.direction();
+        let direction = self.counted.direction();
         let mut place = Place::new(slots, self.level);
         let mut left = records;
         while let Some((record, rest)) = left.split_first()
@@ -351,7 +351,7 @@ impl<'a, R: Registers> Output<'a, R> {
     #[cold]
     fn start(&mut self, direction: u32) {
         use Register as Reg;
-        self.course.begin_train();
+        self.counted.begin_train();
         self.prepare(direction);
         // What is left of an earlier burst comes now, and not at once. No level of channel 1 may come of it.
         self.let_bursts_end();
@@ -493,13 +493,13 @@ impl<R: Registers> PulseSink for Output<'_, R> {
             }
             self.believe_counter();
         }
-        if self.course.direction() != record.direction {
+        if self.counted.direction() != record.direction {
             let count = self.registers.read(Register::CounterCnt);
-            if !self.course.has_room(count) {
+            if !self.counted.has_room(count) {
                 return Err(record);
             }
             let slot = self.written;
-            self.course.turn(self.pulses, record.direction, slot);
+            self.counted.turn(self.pulses, record.direction, slot);
         }
         if record.width > 0 {
             self.pulses = self.pulses.wrapping_add(record.repeat.into());

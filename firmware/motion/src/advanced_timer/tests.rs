@@ -4,7 +4,7 @@ use std::vec::Vec;
 
 use proptest::prelude::*;
 
-use super::count::Course;
+use super::count::PulseCount;
 use super::ring::{Ring, SLOTS};
 use super::slots::{LONGEST_PERIOD, LONGEST_RUN, MOST_PERIODS, Place, Remainder, Runs, Words};
 use crate::Direction::{Forward, Reverse};
@@ -150,10 +150,10 @@ fn a_short_train_is_one_slot() {
 
 #[test]
 fn a_count_is_read_by_the_direction_that_its_pulses_had() {
-    let mut course = Course::new(u32::MAX - 9, -100);
+    let mut counted = PulseCount::new(u32::MAX - 9, -100);
     // Ten forward, four back, then forward again: what is still to come is known too.
-    course.turn(0, Reverse, 3);
-    course.turn(4, Forward, 5);
+    counted.turn(0, Reverse, 3);
+    counted.turn(4, Forward, 5);
     for (count, position) in [
         (u32::MAX - 9, -100),
         (0, -90),
@@ -162,35 +162,35 @@ fn a_count_is_read_by_the_direction_that_its_pulses_had() {
         (10, -88),
         (u32::MAX, -91),
     ] {
-        assert_eq!(course.position_at(count), position, "at {count}");
+        assert_eq!(counted.position_at(count), position, "at {count}");
     }
     // A capture of a while ago is still read rightly.
-    course.go_on(1 << 20);
-    assert_eq!(course.position_at(u32::MAX - 4), -95);
+    counted.go_on(1 << 20);
+    assert_eq!(counted.position_at(u32::MAX - 4), -95);
 }
 
 #[test]
 fn a_velocity_that_is_kept_counts_beyond_32_bits() {
-    let mut course = Course::new(0, 0);
+    let mut counted = PulseCount::new(0, 0);
     let mut count = 0u64;
     while count < 20 << 30 {
         count += 1 << 20;
-        course.go_on(count as u32);
-        assert_eq!(course.position_at(count as u32), count as i64);
+        counted.go_on(count as u32);
+        assert_eq!(counted.position_at(count as u32), count as i64);
     }
 }
 
 #[test]
 fn so_many_turns_are_remembered_and_no_more() {
-    let mut course = Course::new(0, 0);
+    let mut counted = PulseCount::new(0, 0);
     let mut turns = 0;
-    while course.has_room(0) {
+    while counted.has_room(0) {
         turns += 1;
-        course.turn(turns, if turns % 2 == 0 { Forward } else { Reverse }, turns);
+        counted.turn(turns, if turns % 2 == 0 { Forward } else { Reverse }, turns);
     }
     assert_eq!(turns, 16);
     // When the motor has come there, there is room again.
-    assert!(course.has_room(2));
-    assert_eq!(course.position_at(2), 0);
-    assert_eq!(course.position_at(1), 1);
+    assert!(counted.has_room(2));
+    assert_eq!(counted.position_at(2), 0);
+    assert_eq!(counted.position_at(1), 1);
 }

@@ -155,7 +155,7 @@ impl Draft {
     }
 
     /// A target is as far from the pulses committed as its number says. What is planned begins ahead of these, by half a step or by half a
-    /// window's way and more, and may have wrapped before them, or they before it: the number for the same way from there.
+    /// window's distance and more, and may have wrapped before them, or they before it: the number for the same distance from there.
     fn seen_from(&self, goal: Goal, from: Exact) -> Goal {
         let here = (from.position >> 96) as i32;
         let ahead = here.wrapping_sub(self.steps);

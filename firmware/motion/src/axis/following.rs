@@ -43,7 +43,7 @@ impl Axis {
         velocity: SignedSpeed,
     ) -> Result<(), FollowError> {
         let velocity = Velocity::from_speed(self.clock, velocity.within(self.max_velocity()));
-        let (start, from) = self.course_end();
+        let (start, from) = self.path_end();
         let length = end.saturating_sub(start);
         let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
         let both = i128::from(from.velocity.bits()).wrapping_add(velocity.bits().into());
@@ -84,13 +84,13 @@ impl Axis {
         tick < horizon && !self.path.as_ref().is_some_and(is_ahead)
     }
 
-    /// What [`Axis::course_end`] will be in whole steps and steps/s.
-    pub fn course_end_demand(&self) -> Demand {
-        self.demand_of(self.course_end().1)
+    /// What [`Axis::path_end`] will be in whole steps and steps/s.
+    pub fn path_end_demand(&self) -> Demand {
+        self.demand_of(self.path_end().1)
     }
 
     /// Where the next set-point is gone to from, and at which tick: the last set-point, or the commit horizon if that is later.
-    pub fn course_end(&self) -> (Ticks, State) {
+    pub fn path_end(&self) -> (Ticks, State) {
         match &self.path {
             Some(path) if path.end().0 >= self.horizon() => path.end(),
             _ => (self.horizon(), self.state_at(self.horizon())),

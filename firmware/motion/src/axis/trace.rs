@@ -92,7 +92,7 @@ fn between(before: &Point, after: &Point, t: Ticks) -> State {
     // Points lie less than 2³⁰ ticks apart.
     let length = after.0.wrapping_sub(before.0) as u32;
     let passed = t.wrapping_sub(before.0);
-    // Q16 of the way.
+    // Q16 of the distance.
     let (part, _) = by_digit(passed << 16, length);
     let blend = |from: i64, to: i64| {
         // So it is with the velocity in a cruise, where most of the time is spent.

@@ -19,12 +19,12 @@ pub struct Settings {
     pub other_block_signs: bool,
     /// At a hard stop home is where the motor has backed off to. Else it is where it was blocked.
     pub home_is_backed_off: bool,
-    /// The longest way in steps, all moves together; 0 is no bound.
-    pub longest_way: u32,
+    /// The longest distance in steps, all moves together; 0 is no bound.
+    pub longest_distance: u32,
     /// The longest time in milliseconds; 0 is no bound. It stands still during a halt.
     pub longest_time: u32,
     /// How far to go for an index pulse, in steps; 0 is no bound.
-    pub longest_way_to_index: u32,
+    pub longest_distance_to_index: u32,
     /// How long the motor must be blocked to count as at a hard stop, in milliseconds.
     pub block_time: u16,
     /// How far to back off from a hard stop, in steps, at most 2³¹−1.

@@ -72,11 +72,11 @@ pub struct Homing {
     runs: u8,
     halted: bool,
     position: i32,
-    way: u64,
+    travelled: u64,
     /// Microseconds.
     time: u64,
     blocked_time: u64,
-    /// Where the way to the index pulse begins: the reference edge, if there is one.
+    /// Where the distance to the index pulse begins: the reference edge, if there is one.
     edge: i32,
     /// The edge that the filter of the switch is not sure of yet.
     pending: Option<i32>,
@@ -134,7 +134,7 @@ impl Homing {
             runs: 0,
             halted: false,
             position: seen.position,
-            way: 0,
+            travelled: 0,
             time: 0,
             blocked_time: 0,
             edge: seen.position,
@@ -209,7 +209,7 @@ impl Homing {
         Ok(Outcome::UnderWay(order))
     }
 
-    /// Follows the way, the time and the edges of the switch. Returns where an edge was passed in this tick, and whether the
+    /// Follows the distance, the time and the edges of the switch. Returns where an edge was passed in this tick, and whether the
     /// switch became active there.
     fn watch(&mut self, seen: &Seen) -> Result<Option<(i32, bool)>, Failure> {
         if seen.negative_limit.active && seen.positive_limit.active {
@@ -217,11 +217,11 @@ impl Homing {
         }
         let gone = seen.position.wrapping_sub(self.position).unsigned_abs();
         self.position = seen.position;
-        self.way = self.way.saturating_add(gone.into());
+        self.travelled = self.travelled.saturating_add(gone.into());
         if !seen.halt {
             self.time = self.time.saturating_add(seen.elapsed.into());
         }
-        if exceeds(self.way, self.settings.longest_way)
+        if exceeds(self.travelled, self.settings.longest_distance)
             || exceeds(self.time / 1000, self.settings.longest_time)
         {
             return Err(Failure::TooLong);
@@ -400,7 +400,7 @@ impl Homing {
         }
         self.free_way(seen, self.direction)?;
         let gone = seen.position.wrapping_sub(self.edge).unsigned_abs();
-        if exceeds(gone.into(), self.settings.longest_way_to_index) {
+        if exceeds(gone.into(), self.settings.longest_distance_to_index) {
             return Err(Failure::NoIndex);
         }
         Ok(Order::GoOn)
@@ -413,10 +413,10 @@ impl Homing {
 
     /// Whether an index pulse comes after the edge, in the direction of the run.
     fn is_behind_edge(&self, pulse: i32) -> bool {
-        let way = pulse.wrapping_sub(self.edge);
+        let distance = pulse.wrapping_sub(self.edge);
         match self.direction {
-            Direction::Forward => way > 0,
-            Direction::Reverse => way < 0,
+            Direction::Forward => distance > 0,
+            Direction::Reverse => distance < 0,
         }
     }
 
@@ -437,11 +437,11 @@ impl Homing {
     /// The pulses have been dropped: the motor is where it was blocked.
     fn back_off(&mut self, seen: &Seen) -> Order {
         self.home = seen.position;
-        let way = self.settings.back_off.min(i32::MAX.cast_unsigned());
-        let way = way
+        let distance = self.settings.back_off.min(i32::MAX.cast_unsigned());
+        let distance = distance
             .cast_signed()
             .wrapping_mul(self.direction.reversed().sign());
-        let target = seen.position.wrapping_add(way);
+        let target = seen.position.wrapping_add(distance);
         self.phase = Phase::BackingOff(target);
         Order::Go(target)
     }

@@ -155,7 +155,7 @@ fn a_stop_begins_with_the_velocity_of_the_path() {
         tick(&mut axis, &mut sink, SEGMENT);
     }
     assert!(axis.committed_velocity().is_like(100_000.into()));
-    let from = axis.course_end();
+    let from = axis.path_end();
     assert_eq!(from.0, 23 * SEGMENT);
     let nowhere = Limits {
         velocity: 0.into(),
@@ -192,9 +192,9 @@ fn a_slow_velocity_that_is_given_each_millisecond_does_not_drift() {
                 tick(&mut axis, &mut sink, SEGMENT);
                 sink.steps.clear();
                 sink.records.clear();
-                assert!(piece < 3 || axis.course_end_demand().velocity.is_like(asked));
+                assert!(piece < 3 || axis.path_end_demand().velocity.is_like(asked));
             }
-            let (end, state) = axis.course_end();
+            let (end, state) = axis.path_end();
             assert_eq!(end, (PIECES + 4) * MILLISECOND);
             // But for half of the first five milliseconds, a ramp.
             let way = state.position.bits().unsigned_abs() as f64;

@@ -13,7 +13,7 @@ use crate::fixed::Exact;
 pub(super) struct Origin {
     /// The first tick of the plan.
     pub(super) start: Ticks,
-    /// How the plan begins before anything new: the rest of a ramp, or what brings its acceleration to zero. In the frame of the axis, but its
+    /// How the plan begins before anything new: the end of a ramp, or what brings its acceleration to zero. In the frame of the axis, but its
     /// positions count from where it ends.
     pub(super) lead: Option<Piece>,
     /// The position there, Q96 steps, if the goal is one to pass.

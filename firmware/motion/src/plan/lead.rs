@@ -1,6 +1,6 @@
 //! How a smooth motion leaves a ramp that is under way.
 //!
-//! Where the new motion would do the rest of the ramp anyway, it begins with that. Otherwise the acceleration is brought to zero in one cubic
+//! Where the new motion would finish the ramp anyway, it begins with that. Otherwise the acceleration is brought to zero in one cubic
 //! piece, at the jerk with which the ramp began, or at that of the new limits if these are harder. Either way the new ramps begin with no
 //! acceleration.
 
@@ -116,7 +116,7 @@ impl Start {
         }
     }
 
-    /// From where the ramp that is under way ends, if a motion to `goal` begins with the rest of it anyway.
+    /// From where the ramp that is under way ends, if a motion to `goal` finishes it anyway.
     fn finished(&self, clock: Clock, goal: Goal, limits: Limits) -> Option<Origin> {
         let ramp = self.ramp.as_ref()?;
         let Shape::Sine(time) = ramp.shape else {
@@ -201,7 +201,7 @@ impl Plan {
     }
 }
 
-/// Whether a motion to `goal` begins with the rest of a sin² ramp whatever it does then: it goes on accelerating, or it has to brake
+/// Whether a motion to `goal` finishes a sin² ramp whatever it does then: it goes on accelerating, or it has to brake
 /// at least as far. `rest` is where the ramp ends, and `change` half of the acceleration of the linear ramp in its place.
 fn is_done_anyway(rest: Exact, change: i128, clock: Clock, goal: Goal, limits: Limits) -> bool {
     let end = rest.velocity;

@@ -7,7 +7,7 @@
 //! The contract:
 //! - The timer is told one edge ahead and never repeats by itself: if the processor stands still, so does the motor.
 //! - Edges come at the time the records say, whatever the latency of the interrupt. One that is more than a period late moves
-//!   the rest of the train back; pulses are never pushed together and never left out.
+//!   what follows of the train back; pulses are never pushed together and never left out.
 //! - However late an edge comes, the signal stays high for the width of its record and low for the driver's time, and the
 //!   driver's set-up time passes between a change of the direction signal and the next pulse.
 //! - What is pending is exact to the tick, in the middle of a period too.

@@ -237,7 +237,7 @@ impl<'a, T: StepTimer> Player<'a, T> {
         }
     }
 
-    /// What is late moves the rest of the train back.
+    /// What is late moves what follows of the train back.
     #[cold]
     #[inline(never)]
     fn fall_back(&mut self, planned: u32) {

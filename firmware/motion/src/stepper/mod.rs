@@ -46,7 +46,7 @@ pub(crate) struct Stepper {
     most: u32,
     beyond: u32,
     spare: u32,
-    /// The longest chord of all, the velocity up to which it may be so long, Q32 steps per tick, and the shortest of bent pieces.
+    /// The longest chord of all, the velocity up to which it may be so long, Q32 steps per tick, and the shortest of curved pieces.
     longest: u32,
     easy: u32,
     least: u32,

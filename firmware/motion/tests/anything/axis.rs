@@ -240,7 +240,7 @@ fn order(bench: &mut Bench, bytes: &mut Bytes<'_>) {
         8 | 9 => axis.set_ramps(bytes.ramps()),
         10 | 11 => {
             // Up to 100 ms behind the set-point before, and no further than pulses go: nobody else holds set-points to that.
-            let (start, state) = axis.course_end();
+            let (start, state) = axis.path_end();
             let length = bytes.number(24);
             let end = start.saturating_add(length);
             let most = axis.max_velocity();

@@ -138,9 +138,9 @@ pub fn homing(homing: &mut Option<Homing>) {
         last_move_is_fast: any() == 0,
         other_block_signs: any() == 0,
         home_is_backed_off: any() == 0,
-        longest_way: any(),
+        longest_distance: any(),
         longest_time: any(),
-        longest_way_to_index: any(),
+        longest_distance_to_index: any(),
         block_time: any() as u16,
         back_off: any(),
     };

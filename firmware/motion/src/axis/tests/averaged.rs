@@ -326,11 +326,11 @@ fn set_points_take_over_from_the_mean() {
     axis.ramp_to(10_000.into(), T01).unwrap();
     sink.follow(&axis);
     fly(&mut axis, &mut sink, 500);
-    let (from, state) = axis.course_end();
+    let (from, state) = axis.path_end();
     assert_eq!(state, axis.state_at(axis.horizon()));
     let to = Position::from_steps(state.position.whole_steps() + 100);
     axis.follow(from + ms(10), to).unwrap();
-    assert_eq!(axis.course_end().1.position, to);
+    assert_eq!(axis.path_end().1.position, to);
     sink.curves.clear();
     fly(&mut axis, &mut sink, 5);
     assert!(axis.is_following());

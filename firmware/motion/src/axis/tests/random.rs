@@ -84,7 +84,7 @@ fn advance(axis: &mut Axis, sink: &mut Replay, starved: bool) {
 fn follow(axis: &mut Axis, sink: &mut Replay, reverse: bool, points: &[(i16, u16, bool)]) {
     let highest = i64::from(axis.max_velocity().whole().min(1_000_000));
     for (index, &(share, microseconds, is_straight)) in points.iter().enumerate() {
-        let (from, state) = axis.course_end();
+        let (from, state) = axis.path_end();
         let length = u64::from(microseconds) * u64::from(HZ) / 1_000_000;
         let share = i64::from(if reverse { -share } else { share });
         let velocity = highest * share / 1_000;
@@ -104,7 +104,7 @@ fn follow(axis: &mut Axis, sink: &mut Replay, reverse: bool, points: &[(i16, u16
     }
 }
 
-/// Steps between pulses and plan at most. A pulse is half a step off on either side; a chord bends a quarter of a step away from its phase; the
+/// Steps between pulses and plan at most. A pulse is half a step off on either side; a chord curves a quarter of a step away from its phase; the
 /// period before eight pulses or more may be one of theirs if it is as long but for an eighth; and pulses, n in T ticks as two runs, stand
 /// n²/(4·T) away from their even places. What is left is roundings at the highest rate of the driver, where nothing is caught up.
 fn tolerance(axis: &Axis) -> f64 {

@@ -116,7 +116,7 @@ fn the_way_and_the_time_are_bounded() {
         ..track
     };
     let settings = Settings {
-        longest_way: 30_000,
+        longest_distance: 30_000,
         ..Settings::default()
     };
     let mut bench = Bench::new(track, 0);
@@ -139,7 +139,7 @@ fn an_index_pulse_is_not_looked_for_for_ever() {
         ..Track::with_home(POSITIVE)
     };
     let settings = Settings {
-        longest_way_to_index: 4_000,
+        longest_distance_to_index: 4_000,
         ..Settings::default()
     };
     for code in [3, 4, 33, 34] {

@@ -1,7 +1,7 @@
 //! The velocity between the two ramps of a jerk-limited move: the greatest for which both fit into the distance.
 //!
 //! A ramp that begins with an acceleration is part of one that begins without, or goes on from where the acceleration has gone to
-//! zero; either way the length of the whole distance is a constant and two ramps without acceleration at their ends. Its root is
+//! zero; in both the length of the whole distance is a constant and two ramps without acceleration at their ends. Its root is
 //! looked for with rough numbers by Newton's method, within bounds, and then brought to the last bits by one step with exact ones.
 //! The velocity is rounded down: the cruise takes up what that leaves.
 
@@ -221,9 +221,9 @@ impl<'a> Moves<'a> {
     }
 
     /// The velocity of a move from rest to rest, if neither ramp comes to its limit, or both do; where only the slower one does, that with no
-    /// other, which is too high: from there on the steps are short, as the distance bends upwards.
+    /// other, which is too high: from there on the steps are short, as the distance curves upwards.
     fn guess_from_rest(&self) -> Rough {
-        // v³ = j·way²/4
+        // v³ = j·distance²/4
         let short = self.goal.times(self.goal).times(self.jerk);
         let velocity = short.halved().halved().cube_root();
         let (first, last) = (self.first.limit, self.last.limit);
@@ -257,9 +257,11 @@ impl<'a> Moves<'a> {
         let all = top.span.minus(low.span);
         let part = self.goal.minus(low.span).over(all);
         let rise = top.slope.times(room).over(all);
-        let bend = rise.minus(Rough::ONE).min(Rough::ONE);
-        let line = Rough::ONE.minus(bend);
-        let square = line.times(line).plus(bend.times(part).doubled().doubled());
+        let curvature = rise.minus(Rough::ONE).min(Rough::ONE);
+        let line = Rough::ONE.minus(curvature);
+        let square = line
+            .times(line)
+            .plus(curvature.times(part).doubled().doubled());
         room.times(part.doubled().over(square.root().plus(line)))
     }
 

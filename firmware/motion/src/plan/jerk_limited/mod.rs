@@ -3,7 +3,7 @@
 //! A move is a ramp to a velocity, a cruise, and a ramp to rest; from rest to rest that is the double-S, the fastest there is. Where
 //! there is no room for the profile velocity, the greatest one for which both ramps fit is looked for (`cruise.rs`).
 //!
-//! A motion that has to turn round comes to rest first. A ramp that is under distance is left at the same jerk: its acceleration goes to
+//! A motion that has to turn round comes to rest first. A ramp that is under way is left at the same jerk: its acceleration goes to
 //! zero, or on to that of the next ramp.
 
 mod cruise;
@@ -312,8 +312,8 @@ impl Room {
             let rise = turned(jerk.times(entry).times(entry).halved(), falls);
             let start = velocity.plus(change).minus(rise.doubled());
             // v·t + a·t²/2 − j·t³/6, where a is j times the time that it takes to fall.
-            let bend = jerk.times(time.minus(over.times(Rough::THIRD))).times(over);
-            let mean = velocity.plus(turned(bend.halved(), falls));
+            let by_jerk = jerk.times(time.minus(over.times(Rough::THIRD))).times(over);
+            let mean = velocity.plus(turned(by_jerk.halved(), falls));
             let eased = mean.times(over);
             let entered = start.plus(rise.times(Rough::THIRD)).times(entry);
             let all = velocity.magnitude().plus(change.magnitude());

@@ -4,7 +4,7 @@
 //! that begins with no acceleration and gains Δ takes T = √(Δ/j) in each direction; or, if that were beyond the limit A,
 //! T = A/j, and stays at A for Δ/A − T. Its distance is its mean velocity times its time.
 //!
-//! A ramp that begins with an acceleration a is the rest of one that began without, a/j earlier and a²/2j away from the velocity of
+//! A ramp that begins with an acceleration a is the end of one that began without, a/j earlier and a²/2j away from the velocity of
 //! now: its [`Lead`]. If a is in the other direction, it begins as much later instead, and the same formulas hold.
 
 use core::cell::Cell;
@@ -284,12 +284,15 @@ impl Lead {
         };
         self.velocity = from.velocity.wrapping_sub(exact_change);
         let distance = time.times(self.speed());
-        let bend = time.times(change).times(Number::THIRD);
+        let by_jerk = time.times(change).times(Number::THIRD);
         // Most are so short that the sum need not be made for that.
-        self.is_far = distance.may_exceed(29) | bend.may_exceed(29)
-            && distance.plus(bend).saturates(Kind::Distance);
-        let (distance, bend) = (distance.fixed(Kind::Distance), bend.fixed(Kind::Distance));
-        self.ahead = distance.wrapping_add(bend).wrapping_neg();
+        self.is_far = distance.may_exceed(29) | by_jerk.may_exceed(29)
+            && distance.plus(by_jerk).saturates(Kind::Distance);
+        let (distance, by_jerk) = (
+            distance.fixed(Kind::Distance),
+            by_jerk.fixed(Kind::Distance),
+        );
+        self.ahead = distance.wrapping_add(by_jerk).wrapping_neg();
         self.ago = time.fixed(Kind::Time);
     }
 
@@ -323,10 +326,10 @@ impl Lead {
         // With T for the entry and t for the time that the acceleration would need to zero: v·(t − 2T) + j·(t³/3 − t²·T + T³).
         let since = time.minus(limit.entry.doubled());
         let fallen = time.times(Number::THIRD).minus(limit.entry);
-        let bend = change.times(fallen).plus(rise.times(limit.entry));
+        let by_jerk = change.times(fallen).plus(rise.times(limit.entry));
         let ahead = Number::of(from.velocity, Kind::Velocity)
             .times(since)
-            .plus(bend.doubled());
+            .plus(by_jerk.doubled());
         self.is_far = ahead.saturates(Kind::Distance);
         self.ahead = ahead.fixed(Kind::Distance);
         self.ago = since.negated().fixed(Kind::Time);

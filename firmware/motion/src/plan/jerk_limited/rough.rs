@@ -135,7 +135,7 @@ impl Rough {
 
     /// The cube root of what is not negative, to some eighteen bits.
     pub(super) fn cube_root(self) -> Self {
-        // A third of the exponent: right to one part in twenty. Two steps of Newton's method do the rest.
+        // A third of the exponent: right to one part in twenty. Two steps of Newton's method do the others.
         let mut root = f32::from_bits((self.0.to_bits() / 3).wrapping_add(0x2A51_4067));
         for _ in 0..2 {
             root = (root + root + self.0 / (root * root)) * (1.0 / 3.0);

@@ -75,7 +75,7 @@ fn i02_a_softer_deceleration_while_braking_is_no_reason_to_refuse() {
     for deceleration in [1, 2, 5, 9] {
         for target in [here + 1_000_000, here + 100, here - 1_000_000] {
             for goal in [Goal::Rest(target), Goal::Pass(target, 500.into())] {
-                let mut plan = braking;
+                let mut plan = braking.clone();
                 plan.replan(clock, at, goal, limits(deceleration), ramps)
                     .unwrap();
                 assert_no_jump(&plan);
