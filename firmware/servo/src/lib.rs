@@ -1,6 +1,7 @@
 //! The servo: what makes a motor follow by its current, without a word of CAN or registers.
 //!
-//! A [`CurrentLoop`] runs once in each period of the modulation: samples in, pulse widths out. [`feedback`] tells where the rotor is.
+//! A [`CurrentLoop`] runs once in each period of the modulation: samples in, pulse widths out. Above it a [`Cascade`] runs at the rate of the control:
+//! position and velocity in, current out. [`feedback`] tells where the rotor is, [`protection`] what may be asked of the motor.
 //!
 //! # The contract
 //!
@@ -27,15 +28,19 @@
 extern crate std;
 
 pub mod angle;
+pub mod cascade;
 pub mod current_loop;
 pub mod feedback;
 pub mod field_weakening;
+pub mod filter;
 pub mod modulation;
 pub mod motor;
 pub mod number;
 pub mod offsets;
+pub mod protection;
 pub mod transform;
 
 pub use angle::Angle;
+pub use cascade::Cascade;
 pub use current_loop::CurrentLoop;
 pub use motor::{Implausible, Motor, Wiring};

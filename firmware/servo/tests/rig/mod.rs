@@ -78,8 +78,8 @@ impl Rig {
         }
     }
 
-    /// A period: half of it with the widths of before, half with those for this current.
-    pub fn period(&mut self, demand: Rotor) {
+    /// The middle of the pulses: what is measured.
+    pub fn sense(&mut self) -> Sample {
         let readings = self.plant.measure();
         self.encoder.look(readings.count as u16);
         self.observer.look(self.encoder.angle());
@@ -89,13 +89,17 @@ impl Rig {
         } else {
             (self.observer.angle(), self.observer.speed())
         };
-        let sample = Sample {
+        Sample {
             currents: readings.currents.map(|current| current as f32),
             bus: readings.bus_voltage as f32,
             angle,
             speed,
-        };
-        let widths = self.current.run(&sample, demand);
+        }
+    }
+
+    /// What comes of it: half a period with the widths of before, half with those for this current.
+    pub fn act(&mut self, sample: &Sample, demand: Rotor) {
+        let widths = self.current.run(sample, demand);
         self.plant.run(HALF);
         self.plant.gates = match widths {
             Ok(widths) => Gates::On(widths.map(f64::from)),
@@ -103,6 +107,12 @@ impl Rig {
         };
         self.tripped = widths.err();
         self.plant.run(HALF);
+    }
+
+    /// A period.
+    pub fn period(&mut self, demand: Rotor) {
+        let sample = self.sense();
+        self.act(&sample, demand);
     }
 
     pub fn periods(&mut self, count: u32, demand: Rotor) {

@@ -1,0 +1,230 @@
+//! The loops above the current: position, then velocity, at the rate of the control.
+//!
+//! ```text
+//! velocity wanted = velocity ahead + Kp · position error
+//! current         = (acceleration ahead + Kv · velocity error) · J / kt + friction ahead + what adds up of the velocity error
+//! ```
+//!
+//! The position is a whole number of counts all the way to the error. What adds up does so only as far as the limit leaves room, so nothing winds up. A loop that
+//! takes over begins with the current that flows: there is no bump, whatever the errors are then.
+
+use crate::filter::Filter;
+use crate::motor::{Implausible, Motor};
+use crate::number::{between, is_within, limit};
+
+/// The greatest position error that is told apart, in counts.
+const FARTHEST: i64 = 1 << 23;
+
+/// The fastest that is reckoned with, in rad/s.
+const FASTEST: f32 = 1e4;
+
+/// The greatest acceleration that is reckoned with, in rad/s².
+const QUICKEST: f32 = 1e7;
+
+/// How stiff the loops are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gains {
+    /// Of the position, in 1/s (60FBh).
+    pub position: f32,
+    /// Of the velocity, in 1/s: its bandwidth in rad/s (60F9h).
+    pub velocity: f32,
+    /// Of what adds up, in 1/s.
+    pub integral: f32,
+}
+
+impl Gains {
+    /// For a bandwidth of the velocity loop in rad/s; the loops around it are a third as fast.
+    pub const fn from_bandwidth(bandwidth: f32) -> Self {
+        Self {
+            position: bandwidth / 3.0,
+            velocity: bandwidth,
+            integral: bandwidth / 3.0,
+        }
+    }
+
+    /// # Errors
+    /// With a gain below 0, above 10⁴, or that is no number.
+    fn checked(self) -> Result<Self, Implausible> {
+        let gains = [self.position, self.velocity, self.integral];
+        let is_one = gains.iter().all(|gain| is_within(*gain, 0.0, 1e4));
+        is_one.then_some(self).ok_or(Implausible)
+    }
+}
+
+/// What is wanted in this period.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Demand {
+    /// In counts; `None` leaves the position alone.
+    pub position: Option<i64>,
+    /// Parts of a count beyond it, 0 to 1.
+    pub part: f32,
+    /// In rad/s.
+    pub velocity: f32,
+    /// In rad/s².
+    pub acceleration: f32,
+    /// A current ahead, in A.
+    pub current: f32,
+}
+
+/// What the motor does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Actual {
+    /// In counts.
+    pub position: i64,
+    /// In rad/s.
+    pub velocity: f32,
+}
+
+/// What may be asked for: each at least 0, in A.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Of a positive current.
+    pub positive: f32,
+    /// Of a negative one.
+    pub negative: f32,
+}
+
+impl Limits {
+    /// The same both ways.
+    pub const fn both(most: f32) -> Self {
+        Self {
+            positive: most,
+            negative: most,
+        }
+    }
+}
+
+/// See the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cascade {
+    gains: Gains,
+    period: f32,
+    /// rad of a count.
+    count: f32,
+    /// J / kt, in A per rad/s².
+    inertia: f32,
+    /// In A, in the direction of the motion.
+    friction: f32,
+    filters: [Filter; 2],
+    /// What has added up, in A.
+    sum: f32,
+    /// The error of the position, in rad; 0 while that is left alone.
+    away: f32,
+    /// What the velocity is to change by, in rad/s.
+    velocity_error: f32,
+    is_limited: bool,
+}
+
+impl Cascade {
+    /// For a motor that was checked, with a period in s.
+    ///
+    /// # Errors
+    /// With a period outside 20 µs to 10 ms, or gains that are none.
+    pub fn new(motor: &Motor, gains: Gains, period: f32) -> Result<Self, Implausible> {
+        let motor = motor.checked()?;
+        let gains = gains.checked()?;
+        let cascade = Self {
+            gains,
+            period,
+            count: core::f32::consts::TAU / motor.counts as f32,
+            inertia: motor.inertia / motor.torque_constant(),
+            friction: 0.0,
+            filters: [Filter::NONE; 2],
+            sum: 0.0,
+            away: 0.0,
+            velocity_error: 0.0,
+            is_limited: false,
+        };
+        let is_one = is_within(period, 20e-6, 10e-3) && is_within(cascade.inertia, 0.0, 1e3);
+        is_one.then_some(cascade).ok_or(Implausible)
+    }
+
+    /// With a low-pass and a notch for the current, and the current that dry friction takes, in A.
+    ///
+    /// # Errors
+    /// With a friction below 0 or that is no number.
+    pub fn with(self, low_pass: Filter, notch: Filter, friction: f32) -> Result<Self, Implausible> {
+        let filters = [low_pass, notch];
+        is_within(friction, 0.0, 1e3)
+            .then_some(Self {
+                friction,
+                filters,
+                ..self
+            })
+            .ok_or(Implausible)
+    }
+
+    /// Other gains, from the next period on. What they change of the current now is put into what has added up.
+    ///
+    /// # Errors
+    /// With gains that are none; those of before stay.
+    pub fn set_gains(&mut self, gains: Gains) -> Result<(), Implausible> {
+        let gains = gains.checked()?;
+        let before = self.gains.velocity * self.velocity_error;
+        self.velocity_error += (gains.position - self.gains.position) * self.away;
+        let after = gains.velocity * self.velocity_error;
+        self.sum = limit(self.sum + (before - after) * self.inertia, FASTEST);
+        self.gains = gains;
+        Ok(())
+    }
+
+    /// Begins with the current that flows, in A.
+    pub fn take_over(&mut self, current: f32, demand: &Demand, actual: Actual) {
+        self.compare(demand, actual);
+        self.sum = limit(limit(current, FASTEST) - self.at_once(demand), FASTEST);
+        for filter in &mut self.filters {
+            filter.settle(current);
+        }
+    }
+
+    /// Whether the last current was cut to its limits.
+    pub fn is_limited(&self) -> bool {
+        self.is_limited
+    }
+
+    /// The current for this period, in A, within the limits.
+    #[inline]
+    pub fn run(&mut self, demand: &Demand, actual: Actual, limits: Limits) -> f32 {
+        self.compare(demand, actual);
+        let least = -between(limits.negative, 0.0, FASTEST);
+        let most = between(limits.positive, 0.0, FASTEST);
+        let at_once = self.at_once(demand);
+        let growth = self.gains.integral * self.gains.velocity * self.period * self.inertia;
+        let sum = self.sum + growth * self.velocity_error;
+        // It adds up while there is room for it, or on its way back.
+        let wanted = at_once + sum;
+        let is_away = (wanted > most && sum > self.sum) || (wanted < least && sum < self.sum);
+        if !is_away {
+            self.sum = limit(sum, FASTEST);
+        }
+        let mut current = between(wanted, least, most);
+        self.is_limited = current != wanted;
+        for filter in &mut self.filters {
+            current = filter.run(current);
+        }
+        between(current, least, most)
+    }
+
+    /// Looks at what is away from what is wanted.
+    #[inline]
+    fn compare(&mut self, demand: &Demand, actual: Actual) {
+        self.away = demand.position.map_or(0.0, |position| {
+            let away = position.saturating_sub(actual.position);
+            let away = away.clamp(-FARTHEST, FARTHEST) as i32 as f32;
+            // The middle of a count is where the rotor is, as far as it is known.
+            self.count * (away + between(demand.part, 0.0, 1.0) - 0.5)
+        });
+        let wanted = limit(demand.velocity, FASTEST) + self.gains.position * self.away;
+        self.velocity_error = limit(wanted, FASTEST) - limit(actual.velocity, FASTEST);
+    }
+
+    /// All but what adds up, in A.
+    #[inline]
+    fn at_once(&self, demand: &Demand) -> f32 {
+        let velocity = limit(demand.velocity, FASTEST);
+        let acceleration = limit(demand.acceleration, QUICKEST);
+        let friction = limit(velocity * 1e3, 1.0) * self.friction;
+        let push = acceleration + self.gains.velocity * self.velocity_error;
+        push * self.inertia + friction + limit(demand.current, FASTEST)
+    }
+}

@@ -1,0 +1,149 @@
+//! A filter of second order: low-pass or notch, for the current that the velocity loop asks for.
+//!
+//! The analogue filter by the bilinear transform, with its frequency where it is meant (Bristow-Johnson's audio EQ cookbook).
+
+use crate::Angle;
+use crate::motor::Implausible;
+use crate::number::{is_within, limit};
+
+/// What no current is beyond, in A.
+const MOST: f32 = 1e4;
+
+/// A filter with its memory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filter {
+    ahead: [f32; 3],
+    back: [f32; 2],
+    memory: [f32; 2],
+}
+
+impl Filter {
+    /// What passes everything.
+    pub const NONE: Self = Self {
+        ahead: [1.0, 0.0, 0.0],
+        back: [0.0; 2],
+        memory: [0.0; 2],
+    };
+
+    /// Passes what is below a frequency in Hz; with a quality of 0.707 it is flat. The period is in s.
+    ///
+    /// # Errors
+    /// With a frequency that is not from 10⁻⁴ to 0.45 of the rate, or a quality that is not from 0.1 to 100.
+    pub fn low_pass(frequency: f32, quality: f32, period: f32) -> Result<Self, Implausible> {
+        let (cosine, alpha, half) = parts(frequency, quality, period)?;
+        // 1 − cos, without its rounding: 2 sin² of the half.
+        let (sine, _) = half.sine_cosine();
+        let pass = sine * sine;
+        Ok(Self::normed([pass, 2.0 * pass, pass], cosine, alpha))
+    }
+
+    /// Takes out a frequency in Hz, the narrower the higher the quality. The period is in s.
+    ///
+    /// # Errors
+    /// As [`Filter::low_pass`].
+    pub fn notch(frequency: f32, quality: f32, period: f32) -> Result<Self, Implausible> {
+        let (cosine, alpha, _) = parts(frequency, quality, period)?;
+        Ok(Self::normed([1.0, -2.0 * cosine, 1.0], cosine, alpha))
+    }
+
+    fn normed(ahead: [f32; 3], cosine: f32, alpha: f32) -> Self {
+        let by = 1.0 / (1.0 + alpha);
+        Self {
+            ahead: ahead.map(|factor| factor * by),
+            back: [-2.0 * cosine * by, (1.0 - alpha) * by],
+            memory: [0.0; 2],
+        }
+    }
+
+    /// As if this had come for ever.
+    pub fn settle(&mut self, value: f32) {
+        let value = limit(value, MOST);
+        let [first, second, third] = self.ahead;
+        let sum = first + second + third;
+        let [near, far] = self.back;
+        let gone = 1.0 + near + far;
+        let through = if gone > 0.0 { sum / gone } else { 1.0 };
+        let out = value * through;
+        let old = third * value - far * out;
+        self.memory = [second * value - near * out + old, old];
+    }
+
+    /// The next value.
+    #[inline]
+    pub fn run(&mut self, value: f32) -> f32 {
+        let value = limit(value, MOST);
+        let [first, second, third] = self.ahead;
+        let [near, far] = self.back;
+        let [new, old] = self.memory;
+        let out = first * value + new;
+        self.memory = [second * value - near * out + old, third * value - far * out];
+        out
+    }
+}
+
+/// Cosine of the angle that a period is of a turn of the frequency, half its sine by the quality, and half the angle.
+fn parts(frequency: f32, quality: f32, period: f32) -> Result<(f32, f32, Angle), Implausible> {
+    let turns = frequency * period;
+    if !(is_within(turns, 1e-4, 0.45) && is_within(quality, 0.1, 100.0)) {
+        return Err(Implausible);
+    }
+    let (sine, cosine) = Angle::from_turns(turns).sine_cosine();
+    let half = Angle::from_turns(turns * 0.5);
+    Ok((cosine, sine * 0.5 / quality, half))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f32::consts::TAU;
+
+    const PERIOD: f32 = 250e-6;
+
+    /// The amplitude of a sine behind the filter.
+    fn gain(filter: Filter, frequency: f32) -> f32 {
+        let mut filter = filter;
+        let mut most = 0.0_f32;
+        for period in 0..20_000_u16 {
+            let out = filter.run((TAU * frequency * PERIOD * f32::from(period)).sin());
+            if period > 10_000 {
+                most = most.max(out.abs());
+            }
+        }
+        most
+    }
+
+    #[test]
+    fn a_low_pass_is_three_decibels_down_at_its_frequency() {
+        let filter = Filter::low_pass(100.0, core::f32::consts::FRAC_1_SQRT_2, PERIOD).unwrap();
+        assert!((gain(filter, 10.0) - 1.0).abs() < 0.01);
+        assert!((gain(filter, 100.0) - core::f32::consts::FRAC_1_SQRT_2).abs() < 0.01);
+        assert!(gain(filter, 1_000.0) < 0.012);
+    }
+
+    #[test]
+    fn a_notch_takes_its_frequency_out() {
+        let filter = Filter::notch(300.0, 2.0, PERIOD).unwrap();
+        assert!(gain(filter, 300.0) < 0.01);
+        assert!((gain(filter, 30.0) - 1.0).abs() < 0.02);
+        assert!((gain(filter, 1_500.0) - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn what_has_settled_stays() {
+        for filter in [
+            Filter::NONE,
+            Filter::low_pass(100.0, core::f32::consts::FRAC_1_SQRT_2, PERIOD).unwrap(),
+            Filter::notch(300.0, 2.0, PERIOD).unwrap(),
+        ] {
+            let mut filter = filter;
+            filter.settle(3.0);
+            for _ in 0..10 {
+                assert!((filter.run(3.0) - 3.0).abs() < 1e-3);
+            }
+            assert!(!filter.run(f32::NAN).is_nan());
+            assert!(!filter.run(1.0).is_nan(), "nothing is left of it");
+        }
+        assert!(Filter::notch(f32::NAN, 1.0, PERIOD).is_err());
+        assert!(Filter::low_pass(2_000.0, 1.0, PERIOD).is_err());
+    }
+}
