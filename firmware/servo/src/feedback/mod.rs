@@ -1,11 +1,13 @@
 //! Where the rotor is: sensors become an electrical angle, a speed, and a count that goes on.
 
 pub mod absolute;
+pub mod commutation;
 pub mod hall;
 pub mod incremental;
 pub mod observer;
 
 pub use absolute::Absolute;
+pub use commutation::Commutation;
 pub use incremental::Incremental;
 pub use observer::Observer;
 
