@@ -183,7 +183,6 @@ impl Cascade {
     }
 
     /// The current for this period, in A, within the limits.
-    #[inline]
     pub fn run(&mut self, demand: &Demand, actual: Actual, limits: Limits) -> f32 {
         self.compare(demand, actual);
         let least = -between(limits.negative, 0.0, FASTEST);

@@ -262,7 +262,6 @@ impl CurrentLoop {
     ///
     /// # Errors
     /// The gates are to be off. It stays so until [`CurrentLoop::start`].
-    #[inline]
     pub fn run(&mut self, sample: &Sample, demand: Rotor) -> Result<[f32; 3], Trip> {
         let current = Stator::of_phases(self.wiring, sample.currents);
         let angle = sample.angle.sine_cosine();

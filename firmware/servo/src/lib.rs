@@ -33,14 +33,17 @@ pub mod current_loop;
 pub mod feedback;
 pub mod field_weakening;
 pub mod filter;
+pub mod interrupt;
 pub mod modulation;
 pub mod motor;
 pub mod number;
 pub mod offsets;
 pub mod protection;
+pub mod stepper;
 pub mod transform;
 
 pub use angle::Angle;
 pub use cascade::Cascade;
 pub use current_loop::CurrentLoop;
+pub use interrupt::CurrentInterrupt;
 pub use motor::{Implausible, Motor, Wiring};

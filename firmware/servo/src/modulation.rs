@@ -67,7 +67,8 @@ impl Modulation {
     pub fn widths(&self, voltage: Stator, currents: [f32; 3], by_bus: f32) -> [f32; 3] {
         let [a, b, c] = voltage.phases(self.wiring);
         let [ia, ib, ic] = currents;
-        let given_back = |current: f32| self.lost * limit(current * self.by_ripple, 1.0);
+        let given_back =
+            |current: f32| self.lost * lesser(greater(current * self.by_ripple, -1.0), 1.0);
         let (a, b) = (a * by_bus + given_back(ia), b * by_bus + given_back(ib));
         match self.wiring {
             Wiring::TwoPhase => [limit(a, self.reach), limit(b, self.reach), 0.0],

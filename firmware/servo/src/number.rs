@@ -3,6 +3,10 @@
 /// The value within a bound on both sides; what is no number is 0. A bound below 0 or that is no number is 0 as well.
 #[inline]
 pub fn limit(value: f32, bound: f32) -> f32 {
+    // Most are; only what is not needs more than one comparison.
+    if value.abs() <= bound {
+        return value;
+    }
     let bound = if bound > 0.0 { bound } else { 0.0 };
     between(value, -bound, bound)
 }

@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use crate::mechanical::Bodies;
+
 /// The phases of a motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -222,8 +224,10 @@ pub struct PlantData {
 }
 
 impl PlantData {
-    /// What of it moves, with a torque on the load.
-    pub(crate) fn mechanics(&self, load_torque: f64) -> crate::mechanical::Bodies {
-        crate::mechanical::Bodies::new(&self.motor, &self.load, self.coupling, load_torque)
+    /// What of it moves, with a torque on the load and a brake.
+    pub(crate) fn mechanics(&self, load_torque: f64, brake: f64) -> Bodies {
+        let mut load = self.load;
+        load.coulomb_friction += brake;
+        Bodies::new(&self.motor, &load, self.coupling, load_torque)
     }
 }

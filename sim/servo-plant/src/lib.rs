@@ -54,6 +54,8 @@ pub struct Plant {
     pub gates: Gates,
     /// What acts on the load from outside, against positive motion, in N·m.
     pub load_torque: f64,
+    /// What brakes the load from outside, as dry friction does, in N·m.
+    pub load_brake: f64,
     /// The brake chopper burns what the bus has too much of.
     pub chopper: bool,
     /// The supply feeds the bus.
@@ -77,6 +79,7 @@ impl Plant {
             steps: 0,
             gates: Gates::Off,
             load_torque: 0.0,
+            load_brake: 0.0,
             chopper: false,
             is_fed: true,
             cut_phase: None,
@@ -94,7 +97,7 @@ impl Plant {
     /// Goes on by a step.
     pub fn step(&mut self) {
         let data = &self.data;
-        let mechanics = &data.mechanics(self.load_torque);
+        let mechanics = &data.mechanics(self.load_torque, self.load_brake);
         let before = self.torque();
         self.mechanics
             .kick(mechanics, before, STEP / 2.0, &mut self.energy);

@@ -1,4 +1,4 @@
-//! Proof that `canopen`, `motion`, `cia402` and `runtime` cannot panic.
+//! Proof that `canopen`, `motion`, `servo`, `cia402` and `runtime` cannot panic.
 //!
 //! This image drives everything they offer with inputs the compiler cannot know. Its panic handler calls a function
 //! that does not exist: if one path to a panic is left after optimisation, the handler stays in the image and linking
@@ -40,6 +40,8 @@ mod commissioning;
 mod hosted;
 #[path = "no_panic/motion.rs"]
 mod motion_crate;
+#[path = "no_panic/servo.rs"]
+mod servo;
 #[path = "no_panic/units.rs"]
 mod units;
 
@@ -532,6 +534,7 @@ fn main() -> ! {
             plan(config.clock);
             values();
             units::units();
+            look(servo::servo().is_ok().into());
             capture(&edges);
             pulses(&mut queue, &mut player);
             let due = (any() == 0).then(any_time);

@@ -40,7 +40,6 @@ impl Incremental {
     }
 
     /// The timer counts this now. More than 32,767 counts between two looks cannot be seen.
-    #[inline]
     pub fn look(&mut self, timer: u16) {
         let moved = timer.wrapping_sub(self.last).cast_signed();
         self.last = timer;
@@ -66,8 +65,8 @@ impl Incremental {
         let at = self.position.wrapping_sub(since.into());
         let first = *self.index.get_or_insert(at);
         let turn = i64::from(self.counts);
-        let off = at.wrapping_sub(first).rem_euclid(turn);
-        let off = off.min(turn - off);
+        let off = at.wrapping_sub(first).checked_rem_euclid(turn);
+        let off = off.map_or(0, |off| off.min(turn - off));
         if off > i64::from(self.tolerance) {
             return Err(FeedbackFault::CountsLost);
         }

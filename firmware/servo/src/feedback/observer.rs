@@ -61,7 +61,6 @@ impl Observer {
     }
 
     /// A period has passed, and this angle was measured.
-    #[inline]
     pub fn look(&mut self, measured: Angle) {
         let [first, second, third] = self.shares;
         let on = self.speed + 0.5 * self.acceleration;

@@ -21,6 +21,7 @@ mod lookup;
 mod plans;
 mod pulses;
 mod scope;
+mod servo;
 
 use cortex_m_rt::{entry, exception, ExceptionFrame};
 use cortex_m_semihosting::{debug, heprintln, hprint, hprintln};
@@ -74,6 +75,7 @@ fn main() -> ! {
     pulses::run();
     drive::run();
     scope::run();
+    servo::run();
     drive::ticks();
     heading("Share of the CPU at full bus load");
     device::load();

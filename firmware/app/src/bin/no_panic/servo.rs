@@ -1,0 +1,236 @@
+//! Everything `servo` offers, with any numbers.
+
+use ::servo::cascade::{Actual, Demand, Gains, Limits};
+use ::servo::current_loop::{CurrentConfig, Sample};
+use ::servo::feedback::commutation::Step;
+use ::servo::feedback::{absolute, hall, Absolute, Commutation, Incremental, Observer};
+use ::servo::filter::Filter;
+use ::servo::interrupt::Counts;
+use ::servo::modulation::Modulation;
+use ::servo::offsets::CurrentSense;
+use ::servo::protection::{Blocked, Bus, Derating, PhaseLoss, Thermal};
+use ::servo::stepper::{self, Beyond, Stepper, StepperConfig, StepperDemand};
+use ::servo::transform::Rotor;
+use ::servo::{Angle, Cascade, CurrentInterrupt, CurrentLoop, Implausible, Motor, Wiring};
+
+use super::{any, any_u64, look};
+
+fn number() -> f32 {
+    f32::from_bits(any())
+}
+
+fn numbers() -> [f32; 3] {
+    [number(), number(), number()]
+}
+
+fn rotor() -> Rotor {
+    Rotor {
+        d: number(),
+        q: number(),
+    }
+}
+
+fn angle() -> Angle {
+    Angle::from_turns(number()).plus(Angle::from_bits(any()))
+}
+
+fn show(number: f32) {
+    look(number.to_bits());
+}
+
+fn motor() -> Result<Motor, Implausible> {
+    Motor {
+        wiring: if any() == 0 {
+            Wiring::TwoPhase
+        } else {
+            Wiring::ThreePhase
+        },
+        pole_pairs: any() as u16,
+        resistance: number(),
+        inductance_d: number(),
+        inductance_q: number(),
+        flux: number(),
+        rated_current: number(),
+        peak_current: number(),
+        inertia: number(),
+        counts: any(),
+    }
+    .checked()
+}
+
+/// Sets a servo up and lets it run.
+#[inline(never)]
+pub fn servo() -> Result<(), Implausible> {
+    let motor = motor()?;
+    let modulation = Modulation::new(motor.wiring, number(), number(), number())?;
+    let config = CurrentConfig {
+        period: number(),
+        share: number(),
+        learning: number(),
+        most: number(),
+        trip: number(),
+        bus: (number(), number()),
+        weakening: number(),
+    };
+    let mut current = CurrentLoop::new(&motor, config, modulation)?;
+    let mut sense = CurrentSense::new(number(), any() as u16, any() as u16)?;
+    let mut encoder = Incremental::new(&motor, any() as u16, any());
+    let table = [(); absolute::ENTRIES].map(|()| any() as i32);
+    let mut absolute = Absolute::new(&motor, any() as u8, angle())?.with_table(table);
+    let mut observer = Observer::new(number(), number())?;
+    let mut interrupt = CurrentInterrupt::new(sense, encoder, observer, current, number())?;
+    while any() != 0 {
+        match any() {
+            0 => current.start(),
+            1 => look(sense.learn([any() as u16, any() as u16, any() as u16]) as u32),
+            2 => sense.restart(),
+            3 => look(encoder.index(any() as u16).is_ok().into()),
+            4 => encoder.set_angle(angle()),
+            5 => look(absolute.look(any()).is_ok().into()),
+            6 => absolute.set_angle(angle()),
+            7 => observer.stand_at(angle()),
+            8 => observer.shift(angle()),
+            10 => interrupt.order(rotor(), any() as u16),
+            11 => {
+                let counts = Counts {
+                    currents: [any() as u16, any() as u16, any() as u16],
+                    bus: any() as u16,
+                    timer: any() as u16,
+                };
+                let widths = interrupt.run(&counts);
+                widths.into_iter().flatten().for_each(show);
+            }
+            12 => above(&motor)?,
+            13 => field(&motor)?,
+            9 => look(hall::angle(any() as u8).map_or(0, Angle::bits)),
+            _ => {
+                encoder.look(any() as u16);
+                observer.look(if any() == 0 {
+                    encoder.angle()
+                } else {
+                    absolute.angle()
+                });
+                let sample = Sample {
+                    currents: if any() == 0 {
+                        numbers()
+                    } else {
+                        sense.amperes([any() as u16, any() as u16, any() as u16])
+                    },
+                    bus: number(),
+                    angle: observer.angle(),
+                    speed: if any() == 0 {
+                        number()
+                    } else {
+                        observer.speed()
+                    },
+                };
+                match current.run(&sample, rotor()) {
+                    Ok(widths) => widths.into_iter().for_each(show),
+                    Err(trip) => look(trip as u32),
+                }
+            }
+        }
+        show(observer.acceleration() + current.current().q + current.demand().d);
+        show(current.voltage().square() + motor.rated_torque());
+        look((any_u64() as i64 ^ encoder.position() ^ absolute.position()) as u32);
+        look(encoder.index_position().unwrap_or(0) as u32);
+    }
+    Ok(())
+}
+
+fn gains() -> Gains {
+    Gains {
+        position: number(),
+        velocity: number(),
+        integral: number(),
+    }
+}
+
+/// The loops above the current, and what protects.
+#[inline(never)]
+fn above(motor: &Motor) -> Result<(), Implausible> {
+    let low_pass = Filter::low_pass(number(), number(), number())?;
+    let notch = Filter::notch(number(), number(), number())?;
+    let cascade = Cascade::new(motor, gains(), number())?;
+    let mut cascade = cascade.with(low_pass, notch, number())?;
+    let mut commutation = Commutation::new(motor, number(), number())?;
+    let mut thermal = Thermal::new(number(), number(), number(), number())?;
+    let mut bus = Bus::new(number(), number(), number())?;
+    let derating = Derating::new(number(), number())?;
+    let mut blocked = Blocked::new(number(), number(), any())?;
+    let mut loss = PhaseLoss::new(motor.wiring, number(), number(), number())?;
+    while any() != 0 {
+        let demand = Demand {
+            position: (any() == 0).then(|| any_u64() as i64),
+            part: number(),
+            velocity: number(),
+            acceleration: number(),
+            current: number(),
+        };
+        let actual = Actual {
+            position: any_u64() as i64,
+            velocity: number(),
+        };
+        let limits = Limits {
+            positive: number(),
+            negative: number(),
+        };
+        match any() {
+            0 => cascade.set_gains(gains())?,
+            1 => cascade.take_over(number(), &demand, actual),
+            2 => show(cascade.run(&demand, actual, limits)),
+            3 => match commutation.run(any_u64() as i64, number()) {
+                Step::Hold { angle, current } => {
+                    look(angle.bits());
+                    show(current);
+                }
+                Step::Found(angle) => look(angle.bits()),
+                Step::Failed => look(1),
+            },
+            4 => show(thermal.run(number()) + thermal.share()),
+            5 => look(bus.run(number()).into()),
+            6 => show(bus.braking(number()) + derating.share(number())),
+            7 => look(blocked.run(number(), number()).into()),
+            _ => look(loss.run(numbers(), numbers()).unwrap_or(9) as u32),
+        }
+        look(cascade.is_limited().into());
+    }
+    Ok(())
+}
+
+/// A stepper in closed loop.
+#[inline(never)]
+fn field(motor: &Motor) -> Result<(), Implausible> {
+    let config = StepperConfig {
+        beyond: match any() {
+            0 => Beyond::Told,
+            1 => Beyond::MadeUpAtRest,
+            _ => Beyond::MadeUpAtOnce,
+        },
+        bound: number(),
+        speed: number(),
+        current: number(),
+        at_rest: number(),
+        fall: number(),
+    };
+    let mut stepper = Stepper::new(motor, config, number())?;
+    while any() != 0 {
+        if any() == 0 {
+            stepper.reset();
+        }
+        let demand = StepperDemand {
+            position: any_u64() as i64,
+            speed: number(),
+            is_at_rest: any() == 0,
+        };
+        let rotor = stepper::Rotor {
+            position: any_u64() as i64,
+            angle: angle(),
+            speed: number(),
+        };
+        let field = stepper.run(&demand, &rotor);
+        look(field.angle.bits() ^ stepper.behind() as u32 ^ u32::from(field.is_beyond));
+        show(field.current + field.lead);
+    }
+    Ok(())
+}

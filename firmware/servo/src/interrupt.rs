@@ -1,0 +1,163 @@
+//! The current interrupt as a whole: what the converter and the timers say goes in, pulse widths come out.
+//!
+//! It is called in the middle of the pulses, above everything but a fault. What it shares with the control is one order: a current, and in how many
+//! periods it is to be reached, evenly; so a control of a lower rate makes no steps of torque.
+
+use crate::CurrentLoop;
+use crate::current_loop::{Sample, Trip};
+use crate::feedback::{Incremental, Observer};
+use crate::motor::Implausible;
+use crate::number::is_within;
+use crate::offsets::CurrentSense;
+use crate::transform::Rotor;
+
+/// What is measured at a period, as it is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Of the converter, of each phase.
+    pub currents: [u16; 3],
+    /// Of the converter, of the bus.
+    pub bus: u16,
+    /// Of the timer of the encoder.
+    pub timer: u16,
+}
+
+/// See the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurrentInterrupt {
+    /// The measurement of the currents.
+    pub sense: CurrentSense,
+    /// The encoder.
+    pub encoder: Incremental,
+    /// What is seen between its counts.
+    pub observer: Observer,
+    /// The loop.
+    pub current: CurrentLoop,
+    /// Volts of a count.
+    bus: f32,
+    demand: Rotor,
+    step: Rotor,
+    left: u16,
+}
+
+impl CurrentInterrupt {
+    /// With volts of a count of the bus.
+    ///
+    /// # Errors
+    /// With a bus of less than 10 µV or more than 10 V a count.
+    pub fn new(
+        sense: CurrentSense,
+        encoder: Incremental,
+        observer: Observer,
+        current: CurrentLoop,
+        bus: f32,
+    ) -> Result<Self, Implausible> {
+        let interrupt = Self {
+            sense,
+            encoder,
+            observer,
+            current,
+            bus,
+            demand: Rotor::ZERO,
+            step: Rotor::ZERO,
+            left: 0,
+        };
+        let is_one = is_within(bus, 1e-5, 10.0);
+        is_one.then_some(interrupt).ok_or(Implausible)
+    }
+
+    /// Orders a current in A, reached evenly in so many periods.
+    pub fn order(&mut self, demand: Rotor, periods: u16) {
+        if periods == 0 {
+            (self.demand, self.left) = (demand, 0);
+            return;
+        }
+        let share = 1.0 / f32::from(periods);
+        self.step = Rotor {
+            d: (demand.d - self.demand.d) * share,
+            q: (demand.q - self.demand.q) * share,
+        };
+        self.left = periods;
+    }
+
+    /// A period: gives the pulse widths, as [`CurrentLoop::run`].
+    ///
+    /// # Errors
+    /// The gates are to be off, until [`CurrentLoop::start`].
+    pub fn run(&mut self, counts: &Counts) -> Result<[f32; 3], Trip> {
+        self.encoder.look(counts.timer);
+        self.observer.look(self.encoder.angle());
+        if self.left > 0 {
+            self.left -= 1;
+            self.demand.d += self.step.d;
+            self.demand.q += self.step.q;
+        }
+        let sample = Sample {
+            currents: self.sense.amperes(counts.currents),
+            bus: f32::from(counts.bus) * self.bus,
+            angle: self.observer.angle(),
+            speed: self.observer.speed(),
+        };
+        self.current.run(&sample, self.demand)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::current_loop::CurrentConfig;
+    use crate::modulation::Modulation;
+    use crate::motor::tests::servo_100w;
+
+    fn interrupt() -> CurrentInterrupt {
+        let motor = servo_100w();
+        let config = CurrentConfig::quick(&motor, 50e-6, 15.0, (10.0, 60.0));
+        let modulation = Modulation::new(motor.wiring, 0.01, 0.1, 0.96).unwrap();
+        CurrentInterrupt::new(
+            CurrentSense::new(0.01, 2_048, 100).unwrap(),
+            Incremental::new(&motor, 0, 2),
+            Observer::new(2_000.0, 50e-6).unwrap(),
+            CurrentLoop::new(&motor, config, modulation).unwrap(),
+            0.016,
+        )
+        .unwrap()
+    }
+
+    const AT_REST: Counts = Counts {
+        currents: [2_048; 3],
+        bus: 3_000,
+        timer: 0,
+    };
+
+    #[test]
+    fn an_order_is_reached_evenly() {
+        let mut interrupt = interrupt();
+        interrupt.order(Rotor { d: -1.0, q: 4.0 }, 20);
+        for period in 1..=20_u8 {
+            interrupt.run(&AT_REST).unwrap();
+            let wanted = f32::from(period) * 0.2;
+            assert!((interrupt.current.demand().q - wanted).abs() < 1e-5);
+        }
+        interrupt.run(&AT_REST).unwrap();
+        assert!((interrupt.current.demand().d + 1.0).abs() < 1e-5);
+        interrupt.order(Rotor::ZERO, 0);
+        interrupt.run(&AT_REST).unwrap();
+        assert_eq!(interrupt.current.demand(), Rotor::ZERO);
+    }
+
+    #[test]
+    fn counts_beyond_the_trip_turn_it_off() {
+        let mut interrupt = interrupt();
+        let counts = Counts {
+            currents: [2_048, 3_600, 496],
+            ..AT_REST
+        };
+        assert_eq!(interrupt.run(&counts), Err(Trip::OverCurrent));
+        let mut interrupt = self::interrupt();
+        let counts = Counts {
+            bus: 4_000,
+            ..AT_REST
+        };
+        assert_eq!(interrupt.run(&counts), Err(Trip::OverVoltage));
+    }
+}
