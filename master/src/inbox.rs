@@ -21,6 +21,11 @@ impl Inbox {
         self.frames.len()
     }
 
+    /// The frames behind the first `skip`, which stay.
+    pub fn behind(&self, skip: usize) -> impl Iterator<Item = (Instant, Frame)> + '_ {
+        self.frames.iter().skip(skip).copied()
+    }
+
     /// Empties the inbox, oldest first.
     pub fn take_all(&mut self) -> Vec<(Instant, Frame)> {
         self.frames.drain(..).collect()

@@ -94,6 +94,11 @@ impl<L: Line> Master<L> {
         }
     }
 
+    /// Leaves the bus to somebody else.
+    pub fn into_line(self) -> L {
+        self.line
+    }
+
     /// The line it is on.
     pub fn line_mut(&mut self) -> &mut L {
         &mut self.line

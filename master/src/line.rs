@@ -62,6 +62,13 @@ pub struct Simulated {
     port: Handle<Port>,
 }
 
+impl Simulated {
+    /// The bus.
+    pub fn bus_mut(&mut self) -> &mut Bus {
+        &mut self.bus
+    }
+}
+
 impl Line for Simulated {
     fn now(&self) -> Instant {
         self.bus.now()

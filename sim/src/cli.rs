@@ -8,6 +8,7 @@ use canopen::settings::{Switches, Wish};
 use canopen::{BitTiming, Configuration, NodeId};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgGroup, Args, Parser, Subcommand};
+use master::axis402::panel;
 use master::command_line::{bit_rate, fail, note, refused};
 use master::scope;
 use master::system_error::plain;
@@ -48,6 +49,9 @@ struct DemoArguments {
     /// Write the picture of the move as SVG
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+    /// Instead, see a drive with a motor and move it yourself, in the browser
+    #[arg(long, conflicts_with_all = ["plot", "node_id"])]
+    panel: bool,
     /// The node-ID that the master gives to the drive
     #[arg(long, value_name = "N", default_value_t = demo::NODE_ID, value_parser = clap::value_parser!(u8).range(1..=127))]
     node_id: u8,
@@ -140,6 +144,9 @@ fn is_without_bus(error: &clap::Error) -> bool {
 }
 
 fn run_demo(arguments: DemoArguments) -> ExitCode {
+    if arguments.panel {
+        return panel(PROGRAM, ["--virtual".into()]);
+    }
     let demo = Demo {
         node_id: arguments.node_id,
         plot: arguments.plot,

@@ -1,5 +1,6 @@
 //! The command line of `axis402`.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use canopen::{BitRate, NodeId};
@@ -24,7 +25,7 @@ pub(super) struct CommandLine {
 
 /// How to get on the bus.
 #[derive(Debug, Args)]
-pub(crate) struct Bus {
+pub struct Bus {
     /// An SLCAN adapter: a serial port (/dev/ttyACM0, COM3), or a TCP address of an adapter or a virtual drive
     #[arg(long, value_name = "PORT or ADDRESS:PORT", global = true)]
     pub(super) slcan: Option<String>,
@@ -40,6 +41,38 @@ pub(crate) struct Bus {
     /// How long an answer may take, in milliseconds
     #[arg(long, value_name = "MS", global = true, default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=60_000))]
     pub(super) timeout: u32,
+}
+
+impl Bus {
+    /// The bus behind an SLCAN adapter, such as a virtual drive on TCP.
+    pub fn slcan(address: &str) -> Self {
+        Self {
+            slcan: Some(address.to_owned()),
+            socketcan: None,
+            bitrate: BitRate::Kbit1000.into(),
+            baud: 115_200,
+            timeout: 1_000,
+        }
+    }
+
+    /// Whether one is named.
+    pub fn is_named(&self) -> bool {
+        self.slcan.is_some() || self.socketcan.is_some()
+    }
+
+    /// What a person calls it.
+    pub fn title(&self) -> String {
+        match (&self.slcan, &self.socketcan) {
+            (Some(slcan), _) => format!("SLCAN {slcan}"),
+            (None, Some(interface)) => format!("SocketCAN {interface}"),
+            (None, None) => String::new(),
+        }
+    }
+
+    /// The bit rate in bit/s, where this program sets it.
+    pub fn bit_rate(&self) -> Option<u32> {
+        (self.slcan.is_some()).then(|| self.bitrate.kbit_per_second() * 1_000)
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -65,6 +98,12 @@ pub(super) enum Command {
         command: Nmt,
         #[arg(value_parser = clap::value_parser!(u8).range(0..=127))]
         node: u8,
+    },
+    /// See a drive and move it in the browser; `axis402 panel --help` tells more
+    #[command(disable_help_flag = true)]
+    Panel {
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+        arguments: Vec<OsString>,
     },
     /// Show the traffic with its meaning; of the nodes that are named, PDOs by name
     Monitor {

@@ -26,10 +26,19 @@ use crate::{Line, Master, Real};
 /// Runs the command line; returns the exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     files::outlive_limit();
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    // Its options are its own.
+    if arguments.get(1).is_some_and(|word| word == "panel") {
+        return super::panel("axis402", arguments.into_iter().skip(2));
+    }
     let command_line = match CommandLine::try_parse_from(arguments) {
         Ok(command_line) => command_line,
         Err(error) => return command_line::refused::<CommandLine>("axis402", &error),
     };
+    if matches!(command_line.command, Command::Panel { .. }) {
+        let order = "`panel` stands before its options: axis402 panel --slcan ADDRESS:PORT";
+        return command_line::fail("axis402", order);
+    }
     let (mut output, mut progress) = (standard_output::lock(), io::stderr().lock());
     let is_terminal = progress.is_terminal();
     let mut console = Console::new(&mut output, &mut progress, is_terminal);
@@ -48,8 +57,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     ExitCode::from(problem.code())
 }
 
-/// A master on the bus that the command line names.
-pub(crate) fn go_on_bus(arguments: &Bus) -> Result<Master<Real>, Problem> {
+/// A master on the bus that the command line names. A signal to end the program stops it ([`crate::LineDown::stopped`]).
+///
+/// # Errors
+/// [`Problem::Usage`] if no bus is named, more than one, or one that is not there.
+pub fn go_on_bus(arguments: &Bus) -> Result<Master<Real>, Problem> {
     let mut bus = LiveBus::new();
     match (&arguments.slcan, &arguments.socketcan) {
         (Some(_), Some(_)) => {
@@ -120,6 +132,8 @@ fn perform<L: Line>(
             super::save(master, &Node { id: *node, sheet }, *group, console)
         }
         Command::Nmt { command, node } => super::nmt(master, (*command).into(), *node),
+        // It was run before there was a bus.
+        Command::Panel { .. } => Ok(()),
         Command::Monitor {
             nodes,
             sheet,
@@ -280,8 +294,16 @@ pub(crate) fn read_sheet(
     let Some(file) = &sheet.eds else {
         return Ok(None);
     };
+    read_data_sheet(file, console).map(Some)
+}
+
+/// A data sheet. Mistakes in it are told, and the rest is used.
+///
+/// # Errors
+/// [`Problem::Usage`] if it cannot be read, or is none.
+pub fn read_data_sheet(file: &Path, console: &mut Console<'_>) -> Result<Arc<DataSheet>, Problem> {
     let report = report(file, console)?;
-    Ok(Some(Arc::new(report.model.into())))
+    Ok(Arc::new(report.model.into()))
 }
 
 /// What a file holds. Mistakes in it are no reason to leave a device alone, but they are told.

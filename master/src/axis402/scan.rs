@@ -13,12 +13,44 @@ use crate::{Failure, Line, Master};
 const AT_ONCE: u8 = 8;
 
 /// What is known of a node.
-#[derive(Clone, Debug, Default)]
-struct Found {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Found {
     /// Its last heartbeat.
-    state: Option<u8>,
+    pub state: Option<u8>,
     /// Whether its SDO server answers.
-    answers: bool,
+    pub answers: bool,
+}
+
+/// Who a node says that it is; `None` for what it does not tell.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Description {
+    /// 1000h.
+    pub device_type: Option<u32>,
+    /// 1018h:1 to 4.
+    pub identity: [Option<u32>; 4],
+    /// 1008h.
+    pub name: Option<String>,
+}
+
+impl Description {
+    /// Asks a node.
+    ///
+    /// # Errors
+    /// [`Problem`] if the bus cannot be used.
+    pub fn ask<L: Line>(master: &mut Master<L>, id: u8) -> Result<Self, Problem> {
+        let mut identity = [None; 4];
+        let device_type = told(master.read(id, 0x1000, 0))?;
+        for (sub, word) in (1..).zip(&mut identity) {
+            *word = told(master.read(id, 0x1018, sub))?;
+        }
+        let name = told(master.read::<Vec<u8>>(id, 0x1008, 0))?
+            .map(|bytes| (String::from_utf8_lossy(&bytes).trim_end_matches('\0')).to_owned());
+        Ok(Self {
+            device_type,
+            identity,
+            name,
+        })
+    }
 }
 
 /// Asks every node-ID, and tells who answers or sends heartbeats: state, device type, identity and name. Tells as well whether there
@@ -57,7 +89,11 @@ pub(super) fn used<L: Line>(
     Ok(nodes.into_keys().collect())
 }
 
-fn present<L: Line>(
+/// Asks every node-ID, and hears who answers or sends heartbeats.
+///
+/// # Errors
+/// [`Problem::Failed`] if the bus cannot be used.
+pub fn present<L: Line>(
     master: &mut Master<L>,
     console: &mut Console<'_>,
 ) -> Result<BTreeMap<u8, Found>, Problem> {
@@ -118,35 +154,23 @@ fn describe<L: Line>(master: &mut Master<L>, id: u8, found: &Found) -> Result<St
     if !found.answers {
         return Ok(format!("{id:>4}  {state:<15}  (answers no SDO)"));
     }
-    let mut columns = Vec::new();
-    for (index, sub) in [
-        (0x1000, 0),
-        (0x1018, 1),
-        (0x1018, 2),
-        (0x1018, 3),
-        (0x1018, 4),
-    ] {
-        columns.push(match master.read::<u32>(id, index, sub) {
-            Ok(number) => format!("{number:08X}"),
-            Err(failure) => unknown(failure)?,
-        });
-    }
-    let name = match master.read::<Vec<u8>>(id, 0x1008, 0) {
-        Ok(bytes) => String::from_utf8_lossy(&bytes)
-            .trim_end_matches('\0')
-            .to_owned(),
-        Err(failure) => unknown(failure)?.replace('-', ""),
-    };
+    let description = Description::ask(master, id)?;
+    let words = std::iter::once(description.device_type).chain(description.identity);
+    let columns: Vec<String> = words
+        .map(|word| word.map_or_else(|| "-".repeat(8), |word| format!("{word:08X}")))
+        .collect();
     Ok(format!(
-        "{id:>4}  {state:<15}  {}  {name}",
-        columns.join("  ")
+        "{id:>4}  {state:<15}  {}  {}",
+        columns.join("  "),
+        description.name.unwrap_or_default()
     ))
 }
 
-/// In the place of a value that cannot be had.
-fn unknown(failure: Failure) -> Result<String, Problem> {
-    match failure {
-        Failure::LineDown(_) => Err(failure.into()),
-        _ => Ok("-".repeat(8)),
+/// What was told, if it was.
+fn told<T>(answer: Result<T, Failure>) -> Result<Option<T>, Problem> {
+    match answer {
+        Ok(value) => Ok(Some(value)),
+        Err(failure @ Failure::LineDown(_)) => Err(failure.into()),
+        Err(_) => Ok(None),
     }
 }

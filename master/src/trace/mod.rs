@@ -3,6 +3,7 @@
 mod abort;
 pub mod candump;
 mod condense;
+mod error_codes;
 mod lss;
 mod meaning;
 mod objects;
@@ -12,5 +13,6 @@ mod words;
 
 pub use abort::{abort_code, abort_words};
 pub use condense::{Group, condense};
+pub use error_codes::error_words;
 pub use meaning::Interpreter;
 pub use words::{controlword, node_state, statusword};

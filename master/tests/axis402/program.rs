@@ -485,3 +485,26 @@ fn a_monitor_runs_until_it_is_stopped() {
     assert!(lines.all(|line| line.is_ok()));
     assert_eq!(monitor.wait().unwrap().code(), Some(0));
 }
+
+#[test]
+fn a_panel_that_is_not_installed_is_told() {
+    // Nothing lies beside a program that is alone in its folder.
+    let folder = tempfile::tempdir().unwrap();
+    let alone = folder.path().join("axis402");
+    std::fs::copy(env!("CARGO_BIN_EXE_axis402"), &alone).unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(&alone);
+        command.args(arguments).env("PATH", "").env_remove("CARGO");
+        let output = command.output().unwrap();
+        (
+            output.status.code(),
+            String::from_utf8(output.stderr).unwrap(),
+        )
+    };
+    let missing = "axis402: axis402-panel is not installed: cargo install --path panel\n";
+    let told = run(&["panel", "--slcan", "127.0.0.1:2402"]);
+    assert_eq!(told, (Some(2), missing.to_owned()));
+    let (code, told) = run(&["--slcan", "127.0.0.1:2402", "panel"]);
+    assert_eq!(code, Some(2));
+    assert!(told.contains("`panel` stands before its options"), "{told}");
+}

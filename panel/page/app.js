@@ -1,0 +1,102 @@
+// The window: which page is shown, the stop that is on all of them, who has control.
+
+import { connect, known, listen, mayWrite, order, say } from "./connection.js";
+import { element, mark, show, toast, visible } from "./element.js";
+import * as bus from "./bus.js";
+import * as drive from "./drive.js";
+import * as objects from "./objects.js";
+import * as log from "./log.js";
+
+const pages = { bus, drive, objects, log };
+const place = document.getElementById("page");
+const banner = document.getElementById("banner");
+const status = document.getElementById("status");
+let shown = null;
+
+function route() {
+  const name = location.hash.slice(1).split("/")[0] || "bus";
+  const page = pages[name] ?? bus;
+  for (const link of document.querySelectorAll("nav a")) {
+    if (link.hash === `#${name}`) link.setAttribute("aria-current", "page");
+    else link.removeAttribute("aria-current");
+  }
+  shown?.leave?.();
+  place.replaceChildren();
+  shown = page;
+  page.enter(place);
+  update();
+}
+
+// The stop: the button, and the space bar wherever it does not write a space.
+function stop() {
+  say("stop");
+  toast("Stop was sent", "good");
+}
+document.getElementById("stop").addEventListener("click", stop);
+document.addEventListener("keydown", (event) => {
+  if (event.code !== "Space" || event.repeat) return;
+  if (event.target.closest?.("input[type=text], input[type=search], textarea")) return;
+  event.preventDefault();
+  stop();
+}, true);
+// A button under the focus must not be pressed by the same key.
+document.addEventListener("keyup", (event) => {
+  if (event.code !== "Space" || event.target.closest?.("input[type=text], input[type=search], textarea")) return;
+  event.preventDefault();
+}, true);
+
+const takeButton = element("button", { type: "button", onclick: () => order("take").catch((error) => toast(error.message)) }, "Take control");
+const bannerText = element("span");
+banner.append(bannerText, takeButton);
+
+function updateBanner() {
+  let text = null;
+  let kind = "";
+  if (!known.connected) {
+    [text, kind] = ["No connection with the panel. It is tried again each second; a drive that was jogged has been stopped.", "bad"];
+  } else if (known.readOnly) {
+    [text, kind] = ["Read-only: nothing is written, and nothing can be stopped from here.", "info"];
+  } else if (!mayWrite()) {
+    [text, kind] = [known.writer ? "Another window has control. This one watches; Stop works here too." : "Nobody has control.", "info"];
+  } else if (known.state?.notice) {
+    [text, kind] = [known.state.notice, "bad"];
+  }
+  visible(banner, text !== null);
+  banner.className = kind;
+  show(bannerText, text ?? "");
+  visible(takeButton, known.connected && !known.readOnly && !mayWrite());
+}
+
+function update() {
+  updateBanner();
+  const state = known.state;
+  const load = state?.bus.load;
+  const parts = [];
+  if (known.connected && state) {
+    parts.push(state.bus.title);
+    parts.push(load === null ? `${state.bus.rate} frames/s` : `${load} % load`);
+    if (state.busy) parts.push(state.busy);
+  }
+  show(status, known.connected ? parts.join(" · ") : "not connected");
+  mark(document.body, "data-offline", !known.connected);
+  mark(document.body, "data-watching", !mayWrite());
+  shown?.update?.();
+}
+
+let looked = false;
+listen((what, detail) => {
+  if (what === "frames") {
+    log.frames(detail);
+    return;
+  }
+  update();
+  if (what === "connection" && known.connected) log.connected();
+  // The first look round is the panel's; it only reads.
+  if (!looked && known.connected && known.state && (mayWrite() || known.readOnly && known.writer === known.window)) {
+    looked = true;
+    if (known.state.bus.unnumbered === null && known.state.nodes.length === 0) bus.scan();
+  }
+});
+window.addEventListener("hashchange", route);
+route();
+connect();

@@ -1,0 +1,133 @@
+// The page of the bus: who is there, numbers for those that have none, NMT, store.
+
+import { known, mayWrite, order } from "./connection.js";
+import { card, element, mark, show, toast, visible } from "./element.js";
+
+let parts = null;
+
+/** Looks who is there. */
+export async function scan() {
+  await attempt(order("scan"));
+}
+
+async function attempt(promise, done) {
+  try {
+    const text = await promise;
+    const words = done ?? text;
+    if (words) toast(words, "good");
+    return true;
+  } catch (error) {
+    toast(error.message);
+    return false;
+  }
+}
+
+function nmtButtons(node) {
+  const commands = [["start", "Start"], ["pre_operational", "Pre-operational"], ["stop", "Stop node"], ["reset", "Reset"]];
+  return commands.map(([command, label]) =>
+    element("button", { type: "button", class: "small", "data-writes": true, onclick: () => attempt(order("nmt", { command, node }), `${label}: sent to node ${node}`) }, label));
+}
+
+async function open(node) {
+  if (await attempt(order("choose", { node }))) location.hash = "#drive";
+}
+
+function row(node) {
+  const made = {
+    state: element("span", { class: "pill" }),
+    name: element("strong"),
+    device: element("span", { class: "quiet" }),
+    identity: element("code"),
+    heard: element("span", { class: "quiet" }),
+    emergencies: element("ul", { class: "emergencies" }),
+    open: element("button", { type: "button", class: "primary", "data-writes": true, "data-node": node.id, onclick: () => open(node.id) }, "Open drive"),
+  };
+  made.root = element("article", { class: "card node" },
+    element("div", { class: "node-number" }, String(node.id)),
+    element("div", { class: "node-words" },
+      element("div", { class: "line" }, made.name, made.state, made.heard),
+      element("div", { class: "line" }, made.device, made.identity),
+      made.emergencies),
+    element("div", { class: "node-actions" },
+      made.open,
+      element("a", { class: "button", href: `#objects/${node.id}` }, "Objects"),
+      element("button", { type: "button", "data-writes": true, onclick: () => attempt(order("save", { node: node.id })) }, "Save parameters"),
+      element("details", {}, element("summary", {}, "NMT"), element("div", { class: "line" }, ...nmtButtons(node.id)))));
+  return made;
+}
+
+function fillRow(made, node) {
+  show(made.name, node.name ?? `Node ${node.id}`);
+  show(made.state, node.state ?? "state unknown");
+  made.state.dataset.state = node.state ?? "";
+  show(made.device, node.device ?? "");
+  show(made.identity, node.identity ?? "");
+  show(made.heard, node.silent === null ? "" : node.silent < 20 ? "heard just now" : `silent for ${Math.floor(node.silent / 10)} s`);
+  visible(made.open, node.is_drive);
+  if (made.emergencies.childElementCount !== node.emergencies.length || made.emergencies.lastChild?.textContent !== node.emergencies.at(-1)) {
+    made.emergencies.replaceChildren(...node.emergencies.map((text) => element("li", {}, text)));
+  }
+}
+
+/** Shows the page. */
+export function enter(place) {
+  const first = element("input", { type: "number", min: 1, max: 127, value: 4, id: "first" });
+  const store = element("input", { type: "checkbox", checked: true, id: "store" });
+  const number = element("button", {
+    type: "button", class: "primary", id: "number", "data-writes": true,
+    onclick: () => attempt(order("number", { first: Number(first.value), store: store.checked })),
+  }, "Give node-ID");
+  parts = {
+    rows: new Map(),
+    list: element("div", { class: "nodes" }),
+    scan: element("button", { type: "button", id: "scan", "data-writes": true, onclick: scan }, "Scan"),
+    summary: element("p", { class: "quiet" }),
+    empty: element("p", { class: "empty" }, "Nobody was heard yet. Scan asks every node-ID, and whether there is a device without one."),
+    busy: element("p", { class: "busy", role: "status" }),
+    unnumbered: card("A device has no node-ID",
+      element("p", {}, "It was found by LSS (CiA 305). Give it a free node-ID, and it is on the bus."),
+      element("div", { class: "fields" },
+        element("label", {}, element("span", {}, "Lowest node-ID"), first),
+        element("label", { class: "check" }, store, element("span", {}, "It stores it")),
+        number)),
+  };
+  parts.unnumbered.classList.add("attention");
+  place.append(
+    element("div", { class: "title" }, element("h1", {}, "Bus"), parts.scan),
+    parts.summary, parts.busy, parts.unnumbered, parts.empty, parts.list);
+}
+
+/** Leaves the page. */
+export function leave() {
+  parts = null;
+}
+
+/** Shows what is new. */
+export function update() {
+  if (!parts || !known.state) return;
+  const { nodes, bus, busy } = known.state;
+  show(parts.busy, busy ?? "");
+  visible(parts.busy, Boolean(busy));
+  visible(parts.unnumbered, bus.unnumbered === true && !known.readOnly);
+  visible(parts.empty, nodes.length === 0 && !busy && bus.unnumbered !== true);
+  show(parts.summary, `${bus.title}: ${nodes.length === 1 ? "1 node" : `${nodes.length} nodes`}, ${bus.rate} frames/s${bus.load === null ? "" : `, ${bus.load} % of the bus`}`);
+  const ids = new Set(nodes.map((node) => node.id));
+  for (const [id, made] of parts.rows) {
+    if (ids.has(id)) continue;
+    made.root.remove();
+    parts.rows.delete(id);
+  }
+  for (const node of nodes) {
+    if (!parts.rows.has(node.id)) {
+      const made = row(node);
+      parts.rows.set(node.id, made);
+      parts.list.append(made.root);
+    }
+    fillRow(parts.rows.get(node.id), node);
+  }
+  const may = mayWrite() || known.readOnly && known.writer === known.window;
+  for (const button of document.querySelectorAll("[data-writes]")) {
+    const reads = button === parts.scan || button.hasAttribute("data-node");
+    mark(button, "disabled", !(reads ? may : mayWrite()) || Boolean(busy));
+  }
+}

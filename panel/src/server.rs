@@ -1,0 +1,258 @@
+//! The server: the page, and a WebSocket for each window.
+//!
+//! Everything that waits is bounded: orders for the session, replies to a window, frames to tell. A window that does not read is closed.
+
+use std::sync::Arc;
+use std::sync::mpsc::{SyncSender, TrySendError};
+use std::time::Duration;
+
+use axum::Router;
+use axum::extract::State;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::http::{HeaderMap, StatusCode, Uri, header};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use tokio::net::TcpListener;
+use tokio::sync::broadcast;
+use tokio::sync::mpsc;
+use tokio::time::timeout;
+
+use crate::desk::Desk;
+use crate::message::{Answer, Event, Order, Outcome, Request};
+use crate::session::{Outlet, Ticket, json};
+use crate::{assets, origin};
+
+/// Windows at once.
+const WINDOWS: usize = 32;
+
+/// The longest message of a window, in bytes: a value of an object that is written.
+const LONGEST_MESSAGE: usize = 64 * 1024;
+
+/// Replies that wait for a window.
+const REPLIES: usize = 64;
+
+/// How long a window may leave a message unread.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// The page loads nothing from elsewhere, and nobody else may frame it.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
+                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// What all windows share.
+#[derive(Debug)]
+pub struct Shared {
+    /// Who may write, and what may not wait.
+    pub desk: Arc<Desk>,
+    /// To the session.
+    pub tickets: SyncSender<Ticket>,
+    /// From the session.
+    pub outlet: Outlet,
+    /// Nothing is written at all.
+    pub read_only: bool,
+    /// Where a person has told it to listen.
+    pub listen: String,
+    /// What a window must know.
+    pub token: Option<String>,
+}
+
+/// Serves until the runtime ends.
+///
+/// # Errors
+/// When nothing can be served any more.
+pub async fn serve(listener: TcpListener, shared: Arc<Shared>) -> std::io::Result<()> {
+    let router = Router::new()
+        .route("/ws", get(window))
+        .fallback(get(file))
+        .with_state(shared);
+    axum::serve(listener, router).await
+}
+
+async fn file(uri: Uri) -> Response {
+    let headers = |kind: &'static str| {
+        [
+            (header::CONTENT_TYPE, kind),
+            (header::CONTENT_SECURITY_POLICY, POLICY),
+            (header::CACHE_CONTROL, "no-cache"),
+            (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+            (header::REFERRER_POLICY, "no-referrer"),
+        ]
+    };
+    match assets::find(uri.path()) {
+        Some(asset) => (headers(asset.kind), asset.bytes).into_response(),
+        None => StatusCode::NOT_FOUND.into_response(),
+    }
+}
+
+async fn window(
+    State(shared): State<Arc<Shared>>,
+    headers: HeaderMap,
+    uri: Uri,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
+    if !origin::is_own(text(header::ORIGIN), text(header::HOST), &shared.listen) {
+        return (StatusCode::FORBIDDEN, "not a page of this panel").into_response();
+    }
+    if let Some(token) = &shared.token
+        && !origin::has_token(uri.query(), token)
+    {
+        return (StatusCode::UNAUTHORIZED, "the token is missing or wrong").into_response();
+    }
+    if shared.desk.open_windows() >= WINDOWS {
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many windows").into_response();
+    }
+    upgrade
+        .max_message_size(LONGEST_MESSAGE)
+        .on_upgrade(|socket| async move {
+            let window = Window::open(shared);
+            window.run(socket).await;
+        })
+}
+
+/// A window that is open; it is closed when this is dropped.
+struct Window {
+    shared: Arc<Shared>,
+    number: u64,
+    replies: mpsc::Sender<Event>,
+    from_session: mpsc::Receiver<Event>,
+    /// While it wants to see frames.
+    frames: Option<broadcast::Receiver<Arc<str>>>,
+}
+
+impl Drop for Window {
+    fn drop(&mut self) {
+        self.shared.desk.close(self.number);
+    }
+}
+
+impl Window {
+    fn open(shared: Arc<Shared>) -> Self {
+        let (replies, from_session) = mpsc::channel(REPLIES);
+        Self {
+            number: shared.desk.open(),
+            shared,
+            replies,
+            from_session,
+            frames: None,
+        }
+    }
+
+    async fn run(mut self, mut socket: WebSocket) {
+        let hello = Event::Hello {
+            window: self.number,
+            read_only: self.shared.read_only,
+            version: env!("CARGO_PKG_VERSION"),
+        };
+        let mut states = self.shared.outlet.states.subscribe();
+        states.mark_changed();
+        let mut writer = None;
+        if !send(&mut socket, &json(&hello)).await {
+            return;
+        }
+        loop {
+            let now = Some(self.shared.desk.writer());
+            if writer != now {
+                writer = now;
+                let event = Event::Writer {
+                    window: now.flatten(),
+                };
+                if !send(&mut socket, &json(&event)).await {
+                    return;
+                }
+            }
+            let text = tokio::select! {
+                // What a person does comes first.
+                biased;
+                message = socket.recv() => match message {
+                    Some(Ok(Message::Text(text))) => {
+                        if !self.hear(&text) {
+                            return;
+                        }
+                        continue;
+                    }
+                    Some(Ok(Message::Close(_)) | Err(_)) | None => return,
+                    Some(Ok(_)) => continue,
+                },
+                Some(reply) = self.from_session.recv() => json(&reply),
+                changed = states.changed() => match changed {
+                    Ok(()) => states.borrow_and_update().clone(),
+                    Err(_) => return,
+                },
+                frames = next(&mut self.frames) => match frames {
+                    Some(frames) => frames,
+                    None => continue,
+                },
+                // Another window may have taken control.
+                () = tokio::time::sleep(Duration::from_millis(250)) => continue,
+            };
+            if !send(&mut socket, &text).await {
+                return;
+            }
+        }
+    }
+
+    /// An order of a person. Returns false for one that cannot be understood: that is no page of ours.
+    fn hear(&mut self, text: &str) -> bool {
+        let Ok(Request { id, order }) = serde_json::from_str(text) else {
+            return false;
+        };
+        let desk = &self.shared.desk;
+        let is_writer = desk.writer() == Some(self.number);
+        match order {
+            Order::Stop => {
+                desk.stop();
+                self.reply(id, Outcome::Done(Answer::Text("stop".to_owned())));
+            }
+            Order::Release if is_writer => desk.release(),
+            Order::Beat if is_writer => desk.beat(),
+            Order::Release | Order::Beat => {}
+            Order::Take => {
+                desk.take(self.number);
+                self.reply(id, Outcome::Done(Answer::Text(String::new())));
+            }
+            Order::Frames { on } => {
+                self.frames = on.then(|| self.shared.outlet.frames.subscribe());
+                self.reply(id, Outcome::Done(Answer::Text(String::new())));
+            }
+            order => self.order(id, order),
+        }
+        true
+    }
+
+    fn order(&self, id: u64, order: Order) {
+        let replies = self.replies.clone();
+        let ticket = Ticket {
+            window: self.number,
+            order,
+            releases: self.shared.desk.counts().releases,
+            reply: Box::new(move |outcome| {
+                // A window that has so many replies unread does not miss another one.
+                let _ = replies.try_send(Event::Reply { id, outcome });
+            }),
+        };
+        if let Err(TrySendError::Full(_)) = self.shared.tickets.try_send(ticket) {
+            let busy = "too much is asked at once: try again".to_owned();
+            self.reply(id, Outcome::Error(busy));
+        }
+    }
+
+    fn reply(&self, id: u64, outcome: Outcome) {
+        let _ = self.replies.try_send(Event::Reply { id, outcome });
+    }
+}
+
+/// The next frames, while they are wanted. `None` when some were missed.
+async fn next(frames: &mut Option<broadcast::Receiver<Arc<str>>>) -> Option<Arc<str>> {
+    match frames {
+        Some(frames) => frames.recv().await.ok(),
+        None => std::future::pending().await,
+    }
+}
+
+/// Returns false when nobody reads any more.
+async fn send(socket: &mut WebSocket, text: &str) -> bool {
+    matches!(
+        timeout(PATIENCE, socket.send(Message::text(text))).await,
+        Ok(Ok(()))
+    )
+}

@@ -1,0 +1,235 @@
+//! What passes on the bus: frames in words, the nodes that are heard, the load.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+use canopen::{Duration, Instant};
+use master::data_sheet::DataSheet;
+use master::trace::{Interpreter, candump, error_words, node_state};
+
+use crate::line::Passed;
+use crate::message::{LoggedFrame, NodeState};
+
+/// Emergency messages that are kept of each node.
+const EMERGENCIES: usize = 8;
+
+/// What is known of a node.
+#[derive(Clone, Debug, Default)]
+pub struct Known {
+    /// What a scan or the node itself has told.
+    pub told: NodeState,
+    /// Its last frame.
+    pub last: Option<Instant>,
+    /// Its NMT state, as its heartbeat has told it.
+    pub state: Option<u8>,
+}
+
+/// Follows the bus.
+#[derive(Debug)]
+pub struct Traffic {
+    interpreter: Interpreter,
+    nodes: BTreeMap<u8, Known>,
+    counted: VecDeque<(Instant, u64, u64)>,
+}
+
+impl Default for Traffic {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Traffic {
+    /// Nothing was heard yet.
+    pub fn new() -> Self {
+        Self {
+            interpreter: Interpreter::new(DataSheet::standard()),
+            nodes: BTreeMap::new(),
+            counted: VecDeque::new(),
+        }
+    }
+
+    /// What a node is.
+    pub fn learn_sheet(&mut self, node: u8, sheet: Arc<DataSheet>) {
+        self.interpreter.learn_sheet(node, sheet);
+    }
+
+    /// A node, to write down what it tells.
+    pub fn node_mut(&mut self, id: u8) -> &mut Known {
+        let known = self.nodes.entry(id).or_default();
+        known.told.id = id;
+        known
+    }
+
+    /// What is known of a node.
+    pub fn node(&self, id: u8) -> Option<&Known> {
+        self.nodes.get(&id)
+    }
+
+    /// Forgets all nodes, before a scan.
+    pub fn forget_nodes(&mut self) {
+        self.nodes.clear();
+    }
+
+    /// Follows a frame; in words if they are wanted.
+    pub fn follow(&mut self, passed: &Passed, in_words: bool) -> Option<LoggedFrame> {
+        if !passed.own {
+            self.hear(passed);
+        }
+        // A segment means nothing without its transfer, so all are followed.
+        let meaning = self.interpreter.meaning(&passed.frame);
+        in_words.then(|| LoggedFrame {
+            at: candump::time(passed.at),
+            id: candump::identifier(&passed.frame),
+            bytes: bytes(passed),
+            kind: kind(passed),
+            meaning,
+            own: passed.own,
+        })
+    }
+
+    fn hear(&mut self, passed: &Passed) {
+        let Some(cob_id) = passed.frame.standard_id() else {
+            return;
+        };
+        let Ok(id @ 1..=127) = u8::try_from(cob_id & 0x7F) else {
+            return;
+        };
+        match (cob_id & 0x780, passed.frame.payload()) {
+            (0x700, [state]) => {
+                let known = self.node_mut(id);
+                known.state = Some(*state);
+                known.last = Some(passed.at);
+            }
+            (0x080, [low, high, register, ..]) => {
+                let code = u16::from_le_bytes([*low, *high]);
+                let words = error_words(code).unwrap_or("of the manufacturer");
+                let time = candump::time(passed.at);
+                let line = format!("{time} {code:04X}h {words} (register {register:02X}h)");
+                let known = self.node_mut(id);
+                known.last = Some(passed.at);
+                let kept = &mut known.told.emergencies;
+                kept.push(line);
+                if kept.len() > EMERGENCIES {
+                    kept.remove(0);
+                }
+            }
+            (0x580, [_, ..]) => self.node_mut(id).last = Some(passed.at),
+            _ => {}
+        }
+    }
+
+    /// The nodes as they are now.
+    pub fn nodes(&self, now: Instant) -> Vec<NodeState> {
+        let tell = |known: &Known| NodeState {
+            state: known.state.map(node_state),
+            silent: known.last.map(|last| {
+                let silent = now.checked_duration_since(last);
+                silent.map_or(0, |silent| silent.to_millis() / 100)
+            }),
+            ..known.told.clone()
+        };
+        self.nodes.values().map(tell).collect()
+    }
+
+    /// Frames and bits of the last second, from how many have passed so far.
+    pub fn rate(&mut self, now: Instant, (frames, bits): (u64, u64)) -> (u64, u64) {
+        let second = Duration::from_ticks(1_000_000);
+        self.counted.push_back((now, frames, bits));
+        while self.counted.len() > 1
+            && self
+                .counted
+                .front()
+                .is_some_and(|(at, ..)| *at + second < now)
+        {
+            self.counted.pop_front();
+        }
+        let (_, old_frames, old_bits) = self.counted.front().copied().unwrap_or((now, 0, 0));
+        (frames - old_frames, bits - old_bits)
+    }
+}
+
+fn bytes(passed: &Passed) -> String {
+    if passed.frame.is_remote() {
+        return "remote request".to_owned();
+    }
+    let bytes = passed.frame.payload().iter();
+    let bytes: Vec<String> = bytes.map(|byte| format!("{byte:02X}")).collect();
+    bytes.join(" ")
+}
+
+/// The service of a frame by its identifier (CiA 301, predefined connection set).
+fn kind(passed: &Passed) -> &'static str {
+    match passed.frame.standard_id() {
+        Some(0x000) => "NMT",
+        Some(0x080) => "SYNC",
+        Some(0x100) => "TIME",
+        Some(0x081..=0x0FF) => "EMCY",
+        Some(0x180..=0x57F) => "PDO",
+        Some(0x580..=0x67F) => "SDO",
+        Some(0x700..=0x77F) => "Heartbeat",
+        Some(0x7E4 | 0x7E5) => "LSS",
+        _ => "Other",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canopen::Frame;
+
+    fn passed(at: u64, cob_id: u16, data: &[u8]) -> Passed {
+        Passed {
+            at: Instant::from_ticks(at),
+            frame: Frame::data_frame(cob_id, data),
+            own: false,
+        }
+    }
+
+    #[test]
+    fn nodes_are_known_by_what_they_send() {
+        let mut traffic = Traffic::new();
+        traffic.follow(&passed(100_000, 0x704, &[0x7F]), false);
+        traffic.follow(
+            &passed(200_000, 0x084, &[0x30, 0x81, 0x11, 0, 0, 0, 0, 0]),
+            false,
+        );
+        let nodes = traffic.nodes(Instant::from_ticks(1_000_000));
+        assert_eq!(nodes.len(), 1);
+        assert_eq!((nodes[0].id, nodes[0].state), (4, Some("pre-operational")));
+        assert_eq!(nodes[0].silent, Some(8));
+        assert_eq!(
+            nodes[0].emergencies,
+            ["0.200000 8130h life guard or heartbeat error (register 11h)"]
+        );
+    }
+
+    #[test]
+    fn no_more_emergencies_are_kept_than_anybody_reads() {
+        let mut traffic = Traffic::new();
+        for at in 0..100 {
+            traffic.follow(
+                &passed(at, 0x084, &[0x10, 0x81, 0x11, 0, 0, 0, 0, 0]),
+                false,
+            );
+        }
+        assert_eq!(
+            traffic.nodes(Instant::from_ticks(100))[0].emergencies.len(),
+            EMERGENCIES
+        );
+    }
+
+    #[test]
+    fn the_load_is_that_of_the_last_second() {
+        let mut traffic = Traffic::new();
+        let at = |tenths: u64| Instant::from_ticks(tenths * 100_000);
+        for tenths in 0..=30 {
+            traffic.rate(at(tenths), (10 * tenths, 1_000 * tenths));
+        }
+        assert_eq!(traffic.rate(at(30), (300, 30_000)), (100, 10_000));
+        // Silence.
+        for tenths in 31..=50 {
+            traffic.rate(at(tenths), (300, 30_000));
+        }
+        assert_eq!(traffic.rate(at(50), (300, 30_000)), (0, 0));
+    }
+}
