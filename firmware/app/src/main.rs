@@ -13,7 +13,7 @@
 //! | `lights` | 1 | `node`, every 50 ms | green and red light |
 //!
 //! A task may only be interrupted by those above it. What two of them share is locked while a snapshot is copied or a
-//! frame handed over, no longer; the emitter, which the refill needs, also while a tick commits pulses itself.
+//! frame handed over, no longer; the emitter, which the refill needs, also while a tick commits the first pulses of a motor that stood.
 //!
 //! What the tasks do is in [`tasks`] and in the crate `runtime`. Which interrupts raise them is the board's: it makes the app
 //! of itself by the macro [`app`](macro@app), with its device and the names of its interrupts.

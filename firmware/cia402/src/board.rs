@@ -12,9 +12,9 @@ pub struct DriveConfig {
     pub axis: AxisConfig,
     /// The period of the control tick, the nominal time between two calls of [`crate::Drive::tick`].
     pub tick: Duration,
-    /// How often in a tick pulses are committed, at least 1: by [`crate::Drive::tick`], and by [`crate::Drive::refill`] the other times. Two
-    /// segments are committed ahead; a segment shorter than the time between is stretched to it, so that one may come late by
-    /// as much.
+    /// How often in the period of a tick pulses are committed, at least 1: once is in [`crate::Drive::tick`]; more often, in
+    /// [`crate::Drive::refill`] or [`crate::Emitter::refill`], and by a tick only for a motor that stands. Two segments are committed ahead; a
+    /// segment shorter than the time between is stretched to it, so that one may come late by as much.
     pub refills: u32,
 }
 

@@ -1,8 +1,8 @@
 //! The control half: state machine, mode of operation, planner; once per control tick.
 //!
-//! A tick looks at the world once (commands, inputs, what has become of the port), decides, commits the pulses of
-//! the next segments, and publishes statusword, mode display and actual values together. `Drive::run` is the list of its steps; an early
-//! tick takes a part of them. The motor has power in operation enabled, quick stop active and fault reaction active, and nowhere else.
+//! A tick looks at the world once (commands, inputs, what has become of the port), decides, commits what a motor that stood begins with (where
+//! there are no refills, all), and publishes statusword, mode display and actual values together. `Drive::run` is the list of its steps; an
+//! early tick takes a part of them. The motor has power in operation enabled, quick stop active and fault reaction active, and nowhere else.
 
 mod command;
 mod in_step;

@@ -8,8 +8,8 @@
 //! - Lost frames are a fault only while the motor has current. Storing stops the processor, so on a busy bus frames are lost
 //!   then; a master gets the device's message, and no fault it would have to reset.
 //! - Pulses the drive gives up are dropped in the same tick.
-//! - A refill may interrupt a tick: it needs the emitter alone ([`cia402::Emitter`]), which the tick locks for a question, a copy or the pulses it
-//!   commits itself. Where the two come one after the other, [`Control::refill`] is for it.
+//! - A refill may interrupt a tick: it needs the emitter alone ([`cia402::Emitter`]), which the tick locks for a question, a copy or the first
+//!   pulses of a motor that stood. Where the two come one after the other, [`Control::refill`] is for it.
 //! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
 //!   starts anew. That takes seconds, so a motor with current stops before, with a fault, when the node task has not run for 20 ms.
 

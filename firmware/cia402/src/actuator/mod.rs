@@ -167,7 +167,7 @@ pub trait AtPort<P>: Actuator {
     /// The same at the end of a tick, for whether the motor stands.
     fn look_again(&mut self, port: &P);
 
-    /// Commits what comes next. With `is_reversed` the motor is to turn the other way (2072h).
+    /// Commits what comes next, unless a refill does so soon enough. With `is_reversed` the motor is to turn the other way (2072h).
     fn advance(&mut self, port: &mut P, is_reversed: bool);
 
     /// The same between two ticks, where these and the refills come one after the other. Nothing is decided here.

@@ -35,6 +35,10 @@ pub struct StepAxis<L = Emitter> {
     course: Cell<Ticks>,
     /// A plan cannot be.
     is_broken: bool,
+    /// Refills come between the ticks, and commit the pulses of a motor that moves.
+    is_refilled: bool,
+    /// There is something to do since the last commitment of a tick.
+    is_ordered: bool,
     emitter: L,
 }
 
@@ -53,6 +57,8 @@ impl<L: EmitterLock> StepAxis<L> {
             timescale: Timescale::new(built.clock.hz()),
             course: Cell::new(Ticks::MAX),
             is_broken: false,
+            is_refilled: config.refills > 1,
+            is_ordered: false,
             // Last, as it is large: so it is made where it stays.
             emitter: emitter(),
         }
@@ -86,6 +92,7 @@ impl<L: EmitterLock> StepAxis<L> {
         follow: impl FnOnce(&mut Axis) -> Result<(), FollowError>,
     ) -> Result<(), FollowError> {
         let begin = self.course.get();
+        self.is_ordered = true;
         self.emitter.lock(|emitter| {
             if emitter.axis.begins_beyond(begin) {
                 return Err(FollowError::TooLate);
@@ -97,6 +104,7 @@ impl<L: EmitterLock> StepAxis<L> {
     /// Plans a motion while the one before is played, and goes on with it. A target that is too far away stays so.
     fn plan(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
         let committed = self.committed;
+        self.is_ordered = true;
         let shifted = |here| goal.shifted(i64::wrapping_sub(here, near(here, committed)));
         let mut plan = Plan::at_rest(0, 0);
         let mut draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
@@ -152,6 +160,11 @@ impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
     }
 
     fn advance(&mut self, pulses: &mut S, is_reversed: bool) {
+        let begins = core::mem::take(&mut self.is_ordered) && self.at_rest;
+        if self.is_refilled && !begins {
+            // The next refill is near enough. A motor that stands need not wait for it.
+            return;
+        }
         self.emitter.lock(|emitter| {
             emitter.is_reversed = is_reversed;
             emitter.refill(pulses);

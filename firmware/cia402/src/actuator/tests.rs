@@ -3,7 +3,7 @@
 mod servo;
 
 use canopen::{Duration, Instant};
-use motion::{AxisConfig, Clock, DriverTiming};
+use motion::{AxisConfig, Clock, DriverTiming, Limits, PulseSink, Ramps};
 
 use super::{Actuator, AtPort, Emitter, NotSupported, StepAxis, TORQUE_MODES};
 use crate::commands::Commands;
@@ -19,6 +19,11 @@ use crate::{Drive, DriveConfig, Inputs};
 use servo::{Servo, Shaft};
 
 fn step_axis() -> StepAxis {
+    refilled_axis(1)
+}
+
+/// Of which pulses are committed so often in a tick.
+fn refilled_axis(refills: u32) -> StepAxis {
     let config = DriveConfig {
         axis: AxisConfig {
             clock: Clock::new(1_000_000).unwrap(),
@@ -31,7 +36,7 @@ fn step_axis() -> StepAxis {
             },
         },
         tick: Duration::from_ticks(1_000),
-        refills: 1,
+        refills,
     };
     StepAxis::new(config, || Emitter::new(config))
 }
@@ -63,6 +68,36 @@ fn a_set_point_that_a_refill_has_overtaken_is_too_late() {
         axis.observe(micros(3_000), &pulses);
         let next = axis.follow_velocity(micros(7_000), 1_000.into());
         assert_eq!(next, Ok(()), "in the next tick there is time");
+    }
+}
+
+/// A motor that stood begins with the tick; one that moves has its pulses from refills, where there are some.
+#[test]
+fn a_tick_commits_what_no_refill_does_in_time() {
+    for refills in [1, 4] {
+        let (mut axis, mut pulses) = (refilled_axis(refills), Player::with_room(256));
+        let limits = Limits {
+            velocity: 10_000.into(),
+            acceleration: 100_000,
+            deceleration: 100_000,
+        };
+        let mut tick = |axis: &mut StepAxis, target: Option<i64>| {
+            axis.observe(0, &pulses);
+            if let Some(target) = target {
+                axis.move_to(target, limits, Ramps::Linear).unwrap();
+            }
+            let before = pulses.pending();
+            axis.advance(&mut pulses, false);
+            let committed = pulses.pending() - before;
+            pulses.play(1_000);
+            committed
+        };
+        assert_eq!(tick(&mut axis, None), 0, "nothing is asked for");
+        assert!(tick(&mut axis, Some(1_000)) >= 1_000, "two segments");
+        for target in [None, Some(2_000)] {
+            let committed = tick(&mut axis, target);
+            assert_eq!(committed > 0, refills == 1, "{committed}");
+        }
     }
 }
 

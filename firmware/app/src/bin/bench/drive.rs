@@ -19,6 +19,10 @@ use dictionary::Dictionary;
 
 const HZ: u32 = 84_000_000;
 const TICK: Duration = Duration::millis(1);
+/// As on the board.
+const REFILLS: u32 = 4;
+/// Ticks of the step timer from one refill to the next.
+const SEGMENT: u32 = HZ / 1_000 / REFILLS;
 
 /// A motor that follows at once.
 #[derive(Default)]
@@ -94,10 +98,13 @@ fn tick(drive: &mut Drive, now: Instant, levels: u8, motor: &mut Motor, exchange
 }
 
 impl Bench {
-    /// A millisecond: the node task, then a control tick, whose instructions it gives.
+    /// A millisecond: refills, then a control tick, whose instructions it gives, then the node task.
     fn millisecond(&mut self) -> u32 {
         self.now += TICK;
-        self.motor.pending = self.motor.pending.saturating_sub((HZ / 1_000).into());
+        for _ in 0..REFILLS {
+            self.motor.pending = self.motor.pending.saturating_sub(SEGMENT.into());
+            self.drive.refill(&mut self.motor);
+        }
         let levels = u8::from(self.motor.position >= self.home) << 2;
         let (count, ()) = count(|| {
             tick(
@@ -157,7 +164,7 @@ fn convert(ratio: Ratio, increments: i64) -> i64 {
 }
 
 impl Bench {
-    /// A drive that has just got power, with a refill of pulses in each control tick.
+    /// A drive that has just got power.
     // Out of line, so that it is made where it stays: the stack has no room for it twice.
     #[inline(never)]
     fn new(is_timed: bool) -> Self {
@@ -168,7 +175,7 @@ impl Bench {
         let config = DriveConfig {
             axis: AxisConfig {
                 clock: Clock::new(HZ).unwrap(),
-                segment: HZ / 1_000,
+                segment: SEGMENT,
                 timing: DriverTiming {
                     pulse_high: 210,
                     pulse_low: 210,
@@ -177,7 +184,7 @@ impl Bench {
                 },
             },
             tick: TICK,
-            refills: 1,
+            refills: REFILLS,
         };
         let mut bench = Self {
             device: Device::new(Dictionary::new(), settings, 1),
