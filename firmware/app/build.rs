@@ -41,7 +41,10 @@ fn main() {
     od_gen::build(
         Path::new(ROOT).join(data_sheet),
         "dictionary.rs",
-        Options::DRIVE,
+        Options {
+            no_block_transfer: env::var_os("CARGO_FEATURE_BLOCK_TRANSFER").is_none(),
+            ..Options::DRIVE
+        },
     );
     od_gen::build(
         "../../tests/eds/test-device.eds",

@@ -19,6 +19,15 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// The profile of Cargo.toml that the firmware is built with.
 pub const PROFILE: &str = "firmware";
 
+/// That of the compact image.
+const COMPACT: &str = "compact";
+
+/// The drive on the STM32F405 board, without logs.
+const WHOLE: &str = "stm32f405,sin-squared,block-transfer";
+
+/// The drive on QEMU's machine.
+const EMULATED: &str = "qemu,sin-squared,block-transfer";
+
 /// What can be built from `firmware/app`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Image {
@@ -49,14 +58,21 @@ impl Image {
         }
     }
 
-    /// The features that choose the board, and whether there are logs.
+    /// The profile of Cargo.toml.
+    fn profile(self) -> &'static str {
+        match self {
+            Self::Compact => COMPACT,
+            _ => PROFILE,
+        }
+    }
+
+    /// The features that choose the board, whether there are logs, and what no data sheet tells.
     fn features(self) -> &'static [&'static str] {
         match self {
             Self::Board | Self::BasicDevice => &[],
-            Self::NoPanic | Self::Whole | Self::Compact => {
-                &["--no-default-features", "--features", "stm32f405"]
-            }
-            Self::Qemu | Self::Bench => &["--no-default-features", "--features", "qemu"],
+            Self::NoPanic | Self::Whole => &["--no-default-features", "--features", WHOLE],
+            Self::Compact => &["--no-default-features", "--features", "stm32f405"],
+            Self::Qemu | Self::Bench => &["--no-default-features", "--features", EMULATED],
         }
     }
 
@@ -69,7 +85,7 @@ impl Image {
         command.args([
             "build",
             "--profile",
-            PROFILE,
+            self.profile(),
             "--package",
             "app",
             "--bin",
@@ -104,7 +120,7 @@ impl Image {
         let kept = self.path();
         let built = place::target()
             .join(TARGET)
-            .join(PROFILE)
+            .join(self.profile())
             .join(self.binary());
         replace(&built, &kept)
             .with_context(|| format!("copying {} to {}", built.display(), kept.display()))?;

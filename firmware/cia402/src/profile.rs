@@ -1,6 +1,6 @@
 //! The motion profile type 6086h: how the velocity changes.
 //!
-//! 0 is the trapezoid; 1 has sin² ramps, as long as those of the trapezoid; 2, the jerk-free ramp of CiA 402-2, is the moving average of the
+//! 0 is the trapezoid; 1 has sin² ramps, as long as those of the trapezoid, if they are built in (cargo feature `sin-squared` of `motion`); 2, the jerk-free ramp of CiA 402-2, is the moving average of the
 //! trapezoid, at the jerk 60A4h:1: it has the same jerk over the whole of a ramp, and the motor is a window of (a + d) / j late. 3 has that
 //! jerk in closed form, so that from rest to rest there is none faster, if it is built in (cargo feature `limited-jerk`); otherwise it is
 //! the same as 2. The profile counts in profile position, profile velocity, the
@@ -9,7 +9,7 @@
 //! A stop on the quick stop ramp (codes 2 to 4 and 6 to 8 of 605Ah, 2 to 4 of 605Dh and 605Eh) is linear too, as it is to be short;
 //! 20A0h = 1 keeps the profile there.
 
-use motion::Ramps;
+use motion::{Ramps, SIN_SQUARED};
 
 use crate::objects::Objects;
 use crate::option_codes::StopRamp;
@@ -20,7 +20,7 @@ pub(crate) const fn ramps(code: i16, jerk: u32) -> Option<Ramps> {
     let jerk = if jerk == 0 { 1 } else { jerk };
     match code {
         0 => Some(Ramps::Linear),
-        1 => Some(Ramps::SinSquared),
+        1 if SIN_SQUARED => Some(Ramps::SinSquared),
         2 => Some(Ramps::MovingAverage(jerk)),
         3 => Some(jerk_limited(jerk)),
         _ => None,

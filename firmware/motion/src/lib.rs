@@ -80,6 +80,6 @@ pub use driver::{Driver, Nanoseconds};
 pub use fixed::{Position, State, Velocity};
 pub use path::FollowError;
 pub use plan::phase::Phase;
-pub use plan::{Goal, Limits, Plan, PlanError, Ramps};
+pub use plan::{Goal, Limits, Plan, PlanError, Ramps, SIN_SQUARED};
 pub use record::{Direction, DriverTiming, PulseSink, Record};
 pub use speed::{SignedSpeed, Speed};

@@ -190,6 +190,15 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
                 "--no-fail-fast",
             ];
             count += tests(&mut cargo(&small))?;
+            let linear = [
+                "test",
+                "-p",
+                "motion",
+                "--no-default-features",
+                "--lib",
+                "--no-fail-fast",
+            ];
+            count += tests(&mut cargo(&linear))?;
             count
         }
         Step::Fuzz => {
@@ -319,7 +328,7 @@ fn images() -> Result<Count> {
     let mut dictionaries = cargo(&["build", "--profile", PROFILE, "--package", "products"]);
     dictionaries.args(["--target", TARGET]);
     let mut sum = checks([dictionaries])?;
-    for image in [Image::NoPanic, Image::Board, Image::Qemu] {
+    for image in [Image::NoPanic, Image::Board, Image::Compact, Image::Qemu] {
         let count = checks([image.build_command()?])?;
         if count.failed == 0 {
             image.keep()?;

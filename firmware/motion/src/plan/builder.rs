@@ -1,7 +1,7 @@
 //! How pieces become a plan: one behind the other, from where the axis is.
 
 use super::Plan;
-use super::goal::PlanError;
+use super::goal::{PlanError, SIN_SQUARED};
 use super::move_to::distance_to;
 use super::piece::{Frame, Instant, Offset, Piece, Shape, ramp_distance};
 use super::sine::SHORTEST;
@@ -254,7 +254,7 @@ impl<'a> PlanBuilder<'a> {
 
     /// The shape of a ramp that lasts so long.
     fn shape(&self, time: Offset) -> Shape {
-        if self.is_sine && time >= SHORTEST {
+        if SIN_SQUARED && self.is_sine && time >= SHORTEST {
             Shape::Sine(time)
         } else {
             Shape::Cubic(0)

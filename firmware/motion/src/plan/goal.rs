@@ -15,6 +15,9 @@ pub struct Limits {
     pub deceleration: u32,
 }
 
+/// Whether sin² ramps are built in (cargo feature `sin-squared`); otherwise [`Ramps::SinSquared`] is linear.
+pub const SIN_SQUARED: bool = cfg!(feature = "sin-squared");
+
 /// How the velocity changes (motion profile type, 6086h).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Ramps {

@@ -5,7 +5,7 @@
 //! acceleration.
 
 use super::builder::Origin;
-use super::goal::{Goal, Limits};
+use super::goal::{Goal, Limits, SIN_SQUARED};
 use super::move_to::distance_to;
 use super::piece::{Instant, Piece, Shape, distance_at, over_time};
 use super::{Order, Plan, Ramps, sine};
@@ -171,7 +171,8 @@ impl Start {
 impl Plan {
     /// The motion at tick `at`, as another one begins with it: from linear ramps with no acceleration.
     pub(crate) fn leave(&self, at: Ticks) -> Start {
-        if self.order.is_none() {
+        const CAN_BE_SMOOTH: bool = SIN_SQUARED || cfg!(feature = "limited-jerk");
+        if !CAN_BE_SMOOTH || self.order.is_none() {
             return Start::steady(at, self.exact_at(at));
         }
         let (from, acceleration) = self.motion_at(at);

@@ -27,7 +27,7 @@ use crate::fixed::{Exact, State};
 use crate::speed::{SignedSpeed, Speed};
 use crate::stepper::piece::Piece as Polynomial;
 use builder::Origin;
-pub use goal::{Goal, Limits, PlanError, Ramps};
+pub use goal::{Goal, Limits, PlanError, Ramps, SIN_SQUARED};
 use heapless::Vec;
 pub(crate) use lead::Start;
 use phase::Phase;
@@ -238,11 +238,11 @@ impl Plan {
     ) -> Result<(), PlanError> {
         match ramps {
             Ramps::MovingAverage(0) => Err(PlanError::ZeroJerk),
-            Ramps::SinSquared => {
+            Ramps::SinSquared if SIN_SQUARED => {
                 let origin = start.smooth_origin(clock, goal, limits);
                 self.build(clock, &origin, (goal, limits))
             }
-            Ramps::Linear | Ramps::MovingAverage(_) => {
+            Ramps::Linear | Ramps::SinSquared | Ramps::MovingAverage(_) => {
                 let origin = Origin::steady(start.tick, start.from);
                 self.build(clock, &origin, (goal, limits))
             }

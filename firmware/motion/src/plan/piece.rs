@@ -3,6 +3,7 @@
 //! A piece is a polynomial, or a whole sin² ramp, in the frame of the plan: positions count from where the motion begins, and are positive
 //! in its direction. So a mirrored motion is the exact mirror image, bit by bit.
 
+use super::goal::SIN_SQUARED;
 use super::phase::{Phase, whole};
 use super::sine;
 use crate::clock::{Clock, Fine, Ticks};
@@ -130,8 +131,8 @@ impl Piece {
     /// The next tick behind `t`, which lies within the piece, at which another of its phases begins, or `until`, at which it ends.
     pub(super) fn next_corner(&self, (t, until): (Ticks, Ticks)) -> Ticks {
         match self.shape {
-            Shape::Cubic(_) => until,
-            Shape::Sine(time) => sine::piece(self, time, t).1.min(until),
+            Shape::Sine(time) if SIN_SQUARED => sine::piece(self, time, t).1.min(until),
+            Shape::Cubic(_) | Shape::Sine(_) => until,
         }
     }
 
@@ -147,13 +148,14 @@ impl Piece {
                 self.work_out_cubic(sixth_jerk, frame, phase);
                 until
             }
-            Shape::Sine(time) => {
+            Shape::Sine(time) if SIN_SQUARED => {
                 let (piece, end) = sine::piece(self, time, t);
                 if let Shape::Cubic(sixth_jerk) = piece.shape {
                     piece.work_out_cubic(sixth_jerk, frame, phase);
                 }
                 end.min(until)
             }
+            Shape::Sine(_) => until,
         }
     }
 

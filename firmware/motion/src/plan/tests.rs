@@ -54,3 +54,36 @@ fn corners(plan: &Plan) -> impl Iterator<Item = Ticks> {
         .collect::<std::vec::Vec<_>>()
         .into_iter()
 }
+
+#[cfg(not(feature = "sin-squared"))]
+#[test]
+fn sin_squared_is_linear_where_it_is_not_built_in() {
+    let limits = Limits {
+        velocity: 20_000.into(),
+        acceleration: 100_000,
+        deceleration: 50_000,
+    };
+    let clock = clock(84_000_000);
+    let plan = |ramps| {
+        Plan::new(
+            clock,
+            0,
+            State::default(),
+            Goal::Rest(10_000),
+            limits,
+            ramps,
+        )
+    };
+    let (sine, linear) = (plan(Ramps::SinSquared), plan(Ramps::Linear));
+    let (mut sine, mut linear) = (sine.unwrap(), linear.unwrap());
+    for at in [1_000_000, 20_000_000] {
+        for t in (0..100_000_000).step_by(123_457) {
+            assert_eq!(sine.state_at(t), linear.state_at(t));
+        }
+        assert_eq!(sine.end(), linear.end());
+        for (plan, ramps) in [(&mut sine, Ramps::SinSquared), (&mut linear, Ramps::Linear)] {
+            plan.replan(clock, at, Goal::Rest(-77), limits, ramps)
+                .unwrap();
+        }
+    }
+}

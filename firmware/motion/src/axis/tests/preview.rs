@@ -48,6 +48,7 @@ proptest! {
     }
 }
 
+#[cfg(feature = "sin-squared")]
 #[test]
 fn a_ramp_that_is_left_ends_further_away_than_one_that_is_finished() {
     let (mut axis, mut sink) = axis(FAST);

@@ -145,6 +145,7 @@ fn i06_targets_that_stream_in_do_not_slow_a_sine_ramp_down() {
 }
 
 /// Braking for a target, with limits that are harder or gentler than before: that braking is finished.
+#[cfg(feature = "sin-squared")]
 #[test]
 fn i06_sine_braking_for_its_target_is_finished_whatever_the_limits() {
     let clock = clock(168_000_000);
