@@ -85,6 +85,8 @@ struct Tick<'a> {
     is_displaced: bool,
     /// The configuration, or where the motor may go, may have changed.
     has_changed: bool,
+    /// So may the commands.
+    has_commands: bool,
     /// Operation was enabled in the tick before, and nothing else is asked for: only a fault changes the state.
     is_calm: bool,
 }
@@ -214,6 +216,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             position,
             is_displaced,
             has_changed: self.look_for_changes(waiting.is_configured, position),
+            has_commands: waiting.has_commands,
             is_calm,
         };
         self.look_at_switches(tick);
@@ -262,7 +265,9 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             let cyclic = &self.configuration.cyclic;
             let mode = self.modes.active();
             let wanted = Mode::among(D::DRIVE.modes, self.commands.mode).unwrap_or(mode);
-            self.cyclic.take(waiting, exchange, cyclic, (mode, wanted));
+            let keeps_records = Mode::InterpolatedPosition.is_among(D::DRIVE.modes);
+            self.cyclic
+                .take(waiting, exchange, cyclic, (mode, wanted), keeps_records);
         } else if waiting.is_configured {
             self.cyclic.look_anew();
         }
@@ -318,7 +323,9 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             return 0;
         }
         let since = core::mem::replace(&mut self.ticked, now);
-        self.cyclic.pass(fine(now), &self.configuration.cyclic);
+        let keeps_records = Mode::InterpolatedPosition.is_among(D::DRIVE.modes);
+        self.cyclic
+            .pass(fine(now), &self.configuration.cyclic, keeps_records);
         now.checked_duration_since(since)
             .map_or(0, |span| u32::try_from(span.ticks()).unwrap_or(u32::MAX))
     }

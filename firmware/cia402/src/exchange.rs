@@ -38,6 +38,8 @@ pub struct Waiting {
     pub is_seen: bool,
     /// The commands ask for something else than those of the tick before, and not only with other numbers.
     pub has_orders: bool,
+    /// There are other commands than in the tick before, or the same ones were given again.
+    pub has_commands: bool,
 }
 
 /// Sync events that wait for a tick. There is about one for each.
@@ -150,9 +152,10 @@ impl Exchange {
     /// Brings a control tick's copy of the commands up to date. Edges and commands to stop are given once. Returns what else there is to
     /// take.
     pub fn take(&mut self, commands: &mut Commands) -> Waiting {
-        self.take_commands(commands);
+        let has_commands = self.take_commands(commands);
         self.was_early = false;
         Waiting {
+            has_commands,
             clears_records: core::mem::take(&mut self.clears_records),
             records: self.records.len(),
             sync_events: self.sync_events.len(),
@@ -162,27 +165,34 @@ impl Exchange {
 
     /// The same for an early tick. Data records and sync events are left for the regular one.
     pub fn take_early(&mut self, commands: &mut Commands) -> Waiting {
-        self.take_commands(commands);
+        let has_commands = self.take_commands(commands);
         self.was_early = true;
-        self.waiting()
+        Waiting {
+            has_commands,
+            ..self.waiting()
+        }
     }
 
-    fn take_commands(&mut self, commands: &mut Commands) {
+    /// Returns whether there were any.
+    fn take_commands(&mut self, commands: &mut Commands) -> bool {
         self.is_urgent = false;
-        if self.taken == self.posted {
-            commands.forget_passed();
-        } else {
+        let is_new = self.taken != self.posted;
+        if is_new {
             commands.assign(&self.commands);
             self.commands.forget_passed();
             self.taken = self.posted;
             self.start_taken |= core::mem::take(&mut self.start_posted);
+        } else {
+            commands.forget_passed();
         }
+        is_new
     }
 
     /// What waits for any tick.
     const fn waiting(&mut self) -> Waiting {
         Waiting {
             has_orders: core::mem::replace(&mut self.has_orders, false),
+            has_commands: false,
             is_configured: self.is_configured,
             clears_records: false,
             records: 0,

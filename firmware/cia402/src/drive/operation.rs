@@ -52,6 +52,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                     observed: self.monitor.observed(),
                     travel: self.limits.travel(),
                     has_changed: tick.has_changed,
+                    is_as_before: !tick.has_commands && !tick.has_changed,
                     frame: &mut self.frame,
                     switches: &self.switches,
                     blocked,

@@ -109,6 +109,11 @@ impl KeptVelocity {
         }
     }
 
+    /// Whether an order is under way that goes on by itself, as long as it stays the same.
+    pub(super) const fn goes_on(&self) -> bool {
+        matches!(self.course, Course::Free | Course::ToLimit)
+    }
+
     /// Carries out an order. Nothing is planned while it stays the same; what software limits bar is tried again, what a limit
     /// switch has ended is not, unless another velocity is asked for.
     pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_, impl Parts>) {

@@ -75,6 +75,8 @@ pub(crate) struct Context<'a, P: Parts> {
     pub(crate) travel: Travel,
     /// The configuration, or where the motor may go, is perhaps not that of the last tick.
     pub(crate) has_changed: bool,
+    /// Neither that nor the commands: what the tick before has made of them holds.
+    pub(crate) is_as_before: bool,
     pub(crate) frame: &'a mut Frame,
     pub(crate) is_brake_open: bool,
     pub(crate) motor: &'a mut Motor<P::Actuator>,

@@ -25,6 +25,8 @@ use crate::statusword::{INTERNAL_LIMIT, SLIPPAGE, SPEED_ZERO, TARGET_REACHED};
 #[derive(Debug)]
 pub(super) struct ProfileVelocity {
     motion: KeptVelocity,
+    /// The velocity or a ramp of the order is cut to its limit.
+    is_cut: bool,
     held: bool,
     reached: Dwell,
     moving: Dwell,
@@ -34,6 +36,7 @@ impl ProfileVelocity {
     pub(super) const fn new() -> Self {
         Self {
             motion: KeptVelocity::new(),
+            is_cut: false,
             held: false,
             reached: Dwell::new(),
             moving: Dwell::new(),
@@ -58,33 +61,42 @@ impl ProfileVelocity {
     /// One control tick; returns statusword bits 10 to 13.
     #[inline(never)]
     pub(super) fn tick(&mut self, context: &mut Context<'_, impl Parts>) -> u16 {
+        let is_held = context.is_held();
+        if is_held && !self.held {
+            self.motion.forget();
+            context.halt();
+        }
+        self.held = is_held;
+        if !(context.is_as_before && self.motion.goes_on()) {
+            let order = self.order(context);
+            if !is_held {
+                self.motion.follow(order, context);
+            }
+        }
+        self.bits(context)
+    }
+
+    /// What is asked for now.
+    fn order(&mut self, context: &Context<'_, impl Parts>) -> Order {
         let asked = context.commands.target_velocity;
         let (limits, is_cut) = context.within(Limits {
             velocity: asked.unsigned_abs(),
             acceleration: context.commands.profile_acceleration,
             deceleration: context.commands.profile_deceleration,
         });
-        let order = Order {
+        self.is_cut = is_cut;
+        Order {
             asked,
             velocity: limits.velocity.like(asked),
             limits,
             travel: context.travel.increments,
             ramps: context.configuration.profile.ramps,
             quick_stop: context.deceleration(StopRamp::QuickStop),
-        };
-        if !context.is_held() {
-            self.held = false;
-            self.motion.follow(order, context);
-        } else if !self.held {
-            self.held = true;
-            self.motion.forget();
-            context.halt();
         }
-        self.bits(context, asked, is_cut)
     }
 
-    fn bits(&mut self, context: &Context<'_, impl Parts>, asked: SignedSpeed, is_cut: bool) -> u16 {
-        let configuration = context.configuration;
+    fn bits(&mut self, context: &Context<'_, impl Parts>) -> u16 {
+        let (configuration, asked) = (context.configuration, context.commands.target_velocity);
         let velocity = context.observed.velocity;
         let reached = self.reached.has_held(
             context.now,
@@ -96,7 +108,7 @@ impl ProfileVelocity {
             velocity.unsigned_abs() > configuration.velocity_threshold,
             configuration.velocity_threshold_time,
         );
-        let is_limited = is_cut || self.motion.is_limited(context.motor);
+        let is_limited = self.is_cut || self.motion.is_limited(context.motor);
         let slips = context.observed.slippage.unsigned_abs() > configuration.max_slippage;
         let bit = |condition, bit| if condition { bit } else { 0 };
         let reached = if context.is_halted() {

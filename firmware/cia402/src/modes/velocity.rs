@@ -42,6 +42,8 @@ pub(super) struct Velocity {
     /// What 6042h asks for.
     asked: SignedSpeed,
     is_cut: bool,
+    /// The velocity or a ramp of the order is cut to another limit.
+    is_limited: bool,
 }
 
 impl Velocity {
@@ -52,6 +54,7 @@ impl Velocity {
             source: None,
             asked: SignedSpeed::ZERO,
             is_cut: false,
+            is_limited: false,
         }
     }
 
@@ -76,7 +79,6 @@ impl Velocity {
         self.read(context);
         let before = self.control;
         self.control = self.controlled_by(context);
-        let profile = context.configuration.velocity;
         let (asked, velocity) = match self.control {
             Control::Halt | Control::Disabled => {
                 if before != self.control {
@@ -89,21 +91,25 @@ impl Velocity {
             Control::Locked(velocity) => (velocity, velocity),
             Control::Reference => (i32::from(Self::reference(context)).into(), self.asked),
         };
-        let (limits, is_cut) = context.within(Limits {
-            velocity: velocity.unsigned_abs(),
-            acceleration: profile.acceleration,
-            deceleration: profile.deceleration,
-        });
-        let order = Order {
-            asked,
-            velocity: limits.velocity.like(velocity),
-            limits,
-            travel: context.travel.increments,
-            ramps: context.configuration.profile.ramps,
-            quick_stop: context.deceleration(StopRamp::QuickStop),
-        };
-        self.motion.follow(order, context);
-        let is_cut = self.is_cut || is_cut;
+        if !(context.is_as_before && self.motion.goes_on()) {
+            let profile = &context.configuration.velocity;
+            let (limits, is_limited) = context.within(Limits {
+                velocity: velocity.unsigned_abs(),
+                acceleration: profile.acceleration,
+                deceleration: profile.deceleration,
+            });
+            self.is_limited = is_limited;
+            let order = Order {
+                asked,
+                velocity: limits.velocity.like(velocity),
+                limits,
+                travel: context.travel.increments,
+                ramps: context.configuration.profile.ramps,
+                quick_stop: context.deceleration(StopRamp::QuickStop),
+            };
+            self.motion.follow(order, context);
+        }
+        let is_cut = self.is_cut || self.is_limited;
         self.bits(context, context.demand.velocity.is_like(self.asked), is_cut)
     }
 
@@ -118,6 +124,9 @@ impl Velocity {
 
     /// 6042h with its limits. The division is made only when something has changed.
     fn read(&mut self, context: &Context<'_, impl Parts>) {
+        if context.is_as_before && self.source.is_some() {
+            return;
+        }
         let profile = context.configuration.velocity;
         let reference = Self::reference(context);
         if self.source == Some((reference, profile)) {
