@@ -7,7 +7,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use cia402::{Emitter, EmitterLock};
 use motion::{PulseSink, Record, Ticks};
-use spin::Mutex;
+use spin::{Mutex, MutexGuard};
 
 use crate::board::{Board, Pulses, Selected};
 
@@ -47,11 +47,25 @@ impl Stepping {
 
     /// For the control tick alone: nothing else holds a lock while that runs, so it never waits.
     fn with<T, R>(&self, shared: &Mutex<T>, f: impl FnOnce(&mut T) -> R) -> R {
-        let result = f(&mut shared.lock());
-        // As long as the other one is locked it stays due.
-        while self.is_due.swap(false, Ordering::Relaxed) && self.refill() {}
+        let result = f(&mut lock(shared));
+        if self.is_due.load(Ordering::Relaxed) {
+            self.make_up();
+        }
         result
     }
+
+    /// Does what refills have left. As long as the other one is locked it stays due.
+    #[cold]
+    #[inline(never)]
+    fn make_up(&self) {
+        while self.is_due.swap(false, Ordering::Relaxed) && self.refill() {}
+    }
+}
+
+/// Out of line, as it is called in many places.
+#[inline(never)]
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock()
 }
 
 /// The emitter for the control tick.

@@ -89,7 +89,7 @@ pub(crate) fn check<D: Objects>(
     if !is_offered || !has_meaning(parameter, number) {
         return Err(AbortCode::InvalidValue);
     }
-    if Factors::has(parameter) {
+    if D::DRIVE.units && Factors::has(parameter) {
         return factor(parameter, number, dictionary);
     }
     if number < least(parameter) {

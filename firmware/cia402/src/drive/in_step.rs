@@ -54,19 +54,21 @@ impl Cyclic {
         self.is_new = true;
     }
 
-    /// Takes what has come since the last tick: each piece under a lock of its own, and nothing is worked out there.
+    /// Takes what has come since the last tick: each piece under a lock of its own, and nothing is worked out there. A drive that has no mode for
+    /// data records `keeps_records` never; so in the next function.
     pub(crate) fn take<X: Share>(
         &mut self,
         waiting: Waiting,
         exchange: &mut X,
         configuration: &CyclicConfiguration,
         (mode, wanted): (Mode, Mode),
+        keeps_records: bool,
     ) {
         self.slots.clear();
         // The mode may become another in this tick.
         let begins_anew = self.clock.set_used(mode.is_cyclic() || wanted.is_cyclic());
         self.is_new |= begins_anew || waiting.sync_events > 0 || waiting.is_configured;
-        let has_records = mode == Mode::InterpolatedPosition;
+        let has_records = keeps_records && mode == Mode::InterpolatedPosition;
         if !has_records {
             self.rhythm.stop();
         }
@@ -104,12 +106,17 @@ impl Cyclic {
     }
 
     /// Lets time pass. `configuration` is what was taken with the sync events of this tick.
-    pub(crate) fn pass(&mut self, now: Fine, configuration: &CyclicConfiguration) {
+    pub(crate) fn pass(
+        &mut self,
+        now: Fine,
+        configuration: &CyclicConfiguration,
+        keeps_records: bool,
+    ) {
         self.is_new |= self.clock.pass(now, &mut self.slots);
         if core::mem::take(&mut self.is_new) {
             self.look_at_clock(configuration);
         }
-        if self.rhythm.is_running() {
+        if keeps_records && self.rhythm.is_running() {
             self.slots.clear();
             let waits = self.buffer.len();
             self.rhythm
