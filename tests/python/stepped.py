@@ -88,9 +88,10 @@ class SteppedDrive:
             assert line.startswith("="), f"the drive has ended: {self.words()}"
             self.now = int(line[1:])
             if heard is not None and self.network is not None:
-                cob_id, _, *data = heard.split()
-                data = bytearray(int(byte, 16) for byte in data)
-                self.network.notify(int(cob_id, 16), data, self.now / 1e6)
+                cob_id, *data = heard.split()
+                # `704 [1] 05`, `584: 60 17 10 00 00 00 00 00`
+                data = bytearray(int(byte, 16) for byte in data if not byte.startswith("["))
+                self.network.notify(int(cob_id.rstrip(":"), 16), data, self.now / 1e6)
         return is_over()
 
     def monotonic(self):

@@ -19,6 +19,8 @@ pub mod drive;
 pub mod firmware;
 pub mod late;
 pub mod line;
+// The tests of the device write frames in the same way.
+#[path = "../../firmware/canopen/tests/device/notation.rs"]
 pub mod notation;
 pub mod plain_node;
 pub mod plugged;

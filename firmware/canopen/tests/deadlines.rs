@@ -95,7 +95,7 @@ fn mirror() -> Device {
         device.poll();
         let answers = device.sent();
         assert!(
-            answers.len() == 1 && answers[0].starts_with("584#60"),
+            answers.len() == 1 && answers[0].starts_with("584: 60"),
             "{answers:?}"
         );
     }
@@ -147,7 +147,7 @@ fn happen(device: &mut Device, step: &Step) {
                 .node
                 .receive(&frame, device.now, &mut device.firmware);
         }
-        Step::Guard => device.put("704#R"),
+        Step::Guard => device.put("704 [8] rtr"),
         Step::Value(value) => device.set_value(0x2005, 0, &[*value, 0, 0, 0]),
         Step::Report(number) => {
             let emergency = Emergency {

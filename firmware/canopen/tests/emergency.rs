@@ -39,29 +39,47 @@ fn error(number: u8) -> Emergency {
 #[test]
 fn e01_without_a_valid_cob_id_only_the_history_grows() {
     let mut device = Device::new();
-    assert_eq!(device.ask("604#2314100084000080"), ["584#6014100000000000"]);
+    assert_eq!(
+        device.ask("604: 23 14 10 00 84 00 00 80"),
+        ["584: 60 14 10 00 00 00 00 00"]
+    );
     assert!(report(&mut device, OVERCURRENT).is_empty());
     assert_eq!(device.value(0x1003, 0), [1]);
     assert_eq!(device.value(0x1001, 0), [3]);
-    assert_eq!(device.ask("604#2314100084000000"), ["584#6014100000000000"]);
-    assert_eq!(report(&mut device, OVERHEATED), ["084#10420B0000000000"]);
+    assert_eq!(
+        device.ask("604: 23 14 10 00 84 00 00 00"),
+        ["584: 60 14 10 00 00 00 00 00"]
+    );
+    assert_eq!(
+        report(&mut device, OVERHEATED),
+        ["084: 10 42 0B 00 00 00 00 00"]
+    );
 }
 
 #[test]
 fn e02_the_identifier_changes_only_while_it_is_not_valid() {
     let mut device = Device::new();
     assert_eq!(
-        device.ask("604#2314100085000000"),
+        device.ask("604: 23 14 10 00 85 00 00 00"),
         [abort(0x1014, 0, 0x0609_0030)]
     );
     assert_eq!(
-        device.ask("604#2314100084000000"),
-        ["584#6014100000000000"],
+        device.ask("604: 23 14 10 00 84 00 00 00"),
+        ["584: 60 14 10 00 00 00 00 00"],
         "the same value again"
     );
-    assert_eq!(device.ask("604#2314100084000080"), ["584#6014100000000000"]);
-    assert_eq!(device.ask("604#2314100090000000"), ["584#6014100000000000"]);
-    assert_eq!(report(&mut device, OVERHEATED), ["090#1042090000000000"]);
+    assert_eq!(
+        device.ask("604: 23 14 10 00 84 00 00 80"),
+        ["584: 60 14 10 00 00 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("604: 23 14 10 00 90 00 00 00"),
+        ["584: 60 14 10 00 00 00 00 00"]
+    );
+    assert_eq!(
+        report(&mut device, OVERHEATED),
+        ["090: 10 42 09 00 00 00 00 00"]
+    );
 }
 
 #[test]
@@ -69,7 +87,7 @@ fn e02_extended_and_reserved_bits_are_refused() {
     let mut device = Device::new();
     for value in ["84000020", "84000040", "840800A0"] {
         assert_eq!(
-            device.ask(&format!("604#23141000{value}")),
+            device.ask(&format!("604: 23 14 10 00 {value}")),
             [abort(0x1014, 0, 0x0609_0030)],
             "{value}"
         );
@@ -79,10 +97,22 @@ fn e02_extended_and_reserved_bits_are_refused() {
 #[test]
 fn e03_the_first_error_shows_everywhere() {
     let mut device = Device::new();
-    assert_eq!(report(&mut device, OVERCURRENT), ["084#1023031122334455"]);
-    assert_eq!(device.ask("604#4001100000000000"), ["584#4F01100003000000"]);
-    assert_eq!(device.ask("604#4003100000000000"), ["584#4F03100001000000"]);
-    assert_eq!(device.ask("604#4003100100000000"), ["584#4303100110231122"]);
+    assert_eq!(
+        report(&mut device, OVERCURRENT),
+        ["084: 10 23 03 11 22 33 44 55"]
+    );
+    assert_eq!(
+        device.ask("604: 40 01 10 00 00 00 00 00"),
+        ["584: 4F 01 10 00 03 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("604: 40 03 10 00 00 00 00 00"),
+        ["584: 4F 03 10 00 01 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("604: 40 03 10 01 00 00 00 00"),
+        ["584: 43 03 10 01 10 23 11 22"]
+    );
 }
 
 #[test]
@@ -94,11 +124,11 @@ fn e04_an_error_is_told_once_and_its_end_once() {
     report(&mut device, OVERHEATED);
     assert_eq!(
         clear(&mut device, 0x2310),
-        ["084#0000090000000000"],
+        ["084: 00 00 09 00 00 00 00 00"],
         "the other error stands"
     );
     assert!(clear(&mut device, 0x2310).is_empty());
-    assert_eq!(clear(&mut device, 0x4210), ["084#0000000000000000"]);
+    assert_eq!(clear(&mut device, 0x4210), ["084: 00 00 00 00 00 00 00 00"]);
     assert_eq!(device.value(0x1001, 0), [0]);
     assert_eq!(device.value(0x1003, 0), [2], "the history remains");
     assert_eq!(
@@ -125,14 +155,20 @@ fn e06_writing_zero_clears_the_history() {
     let mut device = Device::new();
     report(&mut device, OVERCURRENT);
     assert_eq!(
-        device.ask("604#2F03100001000000"),
+        device.ask("604: 2F 03 10 00 01 00 00 00"),
         [abort(0x1003, 0, 0x0609_0030)]
     );
     assert_eq!(device.value(0x1003, 0), [1]);
-    assert_eq!(device.ask("604#2F03100000000000"), ["584#6003100000000000"]);
-    assert_eq!(device.ask("604#4003100000000000"), ["584#4F03100000000000"]);
     assert_eq!(
-        device.ask("604#4003100100000000"),
+        device.ask("604: 2F 03 10 00 00 00 00 00"),
+        ["584: 60 03 10 00 00 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("604: 40 03 10 00 00 00 00 00"),
+        ["584: 4F 03 10 00 00 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("604: 40 03 10 01 00 00 00 00"),
         [abort(0x1003, 1, 0x0800_0024)]
     );
     assert_eq!(device.value(0x1001, 0), [3], "the error stands");
@@ -141,14 +177,17 @@ fn e06_writing_zero_clears_the_history() {
 #[test]
 fn e07_the_inhibit_time_delays_and_loses_nothing() {
     let mut device = Device::new();
-    assert_eq!(device.ask("604#2B151000E8030000"), ["584#6015100000000000"]);
+    assert_eq!(
+        device.ask("604: 2B 15 10 00 E8 03 00 00"),
+        ["584: 60 15 10 00 00 00 00 00"]
+    );
     for number in 1..=3 {
         device.node.report(error(number), device.now);
     }
     let expected = [
-        (0, "084#01FF810101010101".into()),
-        (100, "084#02FF810202020202".into()),
-        (200, "084#03FF810303030303".into()),
+        (0, "084: 01 FF 81 01 01 01 01 01".into()),
+        (100, "084: 02 FF 81 02 02 02 02 02".into()),
+        (200, "084: 03 FF 81 03 03 03 03 03".into()),
     ];
     assert_eq!(device.pass(1000), expected);
     device.node.report(error(4), device.now);
@@ -163,8 +202,11 @@ fn e07_more_messages_than_the_queue_holds_are_counted() {
     }
     let sent = device.sent();
     assert_eq!(sent.len(), 16);
-    assert_eq!(sent[0], "084#03FF810303030303", "the oldest are lost");
-    assert_eq!(sent[15], "084#12FF811212121212");
+    assert_eq!(
+        sent[0], "084: 03 FF 81 03 03 03 03 03",
+        "the oldest are lost"
+    );
+    assert_eq!(sent[15], "084: 12 FF 81 12 12 12 12 12");
     assert_eq!(device.node.overflows(), 2);
     assert_eq!(
         device.value(0x1003, 1),
@@ -176,42 +218,57 @@ fn e07_more_messages_than_the_queue_holds_are_counted() {
 #[test]
 fn e07_the_last_message_agrees_with_the_error_register() {
     let mut device = Device::operational();
-    assert_eq!(device.ask("604#2B151000D0070000"), ["584#6015100000000000"]);
+    assert_eq!(
+        device.ask("604: 2B 15 10 00 D0 07 00 00"),
+        ["584: 60 15 10 00 00 00 00 00"]
+    );
     for _ in 0..12 {
-        device.send("204#0102");
-        device.send("204#0102030405060708");
+        device.send("204 [2] 01 02");
+        device.send("204: 01 02 03 04 05 06 07 08");
     }
     assert_eq!(device.node.overflows(), 24 - 16);
     let sent = device.pass(10_000);
     assert_eq!(sent.len(), 16);
-    assert_eq!(sent[15].1, "084#0000000000000000");
+    assert_eq!(sent[15].1, "084: 00 00 00 00 00 00 00 00");
     assert_eq!(device.value(0x1001, 0), [0]);
 }
 
 #[test]
 fn e07_a_new_inhibit_time_counts_for_a_message_that_is_held() {
     let mut device = Device::new();
-    assert_eq!(device.ask("604#2B15100010270000"), ["584#6015100000000000"]);
+    assert_eq!(
+        device.ask("604: 2B 15 10 00 10 27 00 00"),
+        ["584: 60 15 10 00 00 00 00 00"]
+    );
     assert_eq!(report(&mut device, error(1)).len(), 1);
     assert!(report(&mut device, error(2)).is_empty());
     device.pass(10);
-    assert_eq!(device.ask("604#2B151000E8030000"), ["584#6015100000000000"]);
-    assert_eq!(device.pass(2000), [(90, "084#02FF810202020202".to_owned())]);
+    assert_eq!(
+        device.ask("604: 2B 15 10 00 E8 03 00 00"),
+        ["584: 60 15 10 00 00 00 00 00"]
+    );
+    assert_eq!(
+        device.pass(2000),
+        [(90, "084: 02 FF 81 02 02 02 02 02".to_owned())]
+    );
     assert!(report(&mut device, error(5)).len() == 1);
     assert!(report(&mut device, error(6)).is_empty());
     device.pass(10);
     // Longer than it was, then shorter: 200 ms in the end.
-    assert_eq!(device.ask("604#2B15100010270000").len(), 1);
-    assert_eq!(device.ask("604#2B151000D0070000").len(), 1);
+    assert_eq!(device.ask("604: 2B 15 10 00 10 27 00 00").len(), 1);
+    assert_eq!(device.ask("604: 2B 15 10 00 D0 07 00 00").len(), 1);
     assert_eq!(
         device.pass(2000),
-        [(190, "084#06FF810606060606".to_owned())]
+        [(190, "084: 06 FF 81 06 06 06 06 06".to_owned())]
     );
     assert_eq!(report(&mut device, error(3)).len(), 1);
     assert!(report(&mut device, error(4)).is_empty());
     assert_eq!(
-        device.ask("604#2B15100000000000"),
-        ["084#04FF810404040404", "584#6015100000000000"],
+        device.ask("604: 2B 15 10 00 00 00 00 00"),
+        [
+            "084: 04 FF 81 04 04 04 04 04",
+            "584: 60 15 10 00 00 00 00 00"
+        ],
         "none at all"
     );
 }
@@ -257,27 +314,27 @@ fn e09_each_communication_error_comes_once_with_its_end() {
         };
         assert_eq!(
             report(&mut device, emergency),
-            [format!("084#{low:02X}{high:02X}110000000000")]
+            [format!("084: {low:02X} {high:02X} 11 00 00 00 00 00")]
         );
         assert!(report(&mut device, emergency).is_empty());
-        assert_eq!(clear(&mut device, code), ["084#0000000000000000"]);
+        assert_eq!(clear(&mut device, code), ["084: 00 00 00 00 00 00 00 00"]);
     }
 }
 
 #[test]
 fn e09_a_receive_pdo_of_a_wrong_length_is_reported_by_the_device_itself() {
     let mut device = Device::operational();
-    device.send("204#0102");
-    assert_eq!(device.sent(), ["084#1082110100000000"]);
-    device.send("204#0102030405060708");
-    assert_eq!(device.sent(), ["084#0000000000000000"]);
-    device.send("204#0102");
+    device.send("204 [2] 01 02");
+    assert_eq!(device.sent(), ["084: 10 82 11 01 00 00 00 00"]);
+    device.send("204: 01 02 03 04 05 06 07 08");
+    assert_eq!(device.sent(), ["084: 00 00 00 00 00 00 00 00"]);
+    device.send("204 [2] 01 02");
     device.sent();
-    device.send("000#8204");
+    device.send("000 [2] 82 04");
     device.serve_reset();
     assert_eq!(
         device.sent(),
-        ["704#00"],
+        ["704 [1] 00"],
         "communication starts without its old errors, and says nothing more"
     );
     assert_eq!(device.value(0x1001, 0), [0]);
@@ -286,74 +343,98 @@ fn e09_a_receive_pdo_of_a_wrong_length_is_reported_by_the_device_itself() {
 /// The second receive PDO listens to 304h.
 fn with_two_receive_pdos() -> Device {
     let mut device = Device::operational();
-    assert_eq!(device.ask("604#2301140104030000"), ["584#6001140100000000"]);
+    assert_eq!(
+        device.ask("604: 23 01 14 01 04 03 00 00"),
+        ["584: 60 01 14 01 00 00 00 00"]
+    );
     device
 }
 
 #[test]
 fn p21_length_errors_of_two_receive_pdos_come_and_go_by_themselves() {
     let mut device = with_two_receive_pdos();
-    assert_eq!(device.ask("204#0102"), ["084#1082110100000000"]);
-    assert_eq!(device.ask("304#0102"), ["084#1082110200000000"]);
-    assert!(device.ask("204#01").is_empty(), "told once");
     assert_eq!(
-        device.ask("204#0102030405060708"),
-        ["084#0000110000000000"],
+        device.ask("204 [2] 01 02"),
+        ["084: 10 82 11 01 00 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("304 [2] 01 02"),
+        ["084: 10 82 11 02 00 00 00 00"]
+    );
+    assert!(device.ask("204 [1] 01").is_empty(), "told once");
+    assert_eq!(
+        device.ask("204: 01 02 03 04 05 06 07 08"),
+        ["084: 00 00 11 00 00 00 00 00"],
         "the other one stands"
     );
     assert_eq!(device.value(0x1001, 0), [0x11]);
-    assert_eq!(device.ask("204#01"), ["084#1082110100000000"]);
-    assert_eq!(device.ask("304#0102030405060708"), ["084#0000110000000000"]);
-    assert_eq!(device.ask("204#0102030405060708"), ["084#0000000000000000"]);
+    assert_eq!(device.ask("204 [1] 01"), ["084: 10 82 11 01 00 00 00 00"]);
+    assert_eq!(
+        device.ask("304: 01 02 03 04 05 06 07 08"),
+        ["084: 00 00 11 00 00 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("204: 01 02 03 04 05 06 07 08"),
+        ["084: 00 00 00 00 00 00 00 00"]
+    );
     assert_eq!(device.value(0x1001, 0), [0]);
 }
 
 #[test]
 fn p21_a_receive_pdo_that_is_switched_off_ends_its_own_length_error() {
     let mut device = with_two_receive_pdos();
-    device.ask("204#0102");
-    device.ask("304#0102");
+    device.ask("204 [2] 01 02");
+    device.ask("304 [2] 01 02");
     assert_eq!(
-        device.ask("604#2301140104030080"),
-        ["084#0000110000000000", "584#6001140100000000"]
+        device.ask("604: 23 01 14 01 04 03 00 80"),
+        [
+            "084: 00 00 11 00 00 00 00 00",
+            "584: 60 01 14 01 00 00 00 00"
+        ]
     );
-    assert_eq!(device.ask("204#0102030405060708"), ["084#0000000000000000"]);
+    assert_eq!(
+        device.ask("204: 01 02 03 04 05 06 07 08"),
+        ["084: 00 00 00 00 00 00 00 00"]
+    );
 }
 
 #[test]
 fn y06_a_sync_error_ends_whatever_lengths_came_after_it() {
     let mut device = Device::operational();
-    assert_eq!(device.ask("080#01"), ["084#4082110100000000"]);
-    assert!(device.ask("080#0102").is_empty());
-    assert_eq!(device.ask("080#"), ["084#0000000000000000"]);
+    assert_eq!(device.ask("080 [1] 01"), ["084: 40 82 11 01 00 00 00 00"]);
+    assert!(device.ask("080 [2] 01 02").is_empty());
+    assert_eq!(device.ask("080 [0]"), ["084: 00 00 00 00 00 00 00 00"]);
 }
 
 #[test]
 fn e10_in_stopped_there_is_no_message_and_none_is_lost() {
     let mut device = Device::new();
-    device.send("000#0204");
+    device.send("000 [2] 02 04");
     assert_eq!(device.node.state(), NmtState::Stopped);
     assert!(report(&mut device, OVERCURRENT).is_empty());
     assert_eq!(device.value(0x1001, 0), [3]);
     assert_eq!(device.value(0x1003, 1), [0x10, 0x23, 0x11, 0x22]);
     assert!(device.pass(1000).is_empty());
-    device.send("000#8004");
-    assert_eq!(device.pass(1000), [(0, "084#1023031122334455".to_owned())]);
-    assert_eq!(clear(&mut device, 0x2310), ["084#0000000000000000"]);
+    device.send("000 [2] 80 04");
+    assert_eq!(
+        device.pass(1000),
+        [(0, "084: 10 23 03 11 22 33 44 55".to_owned())]
+    );
+    assert_eq!(clear(&mut device, 0x2310), ["084: 00 00 00 00 00 00 00 00"]);
 }
 
 #[test]
 fn e10_an_error_and_its_end_that_both_fell_into_stopped_go_out_both() {
     let mut device = Device::new();
-    device.send("000#0204");
+    device.send("000 [2] 02 04");
     assert!(report(&mut device, OVERCURRENT).is_empty());
     assert!(clear(&mut device, 0x2310).is_empty());
     assert_eq!(
-        device.ask("000#0104"),
+        device.ask("000 [2] 01 04"),
         [
-            "084#1023031122334455",
-            "084#0000000000000000",
-            "184#0000000000000000"
+            "084: 10 23 03 11 22 33 44 55",
+            "084: 00 00 00 00 00 00 00 00",
+            "184: 00 00 00 00 00 00 00 00"
         ]
     );
 }
@@ -362,39 +443,51 @@ fn e10_an_error_and_its_end_that_both_fell_into_stopped_go_out_both() {
 fn e10_a_message_that_waits_outlives_stop() {
     let mut device = Device::new();
     device.node.report(OVERCURRENT, device.now);
-    device.send("000#0204");
+    device.send("000 [2] 02 04");
     assert!(device.sent().is_empty());
-    assert_eq!(device.ask("000#8004"), ["084#1023031122334455"]);
+    assert_eq!(
+        device.ask("000 [2] 80 04"),
+        ["084: 10 23 03 11 22 33 44 55"]
+    );
 }
 
 #[test]
 fn e10_an_error_told_before_stopped_ends_behind_it() {
     let mut device = Device::new();
     assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
-    device.send("000#0204");
+    device.send("000 [2] 02 04");
     assert!(clear(&mut device, 0x2310).is_empty());
-    assert_eq!(device.ask("000#8004"), ["084#0000000000000000"]);
+    assert_eq!(
+        device.ask("000 [2] 80 04"),
+        ["084: 00 00 00 00 00 00 00 00"]
+    );
 }
 
 #[test]
 fn e10_the_inhibit_time_holds_across_stopped() {
     let mut device = Device::new();
-    assert_eq!(device.ask("604#2B15100088130000"), ["584#6015100000000000"]);
+    assert_eq!(
+        device.ask("604: 2B 15 10 00 88 13 00 00"),
+        ["584: 60 15 10 00 00 00 00 00"]
+    );
     assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
     assert!(report(&mut device, OVERHEATED).is_empty());
-    device.send("000#0204");
+    device.send("000 [2] 02 04");
     assert!(device.pass(100).is_empty());
-    device.send("000#8004");
+    device.send("000 [2] 80 04");
     assert_eq!(
         device.pass(1000),
-        [(400, "084#10420B0000000000".to_owned())]
+        [(400, "084: 10 42 0B 00 00 00 00 00".to_owned())]
     );
 }
 
 #[test]
 fn an_emergency_that_is_held_back_wakes_nobody_before_its_time() {
     let mut device = Device::new();
-    assert_eq!(device.ask("604#2B15100010270000"), ["584#6015100000000000"]);
+    assert_eq!(
+        device.ask("604: 2B 15 10 00 10 27 00 00"),
+        ["584: 60 15 10 00 00 00 00 00"]
+    );
     assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
     assert!(report(&mut device, OVERHEATED).is_empty());
     let start = device.now;
@@ -442,7 +535,7 @@ fn e04_an_error_beyond_the_list_is_told_once_and_its_end_once() {
         assert!(report(&mut device, error(number)).is_empty(), "{number}");
     }
     assert_eq!(device.value(0x1003, 1), [20, 0xFF, 20, 20]);
-    assert_eq!(clear(&mut device, 0xFF14), ["084#0000810000000000"]);
+    assert_eq!(clear(&mut device, 0xFF14), ["084: 00 00 81 00 00 00 00 00"]);
     assert!(clear(&mut device, 0xFF14).is_empty());
     assert_eq!(report(&mut device, error(20)).len(), 1, "it may come again");
 }
@@ -450,13 +543,13 @@ fn e04_an_error_beyond_the_list_is_told_once_and_its_end_once() {
 #[test]
 fn a_mapped_error_register_is_sent_when_it_changes() {
     let mut device = Device::new();
-    device.ask("604#23001801840100C0");
-    device.ask("604#2F001A0000000000");
-    device.ask("604#23001A0108000110");
-    device.ask("604#2F001A0001000000");
-    device.ask("604#2300180184010040");
-    device.send("000#0104");
-    assert_eq!(device.sent(), ["184#00"]);
+    device.ask("604: 23 00 18 01 84 01 00 C0");
+    device.ask("604: 2F 00 1A 00 00 00 00 00");
+    device.ask("604: 23 00 1A 01 08 00 01 10");
+    device.ask("604: 2F 00 1A 00 01 00 00 00");
+    device.ask("604: 23 00 18 01 84 01 00 40");
+    device.send("000 [2] 01 04");
+    assert_eq!(device.sent(), ["184 [1] 00"]);
     let emergency = Emergency {
         code: 0xFF01,
         register: 0x80,
@@ -464,10 +557,16 @@ fn a_mapped_error_register_is_sent_when_it_changes() {
     };
     device.node.report(emergency, device.now);
     device.poll();
-    assert_eq!(device.sent(), ["084#01FF810000000000", "184#81"]);
+    assert_eq!(
+        device.sent(),
+        ["084: 01 FF 81 00 00 00 00 00", "184 [1] 81"]
+    );
     device.node.clear(0xFF01, device.now);
     device.poll();
-    assert_eq!(device.sent(), ["084#0000000000000000", "184#00"]);
+    assert_eq!(
+        device.sent(),
+        ["084: 00 00 00 00 00 00 00 00", "184 [1] 00"]
+    );
 }
 
 #[test]
@@ -493,12 +592,16 @@ fn errors_that_stand_are_told_again_after_reset_communication() {
     }
     device.node.clear(gone.code, device.now);
     device.sent();
-    device.send("000#8204");
+    device.send("000 [2] 82 04");
     device.serve_reset();
     device.poll();
     assert_eq!(
         device.sent(),
-        ["704#00", "084#2171070102030405", "084#2031070000000000"]
+        [
+            "704 [1] 00",
+            "084: 21 71 07 01 02 03 04 05",
+            "084: 20 31 07 00 00 00 00 00"
+        ]
     );
     assert_eq!(device.value(0x1001, 0), [0x07]);
     assert_eq!(device.value(0x1003, 0), [2]);
@@ -508,24 +611,30 @@ fn errors_that_stand_are_told_again_after_reset_communication() {
     device.node.report(motor, device.now);
     assert_eq!(device.sent(), [""; 0]);
     device.node.clear(motor.code, device.now);
-    assert_eq!(device.sent(), ["084#0000050000000000"]);
+    assert_eq!(device.sent(), ["084: 00 00 05 00 00 00 00 00"]);
     // Reset node forgets them, and who still sees one reports it.
-    device.send("000#8104");
+    device.send("000 [2] 81 04");
     assert_eq!(device.serve_reset(), Reset::Node);
     device.poll();
-    assert_eq!(device.sent(), ["704#00"]);
+    assert_eq!(device.sent(), ["704 [1] 00"]);
     assert_eq!(device.value(0x1001, 0), [0]);
     assert_eq!(device.value(0x1003, 0), [0]);
-    assert_eq!(report(&mut device, supply), ["084#2031050000000000"]);
+    assert_eq!(
+        report(&mut device, supply),
+        ["084: 20 31 05 00 00 00 00 00"]
+    );
 }
 
 #[test]
 fn a_device_that_has_lost_its_node_id_sends_no_emergency_message() {
-    for reset in ["000#8204", "000#8104"] {
+    for reset in ["000 [2] 82 04", "000 [2] 81 04"] {
         let mut device = Device::new();
         assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
-        assert!(device.ask("7E5#0401000000000000").is_empty());
-        assert_eq!(device.ask("7E5#11FF000000000000"), ["7E4#1100000000000000"]);
+        assert!(device.ask("7E5: 04 01 00 00 00 00 00 00").is_empty());
+        assert_eq!(
+            device.ask("7E5: 11 FF 00 00 00 00 00 00"),
+            ["7E4: 11 00 00 00 00 00 00 00"]
+        );
         device.send(reset);
         device.serve_reset();
         assert!(device.sent().is_empty());
@@ -543,13 +652,19 @@ fn a_device_without_a_node_id_drops_no_message_as_it_has_none() {
     }
     assert_eq!(device.node.overflows(), 0);
     // It gets a node-ID, and tells what it can of the errors that stand: the list has sixteen.
-    assert!(device.ask("7E5#0401000000000000").is_empty());
-    assert_eq!(device.ask("7E5#1104000000000000"), ["7E4#1100000000000000"]);
-    device.send("7E5#0400000000000000");
+    assert!(device.ask("7E5: 04 01 00 00 00 00 00 00").is_empty());
+    assert_eq!(
+        device.ask("7E5: 11 04 00 00 00 00 00 00"),
+        ["7E4: 11 00 00 00 00 00 00 00"]
+    );
+    device.send("7E5: 04 00 00 00 00 00 00 00");
     device.serve_reset();
     device.poll();
     let sent = device.sent();
     assert_eq!(sent.len(), 17, "{sent:?}");
-    assert_eq!((&*sent[0], &*sent[1]), ("704#00", "084#01FF810101010101"));
+    assert_eq!(
+        (&*sent[0], &*sent[1]),
+        ("704 [1] 00", "084: 01 FF 81 01 01 01 01 01")
+    );
     assert_eq!(device.node.overflows(), 0);
 }

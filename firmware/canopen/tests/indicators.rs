@@ -23,9 +23,9 @@ fn report(device: &mut Device, code: u16, info: [u8; 5]) {
 fn the_state_is_the_nmt_state() {
     let mut device = Device::new();
     for (command, state) in [
-        ("000#0104", NmtState::Operational),
-        ("000#0204", NmtState::Stopped),
-        ("000#8004", NmtState::PreOperational),
+        ("000 [2] 01 04", NmtState::Operational),
+        ("000 [2] 02 04", NmtState::Stopped),
+        ("000 [2] 80 04", NmtState::PreOperational),
     ] {
         device.send(command);
         assert_eq!(device.node.signal().state, state);
@@ -36,9 +36,9 @@ fn the_state_is_the_nmt_state() {
 #[test]
 fn a_device_that_is_being_configured_says_so() {
     let mut device = Device::new();
-    device.send("7E5#0401000000000000");
+    device.send("7E5: 04 01 00 00 00 00 00 00");
     assert!(device.node.signal().configuring);
-    device.send("7E5#0400000000000000");
+    device.send("7E5: 04 00 00 00 00 00 00 00");
     assert!(!device.node.signal().configuring);
     // Without a node-ID it waits for that.
     let mut device = Device::off_with(255);
@@ -96,12 +96,12 @@ fn an_error_of_the_drive_is_none_of_the_communication() {
 fn a_guarding_master_that_falls_silent_shows_and_goes_with_it() {
     let mut device = Device::new();
     // Guard time 50 ms, life time factor 2.
-    device.send("604#2B0C100032000000");
-    device.send("604#2F0D100002000000");
+    device.send("604: 2B 0C 10 00 32 00 00 00");
+    device.send("604: 2F 0D 10 00 02 00 00 00");
     device.sent();
-    device.send("704#R");
+    device.send("704 [8] rtr");
     device.pass(150);
     assert_eq!(communication(&device), CommunicationState::ErrorControl);
-    device.send("704#R");
+    device.send("704 [8] rtr");
     assert_eq!(communication(&device), CommunicationState::NoError);
 }

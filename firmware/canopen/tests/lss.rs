@@ -1,6 +1,6 @@
 //! Layer setting services on the bus: L01 to L19 of the listed cases, frame by frame.
 
-use crate::device::{Device, frame};
+use crate::device::{Device, frame, full};
 use canopen::cia301::nmt::Reset;
 use canopen::node::StoreError;
 use canopen::{BitRate, Event, Frame, NodeId, Settings};
@@ -8,12 +8,12 @@ use embedded_can::{ExtendedId, Frame as _};
 
 /// A request with its bytes filled up to eight; what is sent then.
 fn ask(device: &mut Device, bytes: &str) -> Vec<String> {
-    device.ask(&format!("7E5#{bytes:0<16}"))
+    device.ask(&full("7E5", bytes))
 }
 
 /// The answer with its bytes filled up to eight.
 fn answer(bytes: &str) -> [String; 1] {
-    [format!("7E4#{bytes:0<16}")]
+    [full("7E4", bytes)]
 }
 
 /// Node 4 in the configuration state.
@@ -74,8 +74,8 @@ fn l05_a_bit_rate_that_is_not_there_is_answered() {
 fn l06_the_bit_rate_is_switched_in_silence() {
     let mut device = in_configuration();
     assert_eq!(
-        device.ask("604#2B1710002C010000"),
-        ["584#6017100000000000", "704#7F"]
+        device.ask("604: 2B 17 10 00 2C 01 00 00"),
+        ["584: 60 17 10 00 00 00 00 00", "704 [1] 7F"]
     );
     assert_eq!(ask(&mut device, "130002"), answer("1300"));
     let start = device.now.ticks();
@@ -257,7 +257,7 @@ fn l15_l16_two_devices_are_found_in_turn_and_boot() {
         assert_eq!(*answers, answer("1100"));
         assert!(ask(device, "0400").is_empty());
         assert_eq!(device.serve_reset(), Reset::Communication);
-        assert_eq!(device.sent(), [format!("7{node_id}#00")]);
+        assert_eq!(device.sent(), [format!("7{node_id} [1] 00")]);
     }
     assert_eq!(scan(&mut devices), None);
 }
@@ -265,22 +265,26 @@ fn l15_l16_two_devices_are_found_in_turn_and_boot() {
 #[test]
 fn l17_only_data_frames_of_eight_bytes_are_requests() {
     let mut device = Device::new();
-    for request in ["7E5#0401", "7E5#04010000000000", "7E5#R"] {
+    for request in [
+        "7E5 [2] 04 01",
+        "7E5 [7] 04 01 00 00 00 00 00",
+        "7E5 [8] rtr",
+    ] {
         device.send(request);
     }
     let id = ExtendedId::new(0x7E5).unwrap();
-    let extended = Frame::new(id, frame("7E5#0401000000000000").payload()).unwrap();
+    let extended = Frame::new(id, frame("7E5: 04 01 00 00 00 00 00 00").payload()).unwrap();
     device
         .node
         .receive(&extended, device.now, &mut device.firmware);
     assert!(ask(&mut device, "5E").is_empty());
-    device.send("7E5#0401000000000000");
+    device.send("7E5: 04 01 00 00 00 00 00 00");
     assert_eq!(ask(&mut device, "5E"), answer("5E04"));
 }
 
 #[test]
 fn l18_lss_works_in_operational_and_stopped() {
-    for state in ["000#0104", "000#0204"] {
+    for state in ["000 [2] 01 04", "000 [2] 02 04"] {
         let mut device = Device::new();
         device.send(state);
         device.sent();
@@ -297,14 +301,20 @@ fn l18_lss_works_in_operational_and_stopped() {
 #[test]
 fn l19_a_device_that_gives_its_node_id_away_is_silent_after_the_next_reset() {
     let mut device = Device::new();
-    device.send("7E5#0401000000000000");
-    assert_eq!(device.ask("7E5#11FF000000000000"), ["7E4#1100000000000000"]);
-    device.send("7E5#0400000000000000");
+    device.send("7E5: 04 01 00 00 00 00 00 00");
+    assert_eq!(
+        device.ask("7E5: 11 FF 00 00 00 00 00 00"),
+        ["7E4: 11 00 00 00 00 00 00 00"]
+    );
+    device.send("7E5: 04 00 00 00 00 00 00 00");
     // Not before the reset.
-    assert_eq!(device.ask("604#4000100000000000").len(), 1);
-    device.send("000#8204");
+    assert_eq!(device.ask("604: 40 00 10 00 00 00 00 00").len(), 1);
+    device.send("000 [2] 82 04");
     device.serve_reset();
     assert!(device.pass(2_000).is_empty());
-    assert!(device.ask("604#4000100000000000").is_empty());
-    assert_eq!(device.ask("7E5#4C00000000000000"), ["7E4#5000000000000000"]);
+    assert!(device.ask("604: 40 00 10 00 00 00 00 00").is_empty());
+    assert_eq!(
+        device.ask("7E5: 4C 00 00 00 00 00 00 00"),
+        ["7E4: 50 00 00 00 00 00 00 00"]
+    );
 }

@@ -1,6 +1,6 @@
 //! Layer setting services across resets, stores that overlap, and a bus that is not free: frame by frame.
 
-use crate::device::Device;
+use crate::device::{Device, full};
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::node::StoreError;
 use canopen::{BitRate, Configuration, Event, NodeId};
@@ -11,12 +11,12 @@ fn ask(device: &mut Device, bytes: &str) -> Vec<String> {
 }
 
 fn request(bytes: &str) -> String {
-    format!("7E5#{bytes:0<16}")
+    full("7E5", bytes)
 }
 
 /// The answer with its bytes filled up to eight.
 fn answer(bytes: &str) -> [String; 1] {
-    [format!("7E4#{bytes:0<16}")]
+    [full("7E4", bytes)]
 }
 
 /// Node 4 in the configuration state.
@@ -42,12 +42,12 @@ fn settings(node_id: u8) -> Configuration {
 
 #[test]
 fn every_reset_leads_to_the_waiting_state() {
-    for reset in ["000#8204", "000#8104"] {
+    for reset in ["000 [2] 82 04", "000 [2] 81 04"] {
         let mut device = in_configuration();
         assert_eq!(ask(&mut device, "110B"), answer("1100"));
         device.send(reset);
         device.serve_reset();
-        assert_eq!(device.sent(), ["70B#00"], "what was configured counts");
+        assert_eq!(device.sent(), ["70B [1] 00"], "what was configured counts");
         assert!(ask(&mut device, "5E").is_empty(), "after {reset}");
     }
 }
@@ -58,9 +58,9 @@ fn a_reset_ends_a_service_of_several_messages() {
     for request in ["4044332211", "4188776655", "42CCBBAA99"] {
         assert!(ask(&mut device, request).is_empty());
     }
-    device.send("000#8204");
+    device.send("000 [2] 82 04");
     device.serve_reset();
-    assert_eq!(device.sent(), ["704#00"]);
+    assert_eq!(device.sent(), ["704 [1] 00"]);
     assert!(ask(&mut device, "4378563412").is_empty());
 }
 
@@ -138,14 +138,14 @@ fn a_second_store_survives_a_reset() {
     let mut device = in_configuration();
     assert_eq!(ask(&mut device, "110B"), answer("1100"));
     assert!(ask(&mut device, "17").is_empty());
-    device.send("000#8204");
+    device.send("000 [2] 82 04");
     assert!(
         device
             .events()
             .contains(&Event::StoreSettings(settings(11)))
     );
     device.boot(Reset::Communication);
-    assert_eq!(device.sent(), ["70B#00"]);
+    assert_eq!(device.sent(), ["70B [1] 00"]);
     ask(&mut device, "0401");
     assert_eq!(ask(&mut device, "110C"), answer("1100"));
     assert!(ask(&mut device, "17").is_empty());
@@ -161,8 +161,8 @@ fn a_second_store_survives_a_reset() {
 fn what_lss_wants_done_finds_room_behind_any_number_of_changes_of_state() {
     let mut device = in_configuration();
     for _ in 0..20 {
-        device.put("000#0104");
-        device.put("000#8004");
+        device.put("000 [2] 01 04");
+        device.put("000 [2] 80 04");
     }
     device.put(&request("17"));
     device.put(&request("130002"));
@@ -194,9 +194,9 @@ fn answers_that_wait_for_the_bus_keep_their_order() {
     assert_eq!(
         device.sent(),
         [
-            "7E4#5A44332211000000",
-            "7E4#5B88776655000000",
-            "7E4#5E04000000000000"
+            "7E4: 5A 44 33 22 11 00 00 00",
+            "7E4: 5B 88 77 66 55 00 00 00",
+            "7E4: 5E 04 00 00 00 00 00 00"
         ]
     );
     assert_eq!(device.node.overflows(), 0);
@@ -210,7 +210,7 @@ fn an_answer_without_room_is_counted() {
     }
     let sent = device.sent();
     assert_eq!(sent.len(), 4);
-    assert_eq!(sent[3], "7E4#5D78563412000000");
+    assert_eq!(sent[3], "7E4: 5D 78 56 34 12 00 00 00");
     assert_eq!(device.node.overflows(), 2);
     assert_eq!(ask(&mut device, "5E"), answer("5E04"));
 }
@@ -219,31 +219,37 @@ fn an_answer_without_room_is_counted() {
 fn an_answer_that_waits_outlives_a_reset_and_follows_the_boot_up_message() {
     let mut device = in_configuration();
     device.put(&request("5E"));
-    device.send("000#8204");
+    device.send("000 [2] 82 04");
     assert!(device.sent().is_empty(), "silent until it boots");
     device.serve_reset();
-    assert_eq!(device.sent(), ["704#00", "7E4#5E04000000000000"]);
+    assert_eq!(
+        device.sent(),
+        ["704 [1] 00", "7E4: 5E 04 00 00 00 00 00 00"]
+    );
 }
 
 #[test]
 fn the_boot_up_message_waits_for_the_new_bit_rate() {
     let mut device = in_configuration();
     assert!(ask(&mut device, "156400").is_empty());
-    device.send("000#8204");
+    device.send("000 [2] 82 04");
     device.serve_reset();
     assert!(device.sent().is_empty());
-    assert_eq!(device.pass(1000), [(200, "704#00".to_owned())]);
+    assert_eq!(device.pass(1000), [(200, "704 [1] 00".to_owned())]);
 }
 
 #[test]
 fn an_sdo_request_in_the_silence_of_a_bit_rate_switch_is_not_executed() {
     let mut device = in_configuration();
     assert!(ask(&mut device, "156400").is_empty());
-    device.send("604#23002000AABBCCDD");
+    device.send("604: 23 00 20 00 AA BB CC DD");
     assert_eq!(device.value(0x2000, 0), [0x78, 0x56, 0x34, 0x12]);
     assert!(device.pass(199).is_empty(), "nor answered");
     device.pass(1);
-    assert_eq!(device.ask("604#23002000AABBCCDD"), ["584#6000200000000000"]);
+    assert_eq!(
+        device.ask("604: 23 00 20 00 AA BB CC DD"),
+        ["584: 60 00 20 00 00 00 00 00"]
+    );
     assert_eq!(device.value(0x2000, 0), [0xAA, 0xBB, 0xCC, 0xDD]);
 }
 
@@ -252,14 +258,17 @@ fn the_silence_ends_by_the_stamp_of_a_request() {
     let mut device = in_configuration();
     assert!(ask(&mut device, "156400").is_empty());
     device.now += canopen::Duration::millis(200);
-    assert_eq!(device.ask("604#4000100000000000"), ["584#4300100092010200"]);
+    assert_eq!(
+        device.ask("604: 40 00 10 00 00 00 00 00"),
+        ["584: 43 00 10 00 92 01 02 00"]
+    );
 }
 
 #[test]
 fn becoming_unconfigured_is_a_change_of_state() {
     let mut device = in_configuration();
     assert_eq!(ask(&mut device, "11FF"), answer("1100"));
-    device.send("000#8204");
+    device.send("000 [2] 82 04");
     device.boot(Reset::Communication);
     assert_eq!(device.node.state(), NmtState::Initialisation);
     assert!(device.sent().is_empty());
@@ -272,7 +281,7 @@ fn becoming_unconfigured_is_a_change_of_state() {
 #[test]
 fn a_reset_passes_through_initialisation() {
     let mut device = Device::new();
-    device.send("000#8204");
+    device.send("000 [2] 82 04");
     assert_eq!(
         device.events(),
         [

@@ -7,7 +7,7 @@ use embedded_can::{ExtendedId, Frame as _};
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 
-const BOOT_UP: &str = "704#00";
+const BOOT_UP: &str = "704 [1] 00";
 
 #[test]
 fn n01_the_boot_up_message_is_the_first_frame_and_comes_once() {
@@ -23,7 +23,7 @@ fn n01_the_boot_up_message_is_the_first_frame_and_comes_once() {
         },
         device.now,
     );
-    assert_eq!(device.sent(), [BOOT_UP, "084#1023030000000000"]);
+    assert_eq!(device.sent(), [BOOT_UP, "084: 10 23 03 00 00 00 00 00"]);
     assert!(device.pass(5000).is_empty());
     assert_eq!(device.node.state(), NmtState::PreOperational);
 }
@@ -33,16 +33,16 @@ fn n02_pre_operational_without_heartbeat_is_silent() {
     let mut device = Device::new();
     device.set_value(0x2005, 0, &[1, 2, 3, 4]);
     assert!(device.pass(5000).is_empty());
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     assert_eq!(device.pass(5000).len(), 1, "Operational is not");
 }
 
 #[test]
 fn n03_start_sends_each_valid_event_driven_tpdo_once() {
     let mut device = Device::new();
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     assert_eq!(device.node.state(), NmtState::Operational);
-    assert_eq!(device.sent(), ["184#0000000000000000"]);
+    assert_eq!(device.sent(), ["184: 00 00 00 00 00 00 00 00"]);
     assert!(device.pass(1000).is_empty());
     assert_eq!(
         device.events(),
@@ -53,15 +53,15 @@ fn n03_start_sends_each_valid_event_driven_tpdo_once() {
 #[test]
 fn n04_the_broadcast_starts_too() {
     let mut device = Device::new();
-    device.send("000#0100");
+    device.send("000 [2] 01 00");
     assert_eq!(device.node.state(), NmtState::Operational);
-    assert_eq!(device.sent(), ["184#0000000000000000"]);
+    assert_eq!(device.sent(), ["184: 00 00 00 00 00 00 00 00"]);
 }
 
 #[test]
 fn n05_commands_for_other_nodes_change_nothing() {
     let mut device = Device::new();
-    for frame in ["000#0105", "000#020B", "000#8105"] {
+    for frame in ["000 [2] 01 05", "000 [2] 02 0B", "000 [2] 81 05"] {
         device.send(frame);
     }
     assert_eq!(device.node.state(), NmtState::PreOperational);
@@ -71,7 +71,12 @@ fn n05_commands_for_other_nodes_change_nothing() {
 #[test]
 fn n06_a_command_of_another_length_is_ignored() {
     let mut device = Device::new();
-    for frame in ["000#01", "000#", "000#0104000000000000", "000#010400"] {
+    for frame in [
+        "000 [1] 01",
+        "000 [0]",
+        "000: 01 04 00 00 00 00 00 00",
+        "000 [3] 01 04 00",
+    ] {
         device.send(frame);
     }
     assert_eq!(device.node.state(), NmtState::PreOperational);
@@ -80,7 +85,12 @@ fn n06_a_command_of_another_length_is_ignored() {
 #[test]
 fn n07_unknown_commands_and_node_ids_are_ignored() {
     let mut device = Device::new();
-    for frame in ["000#7704", "000#0184", "000#0004", "000#FF04"] {
+    for frame in [
+        "000 [2] 77 04",
+        "000 [2] 01 84",
+        "000 [2] 00 04",
+        "000 [2] FF 04",
+    ] {
         device.send(frame);
     }
     assert_eq!(device.node.state(), NmtState::PreOperational);
@@ -90,25 +100,25 @@ fn n07_unknown_commands_and_node_ids_are_ignored() {
 fn n08_stopped_has_no_sdo_but_a_heartbeat() {
     let mut device = Device::new();
     assert_eq!(
-        device.ask("604#2B17100064000000"),
-        ["584#6017100000000000", "704#7F"]
+        device.ask("604: 2B 17 10 00 64 00 00 00"),
+        ["584: 60 17 10 00 00 00 00 00", "704 [1] 7F"]
     );
-    device.send("000#0204");
-    assert!(device.ask("604#4000100000000000").is_empty());
-    assert_eq!(device.pass(100), [(100, "704#04".into())]);
+    device.send("000 [2] 02 04");
+    assert!(device.ask("604: 40 00 10 00 00 00 00 00").is_empty());
+    assert_eq!(device.pass(100), [(100, "704 [1] 04".into())]);
 }
 
 #[test]
 fn n09_stopped_does_nothing_but_nmt_error_control_and_lss() {
     let mut device = Device::operational();
     // An upload is open, and an answer waits: both are gone after the stop.
-    device.put("604#4008100000000000");
-    device.send("000#0204");
+    device.put("604: 40 08 10 00 00 00 00 00");
+    device.send("000 [2] 02 04");
     assert!(device.sent().is_empty());
 
-    device.send("204#0102030405060708");
-    device.send("080#");
-    device.send("100#000000000000");
+    device.send("204: 01 02 03 04 05 06 07 08");
+    device.send("080 [0]");
+    device.send("100 [6] 00 00 00 00 00 00");
     device.set_value(0x2005, 0, &[1, 2, 3, 4]);
     device.node.report(
         canopen::cia301::emergency::Emergency {
@@ -127,19 +137,19 @@ fn n09_stopped_does_nothing_but_nmt_error_control_and_lss() {
     );
 
     // Switch state global, inquire node-ID.
-    device.send("7E5#0401000000000000");
-    device.send("7E5#5E00000000000000");
-    assert_eq!(device.sent(), ["7E4#5E04000000000000"]);
+    device.send("7E5: 04 01 00 00 00 00 00 00");
+    device.send("7E5: 5E 00 00 00 00 00 00 00");
+    assert_eq!(device.sent(), ["7E4: 5E 04 00 00 00 00 00 00"]);
 
-    device.send("000#8004");
+    device.send("000 [2] 80 04");
     assert_eq!(device.node.state(), NmtState::PreOperational);
     assert_eq!(
         device.sent(),
-        ["084#1023030000000000"],
+        ["084: 10 23 03 00 00 00 00 00"],
         "of what was not sent in Stopped only the error is told later"
     );
     assert_eq!(
-        device.ask("604#6000000000000000"),
+        device.ask("604: 60 00 00 00 00 00 00 00"),
         [crate::device::abort(0, 0, 0x0504_0001)]
     );
 }
@@ -147,9 +157,9 @@ fn n09_stopped_does_nothing_but_nmt_error_control_and_lss() {
 #[test]
 fn n10_reset_node_loads_all_power_on_values() {
     let mut device = Device::operational();
-    device.ask("604#2300200001020304");
-    device.ask("604#2B171000E8030000");
-    device.send("000#8104");
+    device.ask("604: 23 00 20 00 01 02 03 04");
+    device.ask("604: 2B 17 10 00 E8 03 00 00");
+    device.send("000 [2] 81 04");
     assert_eq!(device.serve_reset(), Reset::Node);
     assert_eq!(device.sent(), [BOOT_UP]);
     assert_eq!(device.node.state(), NmtState::PreOperational);
@@ -162,9 +172,9 @@ fn n10_reset_node_loads_all_power_on_values() {
 #[test]
 fn n11_reset_communication_keeps_the_application_objects() {
     let mut device = Device::new();
-    device.ask("604#2300200001020304");
-    device.ask("604#2B171000E8030000");
-    device.send("000#8204");
+    device.ask("604: 23 00 20 00 01 02 03 04");
+    device.ask("604: 2B 17 10 00 E8 03 00 00");
+    device.send("000 [2] 82 04");
     assert_eq!(device.serve_reset(), Reset::Communication);
     assert_eq!(device.sent(), [BOOT_UP]);
     assert_eq!(device.value(0x2000, 0), [1, 2, 3, 4]);
@@ -180,26 +190,32 @@ fn n11_reset_communication_keeps_the_application_objects() {
 #[test]
 fn n12_two_commands_between_two_polls_are_both_executed() {
     let mut device = Device::operational();
-    device.put("000#0204");
-    device.put("000#0104");
+    device.put("000 [2] 02 04");
+    device.put("000 [2] 01 04");
     device.poll();
     let expected = [
         Event::StateChanged(NmtState::Stopped),
         Event::StateChanged(NmtState::Operational),
     ];
     assert_eq!(device.events(), expected);
-    assert_eq!(device.sent(), ["184#0000000000000000"]);
+    assert_eq!(device.sent(), ["184: 00 00 00 00 00 00 00 00"]);
 }
 
 #[test]
 fn n13_a_reset_ends_an_open_transfer_without_an_abort() {
     let mut device = Device::new();
-    assert_eq!(device.ask("604#2117100002000000"), ["584#6017100000000000"]);
-    device.send("000#8204");
+    assert_eq!(
+        device.ask("604: 21 17 10 00 02 00 00 00"),
+        ["584: 60 17 10 00 00 00 00 00"]
+    );
+    device.send("000 [2] 82 04");
     device.serve_reset();
     assert_eq!(device.sent(), [BOOT_UP]);
     assert!(device.pass(3000).is_empty());
-    assert_eq!(device.ask("604#4000100000000000"), ["584#4300100092010200"]);
+    assert_eq!(
+        device.ask("604: 40 00 10 00 00 00 00 00"),
+        ["584: 43 00 10 00 92 01 02 00"]
+    );
 }
 
 #[test]
@@ -209,7 +225,7 @@ fn n14_extended_and_remote_frames_are_no_nmt() {
     device
         .node
         .receive(&extended, device.now, &mut device.firmware);
-    for frame in ["000#R", "080#R", "604#R", "7E5#R"] {
+    for frame in ["000 [8] rtr", "080 [8] rtr", "604 [8] rtr", "7E5 [8] rtr"] {
         device.send(frame);
     }
     assert_eq!(device.node.state(), NmtState::PreOperational);
@@ -222,26 +238,26 @@ fn n14_extended_and_remote_frames_are_no_nmt() {
 #[test]
 fn n15_start_in_operational_changes_nothing() {
     let mut device = Device::operational();
-    device.ask("604#2B17100064000000");
+    device.ask("604: 2B 17 10 00 64 00 00 00");
     device.pass(30);
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     assert!(device.sent().is_empty(), "no second burst, no heartbeat");
-    assert_eq!(device.pass(100), [(70, "704#05".into())]);
+    assert_eq!(device.pass(100), [(70, "704 [1] 05".into())]);
     assert!(device.events().is_empty());
 }
 
 #[test]
 fn n18_a_reset_waits_in_silence_until_the_motor_has_stopped() {
     let mut device = Device::operational();
-    device.ask("604#2B17100064000000");
-    device.put("604#4000100000000000");
-    device.send("000#8104");
+    device.ask("604: 2B 17 10 00 64 00 00 00");
+    device.put("604: 40 00 10 00 00 00 00 00");
+    device.send("000 [2] 81 04");
     assert_eq!(device.node.state(), NmtState::Initialisation);
     assert_eq!(device.pass(500), [], "no answer, no heartbeat, no PDO");
-    device.send("000#0104");
-    device.send("604#4000100000000000");
-    device.send("7E5#0401000000000000");
-    device.send("7E5#5E00000000000000");
+    device.send("000 [2] 01 04");
+    device.send("604: 40 00 10 00 00 00 00 00");
+    device.send("7E5: 04 01 00 00 00 00 00 00");
+    device.send("7E5: 5E 00 00 00 00 00 00 00");
     assert_eq!(device.pass(500), [], "deaf as well");
     assert_eq!(
         device.events(),
@@ -261,14 +277,18 @@ fn n18_a_reset_waits_in_silence_until_the_motor_has_stopped() {
 #[test]
 fn n18_a_reset_that_is_held_back_lets_the_device_go_on_until_the_boot() {
     let mut device = Device::operational();
-    device.ask("604#2B17100064000000");
+    device.ask("604: 2B 17 10 00 64 00 00 00");
     device.node.hold_resets(true);
-    device.send("000#8104");
+    device.send("000 [2] 81 04");
     assert!(device.node.holds_reset());
     assert_eq!(device.events(), [Event::ResetRequested(Reset::Node)]);
-    assert_eq!(device.pass(100), [(100, "704#05".into())]);
-    assert_eq!(device.ask("604#4000100000000000").len(), 1, "SDO is served");
-    device.send("000#8204");
+    assert_eq!(device.pass(100), [(100, "704 [1] 05".into())]);
+    assert_eq!(
+        device.ask("604: 40 00 10 00 00 00 00 00").len(),
+        1,
+        "SDO is served"
+    );
+    device.send("000 [2] 82 04");
     assert_eq!(
         device.events(),
         [Event::ResetRequested(Reset::Communication)],
@@ -285,7 +305,7 @@ fn n18_a_reset_that_is_held_back_lets_the_device_go_on_until_the_boot() {
 #[test]
 fn n18_a_boot_serves_a_reset_that_nobody_has_asked_for_yet() {
     let mut device = Device::new();
-    device.send("000#8204");
+    device.send("000 [2] 82 04");
     device.boot(Reset::Communication);
     assert_eq!(device.sent(), [BOOT_UP]);
     assert_eq!(
@@ -302,47 +322,65 @@ fn l19_a_device_without_a_node_id_is_silent_but_for_lss() {
     let mut device = Device::off_with(255);
     device.boot(Reset::Node);
     for frame in [
-        "000#0100",
-        "000#8100",
-        "67F#4000100000000000",
-        "080#",
-        "6FF#4000100000000000",
+        "000 [2] 01 00",
+        "000 [2] 81 00",
+        "67F: 40 00 10 00 00 00 00 00",
+        "080 [0]",
+        "6FF: 40 00 10 00 00 00 00 00",
     ] {
         device.send(frame);
     }
     assert!(device.pass(5000).is_empty());
     assert_eq!(device.node.state(), NmtState::Initialisation);
     assert!(device.events().is_empty());
-    device.send("7E5#0401000000000000");
-    assert_eq!(device.ask("7E5#5E00000000000000"), ["7E4#5EFF000000000000"]);
+    device.send("7E5: 04 01 00 00 00 00 00 00");
+    assert_eq!(
+        device.ask("7E5: 5E 00 00 00 00 00 00 00"),
+        ["7E4: 5E FF 00 00 00 00 00 00"]
+    );
 }
 
 #[test]
 fn l16_a_first_node_id_boots_the_device() {
     let mut device = Device::off_with(255);
     device.boot(Reset::Node);
-    device.send("7E5#0401000000000000");
-    assert_eq!(device.ask("7E5#110B000000000000"), ["7E4#1100000000000000"]);
-    device.send("7E5#0400000000000000");
+    device.send("7E5: 04 01 00 00 00 00 00 00");
+    assert_eq!(
+        device.ask("7E5: 11 0B 00 00 00 00 00 00"),
+        ["7E4: 11 00 00 00 00 00 00 00"]
+    );
+    device.send("7E5: 04 00 00 00 00 00 00 00");
     assert_eq!(device.serve_reset(), Reset::Communication);
-    assert_eq!(device.sent(), ["70B#00"]);
+    assert_eq!(device.sent(), ["70B [1] 00"]);
     assert_eq!(device.value(0x1200, 1), [0x0B, 0x06, 0, 0]);
     assert_eq!(device.value(0x1018, 4), [0x78, 0x56, 0x34, 0x12]);
-    assert_eq!(device.ask("60B#4000100000000000"), ["58B#4300100092010200"]);
+    assert_eq!(
+        device.ask("60B: 40 00 10 00 00 00 00 00"),
+        ["58B: 43 00 10 00 92 01 02 00"]
+    );
 }
 
 #[test]
 fn l18_a_new_node_id_needs_a_reset_of_communication() {
     let mut device = Device::operational();
-    device.send("7E5#0401000000000000");
-    assert_eq!(device.ask("7E5#110B000000000000"), ["7E4#1100000000000000"]);
-    device.send("7E5#0400000000000000");
-    assert_eq!(device.ask("604#4000100000000000"), ["584#4300100092010200"]);
-    device.send("000#8204");
+    device.send("7E5: 04 01 00 00 00 00 00 00");
+    assert_eq!(
+        device.ask("7E5: 11 0B 00 00 00 00 00 00"),
+        ["7E4: 11 00 00 00 00 00 00 00"]
+    );
+    device.send("7E5: 04 00 00 00 00 00 00 00");
+    assert_eq!(
+        device.ask("604: 40 00 10 00 00 00 00 00"),
+        ["584: 43 00 10 00 92 01 02 00"]
+    );
+    device.send("000 [2] 82 04");
     device.serve_reset();
-    assert_eq!(device.sent(), ["70B#00"]);
-    assert!(device.ask("604#4000100000000000").is_empty());
-    assert_eq!(device.ask("60B#4000100000000000"), ["58B#4300100092010200"]);
+    assert_eq!(device.sent(), ["70B [1] 00"]);
+    assert!(device.ask("604: 40 00 10 00 00 00 00 00").is_empty());
+    assert_eq!(
+        device.ask("60B: 40 00 10 00 00 00 00 00"),
+        ["58B: 43 00 10 00 92 01 02 00"]
+    );
 }
 
 #[test]
@@ -360,7 +398,7 @@ fn c05_frames_that_classic_can_cannot_carry_do_not_exist() {
         .node
         .receive(&extended, device.now, &mut device.firmware);
     assert!(device.sent().is_empty());
-    assert_eq!(crate::device::frame("604#00112233445566778899").length(), 8);
+    assert_eq!(Frame::data_frame(0x604, &[0; 10]).length(), 8);
 }
 
 proptest! {
@@ -374,7 +412,7 @@ proptest! {
         let mut device = Device::new();
         let fresh: Vec<_> = entries().iter().map(|entry| device.value(entry.index, entry.sub)).collect();
         if start {
-            device.send("000#0104");
+            device.send("000 [2] 01 04");
         }
         for (number, value) in writes {
             let communication = entries().iter().filter(|entry| entry.index < 0x2000);
@@ -386,7 +424,7 @@ proptest! {
             device.poll();
             device.sent();
         }
-        device.send("000#8104");
+        device.send("000 [2] 81 04");
         device.serve_reset();
         prop_assert_eq!(device.pass(1000), [(0, BOOT_UP.to_owned())]);
         for (entry, value) in entries().iter().zip(fresh) {

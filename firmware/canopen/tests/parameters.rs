@@ -8,10 +8,10 @@ use canopen::cia301::parameters::ParameterSet;
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::Dictionary;
 
-const SAVE_ALL: &str = "604#2310100173617665";
-const SAVED_ALL: &str = "584#6010100100000000";
-const LOAD_ALL: &str = "604#231110016C6F6164";
-const LOADED_ALL: &str = "584#6011100100000000";
+const SAVE_ALL: &str = "604: 23 10 10 01 73 61 76 65";
+const SAVED_ALL: &str = "584: 60 10 10 01 00 00 00 00";
+const LOAD_ALL: &str = "604: 23 11 10 01 6C 6F 61 64";
+const LOADED_ALL: &str = "584: 60 11 10 01 00 00 00 00";
 
 /// A device with a store.
 struct Storing {
@@ -37,7 +37,7 @@ impl Storing {
         storing.boot(Reset::Node);
         assert_eq!(
             storing.device.sent().remove(0),
-            format!("{:03X}#00", 0x700 + u16::from(node_id))
+            format!("{:03X} [1] 00", 0x700 + u16::from(node_id))
         );
         storing.device.events();
         storing
@@ -90,8 +90,8 @@ impl Storing {
         request.extend_from_slice(bytes);
         request.resize(8, 0);
         let request: String = request.iter().map(|byte| format!("{byte:02X}")).collect();
-        let answer = self.ask(&format!("604#{request}"));
-        assert!(answer[0].starts_with("584#60"), "{answer:?}");
+        let answer = self.ask(&format!("604: {request}"));
+        assert!(answer[0].starts_with("584: 60"), "{answer:?}");
     }
 }
 
@@ -133,8 +133,8 @@ fn r01_each_sub_index_saves_its_own_parameters() {
             storing.write(index, 0, value);
         }
         storing.device.sent();
-        let answer = storing.ask(&format!("604#231010{sub:02}73617665"));
-        assert_eq!(answer, [format!("584#601010{sub:02}00000000")]);
+        let answer = storing.ask(&format!("604: 23 10 10 {sub:02} 73 61 76 65"));
+        assert_eq!(answer, [format!("584: 60 10 10 {sub:02} 00 00 00 00")]);
         let storing = storing.power_cycle();
         for (index, value) in objects {
             assert_eq!(
@@ -160,7 +160,10 @@ fn r02_a_wrong_signature_stores_nothing() {
     let mut storing = Storing::new(RamStore::default());
     for signature in ["6C6F6164", "65766173", "73617664", "00000000"] {
         let refused = abort(0x1010, 1, 0x0800_0020);
-        assert_eq!(storing.ask(&format!("604#23101001{signature}")), [refused]);
+        assert_eq!(
+            storing.ask(&format!("604: 23 10 10 01 {signature}")),
+            [refused]
+        );
     }
     assert_eq!(storing.store.writes, 0);
 }
@@ -172,7 +175,7 @@ fn r03_defaults_return_at_the_reset_and_not_before() {
     storing.ask(SAVE_ALL);
     assert_eq!(storing.ask(LOAD_ALL), [LOADED_ALL]);
     assert_eq!(storing.value(0x2000, 0), [1, 2, 3, 4]);
-    storing.device.send("000#8104");
+    storing.device.send("000 [2] 81 04");
     storing.boot(Reset::Node);
     assert_eq!(storing.value(0x2000, 0), [0x78, 0x56, 0x34, 0x12]);
     let storing = storing.power_cycle();
@@ -196,7 +199,7 @@ fn r03_a_reset_of_the_communication_loads_its_parameters_only() {
 fn r04_a_wrong_signature_restores_nothing() {
     let mut storing = Storing::new(RamStore::default());
     let refused = abort(0x1011, 2, 0x0800_0020);
-    assert_eq!(storing.ask("604#2311100273617665"), [refused]);
+    assert_eq!(storing.ask("604: 23 11 10 02 73 61 76 65"), [refused]);
     assert_eq!(storing.store.writes, 0);
 }
 
@@ -205,14 +208,20 @@ fn r05_the_capability_says_that_it_saves_on_command() {
     let mut storing = Storing::new(RamStore::default());
     for index in ["1010", "1110"] {
         for sub in 1..=4 {
-            let answer = storing.ask(&format!("604#40{index}{sub:02}00000000"));
-            assert_eq!(answer, [format!("584#43{index}{sub:02}01000000")]);
+            let answer = storing.ask(&format!("604: 40 {index} {sub:02} 00 00 00 00"));
+            assert_eq!(
+                answer,
+                [crate::device::full(
+                    "584",
+                    &format!("43 {index} {sub:02} 01")
+                )]
+            );
         }
     }
     let mut without = Device::new();
     assert_eq!(
-        without.ask("604#4010100100000000"),
-        ["584#4310100100000000"]
+        without.ask("604: 40 10 10 01 00 00 00 00"),
+        ["584: 43 10 10 01 00 00 00 00"]
     );
     assert_eq!(without.ask(SAVE_ALL), [abort(0x1010, 1, 0x0800_0020)]);
 }
@@ -257,8 +266,8 @@ fn a_changed_pdo_is_back_after_the_reset() {
     assert_eq!(storing.value(0x1800, 1), [0x85, 0x01, 0, 0x40]);
     assert_eq!(storing.value(0x1800, 3), [100, 0]);
     assert_eq!(storing.value(0x1A00, 0), [1]);
-    storing.device.send("000#0104");
-    assert_eq!(storing.device.sent(), ["185#00000000"]);
+    storing.device.send("000 [2] 01 04");
+    assert_eq!(storing.device.sent(), ["185 [4] 00 00 00 00"]);
 }
 
 #[test]
@@ -313,7 +322,10 @@ fn r08_a_pdo_whose_identifier_another_service_has_now_is_switched_off_and_told()
     let mut storing = Storing::just_booted(Device::off_with(5), storing.store);
     assert_eq!(storing.value(0x1014, 0), [0x85, 0, 0, 0]);
     assert_eq!(storing.value(0x1800, 1), [0x85, 0, 0, 0xC0]);
-    assert_eq!(storing.device.sent(), ["705#00", "085#2063010018010100"]);
+    assert_eq!(
+        storing.device.sent(),
+        ["705 [1] 00", "085: 20 63 01 00 18 01 01 00"]
+    );
 }
 
 #[test]
@@ -335,11 +347,17 @@ fn r08_a_new_firmware_keeps_what_fits_and_reports_the_rest_once() {
     assert_eq!(storing.value(0x2008, 0), [15]);
     assert_eq!(storing.value(0x2013, 0), [0, 0]);
     assert_eq!(storing.value(0x6081, 0), [44, 0, 0, 0]);
-    assert_eq!(storing.device.sent(), ["704#00", "084#2063010820000400"]);
+    assert_eq!(
+        storing.device.sent(),
+        ["704 [1] 00", "084: 20 63 01 08 20 00 04 00"]
+    );
     // What is there now is stored: nothing is left that does not fit.
-    assert_eq!(storing.ask(SAVE_ALL), ["084#0000000000000000", SAVED_ALL]);
+    assert_eq!(
+        storing.ask(SAVE_ALL),
+        ["084: 00 00 00 00 00 00 00 00", SAVED_ALL]
+    );
     let mut again = Storing::with_node_id_and_messages(storing.store);
-    assert_eq!(again.device.sent(), ["704#00"]);
+    assert_eq!(again.device.sent(), ["704 [1] 00"]);
 }
 
 impl Storing {
@@ -381,7 +399,10 @@ fn r08_a_pdo_that_maps_what_is_gone_is_that_of_the_data_sheet() {
         ],
     );
     let mut storing = Storing::with_node_id_and_messages(store);
-    assert_eq!(storing.device.sent(), ["704#00", "084#206301001A010400"]);
+    assert_eq!(
+        storing.device.sent(),
+        ["704 [1] 00", "084: 20 63 01 00 1A 01 04 00"]
+    );
     assert_eq!(storing.value(0x1800, 1), [0x84, 0x01, 0, 0x40]);
     assert_eq!(storing.value(0x1800, 2), [255]);
     assert_eq!(storing.value(0x1A00, 1), [32, 0, 0x05, 0x20]);
@@ -394,7 +415,10 @@ fn r08_a_pdo_without_its_cob_id_is_that_of_the_data_sheet() {
     let mut store = RamStore::default();
     store.put(ParameterSet::Communication, &[(0x1800, 2, &[1])]);
     let mut storing = Storing::with_node_id_and_messages(store);
-    assert_eq!(storing.device.sent(), ["704#00", "084#2063010018010100"]);
+    assert_eq!(
+        storing.device.sent(),
+        ["704 [1] 00", "084: 20 63 01 00 18 01 01 00"]
+    );
     assert_eq!(storing.value(0x1800, 1), [0x84, 0x01, 0, 0x40]);
     assert_eq!(storing.value(0x1800, 2), [255]);
 }
@@ -409,7 +433,10 @@ fn a_damaged_set_is_left_alone_and_told() {
     let mut storing = Storing::with_node_id_and_messages(storing.store);
     assert_eq!(storing.value(0x2000, 0), [0x78, 0x56, 0x34, 0x12]);
     assert_eq!(storing.value(0x6081, 0), [1, 0, 0, 0]);
-    assert_eq!(storing.device.sent(), ["704#00", "084#1063010400000000"]);
+    assert_eq!(
+        storing.device.sent(),
+        ["704 [1] 00", "084: 10 63 01 04 00 00 00 00"]
+    );
 }
 
 #[test]
@@ -490,19 +517,25 @@ fn r08_a_device_without_a_node_id_tells_what_does_not_fit_when_it_has_one() {
     assert_eq!(storing.value(0x1001, 0), [0]);
     assert_eq!(storing.device.sent(), [""; 0]);
     for request in [
-        "7E5#0401000000000000",
-        "7E5#1104000000000000",
-        "7E5#0400000000000000",
+        "7E5: 04 01 00 00 00 00 00 00",
+        "7E5: 11 04 00 00 00 00 00 00",
+        "7E5: 04 00 00 00 00 00 00 00",
     ] {
         storing.device.ask(request);
     }
     storing.boot(Reset::Communication);
     storing.device.poll();
-    assert_eq!(storing.device.sent(), ["704#00", "084#2063010820000100"]);
+    assert_eq!(
+        storing.device.sent(),
+        ["704 [1] 00", "084: 20 63 01 08 20 00 01 00"]
+    );
     // Another reset changes nothing: the value is still not the stored one.
     storing.boot(Reset::Communication);
     storing.device.poll();
-    assert_eq!(storing.device.sent(), ["704#00", "084#2063010820000100"]);
+    assert_eq!(
+        storing.device.sent(),
+        ["704 [1] 00", "084: 20 63 01 08 20 00 01 00"]
+    );
 }
 
 #[test]
@@ -541,7 +574,7 @@ fn h03_watched_nodes_change_places_behind_one_that_stays() {
     let mut off = Device::off();
     off.firmware.watched = watched;
     let mut storing = Storing::just_booted(off, store);
-    assert_eq!(storing.device.sent(), ["704#00"]);
+    assert_eq!(storing.device.sent(), ["704 [1] 00"]);
     assert_eq!(storing.value(0x1016, 1), first);
     assert_eq!(storing.value(0x1016, 2), third);
     assert_eq!(storing.value(0x1016, 3), second);
@@ -553,8 +586,8 @@ fn r09_restoring_one_group_forgets_the_date_of_all() {
     storing.write(0x1020, 1, &[0xD5, 0x3C, 0, 0]);
     storing.ask(SAVE_ALL);
     assert_eq!(
-        storing.ask("604#231110046C6F6164"),
-        ["584#6011100400000000"]
+        storing.ask("604: 23 11 10 04 6C 6F 61 64"),
+        ["584: 60 11 10 04 00 00 00 00"]
     );
     assert_eq!(storing.value(0x1020, 1), [0; 4]);
     let storing = storing.power_cycle();
@@ -604,7 +637,7 @@ fn while_a_save_is_under_way_another_is_refused() {
     storing.device.send(SAVE_ALL);
     assert!(storing.device.node.is_storing());
     // The client gives up and asks again.
-    storing.device.send("604#8010100100000405");
+    storing.device.send("604: 80 10 10 01 00 00 04 05");
     storing.device.send(LOAD_ALL);
     assert_eq!(storing.device.sent(), [abort(0x1011, 1, 0x0800_0022)]);
     while storing.device.node.is_storing() {

@@ -3,7 +3,7 @@
 //! The device maps 2003h and 2004h into its first receive PDO, 2005h and 2006h into its first transmit PDO; the second ones
 //! map the same and are not valid.
 
-use crate::device::{Device, abort, text};
+use crate::device::{Device, abort, show};
 
 use canopen::Frame;
 
@@ -16,11 +16,11 @@ fn download(device: &mut Device, index: u16, sub: u8, number: u32, length: u8) -
     let [low, high] = index.to_le_bytes();
     let [a, b, c, d] = number.to_le_bytes();
     let command = 0x23 | (4 - length) << 2;
-    let request = text(&Frame::data_frame(
+    let request = show(&Frame::data_frame(
         0x604,
         &[command, low, high, sub, a, b, c, d],
     ));
-    let done = text(&Frame::data_frame(
+    let done = show(&Frame::data_frame(
         0x584,
         &[0x60, low, high, sub, 0, 0, 0, 0],
     ));
@@ -90,10 +90,10 @@ fn p01_p02_a_mapping_in_use_is_not_changed() {
 fn p03_the_procedure_makes_a_new_pdo() {
     let mut device = Device::new();
     map(&mut device, 0x1400, 0x20B, 255, &[0x2006_0020]);
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     device.sent();
-    device.send("204#0102030405060708");
-    device.send("20B#01020304");
+    device.send("204: 01 02 03 04 05 06 07 08");
+    device.send("20B [4] 01 02 03 04");
     assert_eq!(device.value(0x2006, 0), [1, 2, 3, 4]);
     assert_eq!(device.value(0x2003, 0), [0; 4]);
 }
@@ -138,12 +138,12 @@ fn p12_a_pdo_without_objects_is_inert() {
     let mut device = Device::new();
     map(&mut device, 0x1800, 0x184, 255, &[]);
     map(&mut device, 0x1400, 0x204, 255, &[]);
-    device.send("000#0104");
-    device.send("204#01");
+    device.send("000 [2] 01 04");
+    device.send("204 [1] 01");
     assert!(device.pass(1000).is_empty());
-    device.send("000#8004");
+    device.send("000 [2] 80 04");
     map(&mut device, 0x1800, 0x184, 255, &[0x2005_0020]);
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     assert_eq!(device.pass(1000).len(), 1, "with one it is not");
 }
 
@@ -227,18 +227,18 @@ fn s41_restricted_identifiers_are_refused() {
 #[test]
 fn p22_with_p19_and_p21_a_short_pdo_is_an_error_in_every_place_until_a_good_one_comes() {
     let mut device = Device::operational();
-    for frame in ["204#", "204#0102", "204#01020304050607"] {
+    for frame in ["204 [0]", "204 [2] 01 02", "204 [7] 01 02 03 04 05 06 07"] {
         device.send(frame);
     }
     assert_eq!(
         device.sent(),
-        ["084#1082110100000000"],
+        ["084: 10 82 11 01 00 00 00 00"],
         "once, with communication and generic error"
     );
     assert_eq!(device.value(0x1001, 0), [0x11]);
     assert_eq!(device.value(0x2003, 0), [0; 4]);
-    device.send("204#0102030405060708");
-    assert_eq!(device.sent(), ["084#0000000000000000"]);
+    device.send("204: 01 02 03 04 05 06 07 08");
+    assert_eq!(device.sent(), ["084: 00 00 00 00 00 00 00 00"]);
     assert_eq!(device.value(0x1001, 0), [0]);
     assert_eq!(device.value(0x2004, 0), [5, 6, 7, 8]);
 }
@@ -247,20 +247,20 @@ fn p22_with_p19_and_p21_a_short_pdo_is_an_error_in_every_place_until_a_good_one_
 fn p20_of_a_long_pdo_the_first_bytes_are_used() {
     let mut device = Device::new();
     map(&mut device, 0x1400, 0x204, 255, &[0x2003_0020]);
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     device.sent();
-    device.send("204#0102030405");
-    device.send("204#0102030406");
+    device.send("204 [5] 01 02 03 04 05");
+    device.send("204 [5] 01 02 03 04 06");
     assert_eq!(device.value(0x2003, 0), [1, 2, 3, 4]);
-    assert_eq!(device.sent(), ["084#2082110100000000"]);
+    assert_eq!(device.sent(), ["084: 20 82 11 01 00 00 00 00"]);
 }
 
 #[test]
 fn p21_a_length_error_does_not_outlive_a_reset() {
     let mut device = Device::operational();
-    device.send("204#");
+    device.send("204 [0]");
     device.sent();
-    device.send("000#8204");
+    device.send("000 [2] 82 04");
     device.serve_reset();
     device.sent();
     assert_eq!(device.value(0x1001, 0), [0]);
@@ -269,12 +269,12 @@ fn p21_a_length_error_does_not_outlive_a_reset() {
 #[test]
 fn p23_only_data_frames_in_operational_are_received() {
     let mut device = Device::new();
-    device.send("204#0102030405060708");
-    device.send("000#0104");
-    device.send("204#R");
-    device.send("000#0204");
-    device.send("204#0102030405060708");
-    device.send("204#");
+    device.send("204: 01 02 03 04 05 06 07 08");
+    device.send("000 [2] 01 04");
+    device.send("204 [8] rtr");
+    device.send("000 [2] 02 04");
+    device.send("204: 01 02 03 04 05 06 07 08");
+    device.send("204 [0]");
     assert_eq!(device.value(0x2003, 0), [0; 4]);
     assert_eq!(device.value(0x1001, 0), [0]);
 }
@@ -285,10 +285,13 @@ fn p25_type_1_is_sampled_at_the_sync() {
     transmit_type(&mut device, 1);
     for value in 1..=3 {
         device.set_value(0x2005, 0, &[value, 0, 0, 0]);
-        device.put("080#");
+        device.put("080 [0]");
         device.set_value(0x2005, 0, &[0xFF; 4]);
         device.poll();
-        assert_eq!(device.sent(), [format!("184#0{value}00000000000000")]);
+        assert_eq!(
+            device.sent(),
+            [format!("184: 0{value} 00 00 00 00 00 00 00")]
+        );
     }
 }
 
@@ -296,10 +299,10 @@ fn p25_type_1_is_sampled_at_the_sync() {
 fn p26_type_3_counts_from_the_start() {
     let mut device = Device::operational();
     transmit_type(&mut device, 3);
-    device.send("080#");
-    device.send("000#8004");
-    device.send("000#0104");
-    let sent: Vec<_> = (0..6).map(|_| device.ask("080#").len()).collect();
+    device.send("080 [0]");
+    device.send("000 [2] 80 04");
+    device.send("000 [2] 01 04");
+    let sent: Vec<_> = (0..6).map(|_| device.ask("080 [0]").len()).collect();
     assert_eq!(sent, [0, 0, 1, 0, 0, 1]);
 }
 
@@ -307,14 +310,14 @@ fn p26_type_3_counts_from_the_start() {
 fn p27_type_0_needs_an_event_and_a_sync() {
     let mut device = Device::operational();
     transmit_type(&mut device, 0);
-    device.send("000#8004");
-    device.send("000#0104");
-    assert_eq!(device.ask("080#"), ["184#0000000000000000"]);
-    assert!(device.ask("080#").is_empty());
+    device.send("000 [2] 80 04");
+    device.send("000 [2] 01 04");
+    assert_eq!(device.ask("080 [0]"), ["184: 00 00 00 00 00 00 00 00"]);
+    assert!(device.ask("080 [0]").is_empty());
     device.set_value(0x2005, 0, &[1, 0, 0, 0]);
     assert!(device.pass(100).is_empty());
-    assert_eq!(device.ask("080#"), ["184#0100000000000000"]);
-    assert!(device.ask("080#").is_empty());
+    assert_eq!(device.ask("080 [0]"), ["184: 01 00 00 00 00 00 00 00"]);
+    assert!(device.ask("080 [0]").is_empty());
 }
 
 #[test]
@@ -323,7 +326,7 @@ fn p29_the_inhibit_time_gathers_changes() {
     assert_eq!(write_u32(&mut device, 0x1800, 1, 0x8000_0184), DONE);
     assert_eq!(write_u16(&mut device, 0x1800, 3, 100), DONE);
     assert_eq!(write_u32(&mut device, 0x1800, 1, 0x184), DONE);
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     device.pass(100);
     let mut log = Vec::new();
     for value in 1..=4 {
@@ -332,13 +335,13 @@ fn p29_the_inhibit_time_gathers_changes() {
     }
     assert_eq!(
         log[0],
-        [(0, "184#0100000000000000".to_owned())],
+        [(0, "184: 01 00 00 00 00 00 00 00".to_owned())],
         "the first at once"
     );
     assert!(log[1..].iter().all(Vec::is_empty));
     assert_eq!(
         device.pass(100),
-        [(6, "184#0400000000000000".to_owned())],
+        [(6, "184: 04 00 00 00 00 00 00 00".to_owned())],
         "the last one 10 ms after it"
     );
 }
@@ -349,7 +352,7 @@ fn p30_the_event_timer_starts_anew_with_an_event() {
     assert_eq!(write_u16(&mut device, 0x1800, 5, 100), DONE);
     assert!(device.pass(60).is_empty());
     device.set_value(0x2005, 0, &[1, 0, 0, 0]);
-    let frame = "184#0100000000000000".to_owned();
+    let frame = "184: 01 00 00 00 00 00 00 00".to_owned();
     assert_eq!(
         device.pass(250),
         [(0, frame.clone()), (100, frame.clone()), (200, frame)]
@@ -363,7 +366,7 @@ fn p31_the_inhibit_time_wins_over_the_event_timer() {
     assert_eq!(write_u16(&mut device, 0x1800, 3, 300), DONE);
     assert_eq!(write_u16(&mut device, 0x1800, 5, 20), DONE);
     assert_eq!(write_u32(&mut device, 0x1800, 1, 0x184), DONE);
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     let moments: Vec<_> = device
         .pass(100)
         .into_iter()
@@ -385,15 +388,15 @@ fn p32_without_a_change_nothing_is_sent() {
 fn p33_p34_a_synchronous_pdo_is_applied_at_the_sync() {
     let mut device = Device::operational();
     assert_eq!(write_u8(&mut device, 0x1400, 2, 1), DONE);
-    device.send("204#0100000000000000");
-    device.send("204#0200000000000000");
+    device.send("204: 01 00 00 00 00 00 00 00");
+    device.send("204: 02 00 00 00 00 00 00 00");
     assert_eq!(device.value(0x2003, 0), [0; 4]);
-    device.put("080#");
-    device.put("204#0300000000000000");
+    device.put("080 [0]");
+    device.put("204: 03 00 00 00 00 00 00 00");
     device.poll();
     assert_eq!(device.value(0x2003, 0), [2, 0, 0, 0]);
     assert_eq!(device.firmware.written, [(0x2003, 0), (0x2004, 0)]);
-    device.send("080#");
+    device.send("080 [0]");
     assert_eq!(device.value(0x2003, 0), [3, 0, 0, 0]);
 }
 
@@ -402,12 +405,15 @@ fn p37_c03_a_busy_bus_gets_the_newest_data_in_order() {
     let mut device = Device::new();
     map(&mut device, 0x1801, 0x284, 1, &[0x2005_0020]);
     assert_eq!(write_u8(&mut device, 0x1800, 2, 1), DONE);
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     for value in 1..=3 {
         device.set_value(0x2005, 0, &[value, 0, 0, 0]);
-        device.send("080#");
+        device.send("080 [0]");
     }
-    assert_eq!(device.sent(), ["184#0300000000000000", "284#03000000"]);
+    assert_eq!(
+        device.sent(),
+        ["184: 03 00 00 00 00 00 00 00", "284 [4] 03 00 00 00"]
+    );
 }
 
 #[test]
@@ -415,8 +421,8 @@ fn p38_two_pdos_with_one_identifier_are_both_executed() {
     let mut device = Device::new();
     map(&mut device, 0x1401, 0x204, 255, &[0x2006_0020, 0x2005_0020]);
     assert_eq!(write_u8(&mut device, 0x1800, 2, 1), DONE);
-    device.send("000#0104");
-    device.send("204#0102030405060708");
+    device.send("000 [2] 01 04");
+    device.send("204: 01 02 03 04 05 06 07 08");
     assert_eq!(device.value(0x2003, 0), [1, 2, 3, 4]);
     assert_eq!(device.value(0x2006, 0), [1, 2, 3, 4]);
     assert_eq!(device.value(0x2005, 0), [5, 6, 7, 8]);
@@ -426,7 +432,7 @@ fn p38_two_pdos_with_one_identifier_are_both_executed() {
 fn p40_a_new_mapping_holds_from_the_next_frame_on() {
     let mut device = Device::operational();
     map(&mut device, 0x1400, 0x204, 255, &[0x2004_0020, 0x2003_0020]);
-    device.send("204#0102030405060708");
+    device.send("204: 01 02 03 04 05 06 07 08");
     assert_eq!(device.value(0x2004, 0), [1, 2, 3, 4]);
     assert_eq!(device.value(0x2003, 0), [5, 6, 7, 8]);
 }
@@ -451,8 +457,8 @@ fn p40_a_new_mapping_is_sent_at_once() {
     assert_eq!(write_u32(&mut device, 0x1A00, 1, 0x2003_0020), DONE);
     assert_eq!(write_u8(&mut device, 0x1A00, 0, 1), DONE);
     assert_eq!(
-        device.ask("604#2300180184010000"),
-        ["184#09080706", "584#6000180100000000"],
+        device.ask("604: 23 00 18 01 84 01 00 00"),
+        ["184 [4] 09 08 07 06", "584: 60 00 18 01 00 00 00 00"],
         "by identifier"
     );
 }
@@ -461,11 +467,14 @@ fn p40_a_new_mapping_is_sent_at_once() {
 fn y06_a_sync_with_data_is_an_error_and_no_sync() {
     let mut device = Device::operational();
     transmit_type(&mut device, 1);
-    assert_eq!(device.ask("080#01"), ["084#4082110100000000"]);
-    assert!(device.ask("080#02").is_empty());
+    assert_eq!(device.ask("080 [1] 01"), ["084: 40 82 11 01 00 00 00 00"]);
+    assert!(device.ask("080 [1] 02").is_empty());
     assert_eq!(
-        device.ask("080#"),
-        ["084#0000000000000000", "184#0000000000000000"]
+        device.ask("080 [0]"),
+        [
+            "084: 00 00 00 00 00 00 00 00",
+            "184: 00 00 00 00 00 00 00 00"
+        ]
     );
 }
 
@@ -473,12 +482,12 @@ fn y06_a_sync_with_data_is_an_error_and_no_sync() {
 fn y09_only_operational_follows_the_sync() {
     let mut device = Device::operational();
     transmit_type(&mut device, 1);
-    device.send("000#8004");
-    assert!(device.ask("080#").is_empty());
-    device.send("000#0204");
-    assert!(device.ask("080#").is_empty());
+    device.send("000 [2] 80 04");
+    assert!(device.ask("080 [0]").is_empty());
+    device.send("000 [2] 02 04");
+    assert!(device.ask("080 [0]").is_empty());
     assert!(
-        device.ask("080#01").is_empty(),
+        device.ask("080 [1] 01").is_empty(),
         "no error either in Stopped"
     );
     assert_eq!(device.value(0x1001, 0), [0]);
@@ -489,6 +498,6 @@ fn the_sync_identifier_can_be_changed() {
     let mut device = Device::operational();
     transmit_type(&mut device, 1);
     assert_eq!(write_u32(&mut device, 0x1005, 0, 0x90), DONE);
-    assert!(device.ask("080#").is_empty());
-    assert_eq!(device.ask("090#").len(), 1);
+    assert!(device.ask("080 [0]").is_empty());
+    assert_eq!(device.ask("090 [0]").len(), 1);
 }

@@ -34,35 +34,35 @@ impl Rig {
         let mut device = Device::new();
         let write = |device: &mut Device, what: String| {
             let answer = device.ask(&what);
-            assert!(answer[0].starts_with("584#60"), "{what}: {answer:?}");
+            assert!(answer[0].starts_with("584: 60"), "{what}: {answer:?}");
         };
         write(
             &mut device,
-            format!("604#2F191000{:02X}000000", times.overflow),
+            format!("604: 2F 19 10 00 {:02X} 00 00 00", times.overflow),
         );
-        write(&mut device, "604#2300180184010080".into());
+        write(&mut device, "604: 23 00 18 01 84 01 00 80".into());
         write(
             &mut device,
-            format!("604#2F001802{:02X}000000", times.transmission_type),
+            format!("604: 2F 00 18 02 {:02X} 00 00 00", times.transmission_type),
         );
         for (sub, time) in [(3, times.inhibit_time), (5, times.event_timer)] {
             let [low, high] = time.to_le_bytes();
             write(
                 &mut device,
-                format!("604#2B0018{sub:02X}{low:02X}{high:02X}0000"),
+                format!("604: 2B 00 18 {sub:02X} {low:02X} {high:02X} 00 00"),
             );
         }
         write(
             &mut device,
-            format!("604#2F001806{:02X}000000", times.sync_start),
+            format!("604: 2F 00 18 06 {:02X} 00 00 00", times.sync_start),
         );
-        write(&mut device, "604#2300180184010000".into());
+        write(&mut device, "604: 23 00 18 01 84 01 00 00".into());
         let mut rig = Self {
             device,
             value: 0,
             sent: Vec::new(),
         };
-        rig.device.send("000#0104");
+        rig.device.send("000 [2] 01 04");
         rig.take();
         rig
     }
@@ -71,8 +71,9 @@ impl Rig {
     fn take(&mut self) {
         let now = self.device.now.ticks();
         for frame in self.device.sent() {
-            let data = frame.strip_prefix("184#").expect("only the PDO is sent");
-            let value = u32::from_str_radix(&data[..8], 16).unwrap().swap_bytes();
+            let frame = crate::device::frame(&frame);
+            assert_eq!(frame.standard_id(), Some(0x184), "only the PDO is sent");
+            let value = u32::from_le_bytes(frame.payload()[..4].try_into().unwrap());
             assert_eq!(value, self.value, "the newest value");
             self.sent.push((now, value));
         }
@@ -101,9 +102,10 @@ impl Rig {
     }
 
     fn sync(&mut self, counter: Option<u8>) {
-        let counter = counter.map(|counter| format!("{counter:02X}"));
-        self.device
-            .put(&format!("080#{}", counter.unwrap_or_default()));
+        match counter {
+            Some(counter) => self.device.put(&format!("080 [1] {counter:02X}")),
+            None => self.device.put("080 [0]"),
+        }
         self.take();
         self.device.poll();
     }

@@ -6,8 +6,7 @@ use embedded_can::{ExtendedId, Frame as _};
 
 /// Requests with bytes 5 to 8 zero are written short: `40 00 10 00`.
 fn request(start: &str) -> String {
-    let bytes: String = start.split(' ').collect();
-    format!("604#{bytes:0<16}")
+    crate::device::full("604", start)
 }
 
 fn answer(start: &str) -> String {
@@ -127,8 +126,8 @@ fn s11_the_parameters_of_the_server_follow_the_node_id() {
 fn s12_expedited_download_without_a_size() {
     let mut device = Device::new();
     assert_eq!(
-        device.ask("604#22171000E8030000"),
-        ["584#6017100000000000", "704#7F"]
+        device.ask("604: 22 17 10 00 E8 03 00 00"),
+        ["584: 60 17 10 00 00 00 00 00", "704 [1] 7F"]
     );
     assert_eq!(device.value(0x1017, 0), [0xE8, 3]);
     refused(
@@ -144,7 +143,10 @@ fn s12_expedited_download_without_a_size() {
 fn s13_segmented_download() {
     let mut device = Device::new();
     exchange(&mut device, "21 17 10 00 02 00 00 00", "60 17 10 00");
-    assert_eq!(device.ask("604#0B00000000000000"), ["584#2000000000000000"]);
+    assert_eq!(
+        device.ask("604: 0B 00 00 00 00 00 00 00"),
+        ["584: 20 00 00 00 00 00 00 00"]
+    );
     assert_eq!(device.value(0x1017, 0), [0, 0]);
     exchange(&mut device, "21 01 20 00 09 00 00 00", "60 01 20 00");
     exchange(&mut device, "00 61 62 63 64 65 66 67", "20");
@@ -198,8 +200,8 @@ fn s17_segmented_download_without_a_size() {
     let mut device = Device::new();
     exchange(&mut device, "20 17 10 00", "60 17 10 00");
     assert_eq!(
-        device.ask("604#0BF4010000000000"),
-        ["584#2000000000000000", "704#7F"]
+        device.ask("604: 0B F4 01 00 00 00 00 00"),
+        ["584: 20 00 00 00 00 00 00 00", "704 [1] 7F"]
     );
     assert_eq!(device.value(0x1017, 0), [0xF4, 1]);
 }
@@ -355,18 +357,22 @@ fn s27_a_slow_client_completes() {
 #[test]
 fn s28_a_request_has_eight_bytes() {
     let mut device = Device::new();
-    for frame in ["604#40001000", "604#", "604#400010000000"] {
+    for frame in [
+        "604 [4] 40 00 10 00",
+        "604 [0]",
+        "604 [6] 40 00 10 00 00 00",
+    ] {
         assert!(device.ask(frame).is_empty());
     }
-    assert_eq!(device.ask("604#4000100000000000").len(), 1);
+    assert_eq!(device.ask("604: 40 00 10 00 00 00 00 00").len(), 1);
 }
 
 #[test]
 fn s29_requests_for_others_extended_and_remote_frames() {
     let mut device = Device::new();
-    assert!(device.ask("605#4000100000000000").is_empty());
-    assert!(device.ask("585#4000100000000000").is_empty());
-    assert!(device.ask("604#R").is_empty());
+    assert!(device.ask("605: 40 00 10 00 00 00 00 00").is_empty());
+    assert!(device.ask("585: 40 00 10 00 00 00 00 00").is_empty());
+    assert!(device.ask("604 [8] rtr").is_empty());
     let extended = Frame::new(
         ExtendedId::new(0x604).unwrap(),
         &[0x40, 0, 0x10, 0, 0, 0, 0, 0],
@@ -376,7 +382,7 @@ fn s29_requests_for_others_extended_and_remote_frames() {
         .node
         .receive(&extended, device.now, &mut device.firmware);
     assert!(device.sent().is_empty());
-    assert_eq!(device.ask("604#4000100000000000").len(), 1);
+    assert_eq!(device.ask("604: 40 00 10 00 00 00 00 00").len(), 1);
 }
 
 #[test]

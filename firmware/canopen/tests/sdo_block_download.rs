@@ -343,13 +343,13 @@ fn b26_the_client_falls_silent() {
             device.ask(&request(asked));
         }
         let mut sent = device.pass(5000);
-        sent.retain(|(_, frame)| !frame.starts_with("584#A2"));
+        sent.retain(|(_, frame)| !frame.starts_with("584: A2"));
         assert_eq!(
             sent,
             [(1000, abort(index, 0, TIMED_OUT))],
             "after {requests:?}"
         );
-        exchange(&mut device, "A3", &[&abort(0, 0, INVALID_COMMAND)[4..]]);
+        exchange(&mut device, "A3", &[&abort(0, 0, INVALID_COMMAND)[5..]]);
     }
 }
 

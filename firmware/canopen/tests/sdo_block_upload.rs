@@ -98,12 +98,12 @@ fn b21_the_client_changes_the_block_size() {
         let sent = device.ask(&request(asked));
         assert_eq!(sent.len(), segments, "after {asked}");
         for (seqno, frame) in (1..).zip(sent) {
-            assert!(frame.starts_with(&format!("584#{seqno:02X}")), "{frame}");
+            assert!(frame.starts_with(&format!("584: {seqno:02X}")), "{frame}");
         }
     }
     let rest = device.ask(&request("A2 05 7F"));
     assert_eq!(rest.len(), 3);
-    assert!(rest[2].starts_with("584#83"));
+    assert!(rest[2].starts_with("584: 83"));
     exchange(&mut device, "A2 03 7F", &["C1 00 00"]);
 }
 
@@ -165,12 +165,12 @@ fn b23_a_client_confirms_before_all_is_sent() {
     device.send(&request("A3"));
     let first = device.node.transmit(&mut device.firmware).unwrap();
     assert_eq!(
-        crate::device::text(&first),
+        crate::device::show(&first),
         answer("01 41 42 43 44 45 46 47")
     );
     let second = device.node.transmit(&mut device.firmware).unwrap();
     assert_eq!(
-        crate::device::text(&second),
+        crate::device::show(&second),
         answer("02 48 49 4A 4B 4C 4D 4E")
     );
     exchange(
@@ -219,8 +219,8 @@ fn b24_process_data_goes_between_the_segments() {
     device.poll();
     let sent = device.sent();
     assert_eq!(sent.len(), 10);
-    assert_eq!(sent[0], "184#0102030400000000");
-    assert!(sent[1].starts_with("584#02"));
+    assert_eq!(sent[0], "184: 01 02 03 04 00 00 00 00");
+    assert!(sent[1].starts_with("584: 02"));
 }
 
 #[test]

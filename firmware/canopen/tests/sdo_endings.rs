@@ -4,15 +4,15 @@
 use crate::device::{Device, abort};
 use canopen::Duration;
 
-const OPEN_DOWNLOAD: &str = "604#2101200005000000";
+const OPEN_DOWNLOAD: &str = "604: 21 01 20 00 05 00 00 00";
 const TIMED_OUT: u32 = 0x0504_0000;
 /// Opens a block download of 2014h, and the answer.
-const OPEN_BLOCK: &str = "604#C014200000000000";
-const READY: &str = "584#A41420007F000000";
+const OPEN_BLOCK: &str = "604: C0 14 20 00 00 00 00 00";
+const READY: &str = "584: A4 14 20 00 7F 00 00 00";
 /// Aborts a transfer of 2014h.
-const ABORT: &str = "604#8014200000000008";
-const READ: &str = "604#4000100000000000";
-const VALUE: &str = "584#4300100092010200";
+const ABORT: &str = "604: 80 14 20 00 00 00 00 08";
+const READ: &str = "604: 40 00 10 00 00 00 00 00";
+const VALUE: &str = "584: 43 00 10 00 92 01 02 00";
 
 /// Time passes; the device is not called.
 fn wait(device: &mut Device, milliseconds: u64) {
@@ -22,8 +22,11 @@ fn wait(device: &mut Device, milliseconds: u64) {
 /// The first segments of a sub-block of 500 bytes from 2014h have been sent.
 fn in_sub_block(device: &mut Device) {
     device.firmware.stream.value = vec![1; 500];
-    assert_eq!(device.ask("604#A41420007F000000"), ["584#C6142000F4010000"]);
-    device.send("604#A300000000000000");
+    assert_eq!(
+        device.ask("604: A4 14 20 00 7F 00 00 00"),
+        ["584: C6 14 20 00 F4 01 00 00"]
+    );
+    device.send("604: A3 00 00 00 00 00 00 00");
     for _ in 0..5 {
         let segment = device.node.transmit(&mut device.firmware).unwrap();
         assert_eq!(segment.standard_id(), Some(0x584));
@@ -35,7 +38,7 @@ fn send_segments(device: &mut Device, last: u8) {
     for seqno in 1..=last {
         assert!(
             device
-                .ask(&format!("604#{seqno:02X}01010101010101"))
+                .ask(&format!("604: {seqno:02X} 01 01 01 01 01 01 01"))
                 .is_empty()
         );
     }
@@ -44,9 +47,9 @@ fn send_segments(device: &mut Device, last: u8) {
 /// Orders another bit rate by LSS: 600 ms of silence.
 fn switch_bit_rate(device: &mut Device) {
     for request in [
-        "7E5#0401000000000000",
-        "7E5#1300020000000000",
-        "7E5#152C010000000000",
+        "7E5: 04 01 00 00 00 00 00 00",
+        "7E5: 13 00 02 00 00 00 00 00",
+        "7E5: 15 2C 01 00 00 00 00 00",
     ] {
         device.send(request);
     }
@@ -55,15 +58,15 @@ fn switch_bit_rate(device: &mut Device) {
 #[test]
 fn an_abort_needs_no_room_for_an_answer() {
     let mut device = Device::new();
-    assert_eq!(device.ask("604#4001200000000000").len(), 1);
-    device.put("604#4000100000000000");
-    device.put("604#2101200003000000");
+    assert_eq!(device.ask("604: 40 01 20 00 00 00 00 00").len(), 1);
+    device.put("604: 40 00 10 00 00 00 00 00");
+    device.put("604: 21 01 20 00 03 00 00 00");
     assert_eq!(device.node.overflows(), 0);
-    device.put("604#8001200000000000");
+    device.put("604: 80 01 20 00 00 00 00 00");
     assert_eq!(device.node.overflows(), 0, "nothing is lost");
     assert_eq!(device.sent().len(), 2);
     assert_eq!(
-        device.ask("604#0961626300000000"),
+        device.ask("604: 09 61 62 63 00 00 00 00"),
         [abort(0, 0, 0x0504_0001)],
         "no transfer is open"
     );
@@ -73,48 +76,54 @@ fn an_abort_needs_no_room_for_an_answer() {
 #[test]
 fn s26_a_segment_that_comes_too_late_ends_the_transfer() {
     let mut device = Device::new();
-    assert_eq!(device.ask(OPEN_DOWNLOAD), ["584#6001200000000000"]);
+    assert_eq!(device.ask(OPEN_DOWNLOAD), ["584: 60 01 20 00 00 00 00 00"]);
     wait(&mut device, 1000);
     // The frame is served before time is.
-    device.put("604#0561626364650000");
+    device.put("604: 05 61 62 63 64 65 00 00");
     assert_eq!(device.sent(), [abort(0x2001, 0, TIMED_OUT)]);
     assert_eq!(device.value(0x2001, 0)[..5], *b"hello");
     assert!(device.pass(2000).is_empty(), "told once");
 
-    assert_eq!(device.ask("604#4001200000000000"), ["584#4101200005000000"]);
+    assert_eq!(
+        device.ask("604: 40 01 20 00 00 00 00 00"),
+        ["584: 41 01 20 00 05 00 00 00"]
+    );
     wait(&mut device, 1000);
-    device.put("604#6000000000000000");
+    device.put("604: 60 00 00 00 00 00 00 00");
     assert_eq!(device.sent(), [abort(0x2001, 0, TIMED_OUT)]);
 }
 
 #[test]
 fn s27_a_segment_just_in_time_is_taken() {
     let mut device = Device::new();
-    assert_eq!(device.ask(OPEN_DOWNLOAD), ["584#6001200000000000"]);
+    assert_eq!(device.ask(OPEN_DOWNLOAD), ["584: 60 01 20 00 00 00 00 00"]);
     device.now += Duration::micros(999_999);
-    device.put("604#0561626364650000");
-    assert_eq!(device.sent(), ["584#2000000000000000"]);
+    device.put("604: 05 61 62 63 64 65 00 00");
+    assert_eq!(device.sent(), ["584: 20 00 00 00 00 00 00 00"]);
 }
 
 #[test]
 fn b24_heartbeats_go_on_after_an_abort_within_a_sub_block() {
     let mut device = Device::new();
-    let answered = ["584#6017100000000000", "704#7F"];
-    assert_eq!(device.ask("604#2B17100064000000"), answered);
+    let answered = ["584: 60 17 10 00 00 00 00 00", "704 [1] 7F"];
+    assert_eq!(device.ask("604: 2B 17 10 00 64 00 00 00"), answered);
     in_sub_block(&mut device);
     assert!(device.ask(ABORT).is_empty());
-    let expected = [100, 200, 300].map(|moment| (moment, "704#7F".to_owned()));
+    let expected = [100, 200, 300].map(|moment| (moment, "704 [1] 7F".to_owned()));
     assert_eq!(device.pass(350), expected);
 }
 
 #[test]
 fn b24_other_servers_go_on_after_an_abort_within_a_sub_block() {
     let mut device = Device::new();
-    for write in ["604#23011201A4060000", "604#2301120284060000"] {
+    for write in [
+        "604: 23 01 12 01 A4 06 00 00",
+        "604: 23 01 12 02 84 06 00 00",
+    ] {
         assert_eq!(device.ask(write).len(), 1);
     }
     in_sub_block(&mut device);
-    device.put("6A4#4000100000000000");
+    device.put("6A4: 40 00 10 00 00 00 00 00");
     device.put(ABORT);
     assert_eq!(device.sent(), [VALUE.replacen("584", "684", 1)]);
     assert_eq!(device.ask(READ), [VALUE]);
@@ -144,12 +153,15 @@ fn b10_nothing_is_confirmed_before_a_segment_has_come() {
 fn b10_a_sub_block_without_its_first_and_its_last_segment() {
     let mut device = Device::new();
     assert_eq!(device.ask(OPEN_BLOCK), [READY]);
-    assert!(device.ask("604#0202020202020202").is_empty());
-    let expected = [(500, "584#A2007F0000000000".to_owned())];
+    assert!(device.ask("604: 02 02 02 02 02 02 02 02").is_empty());
+    let expected = [(500, "584: A2 00 7F 00 00 00 00 00".to_owned())];
     assert_eq!(device.pass(600), expected);
-    assert!(device.ask("604#0101010101010101").is_empty());
-    assert!(device.ask("604#0202020202020202").is_empty());
-    assert_eq!(device.ask("604#8303030303030303"), ["584#A2037F0000000000"]);
+    assert!(device.ask("604: 01 01 01 01 01 01 01 01").is_empty());
+    assert!(device.ask("604: 02 02 02 02 02 02 02 02").is_empty());
+    assert_eq!(
+        device.ask("604: 83 03 03 03 03 03 03 03"),
+        ["584: A2 03 7F 00 00 00 00 00"]
+    );
 }
 
 #[test]
@@ -161,7 +173,7 @@ fn an_abort_counts_in_the_silence_around_a_switch_of_the_bit_rate() {
     assert!(device.pass(590).is_empty());
     assert_eq!(
         device.pass(20),
-        [(10, "7E4#1300000000000000".to_owned())],
+        [(10, "7E4: 13 00 00 00 00 00 00 00".to_owned())],
         "the answer that waited, and no segment"
     );
 }
@@ -174,10 +186,10 @@ fn a_streamed_object_is_free_after_an_abort_in_silence() {
     device.put(ABORT);
     assert_eq!(device.firmware.stream.abandoned, 1);
     // Anything else has no effect: no heartbeat comes.
-    device.put("604#2B17100064000000");
+    device.put("604: 2B 17 10 00 64 00 00 00");
     assert_eq!(
         device.pass(1000),
-        [(600, "7E4#1300000000000000".to_owned())]
+        [(600, "7E4: 13 00 00 00 00 00 00 00".to_owned())]
     );
     assert_eq!(device.ask(OPEN_BLOCK), [READY]);
 }

@@ -7,7 +7,10 @@ const INVALID_VALUE: u32 = 0x0609_0030;
 /// Switches the server on with free identifiers: requests on 6A4h, answers on 684h.
 fn with_second_server() -> Device {
     let mut device = Device::new();
-    for write in ["604#23011201A4060000", "604#2301120284060000"] {
+    for write in [
+        "604: 23 01 12 01 A4 06 00 00",
+        "604: 23 01 12 02 84 06 00 00",
+    ] {
         assert_eq!(device.ask(write).len(), 1);
     }
     device
@@ -16,8 +19,8 @@ fn with_second_server() -> Device {
 /// The same frame on the second server.
 fn second(frame: &str) -> String {
     frame
-        .replacen("604#", "6A4#", 1)
-        .replacen("584#", "684#", 1)
+        .replacen("604:", "6A4:", 1)
+        .replacen("584:", "684:", 1)
 }
 
 #[test]
@@ -30,11 +33,14 @@ fn s38_restricted_identifiers_are_refused() {
         for cob_id in restricted {
             let mut device = Device::new();
             let [low, high] = u16::to_le_bytes(cob_id);
-            let asked = format!("604#230112{sub:02X}{low:02X}{high:02X}0000");
+            let asked = format!("604: 23 01 12 {sub:02X} {low:02X} {high:02X} 00 00");
             assert_eq!(device.ask(&asked), [abort(0x1201, sub, INVALID_VALUE)]);
             // While it is off the number means nothing.
-            let asked = format!("604#230112{sub:02X}{low:02X}{high:02X}0080");
-            assert_eq!(device.ask(&asked), [format!("584#600112{sub:02X}00000000")]);
+            let asked = format!("604: 23 01 12 {sub:02X} {low:02X} {high:02X} 00 80");
+            assert_eq!(
+                device.ask(&asked),
+                [format!("584: 60 01 12 {sub:02X} 00 00 00 00")]
+            );
         }
     }
 }
@@ -43,7 +49,7 @@ fn s38_restricted_identifiers_are_refused() {
 fn s38_identifiers_with_29_bits_and_dynamic_ones_are_refused() {
     for bits in ["20", "40", "A0"] {
         let mut device = Device::new();
-        let asked = format!("604#23011201A40600{bits}");
+        let asked = format!("604: 23 01 12 01 A4 06 00 {bits}");
         assert_eq!(device.ask(&asked), [abort(0x1201, 1, INVALID_VALUE)]);
     }
 }
@@ -51,25 +57,43 @@ fn s38_identifiers_with_29_bits_and_dynamic_ones_are_refused() {
 #[test]
 fn s39_a_server_is_switched_off_before_it_changes() {
     let mut device = with_second_server();
-    let moved = ["604#23011201A5060000", "604#2301120285060000"];
+    let moved = [
+        "604: 23 01 12 01 A5 06 00 00",
+        "604: 23 01 12 02 85 06 00 00",
+    ];
     for (sub, asked) in (1..).zip(moved) {
         assert_eq!(device.ask(asked), [abort(0x1201, sub, INVALID_VALUE)]);
     }
     // The same value again changes nothing.
-    assert_eq!(device.ask("604#23011201A4060000"), ["584#6001120100000000"]);
-    assert_eq!(device.ask("604#23011201A4060080"), ["584#6001120100000000"]);
-    assert!(device.ask("6A4#4000100000000000").is_empty());
-    assert_eq!(device.ask("604#23011201A5060000"), ["584#6001120100000000"]);
-    assert!(device.ask("6A4#4000100000000000").is_empty());
-    assert_eq!(device.ask("6A5#4000100000000000"), ["684#4300100092010200"]);
+    assert_eq!(
+        device.ask("604: 23 01 12 01 A4 06 00 00"),
+        ["584: 60 01 12 01 00 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("604: 23 01 12 01 A4 06 00 80"),
+        ["584: 60 01 12 01 00 00 00 00"]
+    );
+    assert!(device.ask("6A4: 40 00 10 00 00 00 00 00").is_empty());
+    assert_eq!(
+        device.ask("604: 23 01 12 01 A5 06 00 00"),
+        ["584: 60 01 12 01 00 00 00 00"]
+    );
+    assert!(device.ask("6A4: 40 00 10 00 00 00 00 00").is_empty());
+    assert_eq!(
+        device.ask("6A5: 40 00 10 00 00 00 00 00"),
+        ["684: 43 00 10 00 92 01 02 00"]
+    );
 }
 
 #[test]
 fn s39_one_identifier_for_both_ways_is_none() {
     let mut device = Device::new();
-    assert_eq!(device.ask("604#23011201A4060000"), ["584#6001120100000000"]);
     assert_eq!(
-        device.ask("604#23011202A4060000"),
+        device.ask("604: 23 01 12 01 A4 06 00 00"),
+        ["584: 60 01 12 01 00 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("604: 23 01 12 02 A4 06 00 00"),
         [abort(0x1201, 2, INVALID_VALUE)]
     );
 }
@@ -79,26 +103,50 @@ fn s40_transfers_on_two_servers_do_not_meet() {
     let mut device = with_second_server();
     device.set_value(0x200B, 0, b"a string of the device");
     // A segmented download here, an upload there, step by step.
-    assert_eq!(device.ask("604#2101200009000000"), ["584#6001200000000000"]);
-    assert_eq!(device.ask("6A4#400B200000000000"), ["684#410B200016000000"]);
-    assert_eq!(device.ask("604#0061626364656667"), ["584#2000000000000000"]);
-    assert_eq!(device.ask("6A4#6000000000000000"), ["684#006120737472696E"]);
-    assert_eq!(device.ask("6A4#7000000000000000"), ["684#1067206F66207468"]);
-    assert_eq!(device.ask("604#1B68690000000000"), ["584#3000000000000000"]);
+    assert_eq!(
+        device.ask("604: 21 01 20 00 09 00 00 00"),
+        ["584: 60 01 20 00 00 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("6A4: 40 0B 20 00 00 00 00 00"),
+        ["684: 41 0B 20 00 16 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("604: 00 61 62 63 64 65 66 67"),
+        ["584: 20 00 00 00 00 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("6A4: 60 00 00 00 00 00 00 00"),
+        ["684: 00 61 20 73 74 72 69 6E"]
+    );
+    assert_eq!(
+        device.ask("6A4: 70 00 00 00 00 00 00 00"),
+        ["684: 10 67 20 6F 66 20 74 68"]
+    );
+    assert_eq!(
+        device.ask("604: 1B 68 69 00 00 00 00 00"),
+        ["584: 30 00 00 00 00 00 00 00"]
+    );
     assert_eq!(device.value(0x2001, 0), b"abcdefghi");
     // An abort here, and there it goes on.
-    assert_eq!(device.ask("604#4001200000000000").len(), 1);
-    assert!(device.ask("604#8001200000000000").is_empty());
-    assert_eq!(device.ask("6A4#6000000000000000"), ["684#0065206465766963"]);
-    assert_eq!(device.ask("6A4#7000000000000000"), ["684#1D65000000000000"]);
+    assert_eq!(device.ask("604: 40 01 20 00 00 00 00 00").len(), 1);
+    assert!(device.ask("604: 80 01 20 00 00 00 00 00").is_empty());
+    assert_eq!(
+        device.ask("6A4: 60 00 00 00 00 00 00 00"),
+        ["684: 00 65 20 64 65 76 69 63"]
+    );
+    assert_eq!(
+        device.ask("6A4: 70 00 00 00 00 00 00 00"),
+        ["684: 1D 65 00 00 00 00 00 00"]
+    );
 }
 
 #[test]
 fn s40_both_servers_time_out_alone() {
     let mut device = with_second_server();
-    assert_eq!(device.ask("604#4001200000000000").len(), 1);
+    assert_eq!(device.ask("604: 40 01 20 00 00 00 00 00").len(), 1);
     assert!(device.pass(300).is_empty());
-    assert_eq!(device.ask("6A4#2101200009000000").len(), 1);
+    assert_eq!(device.ask("6A4: 21 01 20 00 09 00 00 00").len(), 1);
     let sent = device.pass(2000);
     let expected = [
         (700, abort(0x2001, 0, 0x0504_0000)),
@@ -113,57 +161,81 @@ fn s40_both_servers_time_out_alone() {
 #[test]
 fn s40_a_server_that_is_not_valid_is_silent() {
     let mut device = Device::new();
-    assert_eq!(device.ask("604#23011201A4060000").len(), 1);
-    assert!(device.ask("6A4#4000100000000000").is_empty());
-    assert_eq!(device.ask("604#2301120284060000").len(), 1);
-    assert_eq!(device.ask("6A4#4000100000000000"), ["684#4300100092010200"]);
-    device.send("000#8204");
+    assert_eq!(device.ask("604: 23 01 12 01 A4 06 00 00").len(), 1);
+    assert!(device.ask("6A4: 40 00 10 00 00 00 00 00").is_empty());
+    assert_eq!(device.ask("604: 23 01 12 02 84 06 00 00").len(), 1);
+    assert_eq!(
+        device.ask("6A4: 40 00 10 00 00 00 00 00"),
+        ["684: 43 00 10 00 92 01 02 00"]
+    );
+    device.send("000 [2] 82 04");
     device.serve_reset();
-    assert_eq!(device.sent(), ["704#00"]);
-    assert!(device.ask("6A4#4000100000000000").is_empty());
+    assert_eq!(device.sent(), ["704 [1] 00"]);
+    assert!(device.ask("6A4: 40 00 10 00 00 00 00 00").is_empty());
 }
 
 #[test]
 fn s40_answers_leave_lowest_identifier_first() {
     let mut device = with_second_server();
-    device.put("6A4#4000100000000000");
-    device.put("604#4000100000000000");
+    device.put("6A4: 40 00 10 00 00 00 00 00");
+    device.put("604: 40 00 10 00 00 00 00 00");
     assert_eq!(
         device.sent(),
-        ["584#4300100092010200", "684#4300100092010200"]
+        [
+            "584: 43 00 10 00 92 01 02 00",
+            "684: 43 00 10 00 92 01 02 00"
+        ]
     );
 }
 
 #[test]
 fn a_server_that_switches_itself_off_still_answers() {
     let mut device = with_second_server();
-    assert_eq!(device.ask("6A4#23011201A4060080"), ["684#6001120100000000"]);
-    assert!(device.ask("6A4#4000100000000000").is_empty());
+    assert_eq!(
+        device.ask("6A4: 23 01 12 01 A4 06 00 80"),
+        ["684: 60 01 12 01 00 00 00 00"]
+    );
+    assert!(device.ask("6A4: 40 00 10 00 00 00 00 00").is_empty());
 }
 
 #[test]
 fn a_server_is_deaf_while_the_node_is_stopped() {
     let mut device = with_second_server();
-    device.send("000#0204");
-    assert!(device.ask("6A4#4000100000000000").is_empty());
-    device.send("000#8004");
-    assert_eq!(device.ask("6A4#4000100000000000"), ["684#4300100092010200"]);
+    device.send("000 [2] 02 04");
+    assert!(device.ask("6A4: 40 00 10 00 00 00 00 00").is_empty());
+    device.send("000 [2] 80 04");
+    assert_eq!(
+        device.ask("6A4: 40 00 10 00 00 00 00 00"),
+        ["684: 43 00 10 00 92 01 02 00"]
+    );
 }
 
 #[test]
 fn one_client_at_a_time_writes_a_streamed_object() {
     let mut device = with_second_server();
-    assert_eq!(device.ask("604#2014200000000000").len(), 1);
+    assert_eq!(device.ask("604: 20 14 20 00 00 00 00 00").len(), 1);
     let refused = second(&abort(0x2014, 0, 0x0800_0022));
-    for initiate in ["6A4#2014200000000000", "6A4#C014200000000000"] {
+    for initiate in [
+        "6A4: 20 14 20 00 00 00 00 00",
+        "6A4: C0 14 20 00 00 00 00 00",
+    ] {
         assert_eq!(device.ask(initiate), std::slice::from_ref(&refused));
     }
     // It may be read meanwhile, and the first client goes on.
-    assert_eq!(device.ask("6A4#4014200000000000").len(), 1);
-    assert_eq!(device.ask("6A4#6000000000000000"), ["684#0F00000000000000"]);
-    assert_eq!(device.ask("604#0561626364650000"), ["584#2000000000000000"]);
+    assert_eq!(device.ask("6A4: 40 14 20 00 00 00 00 00").len(), 1);
+    assert_eq!(
+        device.ask("6A4: 60 00 00 00 00 00 00 00"),
+        ["684: 0F 00 00 00 00 00 00 00"]
+    );
+    assert_eq!(
+        device.ask("604: 05 61 62 63 64 65 00 00"),
+        ["584: 20 00 00 00 00 00 00 00"]
+    );
     assert_eq!(device.firmware.stream.value, b"abcde");
-    assert_eq!(device.ask("6A4#2014200000000000"), ["684#6014200000000000"]);
+    assert_eq!(
+        device.ask("6A4: 20 14 20 00 00 00 00 00"),
+        ["684: 60 14 20 00 00 00 00 00"]
+    );
 }
 
 #[test]
@@ -175,16 +247,19 @@ fn a_streamed_object_that_is_read_does_not_become_another_one() {
         device
     };
     let read_first = |device: &mut Device| {
-        assert_eq!(device.ask("6A4#4014200000000000"), ["684#411420000D000000"]);
         assert_eq!(
-            device.ask("6A4#6000000000000000"),
-            [second("584#00746865206F6C64")]
+            device.ask("6A4: 40 14 20 00 00 00 00 00"),
+            ["684: 41 14 20 00 0D 00 00 00"]
+        );
+        assert_eq!(
+            device.ask("6A4: 60 00 00 00 00 00 00 00"),
+            [second("584: 00 74 68 65 20 6F 6C 64")]
         );
     };
     let read_last = |device: &mut Device| {
         assert_eq!(
-            device.ask("6A4#7000000000000000"),
-            [second("584#132076616C756500")]
+            device.ask("6A4: 70 00 00 00 00 00 00 00"),
+            [second("584: 13 20 76 61 6C 75 65 00")]
         );
     };
     let refused = abort(0x2014, 0, 0x0800_0022);
@@ -192,17 +267,20 @@ fn a_streamed_object_that_is_read_does_not_become_another_one() {
     // A write does not begin while another client reads.
     let mut device = start();
     read_first(&mut device);
-    for initiate in ["604#2014200000000000", "604#C014200000000000"] {
+    for initiate in [
+        "604: 20 14 20 00 00 00 00 00",
+        "604: C0 14 20 00 00 00 00 00",
+    ] {
         assert_eq!(device.ask(initiate), std::slice::from_ref(&refused));
     }
     read_last(&mut device);
-    assert_eq!(device.ask("604#2014200000000000").len(), 1);
+    assert_eq!(device.ask("604: 20 14 20 00 00 00 00 00").len(), 1);
 
     // Nor does one end that had begun before.
     let mut device = start();
-    assert_eq!(device.ask("604#2014200000000000").len(), 1);
+    assert_eq!(device.ask("604: 20 14 20 00 00 00 00 00").len(), 1);
     read_first(&mut device);
-    assert_eq!(device.ask("604#0561626364650000"), [refused]);
+    assert_eq!(device.ask("604: 05 61 62 63 64 65 00 00"), [refused]);
     assert_eq!(device.firmware.stream.value, value);
     assert_eq!(device.firmware.stream.abandoned, 1);
     read_last(&mut device);
@@ -212,25 +290,28 @@ fn a_streamed_object_that_is_read_does_not_become_another_one() {
 fn the_application_learns_of_a_write_that_ends_early() {
     // By the client, by a new request, by silence, by a segment in the wrong place, by NMT, by a reset.
     let endings: [fn(&mut Device); 6] = [
-        |device| device.send("604#8014200000000000"),
-        |device| device.send("604#4000100000000000"),
+        |device| device.send("604: 80 14 20 00 00 00 00 00"),
+        |device| device.send("604: 40 00 10 00 00 00 00 00"),
         |device| {
             device.pass(1000);
         },
-        |device| device.send("604#1061626364656667"),
-        |device| device.send("000#0204"),
+        |device| device.send("604: 10 61 62 63 64 65 66 67"),
+        |device| device.send("000 [2] 02 04"),
         |device| {
-            device.put("000#8104");
+            device.put("000 [2] 81 04");
             device.serve_reset();
         },
     ];
-    for initiate in ["604#2014200000000000", "604#C014200000000000"] {
+    for initiate in [
+        "604: 20 14 20 00 00 00 00 00",
+        "604: C0 14 20 00 00 00 00 00",
+    ] {
         for end in endings {
             let mut device = Device::new();
             assert_eq!(device.ask(initiate).len(), 1);
             assert!(device.firmware.stream.incoming.is_some());
             end(&mut device);
-            if initiate.contains("#C0") && device.firmware.stream.abandoned == 0 {
+            if initiate.contains(": C0") && device.firmware.stream.abandoned == 0 {
                 // Within a sub-block a request is a segment: only time tells.
                 device.pass(1000);
             }

@@ -20,20 +20,26 @@ fn n16_bit_2_decides_who_starts_the_device() {
     assert_eq!(
         power_on(0),
         (
-            vec!["704#00".to_string(), "184#0000000000000000".to_string()],
+            vec![
+                "704 [1] 00".to_string(),
+                "184: 00 00 00 00 00 00 00 00".to_string()
+            ],
             vec![pre_operational, operational]
         )
     );
     assert_eq!(
         power_on(4),
-        (vec!["704#00".to_string()], vec![pre_operational])
+        (vec!["704 [1] 00".to_string()], vec![pre_operational])
     );
 }
 
 #[test]
 fn n16_it_counts_at_the_next_boot() {
     let mut device = Device::new();
-    assert_eq!(device.ask("604#23801F0000000000"), ["584#60801F0000000000"]);
+    assert_eq!(
+        device.ask("604: 23 80 1F 00 00 00 00 00"),
+        ["584: 60 80 1F 00 00 00 00 00"]
+    );
     assert!(device.pass(1_000).is_empty());
     assert_eq!(device.node.state(), NmtState::PreOperational);
 }
@@ -45,9 +51,12 @@ fn n16_the_bits_of_an_nmt_master_are_refused() {
         let value = 1_u32 << bit;
         let bytes = value.to_le_bytes().map(|byte| format!("{byte:02X}"));
         assert_eq!(
-            device.ask(&format!("604#23801F00{}", bytes.concat())),
+            device.ask(&format!("604: 23 80 1F 00 {}", bytes.concat())),
             [abort(0x1F80, 0, 0x0609_0030)]
         );
     }
-    assert_eq!(device.ask("604#23801F0004000000"), ["584#60801F0000000000"]);
+    assert_eq!(
+        device.ask("604: 23 80 1F 00 04 00 00 00"),
+        ["584: 60 80 1F 00 00 00 00 00"]
+    );
 }

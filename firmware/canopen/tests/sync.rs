@@ -7,18 +7,21 @@ use canopen::cia301::time_stamp::TimeOfDay;
 fn write_u32(device: &mut Device, index: u16, value: u32) -> Vec<String> {
     let [low, high] = index.to_le_bytes();
     let bytes = value.to_le_bytes().map(|byte| format!("{byte:02X}"));
-    device.ask(&format!("604#23{low:02X}{high:02X}00{}", bytes.concat()))
+    device.ask(&format!(
+        "604: 23 {low:02X} {high:02X} 00 {}",
+        bytes.concat()
+    ))
 }
 
 fn period(device: &mut Device, microseconds: u32) {
     assert_eq!(
         write_u32(device, 0x1006, microseconds).last(),
-        Some(&"584#6006100000000000".to_string())
+        Some(&"584: 60 06 10 00 00 00 00 00".to_string())
     );
 }
 
 fn counter(device: &mut Device, overflow: u8) -> Vec<String> {
-    device.ask(&format!("604#2F191000{overflow:02X}000000"))
+    device.ask(&format!("604: 2F 19 10 00 {overflow:02X} 00 00 00"))
 }
 
 /// Sends SYNC every 10 ms.
@@ -26,12 +29,12 @@ fn produce(device: &mut Device) {
     period(device, 10_000);
     assert_eq!(
         write_u32(device, 0x1005, 0x4000_0080),
-        ["584#6005100000000000"]
+        ["584: 60 05 10 00 00 00 00 00"]
     );
 }
 
 fn syncs(times: &[u64]) -> Vec<Sent> {
-    times.iter().map(|time| (*time, "080#".into())).collect()
+    times.iter().map(|time| (*time, "080 [0]".into())).collect()
 }
 
 #[test]
@@ -58,17 +61,17 @@ fn y01_a_producer_that_is_called_late_keeps_its_rhythm() {
 #[test]
 fn y01_its_own_pdos_follow_its_sync() {
     let mut device = Device::new();
-    device.ask("604#23001801840100C0");
-    device.ask("604#2F00180201000000");
-    device.ask("604#2300180184010040");
+    device.ask("604: 23 00 18 01 84 01 00 C0");
+    device.ask("604: 2F 00 18 02 01 00 00 00");
+    device.ask("604: 23 00 18 01 84 01 00 40");
     produce(&mut device);
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     device.set_value(0x2005, 0, &[7, 0, 0, 0]);
     assert_eq!(
         device.pass(10),
         [
-            (10, "080#".to_string()),
-            (10, "184#0700000000000000".to_string())
+            (10, "080 [0]".to_string()),
+            (10, "184: 07 00 00 00 00 00 00 00".to_string())
         ]
     );
 }
@@ -98,13 +101,13 @@ fn y01_objects_written_within_a_period_do_not_move_the_next_sync() {
 /// TPDO 1 goes with every SYNC; `identifier` is that of SYNC, which the device produces every 10 ms.
 fn produce_with_pdo(identifier: u32) -> Device {
     let mut device = Device::new();
-    device.ask("604#23001801840100C0");
-    device.ask("604#2F00180201000000");
-    device.ask("604#2300180184010040");
+    device.ask("604: 23 00 18 01 84 01 00 C0");
+    device.ask("604: 2F 00 18 02 01 00 00 00");
+    device.ask("604: 23 00 18 01 84 01 00 40");
     period(&mut device, 10_000);
     write_u32(&mut device, 0x1005, identifier);
     write_u32(&mut device, 0x1005, identifier | 0x4000_0000);
-    device.send("000#0104");
+    device.send("000 [2] 01 04");
     device
 }
 
@@ -117,7 +120,10 @@ fn y01_no_pdo_of_a_cycle_leaves_before_a_sync_of_lower_priority() {
         device.poll();
         assert_eq!(
             device.sent(),
-            ["200#".to_string(), format!("184#{cycle:02X}00000000000000")]
+            [
+                "200 [0]".to_string(),
+                format!("184: {cycle:02X} 00 00 00 00 00 00 00")
+            ]
         );
     }
 }
@@ -127,10 +133,13 @@ fn y01_a_pdo_does_not_wait_for_a_sync_that_will_not_leave() {
     let mut device = produce_with_pdo(0x200);
     device.now += Duration::from_ticks(10_000);
     device.poll();
-    device.put("604#2305100000020000");
+    device.put("604: 23 05 10 00 00 02 00 00");
     assert_eq!(
         device.sent(),
-        ["184#0000000000000000", "584#6005100000000000"]
+        [
+            "184: 00 00 00 00 00 00 00 00",
+            "584: 60 05 10 00 00 00 00 00"
+        ]
     );
 }
 
@@ -138,11 +147,15 @@ fn y01_a_pdo_does_not_wait_for_a_sync_that_will_not_leave() {
 fn y01_other_frames_do_not_wait_for_sync() {
     let mut device = produce_with_pdo(0x6DF);
     device.now += Duration::from_ticks(10_000);
-    device.put("604#4000100000000000");
+    device.put("604: 40 00 10 00 00 00 00 00");
     device.poll();
     assert_eq!(
         device.sent(),
-        ["584#4300100092010200", "6DF#", "184#0000000000000000"]
+        [
+            "584: 43 00 10 00 92 01 02 00",
+            "6DF [0]",
+            "184: 00 00 00 00 00 00 00 00"
+        ]
     );
 }
 
@@ -163,8 +176,8 @@ fn y01_a_sync_that_waits_is_not_sent_after_the_end_of_production() {
     produce(&mut device);
     device.now += Duration::from_ticks(10_000);
     device.poll();
-    device.put("604#2305100080000000");
-    assert_eq!(device.sent(), ["584#6005100000000000"]);
+    device.put("604: 23 05 10 00 80 00 00 00");
+    assert_eq!(device.sent(), ["584: 60 05 10 00 00 00 00 00"]);
 }
 
 #[test]
@@ -180,14 +193,20 @@ fn y02_the_counter_runs_from_1_to_1019h() {
     assert_eq!(
         sent,
         [
-            "080#01", "080#02", "080#03", "080#04", "080#05", "080#01", "080#02"
+            "080 [1] 01",
+            "080 [1] 02",
+            "080 [1] 03",
+            "080 [1] 04",
+            "080 [1] 05",
+            "080 [1] 01",
+            "080 [1] 02"
         ]
     );
-    device.send("000#0204");
-    device.send("000#8004");
+    device.send("000 [2] 02 04");
+    device.send("000 [2] 80 04");
     assert_eq!(
         device.pass(10),
-        [(10, "080#01".to_string())],
+        [(10, "080 [1] 01".to_string())],
         "anew after Stopped"
     );
 }
@@ -199,7 +218,10 @@ fn y03_1019h_is_0_or_2_to_240() {
         assert_eq!(counter(&mut device, value), [abort(0x1019, 0, 0x0609_0030)]);
     }
     for value in [2, 240, 0] {
-        assert_eq!(counter(&mut device, value), ["584#6019100000000000"]);
+        assert_eq!(
+            counter(&mut device, value),
+            ["584: 60 19 10 00 00 00 00 00"]
+        );
     }
 }
 
@@ -222,7 +244,7 @@ fn y05_the_identifier_stays_while_it_is_produced() {
     );
     assert_eq!(
         write_u32(&mut device, 0x1005, 0x4000_0080),
-        ["584#6005100000000000"],
+        ["584: 60 05 10 00 00 00 00 00"],
         "the same value is no change"
     );
     assert_eq!(
@@ -233,32 +255,35 @@ fn y05_the_identifier_stays_while_it_is_produced() {
     write_u32(&mut device, 0x1005, 0x80);
     write_u32(&mut device, 0x1005, 0x90);
     write_u32(&mut device, 0x1005, 0x4000_0090);
-    assert_eq!(device.pass(10), [(10, "090#".to_string())]);
+    assert_eq!(device.pass(10), [(10, "090 [0]".to_string())]);
 }
 
 #[test]
 fn y05_a_second_producer_is_a_collision() {
     let mut device = Device::new();
     produce(&mut device);
-    assert_eq!(device.ask("080#"), ["084#5081118000000000"]);
+    assert_eq!(device.ask("080 [0]"), ["084: 50 81 11 80 00 00 00 00"]);
 }
 
 #[test]
 fn y07_with_a_counter_a_sync_has_one_byte() {
     let mut device = Device::operational();
-    device.ask("604#23001801840100C0");
-    device.ask("604#2F00180201000000");
-    device.ask("604#2300180184010040");
+    device.ask("604: 23 00 18 01 84 01 00 C0");
+    device.ask("604: 2F 00 18 02 01 00 00 00");
+    device.ask("604: 23 00 18 01 84 01 00 40");
     counter(&mut device, 10);
-    assert_eq!(device.ask("080#"), ["084#4082110000000000"]);
-    assert_eq!(device.ask("080#0102"), [""; 0]);
+    assert_eq!(device.ask("080 [0]"), ["084: 40 82 11 00 00 00 00 00"]);
+    assert_eq!(device.ask("080 [2] 01 02"), [""; 0]);
     assert_eq!(
-        device.ask("080#01"),
-        ["084#0000000000000000", "184#0000000000000000"]
+        device.ask("080 [1] 01"),
+        [
+            "084: 00 00 00 00 00 00 00 00",
+            "184: 00 00 00 00 00 00 00 00"
+        ]
     );
-    assert_eq!(device.ask("080#00"), [""; 0], "no counter is 0");
-    assert_eq!(device.ask("080#F1"), [""; 0], "no counter is above 240");
-    assert_eq!(device.ask("080#F0"), ["184#0000000000000000"]);
+    assert_eq!(device.ask("080 [1] 00"), [""; 0], "no counter is 0");
+    assert_eq!(device.ask("080 [1] F1"), [""; 0], "no counter is above 240");
+    assert_eq!(device.ask("080 [1] F0"), ["184: 00 00 00 00 00 00 00 00"]);
 }
 
 #[test]
@@ -266,17 +291,20 @@ fn y08_a_sync_is_missed_after_one_and_a_half_periods() {
     let mut device = Device::new();
     period(&mut device, 1_000_000);
     assert!(device.pass(5_000).is_empty(), "it waits from the first on");
-    device.send("080#");
+    device.send("080 [0]");
     assert!(device.pass(1_499).is_empty());
-    device.send("080#");
-    let missed = "084#0081110610000000";
+    device.send("080 [0]");
+    let missed = "084: 00 81 11 06 10 00 00 00";
     assert_eq!(device.pass(5_000), [(1_500, missed.to_string())]);
     assert_eq!(device.value(0x1001, 0), [0x11]);
-    assert_eq!(device.ask("080#"), ["084#0000000000000000"]);
+    assert_eq!(device.ask("080 [0]"), ["084: 00 00 00 00 00 00 00 00"]);
     assert_eq!(device.pass(5_000), [(1_500, missed.to_string())]);
     assert_eq!(
         write_u32(&mut device, 0x1006, 0),
-        ["084#0000000000000000", "584#6006100000000000"],
+        [
+            "084: 00 00 00 00 00 00 00 00",
+            "584: 60 06 10 00 00 00 00 00"
+        ],
         "nothing is awaited without a period"
     );
 }
@@ -286,26 +314,26 @@ fn y09_a_stopped_device_neither_sends_nor_misses_it() {
     let mut device = Device::new();
     produce(&mut device);
     device.pass(15);
-    device.send("000#0204");
+    device.send("000 [2] 02 04");
     assert!(device.pass(100).is_empty());
-    device.send("000#0104");
-    assert_eq!(device.pass(10).last(), Some(&(10, "080#".to_string())));
-    device.send("000#8204");
+    device.send("000 [2] 01 04");
+    assert_eq!(device.pass(10).last(), Some(&(10, "080 [0]".to_string())));
+    device.send("000 [2] 82 04");
     device.serve_reset();
     assert_eq!(device.pass(100).len(), 1, "the boot-up message alone");
 
     let mut device = Device::new();
     period(&mut device, 10_000);
-    device.send("080#");
-    device.send("000#0204");
-    device.send("080#01");
+    device.send("080 [0]");
+    device.send("000 [2] 02 04");
+    device.send("080 [1] 01");
     assert!(device.pass(100).is_empty());
-    device.send("000#8004");
+    device.send("000 [2] 80 04");
     assert!(device.pass(100).is_empty(), "it waits from the first on");
 }
 
 /// 0102_0304h ms after midnight, 0605h days.
-const TIME: &str = "100#040302010506";
+const TIME: &str = "100 [6] 04 03 02 01 05 06";
 
 fn time() -> Option<TimeOfDay> {
     TimeOfDay::new(0x0605, 0x0102_0304)
@@ -317,14 +345,14 @@ fn t01_a_consumer_takes_the_time_of_day() {
     device.send(TIME);
     assert_eq!(device.node.time_of_day(device.now), None, "bit 31 is 0");
     write_u32(&mut device, 0x1012, 0x8000_0100);
-    device.send("100#0403");
-    device.send("100#04030201050607");
-    device.send("100#R");
+    device.send("100 [2] 04 03");
+    device.send("100 [7] 04 03 02 01 05 06 07");
+    device.send("100 [8] rtr");
     assert_eq!(device.node.time_of_day(device.now), None);
-    device.send("000#0204");
+    device.send("000 [2] 02 04");
     device.send(TIME);
     assert_eq!(device.node.time_of_day(device.now), None, "Stopped");
-    device.send("000#8004");
+    device.send("000 [2] 80 04");
     device.send(TIME);
     assert_eq!(device.node.time_of_day(device.now), time());
     device.pass(10);
@@ -341,11 +369,11 @@ fn t01_a_producer_sends_it_when_it_is_asked_to() {
     assert!(!device.node.send_time_of_day(device.now), "bit 30 is 0");
     assert_eq!(
         write_u32(&mut device, 0x1012, 0x4000_0100),
-        ["584#6012100000000000"]
+        ["584: 60 12 10 00 00 00 00 00"]
     );
     assert!(device.node.send_time_of_day(device.now));
     assert_eq!(device.sent(), [TIME]);
-    device.send("000#0204");
+    device.send("000 [2] 02 04");
     assert!(!device.node.send_time_of_day(device.now));
     assert_eq!(device.sent(), [""; 0]);
 }
@@ -361,41 +389,41 @@ fn t01_the_identifier_moves_while_it_is_not_used() {
     assert_eq!(write_u32(&mut device, 0x1012, 0x8000_0200), refused);
     write_u32(&mut device, 0x1012, 0x0000_0200);
     write_u32(&mut device, 0x1012, 0x8000_0200);
-    device.send("200#040302010506");
+    device.send("200 [6] 04 03 02 01 05 06");
     assert_eq!(device.node.time_of_day(device.now), time());
 }
 
 #[test]
 fn p36_the_stamp_of_a_frame_says_whether_it_came_after_the_window() {
     let mut device = Device::new();
-    device.ask("604#2300140104020080");
-    device.ask("604#2F00140201000000");
-    device.ask("604#2300140104020000");
+    device.ask("604: 23 00 14 01 04 02 00 80");
+    device.ask("604: 2F 00 14 02 01 00 00 00");
+    device.ask("604: 23 00 14 01 04 02 00 00");
     write_u32(&mut device, 0x1007, 5_000);
-    device.send("000#0104");
-    device.send("080#");
+    device.send("000 [2] 01 04");
+    device.send("080 [0]");
     // Both are given before the device is called, as every frame that has arrived.
     device.now += Duration::from_ticks(4_999);
-    device.put("204#0100000000000000");
+    device.put("204: 01 00 00 00 00 00 00 00");
     device.now += Duration::from_ticks(1);
-    device.put("204#0200000000000000");
-    device.send("080#");
+    device.put("204: 02 00 00 00 00 00 00 00");
+    device.send("080 [0]");
     assert_eq!(device.value(0x2003, 0), [1, 0, 0, 0]);
 }
 
 #[test]
 fn p36_a_synchronous_pdo_does_not_leave_after_the_window_though_frames_wait_to_be_given() {
     let mut device = Device::new();
-    device.ask("604#2300140104020080");
-    device.ask("604#2F00140201000000");
-    device.ask("604#2300140104020000");
+    device.ask("604: 23 00 14 01 04 02 00 80");
+    device.ask("604: 2F 00 14 02 01 00 00 00");
+    device.ask("604: 23 00 14 01 04 02 00 00");
     // TPDO 1 at every SYNC, and by an event that waits.
-    device.ask("604#2300180184010080");
-    device.ask("604#2F00180201000000");
-    device.ask("604#2300180184010000");
+    device.ask("604: 23 00 18 01 84 01 00 80");
+    device.ask("604: 2F 00 18 02 01 00 00 00");
+    device.ask("604: 23 00 18 01 84 01 00 00");
     write_u32(&mut device, 0x1007, 5_000);
-    device.send("000#0104");
-    device.send("080#");
+    device.send("000 [2] 01 04");
+    device.send("080 [0]");
     let received = device.now + Duration::from_ticks(4_999);
     device.now += Duration::from_ticks(5_000);
     device.node.drop_late(received);
@@ -404,11 +432,11 @@ fn p36_a_synchronous_pdo_does_not_leave_after_the_window_though_frames_wait_to_b
     assert_eq!(device.node.pending(), None);
     // A frame that arrived within the window is in time whenever it is given.
     device.node.receive(
-        &frame("204#0700000000000000"),
+        &frame("204: 07 00 00 00 00 00 00 00"),
         received,
         &mut device.firmware,
     );
-    device.send("080#");
+    device.send("080 [0]");
     assert_eq!(device.value(0x2003, 0), [7, 0, 0, 0]);
     assert_eq!(device.sent().len(), 1);
 }

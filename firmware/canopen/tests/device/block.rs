@@ -1,14 +1,13 @@
 //! Frames of block transfers, and twenty letters that go to 2001h.
 
-use super::{Device, abort};
+use super::{Device, abort, full};
 
 pub const TIMED_OUT: u32 = 0x0504_0000;
 pub const INVALID_COMMAND: u32 = 0x0504_0001;
 
 /// A frame of the client; bytes that are left out are zero.
 pub fn request(start: &str) -> String {
-    let bytes: String = start.split(' ').collect();
-    format!("604#{bytes:0<16}")
+    full("604", start)
 }
 
 pub fn answer(start: &str) -> String {

@@ -1,10 +1,12 @@
-//! The device under test: a node with a small dictionary, on virtual time, and frames in candump notation (`604#4000...`).
+//! The device under test: a node with a small dictionary, on virtual time, and frames as the cases write them (`notation`).
 
 pub mod block;
+mod notation;
 mod objects;
 pub mod ram_store;
 mod stream;
 
+pub use notation::{frame, show};
 pub use objects::Objects;
 pub use stream::Stream;
 
@@ -126,7 +128,7 @@ impl Device {
     pub fn new() -> Self {
         let mut device = Self::off();
         device.boot(Reset::Node);
-        assert_eq!(device.sent(), ["704#00"]);
+        assert_eq!(device.sent(), ["704 [1] 00"]);
         device.events();
         device
     }
@@ -134,8 +136,8 @@ impl Device {
     /// Node 4 in Operational; the first TPDO is gone.
     pub fn operational() -> Self {
         let mut device = Self::new();
-        device.send("000#0104");
-        assert_eq!(device.sent(), ["184#0000000000000000"]);
+        device.send("000 [2] 01 04");
+        assert_eq!(device.sent(), ["184: 00 00 00 00 00 00 00 00"]);
         device.events();
         device
     }
@@ -179,7 +181,7 @@ impl Device {
     /// Everything that waits for the bus.
     pub fn sent(&mut self) -> Vec<String> {
         std::iter::from_fn(|| self.node.transmit(&mut self.firmware))
-            .map(|frame| text(&frame))
+            .map(|frame| show(&frame))
             .collect()
     }
 
@@ -237,35 +239,16 @@ pub fn entries() -> &'static [Entry] {
     Objects::TABLE.entries
 }
 
-/// A frame from `604#4000100000000000`; `R` instead of the bytes for a remote frame.
-pub fn frame(text: &str) -> Frame {
-    let (id, data) = text.split_once('#').unwrap();
-    let id = u16::from_str_radix(id, 16).unwrap();
-    if data == "R" {
-        return Frame::remote_frame(id, 8);
-    }
-    let bytes: Vec<u8> = (0..data.len())
-        .step_by(2)
-        .map(|i| u8::from_str_radix(&data[i..i + 2], 16).unwrap())
-        .collect();
-    Frame::data_frame(id, &bytes)
-}
-
-/// A frame as `584#4300100092010200`.
-pub fn text(frame: &Frame) -> String {
-    let bytes: String = frame
-        .payload()
-        .iter()
-        .map(|byte| format!("{byte:02X}"))
-        .collect();
-    format!("{:03X}#{bytes}", frame.standard_id().unwrap())
+/// A frame with its bytes filled up to eight, as it is when it was sent: `full("604", "40 00 10")`.
+pub fn full(id: &str, start: &str) -> String {
+    show(&frame(&format!("{id}: {start}")))
 }
 
 /// The abort frame of node 4 for an object.
 pub fn abort(index: u16, sub: u8, code: u32) -> String {
     let [low, high] = index.to_le_bytes();
     let [a, b, c, d] = code.to_le_bytes();
-    text(&Frame::data_frame(
+    show(&Frame::data_frame(
         0x584,
         &[0x80, low, high, sub, a, b, c, d],
     ))

@@ -1,5 +1,6 @@
 //! How the cases write frames: `604: 40 00 10 00` is a data frame with identifier 604h and eight bytes, those not written being
-//! zero; `000 [2] 01 04` gives the length. In what is expected, `xx` stands for any byte and `..` for any rest.
+//! zero; `000 [2] 01 04` gives the length. Bytes may be written together: `604: 23001801 C0000184`. In what is expected, `xx` stands for any
+//! byte and `..` for any rest.
 //! `604 [8] rtr` is a remote frame, and an identifier of more than three digits is a 29-bit one.
 
 use canopen::Frame;
@@ -70,9 +71,13 @@ impl Pattern {
             } else if word == ".." {
                 pattern.any_rest = true;
             } else {
-                let byte = u8::from_str_radix(word, 16)
-                    .unwrap_or_else(|_| panic!("not a byte: {word} in {text}"));
-                pattern.bytes.push(Some(byte));
+                for place in (0..word.len()).step_by(2) {
+                    let byte = word
+                        .get(place..place + 2)
+                        .and_then(|byte| u8::from_str_radix(byte, 16).ok())
+                        .unwrap_or_else(|| panic!("not a byte: {word} in {text}"));
+                    pattern.bytes.push(Some(byte));
+                }
             }
         }
         pattern
@@ -103,7 +108,7 @@ impl std::fmt::Display for Pattern {
     }
 }
 
-/// A frame in the notation of the cases, for messages.
+/// A frame in the notation of the cases, with all of its bytes.
 pub fn show(frame: &Frame) -> String {
     let id = match frame.id() {
         Id::Standard(id) => format!("{:03X}", id.as_raw()),
@@ -117,9 +122,12 @@ pub fn show(frame: &Frame) -> String {
         .iter()
         .map(|byte| format!("{byte:02X}"))
         .collect();
-    format!("{id} [{}] {}", frame.length(), bytes.join(" "))
-        .trim_end()
-        .to_string()
+    let bytes = bytes.join(" ");
+    match frame.length() {
+        0 => format!("{id} [0]"),
+        8 => format!("{id}: {bytes}"),
+        length => format!("{id} [{length}] {bytes}"),
+    }
 }
 
 #[cfg(test)]
@@ -154,9 +162,10 @@ mod tests {
     fn frames_are_shown_as_they_are_written() {
         assert_eq!(show(&frame("000 [2] 01 04")), "000 [2] 01 04");
         assert_eq!(show(&frame("604 [0] rtr")), "604 [0] rtr");
+        assert_eq!(show(&frame("080 [0]")), "080 [0]");
         assert_eq!(
-            show(&frame("18000004: 01")),
-            "18000004 [8] 01 00 00 00 00 00 00 00"
+            show(&frame("18000004: 0123")),
+            "18000004: 01 23 00 00 00 00 00 00"
         );
     }
 }
