@@ -39,7 +39,10 @@ pub fn build(eds: impl AsRef<Path>, output: &str, options: Options<'_>) {
     for warning in &report.findings {
         println!("cargo::warning={warning}");
     }
-    let model = report.model;
+    let mut model = report.model;
+    if let Err(problem) = options.identity.set(&mut model) {
+        fail(&format!("{}: error: {problem}", eds.display()));
+    }
     let Some(folder) = env::var_os("OUT_DIR") else {
         fail("error: od_gen::build is for build scripts: OUT_DIR is not set");
     };

@@ -49,7 +49,7 @@ pub use build_script::build;
 pub use data_type::DataType;
 pub use diagnostic::{Colour, Diagnostic, Exemption, Severity, allowances_beside, render};
 pub use fix::fix;
-pub use generate::{Figures, Options, generate, misfits};
+pub use generate::{Figures, Identity, Options, generate, misfits};
 pub use json::json;
 pub use model::Model;
 pub use parse::LARGEST_VALUE;

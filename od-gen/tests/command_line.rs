@@ -32,6 +32,31 @@ fn the_drive_objects_come_when_asked_for() {
 }
 
 #[test]
+fn the_identity_is_set_by_options() {
+    let rust = |more: &[&str]| od_gen(&[&["rust", "../eds/axis402.eds"][..], more].concat());
+    let stated = rust(&[]);
+    let identity = [
+        "--identity",
+        "product_code=0xBEEF",
+        "--identity",
+        "serial_number=7",
+    ];
+    let set = rust(&identity);
+    assert_eq!(set.status.code(), Some(0), "{}", text(&set.stderr));
+    let (stated, set) = (text(&stated.stdout), text(&set.stdout));
+    assert!(!stated.contains("0xBEEF") && !stated.contains("48879"));
+    assert!(set.contains("0xBEEF") || set.contains("48879"), "{set}");
+    for (wrong, why) in [
+        ("colour=1", "write it as NAME=NUMBER"),
+        ("product_code=ten", "`ten` is not a number of 32 bits"),
+    ] {
+        let refused = rust(&["--identity", wrong]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(text(&refused.stderr).contains(why), "{refused:?}");
+    }
+}
+
+#[test]
 fn findings_go_to_standard_error_with_exit_code_1() {
     let output = od_gen(&["rust", "tests/data/broken.eds"]);
     assert_eq!(output.status.code(), Some(1));

@@ -203,8 +203,14 @@ fn o04_a_data_sheet_as_vendors_ship_them_is_read() {
 
 #[test]
 fn descriptors_and_limits_of_a_data_sheet_take_at_most_twelve_bytes_an_entry() {
-    for file in ["axis402", "lmd", "nanotec", "s200", "tc1"] {
-        let figures = Figures::of(&model(&format!("../eds/{file}.eds")));
+    for file in [
+        "eds/axis402",
+        "products/lmd/lmd",
+        "products/nanotec/nanotec",
+        "products/s200/s200",
+        "products/tc1/tc1",
+    ] {
+        let figures = Figures::of(&model(&format!("../{file}.eds")));
         let (entries, bytes) = (figures.entries, figures.descriptors + figures.limits);
         assert!(entries > 100, "{file}");
         assert!(bytes <= 12 * entries, "{file}: {bytes} for {entries}");

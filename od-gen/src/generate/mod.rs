@@ -12,6 +12,7 @@ mod figures;
 mod fit;
 mod format;
 mod hooks;
+mod identity;
 mod layout;
 mod names;
 mod sites;
@@ -24,6 +25,7 @@ use crate::bind::Binding;
 use crate::model::Model;
 pub use figures::Figures;
 pub use fit::misfits;
+pub use identity::Identity;
 use layout::Layout;
 pub(crate) use names::snake_case;
 
@@ -38,6 +40,8 @@ pub struct Options<'a> {
     pub names: bool,
     /// Leave SDO block transfer out of the firmware: values travel expedited and in segments only.
     pub no_block_transfer: bool,
+    /// What [`build`](crate::build) sets of 1018h, whatever the data sheet states; [`generate`] takes the model as it is.
+    pub identity: Identity,
 }
 
 impl Options<'_> {
@@ -47,6 +51,7 @@ impl Options<'_> {
         bindings: &[],
         names: false,
         no_block_transfer: false,
+        identity: Identity::STATED,
     };
     /// The dictionary of a drive.
     pub const DRIVE: Self = Self {

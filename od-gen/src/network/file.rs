@@ -91,6 +91,10 @@ pub(super) struct Node {
     pub(super) node_id: Spanned<u8>,
     /// Milliseconds.
     pub(super) heartbeat: Option<Spanned<u16>>,
+    /// Milliseconds. The master asks the node so often for its state, in place of heartbeats.
+    pub(super) guard_time: Option<Spanned<u16>>,
+    /// After so many guard times without a question the node takes the master for lost.
+    pub(super) life_time_factor: Option<Spanned<u8>>,
     /// The master, where there is one and nobody is named.
     pub(super) guarded_by: Option<Vec<Spanned<String>>>,
     pub(super) revision_number: Option<u32>,

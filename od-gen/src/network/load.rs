@@ -71,6 +71,12 @@ pub(super) fn table(nodes: &[Node<'_>], network: &mut Network<'_>) -> String {
             rows.push(Row::steady(id, format!("{name} heartbeat"), 1, rate));
         }
     }
+    for node in nodes.iter().filter(|node| node.guard_time() != 0) {
+        let id = 0x700 + u32::from(node.node_id);
+        let rate = rate(u64::from(node.guard_time()) * 1000);
+        rows.push(Row::steady(id, format!("{} is asked", node.name), 0, rate));
+        rows.push(Row::steady(id, format!("{} answers", node.name), 1, rate));
+    }
     rows.sort_by_key(|row| row.id);
     let per_second = |row: &Row, rate: u64| row.bits * rate / 1000;
     let least: u64 = rows.iter().map(|row| per_second(row, row.least)).sum();

@@ -369,11 +369,15 @@ impl Writer {
             ];
             let flags = flags.into_iter().filter(|(is_set, _)| *is_set);
             let flags = flags.fold(0x01, |value, (_, bit)| value | bit);
-            flags | u32::from(own.retry_factor) << 8
+            let guard_time = u32::from(node.guard_time());
+            flags | u32::from(own.retry_factor) << 8 | guard_time << 16
         });
         self.array(0x1F81, "NMT slave assignment", U32, &assignment);
         let commands = nodes.iter().map(|node| (node.node_id, 0)).collect();
         self.array(0x1F82, "Request NMT", U8, &commands);
+        let guarded = nodes.iter().filter(|node| node.guard_time() != 0);
+        let requests = guarded.map(|node| (node.node_id, 0)).collect();
+        self.array(0x1F83, "Request node guarding", U8, &requests);
         let device = of(&|node| node.number(0x1000, 0).unwrap_or(0));
         self.array(0x1F84, "Device type identification", U32, &device);
         let vendor = of(&|node| node.identity(1));

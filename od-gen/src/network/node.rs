@@ -117,11 +117,10 @@ impl<'a> Node<'a> {
         if let Some(heartbeat) = &self.own.heartbeat {
             let place = heartbeat.span();
             let heartbeat = *heartbeat.get_ref();
-            if self.number(0x1017, 0) != Some(heartbeat.into()) {
-                self.set((0x1017, 0), &heartbeat.to_string(), place, network);
-            }
+            self.set_if_other(0x1017, heartbeat.into(), place, network);
             self.heartbeat = heartbeat;
         }
+        self.answer_questions(network);
         self.synchronize(network);
         for pdo in self.rpdos.clone().iter().chain(&self.tpdos.clone()) {
             pdo.configure(self, network);
@@ -130,6 +129,45 @@ impl<'a> Node<'a> {
         values.sort_by_key(|(name, _)| name.span().start);
         for (name, value) in values {
             self.value(name, value, network);
+        }
+    }
+
+    /// Node guarding (CiA 301): guard time and life time factor.
+    fn answer_questions(&mut self, network: &mut Network<'_>) {
+        let own = self.own;
+        if self.guard_time() != 0
+            && self.heartbeat != 0
+            && let Some(time) = &own.guard_time
+        {
+            let message = format!(
+                "`{}` is asked for its state, and sends heartbeats every {} ms",
+                self.name, self.heartbeat
+            );
+            let finding = network.report(&rule::GUARD, time.span(), message);
+            finding.help("a node does one of both: write heartbeat = 0");
+        }
+        if let Some(time) = &own.guard_time {
+            self.set_if_other(0x100C, (*time.get_ref()).into(), time.span(), network);
+        }
+        if let Some(factor) = &own.life_time_factor {
+            self.set_if_other(0x100D, (*factor.get_ref()).into(), factor.span(), network);
+        }
+    }
+
+    /// How often the master asks for its state, in ms; 0 for never.
+    pub(super) fn guard_time(&self) -> u16 {
+        (self.own.guard_time.as_ref()).map_or(0, |time| *time.get_ref())
+    }
+
+    fn set_if_other(
+        &mut self,
+        index: u16,
+        value: u32,
+        place: Range<usize>,
+        network: &mut Network<'_>,
+    ) {
+        if self.number(index, 0) != Some(value) {
+            self.set((index, 0), &value.to_string(), place, network);
         }
     }
 

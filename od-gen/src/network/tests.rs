@@ -274,3 +274,36 @@ fn the_example_of_the_readme_is_right() {
     let table = table.split("```").next().unwrap();
     assert_eq!(report.load, table);
 }
+
+/// Node guarding in place of heartbeats (CiA 301, 7.2.8.2.2.1; CiA 302-2, 1F81h and 1F83h).
+#[test]
+fn a_node_is_guarded_where_it_has_no_heartbeat() {
+    let guarded = |more: &str| {
+        let text = format!(
+            "[network]\nbit_rate = 500\n[master]\nnode_id = 1\n[[node]]\nname = \"axis\"\nsheet = \"axis402.eds\"\nnode_id = 4\n{more}"
+        );
+        network(&text)
+    };
+    let report = guarded("heartbeat = 0\nguard_time = 200\nlife_time_factor = 3\n");
+    assert!(!report.has_errors(), "{:?}", lines(&report));
+    assert_eq!(value(&report, "axis.dcf", 0x1017, 0), Some(0));
+    assert_eq!(value(&report, "axis.dcf", 0x100C, 0), Some(200));
+    assert_eq!(value(&report, "axis.dcf", 0x100D, 0), Some(3));
+    // Guard time, retry factor, slave.
+    assert_eq!(
+        value(&report, "master.dcf", 0x1F81, 4),
+        Some(200 << 16 | 3 << 8 | 0x05)
+    );
+    assert_eq!(value(&report, "master.dcf", 0x1F83, 4), Some(0));
+    for row in ["axis is asked ", "axis answers "] {
+        assert!(report.load.contains(row), "{}", report.load);
+    }
+    let both = guarded("heartbeat = 100\nguard_time = 200\n");
+    let told = lines(&both).join("\n");
+    assert!(
+        told.contains("`axis` is asked for its state, and sends heartbeats every 100 ms"),
+        "{told:?}"
+    );
+    let without = guarded("heartbeat = 0\n");
+    assert_eq!(value(&without, "master.dcf", 0x1F83, 4), None);
+}

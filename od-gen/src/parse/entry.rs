@@ -250,7 +250,9 @@ fn check_order(entry: &mut Entry, findings: &mut Findings) {
     {
         let span = entry.places.of(Field::LowLimit);
         let message = format!("LowLimit {low} is above HighLimit {high}");
-        findings.report(&rule::LOW_ABOVE_HIGH, span, message);
+        let finding = findings.report(&rule::LOW_ABOVE_HIGH, span, message);
+        finding.also(entry.places.of(Field::HighLimit), "the upper limit");
+        finding.help("either LowLimit is wrong, or HighLimit");
         (entry.low_limit, entry.high_limit) = (None, None);
     }
 }
@@ -275,14 +277,15 @@ pub(super) fn check_default(entry: &Entry, text: Option<&str>, findings: &mut Fi
         Some(DefaultValue::Text(_)) | None => return,
     };
     let text = text.unwrap_or("0 (there is none)");
-    let outside = match (entry.low_limit, entry.high_limit) {
-        (Some(low), _) if least < low => format!("below LowLimit {low}"),
-        (_, Some(high)) if most > high => format!("above HighLimit {high}"),
+    let (outside, limit) = match (entry.low_limit, entry.high_limit) {
+        (Some(low), _) if least < low => (format!("below LowLimit {low}"), Field::LowLimit),
+        (_, Some(high)) if most > high => (format!("above HighLimit {high}"), Field::HighLimit),
         _ => return,
     };
     let span = entry.places.of(Field::DefaultValue);
     let message = format!("DefaultValue {text} is {outside}");
     let finding = findings.report(&rule::DEFAULT_OUTSIDE_LIMITS, span, message);
+    finding.also(entry.places.of(limit), "the limit");
     let is_zero = |limit: Option<Limit>| limit == Some(Limit::Integer(0));
     if is_zero(entry.low_limit) && is_zero(entry.high_limit) {
         finding.help("some tools write 0 and 0 where there are no limits: remove both");

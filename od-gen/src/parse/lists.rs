@@ -127,7 +127,9 @@ fn read(
         };
         if let Some(first) = listed.insert(index, key.span) {
             let message = format!("{index:04X}h is already listed on line {}", first.line);
-            findings.report(&rule::LISTED_TWICE, key.span, message);
+            findings
+                .report(&rule::LISTED_TWICE, key.span, message)
+                .also(first, "the first one");
         } else if index >= 0x1000 && list.is_some_and(|list| List::of(index) != list) {
             let message = format!("{index:04X}h belongs in [{}]", List::of(index).name());
             findings.report(&rule::WRONG_LIST, key.span, message);

@@ -407,11 +407,15 @@ fn check_sub_0(
         fix_count(object, broken, findings);
         return;
     };
+    let last = object.entries.iter().rfind(|entry| entry.sub == highest);
     let finding = findings.report(
         &rule::SUB_0_VALUE,
         first.places.of(Field::DefaultValue),
         message,
     );
+    if let Some(last) = last.filter(|last| last.sub != 0) {
+        finding.also(last.places.section, "the highest sub-index");
+    }
     finding.help(if default > i128::from(highest) {
         format!("write DefaultValue={highest}, or describe the sub-indices up to {default}")
     } else {
@@ -454,10 +458,11 @@ fn check_array(object: &Object, findings: &mut Findings) {
     for odd in elements.filter(|entry| entry.data_type != model.data_type) {
         let (is, should, sub) = (odd.data_type.name(), model.data_type.name(), odd.sub);
         let message = format!("an ARRAY has one type: {index:04X}h:{sub:X} is {is}, not {should}");
-        findings.report(
+        let finding = findings.report(
             &rule::ARRAY_OF_MANY_TYPES,
             odd.places.of(Field::DataType),
             message,
         );
+        finding.also(model.places.of(Field::DataType), "the type of the first");
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use od_gen::Exemption;
+use od_gen::{Exemption, Identity};
 
 /// Electronic data sheets (CiA 306) in, typed static object dictionaries in Rust out.
 #[derive(Debug, Parser)]
@@ -88,6 +88,9 @@ pub(crate) struct Rust {
     /// Write the names of all values too, and what the data sheet says of them: access, type, unit, limits, default
     #[arg(long)]
     pub(crate) names: bool,
+    /// Set a number of 1018h: vendor_id, product_code, revision_number or serial_number; can be given often
+    #[arg(long, value_name = "NAME=NUMBER")]
+    pub(crate) identity: Vec<Identity>,
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,

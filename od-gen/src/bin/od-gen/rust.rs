@@ -2,14 +2,19 @@
 
 use std::process::ExitCode;
 
-use od_gen::Options;
+use od_gen::{Identity, Options};
 
 use crate::Failure;
 use crate::arguments::Rust;
 use crate::{input, output};
 
 pub(crate) fn run(arguments: &Rust) -> Result<ExitCode, Failure> {
-    let report = input::report_for_code(&arguments.file, &arguments.allow)?;
+    let mut report = input::report_for_code(&arguments.file, &arguments.allow)?;
+    let identity = arguments.identity.iter();
+    let identity = identity.fold(Identity::STATED, |all, own| all.with(*own));
+    identity
+        .set(&mut report.model)
+        .map_err(|problem| Failure::Refused(format!("error: {problem}")))?;
     let model = &report.model;
     let cia402 = arguments.cia402;
     let bindings = input::bindings(&arguments.file, model)?;

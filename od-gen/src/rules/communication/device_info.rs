@@ -158,11 +158,15 @@ fn check_pdo_counts(model: &Subject<'_>, findings: &mut Findings) {
         ("NrOfRXPDO", device.rpdos, 0x1400_u16),
         ("NrOfTXPDO", device.tpdos, 0x1800),
     ] {
-        let count = model.objects_in(first..=first + 0x1FF).len();
+        let described = model.objects_in(first..=first + 0x1FF);
+        let count = described.len();
         if let Some(stated) = stated.filter(|stated| usize::from(*stated) != count) {
             let message =
                 format!("{key} is {stated}, but {count} are described from {first:04X}h on");
-            findings.report(&PDO_COUNT, device.places.of(key), message);
+            let finding = findings.report(&PDO_COUNT, device.places.of(key), message);
+            if let Some(first) = described.first() {
+                finding.also(first.places.section, "the first of them");
+            }
         }
     }
 }

@@ -49,7 +49,8 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
                 "1000h claims no profile, but {:04X}h belongs to one",
                 object.index
             );
-            findings.report(&OBJECTS_WITHOUT_PROFILE, device_type.span, message);
+            let finding = findings.report(&OBJECTS_WITHOUT_PROFILE, device_type.span, message);
+            finding.also(object.places.section, "the first of them");
         }
         _ => {}
     }
@@ -61,6 +62,7 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
             "67FFh is {:08X}h, but 1000h is {:08X}h",
             module.value, device_type.value
         );
-        findings.report(&MODULE_TYPE, module.span, message);
+        let finding = findings.report(&MODULE_TYPE, module.span, message);
+        finding.also(device_type.span, "the device");
     }
 }

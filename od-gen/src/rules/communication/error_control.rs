@@ -92,6 +92,9 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
         let message = "1017h is not 0, and so are 100Ch and 100Dh";
         let finding = findings.report(&GUARD_AND_HEARTBEAT, time.span, message);
         finding.help("set one of them to 0: the heartbeat wins");
+        if let Some(guard) = Setting::at(model, 0x100C, 0) {
+            finding.also(guard.span, "the guard time");
+        }
     }
     check_consumers(model, findings);
     check_error_behaviour(model, findings);
@@ -118,10 +121,11 @@ fn check_consumers(model: &Subject<'_>, findings: &mut Findings) {
             findings.report(&HEARTBEAT_CONSUMER, setting.span, message);
         } else if node_id != 0
             && time != 0
-            && let Some(first) = nodes.insert(node_id, entry.sub)
+            && let Some((first, span)) = nodes.insert(node_id, (entry.sub, setting.span))
         {
             let message = format!("{place} waits for node {node_id}, as 1016h:{first:X} does");
-            findings.report(&HEARTBEAT_CONSUMED_TWICE, setting.span, message);
+            let finding = findings.report(&HEARTBEAT_CONSUMED_TWICE, setting.span, message);
+            finding.also(span, "the first one");
         }
     }
 }
@@ -151,7 +155,10 @@ fn check_startup(model: &Subject<'_>, findings: &mut Findings) {
     };
     if setting.value & 1 != 0 && !model.device.simple_boot_up_master {
         let message = "1F80h makes the device the NMT master, but SimpleBootUpMaster is not 1";
-        findings.report(&NMT_STARTUP, setting.span, message);
+        let finding = findings.report(&NMT_STARTUP, setting.span, message);
+        let key = "SimpleBootUpMaster";
+        finding.also(model.device.places.of(key), "what DeviceInfo says");
+        finding.help("either 1F80h is wrong, or SimpleBootUpMaster");
     } else if setting.value >> 7 != 0 {
         let message = format!("1F80h is {:08X}h: bits 7 to 31 are reserved", setting.value);
         findings.report(&NMT_STARTUP, setting.span, message);

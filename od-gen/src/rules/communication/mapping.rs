@@ -2,7 +2,7 @@
 
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
-use crate::model::{Access, Entry, Object};
+use crate::model::{Access, Entry, Field, Object};
 use crate::rules::setting::Setting;
 use crate::rules::{Rule, Subject};
 use crate::source::Span;
@@ -118,7 +118,7 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
                 "{:04X}h:{:X} is const and mappable",
                 object.index, entry.sub
             );
-            let span = entry.places.of(crate::model::Field::PdoMapping);
+            let span = entry.places.of(Field::PdoMapping);
             let finding = findings.report(&CONST_MAPPABLE, span, message);
             finding.help("write `PDOMapping=0`, or `AccessType=ro` for what the device changes");
         }
@@ -146,7 +146,7 @@ fn check_mapping(
         return;
     }
     let mut bits = 0;
-    let mut seen: Vec<(u32, u8)> = Vec::new();
+    let mut seen: Vec<(u32, u8, Span)> = Vec::new();
     for entry in object.entries.iter().filter(|entry| entry.sub != 0) {
         let Some(setting) = Setting::of(entry) else {
             continue;
@@ -157,7 +157,10 @@ fn check_mapping(
         if setting.value == 0 {
             if is_used {
                 let message = format!("{place} maps nothing, but {index:04X}h:0 is {used}");
-                findings.report(&MAPPING_GAP, setting.span, message);
+                let finding = findings.report(&MAPPING_GAP, setting.span, message);
+                if let Some(count) = count {
+                    finding.also(count.span, "so many are mapped");
+                }
             }
             continue;
         }
@@ -172,14 +175,15 @@ fn check_mapping(
         }
         bits += u32::from(mapped.bits);
         let is_gap = mapped.index < 0x1000;
-        if let Some((_, first)) = seen
+        if let Some((_, first, span)) = seen
             .iter()
-            .find(|(value, _)| *value == mapped.value && !is_gap)
+            .find(|(value, ..)| *value == mapped.value && !is_gap)
         {
             let message = format!("{place} maps the same object as {index:04X}h:{first:X}");
-            findings.report(&MAPPED_TWICE, setting.span, message);
+            let finding = findings.report(&MAPPED_TWICE, setting.span, message);
+            finding.also(*span, "the first one");
         }
-        seen.push((mapped.value, entry.sub));
+        seen.push((mapped.value, entry.sub, setting.span));
     }
     if bits > FRAME_BITS {
         let message = format!("{index:04X}h maps {bits} bits, a PDO carries {FRAME_BITS}");
@@ -224,6 +228,7 @@ fn check_mapped(
         bits,
     } = *mapped;
     let what = format!("{place} maps {value:08X}h");
+    let mut known = None;
     let (data_type, size) = if index < 0x1000 {
         match dummy(model, mapped, direction) {
             Ok(dummy) => dummy,
@@ -243,13 +248,23 @@ fn check_mapped(
         if !check_direction(entry, index, direction, &what, span, findings) {
             return;
         }
+        known = Some(entry.places.of(Field::DataType));
         (entry.data_type, entry.size)
     };
     if !is_length_right(data_type, size, bits) {
         let length = length_of(data_type, size);
         let message = format!("{what}: {index:04X}h:{sub:X} has {length} bits, not {bits}");
         let finding = findings.report(&MAPPED_LENGTH, span, message);
-        finding.help(format!("write 0x{:08X}", value & !0xFF | length & 0xFF));
+        if let Some(known) = known {
+            finding.also(known, "the type of the object");
+        }
+        finding.help(match known {
+            Some(_) => format!(
+                "write 0x{:08X}, or give {index:04X}h:{sub:X} a type of {bits} bits",
+                value & !0xFF | length & 0xFF
+            ),
+            None => format!("write 0x{:08X}", value & !0xFF | length & 0xFF),
+        });
         return;
     }
     check_granularity(model, mapped, &what, span, findings);
@@ -275,10 +290,12 @@ fn check_direction(
         let message = format!(
             "{what}: {index:04X}h:{sub:X} is {access}, which does not go into a {name} PDO"
         );
-        findings.report(&MAPPED_DIRECTION, span, message);
+        let finding = findings.report(&MAPPED_DIRECTION, span, message);
+        finding.also(entry.places.of(Field::AccessType), "the object");
     } else {
         let message = format!("{what}: {index:04X}h:{sub:X} cannot be mapped");
         let finding = findings.report(&MAPPED_UNMAPPABLE, span, message);
+        finding.also(entry.places.of(Field::PdoMapping), "the object");
         finding.help(format!(
             "write `PDOMapping=1` in [{index:04X}], or map another object"
         ));
@@ -297,7 +314,11 @@ fn check_granularity(
     if granularity != 0 && !mapped.bits.is_multiple_of(granularity) {
         let bits = mapped.bits;
         let message = format!("{what}: {bits} bits are no multiple of Granularity, {granularity}");
-        findings.report(&MAPPING_GRANULARITY, span, message);
+        let finding = findings.report(&MAPPING_GRANULARITY, span, message);
+        finding.also(
+            model.device.places.of("Granularity"),
+            "what the device can map",
+        );
     }
 }
 

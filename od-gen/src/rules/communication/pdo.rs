@@ -140,7 +140,13 @@ fn check_use(
     if is_valid(model, object.index) {
         let message = format!("{name} is valid, but nothing is mapped into it");
         let finding = findings.report(&PDO_WITHOUT_OBJECTS, count.span, message);
-        finding.help(format!("set bit 31 of {:04X}h:1", object.index));
+        finding.help(format!(
+            "set bit 31 of {:04X}h:1, or map something",
+            object.index
+        ));
+        if let Some(cob_id) = Setting::at(model, object.index, 1) {
+            finding.also(cob_id.span, "its COB-ID");
+        }
     }
 }
 
@@ -179,6 +185,9 @@ fn check_transmission_type(
             "{name} waits for SYNC number {}, but 1019h counts none",
             start.value
         );
-        findings.report(&SYNC_START_WITHOUT_COUNTER, start.span, message);
+        let finding = findings.report(&SYNC_START_WITHOUT_COUNTER, start.span, message);
+        if let Some(counter) = Setting::at(model, 0x1019, 0) {
+            finding.also(counter.span, "the counter");
+        }
     }
 }

@@ -77,7 +77,10 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
         && period == 0
     {
         let message = "1005h produces SYNC, but 1006h gives no period";
-        findings.report(&SYNC_PRODUCER_WITHOUT_PERIOD, cob_id.span, message);
+        let finding = findings.report(&SYNC_PRODUCER_WITHOUT_PERIOD, cob_id.span, message);
+        if let Some(period) = Setting::at(model, 0x1006, 0) {
+            finding.also(period.span, "the period");
+        }
     }
     if let Some(window) = Setting::at(model, 0x1007, 0)
         && period != 0
@@ -87,7 +90,10 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
             "the window, {} µs, is not shorter than the period, {period} µs",
             window.value
         );
-        findings.report(&SYNC_WINDOW, window.span, message);
+        let finding = findings.report(&SYNC_WINDOW, window.span, message);
+        if let Some(period) = Setting::at(model, 0x1006, 0) {
+            finding.also(period.span, "the period");
+        }
     }
     if let Some(counter) = Setting::at(model, 0x1019, 0)
         && matches!(counter.value, 1 | 241..)

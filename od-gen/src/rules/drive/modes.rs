@@ -150,7 +150,12 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
                     0x6502 + axis
                 );
                 let finding = findings.report(&MODE_NOT_CLAIMED, object.places.section, message);
-                finding.help(format!("set bit {} of {:04X}h", mode.bit, 0x6502 + axis));
+                finding.help(format!(
+                    "set bit {} of {:04X}h, or remove the object",
+                    mode.bit,
+                    0x6502 + axis
+                ));
+                finding.also(span, "the modes that are claimed");
             }
         }
         if claimed & RESERVED != 0 {
@@ -177,7 +182,10 @@ fn check_default(model: &Subject<'_>, axis: u16, claimed: i128, findings: &mut F
                 mode.value,
                 0x6502 + axis
             );
-            findings.report(&DEFAULT_MODE, mode.span, message);
+            let finding = findings.report(&DEFAULT_MODE, mode.span, message);
+            if let Some(claims) = Setting::at(model, 0x6502 + axis, 0) {
+                finding.also(claims.span, "the modes that are claimed");
+            }
         }
     }
 }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use super::axes;
 use super::objects::claimed_modes;
 use crate::diagnostic::Findings;
-use crate::rules::setting::{Setting, number};
+use crate::rules::setting::Setting;
 use crate::rules::{Rule, Subject};
 
 pub(crate) const RULES: &[&Rule] = &[
@@ -82,22 +82,25 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
                     "{index:04X}h:1 is {}, above {index:04X}h:2, {}",
                     low.value, high.value
                 );
-                findings.report(&CROSSED_LIMITS, low.span, message);
+                let finding = findings.report(&CROSSED_LIMITS, low.span, message);
+                finding.also(high.span, "the upper limit");
             }
         }
         check_homing(model, axis, findings);
         check_interpolation(model, axis, findings);
         if let Some(velocity) = Setting::at(model, 0x6081 + axis, 0)
-            && let Some(most) = number(model, 0x607F + axis, 0)
-            && velocity.value > most
+            && let Some(most) = Setting::at(model, 0x607F + axis, 0)
+            && velocity.value > most.value
         {
             let message = format!(
-                "{:04X}h is {}, above {:04X}h, {most}",
+                "{:04X}h is {}, above {:04X}h, {}",
                 0x6081 + axis,
                 velocity.value,
-                0x607F + axis
+                0x607F + axis,
+                most.value
             );
-            findings.report(&VELOCITY_ABOVE_MAXIMUM, velocity.span, message);
+            let finding = findings.report(&VELOCITY_ABOVE_MAXIMUM, velocity.span, message);
+            finding.also(most.span, "the greatest velocity");
         }
     }
 }
@@ -127,7 +130,10 @@ fn check_homing(model: &Subject<'_>, axis: u16, findings: &mut Findings) {
             method.value,
             0x60E3 + axis
         );
-        findings.report(&HOMING_METHOD, method.span, message);
+        let finding = findings.report(&HOMING_METHOD, method.span, message);
+        if let Some(list) = model.object(0x60E3 + axis) {
+            finding.also(list.places.section, "the methods that are listed");
+        }
     }
 }
 

@@ -105,6 +105,41 @@ fn what_is_said() {
 }
 
 #[test]
+fn a_rule_that_compares_two_places_shows_both() {
+    let found = cases().flat_map(|case| report(case.bad).findings);
+    let shown: HashSet<&str> = found
+        .filter(|finding| finding.other.is_some())
+        .map(|finding| finding.rule.name)
+        .collect();
+    for name in [
+        "axis-device-type",
+        "cob-id-used-twice",
+        "cob-id-used-twice-with-a-node-id",
+        "crossed-limits",
+        "default-mode",
+        "guarding-beside-heartbeat",
+        "heartbeat-consumed-twice",
+        "homing-method",
+        "identity-mismatch",
+        "mapped-direction",
+        "mapped-length",
+        "mapped-object-unmappable",
+        "mapped-twice",
+        "mapping-gap",
+        "mapping-granularity",
+        "mode-not-claimed",
+        "nmt-startup",
+        "objects-without-profile",
+        "pdo-without-objects",
+        "sync-producer-without-period",
+        "sync-window",
+        "velocity-above-maximum",
+    ] {
+        assert!(shown.contains(name), "{name}: {shown:?}");
+    }
+}
+
+#[test]
 fn each_rule_has_a_name_of_its_own_and_explains_itself() {
     let mut names = HashSet::new();
     for rule in all() {
