@@ -21,11 +21,14 @@ use crate::settings::NodeId;
 use crate::time::{Instant, earlier};
 use crate::wire::cob_id;
 
+/// The places for the objects of one mapping.
+type Mapping<C> = <C as Counts>::PdoObjects<pdo::Mapped>;
+
 /// The services whose behaviour is set by communication objects.
 #[derive(Debug)]
 pub(super) struct Services<C: Counts> {
     pub(super) heartbeat: heartbeat::Producer,
-    pub(super) consumers: heartbeat::Consumers<C::HeartbeatConsumers>,
+    pub(super) consumers: heartbeat::Consumers<C::HeartbeatConsumers<heartbeat::Consumer>>,
     pub(super) guarding: Guarding,
     pub(super) emergency: emergency::Producer,
     pub(super) sync: Sync,
@@ -33,8 +36,8 @@ pub(super) struct Services<C: Counts> {
     pub(super) synced: bool,
     pub(super) time: TimeStamp,
     pub(super) parameters: Parameters,
-    pub(super) rpdos: pdo::Receive<C::Rpdos, C::PdoObjects>,
-    pub(super) tpdos: pdo::Transmit<C::Tpdos, C::PdoObjects>,
+    pub(super) rpdos: pdo::Receive<C::Rpdos<pdo::ReceivePdo<Mapping<C>>>, Mapping<C>>,
+    pub(super) tpdos: pdo::Transmit<C::Tpdos<pdo::TransmitPdo<Mapping<C>>>, Mapping<C>>,
     /// What waits for the bus, and when there is something to do.
     pub(super) agenda: Agenda<C::Senders>,
     /// Whether an event-driven transmit PDO may look at the error register or the history.

@@ -1,30 +1,28 @@
 //! How many of each service a device has: its receive PDOs, its transmit PDOs and so on.
 //!
 //! The data sheet decides, and `od-gen` writes the answer into the dictionary as [`Count`]. A service keeps its places in
-//! [`Slots`], an array whose length it does not know by name, so that a device is written as `Node<Dictionary>`.
+//! [`Slots`], an array whose length it does not know by name, so that a device is written as `Node<Dictionary>`. What lies in a
+//! place is the service's own, and not named here.
 
 use core::fmt::Debug;
 
 use crate::agenda::{SERVICES, Word};
-use crate::cia301::heartbeat::Consumer;
-use crate::cia301::pdo::{Mapped, ReceivePdo, TransmitPdo};
-use crate::cia301::sdo::Server;
-use crate::slots::Slots;
+use crate::slots::{Slots, Unused};
 
 /// The places of all services that are counted. [`Count`] implements it.
 pub trait Counts: Debug {
     /// The objects that a PDO may map, sub-indices of 1600h, 1A00h and up.
-    type PdoObjects: Slots<Mapped>;
+    type PdoObjects<T: Unused + Debug>: Slots<T>;
     /// Receive PDOs, 1400h and up.
-    type Rpdos: Slots<ReceivePdo<Self::PdoObjects>>;
+    type Rpdos<T: Unused + Debug>: Slots<T>;
     /// Transmit PDOs, 1800h and up.
-    type Tpdos: Slots<TransmitPdo<Self::PdoObjects>>;
+    type Tpdos<T: Unused + Debug>: Slots<T>;
     /// SDO servers, 1200h and up; at least one.
-    type SdoServers: Slots<Server<Self::SdoBuffer>>;
+    type SdoServers<T: Unused + Debug>: Slots<T>;
     /// The buffer of an SDO server, where values in RAM are whole while they travel in pieces.
     type SdoBuffer: Slots<u8>;
     /// Heartbeat consumers, the entries of 1016h.
-    type HeartbeatConsumers: Slots<Consumer>;
+    type HeartbeatConsumers<T: Unused + Debug>: Slots<T>;
     /// A bit for each object that sends.
     type Senders: Slots<Word>;
 
@@ -66,12 +64,12 @@ impl<
         SENDER_WORDS,
     >
 {
-    type PdoObjects = [Mapped; MAPPED_OBJECTS];
-    type Rpdos = [ReceivePdo<Self::PdoObjects>; RPDOS];
-    type Tpdos = [TransmitPdo<Self::PdoObjects>; TPDOS];
-    type SdoServers = [Server<[u8; SDO_BUFFER]>; SDO_SERVERS];
+    type PdoObjects<T: Unused + Debug> = [T; MAPPED_OBJECTS];
+    type Rpdos<T: Unused + Debug> = [T; RPDOS];
+    type Tpdos<T: Unused + Debug> = [T; TPDOS];
+    type SdoServers<T: Unused + Debug> = [T; SDO_SERVERS];
     type SdoBuffer = [u8; SDO_BUFFER];
-    type HeartbeatConsumers = [Consumer; HEARTBEAT_CONSUMERS];
+    type HeartbeatConsumers<T: Unused + Debug> = [T; HEARTBEAT_CONSUMERS];
     type Senders = [Word; SENDER_WORDS];
 
     const ARE_ENOUGH_SENDERS: () = assert!(

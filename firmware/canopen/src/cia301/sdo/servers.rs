@@ -15,7 +15,7 @@ use crate::wire::sdo::Multiplexer;
 /// The SDO servers of a device, 1200h and up, each with its own transfer.
 #[derive(Debug)]
 pub struct Servers<C: Counts> {
-    servers: C::SdoServers,
+    servers: C::SdoServers<Server<C::SdoBuffer>>,
 }
 
 /// What the other servers of the device have under way.
@@ -53,7 +53,7 @@ impl<C: Counts> Servers<C> {
     /// Servers that hear nothing until [`Servers::configure`].
     pub(crate) fn new() -> Self {
         Self {
-            servers: C::SdoServers::unused(),
+            servers: Slots::unused(),
         }
     }
 
