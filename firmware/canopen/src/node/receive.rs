@@ -10,7 +10,7 @@ use crate::application::Application;
 use crate::cia301::nmt::{Command, NmtState};
 use crate::cia301::pdo::Received;
 use crate::cia301::sync::Beat;
-use crate::cia305::{self, Identity};
+use crate::cia305::Identity;
 use crate::od::Dictionary;
 use crate::time::Instant;
 use crate::wire::{Frame, cob_id};
@@ -40,10 +40,6 @@ impl<D: Dictionary> Node<D> {
                     && self.receive_segment(server, request, stamp, application))
             {
                 self.receive_request(server, request, stamp, application);
-            }
-        } else if D::FEATURES.lss && cob_id == cia305::REQUEST_COB_ID {
-            if let Some(request) = frame.full_payload() {
-                self.receive_lss(request, stamp);
             }
         } else if cob_id == cob_id::NMT {
             self.receive_nmt(frame.payload(), stamp);
@@ -134,7 +130,7 @@ impl<D: Dictionary> Node<D> {
 
     #[cold]
     #[inline(never)]
-    fn receive_lss(&mut self, request: &[u8; 8], now: Instant) {
+    pub(super) fn receive_lss(&mut self, request: &[u8; 8], now: Instant) {
         let identity = Identity::of(&self.dictionary);
         if let Some(answer) = self.lss.receive(request, &identity, now) {
             self.push_lss(answer);
@@ -203,9 +199,7 @@ impl<D: Dictionary> Node<D> {
     /// A frame for a receive PDO, or for one of the services that are not used all the time.
     #[inline(never)]
     fn receive_pdo<A: Application<D>>(&mut self, frame: &Frame, now: Instant, application: &mut A) {
-        let Some(cob_id) = frame.standard_id() else {
-            return;
-        };
+        let cob_id = frame.low_id();
         let Services { rpdos, sync, .. } = &mut self.services;
         // A frame may be given before time passes: its stamp counts.
         let is_late = || D::FEATURES.sync && sync.is_window_over(now);

@@ -5,6 +5,7 @@ use crate::agenda::Object;
 use crate::cia301::emergency::{Emergency, ErrorRegister, code, consumer};
 use crate::cia301::error_behaviour::{self, CommunicationError};
 use crate::cia301::heartbeat::{Heard, HeartbeatError};
+use crate::cia305;
 use crate::od::Dictionary;
 use crate::settings::NodeId;
 use crate::time::Instant;
@@ -15,6 +16,12 @@ impl<D: Dictionary> Node<D> {
     #[cold]
     #[inline(never)]
     pub(super) fn receive_other(&mut self, cob_id: u16, frame: &Frame, now: Instant) {
+        if D::FEATURES.lss && cob_id == cia305::REQUEST_COB_ID {
+            if let Some(request) = frame.full_payload() {
+                self.receive_lss(request, now);
+            }
+            return;
+        }
         if self.receive_error_control(cob_id, frame.payload(), now)
             || D::FEATURES.time && self.receive_time(cob_id, frame.payload(), now)
             || D::FEATURES.emergency_consumer && self.receive_emergency(cob_id, frame)

@@ -427,7 +427,9 @@ fn put_at(ram: &mut [u8], offset: u16, entry: &Entry, bytes: &[u8]) {
         let length = u16::try_from(bytes.len())
             .unwrap_or(u16::MAX)
             .min(entry.size());
-        copy(slot_mut(ram, offset, LENGTH_PREFIX), &length.to_le_bytes());
+        if let Some(prefix) = slot_mut(ram, offset, LENGTH_PREFIX).first_chunk_mut() {
+            *prefix = length.to_le_bytes();
+        }
         copy(
             slot_mut(ram, offset.saturating_add(LENGTH_PREFIX), length),
             bytes,

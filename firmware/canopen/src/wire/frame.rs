@@ -77,6 +77,12 @@ impl Frame {
         }
     }
 
+    /// The 11 bits of [`Frame::standard_id`], of a frame that is known to have no more.
+    #[inline]
+    pub(crate) fn low_id(&self) -> u16 {
+        self.header.get() as u16 & STANDARD_ID
+    }
+
     /// The bytes of a data frame; empty for a remote frame.
     pub fn payload(&self) -> &[u8] {
         if self.is_remote() {

@@ -16,7 +16,7 @@ use core::ops::Range;
 use super::bits;
 use super::multiplexed::Addressing;
 use crate::cia301::sdo::AbortCode;
-use crate::copy::{copy, copy_chunk, copy_few};
+use crate::copy::{copy, copy_few};
 use crate::od::{
     Attributes, DataType, Dictionary, Entry, Location, Slots, Table, Unused, check, put, value,
 };
@@ -225,8 +225,10 @@ impl Mapped {
 /// What is known of all objects of a mapping together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
-    /// Where the whole frame lies in RAM, whose objects lie there as they lie in the frame: the offset and 1; 0 if they do not.
+    /// Where the frame lies in RAM, whose objects lie there as they lie in the frame: the offset and 1; 0 if they do not.
     run: u16,
+    /// The same of a frame of eight bytes; 0 of a shorter one.
+    whole: u16,
     /// The places in RAM that objects lie in, as one range; empty if there are none.
     ram: (u16, u16),
     count: u8,
@@ -244,6 +246,7 @@ impl Layout {
     /// Nothing mapped.
     pub(super) const NOTHING: Self = Self {
         run: 0,
+        whole: 0,
         ram: (0, 0),
         count: 0,
         bits: 0,
@@ -315,6 +318,7 @@ impl Layout {
             }
         }
         self.run = run;
+        self.whole = if total == MOST_BITS { run } else { 0 };
         self.bits = total;
         self.length = total.div_ceil(8);
         Ok(())
@@ -380,21 +384,20 @@ impl<M: Slots<Mapped>> Mapping<M> {
         self.layout.addressing.is_some() || (start < watched.end && watched.start < end)
     }
 
-    /// The place in RAM of a frame that is one copy.
+    /// The place in RAM of a frame that is one copy of eight bytes; beyond all RAM if it is not.
     #[inline]
-    fn run(&self) -> usize {
-        usize::from(self.layout.run).wrapping_sub(1)
+    fn whole(&self) -> usize {
+        usize::from(self.layout.whole).wrapping_sub(1)
     }
 
     /// Copies a frame to all its objects, without any check.
     #[inline]
     pub(super) fn unpack<D: Dictionary>(&self, frame: &[u8; 8], dictionary: &mut D) {
         // Mostly a frame is one copy of eight bytes.
-        match dictionary.ram_mut().get_mut(self.run()..) {
-            Some(to) if self.layout.bits == MOST_BITS => {
-                copy_chunk::<8>(to, frame);
-            }
-            _ => self.unpack_objects(frame, dictionary),
+        let to = dictionary.ram_mut().get_mut(self.whole()..);
+        match to.and_then(<[u8]>::first_chunk_mut) {
+            Some(to) => *to = *frame,
+            None => self.unpack_objects(frame, dictionary),
         }
     }
 
@@ -409,10 +412,10 @@ impl<M: Slots<Mapped>> Mapping<M> {
     #[inline]
     pub(super) fn pack<D: Dictionary>(&self, dictionary: &D) -> [u8; 8] {
         // Mostly a frame is one copy of eight bytes.
-        let from = dictionary.ram().get(self.run()..).unwrap_or(&[]);
-        match from.first_chunk() {
-            Some(frame) if self.layout.bits == MOST_BITS => *frame,
-            _ => self.pack_objects(dictionary),
+        let from = dictionary.ram().get(self.whole()..);
+        match from.and_then(<[u8]>::first_chunk) {
+            Some(frame) => *frame,
+            None => self.pack_objects(dictionary),
         }
     }
 

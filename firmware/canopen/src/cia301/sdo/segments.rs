@@ -7,7 +7,7 @@
 use super::crc;
 use super::objects::Streams;
 use super::server::{Place, Server, Step};
-use super::upload::{segment_of, with_command};
+use super::upload::{Piece, segment_of, with_command};
 use crate::time::{Instant, has_come};
 use crate::wire::sdo::{MOST_SEGMENTS, Request, Response};
 
@@ -47,7 +47,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         }
     }
 
-    /// The client asks for seven bytes, and more are behind them.
+    /// The client asks for seven bytes, or for what is left.
     #[inline(always)]
     fn pass_upload(&mut self, request: &[u8; 8], now: Instant) -> bool {
         let value = match self.place {
@@ -59,16 +59,21 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             _ => return false,
         };
         let rest = value.get(self.position as usize..).unwrap_or(&[]);
-        // One byte more than a segment has: it is not the last one.
-        let Some(eight) = rest.first_chunk::<8>() else {
-            return false;
-        };
         if !Request::is_upload_segment(request, self.toggle) {
             return false;
         }
         let command = u8::from(self.toggle) << 4;
-        self.answers.push(with_command(segment_of(eight), command));
-        self.go_on(now);
+        // One byte more than a segment has: it is not the last one.
+        if let Some(eight) = rest.first_chunk::<8>() {
+            self.answers.push(with_command(segment_of(eight), command));
+            self.go_on(now);
+        } else {
+            let mut frame = [0; 8];
+            let last = Piece::last(rest, &mut frame);
+            self.idle();
+            self.answers
+                .push(with_command(frame, command | last.command()));
+        }
         true
     }
 

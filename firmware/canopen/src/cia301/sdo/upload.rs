@@ -52,12 +52,24 @@ impl Piece {
                 is_last: false,
             };
         }
+        Self::last(rest, frame)
+    }
+
+    /// All of what is left, which is no more than a segment has.
+    #[inline]
+    pub(super) fn last(rest: &[u8], frame: &mut [u8; 8]) -> Self {
         let [_, data @ ..] = frame;
         copy_few(data, rest, rest.len());
         Self {
             empty: 7_u8.saturating_sub(rest.len() as u8),
             is_last: true,
         }
+    }
+
+    /// Its bits of the command in byte 0.
+    #[inline]
+    pub(super) const fn command(self) -> u8 {
+        self.empty << 1 | self.is_last as u8
     }
 }
 
@@ -190,7 +202,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
             Ok(piece) => piece,
             Err(code) => return self.abort(self.object, code, streams),
         };
-        let command = u8::from(toggle) << 4 | piece.empty << 1 | u8::from(piece.is_last);
+        let command = u8::from(toggle) << 4 | piece.command();
         if piece.is_last {
             self.idle();
         } else {
