@@ -139,9 +139,12 @@ fn an_application_that_serves_no_stream_refuses_it_before_the_first_segment() {
     let mut node = Node::new(Objects::new(), settings);
     node.boot(Reset::Node, NOW, &mut ());
     node.transmit(&mut ());
-    // Block upload of 2014h: 06010000h, unsupported access.
-    let request = Frame::full(0x604, [0xA4, 0x14, 0x20, 0, 0x7F, 0, 0, 0]);
-    node.receive(&request, NOW, &mut ());
-    let sent = node.transmit(&mut ()).unwrap();
-    assert_eq!(*sent.bytes(), [0x80, 0x14, 0x20, 0, 0, 0, 0x01, 0x06]);
+    // Up and down, by blocks and by segments: 06010000h, unsupported access.
+    for (command, argument) in [(0xA4, 0x7F), (0x40, 0), (0xC0, 0), (0x20, 0)] {
+        let request = Frame::full(0x604, [command, 0x14, 0x20, 0, argument, 0, 0, 0]);
+        node.receive(&request, NOW, &mut ());
+        let sent = node.transmit(&mut ()).unwrap();
+        let refused = [0x80, 0x14, 0x20, 0, 0, 0, 0x01, 0x06];
+        assert_eq!(*sent.bytes(), refused, "to {command:02X}h");
+    }
 }

@@ -429,6 +429,22 @@ fn p38_two_pdos_with_one_identifier_are_both_executed() {
 }
 
 #[test]
+fn p38_a_second_pdo_that_gets_the_identifier_in_operational_is_executed_too() {
+    let mut device = Device::operational();
+    transmit_type(&mut device, 1);
+    map(&mut device, 0x1401, 0x204, 255, &[0x2006_0020, 0x2005_0020]);
+    device.send("204: 01 02 03 04 05 06 07 08");
+    assert_eq!(device.value(0x2003, 0), [1, 2, 3, 4]);
+    assert_eq!(device.value(0x2006, 0), [1, 2, 3, 4]);
+    // And the first one has it alone again.
+    assert_eq!(write_u32(&mut device, 0x1401, 1, 0x8000_0204), DONE);
+    device.send("204: 05 06 07 08");
+    device.send("204: 09 0A 0B 0C 00 00 00 00");
+    assert_eq!(device.value(0x2003, 0), [9, 10, 11, 12]);
+    assert_eq!(device.value(0x2006, 0), [1, 2, 3, 4]);
+}
+
+#[test]
 fn p40_a_new_mapping_holds_from_the_next_frame_on() {
     let mut device = Device::operational();
     map(&mut device, 0x1400, 0x204, 255, &[0x2004_0020, 0x2003_0020]);

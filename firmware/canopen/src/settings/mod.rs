@@ -203,6 +203,7 @@ impl From<Settings> for Configuration {
 
 /// Why settings could not be stored (CiA 305, answer to 17h).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum StoreError {
     /// This device cannot store (01h).
     NotSupported,

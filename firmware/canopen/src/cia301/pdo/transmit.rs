@@ -46,6 +46,7 @@ use crate::wire::Frame;
 
 /// Why a multiplexed PDO is not sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum NotSent {
     /// No transmit PDO of this kind is valid, or the device is not Operational.
     NoPdo,
