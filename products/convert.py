@@ -5,6 +5,7 @@ What a manual does not tell, or tells in a way that no data sheet can, is decide
 - An entry that the manual gives no access is left out: the drive answers 06090011h. One it calls reserved is kept.
 - PDO mapping that is unknown is allowed for the process data of CiA 402 and for what a default mapping maps, else not.
 - A default that is no number (such as "motor dependent") is left out, and so are limits that the type has anyway.
+- `chosen.csv` beside a table has what the manual leaves open and a drive needs to move: defaults, for the TC1 whole objects.
 - Where 0 is outside the limits and there is no default, the lower limit is the default. A limit that the default breaks
   is left out, and so are those of 1010h and 1011h, which are no range but the signature.
 """
@@ -55,10 +56,7 @@ DRIVES = [
             ("mode-not-claimed", 0x6087): "only the drives with hMT have profile torque, and 6502h is told for those without",
         },
     ),
-    Drive(
-        "tc1", "cpc", "TC1", ALL_RATES, True, "TC1 servo drive, communication objects",
-        silenced={("drive-object", 0x1000): "the manual tells of the communication objects only"},
-    ),
+    Drive("tc1", "cpc", "TC1", ALL_RATES, True, "TC1 servo drive, communication objects"),
     Drive("s200", "Danaher Motion", "S200", (125, 250, 500, 1000), False, "S200 servo amplifier, Position Node"),
     Drive(
         "nanotec", "Nanotec", "SMCI and PD", ALL_RATES, False, "SMCI controllers and PD motors",
@@ -87,6 +85,27 @@ def number(text):
         return int(text, 0), adds
     except ValueError:
         return (int(text), adds) if re.fullmatch(r"-?0*[0-9]+", text) else None
+
+
+def choose(rows, file):
+    """Adds to the rows of a manual what it leaves open: defaults, and objects that a drive of its kind has. Returns why, by index and sub-index."""
+    if not file.exists():
+        return {}
+    with open(file, newline="", encoding="utf-8") as text:
+        chosen = list(csv.DictReader(text))
+    key = lambda row: (int(row["index"], 16), int(row["sub"], 0))  # noqa: E731
+    told = {key(row): row for row in rows}
+    for row in chosen:
+        if key(row) not in told:
+            rows.append(row)
+            continue
+        for column, cell in row.items():
+            if cell and column not in ("index", "sub", "description"):
+                old = told[key(row)][column]
+                assert not number(old) or column != "default", f"{row['index']}:{row['sub']}: the manual tells {column}"
+                told[key(row)][column] = cell
+    rows.sort(key=key)
+    return {key(row): row["description"] for row in chosen}
 
 
 def index_of(row):
@@ -121,6 +140,7 @@ class Sheet:
         self.drive, self.lines = drive, []
         with open(HERE / drive.file / "objects.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
+        self.chosen = choose(rows, HERE / drive.file / "chosen.csv")
         self.dummies = {int(row["index"], 16) for row in rows if int(row["index"], 16) < 0x20 and row["pdo_mappable"] == "rx"}
         self.objects = {}
         for row in rows:
@@ -209,6 +229,8 @@ class Sheet:
         index, sub = place or (int(row["index"], 16), 0)
         data_type = row["data_type"] or "UNSIGNED8"
         access, mappable = self.access(index, row)
+        if (index, sub) in self.chosen:
+            self.put(f"; Chosen, as the manual does not tell: {self.chosen[index, sub]}.")
         text = []
         if data_type in STRINGS:
             if row["default"]:

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::{env, fs, process};
 
-use crate::bind::{self, Binding, BindingReport};
+use crate::bind::{self, BindingReport, Bindings};
 use crate::diagnostic::Colour;
 use crate::generate::{Options, generate, misfits};
 use crate::model::Model;
@@ -46,10 +46,10 @@ pub fn build(eds: impl AsRef<Path>, output: &str, options: Options<'_>) {
     let Some(folder) = env::var_os("OUT_DIR") else {
         fail("error: od_gen::build is for build scripts: OUT_DIR is not set");
     };
-    let bindings = if options.cia402 && options.bindings.is_empty() {
+    let bindings = if options.cia402 && *options.bindings == *Bindings::NONE {
         bindings(eds, &model)
     } else {
-        options.bindings.to_vec()
+        options.bindings.clone()
     };
     if options.cia402 {
         let misfits = misfits(&model, &bindings);
@@ -69,7 +69,7 @@ pub fn build(eds: impl AsRef<Path>, output: &str, options: Options<'_>) {
 }
 
 /// The bindings beside the data sheet.
-fn bindings(eds: &Path, model: &Model) -> Vec<Binding> {
+fn bindings(eds: &Path, model: &Model) -> Bindings {
     let file = bind::file_beside(eds);
     let report = match BindingReport::beside(eds, model) {
         Ok(Some(report)) => report,
@@ -77,7 +77,7 @@ fn bindings(eds: &Path, model: &Model) -> Vec<Binding> {
             // Should there be some one day, the folder changes.
             let folder = eds.parent().unwrap_or(eds);
             println!("cargo::rerun-if-changed={}", folder.display());
-            return Vec::new();
+            return Bindings::default();
         }
         Err(error) => fail(&format!("{}: error: {error}", file.display())),
     };

@@ -7,6 +7,7 @@ use std::thread::{self, JoinHandle};
 
 use master::bus::live::{Incoming, LiveBus};
 use master::system_error::plain;
+use sim::Axis402;
 use sim::drive::Setup;
 use sim::plant::Axis;
 use sim::serve::Server;
@@ -43,7 +44,10 @@ impl VirtualDrive {
             axis: Some(axis),
             ..Setup::unconfigured(SERIAL_NUMBER)
         };
-        let server = thread::spawn(move || Server::new(bus, setup, false).run());
+        let server = thread::spawn(move || {
+            let drive = Box::new(Axis402::new(setup));
+            Server::new(bus, drive, false).run()
+        });
         Ok(Self {
             address,
             stopper,

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use canopen::settings::{Switches, Wish};
 use canopen::{BitTiming, Configuration, NodeId};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use master::axis402::panel;
@@ -19,6 +20,7 @@ use crate::drive::Setup;
 use crate::flash::{Contents, Flash};
 use crate::plan;
 use crate::plant::Axis;
+use crate::products::{self, Product};
 use crate::serve::{Service, serve};
 
 /// The name in front of each message.
@@ -55,6 +57,9 @@ struct DemoArguments {
     /// The node-ID that the master gives to the drive
     #[arg(long, value_name = "N", default_value_t = demo::NODE_ID, value_parser = clap::value_parser!(u8).range(1..=127))]
     node_id: u8,
+    /// The drive of another maker
+    #[arg(long, value_name = "NAME", value_parser = product())]
+    product: Option<Product>,
 }
 
 #[derive(Debug, Args)]
@@ -66,6 +71,9 @@ struct ServeArguments {
     /// Join this CAN interface (Linux)
     #[arg(long, value_name = "INTERFACE", group = "bus")]
     socketcan: Option<String>,
+    /// Be the drive of another maker
+    #[arg(long, value_name = "NAME", value_parser = product())]
+    product: Option<Product>,
     /// Start with this node-ID, whatever is stored
     #[arg(long, value_name = "N", conflicts_with = "unconfigured", value_parser = clap::value_parser!(u8).range(1..=127))]
     node_id: Option<u8>,
@@ -149,6 +157,7 @@ fn run_demo(arguments: DemoArguments) -> ExitCode {
     }
     let demo = Demo {
         node_id: arguments.node_id,
+        product: arguments.product,
         plot: arguments.plot,
     };
     conclude(demo::show(&demo, &mut standard_output::lock()))
@@ -199,6 +208,7 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
     let stored = store
         .load()
         .map_err(|error| format!("cannot read the store: {error}"))?
+        .or(arguments.product.map(Product::factory))
         .unwrap_or_default();
     let node_id = match arguments.node_id {
         Some(number) => NodeId::new(number).unwrap_or(stored.node_id),
@@ -209,19 +219,22 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
     Ok(Service {
         slcan: arguments.slcan,
         socketcan: arguments.socketcan,
-        setup: Setup {
-            serial_number: arguments.serial,
-            settings: Some(Configuration {
-                node_id,
-                bit_timing: arguments.bitrate.unwrap_or(stored.bit_timing),
-            }),
-            switches: arguments
-                .switches
-                .map_or(Wish::NOTHING, |reading| Switches::ROTARY.wish(reading)),
-            build: Wish::NOTHING,
-            store,
-            axis,
-        },
+        drive: products::drive(
+            arguments.product,
+            Setup {
+                serial_number: arguments.serial,
+                settings: Some(Configuration {
+                    node_id,
+                    bit_timing: arguments.bitrate.unwrap_or(stored.bit_timing),
+                }),
+                switches: arguments
+                    .switches
+                    .map_or(Wish::NOTHING, |reading| Switches::ROTARY.wish(reading)),
+                build: Wish::NOTHING,
+                store,
+                axis,
+            },
+        ),
         verbose: arguments.verbose,
     })
 }
@@ -242,6 +255,14 @@ fn stored_in(path: &Path) -> Result<Flash, String> {
         )),
     }
     Ok(flash)
+}
+
+/// Products by their names.
+fn product() -> impl TypedValueParser<Value = Product> {
+    PossibleValuesParser::new(Product::names()).try_map(|name| {
+        let product = Product::named(&name);
+        product.ok_or("there is no such product")
+    })
 }
 
 fn bit_timing(text: &str) -> Result<BitTiming, String> {

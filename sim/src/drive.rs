@@ -76,6 +76,7 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
         let power_up = PowerUp {
             build: setup.build,
             switches: setup.switches,
+            factory: D::HABITS.factory,
             factory_reset: false,
         };
         let settings = setup.axis.as_ref().map(|axis| &axis.settings);

@@ -1,6 +1,6 @@
 //! The virtual drive: the firmware's own core on a PC, with a simulated motor and real CAN frames.
 //!
-//! - [`drive`]: the virtual drive; [`plant`]: its motor; [`machine`]: what its firmware serves beside the drive; [`flash`]: where it keeps its settings; [`settings`]: those of the factory.
+//! - [`drive`]: the virtual drive; [`products`]: those of other makers; [`plant`]: its motor; [`machine`]: what its firmware serves beside the drive; [`flash`]: where it keeps its settings; [`settings`]: those of the factory.
 //! - [`demo`], [`serve`] and [`mod@plan`]: what the command line does.
 //!
 //! The buses that it is on, the master of the demonstration and `sim scope` are the crate [`master`].
@@ -13,6 +13,7 @@ pub mod flash;
 pub mod machine;
 pub mod plan;
 pub mod plant;
+pub mod products;
 pub mod serve;
 pub mod settings;
 

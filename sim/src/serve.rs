@@ -14,9 +14,7 @@ use canopen::cia301::heartbeat::HeartbeatError;
 use canopen::cia301::nmt::NmtState;
 use canopen::{BitTiming, Event, Frame, Instant};
 
-use crate::Axis402;
-use crate::drive::Setup;
-use master::bus::Station;
+use crate::products::Drive;
 use master::bus::live::{Incoming, LONGEST_SLEEP, LiveBus, Source};
 use master::command_line::note;
 use master::system_error::plain;
@@ -29,7 +27,7 @@ pub struct Service {
     /// Which SocketCAN interface to join.
     pub socketcan: Option<String>,
     /// The drive.
-    pub setup: Setup,
+    pub drive: Box<dyn Drive>,
     /// Tell on standard error what the node does.
     pub verbose: bool,
 }
@@ -69,7 +67,7 @@ pub fn serve(service: Service) -> Result<(), String> {
     })
     .map_err(|error| format!("cannot catch signals: {}", plain(error)))?;
 
-    let mut server = Server::new(bus, service.setup, service.verbose);
+    let mut server = Server::new(bus, service.drive, service.verbose);
     server.turn();
     // Nobody may be reading; the drive runs all the same.
     let mut output = io::stdout().lock();
@@ -94,7 +92,7 @@ const GRACE: Duration = Duration::from_millis(5);
 #[derive(Debug)]
 pub struct Server {
     bus: LiveBus,
-    drive: Axis402,
+    drive: Box<dyn Drive>,
     start: WallClock,
     /// When the drive wants its next turn.
     deadline: WallClock,
@@ -134,15 +132,15 @@ impl fmt::Display for Counts {
 
 impl Server {
     /// A drive on a bus, powered when it has its first turn.
-    pub fn new(bus: LiveBus, setup: Setup, verbose: bool) -> Self {
-        Self::started(bus, setup, verbose, WallClock::now())
+    pub fn new(bus: LiveBus, drive: Box<dyn Drive>, verbose: bool) -> Self {
+        Self::started(bus, drive, verbose, WallClock::now())
     }
 
     /// The same; its time begins at `start`. Since then it has stalled.
-    pub fn started(bus: LiveBus, setup: Setup, verbose: bool, start: WallClock) -> Self {
+    pub fn started(bus: LiveBus, drive: Box<dyn Drive>, verbose: bool, start: WallClock) -> Self {
         Self {
             bus,
-            drive: Axis402::new(setup),
+            drive,
             start,
             deadline: start,
             taken: start,
@@ -230,8 +228,8 @@ impl Server {
     }
 
     /// The drive.
-    pub fn drive(&self) -> &Axis402 {
-        &self.drive
+    pub fn drive(&self) -> &dyn Drive {
+        &*self.drive
     }
 
     /// What has passed so far.
@@ -318,7 +316,7 @@ impl Server {
         while let Some(event) = self.drive.take_event() {
             let text = match event {
                 Event::StateChanged(state) => {
-                    let node = self.drive.device().node().settings().node_id.get();
+                    let node = self.drive.node_id().get();
                     format!("node {node}: {}", state_name(state))
                 }
                 Event::StoreSettings(settings) => format!(

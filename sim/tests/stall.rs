@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use canopen::{Frame, od};
+use canopen::Frame;
 use master::bus::live::{Incoming, LiveBus, Source};
+use sim::Axis402;
 use sim::drive::Setup;
 use sim::serve::Server;
 
@@ -16,7 +17,8 @@ fn after_stall(source: Source, at: impl Fn(Duration) -> Duration) -> Server {
     let bus = LiveBus::new();
     let transport = bus.stopper();
     let start = Instant::now() - STALL;
-    let mut server = Server::started(bus, Setup::with_node_id(1, 4), false, start);
+    let drive = Box::new(Axis402::new(Setup::with_node_id(1, 4)));
+    let mut server = Server::started(bus, drive, false, start);
     let send = |frame: Frame, came: Duration| {
         let frame = Incoming::Frame {
             source,
@@ -42,8 +44,7 @@ fn after_stall(source: Source, at: impl Fn(Duration) -> Duration) -> Server {
 
 /// How many errors the drive remembers (1003h:0).
 fn errors(server: &Server) -> u8 {
-    let dictionary = server.drive().device().node().dictionary();
-    od::read_u8(dictionary, 0x1003, 0).unwrap()
+    server.drive().object(0x1003, 0).unwrap()[0]
 }
 
 #[test]
@@ -72,12 +73,15 @@ fn a_producer_that_was_silent_in_the_stall_is_missed() {
 fn frames_that_the_system_has_lost_are_told() {
     let bus = LiveBus::new();
     let transport = bus.stopper();
-    let mut server = Server::new(bus, Setup::with_node_id(1, 4), false);
+    let mut server = Server::new(
+        bus,
+        Box::new(Axis402::new(Setup::with_node_id(1, 4))),
+        false,
+    );
     server.turn();
     transport.send(Incoming::Lost(3)).unwrap();
     server.pass().unwrap();
     assert_eq!(server.counts().lost, 3);
-    let dictionary = server.drive().device().node().dictionary();
-    let error = od::read_u32(dictionary, 0x1003, 1).unwrap();
-    assert_eq!(error & 0xFFFF, 0x8110);
+    let error = server.drive().object(0x1003, 1).unwrap();
+    assert_eq!(error[..2], 0x8110_u16.to_le_bytes());
 }

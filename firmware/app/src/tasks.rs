@@ -164,6 +164,7 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
     let power_up = PowerUp {
         build: BUILD,
         switches,
+        factory: <Dictionary as canopen::od::Dictionary>::HABITS.factory,
         factory_reset,
     };
     let power_on = power_up.choose(&mut store, CanBus::BIT_RATES);

@@ -10,6 +10,7 @@ mod emergency;
 mod emergency_consumer;
 mod features;
 mod guarding;
+mod habits;
 mod heartbeat;
 mod heartbeat_consumer;
 mod identifiers;

@@ -58,7 +58,7 @@ pub mod units;
 
 pub use actuator::{Emitter, EmitterLock, StepAxis};
 pub use board::{DriveConfig, Inputs, Outputs};
-pub use cia402_parameters::{self as parameters, Features, Parameter};
+pub use cia402_parameters::{self as parameters, Features, Habits, Parameter};
 pub use commands::{Commands, SetPoint};
 pub use configuration::Configuration;
 pub use controlword::Command;

@@ -5,7 +5,7 @@
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::Entry;
 
-use cia402_parameters::{Features, Parameter, every_parameter};
+use cia402_parameters::{Features, Habits, Parameter, every_parameter};
 
 /// Makes the trait of the table: a getter with the value that counts where a data sheet leaves the object out, or a setter that does
 /// nothing there.
@@ -21,6 +21,9 @@ macro_rules! objects {
         pub trait Objects {
             /// What the drive has.
             const DRIVE: Features = Features::ALL;
+
+            /// What the drive does in the way of its maker.
+            const DRIVE_HABITS: Habits = Habits::STANDARD;
 
             $($(object! {
                 #[doc = concat!("Object ", stringify!($index), ":", $sub, ". ")]

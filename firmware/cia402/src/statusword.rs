@@ -5,6 +5,8 @@
 
 /// Bit 4, voltage enabled: the power stage has its supply, in whatever state the drive is.
 pub const VOLTAGE_ENABLED: u16 = 1 << 4;
+/// Bit 5, quick stop: 0 while one is active.
+pub const QUICK_STOP: u16 = 1 << 5;
 /// Bit 7, warning.
 pub const WARNING: u16 = 1 << 7;
 /// Bit 9, remote: the controlword is obeyed. It is 1 in NMT states Pre-operational and Operational, so that a drive can be

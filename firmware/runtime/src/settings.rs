@@ -12,6 +12,8 @@ pub struct PowerUp {
     pub build: Wish,
     /// What the switches of the board ask for.
     pub switches: Wish,
+    /// What the device leaves the factory with.
+    pub factory: Configuration,
     /// The input for the factory reset is held.
     pub factory_reset: bool,
 }
@@ -25,6 +27,7 @@ impl PowerUp {
             build: self.build,
             switches: self.switches,
             stored: store.as_mut().and_then(|store| self.stored(store)),
+            factory: self.factory,
         };
         let power_on = sources.choose(supported);
         info!(

@@ -3,12 +3,13 @@
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::process::{Command, Output};
-use std::sync::mpsc::SyncSender;
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use master::bus::live::{Incoming, LiveBus};
 use master::bus::slcan_client::Place;
+use sim::Axis402;
 use sim::drive::Setup;
 use sim::serve::Server;
 use slcan::AdapterBitRate;
@@ -25,12 +26,18 @@ impl Served {
         let mut bus = LiveBus::new();
         let address = bus.serve_slcan("127.0.0.1:0").unwrap().address();
         let stopper = bus.stopper();
-        let mut server = Server::new(bus, setup, false);
-        server.turn();
+        let (booted, has_booted) = sync_channel(1);
+        let server = thread::spawn(move || {
+            let mut server = Server::new(bus, Box::new(Axis402::new(setup)), false);
+            server.turn();
+            booted.send(()).unwrap();
+            server.run()
+        });
+        has_booted.recv().unwrap();
         Self {
             address,
             stopper,
-            server: Some(thread::spawn(move || server.run())),
+            server: Some(server),
         }
     }
 

@@ -8,7 +8,7 @@ use toml::{Spanned, Value};
 
 use super::file::{File, Row, place};
 use super::place::{entry, indices, name};
-use super::{Binding, Meaning, home};
+use super::{Binding, Bindings, HABITS, Habit, Meaning, home};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
 use crate::model::{Access, DefaultValue, Entry, Model, Object};
@@ -22,19 +22,21 @@ const MANUFACTURER: RangeInclusive<u16> = 0x2000..=0x5FFF;
 /// Offsets beyond this would leave no room for the number itself.
 const LARGEST_OFFSET: i64 = 1 << 53;
 
-/// The bindings, and the objects of the manufacturer that have none.
+/// All that the file says, and the objects of the manufacturer that stand for nothing.
 pub(super) fn check(
     file: &File,
     source: &Source,
     model: &Model,
     findings: &mut Findings,
-) -> (Vec<Binding>, Vec<u16>) {
+) -> (Bindings, Vec<u16>) {
+    let foreign = ranges(&file.foreign.objects, source, findings);
     let mut bindings: Vec<Binding> = Vec::new();
     for row in &file.binding {
         let mut reader = Reader {
             row: row.get_ref(),
             source,
             model,
+            foreign: &foreign,
             findings,
         };
         let Some(found) = reader.read() else {
@@ -52,7 +54,92 @@ pub(super) fn check(
         }
     }
     let unbound = unbound(file, source, model, findings);
+    let bindings = Bindings {
+        constants: numbers(&file.constants, source, &bindings, findings),
+        unset: numbers(&file.unset, source, &[], findings),
+        habits: habits(file, source, findings),
+        rows: bindings,
+        foreign,
+    };
     (bindings, unbound)
+}
+
+/// Objects and ranges of them.
+fn ranges(
+    list: &[Spanned<String>],
+    source: &Source,
+    findings: &mut Findings,
+) -> Vec<RangeInclusive<u16>> {
+    let mut found = Vec::new();
+    for item in list {
+        match indices(item.get_ref()) {
+            Some(range) => found.push(range),
+            None => {
+                let message = format!("`{}` is neither an object nor a range", item.get_ref());
+                let span = place(source, item.span());
+                let finding = findings.report(&binding::STORAGE, span, message);
+                finding.help("write 2100h or 2100h-21FFh");
+            }
+        }
+    }
+    found
+}
+
+/// The tables `[constants]` and `[unset]`; no object in `bindings` stands for any of them.
+fn numbers(
+    table: &BTreeMap<Spanned<String>, Spanned<i64>>,
+    source: &Source,
+    bindings: &[Binding],
+    findings: &mut Findings,
+) -> Vec<(&'static Description, i64)> {
+    let mut found = Vec::new();
+    for (name, number) in table {
+        let taken = parameters::ALL
+            .iter()
+            .find(|parameter| parameter.name == name.get_ref())
+            .filter(|parameter| parameter.direction == Direction::Taken);
+        let Some(parameter) = taken else {
+            let message = format!("the drive takes no parameter `{}`", name.get_ref());
+            findings.report(&binding::PARAMETER, place(source, name.span()), message);
+            continue;
+        };
+        let (low, high) = parameter.range;
+        let value = *number.get_ref();
+        if !(low..=high).contains(&value) {
+            let message = format!("{value} is not {} ({low} to {high})", parameter.name);
+            findings.report(&binding::RANGE, place(source, number.span()), message);
+        } else if bindings.iter().any(|row| row.parameter == parameter) {
+            let message = format!("{} has an object that stands for it", parameter.name);
+            findings.report(&binding::BOUND_TWICE, place(source, name.span()), message);
+        } else {
+            found.push((parameter, value));
+        }
+    }
+    found
+}
+
+/// The table `[habits]`.
+fn habits(file: &File, source: &Source, findings: &mut Findings) -> Vec<Habit> {
+    let mut found = Vec::new();
+    for (name, value) in &file.habits {
+        let Some(known) = HABITS.iter().find(|known| known.name == name.get_ref()) else {
+            let message = format!("the firmware has no habit `{}`", name.get_ref());
+            let near = spelling::nearest(name.get_ref(), HABITS.iter().map(|known| known.name));
+            let finding = findings.report(&binding::HABIT, place(source, name.span()), message);
+            if let Some(near) = near {
+                finding.help(format!("did you mean `{near}`?"));
+            }
+            continue;
+        };
+        match known.value(value.get_ref()) {
+            Some(value) => found.push(Habit { known, value }),
+            None => {
+                let message = format!("{} is {}", known.name, known.wanted());
+                findings.report(&binding::HABIT, place(source, value.span()), message);
+            }
+        }
+    }
+    found
 }
 
 /// One table `[[binding]]` and what it is held against.
@@ -60,6 +147,8 @@ struct Reader<'a> {
     row: &'a Row,
     source: &'a Source,
     model: &'a Model,
+    /// Objects of the profile that do not mean what CiA 402 says.
+    foreign: &'a [RangeInclusive<u16>],
     findings: &'a mut Findings,
 }
 
@@ -72,6 +161,7 @@ impl Reader<'_> {
         let entry = model.entry(index, sub)?;
         if let Some(own) =
             Parameter::in_profile(index, sub).filter(|own| *own != parameter.parameter)
+            && !self.foreign.iter().any(|range| range.contains(&index))
         {
             let home = parameters::ALL.iter().find(|other| other.parameter == own);
             let message = format!(
@@ -83,7 +173,7 @@ impl Reader<'_> {
                 &binding::BOUND_TWICE,
                 &self.row.object,
                 message,
-                "bind another object",
+                "bind another object, or list it in [foreign]",
             );
             return None;
         }
@@ -384,17 +474,7 @@ fn unbound(file: &File, source: &Source, model: &Model, findings: &mut Findings)
         .map(|(index, _)| index..=index)
         .collect();
     let bound = known.clone();
-    for item in &file.storage.objects {
-        match indices(item.get_ref()) {
-            Some(range) => known.push(range),
-            None => {
-                let message = format!("`{}` is neither an object nor a range", item.get_ref());
-                let span = place(source, item.span());
-                let finding = findings.report(&binding::STORAGE, span, message);
-                finding.help("write 2100h or 2100h-21FFh");
-            }
-        }
-    }
+    known.extend(ranges(&file.storage.objects, source, findings));
     let is_in = |ranges: &[RangeInclusive<u16>], object: &Object| {
         ranges.iter().any(|range| range.contains(&object.index))
     };

@@ -21,6 +21,18 @@ pub(super) struct File {
     /// The table `[storage]`.
     #[serde(default)]
     pub(super) storage: Storage,
+    /// The table `[foreign]`.
+    #[serde(default)]
+    pub(super) foreign: Storage,
+    /// The table `[constants]`: parameters without an object.
+    #[serde(default)]
+    pub(super) constants: BTreeMap<Spanned<String>, Spanned<i64>>,
+    /// The table `[unset]`: what counts while an object is 0.
+    #[serde(default)]
+    pub(super) unset: BTreeMap<Spanned<String>, Spanned<i64>>,
+    /// The table `[habits]`.
+    #[serde(default)]
+    pub(super) habits: BTreeMap<Spanned<String>, Spanned<Value>>,
 }
 
 /// One table `[[binding]]`.
@@ -35,11 +47,11 @@ pub(super) struct Row {
     pub(super) values: Option<Spanned<BTreeMap<String, i64>>>,
 }
 
-/// The table `[storage]`.
+/// The tables `[storage]` and `[foreign]`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Storage {
-    /// Objects that are meant to stand for nothing.
+    /// Objects that are meant to stand for nothing, or for something else than CiA 402 says.
     pub(super) objects: Vec<Spanned<String>>,
 }
 

@@ -19,6 +19,19 @@
 //!
 //! [storage]
 //! objects = ["2100h-21FFh"]       # meant to be plain storage: not reported
+//!
+//! [foreign]
+//! objects = ["6082h"]             # means something else than CiA 402 says: storage, unless a binding says what
+//!
+//! [constants]
+//! microsteps = 256                # a parameter that no object stands for
+//!
+//! [unset]
+//! profile_acceleration = 10000    # what counts while its object is 0, which says nothing
+//!
+//! [habits]                        # what the device does in the way of its maker
+//! node_id = 65
+//! wrong_signature = 0x08000022
 //! ```
 //!
 //! A finding is silenced by a comment `# od-gen: allow RULE because REASON`: in a table or right above it for that table, above
@@ -26,15 +39,18 @@
 
 mod check;
 mod file;
+mod habits;
 mod place;
 
 use std::io;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use cia402_parameters::Conversion;
 use cia402_parameters::{Description, PROFILE};
 
 pub(crate) use file::comments;
+pub use habits::{Habit, KNOWN as HABITS, Known, Owner};
 pub(crate) use place::{entry, indices};
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
@@ -59,6 +75,55 @@ pub struct Binding {
     /// Whether the object follows the parameter.
     pub is_shown: bool,
 }
+
+/// All that a file says.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Bindings {
+    /// Objects that stand for parameters.
+    pub rows: Vec<Binding>,
+    /// Objects of the drive profile that do not mean here what CiA 402 says.
+    pub foreign: Vec<RangeInclusive<u16>>,
+    /// Parameters that no object stands for, with their numbers.
+    pub constants: Vec<(&'static Description, i64)>,
+    /// What counts while the object of a parameter is 0.
+    pub unset: Vec<(&'static Description, i64)>,
+    /// What the device does in the way of its maker.
+    pub habits: Vec<Habit>,
+}
+
+impl Bindings {
+    /// Nothing is said.
+    pub const NONE: &'static Self = &NONE;
+
+    /// Whether an object does not mean what CiA 402 says.
+    pub fn is_foreign(&self, index: u16) -> bool {
+        self.foreign.iter().any(|range| range.contains(&index))
+    }
+
+    /// The number of a parameter that no object stands for.
+    pub fn constant(&self, parameter: &Description) -> Option<i64> {
+        number(&self.constants, parameter)
+    }
+
+    /// What counts while the object of a parameter is 0.
+    pub fn unset(&self, parameter: &Description) -> Option<i64> {
+        number(&self.unset, parameter)
+    }
+}
+
+/// The number of a parameter in a list.
+fn number(list: &[(&Description, i64)], parameter: &Description) -> Option<i64> {
+    let mut list = list.iter();
+    list.find_map(|(own, number)| (*own == parameter).then_some(*number))
+}
+
+static NONE: Bindings = Bindings {
+    rows: Vec::new(),
+    foreign: Vec::new(),
+    constants: Vec::new(),
+    unset: Vec::new(),
+    habits: Vec::new(),
+};
 
 /// How the numbers of an object and of its parameter relate.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -99,7 +164,7 @@ pub struct BindingReport {
     /// The text that the findings point into.
     pub source: Source,
     /// What could be read: all where there are no errors.
-    pub bindings: Vec<Binding>,
+    pub bindings: Bindings,
     /// Objects of the manufacturer that stand for nothing: plain storage.
     pub unbound: Vec<u16>,
     /// What is wrong, in the order of the file.

@@ -30,6 +30,7 @@ fn bindings_are_read_with_scale_values_and_access() {
     let of = |index: u16| {
         let found = report
             .bindings
+            .rows
             .iter()
             .find(|binding| binding.index == index);
         found.unwrap()

@@ -10,8 +10,8 @@ use super::accessors::{is_narrow, value_type};
 use super::documentation::title;
 use super::layout::{Layout, Place, Row};
 use super::sites::{Site, sites};
-use super::{ABORT_CODE, bindings};
-use crate::bind::Binding;
+use super::{ABORT_CODE, bindings, habits};
+use crate::bind::Bindings;
 
 /// Converts between the numbers of the dictionary, which have different types.
 const NUMBER: &str = "::cia402::binding::Number";
@@ -19,27 +19,35 @@ const NUMBER: &str = "::cia402::binding::Number";
 /// What switches the scope on; it is no parameter.
 const SCOPE: (u16, u8) = (0x20D0, 1);
 
-pub(super) fn write(layout: &Layout<'_>, bound: &[Binding]) -> String {
+pub(super) fn write(layout: &Layout<'_>, bound: &Bindings) -> String {
     let all: Vec<(&Description, Vec<Site<'_>>)> = parameters::ALL
         .iter()
         .map(|parameter| (parameter, sites(layout, bound, parameter)))
         .collect();
-    let mut methods = vec![features(layout, &all)];
+    let mut methods = vec![features(layout, &all, bound)];
+    let habits = habits::of_drive(&bound.habits);
+    methods.extend((!habits.is_empty()).then_some(habits));
     for (parameter, sites) in &all {
+        if let Some(number) = bound.constant(parameter) {
+            methods.push(constant(parameter, number));
+            continue;
+        }
         let Some(home) = sites.first() else {
             continue;
         };
         methods.push(match parameter.direction {
-            Direction::Taken => getter(parameter, home),
+            Direction::Taken => getter(parameter, home, bound.unset(parameter)),
             Direction::Shown => setter(parameter, sites),
         });
     }
     let elsewhere = |(parameter, sites): &(&Description, Vec<Site<'_>>)| {
         sites.iter().any(|site| !site.is_in_profile(parameter))
     };
-    if all.iter().any(elsewhere) {
-        methods.push(parameter(&all));
+    let foreign = foreign(layout, bound);
+    if all.iter().any(elsewhere) || !foreign.is_empty() {
+        methods.push(parameter(&all, &foreign));
     }
+    let bound = &bound.rows;
     if !bound.is_empty() {
         methods.extend(converted(&all));
         methods.extend(carry_over(&all));
@@ -58,7 +66,11 @@ pub(super) fn write(layout: &Layout<'_>, bound: &[Binding]) -> String {
 }
 
 /// What the drive has of all that the firmware can do.
-fn features(layout: &Layout<'_>, all: &[(&Description, Vec<Site<'_>>)]) -> String {
+fn features(
+    layout: &Layout<'_>,
+    all: &[(&Description, Vec<Site<'_>>)],
+    bound: &Bindings,
+) -> String {
     let modes = all
         .iter()
         .find(|(parameter, _)| parameter.parameter == Parameter::SupportedDriveModes)
@@ -66,7 +78,7 @@ fn features(layout: &Layout<'_>, all: &[(&Description, Vec<Site<'_>>)]) -> Strin
         .map_or(0, Site::default);
     let offered: Vec<Parameter> = all
         .iter()
-        .filter(|(_, sites)| !sites.is_empty())
+        .filter(|(parameter, sites)| !sites.is_empty() || bound.constant(parameter).is_some())
         .map(|(parameter, _)| parameter.parameter)
         .collect();
     let scope = layout
@@ -96,23 +108,57 @@ fn features(layout: &Layout<'_>, all: &[(&Description, Vec<Site<'_>>)]) -> Strin
     )
 }
 
-fn getter(parameter: &Description, home: &Site<'_>) -> String {
+/// A parameter that no object stands for.
+fn constant(parameter: &Description, number: i64) -> String {
+    let (method, of) = (parameter.name, parameter.number.name());
+    format!("    fn {method}(&self) -> {of} {{\n        {number}\n    }}\n")
+}
+
+/// The homes of parameters in the drive profile that stand for nothing here.
+fn foreign(layout: &Layout<'_>, bound: &Bindings) -> Vec<(u16, u8)> {
+    let homes = parameters::ALL.iter().map(|parameter| parameter.home);
+    let is_foreign = |(index, sub): &(u16, u8)| {
+        let is_bound = bound
+            .rows
+            .iter()
+            .any(|row| (row.index, row.sub) == (*index, *sub));
+        bound.is_foreign(*index) && !is_bound && layout.row(*index, *sub).is_some()
+    };
+    homes.filter(is_foreign).collect()
+}
+
+fn getter(parameter: &Description, home: &Site<'_>, unset: Option<i64>) -> String {
     let (title, own, method) = (title(home.row), &home.row.name, parameter.name);
     let Some(module) = home.module() else {
         // Where the trait has another type, the compiler says so.
         let number = value_type(home.row.entry.data_type);
+        let body = set_or(unset, format!("Self::{own}(self)"));
         return format!(
-            "    // {title}.\n    fn {method}(&self) -> {number} {{\n        Self::{own}(self)\n    }}\n"
+            "    // {title}.\n    fn {method}(&self) -> {number} {{\n        {body}\n    }}\n"
         );
     };
     let number = parameter.number.name();
     // Writes are checked, so that only the default is left for a number that means nothing.
     let default = home.default();
+    let body = set_or(
+        unset,
+        format!("{NUMBER}::nearest(number.unwrap_or({default}))"),
+    );
     format!(
         "    // {title}.\n    fn {method}(&self) -> {number} {{\n        \
          let number = {module}::to_parameter({NUMBER}::number(Self::{own}(self)));\n        \
-         {NUMBER}::nearest(number.unwrap_or({default}))\n    }}\n"
+         {body}\n    }}\n"
     )
+}
+
+/// A number that counts unless it is 0, which says nothing.
+fn set_or(unset: Option<i64>, number: String) -> String {
+    match unset {
+        None => number,
+        Some(unset) => format!(
+            "match {number} {{\n            0 => {unset},\n            number => number,\n        }}"
+        ),
+    }
 }
 
 fn setter(parameter: &Description, sites: &[Site<'_>]) -> String {
@@ -158,7 +204,7 @@ fn put(site: &Site<'_>, number: &str) -> String {
 }
 
 /// Objects that are written for each parameter.
-fn parameter(all: &[(&Description, Vec<Site<'_>>)]) -> String {
+fn parameter(all: &[(&Description, Vec<Site<'_>>)], foreign: &[(u16, u8)]) -> String {
     let mut out = String::from(
         "    fn parameter(entry: &::canopen::od::Entry) -> Option<::cia402::Parameter> {\n        \
          use ::cia402::Parameter;\n        match (entry.index, entry.sub) {\n",
@@ -171,6 +217,9 @@ fn parameter(all: &[(&Description, Vec<Site<'_>>)]) -> String {
                 parameter.parameter
             );
         }
+    }
+    for (index, sub) in foreign {
+        out += &format!("            (0x{index:04X}, {sub}) => None,\n");
     }
     out + "            (index, sub) => Parameter::in_profile(index, sub),\n        }\n    }\n"
 }

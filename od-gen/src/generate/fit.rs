@@ -5,14 +5,14 @@ use cia402_parameters::{ALL, Description, Direction};
 use super::accessors::value_type;
 use super::layout::Layout;
 use super::sites::sites;
-use crate::bind::Binding;
+use crate::bind::Bindings;
 use crate::diagnostic::{Diagnostic, Findings, Severity};
 use crate::model::{Access, Field, Model};
 use crate::rules::standard::check::{STANDARD_ACCESS, STANDARD_TYPE};
 
 /// Objects of the drive that are no numbers of its types, or that it shows and nobody can set. With one of them no code is made that
 /// implements `cia402::Objects`.
-pub fn misfits(model: &Model, bindings: &[Binding]) -> Vec<Diagnostic> {
+pub fn misfits(model: &Model, bindings: &Bindings) -> Vec<Diagnostic> {
     let layout = Layout::new(model);
     let mut findings = Findings::new(&model.file).for_code();
     for parameter in ALL {
@@ -71,14 +71,14 @@ mod tests {
         let said = |old: &str, new: &str| {
             let text = DRIVE.replacen(old, new, 1);
             assert_ne!(text, DRIVE);
-            let found = misfits(&parse("drive.eds", &text).unwrap(), &[]);
+            let found = misfits(&parse("drive.eds", &text).unwrap(), Bindings::NONE);
             let lines = found.iter().map(|finding| {
                 let line = text.lines().nth(finding.span.line as usize - 1).unwrap();
                 format!("{line}: {}", finding.message)
             });
             lines.collect::<Vec<_>>()
         };
-        assert!(misfits(&parse("drive.eds", DRIVE).unwrap(), &[]).is_empty());
+        assert!(misfits(&parse("drive.eds", DRIVE).unwrap(), Bindings::NONE).is_empty());
         let name = "ParameterName=Control word\nDataType=0x0006";
         assert_eq!(
             said(name, "ParameterName=Control word\nDataType=0x0007"),

@@ -11,6 +11,7 @@ mod drive;
 mod figures;
 mod fit;
 mod format;
+mod habits;
 mod hooks;
 mod identity;
 mod layout;
@@ -21,7 +22,7 @@ mod values;
 
 use std::path::Path;
 
-use crate::bind::Binding;
+use crate::bind::{Bindings, Owner};
 use crate::model::Model;
 pub use figures::Figures;
 pub use fit::misfits;
@@ -30,12 +31,12 @@ use layout::Layout;
 pub(crate) use names::snake_case;
 
 /// What is generated beside the dictionary itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options<'a> {
     /// Implement `cia402::Objects` with the CiA 402 objects of the data sheet.
     pub cia402: bool,
     /// Objects that stand for parameters of the drive.
-    pub bindings: &'a [Binding],
+    pub bindings: &'a Bindings,
     /// Write the names of all values too, and what the data sheet says of them: two tables of texts in flash.
     pub names: bool,
     /// Leave SDO block transfer out of the firmware: values travel expedited and in segments only.
@@ -48,7 +49,7 @@ impl Options<'_> {
     /// A dictionary that needs nothing but `canopen`.
     pub const DEVICE: Self = Self {
         cia402: false,
-        bindings: &[],
+        bindings: Bindings::NONE,
         names: false,
         no_block_transfer: false,
         identity: Identity::STATED,
@@ -91,7 +92,11 @@ fn header(model: &Model) -> String {
 /// The type and what it shares with every other dictionary.
 fn dictionary(model: &Model, options: Options<'_>) -> String {
     let device = &model.device;
-    let (lss, block_transfer) = (device.lss, !options.no_block_transfer);
+    let habits = options.bindings.habits.iter();
+    let mut features = habits.filter(|habit| habit.known.owner == Owner::Features);
+    let has_blocks = features.all(|habit| habit.value == "true");
+    let (lss, block_transfer) = (device.lss, !options.no_block_transfer && has_blocks);
+    let habits = habits::of_node(&options.bindings.habits);
     let dummies = model.dummies.iter().fold(0_u32, |dummies, index| {
         dummies | 1_u32.checked_shl((*index).into()).unwrap_or(0)
     });
@@ -133,7 +138,7 @@ impl ::canopen::od::Dictionary for Dictionary {{
         ..::canopen::od::Features::of(&table::TABLE)
     }};
 
-    type Counts = Counts;
+{habits}    type Counts = Counts;
 
     fn ram(&self) -> &[u8] {{
         &self.ram

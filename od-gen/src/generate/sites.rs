@@ -3,7 +3,7 @@
 use cia402_parameters::{Description, PROFILE};
 
 use super::layout::{Layout, Place, Row};
-use crate::bind::{self, Binding};
+use crate::bind::{self, Binding, Bindings};
 
 /// An object that stands for a parameter.
 #[derive(Debug)]
@@ -53,10 +53,11 @@ impl Site<'_> {
 /// The objects of a parameter, first the one that the drive reads.
 pub(super) fn sites<'a>(
     layout: &'a Layout<'a>,
-    bindings: &'a [Binding],
+    bindings: &'a Bindings,
     parameter: &Description,
 ) -> Vec<Site<'a>> {
     let own = bindings
+        .rows
         .iter()
         .filter(|binding| binding.parameter == parameter);
     let mut sites: Vec<Site<'_>> = own
@@ -72,7 +73,9 @@ pub(super) fn sites<'a>(
     let (index, sub) = parameter.home;
     let is_bound = sites.iter().any(|site| site.is_home_of(parameter));
     let row = layout.row(index, sub);
-    let row = row.filter(|row| bind::is_home(row.entry, parameter) && !is_bound);
+    let row = row.filter(|row| {
+        bind::is_home(row.entry, parameter) && !is_bound && !bindings.is_foreign(index)
+    });
     if let Some(row) = row {
         sites.push(Site {
             row,

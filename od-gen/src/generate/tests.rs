@@ -170,7 +170,7 @@ fn streams_whose_names_differ_in_a_gap_have_types_of_their_own() {
         object.entries[0].access = crate::model::Access::ReadWrite;
         object.entries[0].size = 129;
     }
-    let text = generate(&model, Options::default());
+    let text = generate(&model, Options::DEVICE);
     for own_type in ["type File1At2006: ", "type File1At2007: "] {
         assert_eq!(text.matches(own_type).count(), 1, "{own_type}");
     }

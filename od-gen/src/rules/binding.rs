@@ -13,12 +13,13 @@ pub(crate) const RULES: &[&Rule] = &[
     &VALUES,
     &RANGE,
     &STORAGE,
+    &HABIT,
     &UNBOUND,
 ];
 
 pub(crate) static SYNTAX: Rule = Rule::error(
     "binding-syntax",
-    "A file of bindings is TOML with the tables [[binding]] and [storage].",
+    "A file of bindings is TOML with the tables [[binding]], [storage], [foreign], [constants] and [habits].",
     "A binding has the keys object and parameter, and may have scale, offset, access and values; storage has the key objects. When \
      this is silenced in the data sheet, nothing is bound.",
 ).of(Class::Firmware);
@@ -80,8 +81,16 @@ pub(crate) static RANGE: Rule = Rule::error(
 
 pub(crate) static STORAGE: Rule = Rule::error(
     "binding-storage",
-    "The list [storage] names objects or ranges of them.",
+    "The lists [storage] and [foreign] name objects or ranges of them.",
     "2100h, or 2100h-21FFh. When this is silenced, the line does not count.",
+)
+.of(Class::Firmware);
+
+pub(crate) static HABIT: Rule = Rule::error(
+    "binding-habit",
+    "The table [habits] names habits of the firmware, with values that they can have.",
+    "What a device does in the way of its maker: node_id = 65, wrong_signature = 0x08000022, maps_while_valid = true. When this is \
+     silenced, the habit does not count.",
 )
 .of(Class::Firmware);
 

@@ -8,7 +8,7 @@ mod random;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use od_gen::bind::Binding;
+use od_gen::bind::Bindings;
 use od_gen::{BindingReport, Figures, Model, Options, generate, parse};
 
 /// A dictionary for the programs: its name, its data sheet with what is changed in it, and whether it is one of a drive.
@@ -51,12 +51,7 @@ fn prepare(from: &str, into: &str) -> PathBuf {
         let text = include_str!("../data/foreign.bind.toml");
         let report = BindingReport::new("foreign.bind.toml", text, &model);
         assert!(!is_drive || !report.has_errors());
-        write(
-            &folder,
-            name,
-            &model,
-            is_drive.then_some(&report.bindings[..]),
-        );
+        write(&folder, name, &model, is_drive.then_some(&report.bindings));
     }
     for (name, path) in data_sheets() {
         let model = od_gen::read(&path).unwrap();
@@ -76,10 +71,10 @@ fn prepare(from: &str, into: &str) -> PathBuf {
 }
 
 /// Writes a dictionary, with `cia402::Objects` where it has bindings.
-fn write(folder: &Path, name: &str, model: &Model, bindings: Option<&[Binding]>) {
+fn write(folder: &Path, name: &str, model: &Model, bindings: Option<&Bindings>) {
     let options = Options {
         cia402: bindings.is_some(),
-        bindings: bindings.unwrap_or_default(),
+        bindings: bindings.unwrap_or(Bindings::NONE),
         names: true,
         ..Options::DEVICE
     };

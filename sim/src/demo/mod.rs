@@ -4,6 +4,7 @@
 //! as a plot, what to try next.
 
 mod plot;
+mod product;
 mod script;
 
 use std::fmt;
@@ -13,11 +14,13 @@ use std::path::PathBuf;
 use canopen::BitRate;
 
 use crate::drive::MotionSample;
+use crate::products::Product;
 use master::Failure;
 use master::bus::simulated::{Bus, Logged};
 use master::command_line::cannot_write;
 use master::trace::{Group, Interpreter, candump, condense};
 
+pub use product::play as play_product;
 pub use script::play;
 
 /// The node-ID that the master gives to the drive.
@@ -31,6 +34,8 @@ pub const TARGET: i32 = 20_000;
 pub struct Demo {
     /// The node-ID that the master gives to the drive, 1 to 127.
     pub node_id: u8,
+    /// Another maker's drive.
+    pub product: Option<Product>,
     /// Where to write the picture of the move, as SVG.
     pub plot: Option<PathBuf>,
 }
@@ -107,9 +112,22 @@ pub fn show(demo: &Demo, output: &mut dyn Write) -> Result<(), Problem> {
 
 /// [`show`] on a bus of any kind: on one that interferes, the story ends early.
 pub(crate) fn show_on(bus: Bus, demo: &Demo, output: &mut dyn Write) -> Result<(), Problem> {
-    let story = script::play_on(bus, demo.node_id)?;
-    let mut interpreter = script::interpreter(demo.node_id);
-    writeln!(output, "{INTRODUCTION}")?;
+    let (story, mut interpreter) = match demo.product {
+        Some(product) => {
+            let title = product.title();
+            writeln!(
+                output,
+                "A {title} and a CANopen master, on one CAN bus at 1 Mbit/s. {LINES}"
+            )?;
+            let story = product::play(product, demo.node_id)?;
+            (story, Interpreter::new(product.data_sheet()))
+        }
+        None => {
+            let story = script::play_on(bus, demo.node_id)?;
+            writeln!(output, "{INTRODUCTION} {LINES}")?;
+            (story, script::interpreter(demo.node_id))
+        }
+    };
     for chapter in &story.chapters {
         writeln!(output, "\n{}\n", chapter.title)?;
         tell_frames(&chapter.frames, &mut interpreter, output)?;
@@ -159,7 +177,10 @@ fn tell_frames(
 }
 
 const INTRODUCTION: &str = "\
-A drive that has no node-ID yet and a CANopen master, on one CAN bus at 1 Mbit/s. Each line is a frame:
+A drive that has no node-ID yet and a CANopen master, on one CAN bus at 1 Mbit/s.";
+
+const LINES: &str = "\
+Each line is a frame:
 (time in s)  interface  identifier  [length]  bytes in hexadecimal  meaning";
 
 const NEXT: &str = "

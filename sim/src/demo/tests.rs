@@ -16,6 +16,7 @@ fn the_drive_goes_there_and_back_to_the_step() {
 fn the_same_demonstration_gives_the_same_output() {
     let demo = Demo {
         node_id: 127,
+        product: None,
         plot: None,
     };
     let tell = || {
@@ -60,6 +61,7 @@ fn stopped(interferer: impl FnMut(&Logged) -> Interference + 'static) -> Problem
     bus.interfere(interferer);
     let demo = Demo {
         node_id: NODE_ID,
+        product: None,
         plot: None,
     };
     let mut output = Vec::new();

@@ -12,7 +12,7 @@ pub struct Setup {
     /// 1018h:4.
     pub serial_number: u32,
     /// Settings for the first power-on, in place of what is stored, and for later ones as long as nothing is. `None` takes
-    /// what is stored; if nothing is, the drive is unconfigured at 1 Mbit/s.
+    /// what is stored; if nothing is, the drive is as it left the factory: unconfigured at 1 Mbit/s, if its product does not say otherwise.
     pub settings: Option<Configuration>,
     /// What the build of the firmware fixes, before all other sources of node-ID and bit rate.
     pub build: Wish,

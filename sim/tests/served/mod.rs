@@ -1,10 +1,11 @@
 //! A drive behind SLCAN on a free port; it ends with the test.
 
 use std::net::SocketAddr;
-use std::sync::mpsc::SyncSender;
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 
 use master::bus::live::{Incoming, LiveBus};
+use sim::Axis402;
 use sim::drive::Setup;
 use sim::serve::Server;
 
@@ -20,12 +21,18 @@ impl Served {
         let mut bus = LiveBus::new();
         let address = bus.serve_slcan("127.0.0.1:0").unwrap().address();
         let stopper = bus.stopper();
-        let mut server = Server::new(bus, setup, false);
-        server.turn();
+        let (booted, has_booted) = sync_channel(1);
+        let server = thread::spawn(move || {
+            let mut server = Server::new(bus, Box::new(Axis402::new(setup)), false);
+            server.turn();
+            booted.send(()).unwrap();
+            server.run()
+        });
+        has_booted.recv().unwrap();
         Self {
             address,
             stopper,
-            server: Some(thread::spawn(move || server.run())),
+            server: Some(server),
         }
     }
 }

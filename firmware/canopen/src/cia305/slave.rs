@@ -269,6 +269,12 @@ impl Slave {
         self.pending().node_id
     }
 
+    /// Whether the device has a node-ID and gets another one with the next reset communication.
+    pub(crate) fn has_new_node_id(&self) -> bool {
+        let (active, pending) = (self.active.node_id, self.pending().node_id);
+        active.is_configured() && pending.is_configured() && active != pending
+    }
+
     /// What is pending.
     const fn pending(&self) -> Configuration {
         self.wish.over(self.pending)

@@ -7,7 +7,7 @@ use super::Node;
 use super::objects::{Objects, Streams};
 use super::services::Services;
 use crate::application::Application;
-use crate::cia301::nmt::{Command, NmtState};
+use crate::cia301::nmt::{Command, NmtState, Reset};
 use crate::cia301::pdo::Received;
 use crate::cia301::sync::Beat;
 use crate::cia305::Identity;
@@ -35,7 +35,7 @@ impl<D: Dictionary> Node<D> {
             self.receive_remote(cob_id, stamp);
         } else if let Some(server) = self.sdo.find(cob_id) {
             // Most frames of a long transfer are segments, and those have a way of their own.
-            if let Some(request) = frame.full_payload()
+            if let Some(request) = sdo_request::<D>(frame)
                 && !(self.sdo.is_in_segments(server)
                     && self.receive_segment(server, request, stamp, application))
             {
@@ -135,6 +135,10 @@ impl<D: Dictionary> Node<D> {
         if let Some(answer) = self.lss.receive(request, &identity, now) {
             self.push_lss(answer);
         }
+        let is_left = matches!(request, [0x04, 0x00, ..]);
+        if D::HABITS.node_id_at_once && is_left && self.lss.has_new_node_id() {
+            self.request_reset(Reset::Communication);
+        }
         self.serve_lss_events();
         self.services.agenda.wake();
         self.services.agenda.is_mute = self.must_be_mute(now);
@@ -216,5 +220,15 @@ impl<D: Dictionary> Node<D> {
             self.services.agenda.wake();
             self.services.report_errors(&mut self.dictionary, now);
         }
+    }
+}
+
+/// The eight bytes of an SDO request.
+#[inline]
+fn sdo_request<D: Dictionary>(frame: &Frame) -> Option<&[u8; 8]> {
+    if D::HABITS.short_sdo_requests {
+        Some(frame.bytes())
+    } else {
+        frame.full_payload()
     }
 }

@@ -111,7 +111,7 @@ impl<C: Counts> Services<C> {
                 self.sync.validate(dictionary, entry, value)
             }
             parameters::STORE | parameters::RESTORE if D::FEATURES.parameters => {
-                self.parameters.validate(entry, value)
+                self.parameters.validate::<D>(entry, value)
             }
             heartbeat::CONSUMER_INDEX => self.consumers.validate(entry, value),
             time_stamp::COB_ID | emergency::consumer::CONSUMER_INDEX => {

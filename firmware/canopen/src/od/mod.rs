@@ -15,6 +15,7 @@ mod counts;
 mod entry;
 mod features;
 mod format;
+mod habits;
 mod typed;
 
 use core::ops::Range;
@@ -29,6 +30,7 @@ pub use buckets::buckets;
 pub use counts::{Count, Counts};
 pub use entry::{Access, Attributes, DataType, Entry, Location, StorageGroup, key};
 pub use features::Features;
+pub use habits::Habits;
 pub use typed::{
     DayTime, OutOfRange, Value, bytes_at, give, put_at, signed, signed_bytes, unsigned,
     unsigned_bytes,
@@ -80,6 +82,9 @@ pub trait Dictionary {
 
     /// What the device has of all that this crate can do.
     const FEATURES: Features = Features::of(Self::TABLE);
+
+    /// What the device does in the way of its maker.
+    const HABITS: Habits = Habits::STANDARD;
 
     /// How many of each service the device has: [`Count`].
     type Counts: Counts;

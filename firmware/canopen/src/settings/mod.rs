@@ -160,6 +160,12 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// As a device leaves the factory: no node-ID, 1 Mbit/s.
+    pub const FACTORY: Self = Self {
+        node_id: NodeId::UNCONFIGURED,
+        bit_rate: BitRate::Kbit1000,
+    };
+
     /// The same, configured.
     pub const fn configuration(self) -> Configuration {
         Configuration {
@@ -170,12 +176,8 @@ impl Settings {
 }
 
 impl Default for Settings {
-    /// As a device leaves the factory: no node-ID, 1 Mbit/s.
     fn default() -> Self {
-        Self {
-            node_id: NodeId::UNCONFIGURED,
-            bit_rate: BitRate::Kbit1000,
-        }
+        Self::FACTORY
     }
 }
 

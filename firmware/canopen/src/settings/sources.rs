@@ -5,7 +5,7 @@
 //! | 1 | the build | what it fixes |
 //! | 2 | the switches of the board | what their position sets ([`Switches`](super::Switches)) |
 //! | 3 | the store: what LSS or an object of the manufacturer has configured last | both |
-//! | 4 | the factory | both: no node-ID, 1 Mbit/s |
+//! | 4 | the factory ([`Habits::factory`](crate::od::Habits)) | both; else no node-ID, 1 Mbit/s |
 //!
 //! Node-ID and bit rate are chosen each for itself: the first source that says something counts. A bit rate that this board cannot
 //! make is as if nothing was said, so no setting keeps a device off the bus for ever.
@@ -125,6 +125,8 @@ pub struct Sources {
     pub switches: Wish,
     /// What is stored, if anything is.
     pub stored: Option<Configuration>,
+    /// What the device leaves the factory with.
+    pub factory: Configuration,
 }
 
 /// A value and who has said it.
@@ -162,7 +164,7 @@ impl Sources {
     /// cannot make that of the factory either, it has the first of `supported`.
     pub fn choose(&self, supported: &[BitRate]) -> PowerOn {
         let stored = self.stored.map_or(Wish::NOTHING, Wish::from);
-        let factory = Configuration::default();
+        let factory = self.factory;
         let node_id = first(
             [self.build.node_id, self.switches.node_id, stored.node_id],
             factory.node_id,
@@ -184,7 +186,7 @@ impl Sources {
         PowerOn {
             node_id,
             bit_timing,
-            stored: self.stored.unwrap_or_default(),
+            stored: self.stored.unwrap_or(self.factory),
         }
     }
 }
@@ -270,6 +272,7 @@ mod tests {
             build: wish(1, BitRate::Kbit10),
             switches: wish(2, BitRate::Kbit20),
             stored: stored(3, BitRate::Kbit50),
+            factory: stored(65, BitRate::Kbit125).unwrap(),
         };
         assert_eq!(chosen(sources), ((1, Source::Build), (10, Source::Build)));
         sources.build = Wish::NOTHING;
@@ -279,6 +282,11 @@ mod tests {
         );
         sources.switches = Wish::NOTHING;
         assert_eq!(chosen(sources), ((3, Source::Store), (50, Source::Store)));
+        sources.stored = None;
+        let factory = ((65, Source::Factory), (125, Source::Factory));
+        assert_eq!(chosen(sources), factory);
+        let stored = sources.choose(&BitRate::ALL).stored;
+        assert_eq!(stored, sources.factory, "what counts if nothing is stored");
     }
 
     #[test]
@@ -293,6 +301,7 @@ mod tests {
                 ..Wish::NOTHING
             },
             stored: stored(3, BitRate::Kbit50),
+            ..Sources::default()
         };
         let power_on = sources.choose(&BitRate::ALL);
         assert_eq!(power_on.node_id.value.get(), 9);
@@ -319,6 +328,7 @@ mod tests {
             build: wish(1, Kbit800),
             switches: wish(2, Kbit20),
             stored: stored(3, Kbit50),
+            ..Sources::default()
         };
         let timing = |supported: &[BitRate]| {
             let Chosen { value, source } = sources.choose(supported).bit_timing;

@@ -23,10 +23,12 @@ extern crate std;
 
 mod conversion;
 mod features;
+mod habits;
 mod list;
 
 pub use conversion::Conversion;
 pub use features::Features;
+pub use habits::Habits;
 
 /// The first object of the drive profile. A parameter with a home below it is at home in a data sheet that has such an object with
 /// the parameter's name, and in no other.

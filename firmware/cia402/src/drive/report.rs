@@ -42,10 +42,18 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             Mode::Velocity => self.configuration.velocity.shown(velocity),
             _ => 0,
         };
+        let is_on = self.power || state == State::SwitchedOn;
+        let is_fed =
+            self.periphery.stage.has_supply && (!D::DRIVE_HABITS.voltage_needs_power || is_on);
         Actuals {
             at: now,
             statusword: state.statusword()
-                | bit(self.periphery.stage.has_supply, statusword::VOLTAGE_ENABLED)
+                | bit(is_fed, statusword::VOLTAGE_ENABLED)
+                | bit(
+                    D::DRIVE_HABITS.quick_stop_bit_while_disabled
+                        && state == State::SwitchOnDisabled,
+                    statusword::QUICK_STOP,
+                )
                 | bit(self.faults.warning(), statusword::WARNING)
                 | bit(self.commands.remote, statusword::REMOTE)
                 | bit(

@@ -16,7 +16,9 @@ pub(crate) fn run(arguments: &Bindings) -> Result<ExitCode, Failure> {
     let mut text = String::new();
     for parameter in ALL {
         let home = bind::home(&model, parameter).map(|_| parameter.home);
+        let home = home.filter(|(index, _)| !bindings.is_foreign(*index));
         let own = bindings
+            .rows
             .iter()
             .filter(|binding| binding.parameter == parameter);
         let mut objects: Vec<String> = own
@@ -31,7 +33,9 @@ pub(crate) fn run(arguments: &Bindings) -> Result<ExitCode, Failure> {
             Direction::Taken => "<-",
             Direction::Shown => "->",
         };
-        let objects = if objects.is_empty() {
+        let objects = if let Some(number) = bindings.constant(parameter) {
+            number.to_string()
+        } else if objects.is_empty() {
             "-".into()
         } else {
             objects.join(", ")

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use od_gen::bind::{self, Binding};
+use od_gen::bind::{self, Bindings};
 use od_gen::{BindingReport, Model, Report, Severity};
 
 use crate::Failure;
@@ -67,9 +67,9 @@ pub(crate) fn binding_report(file: &Path, model: &Model) -> Result<Option<Bindin
 }
 
 /// The bindings beside a data sheet; what there is to say about them goes to standard error.
-pub(crate) fn bindings(file: &Path, model: &Model) -> Result<Vec<Binding>, Failure> {
+pub(crate) fn bindings(file: &Path, model: &Model) -> Result<Bindings, Failure> {
     let Some(report) = binding_report(file, model)? else {
-        return Ok(Vec::new());
+        return Ok(Bindings::default());
     };
     if !report.findings.is_empty() {
         output::tell(report.render(output::colour_of_errors()).trim_end());

@@ -72,6 +72,7 @@ pub fn any_power_on() -> PowerOn {
         build: Wish::of_build(text, text).unwrap_or(Wish::NOTHING),
         switches: Switches::new(any(), RATES).wish(any() as u16),
         stored: (any() == 0).then(any_configuration),
+        factory: any_configuration(),
     };
     let supported: [BitRate; 2] = [any_bit_rate(), any_bit_rate()];
     sources.choose(supported.get(..any() as usize).unwrap_or(&supported))

@@ -44,7 +44,7 @@ impl Producer {
         if is_allowed {
             Ok(())
         } else {
-            Err(AbortCode::InvalidValue)
+            Err(D::HABITS.wrong_history_count)
         }
     }
 

@@ -104,14 +104,20 @@ impl Parameters {
     /// Whether 1010h or 1011h may get this value.
     ///
     /// # Errors
-    /// - [`AbortCode::NotTransferable`]: a wrong signature (CiA 301, 7.5.2.13), a sub-index that stands for nothing, or the
-    ///   device has no store.
+    /// - [`AbortCode::NotTransferable`]: a wrong signature (CiA 301, 7.5.2.13; [`Habits::wrong_signature`](od::Habits)), a
+    ///   sub-index that stands for nothing, or the device has no store.
     /// - [`AbortCode::DeviceState`]: the store is still busy with the last order.
-    pub(crate) fn validate(&self, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
+    pub(crate) fn validate<D: Dictionary>(
+        &self,
+        entry: &Entry,
+        value: &[u8],
+    ) -> Result<(), AbortCode> {
         let signature = if entry.index == STORE { SAVE } else { LOAD };
         let is_known = ParameterSets::of_sub_index(entry.sub).is_some();
-        if !self.has_store || !is_known || value != signature {
+        if !self.has_store || !is_known {
             Err(AbortCode::NotTransferable)
+        } else if value != signature {
+            Err(D::HABITS.wrong_signature)
         } else if self.job.is_some() {
             Err(AbortCode::DeviceState)
         } else {

@@ -11,6 +11,8 @@
 //! | COB-ID valid, or the type while it is, of a multiplexed PDO that is not event-driven | 06090030h |
 //! | mapping sub-index 0: 65 to 253, more than the record has, or more than 64 bits together | 06040042h |
 //! | mapping sub-index 0: counts an empty entry | 06040041h |
+//!
+//! A device may have habits of its maker ([`Habits`](crate::od::Habits)) here: it maps while a PDO is valid, keeps bit 30, has other codes.
 
 use super::mapping::{Direction, Layout, MOST_BITS, Mapped, MappingEntry};
 use super::multiplexed::Addressing;
@@ -252,6 +254,12 @@ impl Parameters {
         match (sub, self.direction) {
             (1, _) => {
                 let new = CobId(u32::from_le_bytes(bytes(value)?));
+                if D::HABITS.no_remote_requests
+                    && self.direction == Direction::Transmit
+                    && new.0 & NO_RTR == 0
+                {
+                    return Err(AbortCode::InvalidValue);
+                }
                 cob_ids::validate(dictionary, entry, value, true)?;
                 if new.is_valid() && !present.is_valid() {
                     // A mapping that came from elsewhere than a checked write must not be found out by its first frame.
@@ -295,12 +303,20 @@ impl Parameters {
         value: &[u8],
         objects: &mut [Mapped],
     ) -> Result<(), AbortCode> {
-        if self.cob_id(dictionary).is_valid() {
+        if !D::HABITS.maps_while_valid && self.cob_id(dictionary).is_valid() {
             return Err(AbortCode::UnsupportedAccess);
         }
         if sub == 0 {
             let [count] = bytes(value)?;
-            return self.resolve(dictionary, count, objects).map(|_| ());
+            let found = self.resolve(dictionary, count, objects);
+            if D::HABITS.maps_while_valid && found.is_err() {
+                // The PDO is in use and stays as it was.
+                let _ = self.resolve(dictionary, self.count(dictionary), objects);
+            }
+            return found.map(|_| ()).map_err(|code| match code {
+                AbortCode::PdoLengthExceeded => D::HABITS.mapping_too_long,
+                other => other,
+            });
         }
         if number(dictionary, self.mapping(), 0) != Some(0) {
             return Err(AbortCode::UnsupportedAccess);
@@ -309,7 +325,9 @@ impl Parameters {
             MappingEntry::EMPTY => Ok(()),
             entry => {
                 let target = entry.resolve(D::TABLE, D::FEATURES.dummies, self.direction);
-                target.map(|_| ())
+                target
+                    .map(|_| ())
+                    .map_err(|code| D::HABITS.missing_mapped_object.unwrap_or(code))
             }
         }
     }

@@ -141,6 +141,7 @@ fn switched(build: Wish) -> Slave {
             bit_timing: Some(BitTiming::Fixed(BitRate::Kbit1000)),
         },
         stored: Some(stored(9, BitRate::Kbit250)),
+        ..Sources::default()
     };
     let power_on = sources.choose(&BitRate::ALL);
     let mut slave = slave(power_on.node_id.value.get()).started(&power_on);

@@ -429,6 +429,7 @@ pub(super) const BINDINGS: &[(&str, &str)] = &[
         "binding-range",
         "[[binding]]\nobject = \"2006h\"\nparameter = \"profile_velocity\"\nvalues = { 1 = 1 }\n",
     ),
+    ("binding-habit", "[habits]\nmaps_while_valid = 5\n"),
     (
         "binding-storage",
         "[storage]\nobjects = [\"all\", \"2000h-5FFFh\"]\n",

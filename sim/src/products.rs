@@ -1,0 +1,151 @@
+//! The drives that this program can be: the generic one, and those of the crate [`products`], chosen by name.
+//!
+//! A virtual drive is generic over the dictionary of its firmware. Who does not care which one it is has a [`Drive`].
+
+use std::sync::Arc;
+
+use canopen::od::{self, Dictionary};
+use canopen::{Configuration, Event, NodeId};
+use cia402::Objects;
+use master::bus::Station;
+use master::data_sheet::DataSheet;
+
+use crate::Axis402;
+use crate::drive::{MotionSample, Setup, VirtualDrive};
+use crate::flash::Flash;
+use crate::plant::Plant;
+
+/// A virtual drive, whatever its dictionary is.
+pub trait Drive: Station {
+    /// The node-ID in force.
+    fn node_id(&self) -> NodeId;
+
+    /// The oldest event of the node that nobody has taken yet. The drive has done its part already.
+    fn take_event(&mut self) -> Option<Event>;
+
+    /// The bytes of an object, as the dictionary has them; `None` if there is no such object.
+    fn object(&self, index: u16, sub: u8) -> Option<Vec<u8>>;
+
+    /// Keeps a sample of the motor from each control tick on from now.
+    fn record_motion(&mut self);
+
+    /// The samples kept so far.
+    fn motion_samples(&self) -> &[MotionSample];
+
+    /// The motor.
+    fn plant_mut(&mut self) -> &mut Plant;
+
+    /// The flash behind the parameter store, to break it.
+    fn with_flash(&mut self, change: &mut dyn FnMut(&mut Flash));
+}
+
+impl<D> Drive for VirtualDrive<D>
+where
+    D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+{
+    fn node_id(&self) -> NodeId {
+        self.device().node().settings().node_id
+    }
+
+    fn take_event(&mut self) -> Option<Event> {
+        Self::take_event(self)
+    }
+
+    fn object(&self, index: u16, sub: u8) -> Option<Vec<u8>> {
+        let entry = od::find::<D>(index, sub).ok()?;
+        Some(od::value(self.device().node().dictionary(), entry).to_vec())
+    }
+
+    fn record_motion(&mut self) {
+        Self::record_motion(self);
+    }
+
+    fn motion_samples(&self) -> &[MotionSample] {
+        Self::motion_samples(self)
+    }
+
+    fn plant_mut(&mut self) -> &mut Plant {
+        Self::plant_mut(self)
+    }
+
+    fn with_flash(&mut self, change: &mut dyn FnMut(&mut Flash)) {
+        Self::with_flash(self, change);
+    }
+}
+
+/// A drive of another maker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Product(&'static products::Product);
+
+impl Product {
+    /// The product of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        let mut all = products::ALL.iter();
+        all.find(|product| product.name == name).map(Self)
+    }
+
+    /// The names of all.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        products::ALL.iter().map(|product| product.name)
+    }
+
+    /// What its data sheet calls it.
+    pub fn title(self) -> &'static str {
+        self.0.title
+    }
+
+    /// Its data sheet.
+    pub fn data_sheet(self) -> Arc<DataSheet> {
+        let file = format!("{}.eds", self.0.name);
+        let model = od_gen::parse(&file, self.0.data_sheet);
+        Arc::new(model.expect("it has built the product").into())
+    }
+
+    /// Node-ID and bit rate that it leaves the factory with.
+    pub fn factory(self) -> Configuration {
+        self.visit(Factory)
+    }
+
+    /// A drive of this kind, without power.
+    pub fn drive(self, setup: Setup) -> Box<dyn Drive> {
+        self.visit(Make(setup))
+    }
+
+    pub(crate) fn visit<V: products::Visitor>(self, visitor: V) -> V::Output {
+        products::with(self.0.name, visitor).expect("a product of the list")
+    }
+}
+
+struct Factory;
+
+impl products::Visitor for Factory {
+    type Output = Configuration;
+
+    fn visit<D>(self) -> Configuration
+    where
+        D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+    {
+        D::HABITS.factory
+    }
+}
+
+struct Make(Setup);
+
+impl products::Visitor for Make {
+    type Output = Box<dyn Drive>;
+
+    fn visit<D>(self) -> Box<dyn Drive>
+    where
+        D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+    {
+        Box::new(VirtualDrive::<D>::new(self.0))
+    }
+}
+
+/// A drive of this product, or the generic one, without power.
+pub fn drive(product: Option<Product>, setup: Setup) -> Box<dyn Drive> {
+    match product {
+        Some(product) => product.drive(setup),
+        None => Box::new(Axis402::new(setup)),
+    }
+}

@@ -1,0 +1,7 @@
+//! The drives of other makers: their motors move, the worked sequences of their manuals play, and each capability has what shows it.
+
+mod bench;
+mod capabilities;
+mod moves;
+mod scenes;
+mod sequences;
