@@ -54,8 +54,8 @@ impl Monitor {
     }
 
     /// What was found in this tick.
-    pub(crate) const fn observed(&self) -> Observed {
-        self.observed
+    pub(crate) const fn observed(&self) -> &Observed {
+        &self.observed
     }
 
     /// Whether the following error has been too large since the last call of [`Monitor::forget_loss`].

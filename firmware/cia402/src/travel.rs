@@ -85,8 +85,8 @@ impl SoftwareLimits {
     }
 
     /// Where the motor may go.
-    pub(crate) const fn travel(&self) -> Travel {
-        self.travel
+    pub(crate) const fn travel(&self) -> &Travel {
+        &self.travel
     }
 
     /// Whether homing, or the loss of the home position, has made these limits old.

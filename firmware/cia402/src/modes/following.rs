@@ -331,7 +331,7 @@ impl Following {
         let asked = need;
         let has_ends = context.travel.increments != Travel::NONE.increments;
         let need = if has_ends {
-            within_travel(self.at, need, context.travel)
+            within_travel(self.at, need, *context.travel)
         } else {
             need
         };

@@ -70,9 +70,9 @@ pub(crate) struct Context<'a, P: Parts> {
     /// What was being played when the tick began.
     pub(crate) demand: Demand,
     /// What the motor did.
-    pub(crate) observed: Observed,
+    pub(crate) observed: &'a Observed,
     /// Where the motor may go by 607Dh.
-    pub(crate) travel: Travel,
+    pub(crate) travel: &'a Travel,
     /// The configuration, or where the motor may go, is perhaps not that of the last tick.
     pub(crate) has_changed: bool,
     /// Neither that nor the commands: what the tick before has made of them holds.

@@ -219,7 +219,7 @@ impl ProfilePosition {
     fn head_for(&mut self, set_point: &mut SetPoint, context: &mut Context<'_, impl Parts>) {
         let distance = (set_point.target).saturating_sub(context.motor.committed_position());
         self.direction = distance.signum();
-        set_point.end_within(context.travel, self.direction, context.motor.window());
+        set_point.end_within(*context.travel, self.direction, context.motor.window());
         self.target = set_point.target;
         self.user = Some(set_point.user);
         context.frame.remember(set_point.user, set_point.target);
@@ -241,7 +241,7 @@ impl ProfilePosition {
     #[cold]
     #[inline(never)]
     fn look_at_limits(&mut self, context: &mut Context<'_, impl Parts>) {
-        let is_cut_anew = core::mem::replace(&mut self.travel, context.travel) != context.travel;
+        let is_cut_anew = core::mem::replace(&mut self.travel, *context.travel) != *context.travel;
         let is_under_way = self.progress == Progress::UnderWay;
         let before = (self.current).filter(|_| is_under_way || self.progress == Progress::Passed);
         let mut current = before;
@@ -255,7 +255,7 @@ impl ProfilePosition {
                     self.head_for(current, context);
                 }
             }
-            current.end_within(context.travel, self.direction, context.motor.window());
+            current.end_within(*context.travel, self.direction, context.motor.window());
         }
         if let Some(mut next) = self.next {
             next.pace(context);

@@ -16,7 +16,7 @@ impl ProfilePosition {
         let controlword = given.controlword;
         let immediately = controlword & CHANGE_IMMEDIATELY != 0;
         let waits = !immediately && self.progress == Progress::UnderWay;
-        self.travel = context.travel;
+        self.travel = *context.travel;
         let mut set_point = self.read(given, context, waits);
         if !waits {
             self.next = None;
