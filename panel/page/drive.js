@@ -2,6 +2,7 @@
 
 import { known, mayWrite, order, say } from "./connection.js";
 import { card, element, mark, number, show, toast, visible } from "./element.js";
+import { chart } from "./chart.js";
 import { machine } from "./machine.js";
 
 // How often a held button says that it is held, in milliseconds. The panel ends a jog when nothing was heard for 150.
@@ -107,6 +108,10 @@ export function enter(place) {
     disable: element("button", { type: "button", id: "disable", "data-writes": true, onclick: () => attempt("transition", { transition: "shutdown" }) }, "Disable"),
     transitions: element("div", { class: "transitions" }),
     machine: machine(),
+    chart: chart(() => {
+      const drive = known.connected ? known.state?.drive : null;
+      return drive?.answers ? [drive.position, drive.velocity] : [null, null];
+    }),
     statusword: element("dd", { id: "statusword" }),
     controlword: element("dd"),
     mode: element("dd", { id: "mode" }),
@@ -135,6 +140,7 @@ export function enter(place) {
         element("div", { class: "reading main" }, element("span", { class: "quiet" }, "Position"), element("span", {}, parts.position, " ", unitOf(0))),
         element("div", { class: "grid3" },
           reading("Velocity", parts.velocityNow, 1), reading("Target", parts.targetNow, 0), reading("Following error", parts.lag, 0)),
+        parts.chart.root,
         parts.guard),
       card("Move",
         element("div", { class: "fields" }, parts.target.root, element("button", { type: "button", id: "move-to", "data-powered": true, onclick: () => move(false) }, "Move to")),
@@ -159,6 +165,7 @@ export function enter(place) {
 /** Leaves the page: whoever is not on it holds no button of it. */
 export function leave() {
   release();
+  parts?.chart.end();
   parts = null;
 }
 

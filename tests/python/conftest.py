@@ -45,6 +45,8 @@ def pytest_addoption(parser):
     parser.addoption(
         "--plant-trace", default=ROOT / "target" / "debug" / "examples" / "plant_trace", help="the plant of the servo, played"
     )
+    parser.addoption("--panel", default=ROOT / "target" / "debug" / "axis402-panel", help="the panel's program")
+    parser.addoption("--pictures", help="a folder for pictures of the panel's pages")
     parser.addoption("--xtask", default=ROOT / "target" / "debug" / "xtask", help="the program that runs the emulator")
     parser.addoption("--node-modules", help="the packages of Node.js")
     parser.addoption("--image", help="the firmware's ELF file; without it, it is built")

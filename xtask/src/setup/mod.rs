@@ -19,6 +19,11 @@ pub fn emulator() -> Result<PathBuf> {
     debian::program("qemu-system-arm", &["qemu-system-arm"])
 }
 
+/// The browser of the panel's tests.
+pub fn browser() -> Result<PathBuf> {
+    debian::program("chromium", &["chromium"])
+}
+
 /// A C++ compiler, for libFuzzer.
 pub fn cxx_compiler() -> Result<PathBuf> {
     debian::program("c++", &["g++"])

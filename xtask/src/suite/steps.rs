@@ -129,6 +129,9 @@ impl Ready {
         } else {
             PathBuf::new()
         };
+        if steps.contains(&Step::Python) {
+            setup::browser()?;
+        }
         let node = if steps.contains(&Step::Python) {
             setup::node_packages()?
         } else {
@@ -267,7 +270,7 @@ fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the programs of the Python tests: the virtual drive, the one in virtual time, a master's command line, the generator's, a
+/// Builds the programs of the Python tests: the virtual drive, the one in virtual time, a master's command line, the panel, the generator's, a
 /// device that is no drive, and the plant of the servo.
 fn devices() -> Command {
     cargo(&[
@@ -278,6 +281,8 @@ fn devices() -> Command {
         "master",
         "--package",
         "od-gen",
+        "--package",
+        "panel",
         "--package",
         "sim",
         "--package",
@@ -290,6 +295,8 @@ fn devices() -> Command {
         "stepped_drive",
         "--bin",
         "axis402",
+        "--bin",
+        "axis402-panel",
         "--bin",
         "od-gen",
         "--example",
@@ -384,6 +391,8 @@ fn against(python: &Path, target: &str) -> Command {
         .arg(place::built("examples/io_device"))
         .arg("--plant-trace")
         .arg(place::built("examples/plant_trace"))
+        .arg("--panel")
+        .arg(place::built("axis402-panel"))
         .arg("--xtask")
         .arg(place::built("xtask"));
     command
