@@ -394,6 +394,9 @@ fn c05_frames_that_classic_can_cannot_carry_do_not_exist() {
         &[0x40, 0, 0x10, 0, 0, 0, 0, 0],
     )
     .unwrap();
+    assert!(extended.is_extended() && !extended.is_standard());
+    let base = Frame::data_frame(0x604, &[]);
+    assert!(base.is_standard() && !base.is_extended());
     device
         .node
         .receive(&extended, device.now, &mut device.firmware);
