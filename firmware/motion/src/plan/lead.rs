@@ -29,6 +29,8 @@ pub(crate) struct Start {
     pub(super) order: Option<Order>,
     /// A sin² ramp that is under way and may be finished, in the frame of the axis.
     pub(super) ramp: Option<Piece>,
+    /// It is left all the same.
+    leaves_ramp: bool,
 }
 
 impl Start {
@@ -41,6 +43,7 @@ impl Start {
             sixth_jerk: 0,
             order: None,
             ramp: None,
+            leaves_ramp: false,
         }
     }
 
@@ -57,19 +60,30 @@ impl Start {
 
     /// No ramp that is under way is finished.
     pub(crate) const fn leave_ramp(&mut self) {
-        self.ramp = None;
+        self.leaves_ramp = true;
     }
 
     /// From where sin² ramps begin.
     pub(super) fn smooth_origin(&self, clock: Clock, goal: Goal, limits: Limits) -> Origin {
-        if let Some(finished) = self.finished(clock, goal, limits) {
-            return finished;
+        let mut origin = Origin::steady(self.tick, self.from);
+        origin.is_sine = true;
+        if !self.finish((clock, goal, limits), &mut origin) {
+            let jerk = self.sixth_jerk().max(self.harder_jerk(clock, limits));
+            self.ease(jerk, &mut origin);
         }
-        self.eased(self.sixth_jerk.max(self.harder_jerk(clock, limits)))
+        origin
+    }
+
+    /// A sixth of the jerk of the acceleration that it has.
+    pub(super) fn sixth_jerk(&self) -> Fine {
+        match &self.ramp {
+            Some(ramp) if self.acceleration != 0 => ramp.sixth_jerk(),
+            _ => self.sixth_jerk,
+        }
     }
 
     /// From where sin² ramps go on when the acceleration has been brought to zero; at once if there is no jerk for that.
-    fn eased(&self, sixth_jerk: Fine) -> Origin {
+    fn ease(&self, sixth_jerk: Fine, origin: &mut Origin) {
         let Self {
             tick,
             from,
@@ -85,10 +99,7 @@ impl Start {
             quotient(strength, 1, jerk >> 32)
         };
         if time == 0 {
-            return Origin {
-                is_sine: true,
-                ..Origin::steady(tick, from)
-            };
+            return;
         }
         let signed = |value: u128| {
             let value = value.cast_signed();
@@ -106,21 +117,18 @@ impl Start {
         };
         // However long it lasts and whatever is rounded in it, it begins here.
         let position = from.position.wrapping_sub(lead.position_at(tick));
-        Origin {
-            start: tick,
-            lead: Some(lead),
-            begin: from.position,
-            end,
-            from: Exact { position, velocity },
-            is_sine: true,
-        }
+        origin.lead = Some(lead);
+        origin.end = end;
+        origin.from = Exact { position, velocity };
     }
 
-    /// From where the ramp that is under way ends, if a motion to `goal` finishes it anyway.
-    fn finished(&self, clock: Clock, goal: Goal, limits: Limits) -> Option<Origin> {
-        let ramp = self.ramp.as_ref()?;
+    /// From where the ramp that is under way ends, if a motion to `goal` finishes it anyway. Returns whether it does.
+    fn finish(&self, (clock, goal, limits): (Clock, Goal, Limits), origin: &mut Origin) -> bool {
+        let Some(ramp) = self.ramp.as_ref().filter(|_| !self.leaves_ramp) else {
+            return false;
+        };
         let Shape::Sine(time) = ramp.shape else {
-            return None;
+            return false;
         };
         let half = ramp.half_acceleration;
         // From where it is anchored to where it ends.
@@ -138,20 +146,16 @@ impl Start {
         };
         let change = if is_braking { -half } else { half };
         if !is_done_anyway(from, change, clock, goal, limits) {
-            return None;
+            return false;
         }
-        Some(Origin {
+        origin.lead = Some(Piece {
             start: self.tick,
-            lead: Some(Piece {
-                start: self.tick,
-                position: distance.wrapping_neg(),
-                ..*ramp
-            }),
-            begin: self.from.position,
-            end,
-            from,
-            is_sine: true,
-        })
+            position: distance.wrapping_neg(),
+            ..*ramp
+        });
+        origin.end = end;
+        origin.from = from;
+        true
     }
 
     /// If these limits are harder than those so far, a sixth of the jerk of their ramps from rest to the profile velocity, or from the velocity of
@@ -176,29 +180,18 @@ impl Plan {
             return Start::steady(at, self.exact_at(at));
         }
         let (from, acceleration) = self.motion_at(at);
-        let piece = self.find_piece(at).map(|(piece, _)| piece);
-        let mut start = Start {
-            order: self.order.filter(|_| at >= self.frame.start),
-            ..Start::steady(at, from)
-        };
-        if let Some(piece) = piece
-            && let Shape::Sine(_) = piece.shape
-        {
-            let ramp = piece.seen_from(&self.frame);
-            start.ramp = Some(Piece {
-                position: self.frame.origin.wrapping_add(ramp.position),
-                ..ramp
-            });
+        let mut start = Start::steady(at, from);
+        start.order = self.order.filter(|_| at >= self.frame.start);
+        start.acceleration = acceleration;
+        match self.find_piece(at) {
+            Some((piece, _)) if piece.is_sine() => {
+                start.ramp = Some(piece.placed(&self.frame));
+            }
+            _ if acceleration == 0 => {}
+            Some((piece, _)) if piece.sixth_jerk() != 0 => start.sixth_jerk = piece.sixth_jerk(),
+            _ => start.sixth_jerk = self.sixth_jerk,
         }
-        if acceleration == 0 {
-            return start;
-        }
-        let sixth_jerk = match piece.map(|piece| (piece, piece.shape)) {
-            Some((piece, Shape::Sine(time))) => sine::jerk(piece.half_acceleration, time),
-            Some((_, Shape::Cubic(sixth_jerk))) if sixth_jerk != 0 => sixth_jerk.unsigned_abs(),
-            _ => self.sixth_jerk,
-        };
-        start.easing(acceleration, sixth_jerk)
+        start
     }
 }
 

@@ -250,7 +250,7 @@ impl Plan {
             Ramps::JerkLimited(0) => Err(PlanError::ZeroJerk),
             #[cfg(feature = "limited-jerk")]
             Ramps::JerkLimited(jerk) => {
-                let jerk = clock.sixth_jerk(jerk).max(start.sixth_jerk);
+                let jerk = clock.sixth_jerk(jerk).max(start.sixth_jerk());
                 jerk_limited::plan(self, clock, start, goal, limits, jerk)?;
                 self.sixth_jerk = jerk;
                 self.order = Some((goal, limits, ramps));
@@ -384,9 +384,7 @@ impl Plan {
 
     pub(crate) fn phase_at(&self, t: Ticks) -> Option<Phase> {
         let (piece, until) = self.find_piece(t)?;
-        let mut phase = Phase::NONE;
-        piece.work_out((t, until), &self.frame, &mut phase);
-        Some(phase)
+        Some(piece.work_out((t, until), &self.frame).0)
     }
 
     /// The phase at tick `t`, if it is the one that was entered.
@@ -401,12 +399,8 @@ impl Plan {
         if self.entered(t).is_some() {
             return;
         }
-        let mut phase = Phase::NONE;
         let found = self.find_piece(t);
-        self.entered = found.map(|(piece, until)| {
-            let until = piece.work_out((t, until), &self.frame, &mut phase);
-            (phase, until)
-        });
+        self.entered = found.map(|(piece, until)| piece.work_out((t, until), &self.frame));
     }
 
     /// Where the motion comes to rest; `None` if it never does.

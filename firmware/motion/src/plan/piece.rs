@@ -123,6 +123,26 @@ impl Piece {
         }
     }
 
+    /// The same in the frame of the axis.
+    pub(super) fn placed(self, frame: &Frame) -> Self {
+        let mut placed = self.seen_from(frame);
+        placed.position = placed.position.wrapping_add(frame.origin);
+        placed
+    }
+
+    pub(super) const fn is_sine(&self) -> bool {
+        SIN_SQUARED && matches!(self.shape, Shape::Sine(_))
+    }
+
+    /// A sixth of its jerk, or of that at which a sin² ramp is left.
+    pub(super) fn sixth_jerk(&self) -> Fine {
+        match self.shape {
+            Shape::Cubic(sixth_jerk) => sixth_jerk.unsigned_abs(),
+            Shape::Sine(time) if SIN_SQUARED => sine::jerk(self.half_acceleration, time),
+            Shape::Sine(_) => 0,
+        }
+    }
+
     /// Whether its velocity stays.
     pub(super) const fn is_line(&self) -> bool {
         matches!(self.shape, Shape::Cubic(0)) && self.half_acceleration == 0
@@ -131,31 +151,21 @@ impl Piece {
     /// The next tick behind `t`, which lies within the piece, at which another of its phases begins, or `until`, at which it ends.
     pub(super) fn next_corner(&self, (t, until): (Ticks, Ticks)) -> Ticks {
         match self.shape {
-            Shape::Sine(time) if SIN_SQUARED => sine::piece(self, time, t).1.min(until),
+            Shape::Sine(time) if SIN_SQUARED => sine::piece(self, time, t).2.min(until),
             Shape::Cubic(_) | Shape::Sine(_) => until,
         }
     }
 
-    /// Writes the phase at tick `t`, which lies within the piece. Returns the first tick behind it; `until` is that behind the piece.
-    pub(super) fn work_out(
-        &self,
-        (t, until): (Ticks, Ticks),
-        frame: &Frame,
-        phase: &mut Phase,
-    ) -> Ticks {
+    /// The phase at tick `t`, which lies within the piece, and the first tick behind it; `until` is that behind the piece.
+    pub(super) fn work_out(&self, (t, until): (Ticks, Ticks), frame: &Frame) -> (Phase, Ticks) {
         match self.shape {
-            Shape::Cubic(sixth_jerk) => {
-                self.work_out_cubic(sixth_jerk, frame, phase);
-                until
-            }
             Shape::Sine(time) if SIN_SQUARED => {
-                let (piece, end) = sine::piece(self, time, t);
-                if let Shape::Cubic(sixth_jerk) = piece.shape {
-                    piece.work_out_cubic(sixth_jerk, frame, phase);
-                }
-                end.min(until)
+                let (piece, sixth_jerk, end) = sine::piece(self, time, t);
+                (piece.work_out_cubic(sixth_jerk, frame), end.min(until))
             }
-            Shape::Sine(_) => until,
+            Shape::Cubic(sixth_jerk) => (self.work_out_cubic(sixth_jerk, frame), until),
+            // Not built in.
+            Shape::Sine(_) => (self.work_out_cubic(0, frame), until),
         }
     }
 
@@ -166,14 +176,13 @@ impl Piece {
             origin: 0,
             reverse: false,
         };
-        let mut phase = Phase::NONE;
-        self.work_out((tick, Ticks::MAX), &frame, &mut phase);
+        let (phase, _) = self.work_out((tick, Ticks::MAX), &frame);
         phase.at(tick).position
     }
 
     /// Brings the coefficients from the anchor down to the whole tick before it, by a part φ of a tick, and into the frame of the axis.
     #[inline(never)]
-    fn work_out_cubic(&self, sixth_jerk: i128, frame: &Frame, phase: &mut Phase) {
+    fn work_out_cubic(&self, sixth_jerk: i128, frame: &Frame) -> Phase {
         let fraction = self.anchor.fraction();
         // h − 3cφ, v − 2hφ + 3cφ² and x − vφ + hφ² − cφ³
         let half = self.half_acceleration;
@@ -192,12 +201,12 @@ impl Piece {
         };
         let mean = self.velocity - once;
         let position = self.position.wrapping_sub(part(mean, fraction));
-        *phase = Phase::cubic(
+        Phase::cubic(
             (self.start, self.anchor.tick()),
             frame.place(position),
             frame.turn(mean - twice),
             (frame.turn(third), frame.turn(sixth_jerk)),
-        );
+        )
     }
 }
 

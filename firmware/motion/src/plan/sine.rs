@@ -245,10 +245,10 @@ pub(super) fn jerk_of(half_acceleration: Fine, change: Fine) -> Fine {
         .max(1)
 }
 
-/// The piece at tick `t` of a ramp that takes `time`, which is at least [`SHORTEST`], and the first tick behind that piece. `ramp` is anchored
+/// The piece at tick `t` of a ramp that takes `time`, which is at least [`SHORTEST`], a sixth of its jerk, and the first tick behind it. `ramp` is anchored
 /// at the end from which t lies in the direction of time, and has half of the acceleration of the linear ramp.
 #[inline(never)]
-pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, Ticks) {
+pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, i128, Ticks) {
     let half = ramp.half_acceleration;
     let change = over_time(half.unsigned_abs() << 1, time);
     let distance = share(change, time as u64).wrapping_add(change.wrapping_mul(time >> 64));
@@ -272,6 +272,7 @@ pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, Ticks) {
     let rise = share(full, next.abs_diff(corner.acceleration));
     let places = division.place(number + 1) - division.place(number);
     let sixth_jerk = quotient(rise << (division.bits + 2 - places), 2, 3 * time);
+    let sixth_jerk = with_sign(sixth_jerk, falls == rises);
     let (anchor, start, until) = if is_back {
         let anchor = ramp.anchor.before(begin);
         (anchor, ramp.anchor.before(end), anchor)
@@ -290,9 +291,9 @@ pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, Ticks) {
         }),
         velocity: ramp.velocity + gained,
         half_acceleration: with_sign(acceleration, falls != is_back),
-        shape: Shape::Cubic(with_sign(sixth_jerk, falls == rises)),
+        shape: Shape::Cubic(sixth_jerk),
     };
-    (piece, until.tick_up().max(t + 1))
+    (piece, sixth_jerk, until.tick_up().max(t + 1))
 }
 
 /// ⌊number · factor / 2⁶⁴⌋ modulo 2¹²⁸.
@@ -413,7 +414,7 @@ mod tests {
             };
             let away = ((u128::from(time) * u128::from(part)) >> 32) as u64;
             let t = if is_back { anchor - away.max(1) } else { anchor + away };
-            let (piece, until) = piece(&ramp, u128::from(time) << 32, t);
+            let (piece, _, until) = piece(&ramp, u128::from(time) << 32, t);
             prop_assert!(piece.start <= t && t < until);
             let s = t.abs_diff(anchor) as f64 / ticks;
             let sign = if is_back { -1.0 } else { 1.0 };
