@@ -1,19 +1,20 @@
 //! A stepper that does not lose a step: the field leads the rotor by no more than a bound, whatever was demanded.
 //!
 //! A field that is ahead of the rotor pulls it, hardest a full step ahead (a quarter of an electrical turn); two ahead it pulls no more, and
-//! beyond it pulls the rotor back to a wrong place, whole electrical turns away. With an encoder the field is held from 1.1 to 1.7 full steps of the rotor. What is held
+//! beyond it pulls the rotor back to a wrong place, whole electrical turns away. With an encoder what is wanted is held within 1.1 to 1.7 full steps of the rotor, and the field itself within one, where it pulls hardest. What is held
 //! back of the demand is kept, and made up: at once, or when the demand has come to rest, with a speed of its own. So the motor gives its
 //! torque for as long as the load is too great, goes back with it if it must, and is where it was to be as soon as the load lets it.
 //!
 //! - Supervised, the field follows the demand whatever the rotor does, and a lead beyond the bound is told.
 //! - The current is by the load: from that at rest up to the whole as the lead comes to a full step, at once; down again slowly.
-//! - The swinging of the rotor is damped: the field gives way to what the rotor is faster than the demand.
+//! - The swinging of the rotor is damped: the field gives way to what the rotor is faster than the demand, until it brakes.
 //!
 //! Positions are counts of the encoder, in parts of 2¹⁶: the position is that of the encoder, always.
 
 use crate::Angle;
 use crate::motor::{Implausible, Motor};
-use crate::number::{between, fade, is_within, limit};
+use crate::number::{between, fade, is_within, limit, root};
+use crate::transform;
 
 /// Parts of a count.
 const PARTS: f32 = 65_536.0;
@@ -81,6 +82,17 @@ pub struct Field {
     pub is_beyond: bool,
 }
 
+impl Field {
+    /// The current seen from a rotor at this electrical angle, as the current loop is asked for it.
+    pub fn seen_from(&self, angle: Angle) -> transform::Rotor {
+        let (sine, cosine) = self.angle.minus(angle).sine_cosine();
+        transform::Rotor {
+            d: self.current * cosine,
+            q: self.current * sine,
+        }
+    }
+}
+
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepper {
@@ -120,7 +132,7 @@ impl Stepper {
         }
         let pull = pole_pairs * motor.torque_constant() * config.current / motor.inertia;
         // As much as damps the swinging in the field wholly: 2/ω electrical rad for a rad/s.
-        let damping = 2.0 / crate::number::root(pull);
+        let damping = 2.0 / root(pull);
         Ok(Self {
             config,
             angle_of_count: ((u64::from(motor.pole_pairs) << 32) / u64::from(motor.counts.max(1)))
@@ -165,15 +177,15 @@ impl Stepper {
             }
             held
         };
-        let faster = limit(rotor.speed - demand.speed, 1e4);
-        // Never more than a fifth of a step: it is to damp, not to drive.
+        let faster = limit(rotor.speed - demand.speed, 1e5);
         let full_step = 1.0 / self.full_steps;
-        let gives_way = limit(self.damping * faster, 0.2 * full_step) as i64;
-        let field = lead.saturating_sub(gives_way);
         let field = if self.config.beyond == Beyond::Told {
-            field
+            lead.saturating_sub(limit(self.damping * faster, full_step) as i64)
         } else {
-            within(field, self.bound)
+            // A full step pulls hardest, also while it brakes.
+            let most = 2.0 * self.config.bound * full_step;
+            let gives_way = limit(self.damping * faster, most) as i64;
+            within(held.saturating_sub(gives_way), full_step as i64)
         };
         let steps = between(
             lead.clamp(-(1 << 40), 1 << 40) as f32 * self.full_steps,

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use proptest::prelude::*;
 use rig::{PERIOD, Rig, motor};
 use servo::Motor;
-use servo::current_loop::{CurrentConfig, Sample};
+use servo::current_loop::CurrentConfig;
 use servo::stepper::{Beyond, Field, Rotor, Stepper, StepperConfig, StepperDemand};
 use servo_plant::Plant;
 use servo_plant::axes::NEMA17;
@@ -79,16 +79,7 @@ impl Axis {
             .angle
             .minus(rig::turned(self.rig.plant.electrical_angle()));
         self.most = self.most.max(f64::from(lead.turns().abs()) * 4.0);
-        let sample = Sample {
-            angle: field.angle,
-            speed: demand.speed,
-            ..sample
-        };
-        let current = servo::transform::Rotor {
-            d: field.current,
-            q: 0.0,
-        };
-        self.rig.act(&sample, current);
+        self.rig.act(&sample, field.seen_from(sample.angle));
         self.field = Some(field);
     }
 
@@ -143,7 +134,7 @@ fn supervised_a_lost_step_is_told() {
     let lost = axis.away();
     assert!(lost.abs() > 3.5, "{lost}");
     assert!(
-        (lost / 4.0 - (lost / 4.0).round()).abs() < 0.05,
+        (lost / 4.0 - (lost / 4.0).round()).abs() < 0.1,
         "whole electrical turns: {lost}"
     );
 }
@@ -198,7 +189,7 @@ fn no_load_profile_costs_a_step() {
         for _ in 0..6 {
             axis.rig.plant.load_brake = 1.5 * holding() * chance();
             // What drives it is less than it can hold at any lead within the bound.
-            axis.rig.plant.load_torque = 0.4 * holding() * (2.0 * chance() - 1.0);
+            axis.rig.plant.load_torque = 0.25 * holding() * (2.0 * chance() - 1.0);
             let speed = 600.0 * (2.0 * chance() - 1.0);
             axis.run(speed, 0.01 + 0.03 * chance());
         }

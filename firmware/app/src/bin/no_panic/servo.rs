@@ -230,7 +230,7 @@ fn field(motor: &Motor) -> Result<(), Implausible> {
         };
         let field = stepper.run(&demand, &rotor);
         look(field.angle.bits() ^ stepper.behind() as u32 ^ u32::from(field.is_beyond));
-        show(field.current + field.lead);
+        show(field.current + field.lead + field.seen_from(angle()).q);
     }
     Ok(())
 }
