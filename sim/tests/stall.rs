@@ -101,7 +101,12 @@ fn a_tpdo_of_one_sync_is_not_newer_than_its_sisters() {
     client.read_exact(&mut [0]).unwrap();
     let transport = bus.stopper();
     let start = Instant::now() - STALL;
-    let mut server = Server::started(bus, Setup::with_node_id(1, 4), false, start);
+    let mut server = Server::started(
+        bus,
+        Box::new(Axis402::new(Setup::with_node_id(1, 4))),
+        false,
+        start,
+    );
     let send = |cob_id: u16, data: &[u8], came: u32| {
         let frame = Incoming::Frame {
             source: Source::SocketCan,
