@@ -8,7 +8,7 @@
 //! | `size`  | flash and RAM of the firmware by crate, its stack, the length of the sources |
 //! | `bench` | instruction counts in the emulator, and how exact the pulses are, compared with the committed tables |
 //! | `soak`  | a thousand million step pulses through planner, train and a model of the timers: none too many, none too few |
-//! | `fuzz`  | random inputs for the node, the SDO server, the LSS slave and od-gen, as long as you like |
+//! | `fuzz`  | random inputs for whatever reads what others have made, as long as you like |
 //!
 //! Exit codes: 0 all is well; 1 something was tried and failed (a test, a build, a changed benchmark); 2 it could not
 //! be tried (a bad argument, a busy port, a tool that may not be installed), with one line that says why.

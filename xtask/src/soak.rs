@@ -2,14 +2,14 @@
 //!
 //! It is the tests `machine/tests/soak.rs` and `sim/tests/sync_soak.rs` at any length: as it stands some minutes of counting behind some
 //! minutes of building, and a night with larger numbers. Every pulse on the modelled pins is counted; one too many or too few fails. Each
-//! SYNC takes four counters to the drive and brings them back; one that is missing, mixed with another SYNC's, or later than the others fails.
+//! SYNC takes four counters to the drive and brings them back; one that is missing, mixed with another SYNC's, or later than the others fails. Then each fuzz target runs for a while (`cargo xtask fuzz`), and goes on
+//! where earlier runs have been.
 
 use std::process::ExitCode;
 
 use anyhow::Result;
 
-use crate::place;
-use crate::process;
+use crate::{fuzz, place, process};
 
 /// How much.
 #[derive(Debug, clap::Args)]
@@ -23,6 +23,9 @@ pub struct Arguments {
     /// SYNCs at 1 kHz, each with four receive and four transmit PDOs
     #[arg(long, default_value_t = 600_000)]
     syncs: u32,
+    /// Seconds of each fuzz target
+    #[arg(long, default_value_t = 600, value_name = "SECONDS")]
+    fuzz: u32,
 }
 
 /// Runs the command.
@@ -45,9 +48,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .env("AXIS402_SOAK_SYNCS", arguments.syncs.to_string())
         .env("AXIS402_SOAK_PULSES", arguments.pulses.to_string())
         .env("AXIS402_SOAK_SEQUENCES", arguments.sequences.to_string());
-    Ok(if process::run(&mut command)?.success() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
+    if !process::run(&mut command)?.success() {
+        return Ok(ExitCode::FAILURE);
+    }
+    fuzz::run(&fuzz::Arguments {
+        targets: Vec::new(),
+        seconds: arguments.fuzz,
     })
 }

@@ -65,7 +65,7 @@ impl Step {
             Self::Lint => "clippy on the PC and on the target",
             Self::Docs => "documentation without a warning",
             Self::Host => "Rust tests on the PC",
-            Self::Fuzz => "node, SDO server and LSS slave under a fuzzer",
+            Self::Fuzz => "devices, drive, master, server and readers under a fuzzer",
             Self::Firmware => "images for the target, no panic path",
             Self::Python => {
                 "python-canopen, node-canopen and axis402 against the virtual drive, data sheets"
