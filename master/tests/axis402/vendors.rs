@@ -51,7 +51,9 @@ impl<D: Dictionary + std::fmt::Debug + 'static> Station for Device<D> {
 fn sheet(name: &str) -> Arc<DataSheet> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../products")
-        .join(name);
+        .join(name)
+        .join(name)
+        .with_extension("eds");
     Arc::new(od_gen::read(&path).unwrap().into())
 }
 
@@ -87,22 +89,22 @@ fn is_dumped_and_loaded<D: Dictionary + std::fmt::Debug + 'static>(dictionary: D
 
 #[test]
 fn a_lexium_mdrive_is_dumped_and_loaded() {
-    is_dumped_and_loaded(lmd::Dictionary::new(), "lmd.eds");
+    is_dumped_and_loaded(lmd::Dictionary::new(), "lmd");
 }
 
 #[test]
 fn a_nanotec_drive_is_dumped_and_loaded() {
-    is_dumped_and_loaded(nanotec::Dictionary::new(), "nanotec.eds");
+    is_dumped_and_loaded(nanotec::Dictionary::new(), "nanotec");
 }
 
 #[test]
 fn an_s200_is_dumped_and_loaded() {
-    is_dumped_and_loaded(s200::Dictionary::new(), "s200.eds");
+    is_dumped_and_loaded(s200::Dictionary::new(), "s200");
 }
 
 #[test]
 fn a_tc1_is_dumped_and_loaded() {
-    is_dumped_and_loaded(tc1::Dictionary::new(), "tc1.eds");
+    is_dumped_and_loaded(tc1::Dictionary::new(), "tc1");
 }
 
 #[test]
@@ -114,7 +116,7 @@ fn a_stranger_has_the_objects_of_the_standards_and_the_rest_by_number() {
     assert_eq!(told, "1018h:01 Identity object: Vendor-ID: 539\n");
 
     // With its data sheet the objects of its manufacturer have names and types too.
-    let sheet = sheet("lmd/lmd.eds");
+    let sheet = sheet("lmd");
     let (object, entry) = (sheet.model().entries())
         .find(|(object, entry)| {
             (0x2000..=0x5FFF).contains(&object.index)
