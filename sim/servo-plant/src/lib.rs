@@ -73,7 +73,7 @@ impl Plant {
             winding: Winding::default(),
             mechanics: Mechanics::default(),
             supply: Supply::new(&data.supply),
-            sensors: Sensors::new(&data.sensors),
+            sensors: Sensors::new(&data.sensors, 0.0),
             noise: Noise::new(seed),
             energy: Energy::default(),
             steps: 0,
@@ -91,6 +91,7 @@ impl Plant {
     /// The same, with its rotor at this angle and with this velocity, in rad and rad/s, and the load with it.
     pub fn turning(mut self, angle: f64, velocity: f64) -> Self {
         self.mechanics = Mechanics::turning(angle, velocity);
+        self.sensors = Sensors::new(&self.data.sensors, angle);
         self
     }
 

@@ -46,13 +46,14 @@ pub(crate) struct Sensors {
 }
 
 impl Sensors {
-    pub(crate) fn new(data: &SensorData) -> Self {
+    /// Sensors of a rotor that is at this angle.
+    pub(crate) fn new(data: &SensorData, angle: f64) -> Self {
         Self {
             past: [[0.0; 3]; SensorData::MOST_DELAY + 1],
             newest: 0,
-            turns: turns_of_index(data, 0.0),
+            turns: turns_of_index(data, angle),
             index: None,
-            last_angle: 0.0,
+            last_angle: angle,
         }
     }
 

@@ -30,7 +30,7 @@ pub(crate) struct Start {
     /// A sin² ramp that is under way and may be finished, in the frame of the axis.
     pub(super) ramp: Option<Piece>,
     /// It is left all the same.
-    leaves_ramp: bool,
+    pub(super) leaves_ramp: bool,
 }
 
 impl Start {
