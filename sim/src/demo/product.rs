@@ -77,7 +77,8 @@ where
     fn meet(&mut self) -> Result<(), Failure> {
         self.master.expect_boot_up(self.node, STATE_TIME)?;
         self.master.read::<u32>(self.node, 0x1018, 1)?;
-        self.master.read::<u32>(self.node, 0x1000, 0)?;
+        // Not every maker gives the device type its 32 bits.
+        self.master.read::<Vec<u8>>(self.node, 0x1000, 0)?;
         self.end_chapter("SDO: who are you?");
         Ok(())
     }

@@ -55,6 +55,23 @@ fn the_picture_is_svg_with_both_curves() {
     }
 }
 
+/// With what its data sheet gives it; a position window may be wide.
+#[test]
+fn every_product_goes_there_and_back() {
+    for name in Product::names() {
+        let story = product::play(Product::named(name).unwrap(), NODE_ID)
+            .unwrap_or_else(|failure| panic!("{name}: {failure}"));
+        let targets: Vec<i32> = story.arrivals.iter().map(|(target, _)| *target).collect();
+        assert_eq!(targets, [TARGET, 0], "{name}");
+        for (target, position) in story.arrivals {
+            assert!(
+                (target - position).abs() <= 1,
+                "{name}: at {position} for {target}"
+            );
+        }
+    }
+}
+
 /// What is said of a demonstration on a bus with this interference.
 fn stopped(interferer: impl FnMut(&Logged) -> Interference + 'static) -> Problem {
     let mut bus = Bus::new(BitRate::Kbit1000);
