@@ -3,6 +3,7 @@
 `--pictures FOLDER` keeps a picture of each page: `docs/panel.png` is the one of the drive.
 """
 
+import os
 import pathlib
 import re
 import shutil
@@ -266,7 +267,8 @@ def test_a_panel_that_is_killed_in_motion_leaves_a_drive_that_stands(start, conn
 
 
 def test_the_program_is_reached_by_axis402(programs):
-    """`axis402 panel` runs the program that lies beside it."""
-    run = subprocess.run([programs.axis402, "panel", "--listen", "127.0.0.1:0"], capture_output=True, text=True, timeout=60)
+    """`axis402 panel` runs the program that lies beside it, but inside of `cargo run`, which builds it."""
+    env = {name: value for name, value in os.environ.items() if name != "CARGO"}
+    run = subprocess.run([programs.axis402, "panel", "--listen", "127.0.0.1:0"], capture_output=True, text=True, timeout=60, env=env)
     assert run.returncode == 2
     assert run.stderr.startswith("axis402 panel: a bus is missing"), run.stderr
