@@ -12,7 +12,6 @@ mod periphery;
 mod report;
 mod stopping;
 mod transitions;
-mod waiting;
 
 use core::marker::PhantomData;
 
@@ -39,7 +38,8 @@ use crate::travel::SoftwareLimits;
 use crate::units::Frame;
 
 use in_step::Cyclic;
-use waiting::{Network, Orders, Stopping};
+use network::Network;
+use stopping::Power;
 
 /// The drive of a dictionary `D` with an actuator `A`: what the data sheet does not list is not linked.
 #[derive(Debug)]
@@ -59,10 +59,12 @@ pub struct Drive<D = Everything, A = StepAxis> {
     monitor: Monitor,
     switches: Switches,
     periphery: Periphery,
-    power: bool,
-    orders: Orders,
+    power: Power,
     network: Network,
-    stopping: Stopping,
+    /// The restart that is asked for has been done.
+    has_restarted: bool,
+    /// "Shutdown" was written before the command that stands, and has not been carried out yet.
+    shutdown_first: bool,
     /// When the last regular tick was.
     ticked: Instant,
     /// The sync events of the network, and what the cyclic modes go by.
@@ -87,8 +89,10 @@ struct Tick<'a> {
     has_changed: bool,
     /// So may the commands.
     has_commands: bool,
-    /// Operation was enabled in the tick before, and nothing else is asked for: only a fault changes the state.
-    is_calm: bool,
+    /// Something may be asked for that was not in the tick before.
+    is_asked: bool,
+    /// The state has been seen on the bus, or nobody looks.
+    is_seen: bool,
 }
 
 impl<D: Objects> Drive<D> {
@@ -127,10 +131,10 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             monitor: Monitor::new(),
             switches: Switches::default(),
             periphery: Periphery::new(),
-            power: false,
-            orders: Orders::default(),
-            network: Network::default(),
-            stopping: Stopping::new(),
+            power: Power::Off,
+            network: Network::Lost,
+            has_restarted: false,
+            shutdown_first: false,
             ticked: Instant::from_ticks(0),
             dictionary: PhantomData,
             // Last, as it is large: so it is made where it stays.
@@ -200,8 +204,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         const { assert!(D::DRIVE.modes & !A::MODES == 0) };
         let waiting = self.take(is_early, exchange);
         let is_asked = is_early || waiting.has_orders || waiting.is_configured;
-        let is_calm = self.orders.are_carried_out && !is_asked;
-        let command = if is_calm {
+        let command = if self.is_calm(is_asked) {
             Some(Command::EnableOperation)
         } else {
             self.command()
@@ -217,7 +220,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             is_displaced,
             has_changed: self.look_for_changes(waiting.is_configured, position),
             has_commands: waiting.has_commands,
-            is_calm,
+            is_asked,
+            is_seen: waiting.is_seen,
         };
         self.look_at_switches(tick);
         self.measure(tick);
@@ -229,7 +233,6 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             0
         } else {
             self.change_state(tick, command);
-            self.orders.are_carried_out &= !is_asked;
             self.move_brake(now);
             self.operate(tick, command)
         };
@@ -239,9 +242,9 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let statusword = self.publish(tick, mode_bits, restarts, exchange);
         Outputs {
             next_tick,
-            power_stage: self.power,
+            power_stage: self.power.is_on(),
             brake_released: self.brakes.fitted.is_released(),
-            drop_pulses: !self.power || self.motor.is_cut(),
+            drop_pulses: !self.power.is_on() || self.motor.is_cut(),
             current: self.motor_current(tick.elapsed),
             microsteps: self.configuration.microsteps,
             digital: self.output_levels(statusword),
@@ -271,7 +274,6 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         } else if waiting.is_configured {
             self.cyclic.look_anew();
         }
-        self.stopping.is_seen = waiting.is_seen;
         waiting
     }
 
@@ -280,13 +282,13 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     where
         A: AtPort<P>,
     {
-        if !self.power {
+        if !self.power.is_on() {
             let is_reversed = self.configuration.is_reversed;
             self.motor.set_reversed(is_reversed, inputs.position);
         }
         let position = self.motor.position_of(inputs.position);
         self.await_rotor(now, inputs);
-        let is_held = self.power && self.brakes.is_caught(now);
+        let is_held = self.power.is_on() && self.brakes.is_caught(now);
         // It stood at the end of the last tick: its position must now be the one its demands lead to.
         let stood = self.motor.standstill();
         let is_displaced = is_held
@@ -299,7 +301,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             self.motor.lose_reference();
         }
         self.motor.observe(fine(now), position, is_held, port);
-        if !self.power && self.motor.standstill() {
+        if !self.power.is_on() && self.motor.standstill() {
             self.motor.set_up(&self.configuration);
         }
         (position, is_displaced)
@@ -387,7 +389,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     #[inline(never)]
     fn watch_motor(&mut self, tick: &Tick<'_>) {
         let (demand, is_counted) = (self.motor.demand(), tick.inputs.slack == 0);
-        if !self.power {
+        if !self.power.is_on() {
             if !tick.is_early {
                 self.monitor.reset(tick.now);
             }
@@ -409,7 +411,6 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         self.machine = StateMachine::new();
         self.faults = Faults::default();
         self.monitor.forget_loss();
-        self.orders.forget_reset();
     }
 
     /// Forgets the data records that no mode may take any more; an early tick also those that wait for the next regular one, at which they

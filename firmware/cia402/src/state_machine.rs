@@ -14,6 +14,8 @@
 //! - no remote control, where 6007h does not say otherwise: as the command "quick stop" with option code 2, for as long as it
 //!   lasts; but "disable voltage" is obeyed.
 
+use canopen::Instant;
+
 use crate::controlword::Command;
 use crate::option_codes::QuickStopOption;
 
@@ -241,10 +243,27 @@ pub struct Conditions {
     pub fault_reset: bool,
 }
 
-/// The state, and the quick stop option that is being carried out.
+/// How far the drive has come in its state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// It has entered the state.
+    Entered,
+    /// Operation is enabled, as was ordered, and nothing waits.
+    Settled,
+    /// This command to leave operation enabled waits for the motor to stand.
+    Leaving(Command),
+    /// The fault reaction is over, and goes on only to be seen.
+    Shown,
+    /// The same, or fault, and the master has reset the fault while it was shown.
+    Reset,
+}
+
+/// The state, how far the drive has come in it, and the quick stop option that is being carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateMachine {
     state: State,
+    stage: Stage,
+    entered: Instant,
     quick_stop: QuickStopOption,
 }
 
@@ -253,6 +272,8 @@ impl StateMachine {
     pub const fn new() -> Self {
         Self {
             state: State::NotReadyToSwitchOn,
+            stage: Stage::Entered,
+            entered: Instant::from_ticks(0),
             quick_stop: QuickStopOption::QuickStopRamp,
         }
     }
@@ -262,13 +283,72 @@ impl StateMachine {
         self.state
     }
 
+    /// How far the drive has come in it.
+    pub(crate) const fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// When the state began.
+    pub(crate) const fn entered(&self) -> Instant {
+        self.entered
+    }
+
+    /// The command to leave operation enabled that waits for the motor to stand.
+    pub(crate) const fn pending(&self) -> Option<Command> {
+        match self.stage {
+            Stage::Leaving(command) => Some(command),
+            _ => None,
+        }
+    }
+
+    /// The master has given a command: one that leaves operation enabled by 605Bh or 605Ch waits for the motor to stand.
+    pub(crate) fn order(&mut self, command: Command) {
+        if self.state == State::OperationEnabled {
+            self.stage = match command {
+                Command::Shutdown | Command::SwitchOn => Stage::Leaving(command),
+                _ => Stage::Entered,
+            };
+        }
+    }
+
+    /// Operation is enabled as was ordered, and nothing waits; or it is not so any more.
+    pub(crate) fn settle(&mut self, is_settled: bool) {
+        if is_settled && self.state == State::OperationEnabled {
+            self.stage = Stage::Settled;
+        } else if self.stage == Stage::Settled {
+            self.stage = Stage::Entered;
+        }
+    }
+
+    /// Whether a fault is reset that was so while its reaction was over and only shown: in fault, where that counts. In the reaction, an
+    /// `edge` of bit 7 is kept for then, unless the fault `is_new`.
+    pub(crate) fn resets(&mut self, edge: bool, is_only_shown: bool, is_new: bool) -> bool {
+        if self.state != State::FaultReactionActive {
+            let resets = self.stage == Stage::Reset;
+            if resets {
+                self.stage = Stage::Entered;
+            }
+            return resets;
+        }
+        let was_shown = matches!(self.stage, Stage::Shown | Stage::Reset);
+        let resets = self.stage == Stage::Reset || edge && (is_only_shown || was_shown);
+        self.stage = if resets && !is_new {
+            Stage::Reset
+        } else if is_only_shown {
+            Stage::Shown
+        } else {
+            Stage::Entered
+        };
+        false
+    }
+
     /// The option code of the quick stop that is under way; outside quick stop active, of the last one.
     pub const fn quick_stop(&self) -> QuickStopOption {
         self.quick_stop
     }
 
-    /// One control tick: takes the first row of [`TRANSITIONS`] that applies, and returns it.
-    pub fn step(&mut self, conditions: &Conditions) -> Option<Transition> {
+    /// One control tick, at `now`: takes the first row of [`TRANSITIONS`] that applies, and returns it.
+    pub fn step(&mut self, now: Instant, conditions: &Conditions) -> Option<Transition> {
         let mut seen = *conditions;
         if !seen.remote {
             if seen.command != Some(Command::DisableVoltage) {
@@ -289,6 +369,11 @@ impl StateMachine {
             self.quick_stop = seen.quick_stop;
         }
         self.state = transition.to;
+        self.entered = now;
+        // A reset counts in the state behind the reaction.
+        if !(self.state == State::Fault && self.stage == Stage::Reset) {
+            self.stage = Stage::Entered;
+        }
         Some(*transition)
     }
 }

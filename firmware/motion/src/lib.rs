@@ -68,6 +68,7 @@ mod root;
 pub mod speed;
 pub mod step_interrupt;
 mod stepper;
+mod turns;
 #[cfg(test)]
 mod vectors;
 mod wide;

@@ -1,5 +1,10 @@
 //! The root of an integer, exactly; begun in floating point, which this processor has in hardware.
 
+use crate::turns::Turns;
+
+/// What a guess of twenty bits, a step of Newton's method and a step cut to an integer leave is less than this.
+const LAST_BITS: u32 = 2;
+
 /// ⌊√square⌋.
 ///
 /// The leading bits give a root of some twenty bits, and one step of Newton's method in integers the others.
@@ -16,11 +21,15 @@ pub(crate) fn root(square: u64) -> u32 {
     // Now it is the root, or next to it.
     let mut root = rough.saturating_add_signed(step);
     let mut left = beyond(high, root);
+    let mut turns = Turns::at_most(LAST_BITS);
     while left < 0 {
+        turns.count();
         left += (i64::from(root) << 1) - 1;
         root -= 1;
     }
+    let mut turns = Turns::at_most(LAST_BITS);
     while left > i64::from(root) << 1 {
+        turns.count();
         left -= (i64::from(root) << 1) + 1;
         root += 1;
     }

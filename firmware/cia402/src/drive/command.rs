@@ -5,19 +5,17 @@ use crate::actuator::{Actuator, Trouble};
 use crate::controlword::{Command, FAULT_RESET};
 use crate::faults::Reaction;
 use crate::objects::Objects;
-use crate::state_machine::State;
+use crate::state_machine::{Stage, State};
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
     /// The command of this tick: that of the controlword; or, as a controlword with bit 7 is none, the one before it to leave
     /// operation enabled, while that waits for the motor.
     pub(super) fn command(&mut self) -> Option<Command> {
         let given = self.given_command();
-        if self.machine.state() != State::OperationEnabled {
-            self.orders.pending = None;
-        } else if given.is_some() {
-            self.orders.pending = given.filter(|given| self.leaving(Some(*given)).is_some());
+        if let Some(command) = given {
+            self.machine.order(command);
         }
-        given.or(self.orders.pending)
+        given.or(self.machine.pending())
     }
 
     /// What the master has given: a command to stop that was overwritten since the last tick, else "shutdown" if a master in a
@@ -27,14 +25,15 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let standing = Command::decode(commands.controlword).or(commands.overwritten);
         let leads_up = matches!(standing, Some(Command::SwitchOn | Command::EnableOperation));
         let hurried =
-            commands.remote && leads_up && (self.orders.shutdown_first || commands.shutdown_first);
+            commands.remote && leads_up && (self.shutdown_first || commands.shutdown_first);
         // It waits for the stop or the fault reset that came before it; that may wait for the end of a reaction that is being shown.
         let is_faulty = matches!(
             self.machine.state(),
             State::Fault | State::FaultReactionActive
         );
-        let resets = is_faulty && (self.orders.resets_early || commands.rising & FAULT_RESET != 0);
-        self.orders.shutdown_first = hurried && (commands.stop.is_some() || resets);
+        let resets = is_faulty
+            && (self.machine.stage() == Stage::Reset || commands.rising & FAULT_RESET != 0);
+        self.shutdown_first = hurried && (commands.stop.is_some() || resets);
         if commands.stop.is_some() {
             commands.stop
         } else if hurried && self.machine.state() == State::SwitchOnDisabled {
@@ -48,23 +47,17 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// (`is_over`, and not yet `has_shown`). A fault that comes later is no one's that the master knows.
     pub(super) fn resets_fault(&mut self, is_over: bool, has_shown: bool, is_new: bool) -> bool {
         let edge = self.commands.remote && self.commands.rising & FAULT_RESET != 0;
-        if self.machine.state() != State::FaultReactionActive {
-            self.orders.is_only_shown = false;
-            return edge | core::mem::take(&mut self.orders.resets_early);
-        }
         let is_only_shown = is_over && !has_shown;
-        let was_only_shown = core::mem::replace(&mut self.orders.is_only_shown, is_only_shown);
-        self.orders.resets_early |= edge && (is_only_shown || was_only_shown);
-        self.orders.resets_early &= !is_new;
-        edge
+        edge | self.machine.resets(edge, is_only_shown, is_new)
     }
 
     /// The fault that too many missing set-points of a cyclic mode are, if 2051h:2 makes them one. The mode has stopped the motor
     /// already.
     pub(super) fn set_points_lost(&mut self) -> Option<Reaction> {
         let cyclic = &self.configuration.cyclic;
-        self.faults
-            .sync_differs(self.cyclic.differs() && self.modes.active().is_cyclic() && self.power);
+        self.faults.sync_differs(
+            self.cyclic.differs() && self.modes.active().is_cyclic() && self.power.is_on(),
+        );
         if !core::mem::take(&mut self.cyclic.has_lost) {
             return None;
         }

@@ -8,6 +8,17 @@ use crate::objects::Objects;
 use crate::option_codes::AbortConnectionOption;
 use crate::state_machine::State;
 
+/// What the drive has made of the network so far.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Network {
+    /// It may not command the drive.
+    Lost,
+    /// It may, or 6007h lets the drive go on without.
+    Commanding,
+    /// It is lost, and 6007h = 1 has made a fault of that.
+    Abandoned,
+}
+
 /// What is left of remote control in a tick.
 pub(super) struct Control {
     /// The network may command the drive.
@@ -35,35 +46,45 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// What is left of remote control. A reset of the device always stops the motor; otherwise 6007h says what the loss means to a drive
     /// with power.
     pub(super) fn control(&mut self, tick: &Tick<'_>, command: Option<Command>) -> Control {
-        if tick.is_calm {
+        if self.is_calm(tick.is_asked) {
             return Control::by_network(command);
         }
-        let (is_remote, command, fault) = self.under_6007h(command);
-        let was_remote = core::mem::replace(&mut self.network.is_commanding, is_remote);
+        let error = self
+            .commands
+            .connection_error
+            .filter(|_| !self.commands.remote);
+        let (is_remote, command, fault) = self.under_6007h(error, command);
+        let is_abandoned = self.network == Network::Abandoned && error.is_some();
+        let network = if fault.is_some() || is_abandoned {
+            Network::Abandoned
+        } else if is_remote {
+            Network::Commanding
+        } else {
+            Network::Lost
+        };
+        let before = core::mem::replace(&mut self.network, network);
         Control {
             is_remote,
             command,
             fault,
-            begins_stop: was_remote && !is_remote && !self.network.is_abandoned,
+            begins_stop: before == Network::Commanding && network == Network::Lost,
         }
     }
 
+    /// Whether the network may command the drive, the command, and the fault that the loss of it is.
     fn under_6007h(
         &mut self,
+        error: Option<u16>,
         command: Option<Command>,
     ) -> (bool, Option<Command>, Option<Reaction>) {
-        let Some(code) = self
-            .commands
-            .connection_error
-            .filter(|_| !self.commands.remote)
-        else {
-            self.network.is_abandoned = false;
+        let Some(code) = error else {
             return (self.commands.remote, command, None);
         };
         match self.configuration.abort_connection {
             AbortConnectionOption::NoAction => (true, command, None),
-            AbortConnectionOption::FaultSignal if self.power && !self.network.is_abandoned => {
-                self.network.is_abandoned = true;
+            AbortConnectionOption::FaultSignal
+                if self.power.is_on() && self.network != Network::Abandoned =>
+            {
                 self.faults.connection_lost(code);
                 let command = command.filter(|given| *given == Command::DisableVoltage);
                 (true, command, Some(Reaction::AsConfigured))
@@ -78,12 +99,12 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Whether the drive starts anew in this tick: a restart is asked for and has not been done, there is no power, and nothing that still
     /// has to be done. An early tick leaves that to the next one.
     pub(super) fn restarts(&mut self, tick: &Tick<'_>) -> bool {
-        let is_idle = !self.power
+        let is_idle = !self.power.is_on()
             && self.motor.standstill()
             && self.machine.state() != State::FaultReactionActive;
-        let has_restarted = self.network.has_restarted && self.commands.restart;
+        let has_restarted = self.has_restarted && self.commands.restart;
         let restarts = self.commands.restart && !has_restarted && is_idle && !tick.is_early;
-        self.network.has_restarted = has_restarted || restarts;
+        self.has_restarted = has_restarted || restarts;
         restarts
     }
 }

@@ -55,7 +55,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     pub(super) fn move_brake(&mut self, now: Instant) {
         let release = match self.periphery.outputs.brake() {
             Some(manual) => {
-                let is_turning = self.power && !self.motor.standstill();
+                let is_turning = self.power.is_on() && !self.motor.standstill();
                 let is_released = self.brakes.fitted.is_released();
                 manual || is_turning && is_released && !self.is_overdue(now)
             }
@@ -67,7 +67,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Power that comes draws the rotor to the nearest place of its field, up to two full steps away. Where an encoder shows that, the
     /// motor begins from where it has come to rest, and not before the brake has let go of it.
     pub(super) fn await_rotor(&mut self, now: Instant, inputs: &Inputs) {
-        if !self.power {
+        if !self.power.is_on() {
             let release = u64::from(self.configuration.brake.release).saturating_mul(1_000);
             let wait = match inputs.slack {
                 0 => 0,
@@ -90,7 +90,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             return 0;
         }
         let motion = Motion {
-            power: self.power,
+            power: self.power.is_on(),
             standstill: self.motor.standstill(),
             velocity: self.motor.demand().velocity.whole(),
         };

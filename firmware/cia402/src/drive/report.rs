@@ -42,7 +42,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             Mode::Velocity => self.configuration.velocity.shown(velocity),
             _ => 0,
         };
-        let is_on = self.power || state == State::SwitchedOn;
+        let is_on = self.power.is_on() || state == State::SwitchedOn;
         let is_fed =
             self.periphery.stage.has_supply && (!D::DRIVE_HABITS.voltage_needs_power || is_on);
         Actuals {
@@ -76,10 +76,10 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             homing_failure: self.modes.homing_failure(),
             sync: self.cyclic.status(),
             is_moving: !self.motor.standstill(),
-            safe: !self.power
+            safe: !self.power.is_on()
                 && self.motor.standstill()
                 && matches!(state, State::SwitchOnDisabled | State::Fault)
-                && self.commands.restart == self.network.has_restarted,
+                && self.commands.restart == self.has_restarted,
         }
     }
 }

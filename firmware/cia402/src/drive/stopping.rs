@@ -2,7 +2,7 @@
 
 use canopen::{Duration, Instant};
 
-use super::Drive;
+use super::{Drive, Tick};
 use crate::actuator::Actuator;
 use crate::controlword::Command;
 use crate::inputs::Barred;
@@ -11,6 +11,24 @@ use crate::objects::Objects;
 use crate::option_codes::{Stop, StopRamp};
 use crate::state_machine::State;
 use crate::statusword;
+
+/// The power of the motor, and how long a stop has taken that the drive makes on its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Power {
+    Off,
+    On,
+    /// On, and since then the drive stops on its own: the network may not command it, or there is a fault.
+    Stopping {
+        since: Instant,
+    },
+}
+
+impl Power {
+    /// Whether there is current in the motor.
+    pub(super) const fn is_on(self) -> bool {
+        !matches!(self, Self::Off)
+    }
+}
 
 /// So long does a state wait for a transmit PDO.
 const LONGEST_SHOWN: Duration = Duration::from_ticks(50_000);
@@ -33,7 +51,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         remote: bool,
         command: Option<Command>,
     ) -> bool {
-        if !self.power || !self.is_leaving(remote, command) {
+        if !self.power.is_on() || !self.is_leaving(remote, command) {
             return true;
         }
         if self.motor.standstill() {
@@ -44,10 +62,9 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
 
     /// A stop that the drive makes on its own has an end, whatever its ramp: after 20A1h the brake closes, and then the power goes off.
     pub(super) fn end_own_stop(&mut self, now: Instant, remote: bool) {
-        if !self.power {
-            self.stopping.own_stop = None;
-        } else if !remote || self.machine.state() == State::FaultReactionActive {
-            self.stopping.own_stop.get_or_insert(now);
+        let is_own = !remote || self.machine.state() == State::FaultReactionActive;
+        if is_own && self.power == Power::On {
+            self.power = Power::Stopping { since: now };
         }
         if self.is_overdue(now) {
             self.brakes.wanted.set(false, now);
@@ -60,16 +77,16 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Whether the motor turns longer than it may.
     pub(super) fn is_overdue(&self, now: Instant) -> bool {
         let longest = u64::from(self.configuration.longest_stop) * 1_000;
-        let since = self.stopping.own_stop;
-        since.is_some_and(|since| now.ticks().saturating_sub(since.ticks()) >= longest)
+        matches!(self.power, Power::Stopping { since } if now.ticks().saturating_sub(since.ticks()) >= longest)
     }
 
     /// Whether the state may end by itself: a transmit PDO has shown it, or nobody has come to do so for long.
-    pub(super) fn has_shown(&self, now: Instant) -> bool {
+    pub(super) fn has_shown(&self, tick: &Tick<'_>) -> bool {
         !self.machine.state().is_fleeting()
-            || self.stopping.is_seen
-            || now
-                .checked_duration_since(self.stopping.entered)
+            || tick.is_seen
+            || tick
+                .now
+                .checked_duration_since(self.machine.entered())
                 .is_some_and(|span| span >= LONGEST_SHOWN)
     }
 
@@ -109,8 +126,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     }
 
     pub(super) fn power_off(&mut self) {
-        if self.power {
-            self.power = false;
+        if self.power.is_on() {
+            self.power = Power::Off;
             self.motor.cut_off();
         }
     }

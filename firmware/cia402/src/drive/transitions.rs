@@ -1,14 +1,20 @@
 //! The state machine in a tick: what it looks at, and what a transition does to the motor.
 
+use super::stopping::Power;
 use super::{Drive, Tick};
 use crate::actuator::Actuator;
 use crate::controlword::Command;
 use crate::faults::Reaction;
 use crate::objects::Objects;
 use crate::option_codes::{Stop, StopRamp};
-use crate::state_machine::{Conditions, State, Transition};
+use crate::state_machine::{Conditions, Stage, State, Transition};
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
+    /// Whether operation is enabled as it was in the tick before, and nothing else is asked for: only a fault changes the state.
+    pub(super) fn is_calm(&self, is_asked: bool) -> bool {
+        !is_asked && self.machine.stage() == Stage::Settled
+    }
+
     /// Faults, then the state machine, then what a transition does to the motor.
     #[inline(never)]
     pub(super) fn change_state(&mut self, tick: &Tick<'_>, command: Option<Command>) {
@@ -16,7 +22,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let both_limits = self.switches.both_limits();
         let detected = self.faults.detect(
             tick.inputs,
-            self.power,
+            self.power.is_on(),
             tick.is_displaced || self.monitor.observed().is_lost,
             both_limits,
             &self.periphery.stage,
@@ -26,11 +32,11 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let silent = self.set_points_lost();
         let late = self.pulses_late();
         let reaction = detected.or(control.fault).or(silent).or(late);
-        if tick.is_calm && reaction.is_none() {
+        if self.is_calm(tick.is_asked) && reaction.is_none() {
             return;
         }
         let is_over = self.motor.standstill() && self.is_held_by_brake(now, remote, command);
-        let has_shown = self.has_shown(now);
+        let has_shown = self.has_shown(tick);
         let reset = self.resets_fault(is_over, has_shown, reaction.is_some());
         let conditions = Conditions {
             command,
@@ -44,8 +50,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         if reset && self.machine.state() == State::Fault && self.faults.cause_stands() {
             self.faults.renew();
         }
-        if let Some(transition) = self.machine.step(&conditions) {
-            self.stopping.enter(now);
+        if let Some(transition) = self.machine.step(now, &conditions) {
             self.carry_out(transition, reaction);
         } else if reaction == Some(Reaction::PowerOff) {
             self.power_off();
@@ -57,24 +62,28 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             self.power_off();
         }
         let holds_open = self.brakes.wanted.is_released() || !self.is_leaving(remote, command);
-        self.brakes.wanted.set(self.power && holds_open, now);
+        self.brakes
+            .wanted
+            .set(self.power.is_on() && holds_open, now);
         self.end_own_stop(now, remote);
-        self.orders.are_carried_out = self.machine.state() == State::OperationEnabled
-            && command == Some(Command::EnableOperation)
-            && self.commands.remote
-            && self.stopping.own_stop.is_none();
+        self.machine.settle(
+            command == Some(Command::EnableOperation)
+                && self.commands.remote
+                && self.power == Power::On
+                && !tick.is_asked,
+        );
     }
 
     /// The action of a transition (CiA 402-2, "transition events and actions").
     fn carry_out(&mut self, transition: Transition, reaction: Option<Reaction>) {
         match transition.to {
             State::OperationEnabled => {
-                self.power = true;
+                self.power = Power::On;
                 self.modes.enter(&self.motor);
             }
             State::QuickStopActive => self.stop(self.machine.quick_stop().stop()),
             State::FaultReactionActive => match reaction {
-                Some(Reaction::AsConfigured) if self.power => {
+                Some(Reaction::AsConfigured) if self.power.is_on() => {
                     self.stop(self.configuration.fault_reaction);
                 }
                 _ => self.power_off(),

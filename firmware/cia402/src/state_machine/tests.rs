@@ -5,8 +5,15 @@ use crate::controlword::Command;
 
 /// The machine in a state, reached by its own transitions.
 fn machine_in(state: State, quick_stop: QuickStopOption) -> StateMachine {
-    StateMachine { state, quick_stop }
+    StateMachine {
+        state,
+        quick_stop,
+        ..StateMachine::new()
+    }
 }
+
+/// The time says only when a state began.
+const NOW: Instant = Instant::from_ticks(0);
 
 const CALM: Conditions = Conditions {
     command: None,
@@ -29,9 +36,9 @@ fn command(command: Command) -> Conditions {
 fn d01_a_drive_becomes_switch_on_disabled_without_a_command() {
     let mut machine = StateMachine::new();
     assert_eq!(machine.state(), State::NotReadyToSwitchOn);
-    assert_eq!(machine.step(&CALM).map(|t| t.number), Some(1));
+    assert_eq!(machine.step(NOW, &CALM).map(|t| t.number), Some(1));
     assert_eq!(machine.state(), State::SwitchOnDisabled);
-    assert_eq!(machine.step(&CALM), None);
+    assert_eq!(machine.step(NOW, &CALM), None);
 }
 
 #[test]
@@ -64,7 +71,7 @@ fn d06_stopping_commands_before_operation_lead_to_switch_on_disabled() {
     for from in [State::ReadyToSwitchOn, State::SwitchedOn] {
         for stop in [Command::QuickStop, Command::DisableVoltage] {
             let mut machine = machine_in(from, QuickStopOption::QuickStopRamp);
-            let number = machine.step(&command(stop)).map(|t| t.number);
+            let number = machine.step(NOW, &command(stop)).map(|t| t.number);
             assert_eq!(
                 number,
                 Some(if from == State::ReadyToSwitchOn {
@@ -87,8 +94,8 @@ fn d08_resume_needs_an_option_that_stays_and_a_motor_at_rest() {
             standstill: false,
             ..enable
         };
-        assert_eq!(machine.step(&moving), None, "{option:?}");
-        let end = machine.step(&enable).map(|t| t.number);
+        assert_eq!(machine.step(NOW, &moving), None, "{option:?}");
+        let end = machine.step(NOW, &enable).map(|t| t.number);
         assert_eq!(
             end,
             Some(if option.stays() { 16 } else { 12 }),
@@ -104,8 +111,8 @@ fn the_option_counts_when_the_quick_stop_begins() {
         quick_stop: QuickStopOption::QuickStopRampAndStay,
         ..command(Command::QuickStop)
     };
-    assert_eq!(machine.step(&begin).map(|t| t.number), Some(11));
-    assert_eq!(machine.step(&command(Command::QuickStop)), None);
+    assert_eq!(machine.step(NOW, &begin).map(|t| t.number), Some(11));
+    assert_eq!(machine.step(NOW, &command(Command::QuickStop)), None);
 }
 
 #[test]
@@ -122,7 +129,7 @@ fn m15_without_remote_every_state_leads_to_switch_on_disabled() {
                 ..command(Command::EnableOperation)
             };
             for _ in 0..3 {
-                machine.step(&alone);
+                machine.step(NOW, &alone);
             }
             let end = match from {
                 State::Fault | State::FaultReactionActive => State::Fault,
@@ -216,7 +223,7 @@ proptest! {
         for seen in sequence {
             let before = machine.state();
             let expected = model(before, stays, &seen);
-            let transition = machine.step(&seen);
+            let transition = machine.step(NOW, &seen);
             prop_assert_eq!(machine.state(), expected);
             prop_assert_eq!(transition.is_some(), before != expected);
             if let Some(t) = transition {
@@ -283,7 +290,7 @@ fn the_first_row_whose_trigger_is_there_is_taken_and_no_other() {
                     row.from == state && is_there(row.trigger, &conditions, quick_stop.stays())
                 });
                 let mut machine = machine_in(state, quick_stop);
-                let taken = machine.step(&conditions);
+                let taken = machine.step(NOW, &conditions);
                 assert_eq!(taken.as_ref(), expected, "{state:?}, {conditions:?}");
                 assert_eq!(machine.state(), expected.map_or(state, |row| row.to));
             }

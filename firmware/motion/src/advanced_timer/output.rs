@@ -9,6 +9,7 @@ use super::ring::{Ring, SLOTS, WORDS};
 use super::set_up;
 use super::slots::{Place, Remainder, level};
 use crate::record::SHORTEST_RECORD;
+use crate::turns::Turns;
 use crate::{PulseSink, Record, Ticks};
 
 /// Slots that are always silent: with the processor stopped they take 6.4 s at 168 MHz.
@@ -271,7 +272,9 @@ impl<'a, R: Registers> Output<'a, R> {
     /// Writes slots as long as there is room for what is left of the last record. So many are in time without another look.
     #[inline]
     fn fill(&mut self, mut in_time: i32) {
+        let mut turns = Turns::at_most(MOST_SLOTS);
         while !self.remainder.is_empty() && self.has_room() {
+            turns.count();
             if in_time <= 0 {
                 in_time = self.in_time();
                 if in_time <= 0 {
@@ -305,10 +308,12 @@ impl<'a, R: Registers> Output<'a, R> {
         let direction = self.counted.direction();
         let mut place = Place::new(slots, self.level);
         let mut left = records;
+        let mut turns = Turns::for_each(records);
         while let Some((record, rest)) = left.split_first()
             && record.direction == direction
             && let Some(length) = place.put(record)
         {
+            turns.count();
             self.end = self.end.wrapping_add(length);
             if record.width > 0 {
                 self.pulses = self.pulses.wrapping_add(record.repeat.into());
@@ -330,9 +335,11 @@ impl<'a, R: Registers> Output<'a, R> {
     /// Takes those that are left of so many more, one at a time where they are not alike. Gives how many have been taken then.
     #[inline(never)]
     fn push_others(&mut self, records: &[Record], mut taken: usize) -> usize {
+        let mut turns = Turns::for_each(records);
         while let Some(record) = records.get(taken)
             && self.push(*record).is_ok()
         {
+            turns.count();
             taken = taken.wrapping_add(1);
             let left = records.get(taken..).unwrap_or_default();
             taken = taken.wrapping_add(self.push_alike(left));

@@ -3,8 +3,13 @@
 use core::fmt;
 use core::sync::atomic::Ordering;
 
+use super::ring::CAPACITY;
 use super::{Shared, ticks};
+use crate::turns::Turns;
 use crate::{Direction, DriverTiming, Record};
+
+/// Records that the interrupt may find in a row: it is above who puts them in.
+const MOST_TAKEN: u32 = CAPACITY as u32;
 
 /// A timer that does one thing at one time, and then interrupts.
 pub trait StepTimer {
@@ -251,7 +256,9 @@ impl<'a, T: StepTimer> Player<'a, T> {
 
     /// Takes a period of the record being played, or of the next one. False: there is none.
     fn next_period(&mut self) -> bool {
+        let mut turns = Turns::at_most(MOST_TAKEN);
         while self.left == 0 {
+            turns.count();
             let Some(record) = self.shared.records.take() else {
                 return false;
             };
@@ -294,7 +301,9 @@ impl<'a, T: StepTimer> Player<'a, T> {
         let left = self.record.period.wrapping_mul(u32::from(self.left));
         played = played.wrapping_add(left);
         self.left = 0;
+        let mut turns = Turns::at_most(MOST_TAKEN);
         while let Some(record) = self.shared.records.take() {
+            turns.count();
             played = played.wrapping_add(ticks(&record));
         }
         self.rest(played);
