@@ -2,15 +2,20 @@
 //!
 //! Each object that may send has a bit and an identifier; of those that wait the lowest identifier goes first. A bit is set by what makes
 //! its object due, and cleared when its last frame is taken. Nothing is sorted, so another COB-ID is one number written: mostly
-//! one object waits, or a few. Of times there is one, the next: who starts a timer moves it forward ([`Agenda::wake_at`]), who
-//! changes a value that transmit PDOs may look at, too ([`Agenda::look`]).
+//! one object waits, or a few. Of times there is one, the next: who starts a timer moves it forward ([`Agenda::wake_at`]). What is to be done at
+//! once has a bit in place of a time: timers that have changed ([`Agenda::wake`]), values that transmit PDOs may look at ([`Agenda::look`]).
 
 use crate::outbox::Pending;
 use crate::slots::{Slots, Unused};
-use crate::time::{Instant, earlier};
+use crate::time::{Instant, earlier, has_come};
 
-/// A moment that has always come.
+/// A moment that has always come: a fresh agenda is zero, and all is looked at first.
 const AT_ONCE: Instant = Instant::from_ticks(0);
+
+/// Timers have begun, or ended.
+const TIMERS: u8 = 1 << 0;
+/// Transmit PDOs have to be looked at.
+const VALUES: u8 = 1 << 1;
 
 /// Something that sends: the place of its bit. Of equal identifiers the lower number goes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,13 +113,25 @@ impl Unused for Word {
     };
 }
 
+/// What there is to do at a moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Due {
+    Nothing,
+    /// Transmit PDOs have to be looked at, and no time has come.
+    Values,
+    /// A time has come, or timers have changed; there may be values as well.
+    All,
+}
+
 /// The agenda of a device; `W` are words for all that may send.
 #[derive(Debug)]
 pub struct Agenda<W> {
     words: W,
     /// Nothing may be sent.
     pub(crate) is_mute: bool,
-    /// Nothing is to be done before this moment.
+    /// What is to be done at once: [`TIMERS`], [`VALUES`].
+    due: u8,
+    /// Nothing else is to be done before this moment.
     next: Instant,
     /// No timer but that of the heartbeat ends before this moment.
     timers: Instant,
@@ -128,6 +145,7 @@ impl<W: Slots<Word>> Agenda<W> {
         Self {
             words: W::UNUSED,
             is_mute: true,
+            due: 0,
             next: AT_ONCE,
             timers: AT_ONCE,
             values: AT_ONCE,
@@ -242,22 +260,32 @@ impl<W: Slots<Word>> Agenda<W> {
         self.set(Object::LSS, lss);
     }
 
-    /// Nothing is to be done before this moment.
+    /// What there is to do.
+    #[inline]
+    pub(crate) const fn due(&self, now: Instant) -> Due {
+        match self.due {
+            0 if !has_come(self.next, now) => Due::Nothing,
+            VALUES if !has_come(self.next, now) => Due::Values,
+            _ => Due::All,
+        }
+    }
+
+    /// Whether timers beside that of the heartbeat have to be looked at.
+    #[inline]
+    pub(crate) const fn has_timers(&self, now: Instant) -> bool {
+        self.due & TIMERS != 0 || has_come(self.timers, now)
+    }
+
+    /// Whether transmit PDOs have to be looked at.
+    #[inline]
+    pub(crate) const fn has_values(&self, now: Instant) -> bool {
+        self.due & VALUES != 0 || has_come(self.values, now)
+    }
+
+    /// Without a bit, nothing is to be done before this moment.
     #[inline]
     pub(crate) const fn next(&self) -> Instant {
         self.next
-    }
-
-    /// No timer but that of the heartbeat ends before this moment.
-    #[inline]
-    pub(crate) const fn timers(&self) -> Instant {
-        self.timers
-    }
-
-    /// No transmit PDO has to be looked at before this moment.
-    #[inline]
-    pub(crate) const fn values(&self) -> Instant {
-        self.values
     }
 
     /// A timer has begun that ends at this moment.
@@ -273,30 +301,36 @@ impl<W: Slots<Word>> Agenda<W> {
     /// Timers have begun, or ended.
     #[inline]
     pub(crate) const fn wake(&mut self) {
-        self.timers = AT_ONCE;
-        self.next = AT_ONCE;
+        self.due |= TIMERS;
     }
 
     /// Transmit PDOs have to be looked at: a value may have changed, or an inhibit time is to begin.
     #[inline]
     pub(crate) const fn look(&mut self) {
-        self.values = AT_ONCE;
-        self.next = AT_ONCE;
+        self.due |= VALUES;
     }
 
     /// All timers have been looked at; the next one of them ends at `deadline`.
     pub(crate) const fn set_timers(&mut self, deadline: Instant) {
+        self.due &= !TIMERS;
         self.timers = deadline;
     }
 
-    /// All transmit PDOs have been looked at; they want to be looked at again at `deadline`.
-    pub(crate) const fn set_values(&mut self, deadline: Instant) {
+    /// All transmit PDOs have been looked at; they want to be looked at again at `deadline`. Returns whether that is another moment than
+    /// before.
+    #[inline]
+    pub(crate) const fn set_values(&mut self, deadline: Instant) -> bool {
+        self.due &= !VALUES;
+        let is_new = deadline.ticks() != self.values.ticks();
         self.values = deadline;
+        is_new
     }
 
-    /// All that was due is done; the heartbeat is due at this moment.
-    pub(crate) const fn set_next(&mut self, heartbeat: Instant) {
+    /// All that was due is done; the heartbeat is due at this moment. Returns the next of all deadlines.
+    #[inline]
+    pub(crate) const fn set_next(&mut self, heartbeat: Instant) -> Instant {
         self.next = earlier(earlier(self.timers, self.values), heartbeat);
+        self.next
     }
 }
 

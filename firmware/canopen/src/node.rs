@@ -40,7 +40,7 @@ use objects::Streams;
 use services::Services;
 use transmit::TransmitQueue;
 
-use crate::agenda::Object;
+use crate::agenda::{Due, Object};
 use crate::application::Application;
 use crate::can_controller::Controller;
 use crate::cia301::emergency::{Emergency, Meant, ReceivedEmergency};
@@ -212,34 +212,54 @@ impl<D: Dictionary> Node<D> {
     /// ([`NEVER`]: not before the next frame).
     #[inline]
     pub fn poll<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
-        if has_come(self.services.agenda.next(), now) {
-            return self.serve(now, application);
+        match self.services.agenda.due(now) {
+            Due::Nothing => self.services.agenda.next(),
+            Due::Values => self.serve_values(now),
+            Due::All => self.serve(now, application),
         }
-        self.services.agenda.next()
     }
 
-    /// Something is due, or may be. Returns the next deadline.
+    /// A time has come, or may have. Returns the next deadline.
     #[inline(never)]
     fn serve<A: Application<D>>(&mut self, now: Instant, application: &mut A) -> Instant {
-        if has_come(self.services.agenda.timers(), now) {
+        if self.services.agenda.has_timers(now) {
             let deadline = self.serve_timers(now, application);
             self.services.agenda.set_timers(deadline);
         }
-        let services = &mut self.services;
-        let mut heartbeat = NEVER;
-        if self.state != NmtState::Initialisation {
-            if services.heartbeat.poll(now) {
-                services.agenda.set(Object::HEARTBEAT, true);
-            }
-            heartbeat = services.heartbeat.deadline();
+        if self.has_heartbeat() && self.services.heartbeat.poll(now) {
+            self.services.agenda.set(Object::HEARTBEAT, true);
         }
-        let agenda = &mut services.agenda;
-        if has_come(agenda.values(), now) {
-            let deadline = services.tpdos.poll(&self.dictionary, now, agenda);
-            agenda.set_values(deadline);
+        if self.services.agenda.has_values(now) {
+            self.serve_values(now);
         }
-        agenda.set_next(heartbeat);
+        self.find_next()
+    }
+
+    /// Values may have changed that transmit PDOs look at, or a time of one of those has come. Returns the next deadline.
+    #[inline(never)]
+    fn serve_values(&mut self, now: Instant) -> Instant {
+        let Services { tpdos, agenda, .. } = &mut self.services;
+        let deadline = tpdos.poll(&self.dictionary, now, agenda);
+        if agenda.set_values(deadline) {
+            return self.find_next();
+        }
         agenda.next()
+    }
+
+    /// Finds the next deadline.
+    #[inline(never)]
+    fn find_next(&mut self) -> Instant {
+        let heartbeat = match self.has_heartbeat() {
+            true => self.services.heartbeat.deadline(),
+            false => NEVER,
+        };
+        self.services.agenda.set_next(heartbeat)
+    }
+
+    /// Whether the NMT state has heartbeats.
+    #[inline]
+    fn has_heartbeat(&self) -> bool {
+        self.state != NmtState::Initialisation
     }
 
     /// The next event for the firmware: changes of state in their order, then what LSS asks for, then a reset.
@@ -338,7 +358,8 @@ impl<D: Dictionary> Node<D> {
 
     /// An error appeared: error register, history, emergency message. Reported once until [`Node::clear`].
     pub fn report(&mut self, emergency: Emergency, now: Instant) {
-        self.services.report(&mut self.dictionary, &emergency, now);
+        let error = emergency.message();
+        self.services.report(&mut self.dictionary, error, now);
     }
 
     /// An error is gone: its register bits fall and "error reset" is sent.

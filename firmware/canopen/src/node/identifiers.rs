@@ -80,9 +80,12 @@ impl<D: Dictionary> Node<D> {
             true => services.sync.cob_id(),
             false => 0,
         };
-        let emergency = services.emergency.cob_id().unwrap_or(0);
         for (object, cob_id, manner) in [
-            (Object::EMERGENCY, emergency, Manner::Every),
+            (
+                Object::EMERGENCY,
+                services.emergency.cob_id(),
+                Manner::Every,
+            ),
             (Object::SYNC, sync, Manner::Newest),
             (Object::TIME, services.time.cob_id(), Manner::Newest),
             (Object::HEARTBEAT, error_control, Manner::Every),

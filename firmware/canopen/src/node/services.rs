@@ -4,7 +4,7 @@
 use crate::agenda::{Agenda, Object};
 use crate::application::Application;
 use crate::cia301::cob_ids;
-use crate::cia301::emergency::{self, Emergency, Meant};
+use crate::cia301::emergency::{self, Emergency, Meant, Message};
 use crate::cia301::error_behaviour::{self, CommunicationError};
 use crate::cia301::error_report::ErrorReport;
 use crate::cia301::guarding::{self, Guarding};
@@ -212,10 +212,10 @@ impl<C: Counts> Services<C> {
     pub(super) fn report<D: Dictionary>(
         &mut self,
         dictionary: &mut D,
-        emergency: &Emergency,
+        error: Message,
         now: Instant,
     ) {
-        self.emergency.report(dictionary, emergency, now);
+        self.emergency.report(dictionary, error, now);
         self.errors_changed();
     }
 
@@ -261,7 +261,7 @@ impl<C: Counts> Services<C> {
     pub(super) fn identifiers<D: Dictionary>(&self, dictionary: &D, mut add: impl FnMut(u16)) {
         add(self.sync.cob_id());
         add(self.time.cob_id());
-        self.emergency.cob_id().into_iter().for_each(&mut add);
+        add(self.emergency.cob_id());
         self.rpdos.cob_ids().for_each(&mut add);
         self.tpdos.cob_ids().for_each(&mut add);
         if D::FEATURES.emergency_consumer {
@@ -277,7 +277,7 @@ impl<C: Counts> Services<C> {
         let sends_time = self.time.is_producer() && cob_id == self.time.cob_id();
         sends_sync
             || sends_time
-            || self.emergency.cob_id() == Some(cob_id)
+            || self.emergency.cob_id() == cob_id
             || self.tpdos.cob_ids().any(|sent| sent == cob_id)
     }
 
@@ -334,7 +334,9 @@ impl<C: Counts> Services<C> {
         };
         while let Some(report) = next(self) {
             match report {
-                ErrorReport::Appeared(emergency) => self.report(dictionary, &emergency, now),
+                ErrorReport::Appeared(emergency) => {
+                    self.report(dictionary, emergency.message(), now)
+                }
                 ErrorReport::Gone(emergency) => self.clear_one(dictionary, &emergency, now),
             }
         }

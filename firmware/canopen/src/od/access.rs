@@ -322,17 +322,17 @@ pub fn is_node_id_default<D: Dictionary + ?Sized>(
 
 /// The value of an UNSIGNED8 (or any other 1-byte object); `None` when there is no such object.
 pub fn read_u8<D: Dictionary + ?Sized>(dictionary: &D, index: u16, sub: u8) -> Option<u8> {
-    read(dictionary, index, sub).map(u8::from_le_bytes)
+    number_at(dictionary, index, sub, 1).map(|number| number as u8)
 }
 
 /// The value of an UNSIGNED16 (or any other 2-byte object); `None` when there is no such object.
 pub fn read_u16<D: Dictionary + ?Sized>(dictionary: &D, index: u16, sub: u8) -> Option<u16> {
-    read(dictionary, index, sub).map(u16::from_le_bytes)
+    number_at(dictionary, index, sub, 2).map(|number| number as u16)
 }
 
 /// The value of an UNSIGNED32 (or any other 4-byte object); `None` when there is no such object.
 pub fn read_u32<D: Dictionary + ?Sized>(dictionary: &D, index: u16, sub: u8) -> Option<u32> {
-    read(dictionary, index, sub).map(u32::from_le_bytes)
+    number_at(dictionary, index, sub, 4)
 }
 
 /// Writes a 1-byte object in RAM, with no regard to access and limits: for the objects' own code. Returns whether there
@@ -368,17 +368,20 @@ pub fn write_u32<D: Dictionary + ?Sized>(
     write(dictionary, index, sub, &value.to_le_bytes())
 }
 
-/// The bytes of a number of `N` bytes.
-fn read<D: Dictionary + ?Sized, const N: usize>(
+/// The value of a number that has one of these widths in bytes, 1, 2 and 4 or a sum of them. One function for all is small: what frames wait for
+/// has found its entries before.
+#[inline(never)]
+pub(crate) fn number_at<D: Dictionary + ?Sized>(
     dictionary: &D,
     index: u16,
     sub: u8,
-) -> Option<[u8; N]> {
+    widths: u16,
+) -> Option<u32> {
     let entry = find::<D>(index, sub).ok()?;
-    if entry.is_variable() {
+    if entry.width() & widths == 0 {
         return None;
     }
-    value(dictionary, entry).try_into().ok()
+    raw(dictionary, entry)
 }
 
 /// Writes a number of exactly these bytes.

@@ -25,7 +25,7 @@ pub use access::{
     AccessError, check, constant, find, is_node_id_default, load_defaults, node_id_default, number,
     put, read_u8, read_u16, read_u32, set, value, write_u8, write_u16, write_u32,
 };
-pub(crate) use access::{put_here, raw};
+pub(crate) use access::{number_at, put_here, raw};
 pub use buckets::buckets;
 pub use counts::{Count, Counts};
 pub use entry::{Access, Attributes, DataType, Entry, Location, StorageGroup, key};

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::{Emergency, ErrorRegister};
+use super::{Emergency, ErrorRegister, Message};
 
 /// Most errors that stand at the same time and each have their bits of the error register.
 const MOST_ERRORS: usize = 16;
@@ -16,7 +16,7 @@ const MOST_OTHERS: usize = 16;
 #[derive(Debug)]
 pub(super) struct ActiveErrors {
     /// Each with its bits of the error register, the generic one among them.
-    standing: Vec<Emergency, MOST_ERRORS>,
+    standing: Vec<Message, MOST_ERRORS>,
     /// The history words of errors without room, oldest first.
     others: Vec<u32, MOST_OTHERS>,
     /// Their bits.
@@ -45,17 +45,13 @@ impl ActiveErrors {
 
     /// Adds an error; `false` if it stands already.
     #[inline(always)]
-    pub(super) fn add(&mut self, emergency: &Emergency) -> bool {
-        if self.standing.iter().any(|error| error.is_as(emergency)) {
+    pub(super) fn add(&mut self, error: Message) -> bool {
+        if self.standing.iter().any(|standing| standing.is_as(error)) {
             return false;
         }
-        let register = emergency.register | ErrorRegister::GENERIC;
-        let error = Emergency {
-            register,
-            ..*emergency
-        };
-        if self.standing.push(error).is_err() && !self.add_other(emergency.history_word(), register)
-        {
+        let register = error.register() | ErrorRegister::GENERIC;
+        let error = error.with_register(register);
+        if self.standing.push(error).is_err() && !self.add_other(error) {
             return false;
         }
         self.register |= register;
@@ -64,7 +60,7 @@ impl ActiveErrors {
 
     /// The errors that stand, as history words: the code in the low half.
     pub(super) fn words(&self) -> impl Iterator<Item = u32> {
-        let standing = self.standing.iter().map(Emergency::history_word);
+        let standing = self.standing.iter().map(|error| error.history_word());
         standing.chain(self.others.iter().copied())
     }
 
@@ -74,27 +70,23 @@ impl ActiveErrors {
     }
 
     /// The errors of the list, oldest first.
-    pub(super) fn all(&self) -> impl Iterator<Item = &Emergency> {
-        self.standing.iter()
+    pub(super) fn all(&self) -> impl Iterator<Item = Message> {
+        self.standing.iter().copied()
     }
 
     /// Removes the errors that are meant; `false` if there was none.
     pub(super) fn remove(&mut self, meant: Meant) -> bool {
-        if self.standing.is_empty() {
-            // The others are only there when the list is full.
-            return false;
-        }
-        let is_gone = |word: u32| (word ^ meant.history_word) & meant.mask == 0;
         let number = |errors: &Self| (errors.standing.len(), errors.others.len());
         let before = number(self);
-        self.standing.retain(|error| !is_gone(error.history_word()));
-        self.others.retain(|word| !is_gone(*word));
+        retain(&mut self.standing, |error| !meant.are(error.history_word()));
+        retain(&mut self.others, |word| !meant.are(word));
         let has_removed = number(self) != before;
         if self.standing.is_empty() {
+            // The others are only there when the list is full.
             self.others.clear();
             self.other_bits = 0;
         }
-        let bits = self.standing.iter().map(|error| error.register);
+        let bits = self.standing.iter().map(|error| error.register());
         self.register = bits.fold(self.other_bits, |all, bits| all | bits);
         has_removed
     }
@@ -102,20 +94,34 @@ impl ActiveErrors {
     /// Adds an error that finds no room in the list; `false` if it stands already.
     #[cold]
     #[inline(never)]
-    fn add_other(&mut self, history_word: u32, register: u8) -> bool {
-        if self.others.contains(&history_word) {
+    fn add_other(&mut self, error: Message) -> bool {
+        let mut word = error.history_word();
+        if self.others.contains(&word) {
             return false;
         }
-        if self.others.is_full() {
-            let mut is_oldest = true;
-            self.others
-                .retain(|_| !core::mem::replace(&mut is_oldest, false));
+        if self.others.push(word).is_err() {
+            // The oldest falls out.
+            for place in self.others.iter_mut().rev() {
+                core::mem::swap(place, &mut word);
+            }
         }
-        // There is room.
-        let _ = self.others.push(history_word);
-        self.other_bits |= register;
+        self.other_bits |= error.register();
         true
     }
+}
+
+/// Keeps these, in their order.
+fn retain<T: Copy, const N: usize>(list: &mut Vec<T, N>, keeps: impl Fn(T) -> bool) {
+    let mut kept = 0;
+    for place in 0..list.len() {
+        if let Some(element) = list.get(place).copied().filter(|element| keeps(*element)) {
+            if let Some(to) = list.get_mut(kept) {
+                *to = element;
+            }
+            kept = kept.wrapping_add(1);
+        }
+    }
+    list.truncate(kept);
 }
 
 /// Which errors are meant: those whose history word is this one in the bits of the mask.
@@ -140,5 +146,10 @@ impl Meant {
             history_word: code as u32,
             mask: 0xFFFF,
         }
+    }
+
+    /// Whether the error with this history word is one of them.
+    const fn are(self, history_word: u32) -> bool {
+        (history_word ^ self.history_word) & self.mask == 0
     }
 }

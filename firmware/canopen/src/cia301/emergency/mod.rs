@@ -49,7 +49,7 @@ pub mod code {
     pub const RPDO_TIMEOUT: u16 = 0x8250;
 }
 
-/// An error as CiA 301 reports it. It lies in memory as its message travels.
+/// An error as CiA 301 reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct Emergency {
@@ -64,22 +64,63 @@ pub struct Emergency {
 impl Emergency {
     /// The word of this error in the history 1003h. It also is what tells two errors apart.
     pub const fn history_word(&self) -> u32 {
-        let [low, high, ..] = self.info;
-        let [code_low, code_high] = self.code.to_le_bytes();
-        u32::from_le_bytes([code_low, code_high, low, high])
+        self.message().history_word()
     }
+
+    /// The message that tells of it, with its own bits of the error register.
+    #[inline]
+    pub(crate) const fn message(&self) -> Message {
+        let [low, high] = self.code.to_le_bytes();
+        let [a, b, c, d, e] = self.info;
+        Message(u64::from_le_bytes([
+            low,
+            high,
+            self.register,
+            a,
+            b,
+            c,
+            d,
+            e,
+        ]))
+    }
+}
+
+/// An emergency message, or an error that stands, as the number that its eight bytes are: it moves in two registers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Message(u64);
+
+impl Message {
+    /// "Error reset or no error".
+    const NO_ERROR: Self = Self(0);
+
+    /// The bits by which two errors are told apart: code, and the first two bytes of the manufacturer.
+    const IDENTITY: u64 = 0xFF_FF00_FFFF;
+
+    /// Where the bits of the error register are.
+    const REGISTER: u32 = 16;
 
     /// Whether it is the same error.
     #[inline]
-    const fn is_as(&self, other: &Self) -> bool {
-        self.code == other.code && self.history_word() == other.history_word()
+    const fn is_as(self, other: Self) -> bool {
+        (self.0 ^ other.0) & Self::IDENTITY == 0
     }
 
-    /// The message that tells of it, with these bits of the error register.
-    const fn message(&self, register: u8) -> [u8; 8] {
-        let [low, high] = self.code.to_le_bytes();
-        let [a, b, c, d, e] = self.info;
-        [low, high, register, a, b, c, d, e]
+    /// Its bits of the error register.
+    #[inline]
+    const fn register(self) -> u8 {
+        (self.0 >> Self::REGISTER) as u8
+    }
+
+    /// The same with these bits of the error register.
+    #[inline]
+    const fn with_register(self, register: u8) -> Self {
+        Self(self.0 & !(0xFF << Self::REGISTER) | (register as u64) << Self::REGISTER)
+    }
+
+    /// [`Emergency::history_word`].
+    #[inline]
+    const fn history_word(self) -> u32 {
+        self.0 as u32 & 0xFFFF | ((self.0 >> 24) as u32) << 16
     }
 }
 

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::Emergency;
+use super::Message;
 use super::active::{ActiveErrors, Meant};
 use super::history::History;
 use super::queue::EmergencyQueue;
@@ -16,8 +16,8 @@ pub struct Producer {
     active: ActiveErrors,
     pub(super) history: History,
     pub(super) queue: EmergencyQueue,
-    /// Where object 1001h lies in RAM, one byte.
-    register: Option<u16>,
+    /// Where object 1001h lies in RAM, one byte: the offset and 1; 0 if it does not.
+    register: u16,
 }
 
 impl Producer {
@@ -27,7 +27,7 @@ impl Producer {
             active: ActiveErrors::new(),
             history: History::new(),
             queue: EmergencyQueue::new(),
-            register: None,
+            register: 0,
         }
     }
 
@@ -64,19 +64,19 @@ impl Producer {
     }
 
     /// An error appeared. Nothing happens if it stands already.
-    #[inline]
-    pub fn report<D: Dictionary>(
+    #[inline(always)]
+    pub(crate) fn report<D: Dictionary>(
         &mut self,
         dictionary: &mut D,
-        emergency: &Emergency,
+        error: Message,
         now: Instant,
     ) {
-        if !self.active.add(emergency) {
+        if !self.active.add(error) {
             return;
         }
         let register = self.show_register(dictionary);
-        self.history.insert(dictionary, emergency.history_word());
-        self.queue.push(emergency.message(register), now);
+        self.history.insert(dictionary, error.history_word());
+        self.queue.push(error.with_register(register), now);
     }
 
     /// The errors that stand are in the history, which has just been emptied: reset communication.
@@ -91,7 +91,7 @@ impl Producer {
     pub fn tell_all(&mut self, now: Instant) {
         let register = self.active.register();
         for error in self.active.all() {
-            self.queue.push(error.message(register), now);
+            self.queue.push(error.with_register(register), now);
         }
     }
 
@@ -101,17 +101,18 @@ impl Producer {
             return;
         }
         let register = self.show_register(dictionary);
-        self.queue.push(NO_ERROR.message(register), now);
+        self.queue
+            .push(Message::NO_ERROR.with_register(register), now);
     }
 
     /// Looks for 1001h.
     pub(super) fn find_register<D: Dictionary>(&mut self) {
         self.register = match od::find::<D>(0x1001, 0) {
             Ok(entry) if entry.size() == 1 => match entry.location() {
-                Location::Ram(offset) => Some(offset),
-                Location::Rom(_) | Location::Application => None,
+                Location::Ram(offset) => offset.wrapping_add(1),
+                Location::Rom(_) | Location::Application => 0,
             },
-            _ => None,
+            _ => 0,
         };
     }
 
@@ -119,9 +120,8 @@ impl Producer {
     #[inline]
     pub fn show_register<D: Dictionary>(&self, dictionary: &mut D) -> u8 {
         let register = self.active.register();
-        if let Some(at) = self.register
-            && let Some(place) = dictionary.ram_mut().get_mut(usize::from(at))
-        {
+        let at = usize::from(self.register).wrapping_sub(1);
+        if let Some(place) = dictionary.ram_mut().get_mut(at) {
             *place = register;
         }
         register
@@ -129,12 +129,12 @@ impl Producer {
 
     /// Whether the error register or the history may lie in these places of RAM.
     pub fn shows_in(&self, places: &Range<u16>) -> bool {
-        let has_register = self.register.is_some_and(|at| places.contains(&at));
+        let has_register = places.contains(&self.register.wrapping_sub(1));
         has_register || self.history.lies_in(places)
     }
 
-    /// The identifier of its messages; `None` while it is switched off.
-    pub const fn cob_id(&self) -> Option<u16> {
+    /// The identifier of its messages; 0 while it is switched off.
+    pub const fn cob_id(&self) -> u16 {
         self.queue.cob_id()
     }
 
@@ -177,10 +177,3 @@ impl Default for Producer {
         Self::new()
     }
 }
-
-/// "Error reset or no error".
-const NO_ERROR: Emergency = Emergency {
-    code: 0x0000,
-    register: 0,
-    info: [0; 5],
-};

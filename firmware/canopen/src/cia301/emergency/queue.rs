@@ -6,6 +6,7 @@
 //!                  └ inhibit ────┘   starts when the released message has left
 //! ```
 
+use super::Message;
 use crate::time::{Duration, Instant, NEVER, has_come, with_length};
 use crate::wire::Frame;
 use crate::wire::cob_id::CobId;
@@ -32,7 +33,7 @@ enum Service {
 #[derive(Debug)]
 pub(super) struct EmergencyQueue {
     /// A ring.
-    messages: [[u8; 8]; MOST_MESSAGES as usize],
+    messages: [Message; MOST_MESSAGES as usize],
     /// The number of the first one, counted on and on.
     first: u8,
     /// This many wait.
@@ -42,8 +43,8 @@ pub(super) struct EmergencyQueue {
     service: Service,
     /// A message has left, and its inhibit time has not begun yet.
     has_left: bool,
-    /// `None`: switched off.
-    cob_id: Option<u16>,
+    /// 0: switched off.
+    cob_id: u16,
     /// 1015h in µs; 0 for none.
     inhibit_time: u32,
     /// Before this moment no message is released.
@@ -55,13 +56,13 @@ pub(super) struct EmergencyQueue {
 impl EmergencyQueue {
     pub(super) const fn new() -> Self {
         Self {
-            messages: [[0; 8]; MOST_MESSAGES as usize],
+            messages: [Message::NO_ERROR; MOST_MESSAGES as usize],
             first: 0,
             waiting: 0,
             released: 0,
             service: Service::Absent,
             has_left: false,
-            cob_id: None,
+            cob_id: 0,
             inhibit_time: 0,
             inhibited_until: Instant::from_ticks(0),
             overflows: 0,
@@ -70,14 +71,17 @@ impl EmergencyQueue {
 
     /// From 1014h. Messages that wait go out with the new identifier, or are dropped with an invalid one.
     pub(super) fn set_cob_id(&mut self, cob_id: CobId) {
-        self.cob_id = cob_id.is_valid().then_some(cob_id.identifier());
-        if self.cob_id.is_none() {
+        self.cob_id = match cob_id.is_valid() {
+            true => cob_id.identifier(),
+            false => 0,
+        };
+        if self.cob_id == 0 {
             self.clear();
         }
     }
 
-    /// The identifier of the messages; `None` while the producer is switched off.
-    pub(super) const fn cob_id(&self) -> Option<u16> {
+    /// The identifier of the messages; 0 while the producer is switched off.
+    pub(super) const fn cob_id(&self) -> u16 {
         self.cob_id
     }
 
@@ -125,8 +129,8 @@ impl EmergencyQueue {
     /// Adds a message, unless the producer is switched off. The oldest one makes room for it in a full queue: the last
     /// message that the master gets always has the present error register.
     #[inline]
-    pub(super) fn push(&mut self, message: [u8; 8], now: Instant) {
-        if self.cob_id.is_none() || self.service == Service::Absent {
+    pub(super) fn push(&mut self, message: Message, now: Instant) {
+        if self.cob_id == 0 || self.service == Service::Absent {
             return;
         }
         if self.waiting == MOST_MESSAGES {
@@ -189,12 +193,14 @@ impl EmergencyQueue {
     /// The message that may be sent now, removed.
     #[inline(always)]
     pub(super) fn take(&mut self) -> Option<Frame> {
-        let cob_id = self.cob_id.filter(|_| self.is_released())?;
+        if !self.is_released() {
+            return None;
+        }
         self.has_left = self.has_inhibit_time();
         let first = usize::from(self.first % MOST_MESSAGES);
         let message = self.messages.get(first).copied()?;
         self.drop_first();
-        Some(Frame::full(cob_id, message))
+        Some(Frame::full(self.cob_id, message.0.to_le_bytes()))
     }
 
     /// Messages that lost their room since power-on.

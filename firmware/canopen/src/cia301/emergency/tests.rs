@@ -1,5 +1,6 @@
 //! The queue and its inhibit time on a bus that is not always free.
 
+use super::Message;
 use super::queue::EmergencyQueue;
 use crate::time::{Instant, NEVER};
 use crate::wire::cob_id::CobId;
@@ -8,6 +9,11 @@ const INHIBIT: u32 = 100_000;
 
 fn at(milliseconds: u64) -> Instant {
     Instant::from_ticks(milliseconds * 1000)
+}
+
+/// A message of eight equal bytes.
+fn message(byte: u8) -> Message {
+    Message(u64::from_le_bytes([byte; 8]))
 }
 
 fn queue() -> EmergencyQueue {
@@ -21,8 +27,8 @@ fn queue() -> EmergencyQueue {
 #[test]
 fn e07_the_inhibit_time_starts_when_a_message_has_left() {
     let mut queue = queue();
-    queue.push([1; 8], at(0));
-    queue.push([2; 8], at(0));
+    queue.push(message(1), at(0));
+    queue.push(message(2), at(0));
     // The bus is busy until 250 ms.
     for time in 0..=250 {
         queue.poll(at(time));
@@ -43,7 +49,7 @@ fn without_an_inhibit_time_all_may_leave_at_once() {
     let mut queue = queue();
     queue.set_inhibit_time(0);
     for number in 0..8 {
-        queue.push([number; 8], at(0));
+        queue.push(message(number), at(0));
     }
     for number in 0..8 {
         assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([number; 8]));
@@ -55,13 +61,13 @@ fn without_an_inhibit_time_all_may_leave_at_once() {
 #[test]
 fn e01_switching_off_drops_what_waits() {
     let mut queue = queue();
-    queue.push([1; 8], at(0));
+    queue.push(message(1), at(0));
     queue.set_cob_id(CobId(0x8000_0084));
     assert_eq!(queue.take(), None);
-    queue.push([2; 8], at(0));
+    queue.push(message(2), at(0));
     queue.set_cob_id(CobId(0x84));
     assert_eq!(queue.take(), None);
-    queue.push([3; 8], at(0));
+    queue.push(message(3), at(0));
     assert_eq!(queue.take().map(|frame| *frame.bytes()), Some([3; 8]));
 }
 
@@ -69,9 +75,9 @@ fn e01_switching_off_drops_what_waits() {
 fn a_message_that_waits_for_the_bus_has_no_deadline_and_one_behind_it_has() {
     let mut queue = queue();
     assert_eq!(queue.deadline(), NEVER);
-    queue.push([1; 8], at(0));
+    queue.push(message(1), at(0));
     assert_eq!(queue.deadline(), NEVER);
-    queue.push([2; 8], at(0));
+    queue.push(message(2), at(0));
     assert_eq!(queue.deadline(), NEVER);
     queue.take();
     assert_eq!(queue.deadline(), at(0), "its inhibit time begins");
@@ -85,10 +91,10 @@ fn a_message_that_waits_for_the_bus_has_no_deadline_and_one_behind_it_has() {
 #[test]
 fn what_comes_before_communication_has_begun_is_not_kept_and_not_counted() {
     let mut queue = queue();
-    queue.push([1; 8], at(0));
+    queue.push(message(1), at(0));
     queue.end();
     for number in 0..20 {
-        queue.push([number; 8], at(0));
+        queue.push(message(number), at(0));
     }
     queue.start(at(1));
     assert_eq!(queue.take(), None);
@@ -98,10 +104,10 @@ fn what_comes_before_communication_has_begun_is_not_kept_and_not_counted() {
 #[test]
 fn e10_what_waits_in_stopped_keeps_its_order() {
     let mut queue = queue();
-    queue.push([1; 8], at(0));
+    queue.push(message(1), at(0));
     queue.stop();
     queue.hold_back();
-    queue.push([2; 8], at(10));
+    queue.push(message(2), at(10));
     queue.poll(at(500));
     assert_eq!(queue.deadline(), NEVER);
     assert_eq!(queue.take(), None);

@@ -18,7 +18,7 @@ use super::mapping::{Direction, Layout, MOST_BITS, Mapped, MappingEntry};
 use super::multiplexed::Addressing;
 use crate::cia301::cob_ids;
 use crate::cia301::sdo::AbortCode;
-use crate::od::{Dictionary, Entry, find, value};
+use crate::od::{Dictionary, Entry, number_at};
 use crate::wire::cob_id::CobId;
 
 /// Bit 30 of the COB-ID of a transmit PDO: no remote frame may ask for it.
@@ -348,15 +348,7 @@ fn bytes<const N: usize>(value: &[u8]) -> Result<[u8; N], AbortCode> {
     value.try_into().map_err(|_| AbortCode::LengthMismatch)
 }
 
-/// An unsigned number of the dictionary, of whatever size. One function for all of them is small, and none of them is read
-/// while frames move.
-#[inline(never)]
+/// An unsigned number of the dictionary, of whatever size.
 fn number<D: Dictionary>(dictionary: &D, index: u16, sub: u8) -> Option<u32> {
-    let bytes = value(dictionary, find::<D>(index, sub).ok()?);
-    Some(
-        bytes
-            .iter()
-            .rev()
-            .fold(0, |number, byte| number << 8 | u32::from(*byte)),
-    )
+    number_at(dictionary, index, sub, 1 | 2 | 4)
 }

@@ -62,7 +62,7 @@ pub enum NotSent {
 pub struct Transmit<S, M> {
     pdos: S,
     is_operational: bool,
-    /// How many are looked at when values may have changed or time has passed, and how many wait for SYNC.
+    /// How many are looked at when values may have changed or time has passed, and how many wait for SYNC: none outside of Operational.
     watching: u16,
     synchronous: u16,
     /// That of the device.
@@ -108,6 +108,9 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
     #[inline(never)]
     fn count(&mut self) {
         (self.watching, self.synchronous) = (0, 0);
+        if !self.is_operational {
+            return;
+        }
         for pdo in self.pdos.as_ref() {
             let is_watched = pdo.watch() != Watch::No;
             self.watching = self.watching.saturating_add(is_watched.into());
@@ -135,6 +138,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
             return;
         }
         self.is_operational = true;
+        self.count();
         for pdo in self.pdos.as_mut() {
             pdo.start(dictionary, now, agenda);
         }
@@ -143,6 +147,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
     /// Operational is left. What waits to be sent is dropped.
     pub fn leave_operational(&mut self, agenda: &mut Agenda<impl Slots<Word>>) {
         self.is_operational = false;
+        self.count();
         for pdo in self.pdos.as_mut() {
             pdo.stop(agenda);
         }
@@ -203,7 +208,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         agenda: &mut Agenda<impl Slots<Word>>,
     ) {
         let mut left = self.synchronous;
-        if !self.is_operational || left == 0 {
+        if left == 0 {
             return;
         }
         for pdo in self.pdos.as_mut() {
@@ -255,7 +260,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
     /// Whether a change of a value, or time, may cause one to be sent.
     #[inline]
     pub const fn is_watching(&self) -> bool {
-        self.is_operational && self.watching != 0
+        self.watching != 0
     }
 
     /// Looks for changes and timers that have run out. Called whenever values may have changed; returns when it wants to be
@@ -266,9 +271,6 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         now: Instant,
         agenda: &mut Agenda<impl Slots<Word>>,
     ) -> Instant {
-        if !self.is_operational {
-            return NEVER;
-        }
         let mut left = self.watching;
         let mut deadline = NEVER;
         if left == 0 {

@@ -230,7 +230,7 @@ impl Device {
     /// Everything that waits to be sent, in the order of the bus: identifier and data.
     pub(super) fn sent(&mut self) -> Vec<(u16, Vec<u8>)> {
         let mut frames = Vec::new();
-        self.agenda.set_values(NEVER);
+        let _ = self.agenda.set_values(NEVER);
         while let Some(first) = self.agenda.first() {
             let Kind::Pdo(number) = first.kind(4) else {
                 panic!("only PDOs send");
@@ -240,7 +240,7 @@ impl Device {
             assert_eq!(frame.standard_id(), Some(cob_id));
             frames.push((cob_id, frame.payload().to_vec()));
         }
-        if self.agenda.values() != NEVER {
+        if self.agenda.has_values(self.now) {
             self.poll();
         }
         frames
