@@ -37,7 +37,7 @@ class Can(Peripheral):
         | {
             0x180 + 16 * i + 4 * j: Register(f"T{i}{name}", bits)
             for i in range(3)
-            for j, (name, bits) in enumerate((("IR", 0xFFFF_FFFF), ("DTR", 0x10F), ("DLR", 0xFFFF_FFFF), ("DHR", 0xFFFF_FFFF)))
+            for j, (name, bits) in enumerate((("IR", 0xFFFF_FFFF), ("DTR", 0xFFFF_010F), ("DLR", 0xFFFF_FFFF), ("DHR", 0xFFFF_FFFF)))
         }
         | {0x1B0 + 4 * j: Register(f"R0{name}", 0) for j, name in enumerate(("IR", "DTR", "DLR", "DHR"))}
         | {
@@ -62,7 +62,7 @@ class Can(Peripheral):
     def reset(self):
         super().reset()
         self.fifo, self.overrun = [], False
-        self.busy_until, self.on_bus, self.idle_from = NEVER, None, 0
+        self.busy_until, self.on_bus, self.idle_from, self.began = NEVER, None, 0, 0
         self.normal_at = self.recover_at = NEVER
         self.wants_to_leave = False
 
@@ -77,6 +77,10 @@ class Can(Peripheral):
         bits = 44 + 8 * length + (20 if extended else 0)
         # Every eighth bit is stuffed, about.
         return (bits + (bits - 10) // 8) * self.bit()
+
+    def time_stamp(self):
+        """A counter of 16 bits that counts bits, as it was at the start of the frame: where RDTR and TDTR have it."""
+        return (self.began // self.bit() & 0xFFFF) << 16
 
     def takes_part(self):
         return not self["MSR"] & (INAK | SLAK) and self.normal_at == NEVER and not self["ESR"] & BOFF
@@ -196,6 +200,8 @@ class Can(Peripheral):
     def write_mailbox(self, mailbox, name, value):
         if not self["TSR"] >> 26 + mailbox & 1:
             return self.breach(f"mailbox {mailbox} written while a frame waits in it")
+        if name == "DTR" and value & 1 << 8:
+            self.breach("TGT: the time stamp in the data is not modelled")
         self[f"T{mailbox}{name}"] = value
         if name == "IR" and value & 1:
             self["TSR"] &= ~(1 << 26 + mailbox | 0xF << 8 * mailbox)
@@ -218,11 +224,11 @@ class Can(Peripheral):
         order = theirs and (theirs.id if theirs.extended else theirs.id << 18)
         if waiting and (theirs is None or min(waiting)[0] < order):
             mailbox = min(waiting)[1]
-            self.on_bus = ("sent", mailbox)
+            self.on_bus, self.began = ("sent", mailbox), now
             self.busy_until = now + self.frame_time(self[f"T{mailbox}DTR"] & 15, self[f"T{mailbox}IR"] & 4)
         elif theirs is not None:
             self.to_send.popleft()
-            self.on_bus = ("received", theirs)
+            self.on_bus, self.began = ("received", theirs), now
             self.busy_until = now + self.frame_time(len(theirs.data), theirs.extended)
 
     def wants_to_send(self):
@@ -265,6 +271,7 @@ class Can(Peripheral):
         ir, length = self[f"T{mailbox}IR"], self[f"T{mailbox}DTR"] & 15
         data = struct.pack("<II", self[f"T{mailbox}DLR"], self[f"T{mailbox}DHR"])[:length]
         extended = bool(ir & 4)
+        self[f"T{mailbox}DTR"] |= self.time_stamp()
         self.finish(mailbox, True)
         self.stats["sent"] += 1
         self.on_frame(Frame(ir >> 3 if extended else ir >> 21, extended, bool(ir & 2), data, now))
@@ -275,7 +282,7 @@ class Can(Peripheral):
             self.stats["filtered"] += 1
             return
         word = (frame.id << 3 | 4 if frame.extended else frame.id << 21) | frame.remote << 1
-        entry = (word, len(frame.data), *struct.unpack("<II", frame.data.ljust(8, b"\0")))
+        entry = (word, len(frame.data) | self.time_stamp(), *struct.unpack("<II", frame.data.ljust(8, b"\0")))
         if len(self.fifo) >= 3:
             self.fifo[2] = entry
             self.overrun = True

@@ -9,6 +9,7 @@ from .adc import Adc
 from .bxcan import Can
 from .clock import NEVER
 from .core import Core
+from .cost import access
 from .dma2 import Dma2
 from .exti import Exti, Syscfg
 from .flash import BASE, SIZE, Flash
@@ -140,6 +141,8 @@ class Chip:
 
     def load(self, offset, size):
         self.core.accesses += 1
+        if self.core.cost is not None:
+            self.core.cost.extra += access(offset)
         peripheral = self.blocks.get(offset >> 10)
         # What RCC shows changes by its events alone.
         self.core.unsteady += peripheral is not self.rcc
@@ -150,6 +153,8 @@ class Chip:
 
     def store(self, offset, size, value):
         self.core.accesses += 1
+        if self.core.cost is not None:
+            self.core.cost.extra += access(offset)
         self.core.unsteady += 1
         peripheral = self.blocks.get(offset >> 10)
         if peripheral is None:
@@ -183,17 +188,18 @@ class Chip:
         core = self.core
         upcoming = min(min(p.next_event() for p in self.with_events), core.system.ticks_at, until)
         if core.sleeping or core.loops or core.is_stopped:
+            core.shares.add(None, max(0, upcoming - self.time))
             self.time = max(self.time, upcoming)
         else:
-            self.time += core.run_slice(upcoming - self.time) + core.stall
-            core.stall = 0
+            self.time += core.run_slice(upcoming - self.time)
+            self.time, core.stall = self.time + core.stall, 0
         self.check()
         if self.is_off:
             return
         if core.wants_reset:
             return self.reset(core.wants_reset)
         while self.pass_events(core):
-            core.loops, core.seen = False, {}
+            pass
         if core is not self.core or core.is_stopped:
             return
         core.take_lines()
@@ -205,6 +211,9 @@ class Chip:
         for peripheral in self.with_events:
             if peripheral.next_event() <= self.time:
                 peripheral.event()
+                if peripheral is self.rcc:
+                    # The only one that a loop may look at and still be one (`load`).
+                    core.loops, core.seen = False, {}
                 due = core is self.core
                 if not due:
                     return False

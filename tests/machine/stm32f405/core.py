@@ -11,14 +11,21 @@ from unicorn.arm_const import (
     UC_ARM_REG_XPSR, UC_CPU_ARM_CORTEX_M4,
 )
 
-from .clock import NEVER
+from .cost import ENTRY, EXIT, Cost, Shares
 from .system import HARD_FAULT, NMI, SVCALL, System
 
 #: Instructions that run without a look at the rest of the chip.
 SLICE = 400
 
-#: What LR has in a handler: back to where the main stack was used.
-EXC_RETURN = 0xFFFF_FFF9
+#: What LR has in a handler: back to where the main stack was used, without and with registers of the FPU in the frame.
+EXC_RETURN, EXC_RETURN_FP = 0xFFFF_FFF9, 0xFFFF_FFE9
+RETURNS = (EXC_RETURN & ~1, EXC_RETURN_FP & ~1)
+
+#: An interrupt whose line never falls meanwhile is one that nobody clears.
+MOST_IN_A_ROW = 500
+
+#: CONTROL: the FPU has been used.
+FPCA = 4
 
 #: Numbers of unicorn's interrupt hook: a branch to EXC_RETURN, and an SVC.
 LEFT, CALLED = 8, 2
@@ -31,6 +38,8 @@ WFI = b"\x30\xbf"
 STACKED = (
     UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR,
 )
+
+FLOATS = [UC_ARM_REG_D0 + i for i in range(8)]
 
 GENERAL = [*range(UC_ARM_REG_R0, UC_ARM_REG_R12 + 1), UC_ARM_REG_SP, UC_ARM_REG_LR, UC_ARM_REG_XPSR]
 
@@ -52,10 +61,16 @@ class Core:
         #: Exceptions that are served: number, priority, and what their entry has stacked.
         self.active = []
         self.counts = collections.Counter()
+        #: How often each interrupt has been asked for since its line last fell.
+        self.again = collections.Counter()
         #: When each exception became pending, and the longest that one has waited for its handler.
         self.pending_since, self.latency = {}, collections.Counter()
         self.instructions = 0
         self.pc = 0
+        #: Where the stack of each exception that is served begins, and that of the rest.
+        self.bases, self.top = [], 0
+        #: The model of cost, if there is one, and how many clocks each priority has had.
+        self.cost, self.shares = None, Shares()
 
     def connect(self):
         """The buses. Memory is mapped by the chip."""
@@ -66,11 +81,18 @@ class Core:
         uc.hook_add(UC_HOOK_MEM_WRITE, chip.flash.on_store, None, 0x0800_0000, 0x080F_FFFF)
         uc.hook_add(UC_HOOK_INTR, self.on_interrupt)
 
+    def count_cost(self):
+        """From now on an instruction takes what the model of cost says."""
+        self.cost = Cost(self)
+        # What has been translated knows nothing of it.
+        self.uc.ctl_flush_tb()
+        return self.cost
+
     def start(self):
         """Comes out of reset."""
         sp, pc = struct.unpack("<II", self.uc.mem_read(0x0800_0000, 8))
         self.uc.reg_write(UC_ARM_REG_SP, sp)
-        self.pc, self.lowest_stack = pc | 1, sp
+        self.pc, self.lowest_stack, self.top = pc | 1, sp, sp
 
     def read_system(self, _uc, offset, size, _):
         self.accesses += 1
@@ -101,8 +123,14 @@ class Core:
         served = [number for number, _, _ in self.active]
         for peripheral in self.chip.with_lines:
             for irq, level in peripheral.lines():
-                if level and irq + 16 not in served:
+                if not level:
+                    self.again.pop(irq + 16, None)
+                elif irq + 16 not in served and irq + 16 not in self.system.pending:
                     self.pend(irq + 16)
+                    if irq in self.system.enabled:
+                        self.again[irq + 16] += 1
+                        if self.again[irq + 16] > MOST_IN_A_ROW:
+                            self.chip.breach(f"interrupt {irq} is never cleared: served {MOST_IN_A_ROW} times while its line stood")
         if self.chip.rcc.nmi and NMI not in served:
             self.pend(NMI)
 
@@ -139,23 +167,29 @@ class Core:
         self.loops, self.seen = False, {}
         sp, xpsr = uc.reg_read(UC_ARM_REG_SP), uc.reg_read(UC_ARM_REG_XPSR)
         registers = [uc.reg_read(r) for r in STACKED]
-        floats = None
-        if uc.reg_read(UC_ARM_REG_CONTROL) & 4:
-            floats = [uc.reg_read(UC_ARM_REG_D0 + i) for i in range(8)] + [uc.reg_read(UC_ARM_REG_FPSCR)]
-            uc.reg_write(UC_ARM_REG_CONTROL, 0)
-        size = 0x68 if floats else 0x20
+        control = uc.reg_read(UC_ARM_REG_CONTROL)
+        with_floats = bool(control & FPCA)
+        size = 0x68 if with_floats else 0x20
         padded = bool(sp & 4)
         new = sp - size & ~7
         frame = struct.pack("<8I", *registers, self.pc & ~1, xpsr & ~0x3FF | padded << 9 | 1 << 24)
         try:
             uc.mem_write(new, frame)
+            if with_floats:
+                # The core writes them later, with the first instruction of the handler that needs the FPU. No program can tell.
+                uc.mem_write(new + 0x20, struct.pack("<8QII", *(uc.reg_read(d) for d in FLOATS), uc.reg_read(UC_ARM_REG_FPSCR), 0))
+                uc.reg_write(UC_ARM_REG_CONTROL, control & ~FPCA)
         except UcError:
             # Nothing is stacked, and a hard fault comes in place of this.
             number = HARD_FAULT
-        self.active.append((number, self.system.priority[number], (size, padded, floats, xpsr)))
+        if self.cost is not None:
+            self.cost.note_stack()
+            self.stall += ENTRY
+        self.bases.append(sp)
+        self.active.append((number, self.system.priority[number], (size, padded, with_floats, xpsr)))
         uc.reg_write(UC_ARM_REG_SP, new)
         self.lowest_stack = min(self.lowest_stack, new)
-        uc.reg_write(UC_ARM_REG_LR, EXC_RETURN)
+        uc.reg_write(UC_ARM_REG_LR, EXC_RETURN_FP if with_floats else EXC_RETURN)
         uc.reg_write(UC_ARM_REG_XPSR, 1 << 24 | number)
         table = self.system.stored[0xED08]
         vector = struct.unpack("<I", uc.mem_read(table + 4 * number if table else 0x0800_0000 + 4 * number, 4))[0]
@@ -168,16 +202,22 @@ class Core:
 
     def leave(self):
         uc = self.uc
-        _, _, (size, padded, floats, xpsr) = self.active.pop()
+        _, _, (size, padded, with_floats, xpsr) = self.active.pop()
+        self.bases.pop()
+        if self.cost is not None:
+            self.stall += EXIT
         sp = uc.reg_read(UC_ARM_REG_SP)
         *registers, pc, _ = struct.unpack("<8I", uc.mem_read(sp, 32))
         for register, value in zip(STACKED, registers):
             uc.reg_write(register, value)
-        uc.reg_write(UC_ARM_REG_CONTROL, 4 if floats else 0)
-        if floats:
-            for i in range(8):
-                uc.reg_write(UC_ARM_REG_D0 + i, floats[i])
-            uc.reg_write(UC_ARM_REG_FPSCR, floats[8])
+        control = uc.reg_read(UC_ARM_REG_CONTROL)
+        if with_floats and control & FPCA:
+            # The handler has used the FPU. One that has not left everything where it was.
+            *floats, status, _ = struct.unpack("<8QII", uc.mem_read(sp + 0x20, 72))
+            for register, value in zip(FLOATS, floats):
+                uc.reg_write(register, value)
+            uc.reg_write(UC_ARM_REG_FPSCR, status)
+        uc.reg_write(UC_ARM_REG_CONTROL, control | FPCA if with_floats else control & ~FPCA)
         uc.reg_write(UC_ARM_REG_SP, sp + size | padded << 2)
         uc.reg_write(UC_ARM_REG_XPSR, xpsr & ~0x1FF | 1 << 24)
         self.pc = pc | 1
@@ -195,11 +235,20 @@ class Core:
     def run_slice(self, most):
         """Runs so many instructions at most, 1 or more. Gives the clocks that they took."""
         uc = self.uc
-        count = max(1, min(most, SLICE))
+        count = max(1, min(most, SLICE) if self.cost is None else min(most // 2, SLICE // 4))
+        priority = self.active[-1][1] if self.active else 256
+        clocks = self.run_instructions(count)
+        if self.cost is not None:
+            clocks += self.cost.take()
+        self.shares.add(priority, clocks)
+        return clocks
+
+    def run_instructions(self, count):
+        uc = self.uc
         self.accesses, self.unsteady, self.slice = 0, 0, count
         self.loops = False
         try:
-            uc.emu_start(self.pc, EXC_RETURN & ~1, 0, count)
+            uc.emu_start(self.pc, RETURNS[0], 0, count)
         except UcError:
             # No memory there, or no such instruction.
             self.pc, self.slice = uc.reg_read(UC_ARM_REG_PC) | 1, 0
@@ -211,17 +260,17 @@ class Core:
             number, self.fault = self.fault, None
             self.pc = pc | 1
             self.enter(SVCALL) if number == CALLED else self.hard_fault()
-        elif self.left or pc == EXC_RETURN & ~1:
+        elif self.left or pc in RETURNS:
             self.left = False
             self.leave()
             # unicorn does not tell where in the slice it was.
-            count = min(count, 8 * self.accesses + 40)
+            count = min(count, 8 * self.accesses + 40 if self.cost is None else self.cost.begun)
         else:
             self.idles(pc)
             self.pc = pc | 1
             if self.chip.is_code(pc) and uc.mem_read(pc - 2, 2) == WFI:
                 self.sleeping = True
-                count = min(count, 20)
+                count = min(count, 20 if self.cost is None else self.cost.begun)
         self.lowest_stack = min(self.lowest_stack, uc.reg_read(UC_ARM_REG_SP))
         self.instructions += count
         return count
@@ -240,4 +289,6 @@ class Core:
 
     def since_slice(self):
         """Clocks since the slice began."""
+        if self.cost is not None and self.slice:
+            return self.cost.now() - self.chip.time + self.stall
         return (min(8 * self.accesses, self.slice) if self.slice else 0) + self.stall

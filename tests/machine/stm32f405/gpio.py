@@ -123,6 +123,7 @@ class Pins:
         self.chip.exti.edge(pin[1], number, level)
         self.chip.tim1.pin(pin, level)
         self.chip.tim2.pin(pin, level)
+        self.chip.tim3.pin(pin, level)
 
     def changes(self, pin, since=0):
         """The times and levels of an output from a moment on."""

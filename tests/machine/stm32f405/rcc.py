@@ -124,6 +124,7 @@ class Rcc(Peripheral):
         """The crystal stops. With the clock security system the chip falls back to its RC oscillator and raises NMI; without it the core
         has no clock any more."""
         self.chip.crystal = False
+        self.chip.core.loops = False
         self["CR"] &= ~(HSERDY | HSEON | PLLON | PLLRDY)
         if self["CR"] & CSSON:
             self["CFGR"] &= ~0xF

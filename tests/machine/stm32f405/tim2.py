@@ -17,6 +17,18 @@ class Tim2(Timer):
         )
     }
 
+    def write_SMCR(self, value):
+        # External clock mode 1 by the internal trigger 0, which is TIM1.
+        if value not in (0, 7):
+            self.breach(f"SMCR {value:#x}: neither standing nor counting TIM1")
+        self["SMCR"] = value
+
+    def write_CCER(self, value):
+        self["CCER"] = value
+
+    def write_DIER(self, value):
+        self.only("DIER", value, 0x1E)
+
     def counts(self):
         return self["CR1"] & 1 and self["SMCR"] & 0x77 == 7 and self.chip.tim1["CR2"] >> 4 & 7 == 4
 

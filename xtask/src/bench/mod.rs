@@ -3,8 +3,9 @@
 //! The benchmarks are a firmware image of their own. In the emulator one nanosecond of virtual time is one instruction,
 //! so a count is exact and the same on every PC. The image checks every answer for its content and prints its tables:
 //! `# heading`, then one row per workload, `name<TAB>count`. It is built as the firmware is. How exact the pulses are is
-//! measured on the host, on a model of the timers. The figures are compared with the committed ones of `docs/benchmarks.md`.
+//! measured on the host, on a model of the timers; waits, stacks and shares with the image of the board on a model of its chip. The figures are compared with the committed ones of `docs/benchmarks.md`.
 
+mod board;
 mod data_sheets;
 mod exactness;
 mod image;
@@ -45,6 +46,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mut tables = image::count()?;
     tables.extend(exactness::measure()?);
+    tables.push(board::measure()?);
     tables.push(basic_device()?);
     let whole = size::of(Image::Whole)?;
     tables.push(sizes(&whole));
