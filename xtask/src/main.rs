@@ -5,6 +5,7 @@
 //! | `test`  | installs what is missing and runs every test, the firmware in the emulator included |
 //! | `board-test` | runs the image of the board on a model of its chip; a part of `test` |
 //! | `qemu`  | builds the firmware and runs it in QEMU, its CAN bus served as SLCAN on TCP |
+//! | `book`  | makes docs/ into one site with the references of dictionary and crates, and looks up its links |
 //! | `size`  | flash and RAM of the firmware by crate, its stack, the length of the sources |
 //! | `bench` | instruction counts in the emulator, and how exact the pulses are, compared with the committed tables |
 //! | `soak`  | a thousand million step pulses through planner, train and a model of the timers: none too many, none too few |
@@ -16,6 +17,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod bench;
+mod book;
 mod budget;
 mod emulator;
 mod firmware;
@@ -54,6 +56,8 @@ enum Task {
     BoardTest,
     /// Build the firmware and run it in QEMU until stopped; `ready` is printed once it can be reached
     Qemu(qemu::Arguments),
+    /// Make docs/ into one site, with the references of the dictionary and the crates, and look up its links
+    Book(book::Arguments),
     /// Print flash and RAM of the firmware by crate, its stack and the length of the sources
     Size,
     /// Count instructions in the emulator, measure pulses, and compare them with docs/benchmarks.md
@@ -84,6 +88,7 @@ fn main() -> ExitCode {
         Task::Test(arguments) => suite::run(&arguments),
         Task::BoardTest => suite::run(&suite::Arguments::board()),
         Task::Qemu(arguments) => qemu::run(&arguments),
+        Task::Book(arguments) => book::run(&arguments),
         Task::Size => size::run(),
         Task::Bench(arguments) => bench::run(&arguments),
         Task::Fuzz(arguments) => fuzz::run(&arguments),

@@ -2,10 +2,12 @@
 //! to type.
 
 mod debian;
+mod mdbook;
 mod node;
 mod python;
 mod rust;
 
+pub use mdbook::program as mdbook;
 pub use node::packages as node_packages;
 pub use python::environment as python_environment;
 pub use rust::add_target as rust_target;

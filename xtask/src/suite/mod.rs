@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 
 use count::Count;
+pub use steps::panel_pictures;
 use steps::{Ready, Step};
 
 use crate::words::say;
@@ -139,7 +140,7 @@ mod tests {
         use Step::*;
         assert_eq!(
             selected(&[]),
-            [Host, Fuzz, Firmware, Python, Board, Qemu, Socketcan]
+            [Host, Book, Fuzz, Firmware, Python, Board, Qemu, Socketcan]
         );
         assert_eq!(selected(&["--with-lints"]), Step::ALL);
     }
@@ -150,7 +151,7 @@ mod tests {
         assert_eq!(selected(&["--only", "qemu,host"]), [Host, Qemu]);
         assert_eq!(
             selected(&["--skip", "qemu", "--skip", "socketcan"]),
-            [Host, Fuzz, Firmware, Python, Board]
+            [Host, Book, Fuzz, Firmware, Python, Board]
         );
         assert_eq!(selected(&["--only", "lint"]), [Lint]);
     }

@@ -4,14 +4,14 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ValueEnum;
 
 use super::count::Count;
 use crate::firmware::{Image, PROFILE, TARGET};
 use crate::socketcan::{self, Socketcan};
 use crate::words::{one_line, say};
-use crate::{fuzz, place, process, setup};
+use crate::{book, fuzz, place, process, setup};
 
 /// A part of the test run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -24,6 +24,8 @@ pub enum Step {
     Docs,
     /// Rust tests on the PC
     Host,
+    /// The book, and every link in it
+    Book,
     /// Fuzzing, for a short while
     Fuzz,
     /// The images for the target, and the proof that they contain no panic path
@@ -40,11 +42,12 @@ pub enum Step {
 
 impl Step {
     /// In the order in which they run: what is quick and fails often first.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Format,
         Self::Lint,
         Self::Docs,
         Self::Host,
+        Self::Book,
         Self::Fuzz,
         Self::Firmware,
         Self::Python,
@@ -65,6 +68,7 @@ impl Step {
             Self::Lint => "clippy on the PC and on the target",
             Self::Docs => "documentation without a warning",
             Self::Host => "Rust tests on the PC",
+            Self::Book => "docs/ as one site, its links and drawings",
             Self::Fuzz => "devices, drive, master, server and readers under a fuzzer",
             Self::Firmware => "images for the target, no panic path",
             Self::Python => {
@@ -121,6 +125,9 @@ impl Ready {
         if steps.contains(&Step::Qemu) {
             setup::emulator()?;
         }
+        if steps.contains(&Step::Book) {
+            setup::mdbook()?;
+        }
         if steps.contains(&Step::Fuzz) {
             setup::cxx_compiler()?;
         }
@@ -129,7 +136,7 @@ impl Ready {
         } else {
             PathBuf::new()
         };
-        if steps.contains(&Step::Python) {
+        if steps.contains(&Step::Python) || steps.contains(&Step::Qemu) {
             setup::browser()?;
         }
         let node = if steps.contains(&Step::Python) {
@@ -204,6 +211,13 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
             count += tests(&mut cargo(&linear))?;
             count
         }
+        Step::Book => match book::make(true) {
+            Ok(_) => Count::of(1, 0),
+            Err(error) => {
+                say!("{}", one_line(&error))?;
+                Count::of(0, 1)
+            }
+        },
         Step::Fuzz => {
             let built = checks(fuzz::build_commands()?)?;
             if built.failed > 0 {
@@ -396,6 +410,21 @@ fn against(python: &Path, target: &str) -> Command {
         .arg("--xtask")
         .arg(place::built("xtask"));
     command
+}
+
+/// The test that makes a picture of each page of the panel, and keeps them in `folder`.
+///
+/// # Errors
+/// When what it needs is missing and may not be installed, or the panel cannot be built.
+pub fn panel_pictures(folder: &Path) -> Result<Command> {
+    let python = setup::python_environment()?;
+    setup::browser()?;
+    if !process::run(&mut devices())?.success() {
+        bail!("the panel cannot be built");
+    }
+    let mut command = against(&python, "virtual");
+    command.args(["-k", "picture", "--pictures"]).arg(folder);
+    Ok(command)
 }
 
 fn over_socketcan(socketcan: &Socketcan, python: &Path) -> Result<Count> {
