@@ -5,9 +5,11 @@ import { element, mark, show, toast, visible } from "./element.js";
 import * as bus from "./bus.js";
 import * as drive from "./drive.js";
 import * as objects from "./objects.js";
+import * as pdos from "./pdos.js";
+import * as scope from "./scope.js";
 import * as log from "./log.js";
 
-const pages = { bus, drive, objects, log };
+const pages = { bus, drive, scope, objects, pdos, log };
 const place = document.getElementById("page");
 const banner = document.getElementById("banner");
 const status = document.getElementById("status");
@@ -87,6 +89,15 @@ let looked = false;
 listen((what, detail) => {
   if (what === "frames") {
     log.frames(detail);
+    return;
+  }
+  if (what === "live") {
+    scope.values(detail);
+    return;
+  }
+  if (what === "missed") {
+    scope.missed(detail.messages);
+    log.missed(detail.messages);
     return;
   }
   update();

@@ -3,6 +3,9 @@
 import { known, mayWrite, order } from "./connection.js";
 import { card, element, mark, show, toast, visible } from "./element.js";
 
+// Bit rates that devices have (CiA 305, table of bit timings), in kbit/s.
+const RATES = [1000, 800, 500, 250, 125, 50, 20, 10];
+
 let parts = null;
 
 /** Looks who is there. */
@@ -25,7 +28,17 @@ async function attempt(promise, done) {
 function nmtButtons(node) {
   const commands = [["start", "Start"], ["pre_operational", "Pre-operational"], ["stop", "Stop node"], ["reset", "Reset"]];
   return commands.map(([command, label]) =>
-    element("button", { type: "button", class: "small", "data-writes": true, onclick: () => attempt(order("nmt", { command, node }), `${label}: sent to node ${node}`) }, label));
+    element("button", { type: "button", class: "small", "data-writes": true, onclick: () => attempt(order("nmt", { command, node }), `${label}: sent to ${node === 0 ? "all" : `node ${node}`}`) }, label));
+}
+
+/** LSS fastscan: each of them is told with its identity. */
+async function findUnnumbered() {
+  try {
+    const text = await order("find");
+    if (parts) show(parts.found, text);
+  } catch (error) {
+    toast(error.message);
+  }
 }
 
 async function open(node) {
@@ -62,7 +75,7 @@ function fillRow(made, node) {
   made.state.dataset.state = node.state ?? "";
   show(made.device, node.device ?? "");
   show(made.identity, node.identity ?? "");
-  show(made.heard, node.silent === null ? "" : node.silent < 20 ? "heard just now" : `silent for ${Math.floor(node.silent / 10)} s`);
+  show(made.heard, node.silent === null ? "" : node.silent < 20 ? `heard ${(node.silent / 10).toFixed(1)} s ago` : `silent for ${Math.floor(node.silent / 10)} s`);
   visible(made.open, node.is_drive);
   if (made.emergencies.childElementCount !== node.emergencies.length || made.emergencies.lastChild?.textContent !== node.emergencies.at(-1)) {
     made.emergencies.replaceChildren(...node.emergencies.map((text) => element("li", {}, text)));
@@ -84,6 +97,7 @@ export function enter(place) {
     summary: element("p", { class: "quiet" }),
     empty: element("p", { class: "empty" }, "Nobody was heard yet. Scan asks every node-ID, and whether there is a device without one."),
     busy: element("p", { class: "busy", role: "status" }),
+    found: element("pre", { class: "found", id: "found" }),
     unnumbered: card("A device has no node-ID",
       element("p", {}, "It was found by LSS (CiA 305). Give it a free node-ID, and it is on the bus."),
       element("div", { class: "fields" },
@@ -92,9 +106,23 @@ export function enter(place) {
         number)),
   };
   parts.unnumbered.classList.add("attention");
+  const rate = element("select", { id: "rate", "data-writes": true }, ...RATES.map((kbit) => element("option", { value: kbit }, `${kbit} kbit/s`)));
+  rate.addEventListener("input", () => { parts.chosen = true; });
+  const keeps = element("input", { type: "checkbox", checked: true, id: "rate-store" });
+  const writing = (label, id, action) => element("button", { type: "button", id, "data-writes": true, onclick: action }, label);
+  parts.rate = rate;
+  parts.whole = element("details", { class: "card", open: true }, element("summary", {}, "The whole bus: LSS, bit rate, NMT"),
+    element("div", { class: "fields" },
+      element("label", {}, element("span", {}, "Bit rate"), rate), element("label", { class: "check" }, keeps, element("span", {}, "They store it")),
+      writing("Switch all", "switch-rate", () => attempt(order("bit_rate", { kbit: Number(rate.value), store: keeps.checked })))),
+    element("p", { class: "quiet" }, "All devices and the adapter change together, after half a second of silence. Nobody stores before all are heard again: until then power-off brings the old bit rate back. A device that refuses keeps all where they are."),
+    element("div", { class: "line" },
+      writing("Find devices without a node-ID", "find", findUnnumbered),
+      writing("Let all store (LSS)", "store-lss", () => attempt(order("store_lss"))), ...nmtButtons(0)),
+    parts.found);
   place.append(
     element("div", { class: "title" }, element("h1", {}, "Bus"), parts.scan),
-    parts.summary, parts.busy, parts.unnumbered, parts.empty, parts.list);
+    parts.summary, parts.busy, parts.unnumbered, parts.empty, parts.list, parts.whole);
 }
 
 /** Leaves the page. */
@@ -110,7 +138,8 @@ export function update() {
   visible(parts.busy, Boolean(busy));
   visible(parts.unnumbered, bus.unnumbered === true && !known.readOnly);
   visible(parts.empty, nodes.length === 0 && !busy && bus.unnumbered !== true);
-  show(parts.summary, `${bus.title}: ${nodes.length === 1 ? "1 node" : `${nodes.length} nodes`}, ${bus.rate} frames/s${bus.load === null ? "" : `, ${bus.load} % of the bus`}`);
+  show(parts.summary, `${bus.title}: ${nodes.length === 1 ? "1 node" : `${nodes.length} nodes`}, ${bus.rate} frames/s${bus.load === null ? "" : `, ${bus.load} % of the bus`}${bus.kbit === null ? "" : ` at ${bus.kbit} kbit/s`}${bus.errors ? `, ${bus.errors === 1 ? "1 error was" : `${bus.errors} errors were`} told (EMCY)` : ""}`);
+  if (!parts.chosen && bus.kbit !== null) parts.rate.value = String(bus.kbit);
   const ids = new Set(nodes.map((node) => node.id));
   for (const [id, made] of parts.rows) {
     if (ids.has(id)) continue;

@@ -10,6 +10,17 @@ const EVERY = 40;
 const KEPT = (SPAN * 1000) / EVERY;
 const MARKS = [-20, -15, -10, -5, 0];
 
+/** The colours of these classes, as the style sheet has them now, dark or light. */
+export function inks(place, names) {
+  return names.map((name) => {
+    const probe = element("i", { class: `ink ${name}` });
+    place.append(probe);
+    const found = getComputedStyle(probe).color;
+    probe.remove();
+    return found;
+  });
+}
+
 /** The chart; `values()` gives position and velocity, null for what is not known. */
 export function chart(values) {
   const place = element("div", { class: "chart", role: "img", "aria-label": "Position and velocity of the last seconds" });
@@ -17,18 +28,9 @@ export function chart(values) {
   let plot = null;
   let due = false;
 
-  // The colours are those of the style sheet, dark or light.
-  const resolved = (name) => {
-    const probe = element("i", { class: `ink ${name}` });
-    place.append(probe);
-    const found = getComputedStyle(probe).color;
-    probe.remove();
-    return found;
-  };
-
   const make = () => {
     plot?.destroy();
-    const [quiet, line, accent, warn] = ["quiet-ink", "line-ink", "accent-ink", "warn-ink"].map(resolved);
+    const [quiet, line, accent, warn] = inks(place, ["quiet-ink", "line-ink", "accent-ink", "warn-ink"]);
     const axis = { stroke: quiet, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1 }, font: "12px system-ui, sans-serif" };
     plot = new uPlot({
       width: Math.max(200, place.clientWidth),

@@ -20,7 +20,7 @@ export function mayWrite() {
   return known.connected && !known.readOnly && known.writer === known.window;
 }
 
-/** Calls back with what is new: "state", "connection", "writer", or an array of frames. */
+/** Calls back with what is new: "state", "connection", "writer"; "frames", "live" and "missed" with their event. */
 export function listen(listener) {
   listeners.add(listener);
   return () => listeners.delete(listener);
@@ -66,7 +66,9 @@ function hear(event) {
       tell("writer");
       break;
     case "frames":
-      tell("frames", event);
+    case "live":
+    case "missed":
+      tell(event.is, event);
       break;
     case "reply": {
       const asked = waiting.get(event.id);

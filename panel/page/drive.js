@@ -3,6 +3,7 @@
 import { known, mayWrite, order, say } from "./connection.js";
 import { card, element, mark, number, show, toast, visible } from "./element.js";
 import { chart } from "./chart.js";
+import { homing } from "./homing.js";
 import { machine } from "./machine.js";
 
 // How often a held button says that it is held, in milliseconds. The panel ends a jog when nothing was heard for 150.
@@ -107,7 +108,8 @@ export function enter(place) {
     enable: element("button", { type: "button", class: "primary", id: "enable", "data-writes": true, onclick: () => attempt("enable") }, "Enable"),
     disable: element("button", { type: "button", id: "disable", "data-writes": true, onclick: () => attempt("transition", { transition: "shutdown" }) }, "Disable"),
     transitions: element("div", { class: "transitions" }),
-    machine: machine(),
+    machine: machine((transition) => { if (mayWrite()) attempt("transition", { transition }); }),
+    homing: homing(),
     chart: chart(() => {
       const drive = known.connected ? known.state?.drive : null;
       return drive?.answers ? [drive.position, drive.velocity] : [null, null];
@@ -145,13 +147,14 @@ export function enter(place) {
       card("Move",
         element("div", { class: "fields" }, parts.target.root, element("button", { type: "button", id: "move-to", "data-powered": true, onclick: () => move(false) }, "Move to")),
         element("div", { class: "fields" }, parts.distance.root, element("button", { type: "button", id: "move-by", "data-powered": true, onclick: () => move(true) }, "Move by")),
-        element("div", { class: "fields" }, parts.velocity.root, element("button", { type: "button", id: "home", "data-powered": true, onclick: () => attempt("home") }, "Home"))),
+        element("div", { class: "fields" }, parts.velocity.root)),
       card("Jog",
         element("p", { class: "quiet" }, "It runs as long as the button is held."),
         element("div", { class: "fields" }, parts.jog.root),
         element("div", { class: "jogs" }, jogButton("◀ Negative", -1, "jog-negative"), jogButton("Positive ▶", 1, "jog-positive")))),
     element("div", { class: "column" },
       card("State machine", parts.machine.root, parts.transitions),
+      parts.homing.root,
       card("Words",
         element("dl", { class: "values" },
           element("dt", {}, "Statusword"), parts.statusword,
@@ -212,7 +215,8 @@ export function update() {
   const isOn = drive.state === "operation_enabled";
   visible(parts.enable, !isOn);
   visible(parts.disable, isOn);
-  parts.machine.update(drive);
+  parts.machine.update(drive, mayWrite());
+  parts.homing.update(drive);
   transitionButtons(drive);
   word(parts.statusword, drive.statusword);
   word(parts.controlword, drive.controlword);

@@ -32,6 +32,11 @@ export function frames(event) {
   }
 }
 
+/** Messages with frames were missed, as this window was too slow. */
+export function missed(messages) {
+  dropped += messages;
+}
+
 /** There is a new connection: it knows nothing of what was wanted. */
 export function connected() {
   if (parts) order("frames", { on: true }).catch((error) => toast(error.message));
@@ -46,7 +51,7 @@ function draw() {
       element("td", { class: "at" }, frame.at), element("td", {}, element("code", {}, frame.id)),
       element("td", { class: "bytes" }, element("code", {}, frame.bytes)),
       element("td", {}, element("span", { class: "kind" }, frame.kind)), element("td", { class: "meaning" }, frame.meaning))));
-  show(parts.count, `${kept.length} frames kept${dropped ? `, ${dropped} were too many to tell` : ""}`);
+  show(parts.count, `${kept.length} frames kept${dropped ? `, ${dropped} frames or messages were too many to tell` : ""}`);
 }
 
 /** Shows the page. */

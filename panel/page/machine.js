@@ -36,11 +36,12 @@ const WAYS = [
   [15, "fault", "switch_on_disabled", "M268 25H236V76H214", 228, 52],
 ];
 
-/** The drawing; `update(drive)` shows where it is. */
-export function machine() {
+/** The drawing; `update(drive, may)` shows where it is. A state that a command leads to is a button: `command(transition)`. */
+export function machine(command) {
+  const commands = {};
   const boxes = {};
   const ways = new Map();
-  const root = drawn("svg", { viewBox: "0 0 426 284", class: "machine", role: "img", "aria-label": "State machine of the drive" });
+  const root = drawn("svg", { viewBox: "0 0 426 284", class: "machine", role: "group", "aria-label": "State machine of the drive" });
   const head = (id) => drawn("marker", { id, viewBox: "0 0 8 8", refX: 7, refY: 4, markerWidth: 7, markerHeight: 7, orient: "auto-start-reverse" },
     drawn("path", { d: "M0 0 8 4 0 8Z" }));
   root.append(drawn("defs", {}, head("head"), head("head-legal")));
@@ -53,9 +54,25 @@ export function machine() {
     boxes[name] = drawn("g", { class: "state", "data-state": name },
       drawn("rect", { x, y, width: WIDTH, height: HEIGHT, rx: 8 }),
       drawn("text", { x: x + WIDTH / 2, y: y + HEIGHT / 2 + 4 }, label));
+    const go = () => { if (commands[name]) command(commands[name]); };
+    boxes[name].addEventListener("click", go);
+    boxes[name].addEventListener("keydown", (event) => { if (event.key === "Enter") go(); });
     root.append(boxes[name]);
   }
-  const update = (drive) => {
+  const update = (drive, may) => {
+    for (const [name, box] of Object.entries(boxes)) {
+      const way = may && drive.answers ? drive.transitions.find((one) => one.to === name) : undefined;
+      if (commands[name] === way?.transition) continue;
+      commands[name] = way?.transition;
+      mark(box, "data-go", Boolean(way));
+      if (way) {
+        box.setAttribute("role", "button");
+        box.setAttribute("tabindex", "0");
+        box.setAttribute("aria-label", `${way.label}: to ${STATES[name][0]}`);
+      } else {
+        for (const attribute of ["role", "tabindex", "aria-label"]) box.removeAttribute(attribute);
+      }
+    }
     for (const [name, box] of Object.entries(boxes)) mark(box, "data-here", drive.answers && drive.state === name);
     const legal = new Set(drive.transitions.map((way) => `${way.number} ${drive.state}`));
     for (const [key, way] of ways) mark(way, "data-legal", drive.answers && legal.has(key));

@@ -10,8 +10,10 @@ let parts = null;
 let node = null;
 let entries = [];
 let query = "";
+let onlyChanged = false;
 const values = new Map();
 const changed = new Set();
+let differences = null;
 
 async function load(id) {
   if (!id || !known.connected) return;
@@ -20,6 +22,7 @@ async function load(id) {
     if (node !== id) {
       values.clear();
       changed.clear();
+      differences = null;
     }
     node = id;
     entries = dictionary.entries;
@@ -32,9 +35,16 @@ async function load(id) {
   }
 }
 
+/** Whether it was written here, or is known not to be what it was from the factory. */
+function isChanged(entry) {
+  const value = values.get(entry.address)?.text;
+  return changed.has(entry.address) || (entry.writable && value !== undefined && entry.default !== null && value.split(" (")[0] !== entry.default);
+}
+
 function found() {
   const words = query.toLowerCase().split(/\s+/).filter(Boolean);
   return entries.filter((entry) => {
+    if (onlyChanged && !isChanged(entry)) return false;
     const text = `${entry.address} ${entry.name} ${entry.type}`.toLowerCase();
     return words.every((word) => text.includes(word.replace(/^0x/, "")));
   });
@@ -68,7 +78,7 @@ function refresh(entry) {
   const value = values.get(entry.address);
   show(row.value, value ? value.error ?? value.text : "");
   row.value.className = value?.error ? "value bad" : "value";
-  mark(row.root, "data-changed", changed.has(entry.address));
+  mark(row.root, "data-changed", isChanged(entry));
 }
 
 function limits(entry) {
@@ -130,8 +140,71 @@ async function readShown() {
   }
 }
 
+function keep(name, text) {
+  const link = element("a", { href: URL.createObjectURL(new Blob([text], { type: "text/plain" })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+async function attempt(promise) {
+  try {
+    return await promise;
+  } catch (error) {
+    toast(error.message);
+    return null;
+  }
+}
+
+async function dump() {
+  const file = await attempt(order("dump", { node }));
+  if (file) {
+    keep(file.name, file.text);
+    toast(`${file.name} holds the configuration`, "good");
+  }
+}
+
+/** Lets a person choose a file, and does something with it. */
+function choose(work) {
+  const input = element("input", { type: "file", accept: ".dcf,.xdc,.eds" });
+  input.addEventListener("change", async () => {
+    const [file] = input.files;
+    if (file) await work({ node, name: file.name, text: await file.text() });
+  });
+  input.click();
+}
+
+async function loadFile(file) {
+  const words = await attempt(order("load", file));
+  if (words === null) return;
+  toast(words, "good");
+  values.clear();
+  await compareFile(file);
+}
+
+async function compareFile(file) {
+  const found = await attempt(order("compare", file));
+  if (found === null) return;
+  differences = { name: file.name, found };
+  tellDifferences();
+}
+
+function tellDifferences() {
+  if (!parts) return;
+  visible(parts.differences, differences !== null);
+  if (differences === null) return;
+  const { name, found } = differences;
+  show(parts.differ, found.length === 0 ? `Node ${node} is as ${name} says.` : `${found.length === 1 ? "1 value is" : `${found.length} values are`} not as ${name} says:`);
+  parts.differing.replaceChildren(...found.map((one) => element("tr", {},
+    element("td", {}, element("code", {}, one.address)), element("td", { class: "meaning" }, one.name), element("td", {}, one.here), element("td", {}, one.file))));
+}
+
 /** Shows the page. */
 export function enter(place) {
+  const writing = (label, action, properties = {}) => element("button", { type: "button", "data-writes": true, onclick: action, ...properties }, label);
+  const said = async (promise) => {
+    const words = await attempt(promise);
+    if (words) toast(words, "good");
+  };
   const search = element("input", { type: "search", placeholder: "Index or name: 6064, profile velocity", value: query, id: "search", "aria-label": "Search" });
   search.addEventListener("input", () => {
     query = search.value;
@@ -145,14 +218,33 @@ export function enter(place) {
     list: element("ul", { class: "objects" }),
     empty: element("p", { class: "empty" }, "No node was found yet: the page of the bus looks for them."),
   };
+  parts.differ = element("p", { id: "differ" });
+  parts.differing = element("tbody");
+  parts.differences = element("section", { class: "card" }, element("h2", {}, "Compared"), parts.differ,
+    element("div", { class: "scroll low" }, element("table", { class: "log" },
+      element("thead", {}, element("tr", {}, ...["Object", "Name", "Node", "File"].map((title) => element("th", {}, title)))), parts.differing)));
+  const only = element("button", { type: "button", class: "chip", "aria-pressed": String(onlyChanged), id: "only-changed" }, "Changed only");
+  only.addEventListener("click", () => {
+    onlyChanged = !onlyChanged;
+    only.setAttribute("aria-pressed", String(onlyChanged));
+    list();
+  });
   parts.nodes.addEventListener("change", () => { location.hash = `#objects/${parts.nodes.value}`; });
   parts.full = element("div", {},
     element("div", { class: "fields" }, element("label", { class: "grow" }, element("span", {}, "Search"), search),
       element("button", { type: "button", id: "read-shown", onclick: readShown }, "Read all shown")),
-    parts.count, parts.list);
+    element("div", { class: "line files" },
+      element("button", { type: "button", id: "dump", "data-holds": true, onclick: dump }, "Save as DCF"),
+      element("button", { type: "button", id: "compare", "data-holds": true, onclick: () => choose(compareFile) }, "Compare with a DCF"),
+      writing("Load a DCF", () => choose(loadFile), { id: "load" }),
+      writing("Store (1010h)", () => said(order("save", { node })), { id: "store" }),
+      writing("Restore (1011h)", () => said(order("restore", { node })), { id: "restore" }),
+      only),
+    parts.differences, parts.count, parts.list);
   place.append(element("div", { class: "title" }, element("h1", {}, "Objects"), parts.nodes), parts.source, parts.empty, parts.full);
   const wanted = Number(location.hash.split("/")[1]) || node || known.state?.drive?.node || known.state?.nodes[0]?.id;
   if (wanted) load(wanted);
+  tellDifferences();
   list();
 }
 
@@ -182,4 +274,6 @@ export function update() {
   }
   if (node !== null && document.activeElement !== parts.nodes) parts.nodes.value = String(node);
   for (const button of parts.full.querySelectorAll("[data-writes]")) mark(button, "disabled", !mayWrite());
+  const holds = mayWrite() || known.readOnly && known.writer === known.window;
+  for (const button of parts.full.querySelectorAll("[data-holds]")) mark(button, "disabled", !holds);
 }

@@ -34,6 +34,9 @@ assets!(
     "chart.js" "text/javascript; charset=utf-8",
     "machine.js" "text/javascript; charset=utf-8",
     "objects.js" "text/javascript; charset=utf-8",
+    "homing.js" "text/javascript; charset=utf-8",
+    "pdos.js" "text/javascript; charset=utf-8",
+    "scope.js" "text/javascript; charset=utf-8",
     "log.js" "text/javascript; charset=utf-8",
     // Of others, as it was published.
     "uplot/uPlot.esm.js" "text/javascript; charset=utf-8",

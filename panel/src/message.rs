@@ -3,9 +3,16 @@
 //! A window sends a [`Request`]. It hears an [`Event`]: first [`Event::Hello`], then each new [`State`] of the bus, the [`Event::Reply`] to each of
 //! its requests, and frames while it wants to. The page shows what it is told; what CAN and the standards ask for is decided here.
 
+mod pdos;
+mod scope;
+mod state;
+
 use serde::{Deserialize, Serialize};
 
-use crate::fsa::{DriveState, Transition};
+use crate::fsa::Transition;
+pub use pdos::{Mappable, Mapped, Pdo, PdoPlan, PdoTable};
+pub use scope::{LiveChannel, LiveValues, Recorded, Recorder, Wish};
+pub use state::{BusState, Drive, Guard, Homing, LegalTransition, Mode, NodeState, State, Word};
 
 /// What a window wants, with a number of its own that the reply carries.
 #[derive(Clone, Debug, Deserialize)]
@@ -34,8 +41,24 @@ pub enum Order {
         /// Whether.
         on: bool,
     },
+    /// Tell what transmit PDOs bring from now on, or no longer.
+    Live {
+        /// Whether.
+        on: bool,
+    },
     /// Ask every node-ID who it is, and who has none.
     Scan,
+    /// Find the devices without a node-ID by LSS fastscan, and leave them as they are.
+    Find,
+    /// Switch the whole bus to another bit rate.
+    BitRate {
+        /// In kbit/s.
+        kbit: u32,
+        /// Whether all devices store it.
+        store: bool,
+    },
+    /// Let all devices store node-ID and bit rate by LSS.
+    StoreLss,
     /// Number all devices that have no node-ID.
     Number {
         /// The lowest node-ID to give.
@@ -59,6 +82,74 @@ pub enum Order {
     Save {
         /// Of which node.
         node: u8,
+    },
+    /// 1011h; it counts from the next reset.
+    Restore {
+        /// Of which node.
+        node: u8,
+    },
+    /// The configuration of a node as a DCF.
+    Dump {
+        /// Of which node.
+        node: u8,
+    },
+    /// Write the configuration in a DCF.
+    Load {
+        /// Into which node.
+        node: u8,
+        /// What the file is called.
+        name: String,
+        /// What is in it.
+        text: String,
+    },
+    /// What of a node is not as a DCF says.
+    Compare {
+        /// Which node.
+        node: u8,
+        /// What the file is called.
+        name: String,
+        /// What is in it.
+        text: String,
+    },
+    /// All PDOs of a node.
+    Pdos {
+        /// Of which node.
+        node: u8,
+    },
+    /// What a table of PDOs would mean; nothing is written.
+    PlanPdos {
+        /// Of which node.
+        node: u8,
+        /// The table.
+        pdos: Vec<Pdo>,
+        /// The time from SYNC to SYNC in microseconds.
+        sync_period: u32,
+    },
+    /// Set PDOs up, all of them or none.
+    SetPdos {
+        /// Of which node.
+        node: u8,
+        /// The table.
+        pdos: Vec<Pdo>,
+    },
+    /// What the transmit PDOs of the drive bring; from now on they are followed.
+    Channels,
+    /// Arm the recorder of the drive.
+    Record(Wish),
+    /// Stop the recorder.
+    StopRecorder,
+    /// The last recording.
+    Recording,
+    /// 6098h, 6099h, 609Ah.
+    SetHoming {
+        /// The method.
+        method: i8,
+        /// 6099h:1, to the switch.
+        fast: u32,
+        /// 6099h:2, over its edge.
+        slow: u32,
+        /// 609Ah.
+        acceleration: u32,
     },
     /// One transition of the state machine.
     Transition {
@@ -114,15 +205,24 @@ pub enum Order {
 impl Order {
     /// Whether it sends nothing but uploads, if the session may do no more.
     pub fn only_reads(&self) -> bool {
-        matches!(
-            self,
-            Self::Scan | Self::Choose { .. } | Self::Dictionary { .. } | Self::Read { .. }
-        )
+        self.is_for_watchers()
+            || matches!(
+                self,
+                Self::Scan | Self::Choose { .. } | Self::Dump { .. } | Self::Compare { .. }
+            )
     }
 
     /// Whether a window that only watches may want it: it changes nothing, for no other window either.
     pub fn is_for_watchers(&self) -> bool {
-        matches!(self, Self::Dictionary { .. } | Self::Read { .. })
+        matches!(
+            self,
+            Self::Dictionary { .. }
+                | Self::Read { .. }
+                | Self::Pdos { .. }
+                | Self::PlanPdos { .. }
+                | Self::Channels
+                | Self::Recording
+        )
     }
 }
 
@@ -184,6 +284,18 @@ pub enum Event {
         /// How many more there were for which there was no room.
         dropped: u64,
     },
+    /// What transmit PDOs have brought.
+    Live {
+        /// Of each channel that has new values.
+        values: Vec<LiveValues>,
+        /// How many frames there was no room for.
+        dropped: u64,
+    },
+    /// Frames or values that this window was too slow for.
+    Missed {
+        /// How many messages.
+        messages: u64,
+    },
     /// Which window may write.
     Writer {
         /// Its number.
@@ -214,6 +326,36 @@ pub enum Answer {
         /// The entries, by index and sub-index.
         entries: Vec<DictionaryEntry>,
     },
+    /// A file to keep.
+    File {
+        /// What it is called.
+        name: String,
+        /// What is in it.
+        text: String,
+    },
+    /// Where a node and a file differ.
+    Differences(Vec<Difference>),
+    /// The PDOs of a node.
+    Pdos(PdoTable),
+    /// What a table of PDOs would mean.
+    Plan(PdoPlan),
+    /// What transmit PDOs bring.
+    Channels(Vec<LiveChannel>),
+    /// A recording.
+    Recording(Box<Recorded>),
+}
+
+/// A value that is not as in a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Difference {
+    /// `6064h:00`.
+    pub address: String,
+    /// The name of the object, and of the entry in it.
+    pub name: String,
+    /// What the node has, or why it does not tell.
+    pub here: String,
+    /// What the file has.
+    pub file: String,
 }
 
 /// An entry of a dictionary.
@@ -238,142 +380,6 @@ pub struct DictionaryEntry {
     pub default: Option<String>,
     /// Its unit, where the data sheet tells.
     pub unit: Option<String>,
-}
-
-/// How everything is.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct State {
-    /// The bus.
-    pub bus: BusState,
-    /// The nodes that were heard or found, by node-ID.
-    pub nodes: Vec<NodeState>,
-    /// The drive that was chosen.
-    pub drive: Option<Drive>,
-    /// What the panel is at, when it takes longer.
-    pub busy: Option<String>,
-    /// Something that a person should know, until something else happens.
-    pub notice: Option<String>,
-}
-
-/// The bus.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct BusState {
-    /// What it is.
-    pub title: String,
-    /// How much of it is in use, in per cent of the last second; only where the bit rate is known.
-    pub load: Option<u32>,
-    /// Frames in the last second.
-    pub rate: u32,
-    /// Whether the last scan has found a device without a node-ID; `None` before the first.
-    pub unnumbered: Option<bool>,
-}
-
-/// A node.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct NodeState {
-    /// Its node-ID.
-    pub id: u8,
-    /// Its NMT state in words, where it tells.
-    pub state: Option<&'static str>,
-    /// When it was last heard, in tenths of a second.
-    pub silent: Option<u64>,
-    /// 1008h.
-    pub name: Option<String>,
-    /// What 1000h says it is.
-    pub device: Option<String>,
-    /// Whether it is a drive of CiA 402.
-    pub is_drive: bool,
-    /// 1018h: vendor, product, revision, serial number; hexadecimal.
-    pub identity: Option<String>,
-    /// Its last emergency messages in words, the newest last.
-    pub emergencies: Vec<String>,
-}
-
-/// A drive.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Drive {
-    /// Its node-ID.
-    pub node: u8,
-    /// What it is called.
-    pub name: String,
-    /// Whether it answers.
-    pub answers: bool,
-    /// Its state by the statusword.
-    pub state: Option<DriveState>,
-    /// What may come of it by a command.
-    pub transitions: Vec<LegalTransition>,
-    /// 6041h in words.
-    pub statusword: Option<Word>,
-    /// 6040h in words.
-    pub controlword: Option<Word>,
-    /// 6061h.
-    pub mode: Option<i8>,
-    /// The modes that it knows (6502h).
-    pub modes: Vec<Mode>,
-    /// 6064h.
-    pub position: Option<i64>,
-    /// 606Ch.
-    pub velocity: Option<i64>,
-    /// 607Ah.
-    pub target: Option<i64>,
-    /// 6081h.
-    pub profile_velocity: Option<i64>,
-    /// 60F4h.
-    pub following_error: Option<i64>,
-    /// 603Fh in words, where it is not 0.
-    pub fault: Option<String>,
-    /// The units of positions and of velocities (60A8h, 60A9h).
-    pub units: [String; 2],
-    /// The other values that it has, by their names.
-    pub values: Vec<(&'static str, String)>,
-    /// Whether it watches the heartbeat of the panel; if not, why.
-    pub guard: Guard,
-    /// Whether it is jogged.
-    pub jogging: bool,
-}
-
-/// A word of bits.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Word {
-    /// In hexadecimal.
-    pub number: String,
-    /// What it says.
-    pub words: String,
-}
-
-/// A transition that is possible in the present state.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LegalTransition {
-    /// Which one.
-    pub transition: Transition,
-    /// Where it leads.
-    pub to: DriveState,
-    /// What a person calls it.
-    pub label: &'static str,
-    /// Its number in CiA 402.
-    pub number: u8,
-}
-
-/// A mode of operation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Mode {
-    /// Its number.
-    pub number: i8,
-    /// Its name.
-    pub name: &'static str,
-}
-
-/// Whether a drive watches the heartbeat of the panel.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Guard {
-    /// Not yet: the panel has not commanded it.
-    #[default]
-    Off,
-    /// It does.
-    On,
-    /// It cannot; why.
-    Impossible(String),
 }
 
 /// A frame in words.

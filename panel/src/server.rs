@@ -14,6 +14,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use tokio::net::TcpListener;
 use tokio::sync::broadcast;
+use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::mpsc;
 use tokio::time::timeout;
 
@@ -25,8 +26,8 @@ use crate::{assets, origin};
 /// Windows at once.
 const WINDOWS: usize = 32;
 
-/// The longest message of a window, in bytes: a value of an object that is written.
-const LONGEST_MESSAGE: usize = 64 * 1024;
+/// The longest message of a window, in bytes: the DCF of a device with thousands of entries.
+const LONGEST_MESSAGE: usize = 8 * 1024 * 1024;
 
 /// Replies that wait for a window.
 const REPLIES: usize = 64;
@@ -117,6 +118,8 @@ struct Window {
     from_session: mpsc::Receiver<Event>,
     /// While it wants to see frames.
     frames: Option<broadcast::Receiver<Arc<str>>>,
+    /// While it wants to see what transmit PDOs bring.
+    live: Option<broadcast::Receiver<Arc<str>>>,
 }
 
 impl Drop for Window {
@@ -134,6 +137,7 @@ impl Window {
             replies,
             from_session,
             frames: None,
+            live: None,
         }
     }
 
@@ -178,10 +182,8 @@ impl Window {
                     Ok(()) => states.borrow_and_update().clone(),
                     Err(_) => return,
                 },
-                frames = next(&mut self.frames) => match frames {
-                    Some(frames) => frames,
-                    None => continue,
-                },
+                frames = next(&mut self.frames) => frames,
+                values = next(&mut self.live) => values,
                 // Another window may have taken control.
                 () = tokio::time::sleep(Duration::from_millis(250)) => continue,
             };
@@ -214,6 +216,10 @@ impl Window {
                 self.frames = on.then(|| self.shared.outlet.frames.subscribe());
                 self.reply(id, Outcome::Done(Answer::Text(String::new())));
             }
+            Order::Live { on } => {
+                self.live = on.then(|| self.shared.outlet.live.subscribe());
+                self.reply(id, Outcome::Done(Answer::Text(String::new())));
+            }
             order => self.order(id, order),
         }
         true
@@ -241,11 +247,16 @@ impl Window {
     }
 }
 
-/// The next frames, while they are wanted. `None` when some were missed.
-async fn next(frames: &mut Option<broadcast::Receiver<Arc<str>>>) -> Option<Arc<str>> {
-    match frames {
-        Some(frames) => frames.recv().await.ok(),
-        None => std::future::pending().await,
+/// The next batch, while they are wanted; a window that was too slow is told how many it has missed.
+async fn next(batches: &mut Option<broadcast::Receiver<Arc<str>>>) -> Arc<str> {
+    let Some(receiver) = batches else {
+        return std::future::pending().await;
+    };
+    match receiver.recv().await {
+        Ok(batch) => batch,
+        Err(RecvError::Lagged(messages)) => json(&Event::Missed { messages }),
+        // The session has ended; the state says so.
+        Err(RecvError::Closed) => std::future::pending().await,
     }
 }
 
@@ -255,4 +266,73 @@ async fn send(socket: &mut WebSocket, text: &str) -> bool {
         timeout(PATIENCE, socket.send(Message::text(text))).await,
         Ok(Ok(()))
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::desk::Counts;
+    use std::sync::mpsc::sync_channel;
+
+    fn shared() -> (Arc<Shared>, std::sync::mpsc::Receiver<Ticket>) {
+        let (tickets, orders) = sync_channel(1);
+        let shared = Shared {
+            desk: Arc::default(),
+            tickets,
+            outlet: Outlet::new(),
+            read_only: false,
+            listen: "127.0.0.1:8402".to_owned(),
+            token: None,
+        };
+        (Arc::new(shared), orders)
+    }
+
+    #[test]
+    fn what_may_not_wait_is_on_the_desk_when_it_was_heard() {
+        let (shared, _orders) = shared();
+        let mut writer = Window::open(Arc::clone(&shared));
+        let mut watcher = Window::open(Arc::clone(&shared));
+        // The queue to the session is full: nothing of this goes through it.
+        assert!(writer.hear(r#"{"id":1,"do":"enable"}"#));
+        let counts = |stops, releases, beats| Counts {
+            stops,
+            releases,
+            beats,
+        };
+        assert!(writer.hear(r#"{"id":2,"do":"beat"}"#));
+        assert!(writer.hear(r#"{"id":3,"do":"release"}"#));
+        assert_eq!(shared.desk.counts(), counts(0, 1, 1));
+        // Who only watches holds no button, and may stop.
+        assert!(watcher.hear(r#"{"id":1,"do":"beat"}"#));
+        assert!(watcher.hear(r#"{"id":2,"do":"release"}"#));
+        assert!(watcher.hear(r#"{"id":3,"do":"stop"}"#));
+        assert_eq!(shared.desk.counts(), counts(1, 1, 1));
+        // A connection that is lost lets go of what it holds.
+        drop(writer);
+        assert_eq!(shared.desk.counts(), counts(1, 2, 1));
+        assert!(!watcher.hear("no page of ours"));
+    }
+
+    #[tokio::test]
+    async fn who_is_too_slow_is_told_how_much_was_missed() {
+        let (shared, _orders) = shared();
+        let mut window = Window::open(Arc::clone(&shared));
+        assert!(window.hear(r#"{"id":1,"do":"live","on":true}"#));
+        for number in 0..100 {
+            let batch: Arc<str> = number.to_string().into();
+            shared.outlet.live.send(batch).unwrap();
+        }
+        assert_eq!(
+            &*next(&mut window.live).await,
+            r#"{"is":"missed","messages":36}"#
+        );
+        assert_eq!(&*next(&mut window.live).await, "36");
+        // Who wants nothing waits for nothing.
+        assert!(window.hear(r#"{"id":2,"do":"live","on":false}"#));
+        tokio::select! {
+            biased;
+            text = next(&mut window.live) => panic!("{text}"),
+            () = std::future::ready(()) => {}
+        }
+    }
 }

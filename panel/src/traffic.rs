@@ -30,6 +30,7 @@ pub struct Traffic {
     interpreter: Interpreter,
     nodes: BTreeMap<u8, Known>,
     counted: VecDeque<(Instant, u64, u64)>,
+    emergencies: u64,
 }
 
 impl Default for Traffic {
@@ -45,6 +46,7 @@ impl Traffic {
             interpreter: Interpreter::new(DataSheet::standard()),
             nodes: BTreeMap::new(),
             counted: VecDeque::new(),
+            emergencies: 0,
         }
     }
 
@@ -63,6 +65,11 @@ impl Traffic {
     /// What is known of a node.
     pub fn node(&self, id: u8) -> Option<&Known> {
         self.nodes.get(&id)
+    }
+
+    /// How many emergency messages have told an error.
+    pub fn emergencies(&self) -> u64 {
+        self.emergencies
     }
 
     /// Forgets all nodes, before a scan.
@@ -102,6 +109,8 @@ impl Traffic {
             }
             (0x080, [low, high, register, ..]) => {
                 let code = u16::from_le_bytes([*low, *high]);
+                // 0000h tells that an error is over.
+                self.emergencies += u64::from(code != 0);
                 let words = error_words(code).unwrap_or("of the manufacturer");
                 let time = candump::time(passed.at);
                 let line = format!("{time} {code:04X}h {words} (register {register:02X}h)");

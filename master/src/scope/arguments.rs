@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use canopen::Duration;
 
-use super::{Before, CHANNELS, Request, Trigger, mapping};
+use super::{Before, Request};
 use crate::axis402::{Bus, Sheet};
 use crate::data_sheet::DataSheet;
 
@@ -54,34 +54,15 @@ pub struct Arguments {
 impl Arguments {
     /// What they ask of a drive with this data sheet.
     pub(super) fn request(&self, sheet: &DataSheet) -> Result<Request, String> {
-        let channels = match &self.channels {
-            Some(objects) if objects.len() > CHANNELS => {
-                return Err(format!(
-                    "a scope has {CHANNELS} channels, and not {}",
-                    objects.len()
-                ));
-            }
-            Some(objects) => {
-                let mappings = objects.iter().map(|object| mapping(object, sheet));
-                Some(mappings.collect::<Result<_, _>>()?)
-            }
-            None => None,
-        };
-        let trigger = Trigger::parse(&self.trigger, sheet)?;
-        // What somebody else has left in the drive is no default.
-        let is_whole = trigger != Trigger::AsSetUp;
-        let before = match trigger {
-            Trigger::Now => Before::Samples(0),
-            _ => Before::Percent(20),
-        };
-        Ok(Request {
-            channels,
-            divider: self.divider.or(is_whole.then_some(1)),
-            samples: self.samples.or(is_whole.then_some(0)),
-            before: self.pre.or(is_whole.then_some(before)),
-            trigger,
-            patience: Duration::from_ticks(u64::from(self.wait) * 1_000_000),
-        })
+        Request::parse(
+            self.channels.as_deref(),
+            &self.trigger,
+            self.divider,
+            self.samples,
+            self.pre,
+            Duration::from_ticks(u64::from(self.wait) * 1_000_000),
+            sheet,
+        )
     }
 }
 

@@ -16,7 +16,7 @@ use od_gen::standard_output;
 pub use arguments::Arguments;
 pub use recording::{Channel, Recording};
 pub use report::Report;
-pub use session::{Before, Request, record};
+pub use session::{Armed, Before, Progress, Request, arm, disarm, fetch, record};
 pub use trigger::{Edge, Trigger};
 
 use crate::axis402::{Console, Node, Problem, go_on_bus, read_sheet};

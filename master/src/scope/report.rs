@@ -13,7 +13,7 @@ use crate::system_error::plain;
 const COLOURS: [RGBColor; 4] = [BLUE, RED, GREEN, MAGENTA];
 
 /// What `--json` prints.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     node: u8,
     /// The period of the control tick.
@@ -31,7 +31,7 @@ pub struct Report {
     channels: Vec<Curve>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 struct Curve {
     object: String,
     name: String,

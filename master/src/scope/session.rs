@@ -1,10 +1,10 @@
 //! A recording from beginning to end: set up, armed, waited for, fetched.
 
-use canopen::{Duration, Instant};
+use canopen::Duration;
 
-use super::{CHANNELS, Recording, Trigger};
+use super::{CHANNELS, Recording, Trigger, mapping};
 use crate::axis402::{Console, Node, Problem};
-use crate::data_sheet::Address;
+use crate::data_sheet::{Address, DataSheet};
 use crate::{Failure, Line, Master};
 
 /// What to record. What is `None` stays as the drive has it.
@@ -89,17 +89,152 @@ pub fn record<L: Line>(
     request: &Request,
     console: &mut Console<'_>,
 ) -> Result<Recording, Problem> {
+    let mut armed = arm(master, node, request)?;
+    let result = wait(master, node, request, &mut armed, console);
+    if result.is_err() {
+        // It may be the node that is gone; what went wrong first is told.
+        let _ = disarm(master, node);
+    }
+    result?;
+    fetch(master, node)
+}
+
+/// A recorder that is at work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Armed {
+    /// The trigger is an order, which comes as soon as enough samples are there.
+    is_now: bool,
+    /// Samples older than the trigger.
+    before: u32,
+    is_triggered: bool,
+}
+
+/// How far a recorder is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// It waits for its trigger.
+    Armed,
+    /// The trigger has come.
+    Triggered,
+    /// The recording can be fetched.
+    Full,
+}
+
+/// Sets the recorder up and arms it; [`Armed::progress`] tells when [`fetch`] has something to fetch.
+///
+/// # Errors
+/// As [`record`].
+pub fn arm<L: Line>(
+    master: &mut Master<L>,
+    node: &Node,
+    request: &Request,
+) -> Result<Armed, Problem> {
     let mut session = Session { master, node };
     session.stop()?;
     session.set_up(request)?;
     session.check()?;
-    let result = session.wait(request, console);
-    if result.is_err() {
-        // It may be the node that is gone; what went wrong first is told.
-        let _ = session.stop();
+    session.write(CONTROL, &[ARM])?;
+    Ok(Armed {
+        is_now: request.trigger == Trigger::Now,
+        before: session.number(BEFORE)?,
+        is_triggered: false,
+    })
+}
+
+/// Stops the recorder.
+///
+/// # Errors
+/// [`Problem::Failed`] if the node does not answer or has no scope.
+pub fn disarm<L: Line>(master: &mut Master<L>, node: &Node) -> Result<(), Problem> {
+    Session { master, node }.stop()
+}
+
+impl Armed {
+    /// How far it is. A trigger that is an order is given here.
+    ///
+    /// # Errors
+    /// [`Problem::Failed`] if the node does not answer, or somebody has stopped the recorder.
+    pub fn progress<L: Line>(
+        &mut self,
+        master: &mut Master<L>,
+        node: &Node,
+    ) -> Result<Progress, Problem> {
+        let mut session = Session { master, node };
+        let state = session.number(STATE)?;
+        match state {
+            FULL => return Ok(Progress::Full),
+            IDLE => {
+                return Err(Problem::Failed(format!(
+                    "node {}: somebody has stopped the scope",
+                    node.id
+                )));
+            }
+            _ => {}
+        }
+        if self.is_now && !self.is_triggered && session.number(RECORDED)? >= self.before {
+            session.write(CONTROL, &[TRIGGER])?;
+            self.is_triggered = true;
+        }
+        Ok(match state {
+            ARMED => Progress::Armed,
+            _ => Progress::Triggered,
+        })
     }
-    result?;
-    let bytes = session.fetch()?;
+}
+
+/// Waits until the recording can be fetched.
+fn wait<L: Line>(
+    master: &mut Master<L>,
+    node: &Node,
+    request: &Request,
+    armed: &mut Armed,
+    console: &mut Console<'_>,
+) -> Result<(), Problem> {
+    if !armed.is_now {
+        console.remark(&format!(
+            "node {}: the scope is armed and waits for its trigger",
+            node.id
+        ));
+    }
+    let end = master.now() + request.patience;
+    let (mut last, mut pause) = (None, PAUSE);
+    loop {
+        let progress = armed.progress(master, node)?;
+        if last.replace(progress) != Some(progress) {
+            pause = PAUSE;
+        }
+        if progress == Progress::Full {
+            return Ok(());
+        }
+        let left = end.checked_duration_since(master.now());
+        let Some(left) = left.filter(|left| *left > Duration::from_ticks(0)) else {
+            return Err(late(node, progress, request.patience));
+        };
+        // Nobody waits longer than told.
+        master.wait(pause.min(left))?;
+        // A trigger that is an order shall not be late.
+        pause = match armed.is_now {
+            true => PAUSE,
+            false => (pause * 2).min(LONGEST_PAUSE),
+        };
+    }
+}
+
+fn late(node: &Node, progress: Progress, patience: Duration) -> Problem {
+    let what = match progress {
+        Progress::Armed => "the trigger has not come",
+        _ => "the recording is not done",
+    };
+    let seconds = patience.to_millis() as f64 / 1e3;
+    Problem::Failed(format!("node {}: {what} within {seconds} s", node.id))
+}
+
+/// Fetches what was recorded.
+///
+/// # Errors
+/// [`Problem::Failed`] if the node does not answer, or what it sends is no recording.
+pub fn fetch<L: Line>(master: &mut Master<L>, node: &Node) -> Result<Recording, Problem> {
+    let bytes = Session { master, node }.fetch()?;
     Recording::read(&bytes, &node.sheet)
         .map_err(|why| Problem::Failed(format!("node {}: {why}", node.id)))
 }
@@ -218,69 +353,6 @@ impl<L: Line> Session<'_, L> {
         }
     }
 
-    /// Arms, and waits until there is a recording.
-    fn wait(&mut self, request: &Request, console: &mut Console<'_>) -> Result<(), Problem> {
-        self.write(CONTROL, &[ARM])?;
-        let is_now = request.trigger == Trigger::Now;
-        if !is_now {
-            console.remark(&format!(
-                "node {}: the scope is armed and waits for its trigger",
-                self.node.id
-            ));
-        }
-        let before = self.number(BEFORE)?;
-        let end = self.master.now() + request.patience;
-        let mut is_triggered = false;
-        let (mut last, mut pause) = (None, PAUSE);
-        loop {
-            let state = self.number(STATE)?;
-            if last.replace(state) != Some(state) {
-                pause = PAUSE;
-            }
-            if state == FULL {
-                return Ok(());
-            }
-            if state == IDLE {
-                return Err(Problem::Failed(format!(
-                    "node {}: somebody has stopped the scope",
-                    self.node.id
-                )));
-            }
-            if is_now && !is_triggered && self.number(RECORDED)? >= before {
-                self.write(CONTROL, &[TRIGGER])?;
-                is_triggered = true;
-            }
-            self.mind(end, state, request)?;
-            // Nobody waits longer than told.
-            let left = end.checked_duration_since(self.master.now());
-            self.master
-                .wait(left.map_or(pause, |left| left.min(pause)))?;
-            // A trigger that is an order shall not be late.
-            pause = if is_now {
-                PAUSE
-            } else {
-                (pause * 2).min(LONGEST_PAUSE)
-            };
-        }
-    }
-
-    /// Nobody waits for ever.
-    fn mind(&self, end: Instant, state: u32, request: &Request) -> Result<(), Problem> {
-        if self.master.now() < end {
-            return Ok(());
-        }
-        let what = if state == ARMED {
-            "the trigger has not come"
-        } else {
-            "the recording is not done"
-        };
-        let seconds = request.patience.to_millis() as f64 / 1e3;
-        Err(Problem::Failed(format!(
-            "node {}: {what} within {seconds} s",
-            self.node.id
-        )))
-    }
-
     /// The bytes of the recording. It stays in the drive, so a transfer that fails is begun anew.
     fn fetch(&mut self) -> Result<Vec<u8>, Problem> {
         let (mut attempt, mut breath) = (1, BREATH);
@@ -322,3 +394,48 @@ impl<L: Line> Session<'_, L> {
 const TIMED_OUT: u32 = 0x0504_0000;
 const NO_MEMORY: u32 = 0x0504_0005;
 const NO_OBJECT: u32 = 0x0602_0000;
+
+impl Request {
+    /// What a person asks for: `channels` and `trigger` in words, as on the command line. Nothing that somebody else has left in the
+    /// drive is a default, but with the trigger "drive".
+    ///
+    /// # Errors
+    /// What the words do not mean.
+    pub fn parse(
+        channels: Option<&[String]>,
+        trigger: &str,
+        divider: Option<u16>,
+        samples: Option<u16>,
+        before: Option<Before>,
+        patience: Duration,
+        sheet: &DataSheet,
+    ) -> Result<Self, String> {
+        let channels = match channels {
+            Some(objects) if objects.len() > CHANNELS => {
+                return Err(format!(
+                    "a scope has {CHANNELS} channels, and not {}",
+                    objects.len()
+                ));
+            }
+            Some(objects) => {
+                let mappings = objects.iter().map(|object| mapping(object, sheet));
+                Some(mappings.collect::<Result<_, _>>()?)
+            }
+            None => None,
+        };
+        let trigger = Trigger::parse(trigger, sheet)?;
+        let is_whole = trigger != Trigger::AsSetUp;
+        let usual = match trigger {
+            Trigger::Now => Before::Samples(0),
+            _ => Before::Percent(20),
+        };
+        Ok(Self {
+            channels,
+            divider: divider.or(is_whole.then_some(1)),
+            samples: samples.or(is_whole.then_some(0)),
+            before: before.or(is_whole.then_some(usual)),
+            trigger,
+            patience,
+        })
+    }
+}

@@ -70,8 +70,13 @@ impl<L: Line> Session<L> {
             answers: true,
             ..Drive::default()
         };
+        let drive = Drive {
+            homing: self.read_homing(&node, supported)?,
+            ..drive
+        };
         let now = self.master.now();
         self.chosen = Some(Chosen::new(node, drive, now));
+        self.live = None;
         Ok(Answer::Text(String::new()))
     }
 

@@ -4,10 +4,14 @@
 //! The session knows its bus as a [`Line`], so what it does on copper is what its tests see on virtual time.
 
 mod drive;
+mod files;
 mod guard;
+mod homing;
 mod nodes;
 mod objects;
+mod pdos;
 mod poll;
+mod scope;
 #[cfg(test)]
 mod tests;
 
@@ -24,13 +28,16 @@ use tokio::sync::{broadcast, watch};
 
 use crate::desk::Desk;
 use crate::line::PanelLine;
-use crate::message::{Answer, Event, Order, Outcome, State};
+use crate::message::{Answer, Event, Order, Outcome, Recorded, State};
 use crate::traffic::Traffic;
 use poll::Chosen;
 
 /// From a look at the bus to the next, and from a picture to the next.
 const TURN: Duration = Duration::from_ticks(10_000);
 const PICTURE: Duration = Duration::from_ticks(40_000);
+
+/// Batches that a window may be behind.
+const BATCHES: usize = 64;
 
 /// An order of a window.
 pub struct Ticket {
@@ -60,6 +67,8 @@ pub struct Outlet {
     pub states: watch::Sender<Arc<str>>,
     /// Frames in batches; who is slow misses the oldest.
     pub frames: broadcast::Sender<Arc<str>>,
+    /// What transmit PDOs bring, in batches as well.
+    pub live: broadcast::Sender<Arc<str>>,
 }
 
 impl Outlet {
@@ -67,7 +76,8 @@ impl Outlet {
     pub fn new() -> Self {
         Self {
             states: watch::Sender::new(json(&Event::State(Box::default()))),
-            frames: broadcast::Sender::new(64),
+            frames: broadcast::Sender::new(BATCHES),
+            live: broadcast::Sender::new(BATCHES),
         }
     }
 }
@@ -113,6 +123,9 @@ pub struct Session<L> {
     state: State,
     chosen: Option<Chosen>,
     nodes: BTreeMap<u8, Node>,
+    recording: Option<scope::Recording>,
+    recorded: Option<Recorded>,
+    live: Option<scope::Live>,
     emptied: u64,
     next_picture: Instant,
 }
@@ -144,6 +157,9 @@ impl<L: Line> Session<L> {
             state,
             chosen: None,
             nodes: BTreeMap::new(),
+            recording: None,
+            recorded: None,
+            live: None,
             emptied: 0,
         }
     }
@@ -230,6 +246,30 @@ impl<L: Line> Session<L> {
             Order::Choose { node } => self.choose(*node),
             Order::Nmt { command, node } => self.nmt((*command).into(), *node),
             Order::Save { node } => self.save(*node),
+            Order::Find => self.find(),
+            Order::BitRate { kbit, store } => self.switch_bit_rate(*kbit, *store),
+            Order::StoreLss => self.store_lss(),
+            Order::Restore { node } => self.restore(*node),
+            Order::Dump { node } => self.dump(*node),
+            Order::Load { node, name, text } => self.load(*node, name, text),
+            Order::Compare { node, name, text } => self.compare(*node, name, text),
+            Order::Pdos { node } => self.pdos(*node),
+            Order::PlanPdos {
+                node,
+                pdos,
+                sync_period,
+            } => self.plan_pdos(*node, pdos, *sync_period),
+            Order::SetPdos { node, pdos } => self.set_pdos(*node, pdos),
+            Order::Channels => self.channels(),
+            Order::Record(wish) => self.record(wish),
+            Order::StopRecorder => self.stop_recorder(),
+            Order::Recording => self.last_recording(),
+            Order::SetHoming {
+                method,
+                fast,
+                slow,
+                acceleration,
+            } => self.set_homing(*method, [*fast, *slow, *acceleration]),
             Order::Transition { transition } => self.transition(*transition),
             Order::Enable => self.enable(),
             Order::Mode { mode } => self.set_mode(*mode),
@@ -248,9 +288,12 @@ impl<L: Line> Session<L> {
                 value,
             } => self.write(*node, object, value),
             // These do not wait in a queue: the server has put them on the desk.
-            Order::Stop | Order::Release | Order::Beat | Order::Take | Order::Frames { .. } => {
-                Ok(Answer::Text(String::new()))
-            }
+            Order::Stop
+            | Order::Release
+            | Order::Beat
+            | Order::Take
+            | Order::Frames { .. }
+            | Order::Live { .. } => Ok(Answer::Text(String::new())),
         }
     }
 
@@ -258,6 +301,7 @@ impl<L: Line> Session<L> {
     fn look(&mut self) {
         if self.is_poll_due() {
             self.poll();
+            self.mind_recorder();
         } else {
             let now = self.master.now();
             // What breaks it off is attended to next.
@@ -278,6 +322,8 @@ impl<L: Line> Session<L> {
         let passed = self.master.line_mut().passed_so_far();
         let (frames, bits) = self.traffic.rate(now, passed);
         self.state.bus.rate = u32::try_from(frames).unwrap_or(u32::MAX);
+        self.state.bus.kbit = self.setup.bit_rate.map(|rate| rate / 1_000);
+        self.state.bus.errors = self.traffic.emergencies();
         let load = |rate: u32| u32::try_from(bits * 100 / u64::from(rate.max(1)));
         self.state.bus.load = self.setup.bit_rate.and_then(|rate| load(rate).ok());
         self.state.nodes = self.traffic.nodes(now);
@@ -292,6 +338,7 @@ impl<L: Line> Session<L> {
 
     fn follow_traffic(&mut self) {
         let (passed, dropped) = self.master.line_mut().take_passed();
+        self.tell_live(&passed, dropped);
         let in_words = self.outlet.frames.receiver_count() > 0;
         let frames: Vec<_> = (passed.iter())
             .filter_map(|passed| self.traffic.follow(passed, in_words))

@@ -3,15 +3,22 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use canopen::Duration;
-use master::axis402::{self, Console, Description, Group, Node, Numbering, Problem};
+use canopen::{BitRate, Duration};
+use master::axis402::{self, BitRateSwitch, Console, Description, Node, Numbering, Problem};
 use master::{Line, NmtCommand};
 
+use super::pdos::Words;
 use super::{Outlet, Session, json};
 use crate::message::{Answer, Event, State};
 
 /// How long each step of a fastscan waits.
 const SCAN_STEP: Duration = Duration::from_ticks(20_000);
+
+/// The silence before and after a switch of the bit rate.
+const SWITCH_DELAY: Duration = Duration::from_ticks(500_000);
+
+/// Remarks of a command that are told.
+const REMARKS: usize = 8;
 
 impl<L: Line> Session<L> {
     /// Who is there? Only those that are asked; nobody is asked by LSS when nothing may be written.
@@ -71,16 +78,45 @@ impl<L: Line> Session<L> {
         Ok(Answer::Text("sent".to_owned()))
     }
 
-    pub(super) fn save(&mut self, id: u8) -> Result<Answer, Problem> {
-        let node = self.node(id)?;
+    /// Those without a node-ID; they are left as they are.
+    pub(super) fn find(&mut self) -> Result<Answer, Problem> {
+        let usual = self.master.set_scan_time(SCAN_STEP);
         let mut output = Vec::new();
-        self.state.busy = Some(format!("node {id} saves its parameters"));
-        self.with_output(&mut output, |master, console| {
-            axis402::save(master, &node, Group::All, console)
-        })?;
+        let result = self.with_output(&mut output, axis402::find);
+        self.master.set_scan_time(usual);
+        result?;
         Ok(Answer::Text(
             String::from_utf8_lossy(&output).trim_end().to_owned(),
         ))
+    }
+
+    /// The whole bus goes to another bit rate. Nobody stores it before all are there again; until then power-off brings the old one back.
+    pub(super) fn switch_bit_rate(&mut self, kbit: u32, store: bool) -> Result<Answer, Problem> {
+        let named = |kbit| {
+            let mut all = BitRate::ALL.into_iter();
+            all.find(|rate: &BitRate| rate.kbit_per_second() == kbit)
+        };
+        let to = named(kbit)
+            .ok_or_else(|| Problem::Usage(format!("CiA 305 has no bit rate of {kbit} kbit/s")))?;
+        // Guarded or not, a drive with power is not left alone on a bus that changes.
+        self.leave_drive();
+        let switch = BitRateSwitch {
+            to,
+            from: self.setup.bit_rate.and_then(|rate| named(rate / 1_000)),
+            store,
+            delay: SWITCH_DELAY,
+        };
+        let (result, words) =
+            self.with_words(|master, console| axis402::switch_bit_rate(master, switch, console));
+        if result.is_ok() {
+            self.setup.bit_rate = Some(kbit * 1_000);
+        }
+        result.map(|()| Answer::Text(words.said))
+    }
+
+    pub(super) fn store_lss(&mut self) -> Result<Answer, Problem> {
+        let (result, words) = self.with_words(axis402::store_settings);
+        result.map(|()| Answer::Text(words.said))
     }
 
     /// A node with its data sheet: one that a person has given for its vendor and product, or what the master knows of it.
@@ -117,6 +153,21 @@ impl<L: Line> Session<L> {
         self.with_output(&mut Vec::new(), command)
     }
 
+    /// The same; its last line and its remarks are told.
+    pub(super) fn with_words<T>(
+        &mut self,
+        command: impl FnOnce(
+            &mut super::Master<super::PanelLine<L>>,
+            &mut Console<'_>,
+        ) -> Result<T, Problem>,
+    ) -> (Result<T, Problem>, Words) {
+        let mut output = Vec::new();
+        let (result, remarks) = self.run_command(&mut output, command);
+        let said = String::from_utf8_lossy(&output);
+        let said = said.lines().last().unwrap_or_default().to_owned();
+        (result, Words { said, remarks })
+    }
+
     /// The same; what it tells is in `output`.
     pub(super) fn with_output<T>(
         &mut self,
@@ -126,15 +177,29 @@ impl<L: Line> Session<L> {
             &mut Console<'_>,
         ) -> Result<T, Problem>,
     ) -> Result<T, Problem> {
+        self.run_command(output, command).0
+    }
+
+    fn run_command<T>(
+        &mut self,
+        output: &mut Vec<u8>,
+        command: impl FnOnce(
+            &mut super::Master<super::PanelLine<L>>,
+            &mut Console<'_>,
+        ) -> Result<T, Problem>,
+    ) -> (Result<T, Problem>, Vec<String>) {
         let mut progress = Progress {
             state: &mut self.state,
             outlet: &self.outlet,
+            pending: String::new(),
+            remarks: Vec::new(),
         };
         let mut console = Console::new(output, &mut progress, true);
         let result = command(&mut self.master, &mut console);
         drop(console);
+        let remarks = progress.remarks;
         self.state.busy = None;
-        result
+        (result, remarks)
     }
 }
 
@@ -161,17 +226,27 @@ pub(super) fn describe(told: &mut crate::message::NodeState, description: &Descr
 struct Progress<'a> {
     state: &'a mut State,
     outlet: &'a Outlet,
+    /// What is written at, and the remarks so far.
+    pending: String,
+    remarks: Vec<String>,
 }
 
 impl Write for Progress<'_> {
     fn write(&mut self, text: &[u8]) -> io::Result<usize> {
-        let words = String::from_utf8_lossy(text);
-        let words = words
-            .trim_start_matches(['\r', '\u{1B}'])
-            .trim_start_matches("[K")
-            .trim();
-        if !words.is_empty() {
-            self.state.busy = Some(words.to_owned());
+        let text_now = String::from_utf8_lossy(text);
+        // A line of progress begins where the one before did; a remark has an end.
+        if text_now.starts_with('\r') {
+            self.pending.clear();
+        }
+        let words = text_now.trim_start_matches(['\r', '\u{1B}']);
+        self.pending += words.trim_start_matches("[K");
+        if self.pending.ends_with('\n') {
+            let remark = std::mem::take(&mut self.pending).trim().to_owned();
+            if !remark.is_empty() && self.remarks.len() < REMARKS {
+                self.remarks.push(remark);
+            }
+        } else if !self.pending.is_empty() {
+            self.state.busy = Some(self.pending.trim().to_owned());
             let picture = json(&Event::State(Box::new(self.state.clone())));
             self.outlet.states.send_replace(picture);
         }

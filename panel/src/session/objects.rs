@@ -29,11 +29,7 @@ impl<L: Line> Session<L> {
         let bytes = node.upload(&mut self.master, address);
         let bytes = bytes.map_err(|failure| Problem::with_node(id, failure))?;
         let data_type = node.sheet.data_type(address);
-        let known = data_type.and_then(|data_type| transfer::value(&bytes, data_type));
-        Ok(Answer::Text(match known {
-            Some(value) if is_decimal(address, &value) => decimal(&value),
-            _ => value::text(address, &bytes, data_type),
-        }))
+        Ok(Answer::Text(shown(address, &bytes, data_type)))
     }
 
     /// Type, access and limits are checked before the bus sees anything; then the value is read back, as the device may have rounded it.
@@ -50,6 +46,15 @@ impl<L: Line> Session<L> {
             return self.read(id, object);
         }
         Ok(Answer::Text(value.trim().to_owned()))
+    }
+}
+
+/// A value as a person reads it.
+pub(super) fn shown(address: Address, bytes: &[u8], data_type: Option<DataType>) -> String {
+    let known = data_type.and_then(|data_type| transfer::value(bytes, data_type));
+    match known {
+        Some(value) if is_decimal(address, &value) => decimal(&value),
+        _ => value::text(address, bytes, data_type),
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use canopen::{Duration, Instant};
 use master::axis402::{Node, Problem};
-use master::data_sheet::Address;
+use master::data_sheet::{Address, DataSheet};
 use master::trace::{controlword, error_words, statusword};
 use master::{Failure, Line};
 
@@ -35,7 +35,7 @@ const ALWAYS: [Watched; 3] = [
 ];
 
 /// Read one in each look.
-const IN_TURN: [Watched; 10] = [
+const IN_TURN: [Watched; 11] = [
     Watched::new(0x6061, 0, |drive, mode| {
         drive.mode = i8::try_from(mode).ok();
     }),
@@ -75,12 +75,22 @@ const IN_TURN: [Watched; 10] = [
     Watched::new(0x6077, 0, |drive, value| {
         drive.tell("Torque", format!("{value} ‰"));
     }),
+    // Of the generic drive; another maker's 2074h is something else, and is asked for by nobody.
+    Watched {
+        is_own: true,
+        ..Watched::new(0x2074, 1, |drive, value| {
+            let (whole, tenth) = (value / 10, (value % 10).abs());
+            drive.tell("Temperature", format!("{whole}.{tenth} °C"));
+        })
+    },
 ];
 
 /// An object, and where its value goes.
 struct Watched {
     address: Address,
     put: fn(&mut Drive, i64),
+    /// Only where the data sheet of the node names it so.
+    is_own: bool,
 }
 
 impl Watched {
@@ -88,6 +98,7 @@ impl Watched {
         Self {
             address: Address::new(index, sub),
             put,
+            is_own: false,
         }
     }
 }
@@ -206,7 +217,8 @@ impl<L: Line> Session<L> {
         let Some(chosen) = &mut self.chosen else {
             return Ok(());
         };
-        if chosen.absent.contains(&watched.address) {
+        let is_other = watched.is_own && chosen.node.sheet.title() != DataSheet::axis402().title();
+        if is_other || chosen.absent.contains(&watched.address) {
             return Ok(());
         }
         match chosen.node.upload(&mut self.master, watched.address) {
@@ -249,7 +261,7 @@ impl<L: Line> Session<L> {
 }
 
 /// A number as it travels.
-fn number(bytes: &[u8], is_signed: bool) -> i64 {
+pub(super) fn number(bytes: &[u8], is_signed: bool) -> i64 {
     let bytes = &bytes[..bytes.len().min(8)];
     let number = (bytes.iter().rev()).fold(0u64, |number, byte| number << 8 | u64::from(*byte));
     let unused = 64 - 8 * bytes.len() as u32;

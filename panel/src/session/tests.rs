@@ -1,5 +1,7 @@
 //! The session with a virtual drive, on virtual time: what windows order, and what the bus sees.
 
+mod pages;
+
 use std::sync::mpsc::{SyncSender, channel, sync_channel};
 
 use canopen::{BitRate, Frame};

@@ -1,0 +1,408 @@
+// The page of the scope: what the drive records in each control tick, and what its transmit PDOs bring live. Curves are drawn by uPlot:
+// drag to zoom, double click to see all; a click sets cursor A, a click with shift cursor B.
+
+import uPlot from "./uplot/uPlot.esm.js";
+import { known, mayWrite, order } from "./connection.js";
+import { element, mark, number, show, toast, visible } from "./element.js";
+import { inks } from "./chart.js";
+
+// Values of a live channel that are kept: a minute at 1 kHz. What is older makes room.
+const KEPT = 60_000;
+const CHOICES = [
+  ["606Ch", "Velocity actual value"], ["6064h", "Position actual value"], ["6062h", "Position demand value"], ["60F4h", "Following error"],
+  ["606Bh", "Velocity demand value"], ["6041h", "Statusword"], ["6040h", "Controlword"], ["60FDh", "Digital inputs"],
+  ["6061h", "Mode"], ["607Ah", "Target position"], ["60FFh", "Target velocity"], ["603Fh", "Error code"],
+];
+const TRIGGERS = [
+  ["now", "At once"], ["606C>100", "It begins to move (606Ch > 100)"], ["6041#10", "Target reached (6041h bit 10)"],
+  ["fault", "Fault"], ["own", "Another one ..."],
+];
+const COLOURS = ["accent-ink", "warn-ink", "bad-ink", "good-ink", "blue-ink", "violet-ink", "quiet-ink", "text-ink"];
+
+const typed = { channels: new Set(["6062h", "6064h", "606Ch", "60F4h"]), trigger: "606C>100", own: "6064>1000", divider: "1", samples: "", before: "20" };
+let parts = null;
+let recording = null;
+let shown = 0;
+let asked = false;
+let live = null;
+let dropped = 0;
+let plots = [];
+let cursors = { a: null, b: null };
+let due = false;
+
+/** A ring of fixed length: times and values of a live channel. */
+class Ring {
+  constructor() {
+    this.at = new Float64Array(KEPT);
+    this.values = new Float64Array(KEPT);
+    this.count = 0;
+    this.next = 0;
+  }
+  push(at, value) {
+    this.at[this.next] = at;
+    this.values[this.next] = value;
+    this.next = (this.next + 1) % KEPT;
+    this.count = Math.min(KEPT, this.count + 1);
+  }
+  /** Both in the order of their time, from `since` on. */
+  since(since) {
+    const [at, values] = [[], []];
+    for (let step = 0; step < this.count; step += 1) {
+      const place = (this.next - this.count + step + KEPT) % KEPT;
+      if (this.at[place] < since) continue;
+      at.push(this.at[place]);
+      values.push(this.values[place]);
+    }
+    return [at, values];
+  }
+  last() { return this.count === 0 ? 0 : this.at[(this.next - 1 + KEPT) % KEPT]; }
+}
+
+async function attempt(promise, done) {
+  try {
+    const answer = await promise;
+    if (done) toast(done, "good");
+    return answer;
+  } catch (error) {
+    toast(error.message);
+    return null;
+  }
+}
+
+function wish() {
+  const whole = (text) => (text.trim() === "" ? null : Number(text));
+  return {
+    channels: CHOICES.map(([object]) => object).filter((object) => typed.channels.has(object)).map((object) => object.replace("h", "")),
+    trigger: typed.trigger === "own" ? typed.own : typed.trigger,
+    divider: whole(typed.divider), samples: whole(typed.samples), before: typed.trigger === "now" ? null : whole(typed.before),
+  };
+}
+
+/** A curve by its place: `at` in seconds. */
+function curves() {
+  if (live) {
+    const end = Math.max(...live.rings.map((ring) => ring.last()), 0);
+    const span = Number(parts.span.value);
+    return live.channels.map((channel, place) => {
+      const [at, values] = live.rings[place].since(end - span);
+      return { name: `${channel.object} ${channel.name}`, at: at.map((time) => time - end), values };
+    });
+  }
+  if (!recording) return [];
+  return recording.report.channels.map((channel) => ({ name: channel.name, at: recording.report.time_s, values: channel.values }));
+}
+
+function valueAt(curve, at) {
+  let low = 0;
+  let high = curve.at.length - 1;
+  while (high > low) {
+    const middle = (low + high) >> 1;
+    if (curve.at[middle] < at) low = middle + 1;
+    else high = middle;
+  }
+  return curve.values[low];
+}
+
+function readCursors() {
+  const { a, b } = cursors;
+  const all = curves();
+  const rows = [];
+  const seconds = (at) => (at === null ? "–" : `${(at * 1000).toFixed(3)} ms`);
+  rows.push(element("tr", {}, element("th", {}, "Time"), element("td", {}, seconds(a)), element("td", {}, seconds(b)), element("td", {}, a !== null && b !== null ? seconds(b - a) : "–")));
+  for (const curve of all) {
+    const [first, second] = [a, b].map((at) => (at === null || curve.at.length === 0 ? null : valueAt(curve, at)));
+    rows.push(element("tr", {}, element("th", {}, curve.name), element("td", {}, number(first)), element("td", {}, number(second)),
+      element("td", {}, first !== null && second !== null ? number(second - first) : "–")));
+  }
+  parts.cursors.replaceChildren(...rows);
+}
+
+function markCursors(plot) {
+  const marks = live ? cursors : { "": 0, ...cursors };
+  for (const [name, at] of Object.entries(marks)) {
+    if (at === null) continue;
+    const x = plot.valToPos(at, "x", true);
+    if (x < plot.bbox.left || x > plot.bbox.left + plot.bbox.width) continue;
+    const { ctx } = plot;
+    ctx.save();
+    ctx.strokeStyle = ctx.fillStyle = name === "" ? parts.ink[0] : parts.ink[3];
+    ctx.setLineDash(name === "" ? [1, 3] : [4, 4]);
+    ctx.beginPath();
+    ctx.moveTo(x, plot.bbox.top);
+    ctx.lineTo(x, plot.bbox.top + plot.bbox.height);
+    ctx.stroke();
+    ctx.font = "12px system-ui, sans-serif";
+    ctx.fillText(name.toUpperCase(), x + 4, plot.bbox.top + 12);
+    ctx.restore();
+  }
+}
+
+/** One picture below the other, with one time: position at a look, velocity, the rest. */
+function make() {
+  for (const plot of plots) plot.destroy();
+  plots = [];
+  if (!parts) return;
+  parts.ink = inks(parts.pictures, ["quiet-ink", "line-ink", "text-ink", "warn-ink"]);
+  const colours = inks(parts.pictures, COLOURS);
+  const all = curves();
+  visible(parts.empty, all.length === 0);
+  visible(parts.result, all.length > 0);
+  const font = "12px system-ui, sans-serif";
+  const [quiet, line] = parts.ink;
+  const sync = uPlot.sync("scope");
+  all.forEach((curve, place) => {
+    const last = place === all.length - 1;
+    const holder = element("div", { class: "curve", role: "img", "aria-label": curve.name });
+    parts.pictures.append(holder);
+    const axis = { stroke: quiet, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1 }, font };
+    const plot = new uPlot({
+      width: Math.max(200, parts.pictures.clientWidth), height: last ? 170 : 140, title: curve.name,
+      legend: { show: false },
+      cursor: { sync: { key: sync.key }, drag: { x: true, y: false } },
+      scales: { x: { time: false }, y: { range: (self, low, high) => (low === high ? [low - 1, high + 1] : [low - (high - low) / 20, high + (high - low) / 20]) } },
+      axes: [{ ...axis, show: last, values: (self, splits) => splits.map((at) => `${+(at * 1000).toFixed(3)} ms`) }, { ...axis, size: 78 }],
+      series: [{}, { stroke: colours[place % colours.length], width: 1.6, points: { show: false } }],
+      hooks: {
+        draw: [markCursors],
+        setScale: [(self, key) => {
+          if (key !== "x" || self.zooming) return;
+          for (const other of plots) {
+            if (other === self) continue;
+            other.zooming = true;
+            other.setScale("x", { min: self.scales.x.min, max: self.scales.x.max });
+            other.zooming = false;
+          }
+        }],
+      },
+    }, [curve.at, curve.values], holder);
+    plot.over.addEventListener("click", (event) => {
+      const at = plot.posToVal(event.offsetX, "x");
+      cursors = event.shiftKey ? { ...cursors, b: at } : { ...cursors, a: at };
+      readCursors();
+      for (const other of plots) other.redraw();
+    });
+    plots.push(plot);
+  });
+  readCursors();
+}
+
+function draw() {
+  due = false;
+  if (!parts || !live || parts.paused) return;
+  const all = curves();
+  if (plots.length !== all.length) {
+    parts.pictures.replaceChildren();
+    make();
+  } else {
+    all.forEach((curve, place) => plots[place].setData([curve.at, curve.values]));
+  }
+}
+
+async function fetchRecording() {
+  if (asked || known.state.recordings === shown) return;
+  asked = true;
+  const answer = await attempt(order("recording"));
+  asked = false;
+  if (!answer) return;
+  shown = answer.number;
+  recording = answer;
+  live = null;
+  cursors = { a: null, b: null };
+  if (parts) {
+    parts.pictures.replaceChildren();
+    make();
+    update();
+  }
+}
+
+async function setLive(on) {
+  if (!on) {
+    live = null;
+    if (known.connected) order("live", { on: false }).catch(() => {});
+  } else {
+    const channels = await attempt(order("channels"));
+    if (!channels || !parts) return;
+    if (channels.length === 0) {
+      toast("No transmit PDO is in use: the page PDOs sets them up");
+      return;
+    }
+    live = { channels, rings: channels.map(() => new Ring()) };
+    dropped = 0;
+    await attempt(order("live", { on: true }));
+  }
+  if (!parts) return;
+  cursors = { a: null, b: null };
+  parts.pictures.replaceChildren();
+  make();
+  update();
+}
+
+/** Values of transmit PDOs have come. */
+export function values(event) {
+  if (!live) return;
+  dropped += event.dropped;
+  for (const one of event.values) {
+    const ring = live.rings[one.channel];
+    if (ring) one.at.forEach((at, place) => ring.push(at, one.values[place]));
+  }
+  if (!due && parts) {
+    due = true;
+    requestAnimationFrame(draw);
+  }
+}
+
+/** Values were missed, as this window was too slow. */
+export function missed(messages) {
+  dropped += messages;
+}
+
+function keep(name, blob) {
+  const link = element("a", { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+function csv() {
+  const all = curves();
+  const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
+  // Live channels of different PDOs come at different times: each has its own.
+  const longest = Math.max(...all.map((curve) => curve.at.length));
+  const one = !live;
+  const lines = [one ? ["time_s", ...all.map((curve) => quoted(curve.name))] : all.flatMap((curve) => ["time_s", quoted(curve.name)])];
+  for (let row = 0; row < longest; row += 1) {
+    lines.push(one ? [all[0].at[row].toFixed(9), ...all.map((curve) => curve.values[row])]
+      : all.flatMap((curve) => (row < curve.at.length ? [curve.at[row].toFixed(6), curve.values[row]] : ["", ""])));
+  }
+  keep("scope.csv", new Blob([`${lines.map((line) => line.join(",")).join("\n")}\n`], { type: "text/csv" }));
+}
+
+function png() {
+  const canvases = [...parts.pictures.querySelectorAll("canvas")];
+  if (canvases.length === 0) return;
+  const whole = document.createElement("canvas");
+  const titles = 24 * devicePixelRatio;
+  whole.width = canvases[0].width;
+  whole.height = canvases.reduce((sum, canvas) => sum + canvas.height + titles, 0);
+  const paint = whole.getContext("2d");
+  paint.fillStyle = getComputedStyle(parts.result).backgroundColor;
+  paint.fillRect(0, 0, whole.width, whole.height);
+  paint.fillStyle = parts.ink[2];
+  paint.font = `${13 * devicePixelRatio}px system-ui, sans-serif`;
+  let top = 0;
+  const names = curves().map((curve) => curve.name);
+  canvases.forEach((canvas, place) => {
+    paint.fillText(names[place], 12, top + titles * 0.75);
+    paint.drawImage(canvas, 0, top + titles);
+    top += canvas.height + titles;
+  });
+  whole.toBlob((blob) => keep("scope.png", blob));
+}
+
+function field(key, label, properties = {}) {
+  const input = element("input", { type: "text", id: `scope-${key}`, value: typed[key], ...properties });
+  input.addEventListener("input", () => { typed[key] = input.value; });
+  return element("label", {}, element("span", {}, label), input);
+}
+
+/** Shows the page. */
+export function enter(place) {
+  const chips = CHOICES.map(([object, name]) => {
+    const button = element("button", { type: "button", class: "chip", title: name, "aria-pressed": String(typed.channels.has(object)) }, `${object} ${name}`);
+    button.addEventListener("click", () => {
+      if (!typed.channels.delete(object)) {
+        if (typed.channels.size === 8) {
+          toast("The recorder has eight channels");
+          return;
+        }
+        typed.channels.add(object);
+      }
+      button.setAttribute("aria-pressed", String(typed.channels.has(object)));
+    });
+    return button;
+  });
+  const trigger = element("select", { id: "scope-trigger" }, ...TRIGGERS.map(([value, label]) => element("option", { value }, label)));
+  trigger.value = typed.trigger;
+  const own = field("own", "Trigger, as 606C>500 or 6041#10=0");
+  trigger.addEventListener("change", () => {
+    typed.trigger = trigger.value;
+    visible(own, typed.trigger === "own");
+  });
+  visible(own, typed.trigger === "own");
+  const button = (label, action, properties = {}) => element("button", { type: "button", onclick: action, ...properties }, label);
+  parts = {
+    paused: false,
+    record: button("Record", () => attempt(order("record", wish())), { class: "primary", id: "record", "data-writes": true }),
+    stop: button("Stop the recorder", () => attempt(order("stop_recorder")), { "data-writes": true }),
+    live: button("Live", () => setLive(!live), { id: "live" }),
+    span: element("select", { "aria-label": "Live span", id: "live-span" }, ...[1, 2, 5, 10, 30, 60].map((span) => element("option", { value: span }, `${span} s`))),
+    pause: button("Pause", () => {
+      parts.paused = !parts.paused;
+      show(parts.pause, parts.paused ? "Go on" : "Pause");
+    }),
+    words: element("p", { class: "quiet", id: "scope-words", role: "status" }),
+    pictures: element("div", { class: "curves", id: "curves" }),
+    cursors: element("tbody", { id: "cursors" }),
+    empty: element("p", { class: "empty" }, "Nothing was recorded yet. Choose channels, press Record, and move the drive: the recording is shown when its trigger has come. Live shows what the transmit PDOs bring."),
+  };
+  parts.span.value = "5";
+  parts.none = element("div", { class: "empty" }, element("p", {}, "No drive is open."), element("a", { class: "button primary", href: "#bus" }, "Go to the bus"));
+  parts.result = element("section", { class: "card" },
+    element("div", { class: "line" }, parts.words, button("All", () => { for (const plot of plots) plot.setData(plot.data); }), button("CSV", csv, { id: "csv" }), button("PNG", png, { id: "png" })),
+    parts.pictures,
+    element("p", { class: "quiet" }, "Drag to zoom, double click to see all. The dotted line is the trigger. A click sets cursor A, with shift cursor B."),
+    element("div", { class: "scroll low" }, element("table", { class: "log" },
+      element("thead", {}, element("tr", {}, ...["Channel", "A", "B", "B − A"].map((title) => element("th", {}, title)))), parts.cursors)));
+  parts.full = element("div", {},
+    element("section", { class: "card" },
+      element("h2", {}, "Recorder"),
+      element("div", { class: "chips", role: "group", "aria-label": "Channels" }, ...chips),
+      element("div", { class: "fields" },
+        element("label", {}, element("span", {}, "Trigger"), trigger), own,
+        field("before", "Older than the trigger, %", { inputmode: "numeric" }),
+        field("divider", "Control ticks from sample to sample", { inputmode: "numeric" }),
+        field("samples", "Samples", { inputmode: "numeric", placeholder: "all there is room for" })),
+      element("div", { class: "line" }, parts.record, parts.stop, element("span", { class: "grow" }), parts.live, parts.span, parts.pause)),
+    parts.empty, parts.result);
+  place.append(element("div", { class: "title" }, element("h1", {}, "Scope")), parts.none, parts.full);
+  parts.sized = new ResizeObserver(() => {
+    for (const plot of plots) plot.setSize({ width: Math.max(200, parts.pictures.clientWidth), height: plot.height });
+  });
+  parts.sized.observe(parts.pictures);
+  parts.scheme = matchMedia("(prefers-color-scheme: dark)");
+  parts.remake = () => { parts.pictures.replaceChildren(); make(); };
+  parts.scheme.addEventListener("change", parts.remake);
+  make();
+}
+
+/** Leaves the page. */
+export function leave() {
+  parts?.sized.disconnect();
+  parts?.scheme.removeEventListener("change", parts.remake);
+  for (const plot of plots) plot.destroy();
+  plots = [];
+  parts = null;
+  if (live) setLive(false);
+}
+
+/** Shows what is new. */
+export function update() {
+  if (!parts || !known.state) return;
+  const { drive, recorder, recordings } = known.state;
+  visible(parts.none, !drive);
+  visible(parts.full, Boolean(drive));
+  if (!known.connected) live = null;
+  if (recordings !== shown && recordings > 0) fetchRecording();
+  const may = mayWrite() && Boolean(drive);
+  mark(parts.record, "disabled", !may || Boolean(recorder));
+  mark(parts.stop, "disabled", !may || !recorder);
+  show(parts.record, recorder === "armed" ? "Armed, waits for its trigger" : recorder === "triggered" ? "Records" : "Record");
+  show(parts.live, live ? "End live" : "Live");
+  visible(parts.pause, Boolean(live));
+  visible(parts.span, Boolean(live));
+  if (live) {
+    show(parts.words, `Live: ${live.channels.length} channels of ${new Set(live.channels.map((one) => one.pdo)).size} PDOs${dropped ? `, ${dropped} frames or messages were too many to tell` : ""}`);
+  } else if (recording) {
+    const { report } = recording;
+    show(parts.words, `Recording ${recording.number} of node ${report.node}: ${report.samples} samples, one every ${+(report.period_s * 1000).toFixed(3)} ms`);
+  }
+}

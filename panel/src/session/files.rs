@@ -1,0 +1,108 @@
+//! The configuration of a node as a file: out, in, compared (DCF, CiA 306). Store and restore (1010h, 1011h).
+
+use master::Failure;
+use master::Line;
+use master::axis402::{self, Group, Problem};
+use master::data_sheet::Address;
+use od_gen::model::{Commissioning, FileKind};
+use od_gen::{Model, Report, dcf, transfer};
+
+use super::Session;
+use super::objects::shown;
+use crate::message::{Answer, Difference};
+
+impl<L: Line> Session<L> {
+    pub(super) fn save(&mut self, id: u8) -> Result<Answer, Problem> {
+        let node = self.node(id)?;
+        self.state.busy = Some(format!("node {id} saves its parameters"));
+        let (result, words) =
+            self.with_words(|master, console| axis402::save(master, &node, Group::All, console));
+        result.map(|()| Answer::Text(words.said))
+    }
+
+    pub(super) fn restore(&mut self, id: u8) -> Result<Answer, Problem> {
+        let node = self.node(id)?;
+        node.download(&mut self.master, Address::new(0x1011, 1), b"load")
+            .map_err(|failure| Problem::with_node(id, failure))?;
+        Ok(Answer::Text(format!(
+            "node {id} has the factory's parameters after its next reset"
+        )))
+    }
+
+    /// Everything that belongs to a configuration.
+    pub(super) fn dump(&mut self, id: u8) -> Result<Answer, Problem> {
+        let node = self.node(id)?;
+        let (result, _) =
+            self.with_words(|master, console| axis402::dump(master, &node, false, console));
+        let mut model = result?;
+        let name = format!("node-{id}.dcf");
+        let kbit = self.setup.bit_rate.unwrap_or_default() / 1_000;
+        let commissioning = Commissioning {
+            node_id: id,
+            bit_rate: u16::try_from(kbit).unwrap_or_default(),
+            ..Commissioning::default()
+        };
+        dcf::commission(&mut model, commissioning, &name);
+        let text = od_gen::print(&model);
+        Ok(Answer::File { name, text })
+    }
+
+    pub(super) fn load(&mut self, id: u8, name: &str, text: &str) -> Result<Answer, Problem> {
+        let node = self.node(id)?;
+        let model = configuration(name, text)?;
+        let (result, words) = self.load_model(&node, &model);
+        self.live = None;
+        match result {
+            Ok(()) => Ok(Answer::Text(words.said)),
+            // Which value, and why, says more than how many.
+            Err(Problem::Failed(why)) if !words.remarks.is_empty() => Err(Problem::Failed(
+                format!("{why}: {}", words.remarks.join("; ")),
+            )),
+            Err(problem) => Err(problem),
+        }
+    }
+
+    /// Nothing is written.
+    pub(super) fn compare(&mut self, id: u8, name: &str, text: &str) -> Result<Answer, Problem> {
+        let node = self.node(id)?;
+        let model = configuration(name, text)?;
+        let mut differences = Vec::new();
+        for (object, entry) in model.entries() {
+            let Some(wanted) = &entry.configured else {
+                continue;
+            };
+            let address = Address::new(object.index, entry.sub);
+            let wanted = transfer::bytes(wanted, entry.data_type, id);
+            let shown = |bytes: &[u8]| shown(address, bytes, Some(entry.data_type));
+            let here = match node.upload(&mut self.master, address) {
+                Ok(bytes) if bytes == wanted => continue,
+                Ok(bytes) => shown(&bytes),
+                Err(failure @ Failure::Abort { .. }) => {
+                    Problem::with_node(id, failure).line().unwrap_or_default()
+                }
+                Err(failure) => return Err(Problem::with_node(id, failure)),
+            };
+            differences.push(Difference {
+                address: address.to_string(),
+                name: node
+                    .sheet
+                    .name(address)
+                    .unwrap_or_else(|| object.name.clone()),
+                here,
+                file: shown(&wanted),
+            });
+        }
+        Ok(Answer::Differences(differences))
+    }
+}
+
+/// What a DCF configures.
+fn configuration(name: &str, text: &str) -> Result<Model, Problem> {
+    let model = Report::new(name, text).model;
+    if model.kind != FileKind::Dcf {
+        return Err(Problem::Usage(format!(
+            "{name} is no DCF: it configures nothing"
+        )));
+    }
+    Ok(model)
+}
