@@ -67,7 +67,7 @@ class SteppedDrive:
     # What a network asks of its bus.
 
     def send(self, message):
-        data = "".join(f" {byte:02X}" for byte in message.data)
+        data = " rtr" if message.is_remote_frame else "".join(f" {byte:02X}" for byte in message.data)
         self.process.stdin.write(f"{message.arbitration_id:03X} [{message.dlc}]{data}\n")
 
     def shutdown(self):
