@@ -3,5 +3,6 @@
 mod bench;
 mod capabilities;
 mod moves;
+mod objects;
 mod scenes;
 mod sequences;

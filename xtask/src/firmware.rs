@@ -9,6 +9,7 @@ use anyhow::{Context, Result, bail};
 use object::{Architecture, BinaryFormat, Object, ObjectKind, ObjectSegment};
 use serde_json::Value;
 
+use crate::product::Product;
 use crate::refusal::refuse;
 use crate::words::plain;
 use crate::{place, process};
@@ -37,6 +38,8 @@ pub enum Image {
     Whole,
     /// The smallest drive that is still a good one (`eds/compact.eds`), without logs.
     Compact,
+    /// The whole drive, or a product, as small as the compiler makes it.
+    Least,
     /// The drive on QEMU's machine.
     Qemu,
     /// The benchmarks, on QEMU's machine.
@@ -51,7 +54,7 @@ impl Image {
     /// The name of the binary in `firmware/app`.
     fn binary(self) -> &'static str {
         match self {
-            Self::Board | Self::Whole | Self::Compact | Self::Qemu => "app",
+            Self::Board | Self::Whole | Self::Compact | Self::Least | Self::Qemu => "app",
             Self::Bench => "bench",
             Self::BasicDevice => "basic-device",
             Self::NoPanic => "no-panic",
@@ -61,7 +64,7 @@ impl Image {
     /// The profile of Cargo.toml.
     fn profile(self) -> &'static str {
         match self {
-            Self::Compact => COMPACT,
+            Self::Compact | Self::Least => COMPACT,
             _ => PROFILE,
         }
     }
@@ -71,7 +74,7 @@ impl Image {
         match self {
             Self::Board | Self::BasicDevice => &[],
             Self::NoPanic | Self::Whole => &["--no-default-features", "--features", WHOLE],
-            Self::Compact => &["--no-default-features", "--features", "stm32f405"],
+            Self::Compact | Self::Least => &["--no-default-features", "--features", "stm32f405"],
             Self::Qemu | Self::Bench => &["--no-default-features", "--features", EMULATED],
         }
     }
@@ -107,6 +110,7 @@ impl Image {
             Self::Board => "axis402-stm32f405.elf",
             Self::Whole => "axis402-without-logs.elf",
             Self::Compact => "axis402-compact.elf",
+            Self::Least => "axis402-least.elf",
             Self::Qemu => "axis402-qemu.elf",
             Self::Bench => "bench.elf",
             Self::BasicDevice => "basic-device.elf",
@@ -129,11 +133,25 @@ impl Image {
 
     /// Builds the image (cargo's words go to the standard error) and gives its ELF file.
     pub fn build(self) -> Result<PathBuf> {
+        self.build_as(None)
+    }
+
+    /// The same with the data sheet of a product.
+    pub fn build_as(self, product: Option<&Product>) -> Result<PathBuf> {
         let mut command = self.build_command()?;
+        if let Some(product) = product {
+            product.choose(&mut command);
+        }
         if !process::run(&mut command)?.success() {
             bail!("the firmware does not build: `{}`", process::line(&command));
         }
-        self.keep()
+        let kept = self.keep()?;
+        let Some(product) = product else {
+            return Ok(kept);
+        };
+        let own = kept.with_extension(format!("{}.elf", product.name()));
+        fs::rename(&kept, &own).with_context(|| format!("renaming {}", kept.display()))?;
+        Ok(own)
     }
 }
 

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `test`  | installs what is missing and runs every test, the firmware in the emulator included |
 //! | `board-test` | runs the image of the board on a model of its chip; a part of `test` |
+//! | `board` | builds the image of the board, flashes it and shows its logs, also as `cargo board` |
 //! | `qemu`  | builds the firmware and runs it in QEMU, its CAN bus served as SLCAN on TCP |
 //! | `book`  | makes docs/ into one site with the references of dictionary and crates, and looks up its links |
 //! | `size`  | flash and RAM of the firmware by crate, its stack, the length of the sources |
@@ -24,6 +25,7 @@ mod firmware;
 mod fuzz;
 mod place;
 mod process;
+mod product;
 mod qemu;
 mod refusal;
 mod setup;
@@ -54,12 +56,14 @@ enum Task {
     Test(suite::Arguments),
     /// Build the image of the board and run it on a model of its chip; a part of the test run
     BoardTest,
+    /// Build the image of the board, flash it over a debug probe and show its logs until stopped
+    Board(product::Board),
     /// Build the firmware and run it in QEMU until stopped; `ready` is printed once it can be reached
     Qemu(qemu::Arguments),
     /// Make docs/ into one site, with the references of the dictionary and the crates, and look up its links
     Book(book::Arguments),
     /// Print flash and RAM of the firmware by crate, its stack and the length of the sources
-    Size,
+    Size(size::Arguments),
     /// Count instructions in the emulator, measure pulses, and compare them with docs/benchmarks.md
     Bench(bench::Arguments),
     /// Fuzz the node, the SDO server, the LSS slave and the reader of data sheets; what is found is kept in the build folder
@@ -87,9 +91,10 @@ fn main() -> ExitCode {
     let result = match arguments.task {
         Task::Test(arguments) => suite::run(&arguments),
         Task::BoardTest => suite::run(&suite::Arguments::board()),
+        Task::Board(arguments) => product::board(&arguments),
         Task::Qemu(arguments) => qemu::run(&arguments),
         Task::Book(arguments) => book::run(&arguments),
-        Task::Size => size::run(),
+        Task::Size(arguments) => size::run(&arguments),
         Task::Bench(arguments) => bench::run(&arguments),
         Task::Fuzz(arguments) => fuzz::run(&arguments),
         Task::Soak(arguments) => soak::run(&arguments),

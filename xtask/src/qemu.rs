@@ -12,6 +12,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::emulator::Emulator;
 use crate::firmware::{self, Image};
+use crate::product::Product;
 use crate::refusal::refuse;
 use crate::setup;
 use crate::words::{plain, say};
@@ -36,6 +37,10 @@ pub struct Arguments {
     /// Run this ELF file instead of building the firmware
     #[arg(long, value_name = "ELF")]
     image: Option<PathBuf>,
+
+    /// Be the drive of another maker: a folder of products/
+    #[arg(long, value_name = "NAME", conflicts_with = "image")]
+    product: Option<Product>,
 
     /// Input N (1 to 6) is high while the motor is from step FROM to step TO, counted from power-on, both included; without one of them, as far
     /// as it goes. May be given up to 16 times, several times for an input too
@@ -67,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         Some(image) => image,
         None => {
             setup::rust_target()?;
-            Image::Qemu.build()?
+            Image::Qemu.build_as(arguments.product.as_ref())?
         }
     };
     // Removed at the end, the emulator's end included: it is declared first, so it is dropped last.

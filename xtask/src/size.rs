@@ -15,7 +15,7 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind, Sym
 
 use crate::firmware::Image;
 use crate::words::say;
-use crate::{budget, setup};
+use crate::{budget, product, setup};
 
 /// The row of what belongs to no crate by name.
 const UNNAMED: &str = "(constants without a name, padding)";
@@ -58,8 +58,16 @@ impl Sizes {
     }
 }
 
+/// What is measured.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The image of each product too, for least size, beside that of the generic drive
+    #[arg(long)]
+    products: bool,
+}
+
 /// Runs the command.
-pub fn run() -> Result<ExitCode> {
+pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let sizes = of(Image::Whole)?;
     say!("{:<36} {:>8} {:>8}", "crate", "flash", "RAM")?;
     for (name, size) in &sizes.crates {
@@ -69,6 +77,9 @@ pub fn run() -> Result<ExitCode> {
     say!("{:<36} {flash:>8} {ram:>8}", "total")?;
     for (name, figure) in budget::figures(&sizes)? {
         say!("{name:<36} {figure:>8}")?;
+    }
+    if arguments.products {
+        product::sizes()?;
     }
     Ok(ExitCode::SUCCESS)
 }

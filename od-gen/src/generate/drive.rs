@@ -47,9 +47,9 @@ pub(super) fn write(layout: &Layout<'_>, bound: &Bindings) -> String {
     if all.iter().any(elsewhere) || !foreign.is_empty() {
         methods.push(parameter(&all, &foreign));
     }
+    methods.extend(converted(&all, bound));
     let bound = &bound.rows;
     if !bound.is_empty() {
-        methods.extend(converted(&all));
         methods.extend(carry_over(&all));
         methods.extend(agree(&all));
     }
@@ -225,11 +225,17 @@ fn parameter(all: &[(&Description, Vec<Site<'_>>)], foreign: &[(u16, u8)]) -> St
 }
 
 /// What a number that is written means to the drive.
-fn converted(all: &[(&Description, Vec<Site<'_>>)]) -> Option<String> {
+fn converted(all: &[(&Description, Vec<Site<'_>>)], bound: &Bindings) -> Option<String> {
     let mut arms = String::new();
     for (parameter, sites) in all {
         let home = sites.first();
         for site in sites {
+            if let Some(unset) = bound.unset(parameter).filter(|_| site.binding.is_none()) {
+                arms += &format!(
+                    "            {} if number == 0 => Ok({unset}),\n",
+                    key(site.row)
+                );
+            }
             let Some(module) = site.module().filter(|_| site.is_taken) else {
                 continue;
             };
