@@ -1,8 +1,10 @@
 //! The drives of other makers: their motors move, the worked sequences of their manuals play, and each capability has what shows it.
 
+mod behaviour;
 mod bench;
 mod capabilities;
 mod moves;
 mod objects;
+mod promises;
 mod scenes;
 mod sequences;

@@ -212,7 +212,7 @@ const UNREADABLE: &[(&str, u16, &str)] =
     &[("tc1", 0x1021, "the drive does not keep its data sheet")];
 
 fn is_listed(list: &[(&str, u16, &str)], product: &str, index: u16) -> bool {
-    let is_own = |own: &(&str, u16, &str)| (own.0 == "" || own.0 == product) && own.1 == index;
+    let is_own = |own: &(&str, u16, &str)| (own.0.is_empty() || own.0 == product) && own.1 == index;
     list.iter().any(is_own)
 }
 
@@ -279,7 +279,8 @@ fn look(product: &str) -> Vec<String> {
             continue;
         }
         // Another length.
-        if row.size > 1 {
+        // A Nanotec takes one as its own size.
+        if row.size > 1 && product != "nanotec" {
             let answer = download(&mut bench, (row.index, row.sub), row.size - 1, value);
             if !TYPE_LENGTH.contains(&answer) {
                 say(format!("{answer:08X} for a number that is too short"));
@@ -348,7 +349,7 @@ fn map(product: &str) -> Vec<String> {
                 false => answer == NOT_MAPPABLE || row.index < 0x1000 && answer == NO_OBJECT,
             };
             // The generic drive maps what can be mapped both ways; a manual that tells one of them has the other by silence.
-            if !is_right && !(answer == OK && row.mappable != "no") {
+            if !(is_right || answer == OK && row.mappable != "no") {
                 wrong.push(format!(
                     "{}: {answer:08X} in {index:04X}h, told {}",
                     row.name(),

@@ -20,11 +20,6 @@ pub const NOT_YET: &[(&str, &str, &str)] = &[
     ),
     ("s200", "S08-stored-task-sdo", "no motion tasks yet"),
     ("s200", "S10-stored-task-repeat", "no motion tasks yet"),
-    (
-        "s200",
-        "S14-emcy",
-        "faults have the codes of the generic drive",
-    ),
 ];
 
 /// Lines in which a manual is wrong or shows any values: product, sequence, step, what is played, why.
@@ -56,6 +51,20 @@ pub const PUT_RIGHT: &[(&str, &str, u64, &str, &str)] = &[
         13,
         "30 81 ?? ?? ?? ?? ?? ??",
         "the manual has a byte before the 81h of the code 8130h",
+    ),
+    (
+        "s200",
+        "S14-emcy",
+        1,
+        "10 43 09 01 00 00 00 00",
+        "seven bytes are printed, without the generic bit that each error sets and the category 1 of this one",
+    ),
+    (
+        "s200",
+        "S14-emcy",
+        2,
+        "00 00 09 00 00 00 00 00",
+        "seven bytes are printed, without the generic bit",
     ),
     (
         "s200",
@@ -223,6 +232,10 @@ pub fn before(product: &str, sequence: &str, step: u64, bench: &mut Bench) {
         ("tc1", "heartbeat", 3) => bench.send(&Frame::data_frame(0, &[1, 1])),
         ("tc1", "heartbeat", 4) => bench.send(&Frame::data_frame(0, &[2, 1])),
         ("tc1", "tpdo-sync" | "rpdo-sync", 3) => nmt(bench, 1, 1),
+        ("s200", "S14-emcy", 1) => {
+            bench.drive.plant_mut().fault = Some(0x4310);
+            bench.run(5);
+        }
         // Nothing is heard of node 5; then a SYNC has no counter. Node 5 is back; a SYNC is as it should be.
         ("tc1", "emcy-life", 1) => bench.run(300),
         ("tc1", "emcy-life", 2) => bench.send(&Frame::data_frame(0x080, &[])),

@@ -197,7 +197,7 @@ impl<D: Dictionary> Node<D> {
             self.services.emergency.drop_messages();
             self.services.emergencies_changed();
             self.enter(NmtState::PreOperational, now);
-            self.services.emergency.tell_all(now);
+            self.services.emergency.tell_all::<D>(now);
             self.services.emergencies_changed();
             self.services.agenda.wake();
             if startup::starts_itself(&self.dictionary) {
@@ -360,6 +360,12 @@ impl<D: Dictionary> Node<D> {
     pub fn report(&mut self, emergency: Emergency, now: Instant) {
         let error = emergency.message();
         self.services.report(&mut self.dictionary, error, now);
+    }
+
+    /// Whether an error with this code of the firmware stands.
+    pub fn has_error(&self, code: u16) -> bool {
+        let mut standing = self.services.emergency.standing();
+        standing.any(|word| word as u16 == code)
     }
 
     /// An error is gone: its register bits fall and "error reset" is sent.

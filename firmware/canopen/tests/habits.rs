@@ -1,9 +1,10 @@
 //! What a device does in the way of its maker, and the same device as the standards say.
 
 use crate::device::Objects;
+use canopen::cia301::emergency::Emergency;
 use canopen::cia301::nmt::Reset;
 use canopen::cia301::sdo::AbortCode;
-use canopen::od::{Dictionary, Habits, Table};
+use canopen::od::{Dictionary, Habits, Table, Told};
 use canopen::{Event, Frame, Instant, Node, NodeId, Settings};
 
 /// The small dictionary in a device of a maker who has other habits, or none.
@@ -23,6 +24,28 @@ impl<const HAS_HABITS: bool> Dictionary for Device<HAS_HABITS> {
             wrong_history_count: AbortCode::ValueTooHigh,
             missing_mapped_object: Some(AbortCode::NotMappable),
             mapping_too_long: AbortCode::NotMappable,
+            errors: &[
+                Told {
+                    cause: 0x3210,
+                    code: 0x3110,
+                    register: 0x04,
+                    info: [1, 0, 0, 0, 0],
+                    history: 0,
+                    number_byte: None,
+                },
+                Told {
+                    cause: 0x8210,
+                    code: 0x8210,
+                    register: 0x10,
+                    info: [0; 5],
+                    history: 0,
+                    number_byte: Some(5),
+                },
+            ],
+            acyclic_is_each_sync: true,
+            short_sizes: true,
+            mapped_length_of_0: true,
+            tells_of_the_rest: true,
         }
     } else {
         Habits::STANDARD
@@ -156,4 +179,131 @@ fn a_node_id_of_lss_is_in_force_at_once_or_with_the_next_reset() {
     }
     assert!(!resets::<false>());
     assert!(resets::<true>());
+}
+
+/// The frames of emergencies that the device has.
+fn emergencies<const HAS_HABITS: bool>(node: &mut Node<Device<HAS_HABITS>>) -> Vec<[u8; 8]> {
+    node.poll(NOW, &mut ());
+    let frames = std::iter::from_fn(|| node.transmit(&mut ()));
+    let own = frames.filter(|frame| frame.standard_id() == Some(0x084));
+    own.map(|frame| *frame.full_payload().unwrap()).collect()
+}
+
+#[test]
+fn an_error_is_told_in_the_way_of_the_maker_and_another_as_it_is() {
+    fn told<const HAS_HABITS: bool>(code: u16) -> (Vec<[u8; 8]>, u32) {
+        let mut node = node::<HAS_HABITS>();
+        let error = Emergency {
+            code,
+            register: 0x04,
+            info: [7, 8, 0, 0, 0],
+        };
+        node.report(error, NOW);
+        assert!(node.has_error(code), "the firmware keeps its own code");
+        let frames = emergencies(&mut node);
+        let entry = answer(&mut node, &[0x40, 0x03, 0x10, 1, 0, 0, 0, 0]).unwrap();
+        node.clear(code, NOW);
+        assert_eq!(emergencies(&mut node), [[0; 8]]);
+        (frames, u32::from_le_bytes(entry[4..].try_into().unwrap()))
+    }
+    let standard = [0x10, 0x32, 0x05, 7, 8, 0, 0, 0];
+    assert_eq!(told::<false>(0x3210), (vec![standard], 0x0807_3210));
+    let rest = [0, 0, 0x05, 0, 0, 0, 0, 0];
+    let own = [0x10, 0x31, 0x05, 1, 0, 0, 0, 0];
+    assert_eq!(told::<true>(0x3210), (vec![own, rest], 0x3110));
+    let unlisted = [0x20, 0x32, 0x05, 7, 8, 0, 0, 0];
+    assert_eq!(told::<true>(0x3220), (vec![unlisted, rest], 0x0807_3220));
+}
+
+#[test]
+fn the_number_of_a_pdo_stands_in_the_byte_of_the_maker() {
+    fn first<const HAS_HABITS: bool>() -> [u8; 8] {
+        let mut node = node::<HAS_HABITS>();
+        let error = |number| Emergency {
+            code: 0x8210,
+            register: 0x10,
+            info: [number, 0, 0, 0, 0],
+        };
+        node.report(error(3), NOW);
+        node.report(error(4), NOW);
+        let told = emergencies(&mut node);
+        assert_eq!(
+            told.iter()
+                .filter(|frame| frame[..2] == [0x10, 0x82])
+                .count(),
+            2
+        );
+        told[0]
+    }
+    assert_eq!(first::<false>(), [0x10, 0x82, 0x11, 3, 0, 0, 0, 0]);
+    assert_eq!(first::<true>(), [0x10, 0x82, 0x11, 0, 0, 3, 0, 0]);
+}
+
+#[test]
+fn a_number_may_be_told_shorter_than_it_is() {
+    // 2005h has four bytes, and the request says one.
+    fn taken<const HAS_HABITS: bool>() -> u32 {
+        let mut node = node::<HAS_HABITS>();
+        let request = [0x2F, 0x05, 0x20, 0, 0x78, 0x56, 0x34, 0x12];
+        let answer = answer(&mut node, &request).unwrap();
+        assert_eq!(answer[0] == 0x60, HAS_HABITS, "{answer:02X?}");
+        let read = self::answer(&mut node, &[0x40, 0x05, 0x20, 0, 0, 0, 0, 0]).unwrap();
+        u32::from_le_bytes(read[4..].try_into().unwrap())
+    }
+    assert_ne!(taken::<false>(), 0x1234_5678);
+    assert_eq!(taken::<true>(), 0x1234_5678);
+    // More than the object has is more in any case.
+    assert_eq!(
+        refusals((0x1017, 0), &[1, 2, 3, 4]),
+        (0x0607_0012, 0x0607_0012)
+    );
+}
+
+/// What TPDO 1 sends with a mapping of the entry 2005h without its length; `None` if that is refused.
+#[test]
+fn a_mapped_object_without_a_length_has_its_own() {
+    fn sent<const HAS_HABITS: bool>() -> Option<u8> {
+        let mut node = node::<HAS_HABITS>();
+        refusal(&mut node, (0x1800, 1), &0xC000_0184_u32.to_le_bytes());
+        refusal(&mut node, (0x1A00, 0), &[0]);
+        if refusal(&mut node, (0x1A00, 1), &0x2005_0000_u32.to_le_bytes()) != 0 {
+            return None;
+        }
+        assert_eq!(refusal(&mut node, (0x1A00, 0), &[1]), 0);
+        assert_eq!(
+            refusal(&mut node, (0x1800, 1), &0x4000_0184_u32.to_le_bytes()),
+            0
+        );
+        node.receive(&Frame::data_frame(0, &[1, 4]), NOW, &mut ());
+        node.poll(NOW, &mut ());
+        Some(node.transmit(&mut ()).unwrap().length())
+    }
+    assert_eq!(sent::<false>(), None);
+    assert_eq!(sent::<true>(), Some(4));
+}
+
+#[test]
+fn type_0_is_sent_at_each_sync_or_behind_an_event() {
+    fn sent<const HAS_HABITS: bool>() -> usize {
+        let mut node = node::<HAS_HABITS>();
+        refusal(&mut node, (0x1800, 1), &0xC000_0184_u32.to_le_bytes());
+        assert_eq!(refusal(&mut node, (0x1800, 2), &[0]), 0);
+        assert_eq!(
+            refusal(&mut node, (0x1800, 1), &0x4000_0184_u32.to_le_bytes()),
+            0
+        );
+        node.receive(&Frame::data_frame(0, &[1, 4]), NOW, &mut ());
+        let mut count = 0;
+        for _ in 0..3 {
+            node.receive(&Frame::data_frame(0x080, &[]), NOW, &mut ());
+            node.poll(NOW, &mut ());
+            let frames = std::iter::from_fn(|| node.transmit(&mut ()));
+            count += frames
+                .filter(|frame| frame.standard_id() == Some(0x184))
+                .count();
+        }
+        count
+    }
+    // The start is an event.
+    assert_eq!((sent::<false>(), sent::<true>()), (1, 3));
 }

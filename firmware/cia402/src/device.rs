@@ -32,7 +32,7 @@ use crate::configuration::Configuration;
 use crate::cyclic::SyncStatus;
 use crate::exchange::{Actuals, Exchange, Share};
 use crate::faults::{FaultNotice, emergency};
-use crate::objects::Objects;
+use crate::objects::{Facts, Objects};
 use crate::option_codes::AbortConnectionOption;
 
 use hooks::{Hooks, Network};
@@ -269,7 +269,11 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
                 exchange.scope(),
             )
         });
-        show(self.node.dictionary_mut(), &actuals);
+        let facts = self.facts(&actuals);
+        let dictionary = self.node.dictionary_mut();
+        show(dictionary, &actuals);
+        dictionary.set_error_code(D::HABITS.code(actuals.error_code));
+        dictionary.show_facts(&facts);
         if has_news {
             let (latched, readings) = exchange.lock(Exchange::take_news);
             periphery::show(self.node.dictionary_mut(), &latched, &readings);
@@ -278,6 +282,24 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             self.hooks.desk.show(self.node.dictionary_mut(), scope);
         }
         actuals
+    }
+
+    /// What words of the maker are made of.
+    #[inline]
+    fn facts(&self, actuals: &Actuals) -> Facts {
+        let errors = D::TOLD_ERRORS.iter().rev();
+        let errors = errors.fold(0, |all, code| {
+            all << 1 | u32::from(self.node.has_error(*code))
+        });
+        Facts {
+            statusword: actuals.statusword,
+            inputs: actuals.digital_inputs,
+            has_power: actuals.has_power(),
+            is_referenced: actuals.referenced,
+            is_moving: actuals.is_moving,
+            mode: actuals.mode_display,
+            errors,
+        }
     }
 
     fn report_faults<X: Share>(&mut self, now: Instant, exchange: &mut X) {
@@ -409,7 +431,6 @@ impl<D: Dictionary + Objects, A: Application<D>> Sender for Device<D, A> {
 
 /// Writes the actual values to the objects that show them.
 fn show<D: Objects>(dictionary: &mut D, actuals: &Actuals) {
-    dictionary.set_error_code(actuals.error_code);
     dictionary.set_statusword(actuals.statusword);
     dictionary.set_modes_of_operation_display(actuals.mode_display);
     dictionary.set_position_demand_value(actuals.position_demand);

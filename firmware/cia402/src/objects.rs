@@ -50,6 +50,14 @@ macro_rules! objects {
                 let _ = entry;
             }
 
+            /// Errors of the drive that words of the maker tell of, at most 32.
+            const TOLD_ERRORS: &'static [u16] = &[];
+
+            /// The words of the maker show what holds now.
+            fn show_facts(&mut self, facts: &Facts) {
+                let _ = facts;
+            }
+
             /// Values were loaded: objects that stand for the same parameter follow the one the drive reads.
             fn agree(&mut self) {}
         }
@@ -78,6 +86,25 @@ macro_rules! object {
 }
 
 every_parameter!(objects);
+
+/// What words of a maker are made of, one bit or more each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Facts {
+    /// 6041h.
+    pub statusword: u16,
+    /// 60FDh.
+    pub inputs: u32,
+    /// The motor has power.
+    pub has_power: bool,
+    /// The position is referenced.
+    pub is_referenced: bool,
+    /// The motor moves.
+    pub is_moving: bool,
+    /// The mode of operation at work.
+    pub mode: i8,
+    /// Which of [`Objects::TOLD_ERRORS`] stand, a bit for each.
+    pub errors: u32,
+}
 
 /// The objects of a drive that has everything, for those who have no data sheet.
 #[derive(Clone, Copy, Debug, Default)]

@@ -8,6 +8,7 @@ use toml::{Spanned, Value};
 
 use super::file::{File, Row, place};
 use super::place::{entry, indices, name};
+use super::words;
 use super::{Binding, Bindings, HABITS, Habit, Meaning, home};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
@@ -58,6 +59,8 @@ pub(super) fn check(
         constants: numbers(&file.constants, source, &bindings, findings),
         unset: numbers(&file.unset, source, &[], findings),
         habits: habits(file, source, findings),
+        words: words::words(&file.word, source, model, findings),
+        errors: words::errors(&file.error, source, findings),
         rows: bindings,
         foreign,
     };
@@ -473,6 +476,8 @@ fn unbound(file: &File, source: &Source, model: &Model, findings: &mut Findings)
         .filter_map(|row| entry(row.get_ref().object.get_ref()))
         .map(|(index, _)| index..=index)
         .collect();
+    let words = file.word.iter().map(|row| row.get_ref().object.get_ref());
+    known.extend(words.filter_map(|object| entry(object).map(|(index, _)| index..=index)));
     let bound = known.clone();
     known.extend(ranges(&file.storage.objects, source, findings));
     let is_in = |ranges: &[RangeInclusive<u16>], object: &Object| {

@@ -33,6 +33,35 @@ pub(super) struct File {
     /// The table `[habits]`.
     #[serde(default)]
     pub(super) habits: BTreeMap<Spanned<String>, Spanned<Value>>,
+    /// The tables `[[word]]`.
+    #[serde(default)]
+    pub(super) word: Vec<Spanned<WordRow>>,
+    /// The tables `[[error]]`.
+    #[serde(default)]
+    pub(super) error: Vec<Spanned<ErrorRow>>,
+}
+
+/// One table `[[word]]`: an object, and what its bits tell.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WordRow {
+    pub(super) object: Spanned<String>,
+    pub(super) facts: BTreeMap<String, String>,
+}
+
+/// One table `[[error]]`: how a maker tells of an error of the drive.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ErrorRow {
+    pub(super) cause: u16,
+    pub(super) code: u16,
+    #[serde(default)]
+    pub(super) register: u8,
+    #[serde(default)]
+    pub(super) info: Vec<u8>,
+    #[serde(default)]
+    pub(super) history: u16,
+    pub(super) number_byte: Option<u8>,
 }
 
 /// One table `[[binding]]`.

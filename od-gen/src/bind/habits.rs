@@ -48,12 +48,16 @@ const fn known(owner: Owner, name: &'static str, kind: Kind) -> Known {
 }
 
 /// Every habit.
-pub static KNOWN: [Known; 13] = [
+pub static KNOWN: [Known; 22] = [
     known(Owner::Node, "node_id", Kind::NodeId),
     known(Owner::Node, "bit_rate", Kind::BitRate),
     known(Owner::Node, "node_id_at_once", Kind::Flag),
     known(Owner::Node, "short_sdo_requests", Kind::Flag),
     known(Owner::Node, "maps_while_valid", Kind::Flag),
+    known(Owner::Node, "tells_of_the_rest", Kind::Flag),
+    known(Owner::Node, "acyclic_is_each_sync", Kind::Flag),
+    known(Owner::Node, "short_sizes", Kind::Flag),
+    known(Owner::Node, "mapped_length_of_0", Kind::Flag),
     known(Owner::Node, "no_remote_requests", Kind::Flag),
     known(Owner::Node, "wrong_signature", Kind::AbortCode),
     known(Owner::Node, "wrong_history_count", Kind::AbortCode),
@@ -61,6 +65,11 @@ pub static KNOWN: [Known; 13] = [
     known(Owner::Node, "mapping_too_long", Kind::AbortCode),
     known(Owner::Drive, "voltage_needs_power", Kind::Flag),
     known(Owner::Drive, "quick_stop_bit_while_disabled", Kind::Flag),
+    known(Owner::Drive, "is_always_remote", Kind::Flag),
+    known(Owner::Drive, "third_set_point_replaces", Kind::Flag),
+    known(Owner::Drive, "velocity_without_ramp_bits", Kind::Flag),
+    known(Owner::Drive, "following_error_is_told", Kind::Flag),
+    known(Owner::Drive, "supply_gates_ready", Kind::Flag),
     known(Owner::Features, "block_transfer", Kind::Flag),
 ];
 

@@ -32,6 +32,16 @@
 //! [habits]                        # what the device does in the way of its maker
 //! node_id = 65
 //! wrong_signature = 0x08000022
+//!
+//! [[word]]                        # an object whose bits are facts of the drive
+//! object = "1002h"
+//! facts = { 0 = "statusword", 16 = "input 3", 17 = "power", 18 = "error 8611h" }
+//!
+//! [[error]]                       # how masters are told of an error that the drive has another code for
+//! cause = 0x3210
+//! code = 0x3110
+//! register = 0x04                 # its bits of 1001h
+//! info = [1]                      # bytes 3 to 7 of the message
 //! ```
 //!
 //! A finding is silenced by a comment `# od-gen: allow RULE because REASON`: in a table or right above it for that table, above
@@ -41,6 +51,7 @@ mod check;
 mod file;
 mod habits;
 mod place;
+mod words;
 
 use std::io;
 use std::ops::RangeInclusive;
@@ -52,6 +63,7 @@ use cia402_parameters::{Description, PROFILE};
 pub(crate) use file::comments;
 pub use habits::{Habit, KNOWN as HABITS, Known, Owner};
 pub(crate) use place::{entry, indices};
+pub use words::{Fact, Told, Word};
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
 use crate::files;
@@ -89,6 +101,10 @@ pub struct Bindings {
     pub unset: Vec<(&'static Description, i64)>,
     /// What the device does in the way of its maker.
     pub habits: Vec<Habit>,
+    /// Objects whose bits are facts of the drive.
+    pub words: Vec<Word>,
+    /// How the maker tells of errors.
+    pub errors: Vec<Told>,
 }
 
 impl Bindings {
@@ -123,6 +139,8 @@ static NONE: Bindings = Bindings {
     constants: Vec::new(),
     unset: Vec::new(),
     habits: Vec::new(),
+    words: Vec::new(),
+    errors: Vec::new(),
 };
 
 /// How the numbers of an object and of its parameter relate.

@@ -11,7 +11,7 @@ use super::documentation::title;
 use super::layout::{Layout, Place, Row};
 use super::sites::{Site, sites};
 use super::{ABORT_CODE, bindings, habits};
-use crate::bind::Bindings;
+use crate::bind::{Bindings, Fact, Word};
 
 /// Converts between the numbers of the dictionary, which have different types.
 const NUMBER: &str = "::cia402::binding::Number";
@@ -48,6 +48,7 @@ pub(super) fn write(layout: &Layout<'_>, bound: &Bindings) -> String {
         methods.push(parameter(&all, &foreign));
     }
     methods.extend(converted(&all, bound));
+    methods.extend(words(layout, &bound.words));
     let bound = &bound.rows;
     if !bound.is_empty() {
         methods.extend(carry_over(&all));
@@ -340,6 +341,66 @@ fn present(parameter: &Description) -> String {
         "        let number = {NUMBER}::number(::cia402::Objects::{}(self));\n",
         parameter.name
     )
+}
+
+/// The words that are made of facts.
+fn words(layout: &Layout<'_>, words: &[Word]) -> Option<String> {
+    let mut errors: Vec<u16> = Vec::new();
+    let mut body = String::new();
+    for word in words {
+        let Some(row) = layout.row(word.index, word.sub) else {
+            continue;
+        };
+        if !matches!(row.place, Place::Ram(_)) {
+            continue;
+        }
+        let data_type = row.entry.data_type;
+        let own_type = value_type(data_type);
+        let mut parts = Vec::new();
+        for (bit, fact) in &word.facts {
+            let number = match fact {
+                Fact::Statusword => "u32::from(facts.statusword)".to_owned(),
+                Fact::StatusBit(bit) => format!("u32::from(facts.statusword >> {bit} & 1)"),
+                Fact::Input(bit) => format!("(facts.inputs >> {bit} & 1)"),
+                Fact::Power => "u32::from(facts.has_power)".to_owned(),
+                Fact::Referenced => "u32::from(facts.is_referenced)".to_owned(),
+                Fact::Moving => "u32::from(facts.is_moving)".to_owned(),
+                Fact::Standstill => "u32::from(!facts.is_moving)".to_owned(),
+                Fact::Mode(mode) => {
+                    format!("u32::from(facts.is_moving && facts.mode == {mode})")
+                }
+                Fact::Error(code) => {
+                    let place = errors.iter().position(|other| other == code);
+                    let place = place.unwrap_or_else(|| {
+                        errors.push(*code);
+                        errors.len() - 1
+                    });
+                    format!("(facts.errors >> {place} & 1)")
+                }
+                Fact::Always => "1".to_owned(),
+            };
+            parts.push(format!("{number} << {bit}"));
+        }
+        body += &format!(
+            "        // {}.\n        let word: u32 = {};\n        Self::set_{}(self, word as {own_type});\n",
+            title(row),
+            if parts.is_empty() {
+                "0".to_owned()
+            } else {
+                parts.join("\n            | ")
+            },
+            row.name
+        );
+    }
+    let codes: Vec<String> = errors.iter().map(|code| format!("0x{code:04X}")).collect();
+    (!body.is_empty()).then(|| {
+        format!(
+            "    const TOLD_ERRORS: &'static [u16] = &[{}];\n\n    \
+             #[allow(clippy::unnecessary_cast, clippy::identity_op, reason = \"one text for all words\")]\n    \
+             fn show_facts(&mut self, facts: &::cia402::Facts) {{\n{body}    }}\n",
+            codes.join(", ")
+        )
+    })
 }
 
 fn deeper(body: &str) -> String {

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
-use crate::bind::{Habit, Owner};
+use crate::bind::{Bindings, Habit, Owner, Told};
 
 /// The constant of the node; empty where all is as the standards say.
-pub(super) fn of_node(habits: &[Habit]) -> String {
+pub(super) fn of_node(bound: &Bindings) -> String {
+    let habits = &bound.habits;
     let (mut node_id, mut bit_rate) = (None, None);
     let mut fields = String::new();
     for habit in habits
@@ -17,6 +18,10 @@ pub(super) fn of_node(habits: &[Habit]) -> String {
             "bit_rate" => bit_rate = Some(&habit.value),
             _ => field(&mut fields, habit),
         }
+    }
+    if !bound.errors.is_empty() {
+        let rows: String = bound.errors.iter().map(told).collect();
+        fields += &format!("        errors: &[\n{rows}        ],\n");
     }
     if node_id.is_some() || bit_rate.is_some() {
         let node_id = node_id.map_or_else(
@@ -38,6 +43,27 @@ pub(super) fn of_node(habits: &[Habit]) -> String {
         );
     }
     constant("HABITS", "::canopen::od::Habits", &fields)
+}
+
+fn told(told: &Told) -> String {
+    let Told {
+        cause,
+        code,
+        register,
+        info,
+        history,
+        number_byte,
+    } = told;
+    format!(
+        "            ::canopen::od::Told {{
+                cause: 0x{cause:04X},
+                code: 0x{code:04X},
+                register: 0x{register:02X},
+                info: {info:?},
+                history: 0x{history:04X},
+                number_byte: {number_byte:?},
+            }},\n"
+    )
 }
 
 /// The constant of the drive.

@@ -96,7 +96,7 @@ fn dictionary(model: &Model, options: Options<'_>) -> String {
     let mut features = habits.filter(|habit| habit.known.owner == Owner::Features);
     let has_blocks = features.all(|habit| habit.value == "true");
     let (lss, block_transfer) = (device.lss, !options.no_block_transfer && has_blocks);
-    let habits = habits::of_node(&options.bindings.habits);
+    let habits = habits::of_node(options.bindings);
     let dummies = model.dummies.iter().fold(0_u32, |dummies, index| {
         dummies | 1_u32.checked_shl((*index).into()).unwrap_or(0)
     });

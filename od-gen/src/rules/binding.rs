@@ -88,8 +88,9 @@ pub(crate) static STORAGE: Rule = Rule::error(
 
 pub(crate) static HABIT: Rule = Rule::error(
     "binding-habit",
-    "The table [habits] names habits of the firmware, with values that they can have.",
-    "What a device does in the way of its maker: node_id = 65, wrong_signature = 0x08000022, maps_while_valid = true. When this is \
+    "The tables [habits], [[word]] and [[error]] name what the firmware knows, with values that it can have.",
+    "What a device does in the way of its maker: node_id = 65, wrong_signature = 0x08000022, maps_while_valid = true; of what facts a word is made, \
+     `statusword`, `statusword 3`, `input 4`, `power`, `referenced`, `moving`, `standstill`, `mode 6`, `error 8611h`, `always`; and how it tells of an error. When this is \
      silenced, the habit does not count.",
 )
 .of(Class::Firmware);

@@ -11,7 +11,7 @@ use crate::cia301::nmt::{Command, NmtState, Reset};
 use crate::cia301::pdo::Received;
 use crate::cia301::sync::Beat;
 use crate::cia305::Identity;
-use crate::od::Dictionary;
+use crate::od::{self, Dictionary};
 use crate::time::Instant;
 use crate::wire::{Frame, cob_id};
 
@@ -36,6 +36,7 @@ impl<D: Dictionary> Node<D> {
         } else if let Some(server) = self.sdo.find(cob_id) {
             // Most frames of a long transfer are segments, and those have a way of their own.
             if let Some(request) = sdo_request::<D>(frame)
+                && let request = &with_size::<D>(*request)
                 && !(self.sdo.is_in_segments(server)
                     && self.receive_segment(server, request, stamp, application))
             {
@@ -220,6 +221,28 @@ impl<D: Dictionary> Node<D> {
             self.services.agenda.wake();
             self.services.report_errors(&mut self.dictionary, now);
         }
+    }
+}
+
+/// The request, with the size of its object where it indicates a smaller one and may.
+#[inline(always)]
+fn with_size<D: Dictionary>(request: [u8; 8]) -> [u8; 8] {
+    /// An expedited download that indicates its size, and one that does not; where the size is.
+    const SIZED: u8 = 0x23;
+    const UNSIZED: u8 = 0x22;
+    const UNUSED: u8 = 0x0C;
+    let [command, low, high, sub, ref value @ ..] = request;
+    if !D::HABITS.short_sizes || command & !UNUSED != SIZED {
+        return request;
+    }
+    let indicated = 4 - u16::from(command >> 2 & 3);
+    let entry = od::find::<D>(u16::from_le_bytes([low, high]), sub);
+    match entry {
+        Ok(entry) if indicated < entry.size() && entry.size() <= 4 => {
+            let [a, b, c, d] = *value;
+            [UNSIZED, low, high, sub, a, b, c, d]
+        }
+        _ => request,
     }
 }
 

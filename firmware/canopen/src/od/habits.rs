@@ -6,6 +6,23 @@
 use crate::settings::{Configuration, Settings};
 use crate::wire::sdo::AbortCode;
 
+/// How a maker tells masters of an error that the firmware has a code of its own for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Told {
+    /// The code in the firmware.
+    pub cause: u16,
+    /// The code in the message, in 1003h and in 603Fh.
+    pub code: u16,
+    /// Its bits of the error register, beside the generic one.
+    pub register: u8,
+    /// Bytes 3 to 7 of the message.
+    pub info: [u8; 5],
+    /// The high word of its entry in 1003h.
+    pub history: u16,
+    /// The byte of the message with the number of the PDO, 3 to 7, of an error that is one of a PDO.
+    pub number_byte: Option<u8>,
+}
+
 /// The ways of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Habits {
@@ -28,6 +45,16 @@ pub struct Habits {
     pub missing_mapped_object: Option<AbortCode>,
     /// The answer to a mapping that is longer than a PDO.
     pub mapping_too_long: AbortCode,
+    /// How masters are told of errors; of one that is not listed as CiA 301 and CiA 402 say.
+    pub errors: &'static [Told],
+    /// A transmit PDO of type 0 is sent at each SYNC, as one of type 1; else with the first one behind an event.
+    pub acyclic_is_each_sync: bool,
+    /// An expedited SDO download may indicate fewer bytes than the object has: its four bytes are all there.
+    pub short_sizes: bool,
+    /// A mapping entry whose length is 0 has that of its object.
+    pub mapped_length_of_0: bool,
+    /// The message of an error is followed by one with code 0 and the error register: what is wrong in all.
+    pub tells_of_the_rest: bool,
 }
 
 impl Habits {
@@ -42,5 +69,22 @@ impl Habits {
         wrong_history_count: AbortCode::InvalidValue,
         missing_mapped_object: None,
         mapping_too_long: AbortCode::PdoLengthExceeded,
+        errors: &[],
+        acyclic_is_each_sync: false,
+        short_sizes: false,
+        mapped_length_of_0: false,
+        tells_of_the_rest: false,
     };
+
+    /// How masters are told of an error with this code; `None` if they are told as it is.
+    #[inline]
+    pub fn told(&self, cause: u16) -> Option<&'static Told> {
+        self.errors.iter().find(|told| told.cause == cause)
+    }
+
+    /// The code that masters see of an error.
+    #[inline]
+    pub fn code(&self, cause: u16) -> u16 {
+        self.told(cause).map_or(cause, |told| told.code)
+    }
 }

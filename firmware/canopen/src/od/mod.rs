@@ -30,7 +30,7 @@ pub use buckets::buckets;
 pub use counts::{Count, Counts};
 pub use entry::{Access, Attributes, DataType, Entry, Location, StorageGroup, key};
 pub use features::Features;
-pub use habits::Habits;
+pub use habits::{Habits, Told};
 pub use typed::{
     DayTime, OutOfRange, Value, bytes_at, give, put_at, signed, signed_bytes, unsigned,
     unsigned_bytes,

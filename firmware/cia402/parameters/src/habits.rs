@@ -8,6 +8,16 @@ pub struct Habits {
     pub voltage_needs_power: bool,
     /// Bit 5 of the statusword is 1 in switch on disabled: no quick stop is active. CiA 402-2 leaves it open there.
     pub quick_stop_bit_while_disabled: bool,
+    /// Bit 9 of the statusword is 1 whatever the network does.
+    pub is_always_remote: bool,
+    /// A set-point of profile position that finds another one waiting takes its place; else it is not taken.
+    pub third_set_point_replaces: bool,
+    /// Bits 4 to 6 of the controlword mean nothing in velocity mode: the motor runs in operation enabled.
+    pub velocity_without_ramp_bits: bool,
+    /// A following error is told by bit 13 of the statusword alone, and is no fault.
+    pub following_error_is_told: bool,
+    /// Without a supply the drive does not leave switch on disabled.
+    pub supply_gates_ready: bool,
 }
 
 impl Habits {
@@ -15,5 +25,10 @@ impl Habits {
     pub const STANDARD: Self = Self {
         voltage_needs_power: false,
         quick_stop_bit_while_disabled: false,
+        is_always_remote: false,
+        third_set_point_replaces: false,
+        velocity_without_ramp_bits: false,
+        following_error_is_told: false,
+        supply_gates_ready: false,
     };
 }

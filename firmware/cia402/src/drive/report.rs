@@ -55,7 +55,10 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                     statusword::QUICK_STOP,
                 )
                 | bit(self.faults.warning(), statusword::WARNING)
-                | bit(self.commands.remote, statusword::REMOTE)
+                | bit(
+                    self.commands.remote || D::DRIVE_HABITS.is_always_remote,
+                    statusword::REMOTE,
+                )
                 | bit(
                     self.monitor.has_lost() && mode.has_following_error(),
                     statusword::FOLLOWING_ERROR,

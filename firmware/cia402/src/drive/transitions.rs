@@ -23,12 +23,13 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let detected = self.faults.detect(
             tick.inputs,
             self.power.is_on(),
-            tick.is_displaced || self.monitor.observed().is_lost,
+            !D::DRIVE_HABITS.following_error_is_told
+                && (tick.is_displaced || self.monitor.observed().is_lost),
             both_limits,
             &self.periphery.stage,
         );
         let control = self.control(tick, command);
-        let (remote, command) = (control.is_remote, control.command);
+        let (remote, command) = (control.is_remote, self.gated(control.command));
         let silent = self.set_points_lost();
         let late = self.pulses_late();
         let reaction = detected.or(control.fault).or(silent).or(late);
@@ -72,6 +73,16 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                 && self.power == Power::On
                 && !tick.is_asked,
         );
+    }
+
+    /// The command, unless it leads towards power where there is none to be had.
+    fn gated(&self, command: Option<Command>) -> Option<Command> {
+        let is_gated = D::DRIVE_HABITS.supply_gates_ready
+            && !self.periphery.stage.has_supply
+            && self.machine.state() == State::SwitchOnDisabled;
+        command.filter(|command| {
+            !is_gated || matches!(command, Command::DisableVoltage | Command::QuickStop)
+        })
     }
 
     /// The action of a transition (CiA 402-2, "transition events and actions").

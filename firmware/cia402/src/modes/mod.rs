@@ -98,6 +98,11 @@ impl<'a, P: Parts> Context<'a, P> {
         self.configuration.units.of_drive::<P::Objects>()
     }
 
+    /// What the drive does in the way of its maker.
+    pub(crate) const fn habits(&self) -> crate::Habits {
+        P::Objects::DRIVE_HABITS
+    }
+
     /// Too many set-points were missing: stops with 6085h.
     #[inline(never)]
     pub(crate) fn lose_set_points(&mut self) {

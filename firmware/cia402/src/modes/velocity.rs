@@ -113,9 +113,19 @@ impl Velocity {
         self.bits(context, context.demand.velocity.is_like(self.asked), is_cut)
     }
 
+    /// The controlword, with the bits of the ramp as they count.
+    const fn controlword(context: &Context<'_, impl Parts>) -> u16 {
+        let given = context.commands.controlword;
+        if context.habits().velocity_without_ramp_bits {
+            given | ENABLE_RAMP | UNLOCK_RAMP | REFERENCE_RAMP
+        } else {
+            given
+        }
+    }
+
     /// 6042h as it is written; 0 without the reference ramp.
     const fn reference(context: &Context<'_, impl Parts>) -> i16 {
-        if context.commands.controlword & REFERENCE_RAMP == 0 {
+        if Self::controlword(context) & REFERENCE_RAMP == 0 {
             0
         } else {
             context.commands.vl_target_velocity
@@ -144,7 +154,7 @@ impl Velocity {
     }
 
     fn controlled_by(&self, context: &Context<'_, impl Parts>) -> Control {
-        let controlword = context.commands.controlword;
+        let controlword = Self::controlword(context);
         if context.is_held() {
             Control::Halt
         } else if controlword & ENABLE_RAMP == 0 {

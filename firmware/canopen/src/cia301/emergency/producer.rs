@@ -2,13 +2,34 @@
 
 use core::ops::Range;
 
-use super::Message;
 use super::active::{ActiveErrors, Meant};
 use super::history::History;
 use super::queue::EmergencyQueue;
+use super::{Emergency, Message};
 use crate::od::{self, Dictionary, Location};
 use crate::time::Instant;
 use crate::wire::Frame;
+
+/// An error as masters of this device are told of it, and its word in the history.
+#[inline(always)]
+fn told<D: Dictionary>(error: Message) -> (Message, u32) {
+    let [low, high, _, number, ..] = error.0.to_le_bytes();
+    let Some(told) = D::HABITS.told(u16::from_le_bytes([low, high])) else {
+        return (error, error.history_word());
+    };
+    let mut info = told.info;
+    let place = told.number_byte.and_then(|byte| byte.checked_sub(3));
+    if let Some(place) = place.and_then(|place| info.get_mut(usize::from(place))) {
+        *place = number;
+    }
+    let seen = Emergency {
+        code: told.code,
+        register: told.register,
+        info,
+    };
+    let word = u32::from(told.history) << 16 | u32::from(told.code);
+    (seen.message(), word)
+}
 
 /// The emergency producer of a device.
 #[derive(Debug)]
@@ -71,27 +92,33 @@ impl Producer {
         error: Message,
         now: Instant,
     ) {
-        if !self.active.add(error) {
+        let (told, word) = told::<D>(error);
+        if !self.active.add(error.with_register(told.register())) {
             return;
         }
         let register = self.show_register(dictionary);
-        self.history.insert(dictionary, error.history_word());
-        self.queue.push(error.with_register(register), now);
+        self.history.insert(dictionary, word);
+        self.queue.push(told.with_register(register), now);
+        if D::HABITS.tells_of_the_rest {
+            self.queue
+                .push(Message::NO_ERROR.with_register(register), now);
+        }
     }
 
     /// The errors that stand are in the history, which has just been emptied: reset communication.
     pub fn show_history<D: Dictionary>(&self, dictionary: &mut D) {
         for error in self.active.all() {
-            self.history.insert(dictionary, error.history_word());
+            self.history.insert(dictionary, told::<D>(error).1);
         }
     }
 
     /// Tells of every error that stands, the oldest first: the first state with emergency messages is entered, and whoever listened
     /// before may not listen now.
-    pub fn tell_all(&mut self, now: Instant) {
+    pub fn tell_all<D: Dictionary>(&mut self, now: Instant) {
         let register = self.active.register();
         for error in self.active.all() {
-            self.queue.push(error.with_register(register), now);
+            let (told, _) = told::<D>(error);
+            self.queue.push(told.with_register(register), now);
         }
     }
 

@@ -56,6 +56,21 @@ impl MappingEntry {
         bits
     }
 
+    /// The same with the length of its object, if it has none and that is a habit of the device.
+    pub(super) fn whole<D: Dictionary>(self) -> Self {
+        if !D::HABITS.mapped_length_of_0 || self.bits() != 0 || self == Self::EMPTY {
+            return self;
+        }
+        let bits = match dummy(self.index()) {
+            Some((_, bytes)) => u16::from(bytes) * 8,
+            None => {
+                let entry = D::TABLE.find(self.index(), self.sub());
+                entry.map_or(0, |entry| entry.size().saturating_mul(8))
+            }
+        };
+        Self(self.0 | u32::from(bits & 0xFF))
+    }
+
     /// The position in the table of the object of this mapping entry; `None` for a dummy.
     ///
     /// # Errors

@@ -132,6 +132,10 @@ impl Parameters {
     /// The transmission type; `None` when it is not supported or missing.
     fn transmission_type<D: Dictionary>(self, dictionary: &D) -> Option<TransmissionType> {
         let number = u8::try_from(number(dictionary, self.communication(), 2)?).ok()?;
+        let is_sent = self.direction == Direction::Transmit;
+        if D::HABITS.acyclic_is_each_sync && is_sent && number == 0 {
+            return TransmissionType::new(1, self.direction);
+        }
         TransmissionType::new(number, self.direction)
     }
 
@@ -203,7 +207,7 @@ impl Parameters {
         }
         for sub in 1..=count {
             let entry = number(dictionary, self.mapping(), sub)
-                .map(MappingEntry)
+                .map(|number| MappingEntry(number).whole::<D>())
                 .ok_or(AbortCode::PdoLengthExceeded)?;
             if entry == MappingEntry::EMPTY {
                 return Err(AbortCode::NotMappable);
@@ -321,7 +325,7 @@ impl Parameters {
         if number(dictionary, self.mapping(), 0) != Some(0) {
             return Err(AbortCode::UnsupportedAccess);
         }
-        match MappingEntry(u32::from_le_bytes(bytes(value)?)) {
+        match MappingEntry(u32::from_le_bytes(bytes(value)?)).whole::<D>() {
             MappingEntry::EMPTY => Ok(()),
             entry => {
                 let target = entry.resolve(D::TABLE, D::FEATURES.dummies, self.direction);

@@ -21,7 +21,7 @@ impl ProfilePosition {
         if !waits {
             self.next = None;
             self.begin(set_point, context);
-        } else if self.next.is_none() {
+        } else if self.has_room(context) {
             set_point.blends = controlword & CHANGE_ON_SET_POINT != 0;
             self.next = Some(set_point);
             if let Some(current) = self.current {
@@ -35,6 +35,12 @@ impl ProfilePosition {
             return false;
         }
         true
+    }
+
+    /// Whether a set-point can wait. One that waits may have to make room, unless the motion is made for it already.
+    fn has_room(&self, context: &Context<'_, impl Parts>) -> bool {
+        let replaces = context.habits().third_set_point_replaces;
+        self.next.is_none_or(|next| replaces && !next.blends)
     }
 
     /// A set-point within all limits.
