@@ -364,9 +364,9 @@ impl HomingConfiguration {
             last_move_is_fast: self.has(4),
             other_block_signs: self.has(5),
             home_is_backed_off: self.has(6),
-            longest_distance: self.longest_way,
+            longest_distance: self.longest_distance,
             longest_time: self.longest_time,
-            longest_distance_to_index: self.longest_way_to_index,
+            longest_distance_to_index: self.longest_distance_to_index,
             block_time: self.block_time,
             back_off: self.back_off,
         }

@@ -19,6 +19,7 @@ mod capture;
 mod source;
 
 use motion::homing::SwitchState;
+use motion::low;
 
 use crate::objects::Objects;
 
@@ -223,13 +224,13 @@ impl Count {
     /// The master's count for one of the board's: of those that are the same modulo 2³² the nearest to where the motor is.
     pub(crate) const fn of(&self, board: i32) -> i64 {
         let position = self.directed(board).wrapping_add(self.shift);
-        let distance = position.wrapping_sub(self.position as i32);
+        let distance = position.wrapping_sub(low::i32(self.position));
         self.position.wrapping_add(distance as i64)
     }
 
     /// The board's count where the motor is.
     pub(crate) const fn board_position(&self) -> i32 {
-        self.directed((self.position as i32).wrapping_sub(self.shift))
+        self.directed(low::i32(self.position).wrapping_sub(self.shift))
     }
 
     const fn directed(&self, number: i32) -> i32 {
@@ -285,7 +286,7 @@ impl Switches {
         count: Count,
         elapsed: u32,
     ) {
-        let position = count.position as i32;
+        let position = low::i32(count.position);
         let before = self.levels ^ configuration.inverted;
         let active = inputs.levels ^ configuration.inverted;
         self.levels = inputs.levels;
@@ -382,7 +383,7 @@ impl Look<'_> {
                 let rises = to_active != (self.inverted & input != 0);
                 let edges = if rises { captured.rose } else { captured.fell };
                 if let Some(edges) = edges {
-                    return Some(self.count.of(edges.first.position) as i32);
+                    return Some(low::i32(self.count.of(edges.first.position)));
                 }
             }
             input <<= 1;

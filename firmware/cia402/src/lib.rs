@@ -8,6 +8,10 @@
 #![cfg_attr(
     not(test),
     deny(
+        clippy::cast_lossless,
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        clippy::cast_sign_loss,
         clippy::unwrap_used,
         clippy::expect_used,
         clippy::panic,

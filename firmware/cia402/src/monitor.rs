@@ -5,7 +5,7 @@
 //! pulses, it is as smooth as the demand; as soon as it does not, it shows what the motor does.
 
 use canopen::Instant;
-use motion::{Demand, SignedSpeed};
+use motion::{Demand, SignedSpeed, low};
 
 use crate::configuration::Configuration;
 use crate::dwell::Dwell;
@@ -80,7 +80,7 @@ impl Monitor {
 
     /// Keeps an error in the place of the oldest one. Returns by how much they differ, and the microseconds in between.
     fn put(&mut self, now: Instant, error: i32) -> (i32, u32) {
-        let moment = now.ticks() as u32;
+        let moment = low::u32(now.ticks());
         let new = (error, moment);
         let (before, since) = self
             .errors
@@ -143,7 +143,7 @@ impl Observed {
 
 /// 60F4h in steps. Of pulses that are counted none is missing as long as it may just be on its way.
 const fn following_error(demand: Demand, position: i64, is_counted: bool) -> i32 {
-    let error = (demand.position as i32).wrapping_sub(position as i32);
+    let error = low::i32(demand.position).wrapping_sub(low::i32(position));
     if is_counted && error.unsigned_abs() <= moment_of_a_pulse(demand.velocity) {
         0
     } else {

@@ -6,7 +6,7 @@
 
 use core::ops::{Deref, DerefMut};
 
-use motion::{FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
+use motion::{FollowError, Limits, Position, Ramps, SignedSpeed, Speed, low};
 
 use crate::actuator::{Actuator, AtPort, Refused, near};
 use crate::cyclic::Fine;
@@ -131,7 +131,7 @@ impl<A: Actuator> Motor<A> {
     pub(crate) const fn count(&self, position: i64) -> Count {
         Count {
             position,
-            shift: self.shift as i32,
+            shift: low::i32(self.shift),
             is_reversed: self.is_reversed,
         }
     }
@@ -156,7 +156,7 @@ impl<A: Actuator> Motor<A> {
     /// The position `home` (modulo 2³²) is found, and is to be called `name`. The motor stands at `position`. Returns by how much
     /// all positions have changed.
     pub(crate) fn set_home(&mut self, position: i64, home: i32, name: i64) -> i64 {
-        let away = i64::from(home.wrapping_sub(position as i32));
+        let away = i64::from(home.wrapping_sub(low::i32(position)));
         let change = name.wrapping_sub(position.wrapping_add(away));
         self.shift = self.shift.wrapping_add(change);
         self.referenced = true;

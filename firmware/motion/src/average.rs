@@ -18,6 +18,7 @@ mod window;
 use crate::clock::Ticks;
 use crate::divide::by_digit;
 use crate::fixed::{Exact, Position, Q96, State, Velocity, product};
+use crate::low;
 use crate::plan::Plan;
 use crate::plan::phase::Phase;
 use crate::stepper::piece::Piece;
@@ -172,7 +173,7 @@ impl Average {
         self.place = 0;
         // The mean is half a window behind.
         let mean = newest.wrapping_sub(self.spread >> 1);
-        self.left = (count.wrapping_mul(self.spread & 1) as i32).wrapping_neg();
+        self.left = low::i32(count.wrapping_mul(self.spread & 1)).wrapping_neg();
         self.walk = Walk::NONE;
         self.straight = self.window.count.into();
         self.pace = state.velocity;
@@ -271,7 +272,7 @@ impl Average {
         };
         // What it gains in an interval, Q56, over twice its ticks: 2³⁹ · gain / grid.
         let gain = i128::from(self.gain) << 8;
-        let (high, low) = ((self.per_grid >> 32) as u32, self.per_grid as u32);
+        let (high, low) = ((self.per_grid >> 32) as u32, low::u32(self.per_grid));
         let half = product(gain, high) + (product(gain, low) >> 32);
         let piece = Piece {
             half: Q96(half),
@@ -372,9 +373,11 @@ impl Average {
         let sum = self.spread.wrapping_add(spread);
         let sum = sum.wrapping_add(self.left.into());
         let distance = part(sum, self.per_count);
-        let shared = (distance as u32).wrapping_mul(self.window.count.into()) << 1;
+        let shared = low::u32(distance.cast_unsigned()).wrapping_mul(self.window.count.into()) << 1;
         // Next to nothing, so that 32 bits hold it.
-        self.left = (sum as u32).wrapping_sub(shared).cast_signed();
+        self.left = low::u32(sum.cast_unsigned())
+            .wrapping_sub(shared)
+            .cast_signed();
         self.spread = spread;
         self.distance = distance;
         let position = self.to.position.bits().wrapping_add(distance);
@@ -421,7 +424,7 @@ impl Average {
         };
         let before = corner.saturating_sub(next).saturating_sub(1);
         let (intervals, _) = by_digit(before, grid);
-        let mut left = intervals.min(MOST_WALKED.into()) as u32;
+        let mut left = low::u32(intervals.min(MOST_WALKED.into()));
         if growth == 0 {
             // When it has kept its velocity all over the window that must be seen.
             let count = u32::from(self.window.count) - 1;
@@ -446,19 +449,20 @@ const fn sample(position: i128) -> i64 {
 /// value · factor / 2⁶⁴, less 5 at most, for a factor below 2⁶³.
 #[inline]
 fn part(value: i64, factor: u64) -> i64 {
-    let (above, below) = ((value >> 32) as i32, value as u32);
-    let (high, low) = ((factor >> 32) as i32, factor as u32);
+    let (above, below) = ((value >> 32) as i32, low::u32(value.cast_unsigned()));
+    let (high, low) = ((factor >> 32) as i32, low::u32(factor));
     let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
     // Half of the products in the middle: so they have a sign of their own.
-    let middle = product(above, (low >> 1) as i32) + product((below >> 1) as i32, high);
+    let middle =
+        product(above, (low >> 1).cast_signed()) + product((below >> 1).cast_signed(), high);
     product(above, high) + (middle >> 31)
 }
 
 /// ⌊value · factor / 2³⁹⌋, as far as 57 bits hold it, for a factor below 2⁶³.
 #[inline]
 fn rate(value: i64, factor: u64) -> i64 {
-    let (above, below) = ((value >> 32) as i32, value as u32);
-    let (high, low) = ((factor >> 32) as u32, factor as u32);
+    let (above, below) = ((value >> 32) as i32, low::u32(value.cast_unsigned()));
+    let (high, low) = ((factor >> 32) as u32, low::u32(factor));
     let product = |a: u32, b: u32| u64::from(a) * u64::from(b);
     let lowest = product(below, low) >> 32;
     let middle = (product(below, high) + lowest).cast_signed();

@@ -16,6 +16,7 @@ mod trace;
 use crate::average::{Average, Mean};
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Exact, State};
+use crate::low;
 use crate::path::Path;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
@@ -212,7 +213,7 @@ impl Axis {
 
     /// Says where the axis is, in whole steps (modulo 2³²). A motion is forgotten as by [`Axis::abort`].
     pub fn set_position(&mut self, steps: i64) {
-        self.stand_at(steps as i32);
+        self.stand_at(low::i32(steps));
     }
 
     /// Commits records until the sink has two segments to play, or the motion ends. To be called in every control tick and refill. It makes no more
@@ -234,7 +235,7 @@ impl Axis {
                 break;
             }
             if self.stepper.is_on_piece() || self.enter_piece() {
-                self.stepper.emit(enough as u32);
+                self.stepper.emit(low::u32(enough));
             } else if self.stepper.is_closed() {
                 is_done = true;
                 break;

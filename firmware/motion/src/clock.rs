@@ -3,6 +3,7 @@
 //! All times are counts of one hardware timer. A 64-bit count at 168 MHz wraps after 3480 years, so nothing here reasons
 //! about wrap-around.
 
+use crate::low;
 use crate::speed::Speed;
 
 /// Ticks of the step timer, counted from when the axis was made.
@@ -68,7 +69,7 @@ impl Clock {
     /// A limit as Q96 steps/tick. Rounded down, so that the limit holds, and cut to half a step per tick.
     pub(crate) fn speed(self, speed: Speed) -> Fine {
         let whole = (speed.bits() >> 32) as u32;
-        let part = speed.bits() as u32;
+        let part = low::u32(speed.bits());
         // A second has 77 bits at most.
         let mut fine = self.second * u128::from(whole);
         if part != 0 {

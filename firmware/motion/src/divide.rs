@@ -3,6 +3,7 @@
 //! The processor divides 32 bits by 32; the compiler's own 128-bit division is made for processors that do more. Only digits that
 //! the quotient has are worked out, and there is one copy of the code.
 
+use crate::low;
 use crate::turns::Turns;
 
 /// Digits of a quotient at most: a numerator has four, one more when it is shifted, two are behind the point, and a divisor has one at least.
@@ -79,10 +80,10 @@ impl Divisor {
             turns.count();
             let mut digit = self.digit(first, (second >> 32) as u32);
             // Remainder and next digit, less the product.
-            let low = u64::from(self.rest as u32) * u64::from(digit);
+            let low = u64::from(low::u32(self.rest)) * u64::from(digit);
             let middle = (self.rest >> 32) * u64::from(digit) + (low >> 32);
             let top = u64::from(self.high) * u64::from(digit) + (middle >> 32);
-            let below = middle << 32 | u64::from(low as u32);
+            let below = middle << 32 | u64::from(low::u32(low));
             let (mut lower, borrow) = (second << 32 | rest >> 32).overflowing_sub(below);
             let upper = (u64::from(first) << 32 | second >> 32).wrapping_sub(top);
             let mut upper = upper.wrapping_sub(borrow.into());
@@ -97,7 +98,7 @@ impl Divisor {
                     .wrapping_add(self.high.into())
                     .wrapping_add(carry.into());
             }
-            (first, second) = (upper as u32, lower);
+            (first, second) = (low::u32(upper), lower);
             result = result << 32 | u128::from(digit);
             left -= 1;
         }
@@ -116,7 +117,7 @@ impl Divisor {
             .wrapping_add(u64::from(first) << 32 | u64::from(next));
         let mut digit = ((guess >> 32) as u32).wrapping_add(1);
         let mut left = next.wrapping_sub(digit.wrapping_mul(self.high));
-        if left > guess as u32 {
+        if left > low::u32(guess) {
             digit = digit.wrapping_sub(1);
             left = left.wrapping_add(self.high);
         }
@@ -130,7 +131,7 @@ impl Divisor {
 /// ⌊numerator / divisor⌋ and the remainder. A divisor of 0 gives 0 and 0.
 #[inline]
 pub fn by_digit(numerator: u64, divisor: u32) -> (u64, u32) {
-    let (high, low) = ((numerator >> 32) as u32, numerator as u32);
+    let (high, low) = ((numerator >> 32) as u32, low::u32(numerator));
     if high == 0 {
         let quotient = low.checked_div(divisor).unwrap_or(0);
         let remainder = low.checked_rem(divisor).unwrap_or(0);
@@ -166,9 +167,9 @@ pub(crate) fn fraction(numerator: u64, divisor: u32) -> u128 {
 #[inline]
 pub(crate) const fn split(value: u128) -> [u32; 4] {
     [
-        value as u32,
-        (value >> 32) as u32,
-        (value >> 64) as u32,
+        low::u32(low::u64(value)),
+        low::u32(low::u64(value >> 32)),
+        low::u32(low::u64(value >> 64)),
         (value >> 96) as u32,
     ]
 }
@@ -187,7 +188,7 @@ pub(crate) fn estimate(numerator: u64, divisor: u32) -> u32 {
     if high >= divisor {
         return u32::MAX;
     }
-    let low = numerator as u32;
+    let low = low::u32(numerator);
     let (first, left) = half_digit(high, low >> 16, divisor);
     let (second, _) = half_digit(left, low & 0xFFFF, divisor);
     (first << 16) | second
@@ -205,7 +206,7 @@ fn half_digit(remainder: u32, next: u32, divisor: u32) -> (u32, u32) {
         digit -= 1;
         product -= u64::from(divisor);
     }
-    (digit, (numerator - product) as u32)
+    (digit, low::u32(numerator - product))
 }
 
 #[cfg(test)]

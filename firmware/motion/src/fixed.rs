@@ -2,6 +2,7 @@
 
 use crate::clock::{Clock, TOP_SPEED};
 use crate::divide::quotient;
+use crate::low;
 use crate::speed::SignedSpeed;
 
 /// A position in steps, Q32 (32 bits behind the point).
@@ -58,7 +59,7 @@ impl Velocity {
     /// The velocity nearest to one in steps/s, cut to half a step per tick.
     pub fn from_speed(clock: Clock, speed: SignedSpeed) -> Self {
         let exact = clock.speed(speed.unsigned_abs());
-        let magnitude = (exact.saturating_add(1 << 39) >> 40) as i64;
+        let magnitude = low::u64(exact.saturating_add(1 << 39) >> 40).cast_signed();
         Self(if speed.bits() < 0 {
             magnitude.wrapping_neg()
         } else {
@@ -82,7 +83,7 @@ impl Velocity {
         let hz = u64::from(clock.hz());
         // Q56 becomes Q32. The upper product has 53 bits at most.
         let high = (bits >> 32).wrapping_mul(hz) << 8;
-        let low = u64::from(bits as u32).wrapping_mul(hz);
+        let low = u64::from(low::u32(bits)).wrapping_mul(hz);
         let low = low.wrapping_add(1 << 23) >> 24;
         let magnitude = high.wrapping_add(low).cast_signed();
         SignedSpeed::from_bits(if self.0 < 0 {
@@ -110,7 +111,7 @@ impl Velocity {
 
     /// The distance over so many ticks, in steps × 2³².
     pub fn distance(self, ticks: u32) -> i64 {
-        (i128::from(self.0).wrapping_mul(ticks.into()) >> 24) as i64
+        low::i64(i128::from(self.0).wrapping_mul(ticks.into()) >> 24)
     }
 
     /// In the resolution of plans.
@@ -121,7 +122,7 @@ impl Velocity {
 
     /// Rounds Q96 steps/tick towards zero.
     pub(crate) const fn from_exact(exact: i128) -> Self {
-        let magnitude = (exact.unsigned_abs() >> 40) as i64;
+        let magnitude = low::u64(exact.unsigned_abs() >> 40).cast_signed();
         Self(if exact < 0 {
             magnitude.wrapping_neg()
         } else {
@@ -194,10 +195,10 @@ pub(crate) fn product(value: i128, factor: u32) -> i128 {
     let value = value.cast_unsigned();
     let mut carry = 0;
     let mut digit = |shift: u32| {
-        let digit = u64::from((value >> shift) as u32);
+        let digit = u64::from(low::u32(low::u64(value >> shift)));
         let sum = digit.wrapping_mul(factor.into()).wrapping_add(carry);
         carry = sum >> 32;
-        u64::from(sum as u32)
+        u64::from(low::u32(sum))
     };
     let low = digit(0) | digit(32) << 32;
     let high = digit(64) | digit(96) << 32;
@@ -207,7 +208,7 @@ pub(crate) fn product(value: i128, factor: u32) -> i128 {
 /// ⌊value · factor / 2⁶⁴⌋.
 #[allow(clippy::cast_lossless, reason = "From is not const; the casts widen")]
 const fn part(value: i128, factor: u64) -> i128 {
-    let low = (value as u64 as u128).wrapping_mul(factor as u128) >> 64;
+    let low = (low::u64(value.cast_unsigned()) as u128).wrapping_mul(factor as u128) >> 64;
     (value >> 64)
         .wrapping_mul(factor as i128)
         .wrapping_add(low.cast_signed())
@@ -274,7 +275,8 @@ impl Exact {
 
 impl From<State> for Exact {
     fn from(state: State) -> Self {
-        let speed = (u128::from(state.velocity.0.unsigned_abs()) << 40).min(TOP_SPEED) as i128;
+        let speed =
+            ((u128::from(state.velocity.0.unsigned_abs()) << 40).min(TOP_SPEED)).cast_signed();
         Self {
             position: i128::from(state.position.0) << 64,
             velocity: if state.velocity.0 < 0 {

@@ -42,6 +42,10 @@
 #![cfg_attr(
     not(test),
     deny(
+        clippy::cast_lossless,
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        clippy::cast_sign_loss,
         clippy::unwrap_used,
         clippy::expect_used,
         clippy::panic,
@@ -61,6 +65,7 @@ mod divide;
 pub mod driver;
 pub mod fixed;
 pub mod homing;
+pub mod low;
 mod path;
 pub mod plan;
 pub mod record;

@@ -8,6 +8,7 @@
 use crate::clock::Ticks;
 use crate::divide::fraction;
 use crate::fixed::{Exact, Position, State, Velocity};
+use crate::low;
 use crate::stepper::piece::Piece;
 use crate::turns::Turns;
 
@@ -151,7 +152,7 @@ impl Segment {
     fn at(&self, t: Ticks) -> Piece {
         let mut piece = self.piece;
         // It is within the segment, which is shorter than 2³² ticks.
-        piece.walk(t.saturating_sub(self.start) as u32);
+        piece.walk(low::u32(t.saturating_sub(self.start)));
         piece
     }
 }
@@ -221,7 +222,7 @@ impl Path {
     #[inline]
     fn gone(&self, t: Ticks) -> u8 {
         let mut number = 0;
-        let mut turns = Turns::at_most(MOST_SEGMENTS as u32);
+        let mut turns = Turns::at_most(low::word(MOST_SEGMENTS));
         while self
             .segment(number)
             .is_some_and(|segment| segment.piece.end <= t)
@@ -304,7 +305,7 @@ impl Path {
         };
         let mut piece = Piece::line(self.rest, from);
         // The time for which it goes on is a few segments.
-        piece.walk(t.saturating_sub(last.piece.end) as u32);
+        piece.walk(low::u32(t.saturating_sub(last.piece.end)));
         Some(piece)
     }
 

@@ -1,13 +1,19 @@
 //! The root of an integer, exactly; begun in floating point, which this processor has in hardware.
 
+use crate::low;
 use crate::turns::Turns;
 
-/// What a guess of twenty bits, a step of Newton's method and a step cut to an integer leave is less than this.
+/// A guess of twenty bits, behind a step of Newton's method that is cut to an integer, is off by no more than this.
 const LAST_BITS: u32 = 2;
 
 /// ⌊√square⌋.
 ///
 /// The leading bits give a root of some twenty bits, and one step of Newton's method in integers the others.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number in floating point, none of them below 0 but a step, is cut to the integer next to it"
+)]
 pub(crate) fn root(square: u64) -> u32 {
     // An even shift, so that the root is shifted back by half of it.
     let above = square.leading_zeros() & 62;
@@ -17,7 +23,7 @@ pub(crate) fn root(square: u64) -> u32 {
     // √high = 2¹⁶·√lead; what does not fit is the largest number.
     let rough = (lead * reciprocal * 65_536.0) as u32;
     let left = beyond(high, rough);
-    let step = ((left >> 16) as i32 as f32 * reciprocal * 0.5) as i32;
+    let step = (low::i32(left >> 16) as f32 * reciprocal * 0.5) as i32;
     // Now it is the root, or next to it.
     let mut root = rough.saturating_add_signed(step);
     let mut left = beyond(high, root);

@@ -3,6 +3,8 @@
 //! Each `while` and `loop` of this crate counts its turns against a bound that stands beside it; a `for` has that of what it goes through. So the worst
 //! case of a plan and of a refill follows from bounds, and a test, a property or a fuzzer that finds a turn more has found a defect.
 
+use crate::low;
+
 /// The turns that a loop may still make.
 #[derive(Debug)]
 pub(crate) struct Turns(u32);
@@ -18,7 +20,7 @@ impl Turns {
     #[inline(always)]
     pub(crate) const fn for_each<T>(all: &[T]) -> Self {
         // Beyond 32 bits there is nothing to go through.
-        Self(all.len() as u32)
+        Self(low::word(all.len()))
     }
 
     /// One turn begins.

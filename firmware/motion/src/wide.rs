@@ -1,5 +1,7 @@
 //! 256-bit products: two Q96 numbers multiply to Q192, and no bit may fall off before it is known to be small.
 
+use crate::low;
+
 /// An unsigned 256-bit number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Wide {
@@ -11,7 +13,7 @@ impl Wide {
     /// a · b, exactly.
     #[inline(never)]
     pub(crate) fn product(a: u128, b: u128) -> Self {
-        let half = |value: u128| u128::from(value as u64);
+        let half = |value: u128| u128::from(low::u64(value));
         let (a1, a0) = (a >> 64, half(a));
         let (b1, b0) = (b >> 64, half(b));
         let bottom = a0 * b0;
@@ -56,14 +58,14 @@ impl Wide {
         let above = word.leading_zeros();
         if base == 0 {
             let shift = 64u32.saturating_sub(above);
-            ((word >> (shift & 127)) as u64, shift)
+            (low::u64(word >> (shift & 127)), shift)
         } else if above > 64 {
             // Fewer than 64 bits in the upper half: fill up from the lower one.
             let shift = 192 - above;
-            (self.shifted_wrapping(shift) as u64, shift)
+            (low::u64(self.shifted_wrapping(shift)), shift)
         } else {
             let shift = 64 - above;
-            ((word >> (shift & 127)) as u64, shift + base)
+            (low::u64(word >> (shift & 127)), shift + base)
         }
     }
 }

@@ -211,9 +211,9 @@ macro_rules! every_parameter {
                 /// Readings of the homing methods: see [`crate::configuration::HomingConfiguration`].
                 setting HomingOptions homing_options 0x2030:1 u16 = 0, "" => options: plain;
                 /// 0 is no bound, as for the two that follow.
-                setting HomingLongestWay homing_longest_way 0x2030:2 u32 = 0, "steps" => longest_way: plain;
+                setting HomingLongestDistance homing_longest_distance 0x2030:2 u32 = 0, "steps" => longest_distance: plain;
                 setting HomingLongestTime homing_longest_time 0x2030:3 u32 = 0, "ms" => longest_time: plain;
-                setting HomingLongestWayToIndex homing_longest_way_to_index 0x2030:4 u32 = 0, "steps" => longest_way_to_index: plain;
+                setting HomingLongestDistanceToIndex homing_longest_distance_to_index 0x2030:4 u32 = 0, "steps" => longest_distance_to_index: plain;
                 setting HomingBlockTime homing_block_time 0x2030:5 u16 = 50, "ms" => block_time: plain;
                 /// 0: a following error does not tell of a hard stop.
                 setting HomingBlockWindow homing_block_window 0x2030:6 u32 = 0, "steps" => block_window: plain;

@@ -13,7 +13,7 @@
 
 mod step_axis;
 
-use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
+use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed, low};
 
 use crate::configuration::Configuration;
 use crate::cyclic::Fine;
@@ -42,7 +42,7 @@ pub struct Trouble {
 
 /// The end of what is followed, as seen from a later moment.
 #[derive(Clone, Copy, Debug)]
-pub struct CourseEnd {
+pub struct PathEnd {
     /// How long it is from there to that moment; 0 if the moment is not later.
     pub left: Fine,
     /// Where the axis is there.
@@ -137,11 +137,11 @@ pub trait Actuator: 'static {
     fn follow_velocity(&mut self, end: Fine, velocity: SignedSpeed) -> Result<(), FollowError>;
 
     /// Where what is followed ends, and its velocity there.
-    fn course_end(&self) -> Demand;
+    fn path_end(&self) -> Demand;
 
     /// From where, and in which time, something is followed that is to be done at `end`: from the last set-point given, or from what is
     /// committed if that goes beyond it.
-    fn course_to(&self, end: Fine) -> CourseEnd;
+    fn path_to(&self, end: Fine) -> PathEnd;
 
     /// Whether the motor moves, and follows set-points that come in each period.
     fn is_following(&self) -> bool;
@@ -176,7 +176,7 @@ pub trait AtPort<P>: Actuator {
 
 /// The position that is the same modulo 2³² and next to another.
 pub(crate) const fn near(position: i64, to: i64) -> i64 {
-    let away = (position as i32).wrapping_sub(to as i32);
+    let away = low::i32(position).wrapping_sub(low::i32(to));
     to.wrapping_add(away as i64)
 }
 

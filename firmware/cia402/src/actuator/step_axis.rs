@@ -10,7 +10,7 @@ use motion::{
     PulseSink, Ramps, SignedSpeed, Speed, Ticks, Velocity,
 };
 
-use super::{Actuator, AtPort, CourseEnd, NotSupported, Refused, TORQUE_MODES, Trouble, near};
+use super::{Actuator, AtPort, NotSupported, PathEnd, Refused, TORQUE_MODES, Trouble, near};
 use crate::board::{DriveConfig, outlast_tick};
 use crate::configuration::Configuration;
 use crate::cyclic::{Fine, POINT, Timescale};
@@ -32,7 +32,7 @@ pub struct StepAxis<L = Emitter> {
     /// The axis' time in comparison with that of the control tick.
     timescale: Timescale,
     /// From which tick on the next set-point was asked about in this control tick.
-    course: Cell<Ticks>,
+    path_begin: Cell<Ticks>,
     /// A plan cannot be.
     is_broken: bool,
     /// Refills come between the ticks, and commit the pulses of a motor that moves.
@@ -55,7 +55,7 @@ impl<L: EmitterLock> StepAxis<L> {
             standstill: true,
             demand: Demand::default(),
             timescale: Timescale::new(built.clock.hz()),
-            course: Cell::new(Ticks::MAX),
+            path_begin: Cell::new(Ticks::MAX),
             is_broken: false,
             is_refilled: config.refills > 1,
             is_ordered: false,
@@ -91,7 +91,7 @@ impl<L: EmitterLock> StepAxis<L> {
         &mut self,
         follow: impl FnOnce(&mut Axis) -> Result<(), FollowError>,
     ) -> Result<(), FollowError> {
-        let begin = self.course.get();
+        let begin = self.path_begin.get();
         self.is_ordered = true;
         self.emitter.lock(|emitter| {
             if emitter.axis.begins_beyond(begin) {
@@ -140,7 +140,7 @@ impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
     }
 
     fn observe(&mut self, now: Fine, pulses: &S) {
-        self.course.set(Ticks::MAX);
+        self.path_begin.set(Ticks::MAX);
         let (pending, played, demand) = self.emitter.look(|emitter| {
             let (pending, axis) = (pulses.pending(), &emitter.axis);
             self.committed = near(axis.committed_position(), self.committed);
@@ -308,17 +308,17 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
         self.go_on(|axis| axis.follow_velocity(tick, velocity))
     }
 
-    fn course_end(&self) -> Demand {
+    fn path_end(&self) -> Demand {
         let end = self.emitter.look(|emitter| emitter.axis.path_end_demand());
         self.counted(end)
     }
 
-    fn course_to(&self, end: Fine) -> CourseEnd {
+    fn path_to(&self, end: Fine) -> PathEnd {
         let (tick, state) = self.emitter.look(|emitter| emitter.axis.path_end());
-        self.course.set(tick);
+        self.path_begin.set(tick);
         let left = self.timescale.tick_at(end).wrapping_sub(tick);
         let left = u32::try_from(left.cast_signed().max(0)).unwrap_or(u32::MAX);
-        CourseEnd {
+        PathEnd {
             left: self.timescale.span(left),
             position: state.position,
             distance: state.velocity.distance(left),

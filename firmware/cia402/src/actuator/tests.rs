@@ -56,8 +56,8 @@ fn a_set_point_that_a_refill_has_overtaken_is_too_late() {
             axis.advance(&mut pulses, false);
         }
         // All of it is committed, and a millisecond behind it.
-        let course = axis.course_to(micros(6_000));
-        assert!(course.left.abs_diff(micros(2_000)) < micros(2));
+        let path = axis.path_to(micros(6_000));
+        assert!(path.left.abs_diff(micros(2_000)) < micros(2));
         for _ in 0..refills {
             pulses.play(100);
             axis.refill(&mut pulses);

@@ -1,6 +1,7 @@
 //! The data records of the interpolated position mode that wait (60C4h): first in, first out.
 
 use heapless::Deque;
+use motion::low;
 
 /// 60C4h:1: the most records that wait.
 pub const RECORDS: usize = 32;
@@ -19,7 +20,7 @@ pub struct BufferConfiguration {
 impl BufferConfiguration {
     /// What holds before anything is set up.
     pub const NONE: Self = Self {
-        size: RECORDS as u32,
+        size: low::word(RECORDS),
         is_ring: false,
         is_open: true,
     };

@@ -6,6 +6,8 @@
 
 use heapless::Vec;
 
+use motion::low;
+
 use super::lock::{Heard, Lock};
 use super::{Fine, POINT, Pipeline, SyncEvent, SyncStatus, fine};
 
@@ -274,7 +276,7 @@ impl NetworkClock {
     /// What 2050h shows of the sync events.
     pub(crate) fn status(&self) -> SyncStatus {
         // A period is at most two seconds, and so is jitter.
-        let nanoseconds = |time: Fine| (time.wrapping_mul(1_000) >> POINT) as u32;
+        let nanoseconds = |time: Fine| low::u32(time.wrapping_mul(1_000) >> POINT);
         let is_there = self.lock.state() != 0;
         let shown = |time| if is_there { nanoseconds(time) } else { 0 };
         SyncStatus {

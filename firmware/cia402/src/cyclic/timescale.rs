@@ -3,6 +3,8 @@
 //! The time of the axis stands while it is at rest. So the two are compared anew whenever it begins to move, and in motion what is
 //! read a little early or late is averaged out.
 
+use motion::low;
+
 use super::{Fine, POINT};
 
 /// Readings farther apart than this many microseconds mean that the axis' time has stood.
@@ -25,7 +27,7 @@ impl Timescale {
     pub(crate) fn new(hz: u32) -> Self {
         Self {
             // Less than 2³² / 15.
-            pace: ((u64::from(hz) << POINT) / 1_000_000) as u32,
+            pace: low::u32((u64::from(hz) << POINT) / 1_000_000),
             tick: (1_000_000_u64 << 32).checked_div(hz.into()).unwrap_or(0),
             ahead: 0,
             is_running: false,

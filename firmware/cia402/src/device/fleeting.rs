@@ -13,6 +13,8 @@ use canopen::cia301::nmt::NmtState;
 use canopen::od::{self, Dictionary};
 use canopen::{Application, Frame};
 
+use motion::low;
+
 use super::{Device, Phase};
 use crate::exchange::{Actuals, Share};
 use crate::objects::Objects;
@@ -106,8 +108,8 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         let mut shown = pdos(self.node.dictionary())
             .filter(|(cob_id, _)| Some(*cob_id) == id)
             .filter_map(|(_, bit)| data.checked_shr(bit));
-        self.fleeting.is_done =
-            shown.any(|word| State::from_statusword(word as u16) == self.fleeting.state);
+        self.fleeting.is_done = shown
+            .any(|word| State::from_statusword(low::u16(low::u32(word))) == self.fleeting.state);
     }
 }
 

@@ -2,6 +2,8 @@
 
 use canopen::{Duration, Instant};
 
+use motion::low;
+
 use crate::cyclic::{
     Buffer, CyclicConfiguration, Fine, NetworkClock, POINT, Pipeline, Rhythm, Schedule, Slots,
     SyncEvent, SyncStatus, fine,
@@ -159,7 +161,7 @@ impl Cyclic {
         SyncStatus {
             lost_set_points: self.lost,
             // Records are fewer than 16 bits count.
-            buffered: self.buffer.len() as u16,
+            buffered: low::u16(low::word(self.buffer.len())),
             ..self.shown
         }
     }

@@ -1,5 +1,7 @@
 //! The mode of operation in a tick, and what is enforced whatever it does.
 
+use motion::low;
+
 use super::{Drive, Tick};
 use crate::actuator::Actuator;
 use crate::controlword::Command;
@@ -17,7 +19,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         if window == 0 {
             return inputs.stall;
         }
-        let behind = self.motor.demand().position.wrapping_sub(tick.position) as i32;
+        let behind = low::i32(self.motor.demand().position.wrapping_sub(tick.position));
         Some(inputs.stall == Some(true) || behind.unsigned_abs() >= window)
     }
 

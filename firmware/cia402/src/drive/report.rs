@@ -3,6 +3,8 @@
 
 use canopen::Instant;
 
+use motion::low;
+
 use super::{Drive, Inputs};
 use crate::actuator::Actuator;
 use crate::exchange::Actuals;
@@ -69,7 +71,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             vl_velocity_demand: vl(demand.velocity),
             vl_velocity_actual: vl(observed.velocity),
             position_demand,
-            position_actual_internal: position as i32,
+            position_actual_internal: low::i32(position),
             position_actual,
             velocity_demand,
             velocity_actual,

@@ -14,6 +14,8 @@ use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering, compiler_fen
 
 use canopen::Instant;
 
+use motion::low;
+
 use super::{COUNT, Captured, DigitalInputs, Edge, Edges};
 
 /// The memory that the interrupt and the control tick share.
@@ -191,7 +193,7 @@ impl Bank {
     #[inline(never)]
     fn take(&self, inputs: &mut DigitalInputs, edge: impl Fn(&Place) -> Edge) {
         let seen = self.seen.load(Ordering::Relaxed);
-        inputs.changed = (seen | seen >> FELL) as u8;
+        inputs.changed = low::u8(seen | seen >> FELL);
         let mut bit = 1;
         for (captured, cells) in inputs.captured.iter_mut().zip(&self.inputs) {
             *captured = Captured {
@@ -253,7 +255,8 @@ pub fn time_of_edge(now: Instant, counts: u32, counts_per_microsecond: u32) -> u
         .wrapping_mul(1_000)
         .checked_div(counts_per_microsecond.into())
         .unwrap_or(0);
-    now.ticks().wrapping_mul(1_000).wrapping_sub(age as u64) as u32
+    let time = now.ticks().wrapping_mul(1_000);
+    low::u32(time.wrapping_sub(age.cast_unsigned()))
 }
 
 #[cfg(test)]

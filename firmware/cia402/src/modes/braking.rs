@@ -3,7 +3,7 @@
 //! A jerk-limited ramp from v takes v/d + j⁻¹·d, over v/2 of that. Where d is not reached it is less than this formula says for any
 //! d, so d is cut to what keeps the numbers within 64 bits.
 
-use motion::{Ramps, SignedSpeed, Speed};
+use motion::{Ramps, SignedSpeed, Speed, low};
 
 use crate::actuator::Actuator;
 use crate::motor::Motor;
@@ -126,7 +126,7 @@ fn needed(velocity: Speed, steps: u64) -> u32 {
 
 /// In steps/s.
 const fn rounded_up(velocity: Speed) -> u64 {
-    (velocity.bits() >> 32).saturating_add((velocity.bits() as u32 != 0) as u64)
+    (velocity.bits() >> 32).saturating_add((low::u32(velocity.bits()) != 0) as u64)
 }
 
 /// The longest window that a mean may have with these accelerations, up and down, in microseconds; 0 for other ramps.

@@ -64,7 +64,7 @@ impl CyclicVelocity {
         *self = Self::new();
         if motor.is_following() {
             self.follows = true;
-            self.velocity = motor.course_end().velocity;
+            self.velocity = motor.path_end().velocity;
         } else {
             self.goes_on = !motor.is_stopping();
         }
@@ -147,7 +147,7 @@ impl CyclicVelocity {
         let interval = if is_at_rest {
             slot.period
         } else {
-            context.motor.course_to(end).left
+            context.motor.path_to(end).left
         };
         if interval < slot.period / 4 {
             // What was given before the period changed lasts that long.
@@ -202,7 +202,7 @@ impl CyclicVelocity {
     /// The velocity within all limits.
     fn allowed(&mut self, interval: Fine, context: &Context<'_, impl Parts>) -> SignedSpeed {
         let asked = self.velocity;
-        let before = context.motor.course_end();
+        let before = context.motor.path_end();
         let wanted = asked.within(context.max_velocity());
         let velocity = before_limit(wanted, interval, before.position, context);
         let velocity = if context.motor.is_free(velocity.bits()).is_err() {

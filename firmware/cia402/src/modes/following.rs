@@ -250,10 +250,10 @@ impl Following {
         motor: &mut Motor<impl Actuator>,
     ) -> Option<Leg> {
         let is_steady = |interval: Fine| interval.abs_diff(period) <= period / 4;
-        let mut course = motor.course_to(end);
+        let mut path = motor.path_to(end);
         if let Some(waiting) = self.waiting {
             let interval = end.wrapping_sub(waiting.end);
-            let is_there = away(waiting.at.wrapping_sub(waiting.distance), course.position) == 0;
+            let is_there = away(waiting.at.wrapping_sub(waiting.distance), path.position) == 0;
             if is_there && is_steady(interval) {
                 if self.is_catching_up {
                     self.distance = over(self.distance, waiting.interval, interval);
@@ -266,20 +266,20 @@ impl Following {
             self.waiting = None;
             if is_there {
                 let _ = motor.follow(waiting.end, to(waiting.at), None);
-                course = motor.course_to(end);
+                path = motor.path_to(end);
             }
         }
-        let interval = if course.distance == 0 {
-            course.left.min(period)
+        let interval = if path.distance == 0 {
+            path.left.min(period)
         } else {
-            course.left
+            path.left
         };
-        let away = away(self.at, course.position);
+        let away = away(self.at, path.position);
         let is_in_step = away == 0 && is_steady(interval);
         if !is_in_step || self.is_catching_up {
             self.is_catching_up = true;
             self.at = self.at.wrapping_add(away);
-            self.distance = course.distance >> (32 - POINT);
+            self.distance = path.distance >> (32 - POINT);
         }
         (interval >= period / 4).then_some(Leg {
             interval,
@@ -439,7 +439,7 @@ impl Following {
             }
             return;
         };
-        let first = motor.course_to(waiting.end).distance >> (32 - POINT);
+        let first = motor.path_to(waiting.end).distance >> (32 - POINT);
         let before = over(waiting.distance, waiting.interval, knot.interval);
         let slope = slope(before, knot.distance);
         let last = over(slope, knot.interval, waiting.interval);

@@ -21,7 +21,7 @@
 //! | failed | 1 | 0 | 1 at rest |
 
 use motion::homing::{self as engine, Failure, Fitted, Method, Order, Outcome, Seen};
-use motion::{Direction, Limits, Speed};
+use motion::{Direction, Limits, Speed, low};
 
 use super::{Context, Parts};
 use crate::actuator::{Actuator, Refused};
@@ -87,7 +87,7 @@ impl Search {
         let change = context.motor.set_home(context.position, known_as, name);
         context.frame.found_home(user, name);
         context.position = context.position.wrapping_add(change);
-        self.shift = self.shift.wrapping_add(change as i32);
+        self.shift = self.shift.wrapping_add(low::i32(change));
     }
 }
 
@@ -242,7 +242,7 @@ impl Homing {
 fn seen(context: &Context<'_, impl Parts>) -> Seen {
     Seen {
         elapsed: context.elapsed,
-        position: context.position as i32,
+        position: low::i32(context.position),
         standstill: context.motor.standstill(),
         halt: context.is_held(),
         negative_limit: context.switches.negative_limit.state,
@@ -306,7 +306,9 @@ fn carry_out(
             }
             // The short way.
             let from = context.position;
-            let distance = target.wrapping_add(search.shift).wrapping_sub(from as i32);
+            let distance = target
+                .wrapping_add(search.shift)
+                .wrapping_sub(low::i32(from));
             let target = from.saturating_add(distance.into());
             return context.motor.move_to(target, limits);
         }

@@ -49,7 +49,7 @@ impl Order {
 
 /// How a velocity is being kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Course {
+enum Keeping {
     /// No order is being carried out.
     None,
     /// There is nothing in the way.
@@ -68,7 +68,7 @@ enum Course {
 #[derive(Debug)]
 pub(super) struct KeptVelocity {
     order: Option<Order>,
-    course: Course,
+    keeping: Keeping,
     /// The sign of the velocity that a software limit makes the motor lose on a harder ramp than it is asked to; 0 for none.
     held_back: i64,
 }
@@ -77,7 +77,7 @@ impl KeptVelocity {
     pub(super) const fn new() -> Self {
         Self {
             order: None,
-            course: Course::None,
+            keeping: Keeping::None,
             held_back: 0,
         }
     }
@@ -91,7 +91,7 @@ impl KeptVelocity {
     pub(super) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
         let is_into = |order: Order| motor.is_free(order.velocity.bits()).is_err();
         if self.order.is_some_and(is_into) {
-            self.course = Course::AtSwitch;
+            self.keeping = Keeping::AtSwitch;
         } else {
             self.forget();
         }
@@ -99,8 +99,8 @@ impl KeptVelocity {
 
     /// The velocity of the order that is carried out; `None` if there is none, or the motor is to stand.
     pub(super) const fn velocity(&self) -> Option<SignedSpeed> {
-        match (self.order, self.course) {
-            (Some(order), Course::Free | Course::Far | Course::ToLimit)
+        match (self.order, self.keeping) {
+            (Some(order), Keeping::Free | Keeping::Far | Keeping::ToLimit)
                 if order.velocity.bits() != 0 =>
             {
                 Some(order.velocity)
@@ -111,24 +111,24 @@ impl KeptVelocity {
 
     /// Whether an order is under way that goes on by itself, as long as it stays the same.
     pub(super) const fn goes_on(&self) -> bool {
-        matches!(self.course, Course::Free | Course::ToLimit)
+        matches!(self.keeping, Keeping::Free | Keeping::ToLimit)
     }
 
     /// Carries out an order. Nothing is planned while it stays the same; what software limits bar is tried again, what a limit
     /// switch has ended is not, unless another velocity is asked for.
     pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_, impl Parts>) {
         let motor = &mut *context.motor;
-        let is_new = if self.course == Course::AtSwitch {
+        let is_new = if self.keeping == Keeping::AtSwitch {
             // A limit that is written cuts the velocity otherwise, but asks for no other.
             self.order.map(|before| before.asked) != Some(order.asked)
         } else {
             !self.order.is_some_and(|before| order.is_like(before))
-                || self.course == Course::Barred && motor.is_at_rest()
-                || self.course == Course::Far && is_within_reach(end_of(order), motor)
+                || self.keeping == Keeping::Barred && motor.is_at_rest()
+                || self.keeping == Keeping::Far && is_within_reach(end_of(order), motor)
         };
         if is_new {
             self.order = Some(order);
-            (self.course, self.held_back) = begin(order, context.motor);
+            (self.keeping, self.held_back) = begin(order, context.motor);
         } else if let Some(before) = &mut self.order {
             before.asked = order.asked;
         }
@@ -139,10 +139,10 @@ impl KeptVelocity {
         let is_held_back =
             self.held_back != 0 && motor.committed_velocity().bits().signum() == self.held_back;
         is_held_back
-            || match self.course {
-                Course::None | Course::Free | Course::Far => false,
-                Course::ToLimit => motor.is_ending(),
-                Course::Barred | Course::AtSwitch => true,
+            || match self.keeping {
+                Keeping::None | Keeping::Free | Keeping::Far => false,
+                Keeping::ToLimit => motor.is_ending(),
+                Keeping::Barred | Keeping::AtSwitch => true,
             }
     }
 }
@@ -163,7 +163,7 @@ fn is_within_reach(end: i64, motor: &Motor<impl Actuator>) -> bool {
 }
 
 /// Plans the motion. Returns what has become of it, and the sign of the velocity that is lost on a harder ramp; 0 for none.
-fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Course, i64) {
+fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Keeping, i64) {
     let Order {
         asked: _,
         velocity,
@@ -176,11 +176,11 @@ fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Course, i64) {
     motor.expect_acceleration(limits.acceleration);
     if velocity == SignedSpeed::ZERO {
         stop(motor, limits.deceleration);
-        return (Course::Free, 0);
+        return (Keeping::Free, 0);
     }
     if motor.is_free(velocity.bits()).is_err() {
         stop(motor, limits.deceleration);
-        return (Course::AtSwitch, 0);
+        return (Keeping::AtSwitch, 0);
     }
     let asked = Ramp {
         deceleration: limits.deceleration,
@@ -214,21 +214,21 @@ fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Course, i64) {
         // A harder ramp ends on the limit.
         let is_ahead = is_ahead || held.is_harder && !held.passes && !is_behind;
         let result = is_ahead.then(|| motor.move_to(end, limits));
-        result.map(|result| result.map(|()| Course::ToLimit))
+        result.map(|result| result.map(|()| Keeping::ToLimit))
     } else {
-        let course = if has_end { Course::Far } else { Course::Free };
-        Some(motor.ramp_to(velocity, limits).map(|()| course))
+        let keeping = if has_end { Keeping::Far } else { Keeping::Free };
+        Some(motor.ramp_to(velocity, limits).map(|()| keeping))
     };
-    let course = match result {
-        Some(Ok(course)) => course,
+    let keeping = match result {
+        Some(Ok(keeping)) => keeping,
         Some(Err(_)) | None => {
             stop(motor, limits.deceleration);
-            Course::Barred
+            Keeping::Barred
         }
     };
     held.taken(motor);
     let held_back = if held.is_harder { heading } else { 0 };
-    (course, held_back)
+    (keeping, held_back)
 }
 
 fn stop(motor: &mut Motor<impl Actuator>, deceleration: u32) {

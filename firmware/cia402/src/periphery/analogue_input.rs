@@ -4,6 +4,8 @@
 //! kept finer than the converter, so that it settles on the value and not beside it. The values are there to be shown; no set-point
 //! comes from them.
 
+use motion::low;
+
 use crate::configuration::AnalogueConfiguration;
 
 /// The largest number of the converter.
@@ -56,7 +58,7 @@ impl AnalogueInput {
                 let step = (distance * i64::from(elapsed))
                     .checked_div(time.into())
                     .unwrap_or(distance);
-                smooth + step as i32
+                smooth + low::i32(step)
             }
             _ => target,
         });

@@ -10,6 +10,8 @@
 //!
 //! 2061h inverts outputs: an inverted one is low where it would be high. After power-on, and while the processor is reset, all are low.
 
+use motion::low;
+
 use crate::commands::Commands;
 use crate::outputs::{ALL, OutputConfiguration, OutputFunction};
 use crate::state_machine::State;
@@ -100,7 +102,7 @@ impl DigitalOutputs {
 
     /// The levels of the outputs, output 1 in bit 0.
     pub(crate) fn levels(&self, shown: &Shown, configuration: &OutputConfiguration) -> u8 {
-        let mut levels = (self.set >> FIRST) as u8 & ALL;
+        let mut levels = low::u8(self.set >> FIRST) & ALL;
         if configuration.functions != OutputConfiguration::NONE.functions {
             let mut output = 1;
             for function in configuration.functions {

@@ -20,6 +20,8 @@ mod look;
 
 use canopen::Instant;
 
+use motion::low;
+
 use crate::commands::Commands;
 use crate::configuration::Configuration;
 use crate::inputs::{Count, DigitalInputs, Edge, Edges, InputConfiguration, SOURCE, Source};
@@ -319,7 +321,7 @@ impl TouchProbes {
 
 /// A moment as edges have it.
 const fn nanoseconds(now: Instant) -> u32 {
-    now.ticks().wrapping_mul(1000) as u32
+    low::u32(now.ticks().wrapping_mul(1000))
 }
 
 #[cfg(test)]

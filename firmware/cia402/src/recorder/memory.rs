@@ -6,6 +6,8 @@
 use core::fmt;
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use motion::low;
+
 use crate::scope::{CHANNELS, Setup};
 
 /// The length of the header of 20D3h in bytes.
@@ -95,8 +97,11 @@ impl Memory {
     pub(super) fn publish(&self, run: u32, setup: &Setup, tick: u32, outcome: &Outcome) {
         let stride = setup.stride();
         let lengths = u32::from(VERSION) | HEADER << 16;
-        let channels = setup.signals().count() as u32;
-        let [low, high] = [outcome.triggered as u32, (outcome.triggered >> 32) as u32];
+        let channels = low::word(setup.signals().count());
+        let [low, high] = [
+            low::u32(outcome.triggered),
+            (outcome.triggered >> 32) as u32,
+        ];
         let head = [
             lengths,
             tick,

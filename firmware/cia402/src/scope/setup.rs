@@ -53,7 +53,9 @@ impl Setup {
                 edge: od::read_u8(dictionary, TRIGGER, 2)
                     .and_then(Edge::from_code)
                     .unwrap_or(Edge::Rising),
-                level: od::read_u32(dictionary, TRIGGER, 3).unwrap_or(0) as i32,
+                level: od::read_u32(dictionary, TRIGGER, 3)
+                    .unwrap_or(0)
+                    .cast_signed(),
                 mask: od::read_u32(dictionary, TRIGGER, 4).unwrap_or(0),
             },
             is_repeated: od::read_u8(dictionary, SCOPE, sub::MODE) == Some(1),

@@ -1,5 +1,7 @@
 //! What can be recorded: the values that a control tick has at hand, by the objects that show them.
 
+use motion::low;
+
 /// Hands the table to the macro of this name: a value, its object, its length in bits, how to read it, and where it comes from in a tick
 /// ([`crate::exchange::Seen`]).
 macro_rules! every_signal {
@@ -16,29 +18,29 @@ macro_rules! every_signal {
             /// 6041h.
             Statusword 0x6041 0 16 Unsigned |tick| tick.actuals.statusword.into();
             /// 6043h.
-            VlVelocityDemand 0x6043 0 16 Signed |tick| (tick.actuals.vl_velocity_demand as u16).into();
+            VlVelocityDemand 0x6043 0 16 Signed |tick| tick.actuals.vl_velocity_demand.cast_unsigned().into();
             /// 6044h.
-            VlVelocityActualValue 0x6044 0 16 Signed |tick| (tick.actuals.vl_velocity_actual as u16).into();
+            VlVelocityActualValue 0x6044 0 16 Signed |tick| tick.actuals.vl_velocity_actual.cast_unsigned().into();
             /// 6061h.
-            ModesOfOperationDisplay 0x6061 0 8 Signed |tick| (tick.actuals.mode_display as u8).into();
+            ModesOfOperationDisplay 0x6061 0 8 Signed |tick| tick.actuals.mode_display.cast_unsigned().into();
             /// 6062h.
-            PositionDemandValue 0x6062 0 32 Signed |tick| tick.actuals.position_demand as u32;
+            PositionDemandValue 0x6062 0 32 Signed |tick| tick.actuals.position_demand.cast_unsigned();
             /// 6063h.
-            PositionActualInternalValue 0x6063 0 32 Signed |tick| tick.actuals.position_actual_internal as u32;
+            PositionActualInternalValue 0x6063 0 32 Signed |tick| tick.actuals.position_actual_internal.cast_unsigned();
             /// 6064h.
-            PositionActualValue 0x6064 0 32 Signed |tick| tick.actuals.position_actual as u32;
+            PositionActualValue 0x6064 0 32 Signed |tick| tick.actuals.position_actual.cast_unsigned();
             /// 606Bh.
-            VelocityDemandValue 0x606B 0 32 Signed |tick| tick.actuals.velocity_demand as u32;
+            VelocityDemandValue 0x606B 0 32 Signed |tick| tick.actuals.velocity_demand.cast_unsigned();
             /// 606Ch.
-            VelocityActualValue 0x606C 0 32 Signed |tick| tick.actuals.velocity_actual as u32;
+            VelocityActualValue 0x606C 0 32 Signed |tick| tick.actuals.velocity_actual.cast_unsigned();
             /// 607Ah, as the tick took it.
-            TargetPosition 0x607A 0 32 Signed |tick| tick.commands.target_position as u32;
+            TargetPosition 0x607A 0 32 Signed |tick| tick.commands.target_position.cast_unsigned();
             /// 60F4h.
-            FollowingErrorActualValue 0x60F4 0 32 Signed |tick| tick.actuals.following_error as u32;
+            FollowingErrorActualValue 0x60F4 0 32 Signed |tick| tick.actuals.following_error.cast_unsigned();
             /// 60FDh.
             DigitalInputs 0x60FD 0 32 Unsigned |tick| tick.actuals.digital_inputs;
             /// 60FFh, as the tick took it: in user units, rounded to increments and back.
-            TargetVelocity 0x60FF 0 32 Signed |tick| tick.units.velocity_in_units(tick.commands.target_velocity) as u32;
+            TargetVelocity 0x60FF 0 32 Signed |tick| tick.units.velocity_in_units(tick.commands.target_velocity).cast_unsigned();
         }
     };
 }
@@ -102,9 +104,9 @@ impl Signal {
     pub const fn number(self, bits: u32) -> i64 {
         match (self.kind(), self.length()) {
             (Kind::Unsigned, _) => bits as i64,
-            (Kind::Signed, 8) => bits as u8 as i8 as i64,
-            (Kind::Signed, 16) => bits as u16 as i16 as i64,
-            (Kind::Signed, _) => bits as i32 as i64,
+            (Kind::Signed, 8) => low::u8(bits).cast_signed() as i64,
+            (Kind::Signed, 16) => low::u16(bits).cast_signed() as i64,
+            (Kind::Signed, _) => bits.cast_signed() as i64,
         }
     }
 }

@@ -1,5 +1,7 @@
 //! How the numbers of the user lie on the increments.
 
+use motion::low;
+
 use super::{Range, Ratio, Units};
 
 /// One position of which the number of the user is known exactly, because it was commanded or homing gave it: there it is shown
@@ -69,7 +71,7 @@ impl Frame {
     #[inline]
     pub(crate) fn shown(&self, increments: i64, units: &Units) -> i32 {
         if units.shows_increments() {
-            return increments as i32;
+            return low::i32(increments);
         }
         units.range().shown(self.position(increments, units))
     }

@@ -1,5 +1,7 @@
 //! The range of positions 607Bh, and the ways round on a rotary axis (60F2h, bits 7 and 6).
 
+use motion::low;
+
 /// Where positions wrap. Without a range of their own they wrap at the ends of 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Range {
@@ -93,12 +95,12 @@ impl Range {
     #[inline(never)]
     fn wrapped(self, position: i64) -> i32 {
         if !self.is_rotary() {
-            return position as i32;
+            return low::i32(position);
         }
         let beyond = position.wrapping_sub(self.low.into());
         let rest = beyond.checked_rem_euclid(self.span()).unwrap_or(0);
         // Not above the highest.
-        rest.wrapping_add(self.low.into()) as i32
+        low::i32(rest.wrapping_add(self.low.into()))
     }
 
     /// The target on the count that goes on behind the ends, for the position `target` of a turn and a motor that would come

@@ -1,6 +1,6 @@
 //! Exact ratios of increments to units.
 
-use motion::{Speed, by_digit, quotient};
+use motion::{Speed, by_digit, low, quotient};
 
 /// A ratio of two positive numbers in lowest terms: how many increments a unit is.
 ///
@@ -185,7 +185,7 @@ fn wide(value: u64, numerator: u64, denominator: u64) -> u64 {
     let product = u128::from(value) * u128::from(numerator);
     let whole = quotient(product, 0, denominator.into());
     // The remainder is less than the denominator: the lower half has all of it.
-    let rest = (product as u64).wrapping_sub((whole as u64).wrapping_mul(denominator));
+    let rest = low::u64(product).wrapping_sub(low::u64(whole).wrapping_mul(denominator));
     let is_half = rest >= denominator.wrapping_sub(rest);
     u64::try_from(whole.saturating_add(is_half.into())).unwrap_or(u64::MAX)
 }

@@ -4,6 +4,7 @@ use heapless::Deque;
 
 use super::ring::SLOTS;
 use crate::Direction;
+use crate::low;
 
 /// Changes of direction that are remembered, those still to come included.
 const MARKS: usize = 16;
@@ -104,7 +105,7 @@ impl PulseCount {
     /// again and again: a turn in those behind it has not been made, whatever the count says.
     pub(super) fn position_stuck(&self, count: u32, fetched: u32) -> i64 {
         let is_made = |mark: &&Mark| {
-            mark.slot.wrapping_sub(fetched) >= SLOTS as u32 && has_passed(mark, count)
+            mark.slot.wrapping_sub(fetched) >= low::word(SLOTS) && has_passed(mark, count)
         };
         let mark = self.later.iter().rev().find(is_made);
         mark.unwrap_or(&self.first).position_at(count)

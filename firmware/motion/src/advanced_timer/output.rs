@@ -1,4 +1,6 @@
-//! The end where records are put in, and everything that is written to the timers.
+//! Everything that is written to the timers: the start of a train, its end, and what is done when they have failed. Records come in by [`filling`].
+
+mod filling;
 
 use core::fmt;
 
@@ -7,19 +9,18 @@ use super::interrupts::on_break;
 use super::registers::{Register, Registers, bits};
 use super::ring::{Ring, SLOTS, WORDS};
 use super::set_up;
-use super::slots::{Place, Remainder, level};
+use super::slots::Remainder;
+use crate::low;
 use crate::record::SHORTEST_RECORD;
-use crate::turns::Turns;
-use crate::{PulseSink, Record, Ticks};
 
 /// Slots that are always silent: with the processor stopped they take 6.4 s at 168 MHz.
 const SILENT_SLOTS: u32 = 64;
 
 /// Slots that may be written ahead.
-const MOST_SLOTS: u32 = SLOTS as u32 - SILENT_SLOTS;
+const MOST_SLOTS: u32 = low::word(SLOTS) - SILENT_SLOTS;
 
 /// Words of the whole ring.
-const ALL_WORDS: u32 = (SLOTS * WORDS) as u32;
+const ALL_WORDS: u32 = low::word(SLOTS * WORDS);
 
 /// Half of the silence before a train, in ticks: time to write the first slots in.
 const LEAD_IN: u32 = 1 << 12;
@@ -77,7 +78,7 @@ impl<R> fmt::Debug for Output<'_, R> {
 impl<'a, R: Registers> Output<'a, R> {
     /// Sets up timers and stream. Both timers stand still, the outputs are low; the clocks of the peripherals are on.
     pub fn new(mut registers: R, ring: &'a Ring) -> Self {
-        ring.silence(0, SLOTS as u32, 0);
+        ring.silence(0, low::word(SLOTS), 0);
         set_up::timer(&mut registers, ring);
         set_up::counter(&mut registers);
         let mut output = Self {
@@ -246,8 +247,8 @@ impl<'a, R: Registers> Output<'a, R> {
     #[inline]
     fn newly_fetched(&self) -> u32 {
         let left = self.registers.read(Register::StreamNdtr);
-        let slots = ALL_WORDS.wrapping_sub(left) / WORDS as u32;
-        slots.wrapping_sub(self.fetched) % SLOTS as u32
+        let slots = ALL_WORDS.wrapping_sub(left) / low::word(WORDS);
+        slots.wrapping_sub(self.fetched) % low::word(SLOTS)
     }
 
     /// Whether every slot written has been played, if so many more have been fetched than was known: the silence behind them
@@ -267,89 +268,6 @@ impl<'a, R: Registers> Output<'a, R> {
     fn in_time(&self) -> i32 {
         let lead = self.request.wrapping_sub(self.registers.now());
         lead.cast_signed() >> MARGIN_BITS
-    }
-
-    /// Writes slots as long as there is room for what is left of the last record. So many are in time without another look.
-    #[inline]
-    fn fill(&mut self, mut in_time: i32) {
-        let mut turns = Turns::at_most(MOST_SLOTS);
-        while !self.remainder.is_empty() && self.has_room() {
-            turns.count();
-            if in_time <= 0 {
-                in_time = self.in_time();
-                if in_time <= 0 {
-                    return;
-                }
-            }
-            in_time = in_time.wrapping_sub(1);
-            let words = self.remainder.next();
-            // What follows must not turn back while it is silent.
-            let next = self.written.wrapping_add(1);
-            self.level = words.level();
-            self.ring.set_level(next, self.level);
-            self.ring.put(self.written, words);
-            self.written = next;
-            self.request = self.request.wrapping_add(self.last);
-            self.last = words.ticks();
-        }
-    }
-
-    /// Takes records that go the same way as the one before, as long as there is room up to the end of the memory and they are in time:
-    /// nearly all are like that. Gives how many.
-    #[inline(never)]
-    fn push_alike(&mut self, records: &[Record]) -> usize {
-        if !self.running || !self.remainder.is_empty() {
-            return 0;
-        }
-        let room = MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.fetched));
-        let most = room.min(self.in_time().max(0).cast_unsigned()) as usize;
-        let slots = self.ring.from(self.written);
-        let slots = slots.get(..most).unwrap_or(slots);
-        let direction = self.counted.direction();
-        let mut place = Place::new(slots, self.level);
-        let mut left = records;
-        let mut turns = Turns::for_each(records);
-        while let Some((record, rest)) = left.split_first()
-            && record.direction == direction
-            && let Some(length) = place.put(record)
-        {
-            turns.count();
-            self.end = self.end.wrapping_add(length);
-            if record.width > 0 {
-                self.pulses = self.pulses.wrapping_add(record.repeat.into());
-            }
-            left = rest;
-        }
-        let written = slots.len().wrapping_sub(place.room.len());
-        if written > 0 {
-            self.written = self.written.wrapping_add(written as u32);
-            // What follows must not turn back while it is silent.
-            self.ring.set_level(self.written, self.level);
-            self.last = place.last;
-            // The DMA fetches the next slot when the last one begins.
-            self.request = self.end.wrapping_sub(place.last);
-        }
-        records.len().wrapping_sub(left.len())
-    }
-
-    /// Takes those that are left of so many more, one at a time where they are not alike. Gives how many have been taken then.
-    #[inline(never)]
-    fn push_others(&mut self, records: &[Record], mut taken: usize) -> usize {
-        let mut turns = Turns::for_each(records);
-        while let Some(record) = records.get(taken)
-            && self.push(*record).is_ok()
-        {
-            turns.count();
-            taken = taken.wrapping_add(1);
-            let left = records.get(taken..).unwrap_or_default();
-            taken = taken.wrapping_add(self.push_alike(left));
-        }
-        taken
-    }
-
-    /// Whether a slot may be written without touching the silent ones.
-    fn has_room(&self) -> bool {
-        self.written.wrapping_sub(self.fetched) < MOST_SLOTS
     }
 
     /// Begins a train with what is in the ring. The silence in front is played twice: once from here, and once because it is
@@ -468,85 +386,5 @@ impl<'a, R: Registers> Output<'a, R> {
         self.written = 0;
         self.fetched = 0;
         self.remainder = Remainder::NONE;
-    }
-}
-
-impl<R: Registers> PulseSink for Output<'_, R> {
-    #[inline]
-    fn push(&mut self, record: Record) -> Result<(), Record> {
-        if self.failed {
-            return Err(record);
-        }
-        if !self.remainder.is_empty() || !self.has_room() {
-            self.service();
-            if self.failed || !self.remainder.is_empty() || !self.has_room() {
-                return Err(record);
-            }
-        }
-        let mut in_time = 0;
-        if self.running {
-            in_time = self.in_time();
-            if in_time <= 0 {
-                // Too late to go on without a gap. When the last slot has been played, the next train begins.
-                self.service();
-                if self.failed || self.running {
-                    return Err(record);
-                }
-            }
-        }
-        if !self.running {
-            if self.is_broken() {
-                return Err(record);
-            }
-            self.believe_counter();
-        }
-        if self.counted.direction() != record.direction {
-            let count = self.registers.read(Register::CounterCnt);
-            if !self.counted.has_room(count) {
-                return Err(record);
-            }
-            let slot = self.written;
-            self.counted.turn(self.pulses, record.direction, slot);
-        }
-        if record.width > 0 {
-            self.pulses = self.pulses.wrapping_add(record.repeat.into());
-        }
-        self.remainder = Remainder::of(&record);
-        if self.running {
-            self.end = self.end.wrapping_add(self.remainder.ticks());
-        } else {
-            self.start(level(record.direction));
-        }
-        self.fill(in_time);
-        Ok(())
-    }
-
-    #[inline]
-    fn push_all(&mut self, records: &[Record]) -> usize {
-        let taken = self.push_alike(records);
-        if taken == records.len() {
-            return taken;
-        }
-        self.push_others(records, taken)
-    }
-
-    #[inline]
-    fn pending(&self) -> Ticks {
-        if !self.running {
-            return 0;
-        }
-        let left = self.end.wrapping_sub(self.registers.now()).cast_signed();
-        if left > 0 {
-            return left.cast_unsigned().into();
-        }
-        // At least 1 until the last slot has been played.
-        u64::from(!self.has_ended(self.newly_fetched()))
-    }
-
-    fn free(&self) -> usize {
-        if !self.remainder.is_empty() {
-            return 0;
-        }
-        MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.fetched)) as usize
     }
 }

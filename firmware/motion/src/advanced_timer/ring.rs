@@ -3,6 +3,7 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use super::slots::Words;
+use crate::low;
 use crate::turns::Turns;
 
 /// Slots of the ring. A power of two.
@@ -37,7 +38,7 @@ impl Ring {
 
     /// Where the DMA finds it: addresses have 32 bits on a board.
     pub fn address(&self) -> u32 {
-        core::ptr::from_ref(self).expose_provenance() as u32
+        low::word(core::ptr::from_ref(self).expose_provenance())
     }
 
     /// The words of a slot, counted round the ring, as the DMA reads them.

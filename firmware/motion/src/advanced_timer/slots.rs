@@ -1,6 +1,7 @@
 //! From records to slots: what a timer of 16 bits with a repetition counter of 8 bits can do at a time.
 
 use super::ring::{Slot, fill};
+use crate::low;
 use crate::record::SHORTEST_RECORD;
 use crate::{Direction, Record};
 
@@ -16,7 +17,7 @@ pub(super) const MOST_PERIODS: u32 = 256;
 pub(super) const LONGEST_RUN: u32 = 1 << 14;
 
 /// Pulses as wide as that have no room in half of the longest run.
-const WIDEST: u16 = (LONGEST_RUN / 2) as u16;
+const WIDEST: u16 = low::u16(LONGEST_RUN / 2);
 
 /// What a DMA burst writes into ARR, RCR, CCR1 and CCR2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,7 +160,7 @@ impl<'a> Place<'a> {
         let (slots, room) = self.room.split_first_chunk::<PARTS>()?;
         self.room = room;
         let (mut left, mut width) = (record.period, record.width.into());
-        for (slot, parts) in slots.iter().zip((1..=PARTS as u32).rev()) {
+        for (slot, parts) in slots.iter().zip((1..=low::word(PARTS)).rev()) {
             let part = left / parts;
             left = left.wrapping_sub(part);
             fill(slot, Words::run(part, 1, width, self.level));

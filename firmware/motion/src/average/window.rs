@@ -2,6 +2,7 @@
 
 use crate::clock::Clock;
 use crate::divide::by_digit;
+use crate::low;
 use crate::plan::Limits;
 
 /// Samples that are kept: 4 KiB.
@@ -25,17 +26,17 @@ impl Window {
         let ticks = change.saturating_mul(clock.hz().into());
         let (ticks, over) = by_digit(ticks, jerk.max(1));
         let ticks = ticks.saturating_add(u64::from(over > 0));
-        Self::of(ticks.min(Self::LONGEST.into()) as u32, segment)
+        Self::of(low::u32(ticks.min(Self::LONGEST.into())), segment)
     }
 
     /// One that takes so many ticks, or a few more: at most [`SAMPLES`] of them. At least a segment.
     pub(crate) fn of(ticks: u32, segment: u32) -> Self {
         let segment = segment.max(1);
         let ticks = ticks.max(segment);
-        let count = ticks.div_ceil(segment).min(SAMPLES as u32);
+        let count = ticks.div_ceil(segment).min(low::word(SAMPLES));
         let grid = ticks.div_ceil(count.max(1));
         Self {
-            count: count as u16,
+            count: low::u16(count),
             grid,
         }
     }

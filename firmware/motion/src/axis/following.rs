@@ -3,6 +3,7 @@
 use super::{Axis, Demand};
 use crate::clock::Ticks;
 use crate::fixed::{Position, State, Velocity};
+use crate::low;
 use crate::path::{FollowError, Manner, Path};
 use crate::speed::SignedSpeed;
 
@@ -50,14 +51,14 @@ impl Axis {
         // Twice the distance in Q56: what a position cannot hold of it is kept for the next one, or slow velocities would drift.
         let distance = both.wrapping_mul(length.into());
         let distance = distance.wrapping_add(self.carry.into());
-        let to = from.position.bits().wrapping_add((distance >> 25) as i64);
+        let to = from.position.bits().wrapping_add(low::i64(distance >> 25));
         let manner = if from.velocity == velocity {
             Manner::Steady(velocity)
         } else {
             Manner::Cubic(velocity)
         };
         self.go_on(end, Position::from_bits(to), manner)?;
-        self.carry = distance as u32 & 0x1FF_FFFF;
+        self.carry = low::u32(low::u64(distance.cast_unsigned())) & 0x1FF_FFFF;
         Ok(())
     }
 

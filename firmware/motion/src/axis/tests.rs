@@ -10,6 +10,7 @@ mod preview;
 mod random;
 mod replay;
 mod slow;
+mod span;
 mod steady;
 mod vectors;
 

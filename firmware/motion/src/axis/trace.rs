@@ -3,6 +3,7 @@
 use crate::clock::Ticks;
 use crate::divide::by_digit;
 use crate::fixed::{Position, State, Velocity};
+use crate::low;
 
 /// Points that are kept. A power of two.
 const POINTS: usize = 32;
@@ -43,15 +44,15 @@ impl Trace {
     pub(super) fn restart(&mut self, t: Ticks, state: State) {
         self.points = [(t, state); POINTS];
         self.gap = u32::MAX;
-        self.at = t as u32;
+        self.at = low::u32(t);
     }
 
     /// The horizon has come to a point. The last one is forgotten if it lies closer than `least` ticks to the one before.
     #[inline]
     pub(super) fn mark(&mut self, t: Ticks, state: State, least: u32) {
         // All points lie less than 2³¹ ticks apart.
-        let passed = (t as u32).wrapping_sub(self.at);
-        self.at = t as u32;
+        let passed = low::u32(t).wrapping_sub(self.at);
+        self.at = low::u32(t);
         if self.gap < least {
             self.gap = self.gap.saturating_add(passed);
         } else {
@@ -69,7 +70,7 @@ impl Trace {
         if after.0 <= t {
             return after.1;
         }
-        for age in 1..POINTS as u32 {
+        for age in 1..low::word(POINTS) {
             let point = self.point(age);
             if point.0 <= t {
                 return between(point, after, t);
@@ -90,7 +91,7 @@ impl Trace {
 /// The state at tick `t` between two points.
 fn between(before: &Point, after: &Point, t: Ticks) -> State {
     // Points lie less than 2³⁰ ticks apart.
-    let length = after.0.wrapping_sub(before.0) as u32;
+    let length = low::u32(after.0.wrapping_sub(before.0));
     let passed = t.wrapping_sub(before.0);
     // Q16 of the distance.
     let (part, _) = by_digit(passed << 16, length);
@@ -100,7 +101,7 @@ fn between(before: &Point, after: &Point, t: Ticks) -> State {
             return from;
         }
         let change = i128::from(to.wrapping_sub(from)).wrapping_mul(part.into()) >> 16;
-        from.wrapping_add(change as i64)
+        from.wrapping_add(low::i64(change))
     };
     State {
         position: Position::from_bits(blend(before.1.position.bits(), after.1.position.bits())),

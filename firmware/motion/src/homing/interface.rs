@@ -136,9 +136,9 @@ pub enum Failure {
     Limit,
     /// Both limit switches are active.
     BothLimits,
-    /// The longest way or the longest time is over.
+    /// The longest distance or the longest time is over.
     TooLong,
-    /// No index pulse within the longest way to it.
+    /// No index pulse within the longest distance to it.
     NoIndex,
     /// The switch is too narrow for the search speed: its edge was run over again and again, or it was passed to the limit switch and
     /// touched for less than its filter wants.

@@ -17,6 +17,7 @@
 //! - Every change of direction is a full stop. The motor never goes on into a limit switch, other than the one it looks for.
 //! - Nothing goes on for ever: see [`Settings`] for the bounds, and [`Failure`] for how it ends.
 
+mod index;
 mod interface;
 mod method;
 
@@ -363,60 +364,12 @@ impl Homing {
         })
     }
 
-    /// Keeps the first index pulse behind an edge that is not noticed yet.
-    fn keep_pulse(&mut self, seen: &Seen) {
-        let Some(pending) = self.pending else {
-            self.early_pulse = None;
-            return;
-        };
-        let edge = self.outermost(pending, !self.was_active);
-        if edge != self.edge {
-            self.edge = edge;
-            self.early_pulse = None;
-        }
-        self.early_pulse = self
-            .early_pulse
-            .or(seen.index.filter(|pulse| self.is_behind_edge(*pulse)));
-    }
-
     /// The outermost position at which the switch is active, at an edge that was passed in this run.
     const fn outermost(&self, edge: i32, rose: bool) -> i32 {
         if rose {
             edge
         } else {
             edge.wrapping_sub(self.direction.sign())
-        }
-    }
-
-    fn begin_index(&mut self, direction: Direction, edge: i32) -> Order {
-        self.edge = edge;
-        self.phase = Phase::ToIndex;
-        self.run(direction, Speed::Zero)
-    }
-
-    fn run_to_index(&mut self, seen: &Seen) -> Result<Order, Failure> {
-        if let Some(pulse) = seen.index.filter(|pulse| self.is_behind_edge(*pulse)) {
-            return Ok(self.take_index(pulse));
-        }
-        self.free_way(seen, self.direction)?;
-        let gone = seen.position.wrapping_sub(self.edge).unsigned_abs();
-        if exceeds(gone.into(), self.settings.longest_distance_to_index) {
-            return Err(Failure::NoIndex);
-        }
-        Ok(Order::GoOn)
-    }
-
-    fn take_index(&mut self, pulse: i32) -> Order {
-        self.home = pulse;
-        self.finish()
-    }
-
-    /// Whether an index pulse comes after the edge, in the direction of the run.
-    fn is_behind_edge(&self, pulse: i32) -> bool {
-        let distance = pulse.wrapping_sub(self.edge);
-        match self.direction {
-            Direction::Forward => distance > 0,
-            Direction::Reverse => distance < 0,
         }
     }
 

@@ -10,6 +10,7 @@ use super::piece::{Offset, Slope, ramp_distance};
 use crate::clock::{Clock, Fine};
 use crate::divide::{estimate, quotient};
 use crate::fixed::Exact;
+use crate::low;
 use crate::root::root;
 use crate::speed::Speed;
 use crate::wide::Wide;
@@ -244,7 +245,7 @@ impl Route {
             let above = mantissa.leading_zeros();
             let (digit, below) = part_of_sum(self.limits.deceleration, self.limits.acceleration);
             let product = u128::from(mantissa << (above & 63)) * u128::from(digit);
-            ((product >> 32) as u64, below + above.cast_signed() - 32)
+            (low::u64(product >> 32), below + above.cast_signed() - 32)
         };
         // share · 2^(exponent − below): an even exponent, so that its root is a shift.
         let exponent = exponent.cast_signed() - below;
@@ -269,7 +270,7 @@ fn part_of_sum(part: u32, other: u32) -> (u32, i32) {
             let above = sum.leading_zeros();
             (sum << (above & 31), above.cast_signed())
         }
-        Err(_) => (((sum + 1) >> 1) as u32, -1),
+        Err(_) => (low::u32((sum + 1) >> 1), -1),
     };
     let digit = estimate(u64::from(part << (above & 31)) << 31, divisor);
     (digit, above.cast_signed() + 31 - shift)

@@ -7,6 +7,7 @@
 
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Exact, Q96, Q128, State, product};
+use crate::low;
 use crate::stepper::piece::Piece as Polynomial;
 use crate::wide::Wide;
 
@@ -77,9 +78,12 @@ impl Phase {
     pub fn acceleration_at(&self, clock: Clock, t: Ticks) -> i64 {
         let acceleration = self.acceleration_exact(t);
         let rate = u128::from(clock.hz());
-        let magnitude = Wide::product(acceleration.unsigned_abs(), rate * rate)
-            .plus(Wide::product(1 << 95, 1))
-            .shifted_wrapping(96) as i64;
+        let magnitude = low::u64(
+            Wide::product(acceleration.unsigned_abs(), rate * rate)
+                .plus(Wide::product(1 << 95, 1))
+                .shifted_wrapping(96),
+        )
+        .cast_signed();
         if acceleration < 0 {
             magnitude.wrapping_neg()
         } else {

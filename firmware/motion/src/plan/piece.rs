@@ -8,6 +8,7 @@ use super::phase::{Phase, whole};
 use super::sine;
 use crate::clock::{Clock, Fine, Ticks};
 use crate::divide::Divisor;
+use crate::low;
 
 /// A time in ticks, Q32: corners fall between ticks.
 pub(crate) type Offset = u128;
@@ -44,7 +45,7 @@ impl Instant {
 
     /// The last tick that is not behind it.
     const fn tick(self) -> Ticks {
-        (self.0 >> 32) as u64
+        low::u64(self.0 >> 32)
     }
 
     /// The first tick that is not before it.
@@ -55,7 +56,7 @@ impl Instant {
 
     /// How far it is behind the tick before it, Q32.
     const fn fraction(self) -> u32 {
-        self.0 as u32
+        low::u32(low::u64(self.0))
     }
 }
 
@@ -213,7 +214,7 @@ impl Piece {
 /// ⌊value · fraction / 2³²⌋.
 #[inline]
 fn part(value: i128, fraction: u32) -> i128 {
-    let low = (u128::from(value as u64) * u128::from(fraction)) >> 32;
+    let low = (u128::from(low::u64(value.cast_unsigned())) * u128::from(fraction)) >> 32;
     let high = (i128::from((value >> 64) as i64) * i128::from(fraction)) << 32;
     high + low.cast_signed()
 }
@@ -222,8 +223,8 @@ fn part(value: i128, fraction: u32) -> i128 {
 #[inline(always)]
 pub(crate) fn over_time(value: u128, time: Offset) -> u128 {
     // Both in halves.
-    let low = (u128::from(value as u64) * u128::from(time as u64)) >> 32;
-    let high = ((value >> 64) * u128::from(time as u64)) << 32;
+    let low = (u128::from(low::u64(value)) * u128::from(low::u64(time))) >> 32;
+    let high = ((value >> 64) * u128::from(low::u64(time))) << 32;
     let product = low.wrapping_add(high);
     // Nearly all ramps take less than 2³² ticks, 25 s at 168 MHz.
     if time >> 64 == 0 {

@@ -16,6 +16,7 @@
 use super::piece::{Instant, Offset, Piece, Shape, distance_at, over_time};
 use crate::clock::{Fine, Ticks};
 use crate::divide::{estimate, quotient};
+use crate::low;
 
 /// sin(π·k/128) for k from 0 to 64, Q64. One is the greatest fraction there is.
 #[rustfmt::skip]
@@ -157,7 +158,10 @@ impl Division {
     fn find(&self, away: Offset, time: Offset) -> (u32, Offset, Offset) {
         // The leading 24 bits give a number that is right or next to it.
         let above = 104u32.saturating_sub(time.leading_zeros());
-        let (away_lead, lead) = ((away >> above) as u32, (time >> above) as u32);
+        let (away_lead, lead) = (
+            low::u32(low::u64(away >> above)),
+            low::u32(low::u64(time >> above)),
+        );
         let parts = (away_lead << (self.bits + 1)).checked_div(lead);
         let number = parts.unwrap_or(0).div_ceil(2).min(self.corners());
         let (begin, end) = (self.time(number, time), self.time(number + 1, time));
@@ -223,7 +227,7 @@ pub(super) fn jerk(half_acceleration: i128, time: Offset) -> Fine {
 /// The leading 32 bits, and how many there are below; a number of fewer bits is all there is.
 fn leading(value: u128) -> (u32, u32) {
     let below = 96u32.saturating_sub(value.leading_zeros());
-    let lead = (value >> below) as u32;
+    let lead = low::u32(low::u64(value >> below));
     (lead, below)
 }
 
@@ -251,7 +255,7 @@ pub(super) fn jerk_of(half_acceleration: Fine, change: Fine) -> Fine {
 pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, i128, Ticks) {
     let half = ramp.half_acceleration;
     let change = over_time(half.unsigned_abs() << 1, time);
-    let distance = share(change, time as u64).wrapping_add(change.wrapping_mul(time >> 64));
+    let distance = share(change, low::u64(time)).wrapping_add(change.wrapping_mul(time >> 64));
     let division = Division::of(distance);
     let here = Instant::from(t);
     let is_back = here < ramp.anchor;
@@ -299,7 +303,7 @@ pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, i128, Ticks
 /// ⌊number · factor / 2⁶⁴⌋ modulo 2¹²⁸.
 #[inline]
 fn share(number: u128, factor: u64) -> u128 {
-    let low = (u128::from(number as u64) * u128::from(factor)) >> 64;
+    let low = (u128::from(low::u64(number)) * u128::from(factor)) >> 64;
     ((number >> 64) * u128::from(factor)).wrapping_add(low)
 }
 

@@ -4,6 +4,8 @@
 mod again;
 #[cfg(feature = "limited-jerk")]
 mod double_s;
+#[cfg(feature = "limited-jerk")]
+mod extremes;
 mod left_ramps;
 #[cfg(feature = "limited-jerk")]
 mod long;

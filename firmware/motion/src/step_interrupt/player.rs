@@ -5,11 +5,12 @@ use core::sync::atomic::Ordering;
 
 use super::ring::CAPACITY;
 use super::{Shared, ticks};
+use crate::low;
 use crate::turns::Turns;
 use crate::{Direction, DriverTiming, Record};
 
 /// Records that the interrupt may find in a row: it is above who puts them in.
-const MOST_TAKEN: u32 = CAPACITY as u32;
+const MOST_TAKEN: u32 = low::word(CAPACITY);
 
 /// A timer that does one thing at one time, and then interrupts.
 pub trait StepTimer {

@@ -5,6 +5,7 @@ use core::marker::PhantomData;
 use core::sync::atomic::Ordering;
 
 use super::{Shared, StepTimer, ticks};
+use crate::low;
 use crate::{PulseSink, Record, Ticks};
 
 /// Records on their way to the step interrupt. It belongs to a task of lower priority than that interrupt. Records of fewer
@@ -38,7 +39,7 @@ impl<'a, T: StepTimer> RecordQueue<'a, T> {
     pub fn position(&mut self) -> i64 {
         let counted = self.shared.position.load(Ordering::Relaxed);
         // The low half of what is known tells how far the counter has moved on since.
-        let moved = counted.wrapping_sub(self.position as i32);
+        let moved = counted.wrapping_sub(low::i32(self.position));
         self.position = self.position.wrapping_add(i64::from(moved));
         self.position
     }

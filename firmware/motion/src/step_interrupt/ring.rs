@@ -5,12 +5,13 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use crate::low;
 use crate::{Direction, Record};
 
 /// Records that fit. An axis keeps two segments under way, each of some tens of records at worst. A power of two.
 pub const CAPACITY: usize = 128;
 
-const SLOTS: u32 = CAPACITY as u32;
+const SLOTS: u32 = low::word(CAPACITY);
 
 const _: () = assert!(SLOTS.is_power_of_two());
 
@@ -85,7 +86,7 @@ impl Ring {
         let record = Record {
             period: slot.period.load(Ordering::Relaxed),
             repeat: (repeat_and_width >> 16) as u16,
-            width: repeat_and_width as u16,
+            width: low::u16(repeat_and_width),
             direction: match slot.reverse.load(Ordering::Relaxed) {
                 0 => Direction::Forward,
                 _ => Direction::Reverse,

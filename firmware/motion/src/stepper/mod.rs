@@ -14,6 +14,7 @@ mod train;
 use crate::clock::Ticks;
 use crate::divide::by_digit;
 use crate::fixed::{Exact, State, Velocity};
+use crate::low;
 use crate::record::{Direction, DriverTiming, Record};
 use piece::Piece;
 use train::{CROWDED, MOST_IN_CHORD, Pulses, Train};
@@ -139,7 +140,7 @@ impl Stepper {
     /// Steps due when the axis is there, with their sign.
     pub(crate) const fn due(&self, at: Exact) -> i32 {
         // Positions wrap at 2³² steps, and so does the difference.
-        (at.floor().whole_steps() as i32).wrapping_sub(self.train.steps)
+        low::i32(at.floor().whole_steps()).wrapping_sub(self.train.steps)
     }
 
     /// Whether all that was made has been committed, and nothing is open at the horizon.
@@ -185,7 +186,7 @@ impl Stepper {
     pub(crate) const fn state(&self) -> State {
         State {
             position: self.piece.exact().floor(),
-            velocity: Velocity::from_bits((self.piece.velocity.0 >> 40) as i64),
+            velocity: Velocity::from_bits(low::i64(self.piece.velocity.0 >> 40)),
         }
     }
 
@@ -222,7 +223,7 @@ impl Stepper {
         let Some(count) = crossed(beyond) else {
             return;
         };
-        let last = length.saturating_sub(over(beyond as u32, rate));
+        let last = length.saturating_sub(over(low::u32(beyond.cast_unsigned()), rate));
         let sign = mask as i32 | 1;
         let speeding_up = rate >= first_rate;
         if !self.train.goes_on(begin, (count, last), sign, speeding_up) {
@@ -245,10 +246,10 @@ impl Stepper {
         }
         let left = self.piece.end - self.horizon;
         if left <= self.most.into() {
-            return left as u32;
+            return low::u32(left);
         }
         // Up to there, and beyond. Neither is far from what was committed.
-        let wanted = enough.wrapping_sub(self.horizon as u32).cast_signed();
+        let wanted = enough.wrapping_sub(low::u32(self.horizon)).cast_signed();
         let wanted = wanted.max(0).cast_unsigned().min(self.most);
         let length = (wanted + self.beyond).min(self.most + self.spare);
         u32::try_from(left).map_or(length, |left| left.min(length))
@@ -279,7 +280,7 @@ impl Stepper {
     #[cold]
     fn shorter(&self, rate: u32) -> u32 {
         let (most, _) = by_digit(u64::from(MOST_PULSES) << 32, rate);
-        self.reach.min(most as u32).max(self.least)
+        self.reach.min(low::u32(most)).max(self.least)
     }
 
     /// Makes the pulses of a chord whatever the one before was: from a position, so many ticks behind `begin`, to where the piece is now. The velocity at both ends
@@ -305,13 +306,16 @@ impl Stepper {
         let to_first = to_first.max(0).cast_unsigned();
         let rate = speed(&self.piece);
         let (first, back) = if let Some(first_rate) = first_rate {
-            (over(to_first as u32, first_rate), over(beyond as u32, rate))
+            (
+                over(low::u32(to_first), first_rate),
+                over(low::u32(beyond.cast_unsigned()), rate),
+            )
         } else {
             let part = |distance_to: u64| part_of(length, distance_to, distance.unsigned_abs());
             let back = self.since_crossing(count);
             (
                 part(to_first),
-                back.unwrap_or_else(|| part(u64::from(beyond as u32))),
+                back.unwrap_or_else(|| part(u64::from(low::u32(beyond.cast_unsigned())))),
             )
         };
         let last = length.saturating_sub(back);
@@ -366,8 +370,8 @@ fn over(part: u32, rate: u32) -> u32 {
 fn part_of(ticks: u32, part: u64, distance: u64) -> u32 {
     let shift = 32_u32.saturating_sub(distance.leading_zeros());
     let (distance, part) = (distance >> shift, part >> shift);
-    let part = part.min(distance) as u32;
+    let part = low::u32(part.min(distance));
     let product = u64::from(part) * u64::from(ticks);
-    let (ticks, _) = by_digit(product + (distance >> 1), distance as u32);
-    ticks as u32
+    let (ticks, _) = by_digit(product + (distance >> 1), low::u32(distance));
+    low::u32(ticks)
 }

@@ -9,6 +9,7 @@
 
 use super::CHORDS_PER_SEGMENT;
 use crate::clock::Ticks;
+use crate::low;
 use crate::record::{Direction, DriverTiming, Record, SHORTEST_RECORD};
 use crate::turns::Turns;
 
@@ -80,7 +81,7 @@ impl Train {
         let hold = least.max(timing.pulse_high + timing.direction_hold);
         let setup = least.max(timing.direction_setup);
         Self {
-            width: timing.pulse_high as u16,
+            width: low::u16(timing.pulse_high),
             count: 0,
             is_overrun: false,
             shortest,
@@ -136,7 +137,7 @@ impl Train {
         for (place, record) in self.made.iter_mut().zip(left) {
             *place = *record;
         }
-        self.count = usize::from(self.count).saturating_sub(records) as u8;
+        self.count = low::u8(low::word(usize::from(self.count).saturating_sub(records)));
     }
 
     /// Whether there was no room for a record since this was asked last.
@@ -153,7 +154,7 @@ impl Train {
     /// Ticks from the pen to `now`; negative if the pen is ahead. A few segments at most, either way.
     #[inline]
     pub(super) const fn open_at(&self, now: Ticks) -> i32 {
-        (now as u32).wrapping_sub(self.pen as u32).cast_signed()
+        low::u32(now).wrapping_sub(low::u32(self.pen)).cast_signed()
     }
 
     /// How far behind a tick there have to be chords for [`Train::flush`] to bring the records up to it.
@@ -166,7 +167,7 @@ impl Train {
     #[inline]
     pub(super) fn flush(&mut self, now: Ticks, enough: u32) -> bool {
         let least = self.least;
-        let beyond = (now as u32).wrapping_sub(enough).cast_signed();
+        let beyond = low::u32(now).wrapping_sub(enough).cast_signed();
         let is_behind = self.open_at(now) > beyond;
         if !is_behind || beyond < least.cast_signed() {
             return false;
@@ -369,7 +370,7 @@ impl Train {
     /// Records for `ticks` of the open period: its pulse if it has one, then silence. None is longer than a segment or shorter than
     /// the driver's shortest period.
     fn silence(&mut self, mut ticks: u32, direction: Direction) {
-        let mut turns = Turns::at_most(MOST_RECORDS as u32);
+        let mut turns = Turns::at_most(low::word(MOST_RECORDS));
         while ticks > 0 {
             turns.count();
             let part = if ticks > self.segment {
@@ -405,7 +406,7 @@ impl Train {
         Record {
             period,
             // No run is longer than what 16 bits count.
-            repeat: count as u16,
+            repeat: low::u16(count),
             width: self.width,
             direction,
         }

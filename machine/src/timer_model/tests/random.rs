@@ -73,7 +73,7 @@ fn command() -> impl Strategy<Value = Command> {
     ]
 }
 
-/// A set-point on a straight line from where the course ends.
+/// A set-point on a straight line from where the path ends.
 fn follow(axis: &mut Axis, ticks: u32, velocity: i32) -> Result<(), FollowError> {
     let (end, state) = axis.path_end();
     let way = (i128::from(velocity) << 32) * i128::from(ticks) / i128::from(HZ);

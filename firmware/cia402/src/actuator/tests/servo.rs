@@ -2,7 +2,7 @@
 
 use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
 
-use crate::actuator::{Actuator, AtPort, CourseEnd, NotSupported, Refused, Trouble, near};
+use crate::actuator::{Actuator, AtPort, NotSupported, PathEnd, Refused, Trouble, near};
 use crate::configuration::Configuration;
 use crate::cyclic::{Fine, POINT, span};
 
@@ -22,7 +22,7 @@ enum Goal {
     Target(i64, f64, Limits),
     /// A velocity; 0 is a stop.
     Velocity(f64, Limits),
-    Course,
+    Path,
     Torque(i16),
 }
 
@@ -34,7 +34,7 @@ pub(super) struct Servo {
     velocity: f64,
     now: Fine,
     /// When and where the set-points are that are followed.
-    course: std::vec::Vec<(Fine, i64)>,
+    path: std::vec::Vec<(Fine, i64)>,
 }
 
 impl Servo {
@@ -50,7 +50,7 @@ impl Servo {
 
     fn stand(&mut self, position: f64) {
         (self.goal, self.position, self.velocity) = (Goal::Rest, position.round(), 0.0);
-        self.course.clear();
+        self.path.clear();
     }
 
     fn target(&mut self, target: i64, end: f64, limits: Limits) {
@@ -70,14 +70,14 @@ impl Servo {
         }
     }
 
-    fn follow_course(&mut self) {
+    fn follow_path(&mut self) {
         let at = self.now.wrapping_add(1_000 << POINT);
-        while self.course.len() > 1 && span(self.course[1].0, at) > 0 {
-            self.course.remove(0);
+        while self.path.len() > 1 && span(self.path[1].0, at) > 0 {
+            self.path.remove(0);
         }
         let before = self.position;
-        let (begin, from) = self.course[0];
-        match self.course.get(1) {
+        let (begin, from) = self.path[0];
+        match self.path.get(1) {
             _ if span(begin, at) < 0 => {}
             Some((end, to)) => {
                 let part = span(begin, at) as f64 / span(begin, *end) as f64;
@@ -91,11 +91,11 @@ impl Servo {
     /// When and where what is followed ends.
     fn last(&self) -> (Fine, i64) {
         let here = (self.now, self.committed_position());
-        self.course.last().copied().unwrap_or(here)
+        self.path.last().copied().unwrap_or(here)
     }
 
     fn take(&mut self, goal: Goal) -> Result<(), Refused> {
-        self.course.clear();
+        self.path.clear();
         self.goal = goal;
         Ok(())
     }
@@ -126,7 +126,7 @@ impl AtPort<Shaft> for Servo {
             Goal::Torque(torque) => self.velocity += f64::from(torque) * TICK,
             Goal::Velocity(wanted, limits) => self.ramp(wanted, limits),
             Goal::Target(target, end, limits) => self.target(target, end, limits),
-            Goal::Course => self.follow_course(),
+            Goal::Path => self.follow_path(),
         }
         if matches!(self.goal, Goal::Velocity(0.0, _)) && self.velocity == 0.0 {
             self.stand(self.position);
@@ -151,7 +151,7 @@ impl Actuator for Servo {
     fn window(&self) -> u64 { 0 }
     fn cut_off(&mut self) { self.stand(self.position); }
     fn stand_at(&mut self, position: i64) { self.stand(position as f64); }
-    fn is_following(&self) -> bool { self.goal == Goal::Course }
+    fn is_following(&self) -> bool { self.goal == Goal::Path }
     fn expect_acceleration(&mut self, _: u32) {}
     fn hold_torque(&mut self, torque: i16) -> Result<(), NotSupported> { self.take(Goal::Torque(torque)).map_err(|_| NotSupported) }
 
@@ -189,22 +189,22 @@ impl Actuator for Servo {
     }
 
     fn follow(&mut self, end: Fine, to: Position, _: Option<(Position, Fine)>) -> Result<(), FollowError> {
-        self.course.push((end, near(to.whole_steps(), self.last().1)));
-        self.goal = Goal::Course;
+        self.path.push((end, near(to.whole_steps(), self.last().1)));
+        self.goal = Goal::Path;
         Ok(())
     }
 
     fn follow_velocity(&mut self, _: Fine, _: SignedSpeed) -> Result<(), FollowError> { Err(FollowError::TooLate) }
 
-    fn course_end(&self) -> Demand {
+    fn path_end(&self) -> Demand {
         Demand { position: self.last().1, velocity: signed(self.velocity) }
     }
 
-    fn course_to(&self, end: Fine) -> CourseEnd {
+    fn path_to(&self, end: Fine) -> PathEnd {
         let (time, position) = self.last();
         let left = span(time, end).max(0);
         let distance = (self.velocity * left as f64 / 65_536e6 * ONE) as i64;
-        CourseEnd { left: left.cast_unsigned(), position: Position::from_steps(position), distance }
+        PathEnd { left: left.cast_unsigned(), position: Position::from_steps(position), distance }
     }
 
     fn is_running_out(&self, time: Fine) -> bool {

@@ -2,7 +2,7 @@
 //!
 //! Positions have 16 bits behind the point, times are Q16 microseconds, or seconds in Q32.
 
-use motion::{Position, Speed};
+use motion::{Position, Speed, low};
 
 use super::POINT;
 use crate::cyclic::Fine;
@@ -16,7 +16,7 @@ pub(super) const fn away(at: i64, position: Position) -> i64 {
 
 /// The whole increments of a position, modulo 2³².
 pub(super) const fn whole(at: i64) -> i32 {
-    (at >> POINT) as i32
+    low::i32(at >> POINT)
 }
 
 /// A position for the axis.
@@ -31,7 +31,7 @@ pub(super) fn over(distance: i64, time: Fine, another: Fine) -> i64 {
         return distance;
     }
     let ratio = (another << POINT).checked_div(time).unwrap_or(0);
-    (i128::from(distance).wrapping_mul(ratio.into()) >> POINT) as i64
+    low::i64(i128::from(distance).wrapping_mul(ratio.into()) >> POINT)
 }
 
 /// The velocity between two distances, as a distance: the mean of them, but so that no cubic passes its ends.
@@ -114,5 +114,5 @@ pub(in crate::modes) fn braking_distance(room: i64, gain: i64) -> i64 {
 pub(super) fn root(square: u128) -> u64 {
     let wide = 64u32.saturating_sub((square >> 64).leading_zeros().saturating_sub(64));
     let shift = wide.div_ceil(2).wrapping_mul(2);
-    ((square >> shift) as u64).isqrt().wrapping_shl(shift / 2)
+    low::u64(square >> shift).isqrt().wrapping_shl(shift / 2)
 }

@@ -5,6 +5,12 @@
 //!
 //! A motion that has to turn round comes to rest first. A ramp that is under way is left at the same jerk: its acceleration goes to
 //! zero, or on to that of the next ramp.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "what is rough begins in floating point, and is cut to what the integers behind it can use"
+)]
 
 mod cruise;
 mod follow;
