@@ -207,6 +207,11 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
     }
     let stored = store
         .load()
+        .or_else(|error| match error {
+            // This is told.
+            store::Error::Damaged => Ok(None),
+            error => Err(error),
+        })
         .map_err(|error| format!("cannot read the store: {error}"))?
         .or(arguments.product.map(Product::factory))
         .unwrap_or_default();
@@ -246,7 +251,7 @@ fn stored_in(path: &Path) -> Result<Flash, String> {
     match flash.contents() {
         Contents::Whole => {}
         Contents::Damaged => note(&format!(
-            "the store {} is damaged: the parameters are those of the data sheet until they are saved again",
+            "the store {} is damaged: what is lost has the values of the data sheet until it is saved again",
             path.display()
         )),
         Contents::Foreign => note(&format!(

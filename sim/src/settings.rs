@@ -92,8 +92,8 @@ pub(crate) struct FactoryStore {
     /// Node-ID and bit rate for the first power-on, and for later ones as long as nothing is stored.
     given: Option<Configuration>,
     is_first: bool,
-    /// Somebody else has written into the flash: what it still holds of the parameters is not believed until they are saved again.
-    is_lost: bool,
+    /// The flash holds something else, which stays there: parameters are lost for good.
+    is_foreign: bool,
 }
 
 /// The set that is loaded first.
@@ -106,10 +106,10 @@ impl FactoryStore {
         given: Option<Configuration>,
     ) -> Self {
         let flash = store.release();
-        let is_lost = flash.contents() != Contents::Whole;
+        let is_foreign = flash.contents() == Contents::Foreign;
         Self {
             store: flash.into_store(),
-            is_lost,
+            is_foreign,
             chunks: settings.map(Settings::chunks).unwrap_or_default(),
             given,
             is_first: true,
@@ -168,13 +168,11 @@ impl ParameterStore for FactoryStore {
     }
 
     fn commit(&mut self) -> Result<(), StoreError> {
-        self.store.commit()?;
-        self.is_lost = false;
-        Ok(())
+        self.store.commit()
     }
 
     fn open(&mut self, set: ParameterSet) -> Result<u16, StoreError> {
-        if self.is_lost {
+        if self.is_foreign {
             return Err(StoreError::Medium);
         }
         Ok(self.ahead(set) + self.store.open(set)?)

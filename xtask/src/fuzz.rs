@@ -28,11 +28,12 @@ const LONGEST: u32 = 600;
 /// The longest data sheet in bytes.
 const LONGEST_DATA_SHEET: u32 = 3000;
 
-/// Inputs of a target in a test run: fewer for those whose inputs take milliseconds, by a bus on virtual time or sockets.
+/// Inputs of a target in a test run: fewer for those whose inputs take milliseconds, by a bus on virtual time, sockets, or a power cut at many bytes.
 fn inputs(target: &str) -> u32 {
     match target {
         "master" => 500,
         "serve" => 1_000,
+        "store" => 3_000,
         _ => 30_000,
     }
 }
@@ -40,7 +41,7 @@ fn inputs(target: &str) -> u32 {
 /// How long and what to fuzz.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Fuzz only these targets (axis, data_sheet, drive, lss, master, node, plan, sdo, serve, slcan)
+    /// Fuzz only these targets (axis, data_sheet, drive, lss, master, node, plan, sdo, serve, slcan, store)
     pub targets: Vec<String>,
 
     /// Fuzz each target for so many seconds

@@ -1,15 +1,15 @@
 //! The parameter store: what a drive keeps while it has no power, on two or more sectors of NOR flash.
 //!
-//! The store is a log. A new value is appended behind the old ones and the last complete one counts; when a sector is
-//! full, what still counts moves to the next sector and the full one is erased, all sectors in turn. Each record carries
-//! a checksum over its length and one over its bytes, and names its layout. So a power cut at any byte leaves the old
-//! value or the new one, never a mixture, and the next start repairs what the cut left behind.
+//! The store is a log in two banks. A new value is appended behind the old ones and the newest directory counts, one record that names
+//! everything that is stored; when a bank is full, or somebody has written into it, what still counts moves to the other bank
+//! and the first is erased. Each record carries a checksum over its header and its place, and one over its bytes. So a power
+//! cut at any byte leaves the old values or the new ones, never a mixture, and bytes that were changed anywhere cost at most
+//! the values that they belong to: what is lost is told until it is stored again.
 //!
-//! Two kinds of things are kept. The settings of the layer setting services are one record ([`Store::load`],
-//! [`Store::save`]). The parameters of objects 1010h and 1011h (CiA 301) are sets of chunks, and a directory says which chunks
-//! count ([`ParameterStore`]): new chunks are written beside the old ones, and the directory, one record, changes all sets that
-//! were stored together at once. The log itself is the crate `sequential-storage`; this crate adds the records and waits for
-//! the flash where that crate would return a future.
+//! Two kinds of things are kept. The settings of the layer setting services and the serial number stand in the directory itself
+//! ([`Store::load`], [`Store::save`]). The parameters of objects 1010h and 1011h (CiA 301) are sets of chunks
+//! ([`ParameterStore`]): new chunks are written beside the old ones, and the directory changes all sets that were stored together
+//! at once.
 //!
 //! [`ParameterStore`]: canopen::cia301::parameters::ParameterStore
 #![no_std]
@@ -25,10 +25,9 @@
 #[cfg(test)]
 extern crate std;
 
-mod blocking;
 mod directory;
+mod log;
 mod parameters;
-mod record;
 mod serial_number;
 #[cfg(test)]
 mod tests;
@@ -36,30 +35,15 @@ mod tests;
 use core::fmt;
 use core::ops::Range;
 
-use blocking::Blocking;
 use canopen::Configuration;
-use canopen::cia301::parameters::CHUNK;
-use embassy_futures::block_on;
+use canopen::cia301::parameters::{ParameterSet, ParameterSets};
+use directory::{BYTES, DIRECTORY, Directory, Settings};
 use embedded_storage::nor_flash::NorFlash;
+use log::{BUFFER, Bank, Log, Record};
 use parameters::{Begun, Opened};
-use record::{RECORD, Record};
-use sequential_storage::cache::{Cache, Uncached};
-use sequential_storage::map::{MapConfig, MapStorage, Value};
 
 /// The largest unit in which the flash may be read or written, in bytes. Larger units do not fit [`Store::new`].
 pub const MAX_WRITE_SIZE: usize = 32;
-
-/// Bytes of a key.
-const KEY: usize = 1;
-
-/// Key of the settings. A key that was ever used keeps its meaning.
-const SETTINGS: u8 = 0x00;
-
-/// Bytes of the buffer through which records pass: the longest of them with its key, in whole words of the flash. Whatever is
-/// stored, the log may move all of them.
-const BUFFER: usize = (KEY + CHUNK).next_multiple_of(MAX_WRITE_SIZE);
-
-const _: () = assert!(RECORD <= CHUNK && BUFFER <= 256);
 
 /// Why a value cannot be loaded or stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,13 +53,14 @@ pub enum Error<E> {
     Range,
     /// The flash driver failed.
     Flash(E),
-    /// The log is damaged beyond repair. The next [`Store::save`] erases it and begins anew.
+    /// It was stored and somebody has written over it. It is told until it is stored again.
     Damaged,
     /// The sectors are too small for what is kept in them.
     Full,
-    /// The record is whole, but of another layout (its first byte): it was written by a firmware this one does not know.
+    /// The directory is whole, but of another layout (its first byte): it was written by a firmware this one does not know.
     Layout(u8),
-    /// The record is whole and of a known layout, but its bytes mean nothing, such as node-ID 200.
+    /// The record is whole and of a known layout, but its bytes mean nothing, such as node-ID 200; or what is to be stored is none
+    /// of what this store keeps.
     Content,
     /// What was read back is not what was written: the flash is worn out or write-protected.
     Verify,
@@ -99,14 +84,35 @@ impl<E: fmt::Debug> fmt::Display for Error<E> {
 
 impl<E: fmt::Debug> core::error::Error for Error<E> {}
 
-type NoCache = Cache<Uncached, Uncached, Uncached, u8>;
+/// What the sectors hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contents {
+    /// Nothing, or a log that a power cut may have ended.
+    Whole,
+    /// A log of which something was lost.
+    Damaged,
+    /// No record of this store.
+    Foreign,
+}
+
+/// The newest directory and where it was found.
+struct Found {
+    bank: Bank,
+    /// Where the log goes on behind it.
+    end: u32,
+    directory: Directory,
+    /// There is one.
+    is_there: bool,
+    /// A newer one may have been there.
+    is_damaged: bool,
+}
 
 /// The parameter store over a flash driver.
 ///
 /// It caches nothing: every call reads the flash, so a call never depends on what an interrupted one left in RAM. Only sets that
 /// are being written or read are known to it.
 pub struct Store<F: NorFlash> {
-    log: MapStorage<u8, Blocking<F>, NoCache>,
+    log: Log<F>,
     begun: Option<Begun>,
     opened: Option<Opened>,
 }
@@ -114,7 +120,8 @@ pub struct Store<F: NorFlash> {
 impl<F: NorFlash> fmt::Debug for Store<F> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Store")
-            .field("range", &self.log.flash_range())
+            .field("first", &self.log.limits(Bank::First))
+            .field("second", &self.log.limits(Bank::Second))
             .finish_non_exhaustive()
     }
 }
@@ -126,120 +133,243 @@ impl<F: NorFlash> Store<F> {
     /// # Errors
     /// [`Error::Range`] unless the range is two or more whole sectors of a flash that this store can drive.
     pub fn new(flash: F, range: Range<u32>) -> Result<Self, Error<F::Error>> {
-        let units_fit = F::READ_SIZE.max(F::WRITE_SIZE) <= MAX_WRITE_SIZE;
-        let inside = range.start < range.end
-            && usize::try_from(range.end).is_ok_and(|end| end <= flash.capacity());
-        if !units_fit || !inside {
-            return Err(Error::Range);
-        }
-        let config = MapConfig::try_new(range).map_err(|_| Error::Range)?;
         Ok(Self {
-            log: MapStorage::new(Blocking(flash), config, Cache::new_uncached()),
+            log: Log::new(flash, &range).ok_or(Error::Range)?,
             begun: None,
             opened: None,
         })
     }
 
-    /// The settings that were stored last; `None` if there never were any. Repairs what a power cut has left behind, so it
-    /// may write and erase: call it where the time of a sector erase does no harm.
+    /// The settings that were stored last; `None` if there never were any.
     ///
     /// # Errors
-    /// Any but [`Error::Range`] and [`Error::Verify`]. A device then starts with the settings of the factory.
+    /// Any but [`Error::Range`], [`Error::Full`] and [`Error::Verify`]. A device then starts with the settings of the factory.
     pub fn load(&mut self) -> Result<Option<Configuration>, Error<F::Error>> {
-        match self.settings()? {
-            Some(record) => record.settings().map(Some),
-            None => Ok(None),
+        let directory = self.found()?.directory;
+        if directory.is_later() {
+            return Err(Error::Layout(directory.layout));
         }
+        directory.settings.configuration()
     }
 
     /// Stores the settings and reads them back. Settings that are there already are not written again, to spare the flash.
-    /// Erases a sector now and then.
-    ///
-    /// A log that takes no record is damaged beyond repair, for its sectors hold all groups many times over. It is erased and
-    /// begun anew.
+    /// Erases a bank now and then.
     ///
     /// # Errors
     /// [`Error::Flash`], [`Error::Verify`], or [`Error::Full`] if even erased sectors are too small. The old settings then still
     /// stand, or the new ones do.
     pub fn save(&mut self, settings: &Configuration) -> Result<(), Error<F::Error>> {
-        let record = Record::of_settings(settings);
-        if matches!(self.settings(), Ok(Some(stored)) if stored == record) {
+        let mut directory = self.found()?.directory;
+        let settings = Settings::of(settings);
+        if directory.settings == settings {
             return Ok(());
         }
-        match self.put(SETTINGS, &record) {
-            Err(Error::Damaged | Error::Full | Error::Content) => {
-                self.begin_anew()?;
-                self.put(SETTINGS, &record)?;
-            }
-            other => other?,
+        directory.settings = settings;
+        self.put(directory)
+    }
+
+    /// Gives the flash driver back.
+    pub fn release(self) -> F {
+        self.log.flash
+    }
+
+    /// Factory reset: settings and parameters are as if none were ever stored, all at once. What is forgotten already costs no
+    /// flash.
+    ///
+    /// # Errors
+    /// As [`Store::save`]: nothing is forgotten, or everything is.
+    pub fn forget(&mut self) -> Result<(), Error<F::Error>> {
+        self.begun = None;
+        self.opened = None;
+        let found = self.found()?;
+        let mut directory = found.directory;
+        if directory.settings != Settings::None {
+            directory.settings = Settings::of(&Configuration::default());
         }
-        if self.settings()? == Some(record) {
+        let is_stored = |set: ParameterSet| {
+            let part = found.directory.part(set);
+            part.chunks > 0 || part.is_lost
+        };
+        if ParameterSet::ALL.into_iter().any(is_stored) {
+            directory = directory.renewed(ParameterSets::ALL);
+        } else if directory == found.directory {
+            return Ok(());
+        }
+        self.put(directory)
+    }
+
+    /// What the sectors hold.
+    ///
+    /// # Errors
+    /// [`Error::Flash`].
+    pub fn contents(&mut self) -> Result<Contents, Error<F::Error>> {
+        let found = self.found()?;
+        let mut is_whole = !found.directory.has_losses();
+        for set in ParameterSet::ALL {
+            is_whole &= self.is_whole(found.bank, set, found.directory.part(set))?;
+        }
+        if is_whole {
+            return Ok(Contents::Whole);
+        }
+        let mut has_records = false;
+        for bank in Bank::ALL {
+            has_records |= self.log.next(self.log.limits(bank))?.is_some();
+        }
+        Ok(if has_records {
+            Contents::Damaged
+        } else {
+            Contents::Foreign
+        })
+    }
+
+    /// The newest directory. Without one nothing was ever stored, or everything is lost.
+    fn found(&mut self) -> Result<Found, Error<F::Error>> {
+        let mut found = Found {
+            bank: Bank::First,
+            end: self.log.limits(Bank::First).start,
+            directory: Directory::default(),
+            is_there: false,
+            is_damaged: false,
+        };
+        for bank in Bank::ALL {
+            let mut place = self.log.limits(bank);
+            while let Some(record) = self.log.next(place.clone())? {
+                place.start = record.end;
+                if let Some(directory) = self.directory(&record)?
+                    && (!found.is_there || directory.is_newer_than(&found.directory))
+                {
+                    found = Found {
+                        bank,
+                        end: record.end,
+                        directory,
+                        is_there: true,
+                        is_damaged: false,
+                    };
+                }
+            }
+        }
+        found.is_damaged = if found.is_there {
+            let end = self.log.limits(found.bank).end;
+            self.hides_a_directory(found.end..end)?
+        } else {
+            let [first, second] = Bank::ALL.map(|bank| self.log.limits(bank));
+            self.hides_a_directory(first)? || self.hides_a_directory(second)?
+        };
+        if found.is_damaged {
+            found.directory = found.directory.lost();
+        }
+        Ok(found)
+    }
+
+    /// The directory that this record is.
+    fn directory(&mut self, record: &Record) -> Result<Option<Directory>, Error<F::Error>> {
+        if record.key != DIRECTORY {
+            return Ok(None);
+        }
+        let mut buffer = [0; BUFFER];
+        let payload = self.log.payload(record, &mut buffer)?;
+        Ok(payload.map(Directory::read))
+    }
+
+    /// Whether a directory may have been in `place` that is no longer one: a damaged header or a damaged directory. What a power cut has
+    /// left was none yet.
+    fn hides_a_directory(&mut self, mut place: Range<u32>) -> Result<bool, Error<F::Error>> {
+        while let Some(record) = self.log.next(place.clone())? {
+            let is_cut = self.log.is_cut(&record)?;
+            let is_directory = record.key == DIRECTORY;
+            if record.from != place.start
+                || is_directory && !is_cut && self.directory(&record)?.is_none()
+            {
+                return Ok(true);
+            }
+            place.start = record.end;
+        }
+        Ok(!self.log.is_end(place)?)
+    }
+
+    /// Where the log may go on; `None` if somebody has written there, or a cut has left half a header.
+    fn free(&mut self, found: &Found) -> Result<Option<Range<u32>>, Error<F::Error>> {
+        if found.is_damaged && !found.is_there {
+            return Ok(None);
+        }
+        let mut place = found.end..self.log.limits(found.bank).end;
+        while let Some(record) = self.log.record(place.clone())? {
+            place.start = record.end;
+        }
+        Ok(self.log.is_erased(place.clone())?.then_some(place))
+    }
+
+    /// Writes a directory behind all others, or into the other bank, and reads it back.
+    fn put(&mut self, mut directory: Directory) -> Result<(), Error<F::Error>> {
+        let found = self.found()?;
+        directory.layout = Directory::default().layout;
+        directory.number = found.directory.number.wrapping_add(1);
+        let written = match self.free(&found)? {
+            Some(place) => taken(self.put_directory(place, &directory))?,
+            None => false,
+        };
+        if !written {
+            directory = self.move_on(directory)?;
+        }
+        let found = self.found()?;
+        if found.directory == directory && !found.is_damaged {
             Ok(())
         } else {
             Err(Error::Verify)
         }
     }
 
-    /// Gives the flash driver back.
-    pub fn release(self) -> F {
-        self.log.destroy().0.0
-    }
-
-    /// Factory reset: settings and parameters are as if none were ever stored. Each change is whole when the power fails, and
-    /// the order given again does what was left. What is forgotten already costs no flash. Settings are forgotten even if the
-    /// parameters cannot be: they are what brings a lost device back.
-    ///
-    /// # Errors
-    /// As [`Store::save`]: something is not forgotten.
-    pub fn forget(&mut self) -> Result<(), Error<F::Error>> {
-        let parameters = self.forget_parameters();
-        if !matches!(self.settings(), Ok(None)) {
-            self.save(&Configuration::default())?;
-        }
-        parameters
-    }
-
-    /// Begins the log anew, with what can still be read of settings and serial number.
-    fn begin_anew(&mut self) -> Result<(), Error<F::Error>> {
-        let settings = self.settings().ok().flatten();
-        let serial_number = self.serial_number().ok().flatten();
-        block_on(self.log.erase_all()).map_err(error)?;
-        if let Some(number) = serial_number {
-            self.restore_serial_number(number)?;
-        }
-        match settings {
-            Some(settings) => self.put(SETTINGS, &settings),
-            None => Ok(()),
-        }
-    }
-
-    fn settings(&mut self) -> Result<Option<Record>, Error<F::Error>> {
-        self.fetch(SETTINGS, &mut [0; BUFFER])
-    }
-
-    /// The newest value of a key.
-    fn fetch<'b, V: Value<'b>>(
+    fn put_directory(
         &mut self,
-        key: u8,
-        buffer: &'b mut [u8; BUFFER],
-    ) -> Result<Option<V>, Error<F::Error>> {
-        block_on(self.log.fetch_item(buffer, &key)).map_err(error)
+        place: Range<u32>,
+        directory: &Directory,
+    ) -> Result<Option<u32>, Error<F::Error>> {
+        let mut bytes = [0; BYTES];
+        self.log
+            .append(place, DIRECTORY, directory.write(&mut bytes))
     }
 
-    /// A new value of a key; the old one counts until this one is whole.
-    fn put<'v, V: Value<'v>>(&mut self, key: u8, value: &V) -> Result<(), Error<F::Error>> {
-        block_on(self.log.store_item(&mut [0; BUFFER], &key, value)).map_err(error)
+    /// Moves what still counts to the other bank, under this directory, and erases the one where it was. Until the directory is written
+    /// the old one counts.
+    fn move_on(&mut self, mut directory: Directory) -> Result<Directory, Error<F::Error>> {
+        let found = self.found()?;
+        // Where there is no directory, the bank that says that there was one says so until the end.
+        let first = self.log.limits(Bank::First);
+        let from = if found.is_damaged && !found.is_there && !self.hides_a_directory(first)? {
+            Bank::Second
+        } else {
+            found.bank
+        };
+        self.log.erase(from.other())?;
+        let mut place = self.log.limits(from.other());
+        let end = place.end;
+        place.end = end.saturating_sub(Log::<F>::size(BYTES));
+        let begun = self.begun;
+        for set in ParameterSet::ALL {
+            let part = directory.part(set);
+            if self.is_whole(from, set, part)? {
+                place.start = self.copy(from, (set, part), place.clone())?;
+            } else {
+                directory.set_part(set, part.lost());
+            }
+            if let Some(part) = begun.and_then(|begun| begun.part(set)) {
+                place.start = self.copy(from, (set, part), place.clone())?;
+            }
+        }
+        directory.layout = Directory::default().layout;
+        directory.number = found.directory.number.wrapping_add(1);
+        self.put_directory(place.start..end, &directory)?
+            .ok_or(Error::Full)?;
+        self.log.erase(from)?;
+        Ok(directory)
     }
 }
 
-/// The log's errors in this crate's words.
-fn error<E>(error: sequential_storage::Error<E>) -> Error<E> {
-    use sequential_storage::Error as Log;
-    match error {
-        Log::Storage { value, .. } => Error::Flash(value),
-        Log::FullStorage | Log::ItemTooBig => Error::Full,
-        // A whole record that is too short or too long for any this firmware knows.
-        Log::SerializationError(_) | Log::BufferTooSmall(_) | Log::BufferTooBig => Error::Content,
-        _ => Error::Damaged,
+/// Whether a record was written. Cells that did not take it are passed by, as those that are full.
+fn taken<E>(written: Result<Option<u32>, Error<E>>) -> Result<bool, Error<E>> {
+    match written {
+        Ok(end) => Ok(end.is_some()),
+        Err(Error::Verify) => Ok(false),
+        Err(error) => Err(error),
     }
 }

@@ -82,12 +82,16 @@ fn a_power_cut_at_any_byte_leaves_each_as_it_was_or_forgotten() {
 }
 
 #[test]
-fn settings_are_forgotten_even_if_the_parameters_cannot_be() {
+fn a_reset_that_stumbles_forgets_nothing_and_the_next_one_everything() {
     let mut flash = device();
     flash.stumbles = true;
     let mut store = flash.store();
     assert_eq!(store.forget(), Err(Error::Flash(Refusal::Stumbled)));
+    assert_eq!(store.load(), Ok(Some(CONFIGURED)));
+    assert_eq!(chunks(&mut store), 4);
+    store.forget().unwrap();
     assert_eq!(store.load(), Ok(Some(Configuration::default())));
+    assert_eq!(chunks(&mut store), 0);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Sets of parameters.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::vec;
 use std::vec::Vec;
 
@@ -11,6 +11,7 @@ use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 
 use super::Flash;
+use super::stored::{Contents, contents, load_set, save};
 use crate::Store;
 
 const SETTINGS: Configuration = Configuration {
@@ -18,43 +19,10 @@ const SETTINGS: Configuration = Configuration {
     bit_timing: BitTiming::Fixed(BitRate::Kbit250),
 };
 
-/// The chunks of every set, in the order of [`ParameterSet::ALL`].
-type Contents = [Vec<Vec<u8>>; ParameterSet::COUNT];
-
-/// Chunks that tell which save they are of.
-fn contents(seed: u8, chunks: usize, length: usize) -> Contents {
-    [0, 1, 2, 3].map(|set| {
-        let count = if set == 3 { 1 } else { chunks };
-        (0..count)
-            .map(|chunk| vec![seed ^ (set * 16 + chunk as u8); length])
-            .collect()
-    })
-}
-
-fn save<S: ParameterStore>(
-    store: &mut S,
-    sets: ParameterSets,
-    contents: &Contents,
-) -> Result<(), StoreError> {
-    store.begin(sets)?;
-    for (set, chunks) in ParameterSet::ALL.into_iter().zip(contents) {
-        if sets.has(set) {
-            for chunk in chunks {
-                store.append(set, chunk)?;
-            }
-        }
-    }
-    store.commit()
-}
-
 fn load<S: ParameterStore>(store: &mut S) -> Result<Contents, StoreError> {
     let mut contents = Contents::default();
     for (set, chunks) in ParameterSet::ALL.into_iter().zip(&mut contents) {
-        for number in 0..store.open(set)? {
-            let mut chunk = [0; CHUNK];
-            let length = store.read(set, number, &mut chunk)?;
-            chunks.push(chunk[..length].to_vec());
-        }
+        *chunks = load_set(store, set)?;
     }
     Ok(contents)
 }
@@ -233,6 +201,7 @@ fn cut_everywhere<const SECTOR: usize>(
     };
 
     let mut seen = [0; 2];
+    let mut done = HashSet::new();
     let firsts = flash.cuts(|store| save(store, sets, &new).unwrap());
     for (cut, left) in firsts.iter().enumerate() {
         let found = found_in(left);
@@ -241,6 +210,9 @@ fn cut_everywhere<const SECTOR: usize>(
         assert!(is_new || cut + 1 < firsts.len(), "the whole save");
         seen[usize::from(is_new)] += 1;
 
+        if !done.insert(left) {
+            continue;
+        }
         let then = flash
             .holding(left)
             .cuts(|store| save(store, sets, &newest).unwrap());
@@ -285,7 +257,7 @@ fn r06_a_power_cut_in_the_save_of_one_group_leaves_the_others() {
 #[test]
 fn r06_a_power_cut_is_survived_at_every_fill_of_the_sectors_including_those_that_erase() {
     let mut erases = 0;
-    for saves in 0..8 {
+    for saves in 0..5 {
         let (flash, old) = filled(saves);
         erases = flash.erases;
         cut_everywhere(&flash, &old, ParameterSets::ALL);

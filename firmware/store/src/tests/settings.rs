@@ -4,6 +4,8 @@ use canopen::{BitRate, BitTiming, Configuration, NodeId};
 use proptest::prelude::*;
 
 use super::Flash;
+use crate::directory::DIRECTORY;
+use crate::log::Log;
 use crate::{Error, Store};
 
 fn settings(node_id: u8, bit_rate: BitRate) -> Configuration {
@@ -165,32 +167,31 @@ fn a_later_layout_is_told_from_none() {
         store.save(&settings(3, BitRate::Kbit800)).unwrap();
         store.release()
     };
-    // Append what a later firmware may have written: same group, another layout, one byte more.
-    let range = flash.range();
-    let mut log = sequential_storage::map::MapStorage::<u8, _, _>::new(
-        crate::blocking::Blocking(&mut flash),
-        sequential_storage::map::MapConfig::try_new(range).unwrap(),
-        sequential_storage::cache::Cache::new_uncached(),
+    // Append what a later firmware may have written: the same record, another layout, one byte more.
+    append(
+        &mut flash,
+        20,
+        &[2, 9, 0, 0, 0, 3, 1, 77, 1, 5, 0, 0, 0, 99],
     );
-    let later: &[u8] = &[2, 3, 1, 77];
-    embassy_futures::block_on(log.store_item(&mut [0; 64], &0, &later)).unwrap();
     let mut store = flash.store();
     assert_eq!(store.load(), Err(Error::Layout(2)));
+    assert_eq!(store.serial_number(), Ok(Some(5)), "all layouts have it");
     store.save(&settings(4, BitRate::Kbit800)).unwrap();
     assert_eq!(store.load(), Ok(Some(settings(4, BitRate::Kbit800))));
+    assert_eq!(store.serial_number(), Ok(Some(5)));
+}
+
+/// Puts a directory with these bytes at an address.
+fn append(flash: &mut Flash<256, 4>, at: u32, bytes: &[u8]) {
+    let mut log = Log::new(flash.clone(), &flash.range()).unwrap();
+    log.append(at..256, DIRECTORY, bytes).unwrap().unwrap();
+    *flash = log.flash;
 }
 
 #[test]
 fn a_node_id_that_does_not_exist_is_not_believed() {
     let mut flash = Flash::<256, 4>::new(2);
-    let range = flash.range();
-    let mut log = sequential_storage::map::MapStorage::<u8, _, _>::new(
-        crate::blocking::Blocking(&mut flash),
-        sequential_storage::map::MapConfig::try_new(range).unwrap(),
-        sequential_storage::cache::Cache::new_uncached(),
-    );
-    let nonsense: &[u8] = &[1, 200, 0];
-    embassy_futures::block_on(log.store_item(&mut [0; 64], &0, &nonsense)).unwrap();
+    append(&mut flash, 0, &[1, 0, 0, 0, 0, 1, 200, 0]);
     assert_eq!(flash.store().load(), Err(Error::Content));
 }
 
