@@ -28,9 +28,8 @@ NO_NUMBERS = (datatypes.VISIBLE_STRING, datatypes.OCTET_STRING, datatypes.UNICOD
 
 
 @pytest.fixture(scope="session")
-def od_gen():
-    subprocess.run(["cargo", "build", "--quiet", "--package", "od-gen"], cwd=ROOT, check=True)
-    return ROOT / "target" / "debug" / "od-gen"
+def od_gen(pytestconfig):
+    return pytestconfig.getoption("--od-gen")
 
 
 @pytest.fixture(params=DATA_SHEETS, ids=lambda path: path.name)

@@ -240,7 +240,8 @@ fn is_arm_program(bytes: &[u8]) -> bool {
     })
 }
 
-fn replace(from: &Path, to: &Path) -> std::io::Result<()> {
+/// Copies a file in one step.
+pub fn replace(from: &Path, to: &Path) -> std::io::Result<()> {
     if let Some(folder) = to.parent() {
         fs::create_dir_all(folder)?;
     }

@@ -8,10 +8,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 
 use crate::refusal::refuse;
+use crate::suite::programs;
 use crate::words::say;
 use crate::{place, process, setup};
 
@@ -90,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 /// The commands that build the targets and write the cases they begin with.
-pub fn build_commands() -> Result<[Command; 2]> {
+pub fn build_commands() -> Result<[Command; 3]> {
     let mut build = place::cargo();
     build
         .args(["build", "--release", "--manifest-path"])
@@ -98,11 +101,9 @@ pub fn build_commands() -> Result<[Command; 2]> {
         .args(["--target", &host()?, "--target-dir"])
         .arg(folder())
         .env("RUSTFLAGS", COVERAGE);
-    let mut seeds = place::cargo();
-    seeds
-        .args(["run", "--package", "tests", "--bin", "fuzz_seeds", "--"])
-        .arg(folder().join("seeds"));
-    Ok([build, seeds])
+    let mut seeds = Command::new(place::built("fuzz_seeds"));
+    seeds.arg(folder().join("seeds")).current_dir(place::root());
+    Ok([build, programs::build_command(), seeds])
 }
 
 /// A test run: the same inputs for each target every time. Tells which targets held.
@@ -110,7 +111,28 @@ pub fn build_commands() -> Result<[Command; 2]> {
 /// # Errors
 /// When a target cannot be started.
 pub fn short_runs() -> Result<Vec<bool>> {
-    targets()?.iter().map(|target| short_run(target)).collect()
+    // One after the other for each processor: a target is one thread.
+    let targets = targets()?;
+    let next = AtomicUsize::new(0);
+    let runs = || {
+        let mut held = Vec::new();
+        while let Some(target) = targets.get(next.fetch_add(1, Ordering::Relaxed)) {
+            held.push(short_run(target)?);
+        }
+        Ok(held)
+    };
+    let processors = thread::available_parallelism().map_or(1, usize::from);
+    thread::scope(|scope| {
+        let threads: Vec<_> = (0..processors).map(|_| scope.spawn(runs)).collect();
+        let mut held = Vec::new();
+        for thread in threads {
+            let runs: Result<Vec<bool>> = thread
+                .join()
+                .map_err(|_| anyhow!("a thread of the fuzzer has panicked"))?;
+            held.extend(runs?);
+        }
+        Ok(held)
+    })
 }
 
 fn short_run(target: &str) -> Result<bool> {

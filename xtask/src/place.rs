@@ -30,6 +30,12 @@ pub fn built(name: &str) -> PathBuf {
     folder.unwrap_or_else(|| target().join("debug")).join(name)
 }
 
+/// A copy of such a program, which stays as it is while cargo builds it anew. All lie in one folder, as some look for others beside them.
+pub fn kept(name: &str) -> PathBuf {
+    let name = Path::new(name).file_name().unwrap_or_default();
+    target().join("xtask").join("programs").join(name)
+}
+
 /// Cargo, in the root of the repository: the one that started this program.
 pub fn cargo() -> Command {
     let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());

@@ -8,7 +8,7 @@ use std::process::{Command, ExitStatus, Stdio};
 use anyhow::{Context, Result};
 
 use crate::refusal::refuse;
-use crate::words::{plain, say};
+use crate::words::plain;
 
 /// The command as a person would type it, without the folder of the program.
 pub fn line(command: &Command) -> String {
@@ -43,8 +43,11 @@ pub fn ask(command: &mut Command) -> Option<String> {
         .then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
-/// Runs the command; every line of its standard output is shown and given to `watch`.
-pub fn stream(command: &mut Command, mut watch: impl FnMut(&str)) -> Result<ExitStatus> {
+/// Runs the command; every line of its standard output is given to `take`, which shows it, until it cannot.
+pub fn stream(
+    command: &mut Command,
+    mut take: impl FnMut(&str) -> Result<()>,
+) -> Result<ExitStatus> {
     let mut child = command
         .stdout(Stdio::piped())
         .spawn()
@@ -53,9 +56,8 @@ pub fn stream(command: &mut Command, mut watch: impl FnMut(&str)) -> Result<Exit
     if let Some(output) = child.stdout.take() {
         each_line(output, |text| {
             if said.is_ok() {
-                said = say!("{text}");
+                said = take(text);
             }
-            watch(text);
         });
     }
     let status = child

@@ -47,18 +47,26 @@ impl Socketcan {
 /// its file `status` gets the exit code. Arguments would not do: the kernel adds its own words to them.
 const JOB: &str = "AXIS402_SOCKETCAN_JOB";
 
-/// Runs `command` where [`INTERFACE`] is up, shows its output and gives it to `watch`. True when it succeeded.
+/// Runs `command` where [`INTERFACE`] is up, and gives each line of its output to `take`, which shows it. True when it succeeded.
 ///
 /// # Errors
 /// When user-mode Linux cannot be started.
-pub fn run(socketcan: &Socketcan, command: &mut Command, watch: impl FnMut(&str)) -> Result<bool> {
+pub fn run(
+    socketcan: &Socketcan,
+    command: &mut Command,
+    take: impl FnMut(&str) -> Result<()>,
+) -> Result<bool> {
     match socketcan {
-        Socketcan::Here => Ok(process::stream(command, watch)?.success()),
-        Socketcan::UserMode(kernel) => run_inside(kernel, command, watch),
+        Socketcan::Here => Ok(process::stream(command, take)?.success()),
+        Socketcan::UserMode(kernel) => run_inside(kernel, command, take),
     }
 }
 
-fn run_inside(kernel: &Path, command: &Command, watch: impl FnMut(&str)) -> Result<bool> {
+fn run_inside(
+    kernel: &Path,
+    command: &Command,
+    take: impl FnMut(&str) -> Result<()>,
+) -> Result<bool> {
     let job =
         tempfile::tempdir_in(place::target()).context("making a folder for user-mode Linux")?;
     // In a file, because a kernel's command line is short and knows no quotes.
@@ -68,7 +76,7 @@ fn run_inside(kernel: &Path, command: &Command, watch: impl FnMut(&str)) -> Resu
         .context("writing the command for user-mode Linux")?;
 
     // Not the file that is running: building the tests may have put a newer one in its place.
-    let own = place::built("xtask");
+    let own = place::kept("xtask");
     let mut machine = Command::new(kernel);
     machine.args([
         "mem=1G",
@@ -89,7 +97,7 @@ fn run_inside(kernel: &Path, command: &Command, watch: impl FnMut(&str)) -> Resu
         .env("TMPDIR", job.path())
         .env("HOME", job.path())
         .stdin(std::process::Stdio::null());
-    process::stream(&mut machine, watch)?;
+    process::stream(&mut machine, take)?;
     // Its exit status is 0 whatever happened inside.
     Ok(fs::read_to_string(job.path().join("status")).is_ok_and(|code| code == "0"))
 }

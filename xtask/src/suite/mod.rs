@@ -1,17 +1,19 @@
-//! `cargo xtask test`: everything that can be tested without a board, one step after the other.
+//! `cargo xtask test`: everything that can be tested without a board.
 //!
-//! What is missing is installed first, so that nothing is refused after minutes of work. Every step shows its output as
-//! it comes. The end is a summary by step, and `N passed, N failed` alone on the last line.
+//! What is missing is installed first, so that nothing is refused after minutes of work. The tests of running devices go on beside what cargo does. Every step
+//! shows its output as it comes, theirs with its name before each line. The end is a summary by step, and `N passed, N failed` alone on the last line.
 
 mod count;
+pub mod programs;
+mod side_by_side;
 mod steps;
 
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
 use count::Count;
+use side_by_side::Outcome;
 pub use steps::panel_pictures;
 use steps::{Ready, Step};
 
@@ -55,39 +57,11 @@ impl Arguments {
     }
 }
 
-/// What became of a step.
-struct Outcome {
-    step: Step,
-    count: Count,
-    /// Why the step did not run.
-    skipped: Option<String>,
-    time: Duration,
-}
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let steps: Vec<_> = arguments.selected().collect();
     let ready = Ready::install(&steps)?;
-
-    let mut outcomes = Vec::new();
-    for step in steps {
-        say!("\n=== {step}: {} ===", step.subject())?;
-        let started = Instant::now();
-        let (count, skipped) = match steps::run(step, &ready)? {
-            steps::Run::Done(count) => (count, None),
-            steps::Run::Skipped(why) => {
-                say!("skipped: {why}")?;
-                (Count::default(), Some(why))
-            }
-        };
-        outcomes.push(Outcome {
-            step,
-            count,
-            skipped,
-            time: started.elapsed(),
-        });
-    }
-    conclude(&outcomes)
+    conclude(&side_by_side::run(&steps, &ready)?)
 }
 
 /// Prints the summary and the closing line.

@@ -8,6 +8,7 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 
 use super::count::Count;
+use super::programs;
 use crate::firmware::{Image, PROFILE, TARGET};
 use crate::socketcan::{self, Socketcan};
 use crate::words::{one_line, say};
@@ -41,7 +42,7 @@ pub enum Step {
 }
 
 impl Step {
-    /// In the order in which they run: what is quick and fails often first.
+    /// In the order in which they are told: what is quick and fails often first.
     pub const ALL: [Self; 11] = [
         Self::Format,
         Self::Lint,
@@ -80,15 +81,16 @@ impl Step {
         }
     }
 
-    fn needs_target(self) -> bool {
-        matches!(self, Self::Lint | Self::Firmware | Self::Board | Self::Qemu)
-    }
-
-    fn needs_python(self) -> bool {
+    /// Does it start programs and watch them, once they are built?
+    pub fn is_played(self) -> bool {
         matches!(
             self,
             Self::Python | Self::Board | Self::Qemu | Self::Socketcan
         )
+    }
+
+    fn needs_target(self) -> bool {
+        matches!(self, Self::Lint | Self::Firmware | Self::Board | Self::Qemu)
     }
 }
 
@@ -131,7 +133,7 @@ impl Ready {
         if steps.contains(&Step::Fuzz) {
             setup::cxx_compiler()?;
         }
-        let python = if steps.iter().any(|step| step.needs_python()) {
+        let python = if steps.iter().any(|step| step.is_played()) {
             setup::python_environment()?
         } else {
             PathBuf::new()
@@ -157,16 +159,53 @@ impl Ready {
     }
 }
 
-/// How a step ended.
+/// What became of a step in cargo's hands.
 #[derive(Debug)]
 pub enum Run {
     /// It ran.
     Done(Count),
+    /// What it plays with is built.
+    Built(Played),
     /// It could not run here, and why.
     Skipped(String),
 }
 
-/// Runs one step.
+/// A step that starts programs which are built, and watches what they do.
+#[derive(Debug)]
+pub struct Played {
+    step: Step,
+    command: Command,
+}
+
+impl Played {
+    /// Which it is.
+    pub fn step(&self) -> Step {
+        self.step
+    }
+
+    /// Plays it; before each line of its output stands its name.
+    ///
+    /// # Errors
+    /// When a program cannot be started.
+    pub fn play(&mut self, ready: &Ready) -> Result<Count> {
+        let name = self.step.to_string();
+        say!("{name:<9} $ {}", process::line(&self.command))?;
+        let mut count = Count::default();
+        let take = |line: &str| {
+            count.watch(line);
+            say!("{name:<9} | {line}")
+        };
+        let succeeded = match &ready.socketcan {
+            Ok(socketcan) if self.step == Step::Socketcan => {
+                socketcan::run(socketcan, &mut self.command, take)?
+            }
+            _ => process::stream(&mut self.command, take)?.success(),
+        };
+        Ok(count.close(succeeded))
+    }
+}
+
+/// Runs what is cargo's of a step.
 ///
 /// # Errors
 /// When a program cannot be started.
@@ -230,48 +269,26 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
         }
         Step::Firmware => images()?,
         Step::Python => {
-            let built = checks([devices()])?;
-            if built.failed > 0 {
-                built
-            } else {
-                tests(
-                    against(&ready.python, "virtual")
-                        .arg("--node-modules")
-                        .arg(&ready.node),
-                )?
-            }
+            let mut command = against(&ready.python, "virtual");
+            command.args(AT_ONCE).arg("--node-modules").arg(&ready.node);
+            return played(step, [programs::build_command()], command);
         }
         Step::Board => {
-            let built = checks([Image::Board.build_command()?])?;
-            if built.failed > 0 {
-                built
-            } else {
-                let image = Image::Board.keep()?;
-                tests(
-                    pytest(&ready.python, "tests/machine")
-                        .arg("--image")
-                        .arg(image),
-                )?
-            }
+            let mut command = pytest(&ready.python, "tests/machine");
+            command.arg("--image").arg(Image::Board.path());
+            return played(step, [Image::Board.build_command()?], command);
         }
         Step::Qemu => {
-            let built = checks([Image::Qemu.build_command()?, devices()])?;
-            if built.failed > 0 {
-                built
-            } else {
-                let image = Image::Qemu.keep()?;
-                tests(against(&ready.python, "firmware").arg("--image").arg(image))?
-            }
+            let mut command = against(&ready.python, "firmware");
+            command.args(AT_ONCE).arg("--image").arg(Image::Qemu.path());
+            let builds = [Image::Qemu.build_command()?, programs::build_command()];
+            return played(step, builds, command);
         }
         Step::Socketcan => match &ready.socketcan {
             Err(why) => return Ok(Run::Skipped(why.clone())),
-            Ok(socketcan) => {
-                let built = checks([devices()])?;
-                if built.failed > 0 {
-                    built
-                } else {
-                    over_socketcan(socketcan, &ready.python)?
-                }
+            Ok(_) => {
+                let command = against(&ready.python, "socketcan");
+                return played(step, [programs::build_command()], command);
             }
         },
     };
@@ -284,40 +301,21 @@ fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the programs of the Python tests: the virtual drive, the one in virtual time, a master's command line, the panel, the generator's, a
-/// device that is no drive, and the plant of the servo.
-fn devices() -> Command {
-    cargo(&[
-        "build",
-        "--package",
-        "canopen",
-        "--package",
-        "master",
-        "--package",
-        "od-gen",
-        "--package",
-        "panel",
-        "--package",
-        "sim",
-        "--package",
-        "servo-plant",
-        "--package",
-        "tests",
-        "--bin",
-        "sim",
-        "--bin",
-        "stepped_drive",
-        "--bin",
-        "axis402",
-        "--bin",
-        "axis402-panel",
-        "--bin",
-        "od-gen",
-        "--example",
-        "io_device",
-        "--example",
-        "plant_trace",
-    ])
+/// Builds what a step plays with.
+fn played(step: Step, builds: impl IntoIterator<Item = Command>, command: Command) -> Result<Run> {
+    let built = checks(builds)?;
+    if built.failed > 0 {
+        return Ok(Run::Done(built));
+    }
+    match step {
+        Step::Board => drop(Image::Board.keep()?),
+        Step::Qemu => {
+            Image::Qemu.keep()?;
+            programs::keep()?;
+        }
+        _ => programs::keep()?,
+    }
+    Ok(Run::Built(Played { step, command }))
 }
 
 fn lints() -> [Command; 3] {
@@ -373,9 +371,15 @@ fn checks(commands: impl IntoIterator<Item = Command>) -> Result<Count> {
 fn tests(command: &mut Command) -> Result<Count> {
     say!("$ {}", process::line(command))?;
     let mut count = Count::default();
-    let status = process::stream(command, |line| count.watch(line))?;
+    let status = process::stream(command, |line| {
+        count.watch(line);
+        say!("{line}")
+    })?;
     Ok(count.close(status.success()))
 }
+
+/// Each of these tests starts devices of its own on buses of their own, so two run at once. Those on SocketCAN share the only bus.
+const AT_ONCE: [&str; 2] = ["--numprocesses", "2"];
 
 /// The Python tests in one folder.
 fn pytest(python: &Path, folder: &str) -> Command {
@@ -394,21 +398,21 @@ fn against(python: &Path, target: &str) -> Command {
     command.args(["--target", target]);
     command
         .arg("--sim")
-        .arg(place::built("sim"))
+        .arg(place::kept("sim"))
         .arg("--stepped")
-        .arg(place::built("stepped_drive"))
+        .arg(place::kept("stepped_drive"))
         .arg("--axis402")
-        .arg(place::built("axis402"))
+        .arg(place::kept("axis402"))
         .arg("--od-gen")
-        .arg(place::built("od-gen"))
+        .arg(place::kept("od-gen"))
         .arg("--io-device")
-        .arg(place::built("examples/io_device"))
+        .arg(place::kept("io_device"))
         .arg("--plant-trace")
-        .arg(place::built("examples/plant_trace"))
+        .arg(place::kept("plant_trace"))
         .arg("--panel")
-        .arg(place::built("axis402-panel"))
+        .arg(place::kept("axis402-panel"))
         .arg("--xtask")
-        .arg(place::built("xtask"));
+        .arg(place::kept("xtask"));
     command
 }
 
@@ -419,18 +423,11 @@ fn against(python: &Path, target: &str) -> Command {
 pub fn panel_pictures(folder: &Path) -> Result<Command> {
     let python = setup::python_environment()?;
     setup::browser()?;
-    if !process::run(&mut devices())?.success() {
+    if !process::run(&mut programs::build_command())?.success() {
         bail!("the panel cannot be built");
     }
+    programs::keep()?;
     let mut command = against(&python, "virtual");
     command.args(["-k", "picture", "--pictures"]).arg(folder);
     Ok(command)
-}
-
-fn over_socketcan(socketcan: &Socketcan, python: &Path) -> Result<Count> {
-    let mut command = against(python, "socketcan");
-    say!("$ {}", process::line(&command))?;
-    let mut count = Count::default();
-    let succeeded = socketcan::run(socketcan, &mut command, |line| count.watch(line))?;
-    Ok(count.close(succeeded))
 }
