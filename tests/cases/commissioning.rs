@@ -153,7 +153,7 @@ fn a_position_of_the_switches_rescues_a_drive_at_a_bit_rate_that_nobody_knows() 
 }
 
 #[test]
-fn s31_what_must_not_change_is_locked_while_the_motor_has_power() {
+fn what_must_not_change_is_locked_while_the_motor_has_power() {
     let mut bench = DriveBench::enabled(4);
     bench.write_u16(0x1800, 5, 0);
     bench.drain(20);

@@ -74,7 +74,7 @@ fn random_numbers(count: usize, seed: u8) -> BTreeSet<u32> {
 }
 
 #[test]
-fn l13_one_drive_is_found_whatever_its_serial_number_is() {
+fn one_drive_is_found_whatever_its_serial_number_is() {
     let corners = [0, 1, 0x8000_0000, 0x7FFF_FFFF, u32::MAX];
     for number in corners.into_iter().chain(random_numbers(5, 1)) {
         number_drives([number]);
@@ -82,7 +82,7 @@ fn l13_one_drive_is_found_whatever_its_serial_number_is() {
 }
 
 #[test]
-fn l15_two_drives_whose_serial_numbers_differ_in_one_bit_are_found_in_turn() {
+fn two_drives_whose_serial_numbers_differ_in_one_bit_are_found_in_turn() {
     for bit in 0..32 {
         let number = generator(2 + bit).next_u32();
         number_drives([number, number ^ 1 << bit]);
@@ -90,27 +90,27 @@ fn l15_two_drives_whose_serial_numbers_differ_in_one_bit_are_found_in_turn() {
 }
 
 #[test]
-fn l15_two_drives_with_random_serial_numbers_are_found_in_turn() {
+fn two_drives_with_random_serial_numbers_are_found_in_turn() {
     for seed in 40..50 {
         number_drives(random_numbers(2, seed));
     }
 }
 
 #[test]
-fn l15_a_bus_full_of_devices_with_random_serial_numbers_is_numbered() {
+fn a_bus_full_of_devices_with_random_serial_numbers_is_numbered() {
     let identities = random_numbers(ALL, 3);
     let identities = identities.iter().map(|number| [0x21B, 7, 1, *number]);
     number_all(&identities.collect(), PlainNode::with_identity);
 }
 
 #[test]
-fn l15_a_bus_full_of_devices_with_serial_numbers_in_a_row_is_numbered() {
+fn a_bus_full_of_devices_with_serial_numbers_in_a_row_is_numbered() {
     let identities = (0x0040_1FC0..).map(|number| [0x21B, 7, 1, number]);
     number_all(&identities.take(ALL).collect(), PlainNode::with_identity);
 }
 
 #[test]
-fn l15_devices_that_differ_in_single_bits_of_any_word_are_told_apart() {
+fn devices_that_differ_in_single_bits_of_any_word_are_told_apart() {
     let bits = (0..4).flat_map(|word| (0..32).step_by(3).map(move |bit| (word, bit)));
     let identities = bits.map(|(word, bit)| {
         let mut identity = [0x5555_AAAA, 0xAAAA_5555, 0, u32::MAX];
@@ -121,7 +121,7 @@ fn l15_devices_that_differ_in_single_bits_of_any_word_are_told_apart() {
 }
 
 #[test]
-fn l15_devices_that_answer_one_after_the_other_are_told_apart() {
+fn devices_that_answer_one_after_the_other_are_told_apart() {
     let serial_numbers = random_numbers(20, 4);
     let identities = serial_numbers.iter().map(|number| [0x21B, 7, 1, *number]);
     number_all(&identities.collect(), |identity| {

@@ -1,6 +1,7 @@
 //! The cases: what goes in on the bus, what comes out, at which time.
 //!
-//! One module per service; the name of a listed case begins with its id.
+//! What a device does that has nothing but its node is a test of the crate `canopen`; here stands what takes a drive, a bus with mailboxes, or several
+//! devices. The name of a listed case begins with its id, in the one layer where the case says most.
 
 mod any_drive;
 mod bouncing_switches;
@@ -27,19 +28,15 @@ mod interpolated_position;
 mod late_pulses;
 mod longest_stop;
 mod lost_steps;
-mod lss;
+mod lss_in_motion;
 mod lss_many_drives;
-mod lss_nmt_states;
 mod lss_power_cuts;
-mod lss_store;
 mod model;
 mod modes;
 mod motion_profiles;
 mod motor_and_supply;
 mod mpdo;
-mod nmt_startup;
 mod option_codes;
-mod parameters;
 mod pdo_services;
 mod pending;
 mod profile_position;

@@ -72,7 +72,7 @@ fn outside_operational_no_value_is_taken() {
 }
 
 #[test]
-fn e09_an_object_that_cannot_be_written_is_told_once() {
+fn an_object_that_cannot_be_written_is_told_once() {
     for frame in NOWHERE {
         let mut bench = operational(DESTINATION);
         bench.send(frame);
@@ -94,7 +94,7 @@ fn e09_an_object_that_cannot_be_written_is_told_once() {
 }
 
 #[test]
-fn m18_a_value_beyond_its_limits_is_left_out() {
+fn a_value_beyond_its_limits_is_left_out() {
     let mut bench = operational(DESTINATION);
     bench.send("204: 84 02 20 00 F6 00 00 00");
     assert_eq!(bench.read_i8(0x2002, 0), -10);
@@ -104,7 +104,7 @@ fn m18_a_value_beyond_its_limits_is_left_out() {
 }
 
 #[test]
-fn p19_a_frame_that_is_too_short_is_told_and_not_taken() {
+fn a_frame_that_is_too_short_is_told_and_not_taken() {
     let mut bench = operational(DESTINATION);
     bench.send("204 [7] 84 00 20 00 01 00 00");
     bench.expect("084: 10 82 11 ..");
@@ -183,7 +183,7 @@ fn the_scanner_list_is_sent_when_operational_is_entered() {
 }
 
 #[test]
-fn p30_the_event_timer_sends_the_scanner_list_again() {
+fn the_event_timer_sends_the_scanner_list_again() {
     let mut bench = Bench::bare(4);
     bench.write_u16(0x1800, 5, 50);
     multiplex(&mut bench, SOURCE);
@@ -212,7 +212,7 @@ fn the_application_announces_an_object_of_the_scanner_list() {
 }
 
 #[test]
-fn p07_the_lists_take_objects_of_pdos_alone() {
+fn the_lists_take_objects_of_pdos_alone() {
     let mut bench = Bench::bare(4);
     // 2003h is for no PDO, 2004h:5 is not there, 2001h is read-only: it may be sent.
     bench.refused("604: 23 A0 1F 01 00 03 20 01", 0x0604_0041);
@@ -227,7 +227,7 @@ fn p07_the_lists_take_objects_of_pdos_alone() {
 }
 
 #[test]
-fn p18_a_multiplexed_pdo_of_a_synchronous_type_is_not_made_valid() {
+fn a_multiplexed_pdo_of_a_synchronous_type_is_not_made_valid() {
     let mut bench = Bench::bare(4);
     for (communication, mapping, valid) in
         [(0x14, 0x1600, "04 02 00 00"), (0x18, 0x1A00, "84 01 00 40")]

@@ -16,7 +16,7 @@ fn remote(transmission_type: u8) -> Bench {
 }
 
 #[test]
-fn p39_type_253_sends_the_fresh_value_on_request() {
+fn type_253_sends_the_fresh_value_on_request() {
     let mut bench = remote(253);
     bench.change(|objects| objects.set_sent_number_1(1));
     bench.send("080 [0]");
@@ -30,7 +30,7 @@ fn p39_type_253_sends_the_fresh_value_on_request() {
 }
 
 #[test]
-fn p39_type_252_sends_the_value_of_the_last_sync_on_request() {
+fn type_252_sends_the_value_of_the_last_sync_on_request() {
     let mut bench = remote(252);
     bench.change(|objects| objects.set_sent_number_1(1));
     bench.run_millis(1);
@@ -47,7 +47,7 @@ fn p39_type_252_sends_the_value_of_the_last_sync_on_request() {
 }
 
 #[test]
-fn p14_and_p39_a_remote_request_of_an_event_driven_pdo_is_answered_where_it_is_allowed() {
+fn a_remote_request_of_an_event_driven_pdo_is_answered_where_it_is_allowed() {
     let mut bench = remote(255);
     bench.change(|objects| objects.set_sent_number_1(7));
     bench.expect("184: 07");
@@ -61,7 +61,7 @@ fn p14_and_p39_a_remote_request_of_an_event_driven_pdo_is_answered_where_it_is_a
 }
 
 #[test]
-fn p39_no_remote_request_is_answered_outside_operational() {
+fn no_remote_request_is_answered_outside_operational() {
     for command in ["000 [2] 80 04", "000 [2] 02 04"] {
         let mut bench = remote(253);
         bench.send(command);
@@ -71,7 +71,7 @@ fn p39_no_remote_request_is_answered_outside_operational() {
 }
 
 #[test]
-fn p24_bits_are_packed_without_gaps() {
+fn bits_are_packed_without_gaps() {
     let mut bench = Bench::node(4);
     bench.write_u32(0x1800, 1, 0xC000_0184);
     bench.write_u8(0x1A00, 0, 0);
@@ -90,7 +90,7 @@ fn p24_bits_are_packed_without_gaps() {
 }
 
 #[test]
-fn p24_a_mapping_of_17_bits_takes_three_bytes() {
+fn a_mapping_of_17_bits_takes_three_bytes() {
     let mut bench = Bench::node(4);
     bench.write_u32(0x1800, 1, 0xC000_0184);
     bench.write_u8(0x1A00, 0, 0);
@@ -109,7 +109,7 @@ fn p24_a_mapping_of_17_bits_takes_three_bytes() {
 }
 
 #[test]
-fn p24_received_bits_reach_their_objects() {
+fn received_bits_reach_their_objects() {
     let mut bench = Bench::node(4);
     bench.write_u32(0x1400, 1, 0x8000_0204);
     bench.write_u8(0x1600, 0, 0);
@@ -128,7 +128,7 @@ fn p24_received_bits_reach_their_objects() {
 }
 
 #[test]
-fn p35_a_missed_deadline_is_reported_for_each_pdo() {
+fn a_missed_deadline_is_reported_for_each_pdo() {
     let mut bench = Bench::node(4);
     for (index, deadline) in [(0x1400, 50), (0x1401, 100)] {
         let cob_id = bench.read_u32(index, 1);
@@ -159,7 +159,7 @@ fn p35_a_missed_deadline_is_reported_for_each_pdo() {
 }
 
 #[test]
-fn p37_all_pdos_of_a_sync_leave_by_identifier_on_a_busy_bus() {
+fn all_pdos_of_a_sync_leave_by_identifier_on_a_busy_bus() {
     let mut bench = Bench::node(4);
     for (number, identifier) in [(0_u16, 0x184_u32), (1, 0x284), (2, 0x384), (3, 0x484)] {
         let index = 0x1800 + number;

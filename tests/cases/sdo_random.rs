@@ -60,7 +60,7 @@ proptest! {
     #![proptest_config(contextualize_config(ProptestConfig { cases: 96, ..ProptestConfig::default() }))]
 
     #[test]
-    fn b29_a_disturbed_download_is_whole_or_aborted(value in value(), pattern in interference(), peaceful in 0..6_usize) {
+    fn a_disturbed_download_is_whole_or_aborted(value in value(), pattern in interference(), peaceful in 0..6_usize) {
         let old = b"what was there before";
         let mut bench = disturbed(pattern, peaceful, old);
         let begun = bench.now();
@@ -79,7 +79,7 @@ proptest! {
     }
 
     #[test]
-    fn b29_a_disturbed_upload_is_whole_or_aborted(value in value(), block_size in 1..=127_u8, pattern in interference(), peaceful in 0..6_usize) {
+    fn a_disturbed_upload_is_whole_or_aborted(value in value(), block_size in 1..=127_u8, pattern in interference(), peaceful in 0..6_usize) {
         let mut bench = disturbed(pattern, peaceful, &value);
         let begun = bench.now();
         let result = bench.block_upload(0x2002, 0, block_size);

@@ -22,7 +22,7 @@ fn order(bench: &mut DriveBench, order: &str, answer: &str) {
 }
 
 #[test]
-fn r01_saved_parameters_outlive_the_power() {
+fn saved_parameters_outlive_the_power() {
     let mut bench = DriveBench::booted(4);
     bench.write_u32(0x6081, 0, 4_321);
     bench.write_u32(0x6083, 0, 70_000);
@@ -37,7 +37,7 @@ fn r01_saved_parameters_outlive_the_power() {
 }
 
 #[test]
-fn r01_the_drive_moves_with_what_was_saved() {
+fn the_drive_moves_with_what_was_saved() {
     let mut bench = DriveBench::booted(4);
     bench.write_u32(0x6081, 0, 1_000);
     order(&mut bench, SAVE_ALL, SAVED_ALL);
@@ -55,7 +55,7 @@ fn r01_the_drive_moves_with_what_was_saved() {
 }
 
 #[test]
-fn r01_flash_that_fails_is_told_and_the_parameters_stay() {
+fn flash_that_fails_is_told_and_the_parameters_stay() {
     let mut flash = Flash::in_memory();
     flash.break_down();
     let setup = Setup {
@@ -68,15 +68,7 @@ fn r01_flash_that_fails_is_told_and_the_parameters_stay() {
 }
 
 #[test]
-fn r02_r04_a_wrong_signature_is_refused() {
-    let mut bench = DriveBench::booted(4);
-    bench.refused("604: 23 10 10 01 6C 6F 61 64", 0x0800_0020);
-    bench.refused("604: 23 10 10 02 65 76 61 73", 0x0800_0020);
-    bench.refused("604: 23 11 10 01 73 61 76 65", 0x0800_0020);
-}
-
-#[test]
-fn r03_defaults_come_with_the_reset_and_not_before() {
+fn defaults_come_with_the_reset_and_not_before() {
     let mut bench = DriveBench::booted(4);
     bench.write_u32(0x6081, 0, 4_321);
     order(&mut bench, SAVE_ALL, SAVED_ALL);
@@ -88,7 +80,7 @@ fn r03_defaults_come_with_the_reset_and_not_before() {
 }
 
 #[test]
-fn r03_a_group_is_restored_without_the_others() {
+fn a_group_is_restored_without_the_others() {
     let mut bench = DriveBench::booted(4);
     bench.write_u32(0x6081, 0, 4_321);
     bench.write_u16(0x1015, 0, 7);
@@ -104,17 +96,7 @@ fn r03_a_group_is_restored_without_the_others() {
 }
 
 #[test]
-fn r05_the_capability_is_saving_on_command() {
-    let mut bench = DriveBench::booted(4);
-    for index in [0x1010, 0x1011] {
-        for sub in 1..=4 {
-            assert_eq!(bench.read_u32(index, sub), 1, "{index:04X}h:{sub}");
-        }
-    }
-}
-
-#[test]
-fn r07_s31_nothing_is_stored_while_the_motor_has_power() {
+fn r07_nothing_is_stored_while_the_motor_has_power() {
     let mut bench = DriveBench::enabled(4);
     bench.write_u32(0x6081, 0, 4_321);
     bench.begin_move(100_000);
@@ -136,7 +118,7 @@ fn r07_s31_nothing_is_stored_while_the_motor_has_power() {
 }
 
 #[test]
-fn r08_a_damaged_set_is_told_and_the_drive_starts_with_defaults() {
+fn a_damaged_set_is_told_and_the_drive_starts_with_defaults() {
     let mut bench = DriveBench::booted(4);
     bench.write_u32(0x6081, 0, 0x000A_5A5A);
     order(&mut bench, SAVE_ALL, SAVED_ALL);
@@ -154,7 +136,7 @@ fn r08_a_damaged_set_is_told_and_the_drive_starts_with_defaults() {
 }
 
 #[test]
-fn r09_a_changed_parameter_undates_the_configuration() {
+fn a_changed_parameter_undates_the_configuration() {
     let mut bench = DriveBench::booted(4);
     bench.write_u32(0x6081, 0, 4_321);
     bench.write_u32(0x1020, 1, 15_579);

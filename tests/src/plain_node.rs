@@ -2,9 +2,8 @@
 
 use canopen::can_controller::ControllerState;
 use canopen::cia301::nmt::Reset;
-use canopen::node::StoreError;
 use canopen::time::NEVER;
-use canopen::{BitRate, Configuration, Duration, Event, Frame, Instant, Node, NodeId, Settings};
+use canopen::{BitRate, Duration, Event, Frame, Instant, Node, NodeId, Settings};
 use master::bus::Station;
 
 use crate::firmware::{Firmware, Store};
@@ -26,18 +25,8 @@ pub struct PlainNode {
     pub store: Store,
     /// When the next step of storing parameters may be done.
     next_store_step: Instant,
-    /// What storing settings will end with.
-    pub store_result: Result<(), StoreError>,
-    /// What LSS has stored.
-    pub stored: Option<Configuration>,
-    /// Bit rates LSS has ordered, with the time to switch.
-    pub bit_rates: Vec<(BitRate, Instant)>,
     /// The controller has left the bus: it neither sends nor receives.
     is_bus_off: bool,
-    /// How many attempts to start the controller again fail.
-    pub failing_restarts: usize,
-    /// What the node has told of itself and others.
-    pub told: Vec<Event>,
 }
 
 impl PlainNode {
@@ -54,12 +43,7 @@ impl PlainNode {
             firmware: Firmware::default(),
             store: Store::default(),
             next_store_step: Instant::from_ticks(0),
-            store_result: Ok(()),
-            stored: None,
-            bit_rates: Vec::new(),
             is_bus_off: false,
-            failing_restarts: 0,
-            told: Vec::new(),
         }
     }
 
@@ -79,31 +63,9 @@ impl PlainNode {
     }
 
     fn restart_controller(&mut self, now: Instant) {
-        if let Some(fewer) = self.failing_restarts.checked_sub(1) {
-            self.failing_restarts = fewer;
-        } else {
-            self.is_bus_off = false;
-            self.node
-                .controller_changed(ControllerState::ErrorActive, now);
-        }
-    }
-
-    /// The power fails and returns; only what was stored is left.
-    pub fn cycle_power(&mut self) {
-        let settings = self.node.settings();
-        let bit_rate = |stored: Configuration| stored.bit_timing.bit_rate();
-        self.node = node(Settings {
-            node_id: self
-                .stored
-                .map_or(settings.node_id, |stored| stored.node_id),
-            bit_rate: self.stored.and_then(bit_rate).unwrap_or(settings.bit_rate),
-        });
-        self.powered = false;
-        self.was_reset = true;
-        let identity = self.firmware.identity;
-        self.firmware = Firmware::default();
-        self.firmware.identity = identity;
-        self.store.cut_power();
+        self.is_bus_off = false;
+        self.node
+            .controller_changed(ControllerState::ErrorActive, now);
     }
 
     /// The node itself.
@@ -121,18 +83,9 @@ impl PlainNode {
         while let Some(event) = self.node.event() {
             match event {
                 Event::ResetRequested(reset) => self.boot(reset, now),
-                Event::StoreSettings(settings) => {
-                    if self.store_result.is_ok() {
-                        self.stored = Some(settings);
-                    }
-                    self.node.settings_stored(self.store_result);
-                }
-                Event::SwitchBitRate { bit_rate, at } => self.bit_rates.push((bit_rate, at)),
-                Event::RestartController => {
-                    self.told.push(event);
-                    self.restart_controller(now);
-                }
-                other => self.told.push(other),
+                Event::StoreSettings(_) => self.node.settings_stored(Ok(())),
+                Event::RestartController => self.restart_controller(now),
+                _ => {}
             }
         }
     }
@@ -202,11 +155,6 @@ impl Bench {
         let mut bench = Self::powered(node_id);
         bench.expect(&format!("{:03X} [1] 00", 0x700 + u16::from(node_id)));
         bench
-    }
-
-    /// A device without a node-ID.
-    pub fn unconfigured() -> Self {
-        Self::powered(255)
     }
 
     /// Changes values as the application of the device would.

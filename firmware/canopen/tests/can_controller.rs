@@ -43,6 +43,7 @@ fn c01_after_bus_off_the_controller_starts_again_and_the_messages_leave() {
         "no second boot-up message"
     );
     assert_eq!(device.value(0x1001, 0), [0]);
+    assert_eq!(device.value(0x1003, 1)[..2], [0x40, 0x81]);
     assert_eq!(device.pass(100), [(100, "704 [1] 7F".to_string())]);
     let counters = device.node.counters();
     assert_eq!((counters.bus_off, counters.restarts), (1, 1));

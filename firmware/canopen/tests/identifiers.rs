@@ -20,6 +20,7 @@ fn c04_a_frame_that_only_this_device_sends_is_told_once_for_each_identifier() {
         assert_eq!(device.ask(frame), [""; 0]);
     }
     assert_eq!(device.value(0x1001, 0), [0x11]);
+    assert_eq!(device.value(0x1003, 1)[..2], [0x50, 0x81]);
     device.send("000 [2] 82 04");
     device.serve_reset();
     assert_eq!(device.sent(), ["704 [1] 00"]);
@@ -38,11 +39,15 @@ fn c04_what_others_may_send_is_no_collision() {
         "704 [8] rtr",
         "184 [8] rtr",
         "7E4: 50 04 00 00 00 00 00 00",
+        "081 [0]",
+        "204: 00 00 00 00 00 00 00 00",
+        "604: 40 00 10 00 00 00 00 00",
     ] {
         device.put(frame);
     }
     device.sent();
     assert_eq!(device.value(0x1001, 0), [0]);
+    assert_eq!(device.ask("704 [1] 05"), [collision(0x704)], "one that is");
 }
 
 #[test]

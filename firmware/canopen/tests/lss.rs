@@ -51,15 +51,22 @@ fn l02_l03_the_configuration_state_tells_node_id_and_identity() {
     assert_eq!(ask(&mut device, "5B"), answer("5B88776655"));
     assert_eq!(ask(&mut device, "5C"), answer("5CCCBBAA99"));
     assert_eq!(ask(&mut device, "5D"), answer("5D78563412"));
+
+    let mut device = unconfigured();
+    ask(&mut device, "0401");
+    assert_eq!(ask(&mut device, "5D"), answer("5D78563412"));
+    assert_eq!(ask(&mut device, "5E"), answer("5EFF"));
 }
 
 #[test]
 fn l04_configure_node_id() {
     let mut device = in_configuration();
-    assert_eq!(ask(&mut device, "1100"), answer("1101"));
-    assert_eq!(ask(&mut device, "1180"), answer("1101"));
-    assert_eq!(ask(&mut device, "110B"), answer("1100"));
-    assert_eq!(ask(&mut device, "11FF"), answer("1100"));
+    for refused in ["00", "80", "FE"] {
+        assert_eq!(ask(&mut device, &format!("11{refused}")), answer("1101"));
+    }
+    for taken in ["01", "0B", "7F", "FF"] {
+        assert_eq!(ask(&mut device, &format!("11{taken}")), answer("1100"));
+    }
 }
 
 #[test]
@@ -67,6 +74,10 @@ fn l05_a_bit_rate_that_is_not_there_is_answered() {
     let mut device = in_configuration();
     for request in ["130005", "130063", "130100"] {
         assert_eq!(ask(&mut device, request), answer("1301"));
+    }
+    for index in [0, 1, 2, 3, 4, 6, 7, 8] {
+        let request = format!("13000{index}");
+        assert_eq!(ask(&mut device, &request), answer("1300"), "{request}");
     }
 }
 
@@ -106,10 +117,11 @@ fn l07_the_answer_to_store_comes_when_it_is_done() {
     ] {
         let mut device = in_configuration();
         assert_eq!(ask(&mut device, "110B"), answer("1100"));
+        assert_eq!(ask(&mut device, "130003"), answer("1300"));
         assert!(ask(&mut device, "17").is_empty());
         let settings = Settings {
             node_id: NodeId::new(11).unwrap(),
-            ..Settings::default()
+            bit_rate: BitRate::Kbit250,
         };
         assert_eq!(device.events(), [Event::StoreSettings(settings.into())]);
         device.node.settings_stored(result);
@@ -127,15 +139,29 @@ fn l08_l09_switch_state_selective() {
     assert_eq!(ask(&mut device, right[3]), answer("44"));
     assert_eq!(ask(&mut device, "5E"), answer("5E04"));
 
-    let wrong_word = ["4044332211", "4188776655", "42CCBBAA98", "4378563412"];
-    let wrong_order = ["4188776655", "4044332211", "42CCBBAA99", "4378563412"];
-    let interrupted = ["4044332211", "4188776655", "4C", "42CCBBAA99", "4378563412"];
-    for requests in [&wrong_word[..], &wrong_order, &interrupted] {
+    let mut broken = Vec::new();
+    for number in 0..4 {
+        let mut wrong_word = right;
+        wrong_word[number] = ["4099999999", "4199999999", "4299999999", "4399999999"][number];
+        broken.push(wrong_word.to_vec());
+    }
+    for [a, b, c, d] in [[1, 0, 2, 3], [0, 2, 1, 3], [0, 1, 3, 2]] {
+        broken.push(vec![right[a], right[b], right[c], right[d]]);
+    }
+    for other in ["4C", "5E"] {
+        broken.push(vec![right[0], right[1], other, right[2], right[3]]);
+    }
+    for requests in broken {
         let mut device = Device::new();
-        for request in requests {
+        for request in &requests {
+            assert!(ask(&mut device, request).is_empty(), "{requests:?}");
+        }
+        assert!(ask(&mut device, "5E").is_empty(), "{requests:?}");
+        // It is no worse for it.
+        for request in &right[..3] {
             assert!(ask(&mut device, request).is_empty());
         }
-        assert!(ask(&mut device, "5E").is_empty());
+        assert_eq!(ask(&mut device, right[3]), answer("44"));
     }
 }
 
@@ -149,6 +175,7 @@ fn l10_identify_remote_slave() {
         "4A78563412",
         "4B78563412",
     ];
+    let any_serial_number = [&hit[..4], &["4A00000000", "4BFFFFFFFF"]].concat();
     let miss = [
         "4644332211",
         "4788776655",
@@ -164,6 +191,10 @@ fn l10_identify_remote_slave() {
             assert!(ask(&mut device, request).is_empty());
         }
         assert_eq!(ask(&mut device, hit[5]), answer("4F"));
+        for request in &any_serial_number[..5] {
+            assert!(ask(&mut device, request).is_empty());
+        }
+        assert_eq!(ask(&mut device, any_serial_number[5]), answer("4F"));
         for request in miss {
             assert!(ask(&mut device, request).is_empty());
         }
@@ -186,9 +217,18 @@ fn l11_identify_non_configured_remote_slave() {
 fn l12_l14_fastscan_begins_with_an_unconfigured_device() {
     let mut device = unconfigured();
     assert_eq!(ask(&mut device, "5100000000800000"), answer("4F"));
-    for request in ["5100000000200000", "5100000000000100", "5100000000000400"] {
-        assert!(ask(&mut device, request).is_empty());
+    for request in [
+        "5100000000200000",
+        "51000000007F0000",
+        "5100000000000100",
+        "5100000000000400",
+        "51000000001F0400",
+        "51000000001F0101",
+    ] {
+        assert!(ask(&mut device, request).is_empty(), "{request}");
     }
+    // The scan is where it was: the first bit of the vendor-ID is 0.
+    assert_eq!(ask(&mut device, "51000000001F0000"), answer("4F"));
     assert!(ask(&mut Device::new(), "5100000000800000").is_empty());
 }
 
@@ -282,19 +322,81 @@ fn l17_only_data_frames_of_eight_bytes_are_requests() {
     assert_eq!(ask(&mut device, "5E"), answer("5E04"));
 }
 
-#[test]
-fn l18_lss_works_in_operational_and_stopped() {
-    for state in ["000 [2] 01 04", "000 [2] 02 04"] {
+/// Node 4 in each NMT state, with what error control says of it.
+fn in_each_state() -> [(Device, &'static str); 3] {
+    [
+        ("000 [2] 80 04", "7F"),
+        ("000 [2] 01 04", "05"),
+        ("000 [2] 02 04", "04"),
+    ]
+    .map(|(command, state)| {
         let mut device = Device::new();
-        device.send(state);
+        device.send(command);
         device.sent();
+        (device, state)
+    })
+}
+
+/// What error control says of the node at this identifier.
+fn state_at(device: &mut Device, error_control: &str) -> Vec<String> {
+    device.ask(&format!("{error_control} [1] rtr"))
+}
+
+#[test]
+fn l18_every_service_is_answered_in_each_nmt_state_and_leaves_it() {
+    for (mut device, state) in in_each_state() {
+        // Identify remote slave, in the waiting state.
+        for request in ["4644332211", "4788776655", "48", "49FFFFFFFF", "4A"] {
+            assert!(ask(&mut device, request).is_empty());
+        }
+        assert_eq!(ask(&mut device, "4BFFFFFFFF"), answer("4F"));
+        // Switch state selective.
+        for request in ["4044332211", "4188776655", "42CCBBAA99"] {
+            assert!(ask(&mut device, request).is_empty());
+        }
+        assert_eq!(ask(&mut device, "4378563412"), answer("44"));
+        assert_eq!(ask(&mut device, "5A"), answer("5A44332211"));
+        assert_eq!(ask(&mut device, "110B"), answer("1100"));
+        assert_eq!(ask(&mut device, "5E"), answer("5E04"), "the one in force");
+        assert_eq!(ask(&mut device, "130002"), answer("1300"));
+        assert!(ask(&mut device, "17").is_empty());
+        device.node.settings_stored(Ok(()));
+        assert_eq!(device.sent(), answer("1700"));
+        // A configured node is silent for these.
+        for request in ["4C", "5100000000800000", "0400"] {
+            assert!(ask(&mut device, request).is_empty());
+        }
+        assert_eq!(state_at(&mut device, "704"), [format!("704 [1] {state}")]);
+    }
+}
+
+#[test]
+fn l18_a_new_node_id_waits_for_reset_communication_in_each_nmt_state() {
+    for (mut device, state) in in_each_state() {
         ask(&mut device, "0401");
         assert_eq!(ask(&mut device, "110B"), answer("1100"));
-        assert_eq!(
-            ask(&mut device, "5E"),
-            answer("5E04"),
-            "the node-ID in force"
-        );
+        assert!(ask(&mut device, "0400").is_empty());
+        assert!(device.pass(20).is_empty());
+        assert_eq!(state_at(&mut device, "704"), [format!("704 [1] {state}")]);
+        device.send("000 [2] 82 04");
+        device.serve_reset();
+        assert_eq!(device.sent(), ["70B [1] 00"]);
+        assert_eq!(state_at(&mut device, "70B"), ["70B [1] 7F"]);
+    }
+}
+
+#[test]
+fn l06_the_bit_rate_is_switched_in_each_nmt_state() {
+    for (mut device, state) in in_each_state() {
+        ask(&mut device, "0401");
+        assert_eq!(ask(&mut device, "130002"), answer("1300"));
+        assert!(ask(&mut device, "151400").is_empty());
+        let events = device.events();
+        let switch = |event: &Event| matches!(event, Event::SwitchBitRate { .. });
+        assert!(events.iter().any(switch), "{events:?}");
+        assert!(device.pass(41).is_empty());
+        assert_eq!(device.node.settings().bit_rate, BitRate::Kbit500);
+        assert_eq!(state_at(&mut device, "704"), [format!("704 [1] {state}")]);
     }
 }
 

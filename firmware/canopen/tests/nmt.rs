@@ -247,7 +247,7 @@ fn n15_start_in_operational_changes_nothing() {
 }
 
 #[test]
-fn n18_a_reset_waits_in_silence_until_the_motor_has_stopped() {
+fn a_reset_waits_in_silence_until_the_motor_has_stopped() {
     let mut device = Device::operational();
     device.ask("604: 2B 17 10 00 64 00 00 00");
     device.put("604: 40 00 10 00 00 00 00 00");
@@ -275,7 +275,7 @@ fn n18_a_reset_waits_in_silence_until_the_motor_has_stopped() {
 }
 
 #[test]
-fn n18_a_reset_that_is_held_back_lets_the_device_go_on_until_the_boot() {
+fn a_reset_that_is_held_back_lets_the_device_go_on_until_the_boot() {
     let mut device = Device::operational();
     device.ask("604: 2B 17 10 00 64 00 00 00");
     device.node.hold_resets(true);
@@ -303,7 +303,7 @@ fn n18_a_reset_that_is_held_back_lets_the_device_go_on_until_the_boot() {
 }
 
 #[test]
-fn n18_a_boot_serves_a_reset_that_nobody_has_asked_for_yet() {
+fn a_boot_serves_a_reset_that_nobody_has_asked_for_yet() {
     let mut device = Device::new();
     device.send("000 [2] 82 04");
     device.boot(Reset::Communication);
@@ -402,6 +402,12 @@ fn c05_frames_that_classic_can_cannot_carry_do_not_exist() {
         .receive(&extended, device.now, &mut device.firmware);
     assert!(device.sent().is_empty());
     assert_eq!(Frame::data_frame(0x604, &[0; 10]).length(), 8);
+    // Nor does a remote frame where data is expected.
+    for id in ["000", "080", "204", "604", "7E5"] {
+        assert!(device.ask(&format!("{id} [8] rtr")).is_empty(), "{id}");
+    }
+    assert_eq!(device.node.state(), NmtState::PreOperational);
+    assert_eq!(device.ask("604: 40 00 10 00 00 00 00 00").len(), 1);
 }
 
 proptest! {

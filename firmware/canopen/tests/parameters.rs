@@ -227,7 +227,7 @@ fn r05_the_capability_says_that_it_saves_on_command() {
 }
 
 #[test]
-fn r07_the_firmware_can_refuse_and_then_nothing_has_changed() {
+fn the_firmware_can_refuse_and_then_nothing_has_changed() {
     let mut storing = Storing::new(RamStore::default());
     storing.device.send(SAVE_ALL);
     storing.step();
@@ -235,6 +235,26 @@ fn r07_the_firmware_can_refuse_and_then_nothing_has_changed() {
     assert_eq!(storing.device.sent(), [abort(0x1010, 1, 0x0800_0022)]);
     assert!(!storing.device.node.is_storing());
     assert!(storing.store.sets.iter().all(Vec::is_empty));
+}
+
+#[test]
+fn r01_communication_goes_on_while_parameters_are_stored() {
+    let mut storing = Storing::new(RamStore::default());
+    storing.device.send("000 [2] 01 04");
+    storing.device.sent();
+    storing.device.send(SAVE_ALL);
+    storing.step();
+    assert!(storing.device.node.is_storing());
+    storing.device.send("204: 05 00 00 00 06 00 00 00");
+    storing.device.set_value(0x2005, 0, &[9, 0, 0, 0]);
+    storing.device.poll();
+    assert_eq!(storing.device.sent(), ["184: 09 00 00 00 00 00 00 00"]);
+    assert_eq!(storing.value(0x2003, 0), [5, 0, 0, 0]);
+    assert_eq!(
+        storing.ask("705 [1] 05"),
+        [SAVED_ALL],
+        "when the data is safe"
+    );
 }
 
 #[test]

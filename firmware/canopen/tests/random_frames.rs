@@ -1,4 +1,4 @@
-//! C06, in small: whatever frames come at whatever times, the device neither panics nor breaks its contract.
+//! Whatever frames come at whatever times, the device neither panics nor breaks its contract.
 
 use crate::device::Device;
 use canopen::cia301::emergency::Emergency;
@@ -88,7 +88,7 @@ proptest! {
     #![proptest_config(contextualize_config(ProptestConfig::with_cases(400)))]
 
     #[test]
-    fn c06_random_frames_at_random_times(steps in prop::collection::vec(step(), 1..300)) {
+    fn random_frames_at_random_times_break_nothing(steps in prop::collection::vec(step(), 1..300)) {
         let mut device = Device::off();
         let mut ledger = Ledger::default();
         device.boot(canopen::cia301::nmt::Reset::Node);
@@ -150,7 +150,7 @@ proptest! {
     }
 
     #[test]
-    fn c06_one_answer_to_each_request_on_a_free_bus(
+    fn requests_of_any_bytes_get_one_answer_each(
         requests in prop::collection::vec((any::<u8>(), 0..200_usize, any::<[u8; 4]>()), 1..100),
     ) {
         let mut device = Device::new();

@@ -31,6 +31,37 @@ fn n16_bit_2_decides_who_starts_the_device() {
         power_on(4),
         (vec!["704 [1] 00".to_string()], vec![pre_operational])
     );
+    // A master's word counts after that.
+    let mut device = Device::off();
+    device.boot(Reset::Node);
+    device.firmware.startup = Some(0);
+    device.boot(Reset::Node);
+    assert_eq!(device.node.state(), NmtState::Operational);
+    device.send("000 [2] 80 04");
+    device.pass(1_000);
+    assert_eq!(device.node.state(), NmtState::PreOperational);
+}
+
+#[test]
+fn o03_identifiers_follow_the_node_id() {
+    for node_id in [1_u8, 4, 127] {
+        let mut device = Device::off_with(node_id);
+        device.boot(Reset::Node);
+        let id = u32::from(node_id);
+        for (index, sub, cob_id) in [
+            (0x1200, 1, 0x600 + id),
+            (0x1200, 2, 0x580 + id),
+            (0x1014, 0, 0x80 + id),
+            (0x1400, 1, 0x200 + id),
+            (0x1800, 1, 0x4000_0180 + id),
+        ] {
+            assert_eq!(
+                device.value(index, sub),
+                cob_id.to_le_bytes(),
+                "{index:04X}h of node {node_id}"
+            );
+        }
+    }
 }
 
 #[test]

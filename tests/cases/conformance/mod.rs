@@ -47,67 +47,67 @@ macro_rules! devices {
             }
 
             #[test]
-            fn s08_and_s09_a_value_of_another_length_is_refused() {
+            fn a_value_of_another_length_is_refused() {
                 objects::have_their_length(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn s30_values_beyond_a_limit_are_refused() {
+            fn values_beyond_a_limit_are_refused() {
                 objects::have_their_limits(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn b03_and_s14_each_form_of_upload_gives_the_same() {
+            fn each_form_of_upload_gives_the_same() {
                 objects::are_read_in_each_form(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn s12_s17_and_b01_each_form_of_download_takes_what_was_read() {
+            fn each_form_of_download_takes_what_was_read() {
                 objects::are_written_in_each_form(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn p18_each_transmission_type_is_taken_or_refused() {
+            fn each_transmission_type_is_taken_or_refused() {
                 process_data::types_are_those_of_the_standard(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn p25_p26_and_p27_each_synchronous_type_is_sent_when_it_is_due() {
+            fn each_synchronous_type_is_sent_when_it_is_due() {
                 process_data::is_sent_by_sync(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn p14_and_p39_each_type_answers_a_remote_frame_or_not() {
+            fn each_type_answers_a_remote_frame_or_not() {
                 process_data::answers_remote_frames(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn p33_each_synchronous_type_is_received_at_sync() {
+            fn each_synchronous_type_is_received_at_sync() {
                 process_data::is_received_by_sync(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn p06_p07_and_p08_each_object_is_mapped_as_the_data_sheet_says() {
+            fn each_object_is_mapped_as_the_data_sheet_says() {
                 process_data::objects_are_mapped(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn p10_dummies_are_those_of_the_data_sheet() {
+            fn dummies_are_those_of_the_data_sheet() {
                 process_data::dummies_are_mapped(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn n03_to_n11_each_command_in_each_state_leads_where_it_should() {
+            fn each_command_in_each_state_leads_where_it_should() {
                 network::states_follow_commands(&mut $device);
             }
 
             #[test]
-            fn h01_and_g01_the_device_tells_its_state_as_the_data_sheet_says() {
+            fn the_device_tells_its_state_as_the_data_sheet_says() {
                 network::state_is_told(&read($sheet), &mut $device);
             }
 
             #[test]
-            fn h05_and_h06_a_node_that_is_lost_and_returns_is_told() {
+            fn a_node_that_is_lost_and_returns_is_told() {
                 network::lost_nodes_are_told(&read($sheet), &mut $device);
             }
         }

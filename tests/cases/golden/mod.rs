@@ -77,7 +77,7 @@ fn a_short_move_by_pdo() {
 }
 
 #[test]
-fn l15_a_scan_finds_two_drives_whose_serial_numbers_differ_in_one_bit() {
+fn a_scan_finds_two_drives_whose_serial_numbers_differ_in_one_bit() {
     for (first, second) in [
         (0, 1),
         (0x8000_0000, 0),

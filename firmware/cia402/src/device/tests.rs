@@ -18,7 +18,7 @@ use crate::statusword::{REMOTE, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
 use rig::Station;
 
 #[test]
-fn n01_the_device_boots_at_once_and_the_drive_by_itself() {
+fn the_device_boots_at_once_and_the_drive_by_itself() {
     let mut station = Station::new();
     assert_eq!(station.take(), ["704 00"]);
     station.milliseconds(3);
@@ -330,7 +330,7 @@ fn what_the_firmware_has_to_do_waits_behind_any_number_of_changes_of_state() {
 }
 
 #[test]
-fn l06_no_bit_rate_makes_a_drive_with_power_deaf_for_long() {
+fn no_bit_rate_makes_a_drive_with_power_deaf_for_long() {
     let mut station = Station::enabled();
     let switch = |station: &mut Station| {
         station.events();
@@ -365,7 +365,7 @@ fn a_reset_shows_as_a_change_of_state_and_not_as_a_task() {
 }
 
 #[test]
-fn c02_lost_frames_that_stop_the_motor_are_one_error_until_the_fault_is_reset() {
+fn lost_frames_that_stop_the_motor_are_one_error_until_the_fault_is_reset() {
     let mut station = Station::enabled();
     station.device.frames_lost(1, station.now);
     station.fault = Some(0x8110);
