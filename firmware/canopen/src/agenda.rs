@@ -127,8 +127,8 @@ pub enum Due {
 #[derive(Debug)]
 pub struct Agenda<W> {
     words: W,
-    /// Nothing may be sent.
-    pub(crate) is_mute: bool,
+    /// Whether anything may be sent.
+    pub(crate) speaks: bool,
     /// What is to be done at once: [`TIMERS`], [`VALUES`].
     due: u8,
     /// Nothing else is to be done before this moment.
@@ -141,10 +141,10 @@ pub struct Agenda<W> {
 
 impl<W: Slots<Word>> Agenda<W> {
     /// Nothing waits, and nothing may be sent.
-    pub(crate) fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             words: W::UNUSED,
-            is_mute: true,
+            speaks: false,
             due: 0,
             next: AT_ONCE,
             timers: AT_ONCE,
@@ -158,7 +158,7 @@ impl<W: Slots<Word>> Agenda<W> {
         match self.words.as_ref() {
             // Mostly nothing waits, or one object.
             [Word { waiting: 0, .. }] => None,
-            [word] if word.waiting.is_power_of_two() && !self.is_mute => {
+            [word] if word.waiting.is_power_of_two() && self.speaks => {
                 Some(Object(word.waiting.trailing_zeros() as u8))
             }
             _ => self.search(),
@@ -176,7 +176,7 @@ impl<W: Slots<Word>> Agenda<W> {
             if has_sync {
                 waiting &= !word.synchronous;
             }
-            while waiting != 0 && !self.is_mute {
+            while waiting != 0 && self.speaks {
                 let place = waiting.trailing_zeros();
                 waiting &= waiting.wrapping_sub(1);
                 let cob_id = word.cob_ids.get(place as usize).copied().unwrap_or(0);
@@ -374,7 +374,7 @@ mod tests {
         assert_eq!(agenda.first(), None);
         agenda.set(Object::BOOT_UP, true);
         assert_eq!(agenda.first(), None);
-        agenda.is_mute = false;
+        agenda.speaks = true;
         assert_eq!(agenda.first(), Some(Object::BOOT_UP));
         agenda.set(Object::BOOT_UP, false);
         assert_eq!(agenda.first(), Some(Object::EMERGENCY));
@@ -383,7 +383,7 @@ mod tests {
     #[test]
     fn only_lss_outlives_a_reset() {
         let mut agenda = Agenda::<[Word; 2]>::new();
-        agenda.is_mute = false;
+        agenda.speaks = true;
         let all = [
             Object::BOOT_UP,
             Object::LSS,
@@ -417,7 +417,7 @@ mod tests {
                 false => Manner::Every,
             };
             let mut agenda = Agenda::<[Word; 2]>::new();
-            agenda.is_mute = false;
+            agenda.speaks = true;
             let mut names = cob_ids;
             for (place, cob_id) in names.iter().enumerate() {
                 agenda.name(object(place), *cob_id, manner(place));

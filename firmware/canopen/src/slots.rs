@@ -3,12 +3,7 @@
 use core::fmt::Debug;
 
 /// The places of a service, one for each of what it serves: `[T; N]`.
-pub trait Slots<T>: AsRef<[T]> + AsMut<[T]> + Debug + Unused {
-    /// Places with nothing in use.
-    fn unused() -> Self {
-        Self::UNUSED
-    }
-}
+pub trait Slots<T>: AsRef<[T]> + AsMut<[T]> + Debug + Unused {}
 
 /// What a place is before anything uses it.
 pub trait Unused: Sized {

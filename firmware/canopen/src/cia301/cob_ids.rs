@@ -36,6 +36,7 @@ const EXTENDED: u32 = 0x3FFF_F800;
 
 impl Rule {
     /// That of an object; `None` if it holds no COB-ID.
+    #[inline(never)]
     pub(crate) const fn of(entry: &Entry) -> Option<Self> {
         let (in_use, inverted, zero) = match (entry.index, entry.sub) {
             (0x1005, _) => (BIT_30, 0, EXTENDED),

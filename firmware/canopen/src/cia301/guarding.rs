@@ -33,6 +33,7 @@ enum Life {
 pub struct Guarding {
     /// In ms; 0: life guarding is switched off.
     life_time: u32,
+    /// When the master is lost, while it guards.
     deadline: Instant,
     life: Life,
     toggle: u8,
@@ -45,7 +46,7 @@ impl Guarding {
     pub const fn new() -> Self {
         Self {
             life_time: 0,
-            deadline: NEVER,
+            deadline: Instant::from_ticks(0),
             life: Life::Unknown,
             toggle: 0,
         }
@@ -76,7 +77,6 @@ impl Guarding {
     pub fn stop(&mut self) -> bool {
         let is_lost = self.life == Life::Lost;
         self.life = Life::Unknown;
-        self.deadline = NEVER;
         is_lost
     }
 
@@ -104,9 +104,8 @@ impl Guarding {
 
     /// Lets time pass; returns whether the master has just been lost.
     pub fn poll(&mut self, now: Instant) -> bool {
-        let is_over = has_come(self.deadline, now);
+        let is_over = has_come(self.deadline(), now);
         if is_over {
-            self.deadline = NEVER;
             self.life = Life::Lost;
         }
         is_over
@@ -114,7 +113,10 @@ impl Guarding {
 
     /// [`Guarding::poll`] has nothing to do before this moment.
     pub const fn deadline(&self) -> Instant {
-        self.deadline
+        match self.life {
+            Life::Guarded => self.deadline,
+            Life::Unknown | Life::Lost => NEVER,
+        }
     }
 }
 

@@ -22,8 +22,8 @@ const CONSUME: u32 = 1 << 31;
 /// Bit 30 of 1012h: the device produces TIME.
 const PRODUCE: u32 = 1 << 30;
 
-/// No 11-bit identifier is equal to it.
-const NOT_IN_USE: u16 = u16::MAX;
+/// There is none. It is that of NMT, which is nobody's to choose.
+const NOT_IN_USE: u16 = 0;
 
 /// Milliseconds of a day.
 const DAY: u32 = 24 * 60 * 60 * 1000;

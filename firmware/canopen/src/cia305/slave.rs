@@ -6,7 +6,7 @@ use super::fastscan::{Fastscan, Outcome, Scan};
 use super::identity::Identity;
 use crate::settings::StoreError;
 use crate::settings::{BitRate, BitTiming, Configuration, NodeId, PowerOn, Settings, Source, Wish};
-use crate::time::{Duration, Instant, NEVER};
+use crate::time::{Duration, Instant, NEVER, has_come};
 
 /// What the node has to do after a request. Taken with [`Slave::event`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +43,16 @@ enum State {
 struct Switch {
     to: BitTiming,
     at: Instant,
+    /// When the silence is over; 0 if none is under way.
     end: Instant,
+}
+
+impl Switch {
+    const NONE: Self = Self {
+        to: BitTiming::Automatic,
+        at: Instant::from_ticks(0),
+        end: Instant::from_ticks(0),
+    };
 }
 
 /// Storing takes a while; each service 17h is owed the truth about the settings that it has seen.
@@ -82,7 +91,7 @@ pub struct Slave {
     /// The message that goes on with a service of several, which come in order and with no other between them; 0 for none.
     expected: u8,
     scan: Scan,
-    switch: Option<Switch>,
+    switch: Switch,
     storing: Storing,
     /// A master waits for the answer to service 17h.
     owes_answer: bool,
@@ -103,7 +112,7 @@ impl Slave {
             supported: !DETECTION,
             expected: 0,
             scan: Scan::IDLE,
-            switch: None,
+            switch: Switch::NONE,
             storing: Storing::Idle,
             owes_answer: false,
             stays_reachable: false,
@@ -172,7 +181,7 @@ impl Slave {
                 self.go_on(specifier, is_mine && (is_next || specifier == 0x40), 0x43)
                     .then(|| {
                         self.enter(State::Configuration);
-                        message(answer::SWITCHED_SELECTIVE, &[])
+                        message(answer::SWITCHED_SELECTIVE, 0)
                     })
             }
             (0x46..=0x4B, _) => {
@@ -185,11 +194,11 @@ impl Slave {
                     _ => identity.serial_number <= word,
                 };
                 self.go_on(specifier, is_mine && (is_next || specifier == 0x46), 0x4B)
-                    .then(|| message(answer::IDENTIFIED, &[]))
+                    .then(|| message(answer::IDENTIFIED, 0))
             }
             (0x4C, _) => self
                 .is_non_configured()
-                .then(|| message(answer::NON_CONFIGURED_IDENTIFIED, &[])),
+                .then(|| message(answer::NON_CONFIGURED_IDENTIFIED, 0)),
             (0x51, State::Waiting) if self.is_non_configured() => {
                 let [.., bit_check, sub, next] = *request;
                 let request = Fastscan {
@@ -203,7 +212,7 @@ impl Slave {
                     Outcome::Answer => {}
                     Outcome::Found => self.enter(State::Configuration),
                 }
-                Some(message(answer::IDENTIFIED, &[]))
+                Some(message(answer::IDENTIFIED, 0))
             }
             (_, State::Configuration) => self.configure(specifier, [a, b], identity, now),
             (_, State::Waiting) => None,
@@ -220,22 +229,23 @@ impl Slave {
 
     /// Lets time pass: a new bit rate comes into force. Returns the next deadline.
     pub fn poll(&mut self, now: Instant) -> Instant {
-        let Some(switch) = self.switch else {
+        let Switch { to, at, end } = self.switch;
+        if end == Switch::NONE.end {
             return NEVER;
-        };
-        if let BitTiming::Fixed(bit_rate) = switch.to
-            && now >= switch.at
+        }
+        let has_switched = has_come(at, now);
+        if let BitTiming::Fixed(bit_rate) = to
+            && has_switched
         {
             self.active.bit_rate = bit_rate;
         }
-        if now >= switch.end {
-            self.switch = None;
-            return NEVER;
-        }
-        if now >= switch.at {
-            switch.end
+        if has_come(end, now) {
+            self.switch = Switch::NONE;
+            NEVER
+        } else if has_switched {
+            end
         } else {
-            switch.at
+            at
         }
     }
 
@@ -249,9 +259,9 @@ impl Slave {
     /// The bit rate of the network was found ([`LssEvent::FindBitRate`], or at power-on): it is in force, and the silence is over.
     pub fn bit_rate_found(&mut self, bit_rate: BitRate) {
         self.active.bit_rate = bit_rate;
-        self.switch = self
-            .switch
-            .filter(|switch| switch.to != BitTiming::Automatic);
+        if self.switch.to == BitTiming::Automatic {
+            self.switch = Switch::NONE;
+        }
     }
 
     /// What the node has to do, once.
@@ -311,7 +321,7 @@ impl Slave {
             Err(StoreError::NotSupported) => 0x01,
             Err(StoreError::Medium) => 0x02,
         };
-        core::mem::take(&mut self.owes_answer).then(|| message(answer::STORED, &[error]))
+        core::mem::take(&mut self.owes_answer).then(|| message(answer::STORED, error))
     }
 
     /// Configures and stores by another way than the services, such as an object: node-ID or bit rate or both. Then ask
@@ -370,7 +380,7 @@ impl Slave {
 
     /// Whether nothing may be sent because the bit rate is being switched.
     pub fn is_silent(&self, now: Instant) -> bool {
-        self.switch.is_some_and(|switch| now < switch.end)
+        !has_come(self.switch.end, now)
     }
 
     /// Whether a master configures this slave now, or the slave waits for one because it has no node-ID.
@@ -433,17 +443,9 @@ const FREE_BIT_TIMING: u16 = 1 << 14;
 /// The bits of all bit rates.
 const BIT_RATES: u16 = !(DETECTION | FREE_NODE_ID | FREE_BIT_TIMING);
 
-/// An answer: command specifier, data, zeros.
-#[inline(never)]
-fn message(specifier: u8, data: &[u8]) -> [u8; 8] {
-    let mut bytes = [0; 8];
-    for (to, from) in bytes
-        .iter_mut()
-        .zip(core::iter::once(&specifier).chain(data))
-    {
-        *to = *from;
-    }
-    bytes
+/// An answer: command specifier, four bytes of data, zeros.
+fn message(specifier: u8, data: u32) -> [u8; 8] {
+    (u64::from(data) << 8 | u64::from(specifier)).to_le_bytes()
 }
 
 /// The end of a span that begins now; a switch delay is about a minute at most.

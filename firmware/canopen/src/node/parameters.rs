@@ -33,12 +33,13 @@ impl<D: Dictionary> Node<D> {
 
     /// Whether a boot waits for [`Node::load_parameters`].
     pub fn is_loading(&self) -> bool {
-        matches!(self.services.parameters.job(), Some(Job::Load(_)))
+        matches!(self.services.parameters.job(), Job::Load(_))
     }
 
     /// Whether a master waits for [`Node::store_parameters`].
     pub fn is_storing(&self) -> bool {
-        !self.is_loading() && self.services.parameters.job().is_some()
+        let job = self.services.parameters.job();
+        !matches!(job, Job::Nothing | Job::Load(_))
     }
 
     /// Ends a boot: what is stored takes the place of the power-on values, as far as it fits this device. What is damaged or
@@ -49,10 +50,10 @@ impl<D: Dictionary> Node<D> {
         now: Instant,
         application: &mut A,
     ) {
-        let Some(Job::Load(reset)) = self.services.parameters.job() else {
+        let Job::Load(reset) = self.services.parameters.job() else {
             return;
         };
-        self.services.parameters.set_job(None);
+        self.services.parameters.set_job(Job::Nothing);
         // What the last loading has found is void: that of a device without a node-ID is nobody's business, and it cannot send.
         self.clear(PARAMETERS_REFUSED, now);
         self.clear(PARAMETERS_LOST, now);
@@ -102,34 +103,34 @@ impl<D: Dictionary> Node<D> {
     /// flash may be written, until [`Node::is_storing`] is false; the master is answered then.
     pub fn store_parameters<S: ParameterStore>(&mut self, store: &mut S, now: Instant) {
         let next = match self.services.parameters.job() {
-            None | Some(Job::Load(_)) => return,
-            Some(Job::BeginSave(sets)) => store.begin(sets).map(|()| Some(Job::after(sets, None))),
-            Some(Job::Save(sets, mut walk)) => {
+            Job::Nothing | Job::Load(_) => return,
+            Job::BeginSave(sets) => store.begin(sets).map(|()| Job::after(sets, None)),
+            Job::Save(sets, mut walk) => {
                 let mut chunk = [0; CHUNK];
                 let length = walk.fill(&self.dictionary, self.node_id.get(), &mut chunk);
                 match chunk.get(..length) {
-                    None | Some([]) => Ok(Some(Job::after(sets, Some(walk.set)))),
+                    None | Some([]) => Ok(Job::after(sets, Some(walk.set))),
                     Some(chunk) => store
                         .append(walk.set, chunk)
-                        .map(|()| Some(Job::Save(sets, walk))),
+                        .map(|()| Job::Save(sets, walk)),
                 }
             }
-            Some(Job::Commit(sets)) => store.commit().map(|()| {
+            Job::Commit(sets) => store.commit().map(|()| {
                 self.services.parameters.saved(sets == ParameterSets::ALL);
                 if sets == ParameterSets::ALL {
                     self.clear(PARAMETERS_LOST, now);
                     self.clear(PARAMETERS_REFUSED, now);
                 }
-                None
+                Job::Nothing
             }),
-            Some(Job::Forget(sets)) => store.begin(sets).and_then(|()| store.commit()).map(|()| {
+            Job::Forget(sets) => store.begin(sets).and_then(|()| store.commit()).map(|()| {
                 self.services.parameters.forget_date(&mut self.dictionary);
-                None
+                Job::Nothing
             }),
         };
         match next {
-            Ok(Some(job)) => self.services.parameters.set_job(Some(job)),
-            Ok(None) => self.end_storing(Ok(())),
+            Ok(Job::Nothing) => self.end_storing(Ok(())),
+            Ok(job) => self.services.parameters.set_job(job),
             Err(error) => self.end_storing(Err(error.into())),
         }
     }
@@ -144,7 +145,7 @@ impl<D: Dictionary> Node<D> {
 
     /// Answers the master, if it still waits.
     fn end_storing(&mut self, result: Result<(), AbortCode>) {
-        self.services.parameters.set_job(None);
+        self.services.parameters.set_job(Job::Nothing);
         let (index, sub) = self.services.parameters.order();
         self.complete_write(index, sub, result);
     }

@@ -47,23 +47,22 @@ pub(super) struct Services<C: Counts> {
 }
 
 impl<C: Counts> Services<C> {
-    pub(super) fn new() -> Self {
-        Self {
-            heartbeat: heartbeat::Producer::new(),
-            consumers: heartbeat::Consumers::new(),
-            guarding: Guarding::new(),
-            emergency: emergency::Producer::new(),
-            sync: Sync::new(),
-            synced: false,
-            time: TimeStamp::new(),
-            parameters: Parameters::new(),
-            rpdos: pdo::Receive::new(),
-            tpdos: pdo::Transmit::new(),
-            agenda: Agenda::new(),
-            errors_are_watched: true,
-            identifiers_changed: true,
-        }
-    }
+    /// All zero: [`Services::configure`] goes before everything else.
+    pub(super) const NEW: Self = Self {
+        heartbeat: heartbeat::Producer::new(),
+        consumers: heartbeat::Consumers::new(),
+        guarding: Guarding::new(),
+        emergency: emergency::Producer::new(),
+        sync: Sync::new(),
+        synced: false,
+        time: TimeStamp::new(),
+        parameters: Parameters::new(),
+        rpdos: pdo::Receive::new(),
+        tpdos: pdo::Transmit::new(),
+        agenda: Agenda::new(),
+        errors_are_watched: false,
+        identifiers_changed: false,
+    };
 
     /// Takes every parameter from the dictionary, after power-on values have been loaded.
     pub(super) fn configure<D: Dictionary>(
@@ -335,7 +334,7 @@ impl<C: Counts> Services<C> {
         while let Some(report) = next(self) {
             match report {
                 ErrorReport::Appeared(emergency) => {
-                    self.report(dictionary, emergency.message(), now)
+                    self.report(dictionary, emergency.message(), now);
                 }
                 ErrorReport::Gone(emergency) => self.clear_one(dictionary, &emergency, now),
             }

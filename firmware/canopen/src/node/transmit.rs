@@ -93,7 +93,7 @@ impl<D: Dictionary> Node<D> {
     /// An event of transmission type 0 is kept for the next SYNC.
     #[inline]
     pub fn drop_late(&mut self, now: Instant) {
-        if self.services.sync.is_window_over(now) {
+        if D::FEATURES.sync && self.services.sync.is_window_over(now) {
             let services = &mut self.services;
             services.tpdos.window_passed(&mut services.agenda);
         }

@@ -4,6 +4,7 @@
 //! ([`super::Access`]): the services do, because each has its own answer. No function can panic: an entry of another
 //! dictionary, or bytes of a wrong length, give an error or nothing.
 
+use core::cmp::Ordering;
 use core::ops::RangeInclusive;
 
 use super::{Attributes, DataType, Dictionary, Entry, Location, Table, buckets};
@@ -190,31 +191,40 @@ fn check_limits(
     let Some((low, high)) = limits.and_then(|limits| limits.split_at_checked(size)) else {
         return Ok(());
     };
-    let number = rank(data_type, bytes);
-    if number > rank(data_type, high) {
+    if compare(data_type, bytes, high).is_gt() {
         Err(AbortCode::ValueTooHigh)
-    } else if number < rank(data_type, low) {
+    } else if compare(data_type, bytes, low).is_lt() {
         Err(AbortCode::ValueTooLow)
     } else {
         Ok(())
     }
 }
 
-/// A number that is the larger the larger the value is, for values of one type. Those of a REAL are in the order of the numbers, the
+/// The order of two values of one type and length, by their bytes from the highest one down. REALs are in the order of the numbers, the
 /// lower zero before the higher one and NaN beyond the ends.
-#[inline]
-fn rank(data_type: DataType, bytes: &[u8]) -> u64 {
-    const SIGN: u64 = 1 << 63;
-    let unused = 64u32.wrapping_sub(8 * bytes.len() as u32);
-    let raw = little_endian(bytes).wrapping_shl(unused);
-    if data_type.is_real() && raw >= SIGN {
-        // Sign and magnitude: the larger the magnitude of a negative number, the less it is.
-        !raw
-    } else if data_type.is_real() || data_type.is_signed() {
-        raw ^ SIGN
-    } else {
-        raw
+#[inline(never)]
+fn compare(data_type: DataType, first: &[u8], second: &[u8]) -> Ordering {
+    const SIGN: u8 = 0x80;
+    // Of a signed number the highest bit counts the other way round; of a negative REAL, which has sign and magnitude, all bits do.
+    let has_sign = data_type.is_signed() || data_type.is_real();
+    let mut sign = if has_sign { SIGN } else { 0 };
+    let mut flips = [0; 2];
+    for (a, b) in first.iter().zip(second).rev() {
+        if sign != 0 {
+            flips = [*a, *b].map(|top| match data_type.is_real() && top & SIGN != 0 {
+                true => !SIGN,
+                false => 0,
+            });
+        }
+        let [of_first, of_second] = flips;
+        let order = (a ^ of_first ^ sign).cmp(&(b ^ of_second ^ sign));
+        if order.is_ne() {
+            return order;
+        }
+        flips = flips.map(|flip| if flip == 0 { 0 } else { u8::MAX });
+        sign = 0;
     }
+    Ordering::Equal
 }
 
 /// Checks a new value as [`check`] does, then writes it.

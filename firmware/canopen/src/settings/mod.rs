@@ -18,6 +18,9 @@ impl NodeId {
     /// The node-ID of a device that has not been configured; such a device answers LSS and nothing else.
     pub const UNCONFIGURED: Self = Self(255);
 
+    /// No node at all: what the place of a node-ID holds before it has one.
+    pub(crate) const NONE: Self = Self(0);
+
     /// A node-ID from its number: 1 to 127, or 255 (unconfigured). Anything else is `None`.
     pub const fn new(number: u8) -> Option<Self> {
         match number {

@@ -58,7 +58,7 @@ pub struct Consumer {
     deadline: Instant,
     /// The time in ms; 0 for an entry that is not used.
     time: u16,
-    /// The watched node; unconfigured for an entry that is not used.
+    /// The watched node; [`NodeId::NONE`] for an entry that is not used.
     node_id: NodeId,
     life: Life,
 }
@@ -78,9 +78,9 @@ enum Life {
 
 impl Unused for Consumer {
     const UNUSED: Self = Self {
-        deadline: NEVER,
+        deadline: Instant::from_ticks(0),
         time: 0,
-        node_id: NodeId::UNCONFIGURED,
+        node_id: NodeId::NONE,
         life: Life::Unknown,
     };
 }
@@ -88,13 +88,12 @@ impl Unused for Consumer {
 impl Consumer {
     #[inline(never)]
     fn new(value: u32) -> Self {
-        match watched(value) {
-            Some((node_id, time)) => Self {
-                time,
-                node_id,
-                ..Self::UNUSED
-            },
-            None => Self::UNUSED,
+        let (node_id, time) = watched(value).unwrap_or((NodeId::NONE, 0));
+        Self {
+            deadline: NEVER,
+            time,
+            node_id,
+            life: Life::Unknown,
         }
     }
 
@@ -140,10 +139,10 @@ pub struct Consumers<S> {
 
 impl<S: Slots<Consumer>> Consumers<S> {
     /// Nobody is watched until [`Consumers::configure`].
-    pub fn new() -> Self {
+    pub const fn new() -> Self {
         Self {
-            consumers: S::unused(),
-            next: NEVER,
+            consumers: S::UNUSED,
+            next: Instant::from_ticks(0),
         }
     }
 

@@ -20,11 +20,11 @@ pub struct Producer {
 }
 
 impl Producer {
-    /// Switched off.
+    /// Switched off: [`Producer::configure`] goes before everything else.
     pub const fn new() -> Self {
         Self {
             period: Duration::from_ticks(0),
-            next: NEVER,
+            next: Instant::from_ticks(0),
         }
     }
 

@@ -22,7 +22,9 @@ const LOAD: [u8; 4] = *b"load";
 
 /// What is to be done with the store.
 #[derive(Clone, Copy, Debug)]
+#[repr(u8)] // Nothing is zero.
 pub(crate) enum Job {
+    Nothing,
     /// Load what is stored, at a reset.
     Load(Reset),
     /// Begin new sets.
@@ -40,7 +42,7 @@ pub(crate) enum Job {
 pub(crate) struct Parameters {
     /// The firmware has a store.
     has_store: bool,
-    job: Option<Job>,
+    job: Job,
     /// The sub-index of 1010h or 1011h that the job was ordered with.
     order: (u16, u8),
     /// 1020h is not 0.
@@ -56,8 +58,8 @@ impl Parameters {
     pub(crate) const fn new() -> Self {
         Self {
             has_store: false,
-            job: None,
-            order: (STORE, 0),
+            job: Job::Nothing,
+            order: (0, 0),
             is_dated: false,
             is_stale: false,
             refused: Refused::NOTHING,
@@ -72,7 +74,9 @@ impl Parameters {
     /// A reset: what was under way is void, and what is stored is to be loaded. Returns whether it is.
     pub(crate) fn reset(&mut self, reset: Reset) -> bool {
         self.is_dated = false;
-        self.job = self.has_store.then_some(Job::Load(reset));
+        if self.has_store {
+            self.job = Job::Load(reset);
+        }
         self.has_store
     }
 
@@ -92,12 +96,12 @@ impl Parameters {
     }
 
     /// What is under way.
-    pub(crate) const fn job(&self) -> Option<Job> {
+    pub(crate) const fn job(&self) -> Job {
         self.job
     }
 
     /// What is next.
-    pub(crate) const fn set_job(&mut self, job: Option<Job>) {
+    pub(crate) const fn set_job(&mut self, job: Job) {
         self.job = job;
     }
 
@@ -118,7 +122,7 @@ impl Parameters {
             Err(AbortCode::NotTransferable)
         } else if value != signature {
             Err(D::HABITS.wrong_signature)
-        } else if self.job.is_some() {
+        } else if !matches!(self.job, Job::Nothing) {
             Err(AbortCode::DeviceState)
         } else {
             Ok(())
@@ -139,10 +143,11 @@ impl Parameters {
     /// An order that has passed [`Parameters::validate`] is taken.
     pub(crate) fn begin(&mut self, entry: &Entry) {
         self.order = (entry.index, entry.sub);
-        self.job = ParameterSets::of_sub_index(entry.sub).map(|sets| match entry.index {
-            STORE => Job::BeginSave(sets),
-            _ => Job::Forget(sets),
-        });
+        self.job = match (ParameterSets::of_sub_index(entry.sub), entry.index) {
+            (None, _) => Job::Nothing,
+            (Some(sets), STORE) => Job::BeginSave(sets),
+            (Some(sets), _) => Job::Forget(sets),
+        };
     }
 
     /// Whether a change of this entry is a change of the configuration that 1020h dates, in the dictionary or in the store.

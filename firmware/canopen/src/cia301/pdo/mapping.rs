@@ -62,7 +62,7 @@ impl MappingEntry {
             return self;
         }
         let bits = match dummy(self.index()) {
-            Some((_, bytes)) => u16::from(bytes) * 8,
+            Some(bytes) => u16::from(bytes) * 8,
             None => {
                 let entry = D::TABLE.find(self.index(), self.sub());
                 entry.map_or(0, |entry| entry.size().saturating_mul(8))
@@ -84,11 +84,13 @@ impl MappingEntry {
         dummies: u32,
         direction: Direction,
     ) -> Result<Option<u16>, AbortCode> {
-        if let Some((data_type, bytes)) = dummy(self.index()) {
+        if let Some(bytes) = dummy(self.index()) {
+            // Of a BOOLEAN, the first of them, one bit as well.
+            let has_length = self.bits() == bytes.wrapping_mul(8) || self.0 == 1 << 16 | 1;
             let is_dummy = direction == Direction::Receive
                 && dummies >> (self.index() % 32) & 1 != 0
                 && self.sub() == 0
-                && is_whole(data_type, u16::from(bytes), self.bits());
+                && has_length;
             return is_dummy.then_some(None).ok_or(AbortCode::NotMappable);
         }
         let position = table.position(self.index(), self.sub())?;
@@ -450,31 +452,13 @@ impl<M: Slots<Mapped>> Mapping<M> {
     }
 }
 
-/// Type and bytes of a dummy, by its index: every number has one.
-fn dummy(index: u16) -> Option<(DataType, u8)> {
-    const DUMMIES: [(DataType, u8); 19] = [
-        (DataType::Boolean, 1),
-        (DataType::Integer8, 1),
-        (DataType::Integer16, 2),
-        (DataType::Integer32, 4),
-        (DataType::Unsigned8, 1),
-        (DataType::Unsigned16, 2),
-        (DataType::Unsigned32, 4),
-        (DataType::Real32, 4),
-        (DataType::Integer24, 3),
-        (DataType::Real64, 8),
-        (DataType::Integer40, 5),
-        (DataType::Integer48, 6),
-        (DataType::Integer56, 7),
-        (DataType::Integer64, 8),
-        (DataType::Unsigned24, 3),
-        (DataType::Unsigned40, 5),
-        (DataType::Unsigned48, 6),
-        (DataType::Unsigned56, 7),
-        (DataType::Unsigned64, 8),
-    ];
-    DUMMIES
-        .iter()
-        .find(|(data_type, _)| *data_type as u16 == index)
-        .copied()
+/// Bytes of the dummies by their indices, the numbers of data types; 0 for what is no number.
+const DUMMIES: [u8; 0x1C] = [
+    0, 1, 1, 2, 4, 1, 2, 4, 4, 0, 0, 0, 0, 0, 0, 0, 3, 8, 5, 6, 7, 8, 3, 0, 5, 6, 7, 8,
+];
+
+/// Bytes of a dummy, by its index: every number has one.
+fn dummy(index: u16) -> Option<u8> {
+    let bytes = DUMMIES.get(usize::from(index)).copied();
+    bytes.filter(|bytes| *bytes != 0)
 }

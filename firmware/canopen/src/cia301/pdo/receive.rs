@@ -45,7 +45,7 @@ pub struct Receive<S, M> {
 
 impl<S: Slots<ReceivePdo<M>>, M: Slots<Mapped>> Receive<S, M> {
     /// No PDO is in use until [`Receive::configure_all`].
-    pub fn new() -> Self {
+    pub const fn new() -> Self {
         Self {
             pdos: S::UNUSED,
             is_operational: false,

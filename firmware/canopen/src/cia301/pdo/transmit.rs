@@ -72,7 +72,7 @@ pub struct Transmit<S, M> {
 
 impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
     /// No PDO is in use until [`Transmit::configure_all`].
-    pub fn new() -> Self {
+    pub const fn new() -> Self {
         Self {
             pdos: S::UNUSED,
             is_operational: false,

@@ -3,16 +3,17 @@
 /// A client has one request in flight. A second one, because the client has given up on the first, has its place as well.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Answers {
-    first: [u8; 8],
-    second: [u8; 8],
+    /// The oldest first.
+    waiting: [[u8; 8]; Self::MOST],
     count: u8,
 }
 
 impl Answers {
+    const MOST: usize = 2;
+
     pub(super) const fn new() -> Self {
         Self {
-            first: [0; 8],
-            second: [0; 8],
+            waiting: [[0; 8]; Self::MOST],
             count: 0,
         }
     }
@@ -26,19 +27,15 @@ impl Answers {
     /// Whether there is no room. A request is not to be executed then.
     #[inline]
     pub(super) const fn is_full(&self) -> bool {
-        self.count >= 2
+        self.count as usize >= Self::MOST
     }
 
     /// Adds the newest. There is room, as a request is not executed without.
     #[inline]
-    pub(super) const fn push(&mut self, answer: [u8; 8]) {
-        if self.count == 0 {
-            self.first = answer;
-            self.count = 1;
-        } else {
-            self.second = answer;
-            self.count = 2;
-        }
+    pub(super) fn push(&mut self, answer: [u8; 8]) {
+        let [first, second] = &mut self.waiting;
+        *if self.count == 0 { first } else { second } = answer;
+        self.count = self.count.wrapping_add(1);
     }
 
     /// Takes the oldest.
@@ -47,10 +44,11 @@ impl Answers {
         if self.count == 0 {
             return None;
         }
-        let answer = self.first;
+        let [first, second] = &mut self.waiting;
+        let answer = *first;
         self.count = self.count.wrapping_sub(1);
         if self.count != 0 {
-            self.first = self.second;
+            *first = *second;
         }
         Some(answer)
     }

@@ -92,6 +92,7 @@ pub struct Server<B> {
     pub(super) time_out: Duration,
 }
 
+/// All zero; [`Server::reset`] goes before everything else.
 impl<B: Unused> Unused for Server<B> {
     const UNUSED: Self = Self {
         step: Step::Idle,
@@ -106,11 +107,11 @@ impl<B: Unused> Unused for Server<B> {
         buffer: B::UNUSED,
         confirmation: [0; 8],
         answers: Answers::new(),
-        request: super::NO_COB_ID,
-        response: super::NO_COB_ID,
+        request: 0,
+        response: 0,
         sender: Object::BOOT_UP,
-        deadline: NEVER,
-        time_out: TIME_OUT,
+        deadline: Instant::from_ticks(0),
+        time_out: Duration::from_ticks(0),
     };
 }
 
@@ -260,6 +261,10 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
     /// Drops the open transfer without a word, and what waits for the bus: the NMT state has no SDO any more.
     pub(super) fn reset(&mut self) {
         self.answers.clear();
+        self.request = super::NO_COB_ID;
+        if self.time_out.ticks() == 0 {
+            self.time_out = TIME_OUT;
+        }
         self.close();
     }
 

@@ -1,12 +1,11 @@
 //! All servers of a device: which one a frame is for, and which one sends next.
 
 use super::AbortCode;
-use super::NO_COB_ID;
 use super::objects::Streams;
 use super::parameters::CobIds;
 use super::server::Server;
 use crate::agenda::{Agenda, Manner, Object};
-use crate::od::{Counts, Dictionary, Entry, Slots};
+use crate::od::{Counts, Dictionary, Entry, Unused};
 use crate::settings::NodeId;
 use crate::time::{Duration, Instant, NEVER, earlier};
 use crate::wire::Frame;
@@ -50,10 +49,10 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Others<'_, B> {
 }
 
 impl<C: Counts> Servers<C> {
-    /// Servers that hear nothing until [`Servers::configure`].
-    pub(crate) fn new() -> Self {
+    /// All zero: [`Servers::reset`] goes before everything else.
+    pub(crate) const fn new() -> Self {
         Self {
-            servers: Slots::unused(),
+            servers: Unused::UNUSED,
         }
     }
 
@@ -101,7 +100,6 @@ impl<C: Counts> Servers<C> {
     pub(crate) fn reset(&mut self, agenda: &mut Agenda<C::Senders>) {
         for server in self.servers.as_mut() {
             server.reset();
-            server.request = NO_COB_ID;
             agenda.set(server.sender, false);
         }
     }

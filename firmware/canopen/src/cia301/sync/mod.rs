@@ -30,8 +30,8 @@ pub const WINDOW: u16 = 0x1007;
 /// Index of the synchronous counter overflow value.
 pub const COUNTER_OVERFLOW: u16 = 0x1019;
 
-/// No 11-bit identifier is equal to it.
-const NOT_IN_USE: u16 = u16::MAX;
+/// There is none. It is that of NMT, which is nobody's to choose.
+const NOT_IN_USE: u16 = 0;
 
 /// The highest counter of a SYNC (CiA 301, 7.5.2.22).
 const MOST_COUNTER: u8 = 240;
@@ -85,7 +85,7 @@ pub struct Sync {
 }
 
 impl Sync {
-    /// Neither producer nor consumer until [`Sync::configure`].
+    /// Neither producer nor consumer until [`Sync::configure`], which goes before everything else.
     pub const fn new() -> Self {
         Self {
             cob_id: NOT_IN_USE,
@@ -97,13 +97,13 @@ impl Sync {
             counter: 0,
             period: 0,
             window: 0,
-            next: NEVER,
-            window_end: NEVER,
+            next: Instant::from_ticks(0),
+            window_end: Instant::from_ticks(0),
             errors: Errors::new(),
         }
     }
 
-    /// The identifier that it has; above 7FFh when there is none.
+    /// The identifier that it has; 0 when there is none.
     pub const fn cob_id(&self) -> u16 {
         self.cob_id
     }

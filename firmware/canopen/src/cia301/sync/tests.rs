@@ -41,7 +41,7 @@ fn reports(sync: &mut Sync) -> Vec<(u16, bool)> {
 
 #[test]
 fn the_identifier_follows_1005h() {
-    assert_eq!(Sync::new().cob_id(), u16::MAX);
+    assert_eq!(Sync::new().cob_id(), 0);
     assert_eq!(consumer(0x80).cob_id(), 0x80);
     assert_eq!(
         consumer(0x8000_0080).cob_id(),
@@ -57,7 +57,7 @@ fn the_identifier_follows_1005h() {
 
 #[test]
 fn a_power_on_value_that_is_not_supported_hears_nothing() {
-    assert_eq!(consumer(0x2000_0080).cob_id(), u16::MAX);
+    assert_eq!(consumer(0x2000_0080).cob_id(), 0);
 }
 
 #[test]

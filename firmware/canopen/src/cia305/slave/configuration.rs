@@ -5,18 +5,15 @@ use crate::cia305::identity::Identity;
 use crate::settings::{BitTiming, NodeId};
 use crate::time::{Duration, Instant, NEVER};
 
-/// Answer to 11h and 13h: an error of the manufacturer, whose number follows.
-const SPECIFIC_ERROR: u8 = 0xFF;
-
-/// The manufacturer's error: the build of this firmware has fixed it.
-const FIXED_BY_BUILD: u8 = 0x01;
+/// The answer to 11h and 13h for what the build of this firmware has fixed: an error of the manufacturer (FFh), whose number (01h) follows.
+const FIXED_BY_BUILD: u16 = 0x01FF;
 
 /// The answer to 11h and 13h for what the device does not have.
-const OUT_OF_RANGE: [u8; 2] = [0x01, 0x00];
+const OUT_OF_RANGE: u16 = 0x0001;
 
 /// Error code and specific error of an answer.
-fn error_code(result: Result<(), [u8; 2]>) -> [u8; 2] {
-    result.err().unwrap_or_default()
+fn error_code(result: Result<(), u16>) -> u32 {
+    result.err().unwrap_or_default().into()
 }
 
 impl Slave {
@@ -32,7 +29,7 @@ impl Slave {
             0x11 => {
                 let node_id = NodeId::new(first).ok_or(OUT_OF_RANGE);
                 let result = node_id.and_then(|node_id| self.configure_node_id(node_id));
-                Some(message(specifier, &error_code(result)))
+                Some(message(specifier, error_code(result)))
             }
             0x13 => {
                 // Tables above 0 belong to makers; this device has none.
@@ -41,7 +38,7 @@ impl Slave {
                     .flatten()
                     .ok_or(OUT_OF_RANGE);
                 let result = in_table.and_then(|timing| self.configure_bit_timing(timing));
-                Some(message(specifier, &error_code(result)))
+                Some(message(specifier, error_code(result)))
             }
             0x15 => {
                 let delay = u16::from_le_bytes([first, second]);
@@ -60,17 +57,17 @@ impl Slave {
                     .words()
                     .get(usize::from(specifier - 0x5A))
                     .copied()?;
-                Some(message(specifier, &word.to_le_bytes()))
+                Some(message(specifier, word))
             }
-            0x5E => Some(message(specifier, &[self.active.node_id.get()])),
+            0x5E => Some(message(specifier, self.active.node_id.get().into())),
             _ => None,
         }
     }
 
     /// A new node-ID, for the next reset communication and to be stored; refused with the error of service 11h.
-    fn configure_node_id(&mut self, node_id: NodeId) -> Result<(), [u8; 2]> {
+    fn configure_node_id(&mut self, node_id: NodeId) -> Result<(), u16> {
         if !self.takes_node_id() {
-            return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
+            return Err(FIXED_BY_BUILD);
         }
         self.wish.node_id = None;
         self.pending.node_id = node_id;
@@ -79,9 +76,9 @@ impl Slave {
     }
 
     /// A new bit rate, for service 15h and to be stored; refused with the error of service 13h.
-    fn configure_bit_timing(&mut self, timing: BitTiming) -> Result<(), [u8; 2]> {
+    fn configure_bit_timing(&mut self, timing: BitTiming) -> Result<(), u16> {
         if !self.has_free_bit_timing() {
-            return Err([SPECIFIC_ERROR, FIXED_BY_BUILD]);
+            return Err(FIXED_BY_BUILD);
         }
         if self.supported & bit(timing) == 0 {
             return Err(OUT_OF_RANGE);
@@ -106,7 +103,7 @@ impl Slave {
             // Until the bit rate is found.
             BitTiming::Automatic => (NEVER, LssEvent::FindBitRate { at }),
         };
-        self.switch = Some(Switch { to, at, end });
+        self.switch = Switch { to, at, end };
         self.event = Some(event);
     }
 }

@@ -18,7 +18,9 @@ use crate::wire::sdo::Multiplexer;
 type TestServer = Server<[u8; 2048]>;
 
 fn server() -> TestServer {
-    TestServer::UNUSED
+    let mut server = TestServer::UNUSED;
+    server.reset();
+    server
 }
 
 impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {

@@ -114,6 +114,7 @@ fn s34_a_value_in_ram_is_a_snapshot() {
 fn a_value_beyond_the_buffer_is_out_of_memory_and_not_cut() {
     let long = [0x55; 10];
     let mut server = Server::<[u8; 8]>::UNUSED;
+    server.reset();
     let mut store = Store::default();
     let refusal = Some(abort(STRING, AbortCode::OutOfMemory));
     let open = |size| Request::InitiateDownload {
