@@ -79,6 +79,8 @@ fn lss_requests_are_for_others() {
     }
     assert!(node.event().is_some(), "Pre-operational");
     assert_eq!(node.event(), None);
+    let request = Frame::full(0x604, [0x40, 0, 0x10, 0, 0, 0, 0, 0]);
+    assert!(answer(&mut node, &request).is_some(), "what is for it");
 }
 
 #[test]

@@ -55,13 +55,18 @@ fn every_reset_leads_to_the_waiting_state() {
 #[test]
 fn a_reset_ends_a_service_of_several_messages() {
     let mut device = Device::new();
-    for request in ["4044332211", "4188776655", "42CCBBAA99"] {
+    let words = ["4044332211", "4188776655", "42CCBBAA99"];
+    for request in words {
         assert!(ask(&mut device, request).is_empty());
     }
     device.send("000 [2] 82 04");
     device.serve_reset();
     assert_eq!(device.sent(), ["704 [1] 00"]);
     assert!(ask(&mut device, "4378563412").is_empty());
+    for request in words {
+        ask(&mut device, request);
+    }
+    assert_eq!(ask(&mut device, "4378563412"), answer("44"), "without one");
 }
 
 #[test]

@@ -260,6 +260,7 @@ fn p21_a_length_error_does_not_outlive_a_reset() {
     let mut device = Device::operational();
     device.send("204 [0]");
     device.sent();
+    assert_eq!(device.value(0x1001, 0), [0x11]);
     device.send("000 [2] 82 04");
     device.serve_reset();
     device.sent();
@@ -277,6 +278,11 @@ fn p23_only_data_frames_in_operational_are_received() {
     device.send("204 [0]");
     assert_eq!(device.value(0x2003, 0), [0; 4]);
     assert_eq!(device.value(0x1001, 0), [0]);
+    device.send("000 [2] 01 04");
+    device.send("204: 01 02 03 04 05 06 07 08");
+    assert_eq!(device.value(0x2003, 0), [1, 2, 3, 4]);
+    device.send("204 [0]");
+    assert_eq!(device.value(0x1001, 0), [0x11]);
 }
 
 #[test]
@@ -507,6 +513,10 @@ fn y09_only_operational_follows_the_sync() {
         "no error either in Stopped"
     );
     assert_eq!(device.value(0x1001, 0), [0]);
+    device.send("000 [2] 01 04");
+    device.sent();
+    assert_eq!(device.ask("080 [0]").len(), 1);
+    assert_eq!(device.ask("080 [1] 01"), ["084: 40 82 11 01 00 00 00 00"]);
 }
 
 #[test]

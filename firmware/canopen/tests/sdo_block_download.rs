@@ -47,6 +47,35 @@ fn b08_a_segment_is_lost() {
     assert_eq!(device.value(0x2001, 0), b"ABCDEFGHIJKLMNOPQRST");
 }
 
+/// Half of the server's patience is over without a word of the client, and there is nothing to confirm.
+#[test]
+fn b09_the_first_segment_of_a_slow_client_is_lost() {
+    let mut device = Device::new();
+    open_letters(&mut device);
+    assert!(device.pass(600).is_empty());
+    exchange(&mut device, LETTERS[1], &[]);
+    exchange(&mut device, LETTERS[2], &["A2 00 7F"]);
+    for segment in &LETTERS[..2] {
+        exchange(&mut device, segment, &[]);
+    }
+    exchange(&mut device, LETTERS[2], &["A2 03 7F"]);
+    exchange(&mut device, "C5 34 10", &["A1"]);
+    assert_eq!(device.value(0x2001, 0), b"ABCDEFGHIJKLMNOPQRST");
+}
+
+/// A client that has missed the reminder, and falls silent when it is told.
+#[test]
+fn b26_a_transfer_that_was_aborted_in_a_sub_block_has_no_time_out() {
+    let mut device = Device::new();
+    open_letters(&mut device);
+    exchange(&mut device, LETTERS[0], &[]);
+    assert_eq!(device.pass(600), [(500, answer("A2 01 7F"))]);
+    refused(&mut device, LETTERS[1], (0x2001, 0), 0x0504_0003);
+    assert!(device.pass(3_000).is_empty());
+    assert_eq!(device.value(0x2001, 0), b"hello");
+    idle(&mut device);
+}
+
 #[test]
 fn b09_the_first_segment_is_lost() {
     let mut device = Device::new();

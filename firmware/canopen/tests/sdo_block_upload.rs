@@ -278,6 +278,34 @@ fn b27_the_application_cannot_give_more() {
 }
 
 #[test]
+fn b27_the_application_has_less_than_it_has_said() {
+    for first in ["A4 14 20 00 7F", "40 14 20 00"] {
+        let mut device = Device::new();
+        device.firmware.stream.value = vec![1; 1_000];
+        device.firmware.stream.missing = 10;
+        let mut sent = device.ask(&request(first));
+        let next = if first.starts_with('A') {
+            ["A3", "A2 7F 7F"]
+        } else {
+            ["60", "70"]
+        };
+        for number in 0..200 {
+            if sent.last() == Some(&abort(0x2014, 0, 0x0800_0020)) {
+                break;
+            }
+            let segments = sent.len();
+            sent = device.ask(&request(next[number % 2]));
+            assert!(!sent.is_empty(), "behind {segments} frames");
+            if first.starts_with('A') && number > 0 {
+                assert!(number < 3, "{sent:?}");
+            }
+        }
+        assert_eq!(sent.last(), Some(&abort(0x2014, 0, 0x0800_0020)), "{first}");
+        idle(&mut device);
+    }
+}
+
+#[test]
 fn b28_a_request_right_after_the_end() {
     let mut device = Device::new();
     exchange(&mut device, "A4 00 10 00 7F", &["C6 00 10 00 04"]);

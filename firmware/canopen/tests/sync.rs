@@ -362,6 +362,29 @@ fn t01_a_consumer_takes_the_time_of_day() {
     );
 }
 
+/// What a driver has to know: which frame may not leave before the SYNC that it answers.
+#[test]
+fn y01_only_synchronous_pdos_follow_the_sync() {
+    let mut device = Device::operational();
+    produce(&mut device);
+    device.pass(5);
+    for (kind, value, follows) in [(255, 1, None), (1, 2, Some(0x080))] {
+        device.ask(&format!("604: 2F 00 18 02 {kind:02X} 00 00 00"));
+        device.pass(10);
+        device.set_value(0x2005, 0, &[value, 0, 0, 0]);
+        device.now += Duration::millis(if kind == 1 { 10 } else { 1 });
+        device.poll();
+        let pending: Vec<_> = std::iter::from_fn(|| {
+            let pending = device.node.pending()?;
+            device.node.transmit(&mut device.firmware)?;
+            Some(pending)
+        })
+        .collect();
+        let pdo = pending.iter().find(|pending| pending.cob_id == 0x184);
+        assert_eq!(pdo.map(|pdo| pdo.follows), Some(follows), "{pending:?}");
+    }
+}
+
 #[test]
 fn t01_a_producer_sends_it_when_it_is_asked_to() {
     let mut device = Device::new();
@@ -373,6 +396,16 @@ fn t01_a_producer_sends_it_when_it_is_asked_to() {
     );
     assert!(device.node.send_time_of_day(device.now));
     assert_eq!(device.sent(), [TIME]);
+    // What waits outlives a change of another identifier, but not the end of its own.
+    for (index, value, waits) in [(0x1014, 0x8000_0084, true), (0x1012, 0x0100, false)] {
+        assert!(device.node.send_time_of_day(device.now));
+        let answered = write_u32(&mut device, index, value);
+        assert_eq!(answered.contains(&TIME.to_string()), waits, "{answered:?}");
+    }
+    assert_eq!(
+        write_u32(&mut device, 0x1012, 0x4000_0100),
+        ["584: 60 12 10 00 00 00 00 00"]
+    );
     device.send("000 [2] 02 04");
     assert!(!device.node.send_time_of_day(device.now));
     assert_eq!(device.sent(), [""; 0]);

@@ -10,6 +10,8 @@ pub struct Stream {
     pub incoming: Option<Vec<u8>>,
     /// Whether the size is told before the value is read.
     pub knows_size: bool,
+    /// By so much the size that is told is too large.
+    pub missing: u32,
     /// The position that can neither be read nor written.
     pub fails_at: Option<(usize, AbortCode)>,
     pub completion: Completion,
@@ -22,6 +24,7 @@ impl Default for Stream {
             value: Vec::new(),
             incoming: None,
             knows_size: true,
+            missing: 0,
             fails_at: None,
             completion: Completion::Now,
             abandoned: 0,
@@ -31,7 +34,8 @@ impl Default for Stream {
 
 impl Stream {
     pub fn size(&self) -> Option<u32> {
-        self.knows_size.then_some(self.value.len() as u32)
+        self.knows_size
+            .then_some(self.value.len() as u32 + self.missing)
     }
 
     pub fn read_at(&self, position: u32, into: &mut [u8]) -> Result<usize, AbortCode> {
