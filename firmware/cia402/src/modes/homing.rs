@@ -31,7 +31,7 @@ use crate::inputs::InputConfiguration;
 use crate::statusword::{HOMING_ATTAINED, HOMING_ERROR, INTERNAL_LIMIT, TARGET_REACHED};
 
 /// 2034h:2 while homing has not failed.
-const NO_FAILURE: u8 = 0;
+pub(super) const NO_FAILURE: u8 = 0;
 /// 2034h:2: 6098h is no method, or a speed or the acceleration is 0.
 const NO_METHOD: u8 = 7;
 
@@ -101,10 +101,11 @@ pub(super) struct Homing {
 }
 
 impl Homing {
-    pub(super) const fn new() -> Self {
+    /// The mode, that failed last for this reason.
+    pub(super) const fn new(failure: u8) -> Self {
         Self {
             progress: Progress::Idle,
-            failure: NO_FAILURE,
+            failure,
             begins: true,
         }
     }

@@ -187,42 +187,69 @@ fn ramp_in(mode: Mode, ramp: StopRamp, commands: &Commands, configuration: &Conf
     deceleration.min(configuration.max_deceleration)
 }
 
-/// The modes, and which of them is at work.
+/// The mode at work, with what it keeps from tick to tick: one mode has nothing that another one may look for.
+#[derive(Debug)]
+enum Work {
+    NoMode,
+    ProfilePosition(ProfilePosition),
+    Velocity(Velocity),
+    ProfileVelocity(ProfileVelocity),
+    Homing(Homing),
+    InterpolatedPosition(InterpolatedPosition),
+    CyclicPosition(CyclicPosition),
+    CyclicVelocity(CyclicVelocity),
+}
+
+/// Which of the modes is at work.
 #[derive(Debug)]
 pub(crate) struct Modes {
-    active: Mode,
+    work: Work,
     /// The active mode has given up its set-points, and the motor is slowing down.
     interrupted: bool,
     /// The ramp of 605Dh has been taken since then.
     halted: bool,
-    profile_position: ProfilePosition,
-    profile_velocity: ProfileVelocity,
-    velocity: Velocity,
-    homing: Homing,
-    interpolated_position: InterpolatedPosition,
-    cyclic_position: CyclicPosition,
-    cyclic_velocity: CyclicVelocity,
+    /// 2034h:2, while homing is not at work.
+    homing_failure: u8,
 }
 
 impl Modes {
     pub(crate) const fn new() -> Self {
         Self {
-            active: Mode::NoMode,
+            work: Work::NoMode,
             interrupted: false,
             halted: false,
-            profile_position: ProfilePosition::new(),
-            profile_velocity: ProfileVelocity::new(),
-            velocity: Velocity::new(),
-            homing: Homing::new(),
-            interpolated_position: InterpolatedPosition::new(),
-            cyclic_position: CyclicPosition::new(),
-            cyclic_velocity: CyclicVelocity::new(),
+            homing_failure: homing::NO_FAILURE,
         }
     }
 
     /// The mode that is at work (6061h).
     pub(crate) const fn active(&self) -> Mode {
-        self.active
+        match self.work {
+            Work::NoMode => Mode::NoMode,
+            Work::ProfilePosition(_) => Mode::ProfilePosition,
+            Work::Velocity(_) => Mode::Velocity,
+            Work::ProfileVelocity(_) => Mode::ProfileVelocity,
+            Work::Homing(_) => Mode::Homing,
+            Work::InterpolatedPosition(_) => Mode::InterpolatedPosition,
+            Work::CyclicPosition(_) => Mode::CyclicPosition,
+            Work::CyclicVelocity(_) => Mode::CyclicVelocity,
+        }
+    }
+
+    /// Another mode is at work, and has not begun.
+    #[inline(never)]
+    fn set(&mut self, mode: Mode) {
+        self.homing_failure = self.homing_failure();
+        self.work = match mode {
+            Mode::NoMode => Work::NoMode,
+            Mode::ProfilePosition => Work::ProfilePosition(ProfilePosition::new()),
+            Mode::Velocity => Work::Velocity(Velocity::new()),
+            Mode::ProfileVelocity => Work::ProfileVelocity(ProfileVelocity::new()),
+            Mode::Homing => Work::Homing(Homing::new(self.homing_failure)),
+            Mode::InterpolatedPosition => Work::InterpolatedPosition(InterpolatedPosition::new()),
+            Mode::CyclicPosition => Work::CyclicPosition(CyclicPosition::new()),
+            Mode::CyclicVelocity => Work::CyclicVelocity(CyclicVelocity::new()),
+        };
     }
 
     /// The deceleration of a ramp in the mode at work, in steps/s².
@@ -232,59 +259,66 @@ impl Modes {
         commands: &Commands,
         configuration: &Configuration,
     ) -> u32 {
-        ramp_in(self.active, ramp, commands, configuration)
+        ramp_in(self.active(), ramp, commands, configuration)
     }
 
     /// Whether the mode at work looks for the home position, and enforces the limit switches itself.
     pub(crate) const fn is_homing(&self) -> bool {
-        matches!(self.active, Mode::Homing) && !self.interrupted && self.homing.is_under_way()
+        matches!(&self.work, Work::Homing(homing) if homing.is_under_way()) && !self.interrupted
     }
 
     /// 2034h:2: why homing failed last.
     pub(crate) const fn homing_failure(&self) -> u8 {
-        self.homing.failure()
+        match &self.work {
+            Work::Homing(homing) => homing.failure(),
+            _ => self.homing_failure,
+        }
     }
 
     /// A limit switch is stopping the motor: what the mode was after is not reached.
     #[inline(never)]
     pub(crate) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
-        match self.active {
-            Mode::NoMode | Mode::Homing => {}
-            Mode::ProfilePosition => self.profile_position.limit_met(motor),
-            Mode::Velocity => self.velocity.limit_met(motor),
-            Mode::ProfileVelocity => self.profile_velocity.limit_met(motor),
-            Mode::InterpolatedPosition => self.interpolated_position.limit_met(),
-            Mode::CyclicPosition => self.cyclic_position.limit_met(),
-            Mode::CyclicVelocity => self.cyclic_velocity.limit_met(),
+        match &mut self.work {
+            Work::NoMode | Work::Homing(_) => {}
+            Work::ProfilePosition(mode) => mode.limit_met(motor),
+            Work::Velocity(mode) => mode.limit_met(motor),
+            Work::ProfileVelocity(mode) => mode.limit_met(motor),
+            Work::InterpolatedPosition(mode) => mode.limit_met(),
+            Work::CyclicPosition(mode) => mode.limit_met(),
+            Work::CyclicVelocity(mode) => mode.limit_met(),
         }
     }
 
     /// The motor stands, and no mode is at work: the mode that is asked for is the mode.
     pub(crate) fn select<D: Objects>(&mut self, code: i8) {
-        self.active = Mode::among(D::DRIVE.modes, code).unwrap_or(self.active);
+        if let Some(mode) = Mode::among(D::DRIVE.modes, code)
+            && mode != self.active()
+        {
+            self.set(mode);
+        }
     }
 
     /// Operation is enabled: the mode starts with no set-point and all its bits at rest.
     pub(crate) fn enter(&mut self, motor: &Motor<impl Actuator>) {
         self.interrupted = false;
-        match self.active {
-            Mode::NoMode => {}
-            Mode::ProfilePosition => self.profile_position.enter(motor),
-            Mode::Velocity => self.velocity.enter(),
-            Mode::ProfileVelocity => self.profile_velocity.enter(),
-            Mode::Homing => self.homing.enter(),
-            Mode::InterpolatedPosition => self.interpolated_position.enter(),
-            Mode::CyclicPosition => self.cyclic_position.enter(),
-            Mode::CyclicVelocity => self.cyclic_velocity.enter(motor),
+        match &mut self.work {
+            Work::NoMode => {}
+            Work::ProfilePosition(mode) => mode.enter(motor),
+            Work::Velocity(mode) => mode.enter(),
+            Work::ProfileVelocity(mode) => mode.enter(),
+            Work::Homing(mode) => mode.enter(),
+            Work::InterpolatedPosition(mode) => mode.enter(),
+            Work::CyclicPosition(mode) => mode.enter(),
+            Work::CyclicVelocity(mode) => mode.enter(motor),
         }
     }
 
     /// The velocity that the motor is to keep for good, if that is what the mode at work is after.
     const fn kept_velocity(&self) -> Option<SignedSpeed> {
-        match self.active {
-            Mode::ProfilePosition => self.profile_position.end_velocity(),
-            Mode::Velocity => self.velocity.kept_velocity(),
-            Mode::ProfileVelocity => self.profile_velocity.kept_velocity(),
+        match &self.work {
+            Work::ProfilePosition(mode) => mode.end_velocity(),
+            Work::Velocity(mode) => mode.kept_velocity(),
+            Work::ProfileVelocity(mode) => mode.kept_velocity(),
             _ => None,
         }
     }
@@ -303,7 +337,7 @@ impl Modes {
             self.halted = false;
             self.slow_down(motor, ramp, commands, configuration);
         }
-        let halts = commands.controlword & HALT != 0 && self.active != Mode::Homing;
+        let halts = commands.controlword & HALT != 0 && !matches!(self.work, Work::Homing(_));
         if halts && !self.halted {
             self.halted = true;
             self.slow_down(motor, configuration.halt, commands, configuration);
@@ -325,7 +359,7 @@ impl Modes {
 
     /// Whether data records of interpolated position are kept: not outside of the mode, and not when what it was after is forgotten.
     pub(crate) const fn keeps_records(&self) -> bool {
-        matches!(self.active, Mode::InterpolatedPosition) && !self.interrupted
+        matches!(self.work, Work::InterpolatedPosition(_)) && !self.interrupted
     }
 
     /// The bits of the statusword that a mode has outside of operation enabled: a master that asks whether home is known need not
@@ -335,7 +369,7 @@ impl Modes {
         motor: &Motor<impl Actuator>,
         configuration: &Configuration,
     ) -> u16 {
-        let shows = matches!(self.active, Mode::Homing) && !configuration.homing.starts_afresh();
+        let shows = matches!(self.work, Work::Homing(_)) && !configuration.homing.starts_afresh();
         if shows && motor.is_referenced() {
             HOMING_ATTAINED
         } else {
@@ -347,41 +381,37 @@ impl Modes {
     /// not got is not linked.
     pub(crate) fn tick<P: Parts>(&mut self, context: &mut Context<'_, P>) -> u16 {
         let has = |mode: Mode| mode.is_among(P::Objects::DRIVE.modes);
-        let wanted =
-            Mode::among(P::Objects::DRIVE.modes, context.commands.mode).unwrap_or(self.active);
-        if wanted != self.active {
+        let active = self.active();
+        let wanted = Mode::among(P::Objects::DRIVE.modes, context.commands.mode).unwrap_or(active);
+        if wanted != active {
             if !context.motor.standstill() && !wanted.begins_in_motion() {
                 let (commands, configuration) = (context.commands, context.configuration);
                 self.interrupt(context.motor, StopRamp::SlowDown, commands, configuration);
                 return 0;
             }
             let kept = self.kept_velocity();
-            self.active = wanted;
+            self.set(wanted);
             context.mode = wanted;
             self.enter(context.motor);
-            if wanted == Mode::CyclicVelocity {
-                self.cyclic_velocity.go_on_with(kept);
+            if let Work::CyclicVelocity(mode) = &mut self.work {
+                mode.go_on_with(kept);
             }
         } else if self.interrupted {
             self.enter(context.motor);
         }
-        if !self.active.has_profile() {
+        if !wanted.has_profile() {
             context.motor.set_ramps(Ramps::Linear);
         }
-        match self.active {
-            Mode::ProfilePosition if has(Mode::ProfilePosition) => {
-                self.profile_position.tick(context)
+        match &mut self.work {
+            Work::ProfilePosition(mode) if has(Mode::ProfilePosition) => mode.tick(context),
+            Work::Velocity(mode) if has(Mode::Velocity) => mode.tick(context),
+            Work::ProfileVelocity(mode) if has(Mode::ProfileVelocity) => mode.tick(context),
+            Work::Homing(mode) if has(Mode::Homing) => mode.tick(context),
+            Work::InterpolatedPosition(mode) if has(Mode::InterpolatedPosition) => {
+                mode.tick(context)
             }
-            Mode::Velocity if has(Mode::Velocity) => self.velocity.tick(context),
-            Mode::ProfileVelocity if has(Mode::ProfileVelocity) => {
-                self.profile_velocity.tick(context)
-            }
-            Mode::Homing if has(Mode::Homing) => self.homing.tick(context),
-            Mode::InterpolatedPosition if has(Mode::InterpolatedPosition) => {
-                self.interpolated_position.tick(context)
-            }
-            Mode::CyclicPosition if has(Mode::CyclicPosition) => self.cyclic_position.tick(context),
-            Mode::CyclicVelocity if has(Mode::CyclicVelocity) => self.cyclic_velocity.tick(context),
+            Work::CyclicPosition(mode) if has(Mode::CyclicPosition) => mode.tick(context),
+            Work::CyclicVelocity(mode) if has(Mode::CyclicVelocity) => mode.tick(context),
             _ => 0,
         }
     }
