@@ -37,6 +37,7 @@ fn inputs(target: &str) -> u32 {
         "master" => 500,
         "serve" => 1_000,
         "store" => 3_000,
+        "drive" => 5_000,
         _ => 30_000,
     }
 }
