@@ -103,27 +103,44 @@ impl<L: EmitterLock> StepAxis<L> {
 
     /// Plans a motion while the one before is played, and goes on with it. A target that is too far away stays so.
     fn plan(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
-        let committed = self.committed;
         self.is_ordered = true;
-        let shifted = |here| goal.shifted(i64::wrapping_sub(here, near(here, committed)));
-        let mut plan = Plan::at_rest(0, 0);
-        let mut draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
-        let goal = shifted(draft.committed_position());
-        let mut result = draft.plan(&mut plan, goal, limits);
-        if result.is_ok()
-            && !self
-                .emitter
-                .lock(|emitter| emitter.axis.install(&draft, &plan))
-        {
+        let mut result = self.plan_ahead(goal, limits, ramps);
+        if result == Ok(false) {
             // A refill was in between; so the next one is far, and can wait for a plan.
-            result = self.emitter.lock(|emitter| {
-                let goal = shifted(emitter.axis.committed_position());
-                emitter.axis.order(goal, limits, ramps)
-            });
+            result = self.plan_anew(goal, limits, ramps);
         }
         self.is_broken |= result == Err(PlanError::Internal);
-        result.map_err(|_| Refused)
+        result.map(|_| ()).map_err(|_| Refused)
     }
+
+    /// Makes a plan for the commit horizon. Not true: a refill has moved that on meanwhile.
+    // Out of line, as the next one is: only one of the two has a plan on the stack.
+    #[inline(never)]
+    fn plan_ahead(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<bool, PlanError> {
+        let mut draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
+        let goal = seen_from(goal, draft.committed_position(), self.committed);
+        let mut plan = Plan::at_rest(0, 0);
+        draft.plan(&mut plan, goal, limits)?;
+        Ok(self
+            .emitter
+            .lock(|emitter| emitter.axis.install(&draft, &plan)))
+    }
+
+    /// Makes a plan with the emitter held, so that no refill comes.
+    #[cold]
+    #[inline(never)]
+    fn plan_anew(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<bool, PlanError> {
+        let committed = self.committed;
+        self.emitter.lock(|emitter| {
+            let goal = seen_from(goal, emitter.axis.committed_position(), committed);
+            emitter.axis.order(goal, limits, ramps).map(|()| true)
+        })
+    }
+}
+
+/// A goal as the axis counts, which stands at `here` where the drive counts `committed`.
+fn seen_from(goal: Goal, here: i64, committed: i64) -> Goal {
+    goal.shifted(here.wrapping_sub(near(here, committed)))
 }
 
 impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
