@@ -1,6 +1,7 @@
 """The model itself, where the image does not use all of it: registers are written as a program would."""
 
 import pytest
+from drive import ENABLE, PROFILE_POSITION
 from stm32f405 import Breach, Chip
 
 RCC, GPIOA, TIM3 = 0x2_3800, 0x2_0000, 0x400
@@ -101,3 +102,22 @@ def test_an_interrupt_that_nobody_clears_is_told(bench):
     bench.chip.tim3.writers[0x10] = bench.chip.tim3.write_SR
     with pytest.raises(Breach, match="never cleared"):
         bench.milliseconds(50)
+
+
+@pytest.mark.parametrize("ahead", [False, True])
+def test_ndtr_may_count_what_is_fetched_or_what_is_written(drive, ahead):
+    """The manual leaves open whether a stream in direct mode has fetched a word when NDTR is read before the first request. Either way the pulses are the
+    same, and step and direction are never left to themselves: where TIM1 is reset, their pins are pulled down."""
+    chip = drive.chip
+    chip.dma2.fetches_ahead = ahead
+    begin = chip.tim1.position
+    drive[0x6081], drive[0x6083], drive[0x6084] = 100_000, 1_000_000, 1_000_000
+    drive.enable(PROFILE_POSITION)
+    for target in (1_500, -400):
+        drive[0x607A] = target
+        drive[0x6040] = ENABLE | 0x30
+        drive[0x6040] = ENABLE
+        drive.until(lambda: drive[0x6041] & 0x400 and drive[0x6064] == target, f"at {target}")
+        assert drive.settle() - begin == target
+    for pin in (13, 14):
+        assert chip.gpio["B"]["PUPDR"] >> 2 * pin & 3 == 2

@@ -2,14 +2,16 @@
 //!
 //! It is the tests `machine/tests/soak.rs` and `sim/tests/sync_soak.rs` at any length: as it stands some minutes of counting behind some
 //! minutes of building, and a night with larger numbers. Every pulse on the modelled pins is counted; one too many or too few fails. Each
-//! SYNC takes four counters to the drive and brings them back; one that is missing, mixed with another SYNC's, or later than the others fails. Then each fuzz target runs for a while (`cargo xtask fuzz`), and goes on
+//! SYNC takes four counters to the drive and brings them back; one that is missing, mixed with another SYNC's, or later than the others fails. Then faults
+//! come at random moments on the model of the board's chip (`tests/machine/random_faults.py`), and each must have its reaction and no pulse be wild. Then each fuzz target runs for a while (`cargo xtask fuzz`), and goes on
 //! where earlier runs have been.
 
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 
 use anyhow::Result;
 
-use crate::{fuzz, place, process};
+use crate::firmware::Image;
+use crate::{fuzz, place, process, setup};
 
 /// How much.
 #[derive(Debug, clap::Args)]
@@ -23,6 +25,9 @@ pub struct Arguments {
     /// SYNCs at 1 kHz, each with four receive and four transmit PDOs
     #[arg(long, default_value_t = 600_000)]
     syncs: u32,
+    /// Faults at random on the model of the board
+    #[arg(long, default_value_t = 1_000)]
+    faults: u32,
     /// Seconds of each fuzz target
     #[arg(long, default_value_t = 600, value_name = "SECONDS")]
     fuzz: u32,
@@ -49,6 +54,18 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         .env("AXIS402_SOAK_PULSES", arguments.pulses.to_string())
         .env("AXIS402_SOAK_SEQUENCES", arguments.sequences.to_string());
     if !process::run(&mut command)?.success() {
+        return Ok(ExitCode::FAILURE);
+    }
+    let python = setup::python_environment()?;
+    setup::rust_target()?;
+    let mut faults = Command::new(python);
+    faults
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .current_dir(place::root());
+    faults.args(["tests/machine/random_faults.py", "--runs"]);
+    faults.arg(arguments.faults.to_string());
+    faults.arg("--image").arg(Image::Board.build()?);
+    if !process::run(&mut faults)?.success() {
         return Ok(ExitCode::FAILURE);
     }
     fuzz::run(&fuzz::Arguments {

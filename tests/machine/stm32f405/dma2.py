@@ -1,11 +1,14 @@
 """DMA2 (RM0090, 10), stream 5: words from memory to TIM1_DMAR, round and round, in direct mode."""
 
+import random
+
 from .registers import Peripheral, Register
 
 EN, CIRC, MINC = 1, 1 << 8, 1 << 10
 DMAR = 0x4001_004C
 TCIF, TEIF = 1 << 11, 1 << 9
 FLAGS = 0x3D << 6
+WORDS = 5
 
 
 class Dma2(Peripheral):
@@ -24,10 +27,25 @@ class Dma2(Peripheral):
     }
     #: Core clocks from the update event to the last of five words, when nobody else is on the buses: 12 for a word.
     BURST = 60
+    #: What a word waits at most while the core runs: for one access of the core to the memory, and one over the bridge of APB2.
+    CONTENTION = 4
+
+    #: Whether NDTR counts the word that is fetched before it is asked for.
+    fetches_ahead = False
+
+    def __init__(self, chip):
+        self.chance = random.Random(1)
+        super().__init__(chip)
 
     def reset(self):
         super().reset()
         self.total = 0
+
+    def read_NDTR(self):
+        left = self["NDTR"]
+        if self.fetches_ahead and self["CR"] & EN:
+            return left - 1 or self.total
+        return left
 
     def locked(self, name, value):
         if self["CR"] & EN:
@@ -69,6 +87,13 @@ class Dma2(Peripheral):
             self.breach(f"S5M0AR {begin:#x}: it cannot reach this")
         if self["PAR"] != DMAR:
             self.breach(f"S5PAR {self['PAR']:#x} is not TIM1_DMAR")
+
+    def burst_clocks(self):
+        """How long the burst that is asked for now takes: each word waits for what the core may have on the buses, drawn from a seed."""
+        core = self.chip.core
+        if core.sleeping or core.is_stopped:
+            return self.BURST
+        return self.BURST + sum(self.chance.randint(0, self.CONTENTION) for _ in range(WORDS))
 
     def burst(self):
         """TIM1 asks for what its DCR says."""

@@ -193,7 +193,7 @@ class Tim1(Peripheral):
         if self["DIER"] & UDE:
             if self.burst_at != NEVER:
                 self.late_bursts += 1
-            self.burst_at = end + self.chip.dma2.BURST
+            self.burst_at = end + self.chip.dma2.burst_clocks()
 
     def lines(self):
         yield IRQ["TIM1_BRK"], self["SR"] & self["DIER"] & BIF
