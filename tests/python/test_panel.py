@@ -124,7 +124,7 @@ def test_a_picture_of_each_page_is_the_one_in_docs(panel, browser, pytestconfig)
             window.click("#read-shown")
             expect(window.locator(".object .value").last).not_to_be_empty()
         if page == "log":
-            window.wait_for_function("document.querySelectorAll('#frames tr').length > 30")
+            expect(window.locator("#frames tr").nth(30)).to_be_attached()
         window.evaluate("document.getElementById('toasts').replaceChildren()")
         made[f"panel-{page}"] = window.screenshot()
     for name, picture in made.items():
@@ -172,7 +172,7 @@ def test_pdos_are_edited_applied_and_seen_live(panel):
     fourth.get_by_label("Event timer").fill("2")
     expect(window.locator("#load")).to_contain_text("% of the bus")
     window.click("#apply")
-    expect(window.locator(".toast.good")).to_contain_text("1 PDO is set up")
+    expect(window.locator(".toast.good").last).to_contain_text("1 PDO is set up")
     open_page(window, "scope", "Scope")
     window.click("#live")
     expect(window.locator("#scope-words")).to_contain_text("Live:")
@@ -243,8 +243,7 @@ def test_a_jog_ends_when_the_button_is_released_the_page_hidden_or_the_window_cl
             expect_halt(bus)
             expect(velocity(window)).to_have_text("0")
             # In the very task in which the window hears of it the release is sent, and no beat comes behind it.
-            window.wait_for_function("window.heard.includes('task over')")
-            heard = window.evaluate("window.heard")
+            heard = window.evaluate("new Promise((done) => setTimeout(() => done(window.heard), 0))")
             at = heard.index(name)
             assert heard[at + 1 : heard.index("task over")] == ["release"], heard
             assert "beat" not in heard[at:], heard
@@ -310,20 +309,27 @@ def test_homing_is_drawn_and_set_up(panel):
     expect(window.locator(".homing")).to_have_attribute("aria-label", "Homing method 24: Home switch from the left, behind its left edge")
     window.fill("#homing-fast", "1500")
     window.click("#set-homing")
-    expect(window.locator(".toast.good")).to_have_text("Homing is set up")
+    expect(window.locator(".toast.good").last).to_have_text("Homing is set up")
     open_page(window, "objects", "Objects")
     window.fill("#search", "6099h:01")
     window.click(".object >> text=Read")
     expect(window.locator(".object .value")).to_have_text("1500")
 
 
-def test_a_device_that_is_no_drive_has_its_objects(panel, pytestconfig, started):
+def expect_end(one):
+    """Its adapter has gone with the device: one line, exit code 2."""
+    assert one.server.process.wait(PATIENCE / 1000) == 2
+    assert len(one.server.words().strip().splitlines()) == 1, one.server.words()
+    one.server.was_killed = True
+
+
+def test_a_device_that_is_no_drive_has_its_objects(panel, pytestconfig):
     from server import Slcan, free_port
 
     port = free_port()
     device = Slcan([pytestconfig.getoption("--io-device"), f"127.0.0.1:{port}"], port)
     device.server.wait_until_ready()
-    window = panel("--slcan", f"127.0.0.1:{port}").open()
+    window = (one := panel("--slcan", f"127.0.0.1:{port}")).open()
     expect(window.locator(".node")).to_contain_text("I/O device (CiA 401)")
     expect(window.locator("text=Open drive")).to_be_hidden()
     window.click(".node >> text=Objects")
@@ -334,9 +340,10 @@ def test_a_device_that_is_no_drive_has_its_objects(panel, pytestconfig, started)
     expect(window.locator("#page")).to_contain_text("No drive is open")
     device.server.kill()
     expect(window.locator("#status")).to_have_text("not connected")
+    expect_end(one)
 
 
-def test_a_data_sheet_with_mistakes_is_used_with_a_note(panel, start, connect, tmp_path):
+def test_a_data_sheet_with_mistakes_is_used_with_a_note(start, panel, tmp_path):
     bus = start(arguments=["--node-id", str(NODE_ID)])
     sheet = tmp_path / "drive.eds"
     sheet.write_text(EDS.read_text().replace("[6081]\n", "[6081]\nObjectType=nonsense\n", 1))
@@ -346,7 +353,7 @@ def test_a_data_sheet_with_mistakes_is_used_with_a_note(panel, start, connect, t
     expect(window.locator("#state")).to_have_text("Switch on disabled")
 
 
-def test_a_drive_that_vanishes_is_told_and_one_that_is_killed_ends_the_bus(panel, start):
+def test_a_drive_that_is_killed_in_motion_ends_the_bus_with_one_line(start, panel):
     bus = start(arguments=["--node-id", str(NODE_ID)])
     one = panel("--slcan", f"127.0.0.1:{bus.port}")
     window = one.open()
@@ -356,11 +363,8 @@ def test_a_drive_that_vanishes_is_told_and_one_that_is_killed_ends_the_bus(panel
     window.click("#move-to")
     expect(velocity(window)).not_to_have_text("0")
     bus.server.kill()
-    # Its adapter has gone with it: one line, exit code 2.
     expect(window.locator("#banner")).to_contain_text("No connection with the panel")
-    assert one.server.process.wait(PATIENCE / 1000) == 2
-    assert len(one.server.words().strip().splitlines()) == 1, one.server.words()
-    one.server.was_killed = True
+    expect_end(one)
 
 
 def test_one_window_writes_the_other_watches_and_may_stop(panel):

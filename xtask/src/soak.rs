@@ -3,7 +3,8 @@
 //! It is the tests `machine/tests/soak.rs` and `sim/tests/sync_soak.rs` at any length: as it stands some minutes of counting behind some
 //! minutes of building, and a night with larger numbers. Every pulse on the modelled pins is counted; one too many or too few fails. Each
 //! SYNC takes four counters to the drive and brings them back; one that is missing, mixed with another SYNC's, or later than the others fails. Then faults
-//! come at random moments on the model of the board's chip (`tests/machine/random_faults.py`), and each must have its reaction and no pulse be wild. Then each fuzz target runs for a while (`cargo xtask fuzz`), and goes on
+//! come at random moments on the model of the board's chip (`tests/machine/random_faults.py`), and each must have its reaction and no pulse be wild. The panel tells eight channels at 1 kHz for an hour of
+//! virtual time, with one window that never reads. Then each fuzz target runs for a while (`cargo xtask fuzz`), and goes on
 //! where earlier runs have been.
 
 use std::process::{Command, ExitCode};
@@ -28,6 +29,9 @@ pub struct Arguments {
     /// Faults at random on the model of the board
     #[arg(long, default_value_t = 1_000)]
     faults: u32,
+    /// Seconds of eight channels at 1 kHz in the panel
+    #[arg(long, default_value_t = 3_600, value_name = "SECONDS")]
+    live: u32,
     /// Seconds of each fuzz target
     #[arg(long, default_value_t = 600, value_name = "SECONDS")]
     fuzz: u32,
@@ -66,6 +70,19 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     faults.arg(arguments.faults.to_string());
     faults.arg("--image").arg(Image::Board.build()?);
     if !process::run(&mut faults)?.success() {
+        return Ok(ExitCode::FAILURE);
+    }
+    let mut live = place::cargo();
+    live.args([
+        "test",
+        "--release",
+        "--package",
+        "panel",
+        "--lib",
+        "eight_channels",
+    ])
+    .env("AXIS402_SOAK_LIVE", arguments.live.to_string());
+    if !process::run(&mut live)?.success() {
         return Ok(ExitCode::FAILURE);
     }
     fuzz::run(&fuzz::Arguments {

@@ -11,8 +11,12 @@ use super::pdos::Words;
 use super::{Outlet, Session, json};
 use crate::message::{Answer, Event, State};
 
-/// How long each step of a fastscan waits.
-const SCAN_STEP: Duration = Duration::from_ticks(20_000);
+/// How long each step of a fastscan waits; longer where a device is left over.
+const SCAN_STEPS: [Duration; 3] = [
+    Duration::from_ticks(20_000),
+    Duration::from_ticks(100_000),
+    Duration::from_ticks(400_000),
+];
 
 /// The silence before and after a switch of the bit rate.
 const SWITCH_DELAY: Duration = Duration::from_ticks(500_000);
@@ -53,14 +57,26 @@ impl<L: Line> Session<L> {
         if !(1..=127).contains(&first) {
             return Err(Problem::Usage("a node-ID is 1 to 127".to_owned()));
         }
-        let usual = self.master.set_scan_time(SCAN_STEP);
-        let mut output = Vec::new();
         let numbering = Numbering { first, store };
-        let result = self.with_output(&mut output, |master, console| {
-            axis402::number(master, numbering, console)
-        });
-        self.master.set_scan_time(usual);
-        result?;
+        let mut output = Vec::new();
+        for step in SCAN_STEPS {
+            output.clear();
+            let usual = self.master.set_scan_time(step);
+            let result = self.with_output(&mut output, |master, console| {
+                axis402::number(master, numbering, console)
+            });
+            self.master.set_scan_time(usual);
+            let is_last = Some(&step) == SCAN_STEPS.last();
+            // One that is slow to answer is missed by a quick scan, and not by a patient question.
+            if is_last || result.is_ok() && !self.master.lss_is_anyone_unconfigured()? {
+                result?;
+                break;
+            }
+            // Somebody wants to stop the drive: what was broken off is not begun again.
+            if self.master.line_mut().urgent().any() {
+                result?;
+            }
+        }
         self.scan()?;
         let told = String::from_utf8_lossy(&output);
         Ok(Answer::Text(
@@ -80,7 +96,7 @@ impl<L: Line> Session<L> {
 
     /// Those without a node-ID; they are left as they are.
     pub(super) fn find(&mut self) -> Result<Answer, Problem> {
-        let usual = self.master.set_scan_time(SCAN_STEP);
+        let usual = self.master.set_scan_time(SCAN_STEPS[1]);
         let mut output = Vec::new();
         let result = self.with_output(&mut output, axis402::find);
         self.master.set_scan_time(usual);
