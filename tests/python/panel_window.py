@@ -87,6 +87,7 @@ def panel(pytestconfig, browser):
 def give_node_id(window):
     """From a drive without a node-ID to its page, with the mouse."""
     window.click("#number")
+    expect(window.locator(".toast.good").first).to_contain_text("has a node-ID now")
     window.click("text=Open drive")
     expect(window.locator("#state")).to_have_text("Switch on disabled")
 

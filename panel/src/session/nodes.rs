@@ -66,18 +66,18 @@ impl<L: Line> Session<L> {
                 axis402::number(master, numbering, console)
             });
             self.master.set_scan_time(usual);
-            let is_last = Some(&step) == SCAN_STEPS.last();
+            // Somebody wants to stop the drive: what was broken off is not begun again.
+            let is_last = Some(&step) == SCAN_STEPS.last() || self.master.line_mut().urgent().any();
+            if result.is_err() && !is_last {
+                continue;
+            }
+            result?;
+            self.scan()?;
             // One that is slow to answer is missed by a quick scan, and not by a patient question.
-            if is_last || result.is_ok() && !self.master.lss_is_anyone_unconfigured()? {
-                result?;
+            if is_last || self.state.bus.unnumbered != Some(true) {
                 break;
             }
-            // Somebody wants to stop the drive: what was broken off is not begun again.
-            if self.master.line_mut().urgent().any() {
-                result?;
-            }
         }
-        self.scan()?;
         let told = String::from_utf8_lossy(&output);
         Ok(Answer::Text(
             told.lines().last().unwrap_or_default().to_owned(),
