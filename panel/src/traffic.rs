@@ -22,6 +22,8 @@ pub struct Known {
     pub last: Option<Instant>,
     /// Its NMT state, as its heartbeat has told it.
     pub state: Option<u8>,
+    /// How often it was asked who it is since it was heard.
+    pub asked: u8,
 }
 
 /// Follows the bus.
@@ -70,6 +72,15 @@ impl Traffic {
     /// How many emergency messages have told an error.
     pub fn emergencies(&self) -> u64 {
         self.emergencies
+    }
+
+    /// A node that was heard, and has not told who it is though it was asked less often than `most`; not this one of ours.
+    pub fn stranger(&self, own: u8, most: u8) -> Option<u8> {
+        let is_strange = |known: &Known| known.last.is_some() && known.told.device.is_none();
+        let mut nodes = self.nodes.iter();
+        nodes
+            .find(|(id, known)| **id != own && is_strange(known) && known.asked < most)
+            .map(|(id, _)| *id)
     }
 
     /// Forgets all nodes, before a scan.

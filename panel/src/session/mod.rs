@@ -128,6 +128,7 @@ pub struct Session<L> {
     live: Option<scope::Live>,
     emptied: u64,
     next_picture: Instant,
+    next_stranger: Instant,
 }
 
 impl<L: Line> Session<L> {
@@ -148,6 +149,7 @@ impl<L: Line> Session<L> {
         state.notice.clone_from(&setup.notice);
         Self {
             next_picture: master.now(),
+            next_stranger: master.now(),
             master,
             desk,
             tickets,
@@ -307,6 +309,7 @@ impl<L: Line> Session<L> {
             // What breaks it off is attended to next.
             let _ = self.master.line_mut().step(now + TURN);
         }
+        self.meet_stranger();
         // All of it was noted when it came.
         self.master.take_received();
     }

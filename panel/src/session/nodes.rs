@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use canopen::{BitRate, Duration};
 use master::axis402::{self, BitRateSwitch, Console, Description, Node, Numbering, Problem};
-use master::{Line, NmtCommand};
+use master::{Failure, Line, NmtCommand};
 
 use super::pdos::Words;
 use super::{Outlet, Session, json};
@@ -17,6 +17,11 @@ const SCAN_STEPS: [Duration; 3] = [
     Duration::from_ticks(100_000),
     Duration::from_ticks(400_000),
 ];
+
+/// From a node that is asked who it is to the next, how long it may take to answer, and how often one is asked.
+const STRANGERS: Duration = Duration::from_ticks(500_000);
+const STRANGER_TIME: Duration = Duration::from_ticks(250_000);
+const ASKED: u8 = 3;
 
 /// The silence before and after a switch of the bit rate.
 const SWITCH_DELAY: Duration = Duration::from_ticks(500_000);
@@ -50,6 +55,33 @@ impl<L: Line> Session<L> {
             1 => "1 node".to_owned(),
             count => format!("{count} nodes"),
         }))
+    }
+
+    /// A node that was heard but not found, one that has come later or was slow to answer, is asked who it is.
+    pub(super) fn meet_stranger(&mut self) {
+        let now = self.master.now();
+        if now < self.next_stranger {
+            return;
+        }
+        self.next_stranger = now + STRANGERS;
+        let Some(id) = self.traffic.stranger(self.setup.own_node, ASKED) else {
+            return;
+        };
+        let usual = self
+            .master
+            .set_answer_time(STRANGER_TIME.min(self.master.answer_time()));
+        // One that is silent is not asked for all the rest.
+        let answers = self.master.read::<Vec<u8>>(id, 0x1000, 0);
+        let description = match answers {
+            Ok(_) | Err(Failure::Abort { .. }) => Description::ask(&mut self.master, id),
+            Err(failure) => Err(failure.into()),
+        };
+        self.master.set_answer_time(usual);
+        let known = self.traffic.node_mut(id);
+        known.asked += 1;
+        if let Ok(description) = description {
+            describe(&mut known.told, &description);
+        }
     }
 
     /// Numbers all devices that have no node-ID; then looks who is there.

@@ -404,3 +404,33 @@ fn drives_of_two_makers_are_shown_each_by_its_own_words() {
         assert_eq!(told, title);
     }
 }
+
+#[test]
+fn a_device_that_comes_later_is_asked_who_it_is() {
+    let (mut bench, _) = Bench::with(DriveSetup::with_node_id(1, NODE), false);
+    bench.done(Order::Scan);
+    let late = DriveSetup::with_node_id(2, 9);
+    bench.bus().attach(Axis402::new(late));
+    bench.run_for(2_000);
+    let nodes = &bench.session.state().nodes;
+    let known: Vec<_> = nodes.iter().map(|node| (node.id, node.is_drive)).collect();
+    assert_eq!(known, [(NODE, true), (9, true)]);
+    // Who is silent is not asked for ever.
+    let heartbeat = Frame::data_frame(0x705, &[0x05]);
+    bench.session.traffic.follow(
+        &crate::line::Passed {
+            at: Instant::from_ticks(0),
+            frame: heartbeat,
+            own: false,
+        },
+        false,
+    );
+    bench.bus().take_trace();
+    bench.run_for(5_000);
+    let asked = bench.bus().take_trace();
+    let asked = asked.iter().filter(|logged| {
+        let is_read = logged.frame.payload().first() == Some(&0x40);
+        is_read && logged.frame.standard_id() == Some(0x605)
+    });
+    assert_eq!(asked.count(), 3);
+}
