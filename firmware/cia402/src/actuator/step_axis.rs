@@ -284,7 +284,7 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
     }
 
     fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
-        let draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
+        let mut draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
         let rest = draft.stop_preview(deceleration, leaves);
         rest.map_or(self.committed, |rest| near(rest, self.committed))
     }

@@ -73,11 +73,11 @@ impl Draft {
     }
 
     /// Where the axis would come to rest, in whole steps, if it were told now to stop at `deceleration` steps/s² with these ramps. A sin² ramp under
-    /// way is finished if a stop is no harder than that; with `leaves` it is left, as it is for a target elsewhere.
+    /// way is finished if a stop is no harder than that; with `leaves` it is left, as it is for a target elsewhere. The draft is used up.
     ///
     /// # Errors
     /// As [`Axis::stop`].
-    pub fn stop_preview(mut self, deceleration: u32, leaves: bool) -> Result<i64, PlanError> {
+    pub fn stop_preview(&mut self, deceleration: u32, leaves: bool) -> Result<i64, PlanError> {
         let (goal, limits) = Goal::stop(deceleration);
         let mut plan = Plan::at_rest(0, 0);
         if leaves && !self.is_averaged() {
