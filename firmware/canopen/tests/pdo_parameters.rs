@@ -1,7 +1,8 @@
 //! What writing the parameters of a live transmit PDO changes, and what it leaves: frame by frame.
 
-use crate::device::Device;
-use canopen::Duration;
+use crate::device::{Device, Objects, frame, show};
+use canopen::cia301::nmt::Reset;
+use canopen::{Duration, Instant, Node, NodeId, Settings};
 
 /// Writes with one SDO request, which must succeed; what else is sent then.
 fn write(device: &mut Device, request: &str) -> Vec<String> {
@@ -167,4 +168,39 @@ fn an_event_that_waits_for_sync_counts_once_across_operational() {
     assert!(device.ask("080 [0]").is_empty());
     change(&mut device, 2);
     assert_eq!(device.ask("080 [0]"), ["184: 02 00 00 00 00 00 00 00"]);
+}
+
+/// An application that writes nothing back: transmit PDOs are looked at only when a receive PDO writes what they map.
+#[test]
+fn a_value_that_a_receive_pdo_brings_is_sent_by_the_transmit_pdo_that_maps_it() {
+    let mut node = Node::new(
+        Objects::new(),
+        Settings {
+            node_id: NodeId::new(4).unwrap(),
+            ..Settings::default()
+        },
+    );
+    let now = Instant::from_ticks(1_000_000);
+    node.boot(Reset::Node, now, &mut ());
+    let mut ask = |text: &str| -> Vec<String> {
+        node.receive(&frame(text), now, &mut ());
+        node.poll(now, &mut ());
+        std::iter::from_fn(|| node.transmit(&mut ()))
+            .map(|frame| show(&frame))
+            .collect()
+    };
+    for request in [
+        "604: 23 00 18 01 84 01 00 C0",
+        "604: 2F 00 1A 00 00 00 00 00",
+        "604: 23 00 1A 01 20 00 03 20",
+        "604: 2F 00 1A 00 01 00 00 00",
+        "604: 23 00 18 01 84 01 00 40",
+    ] {
+        let answers = ask(request);
+        let answer = answers.last().unwrap();
+        assert!(answer.starts_with("584: 60"), "{request}: {answer}");
+    }
+    assert_eq!(ask("000 [2] 01 04"), ["184 [4] 00 00 00 00"]);
+    assert_eq!(ask("204: 01 02 03 04 00 00 00 00"), ["184 [4] 01 02 03 04"]);
+    assert_eq!(ask("204: 01 02 03 04 09 00 00 00"), [""; 0], "not 2004h");
 }
