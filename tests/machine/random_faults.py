@@ -195,7 +195,10 @@ class Run:
             # Until it is on the bus again it tells nothing.
             chip.run(150 * MS)
             drive.settle()
-        return (*self.judge(began, was_safe), self.fault.text)
+        try:
+            return (*self.judge(began, was_safe), self.fault.text)
+        except AssertionError as error:
+            raise AssertionError(f"{self.fault.text}: {error}") from None
 
     def judge(self, began, was_safe):
         drive, chip = self.drive, self.drive.chip

@@ -10,8 +10,8 @@ use anyhow::{Context, Result};
 use crate::{firmware, place};
 
 /// The virtual drive, the one in virtual time, a master's command line, the panel, the generator's, this program, a device that is
-/// no drive, and the plant of the servo.
-const PROGRAMS: [&str; 8] = [
+/// no drive, the plant of the servo, and the plant of a step motor on its wires.
+const PROGRAMS: [&str; 9] = [
     "sim",
     "stepped_drive",
     "axis402",
@@ -20,6 +20,7 @@ const PROGRAMS: [&str; 8] = [
     "xtask",
     "examples/io_device",
     "examples/plant_trace",
+    "examples/stepped_axis",
 ];
 
 /// The command that builds them.

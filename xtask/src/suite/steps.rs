@@ -276,7 +276,9 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
         Step::Board => {
             let mut command = pytest(&ready.python, "tests/machine");
             command.arg("--image").arg(Image::Board.path());
-            return played(step, [Image::Board.build_command()?], command);
+            command.arg("--plant").arg(place::kept("stepped_axis"));
+            let builds = [Image::Board.build_command()?, programs::build_command()];
+            return played(step, builds, command);
         }
         Step::Qemu => {
             let mut command = against(&ready.python, "firmware");
@@ -308,7 +310,10 @@ fn played(step: Step, builds: impl IntoIterator<Item = Command>, command: Comman
         return Ok(Run::Done(built));
     }
     match step {
-        Step::Board => drop(Image::Board.keep()?),
+        Step::Board => {
+            Image::Board.keep()?;
+            programs::keep()?;
+        }
         Step::Qemu => {
             Image::Qemu.keep()?;
             programs::keep()?;
