@@ -46,6 +46,8 @@ pub enum Image {
     Bench,
     /// A device with what other stacks have by default, to measure its flash.
     BasicDevice,
+    /// The same for least size, as the compact image is built.
+    BasicDeviceForSize,
     /// The core alone, with a panic handler that does not link: proof that no panic path is left.
     NoPanic,
 }
@@ -56,7 +58,7 @@ impl Image {
         match self {
             Self::Board | Self::Whole | Self::Compact | Self::Least | Self::Qemu => "app",
             Self::Bench => "bench",
-            Self::BasicDevice => "basic-device",
+            Self::BasicDevice | Self::BasicDeviceForSize => "basic-device",
             Self::NoPanic => "no-panic",
         }
     }
@@ -64,7 +66,7 @@ impl Image {
     /// The profile of Cargo.toml.
     fn profile(self) -> &'static str {
         match self {
-            Self::Compact | Self::Least => COMPACT,
+            Self::Compact | Self::Least | Self::BasicDeviceForSize => COMPACT,
             _ => PROFILE,
         }
     }
@@ -74,7 +76,9 @@ impl Image {
         match self {
             Self::Board | Self::BasicDevice => &[],
             Self::NoPanic | Self::Whole => &["--no-default-features", "--features", WHOLE],
-            Self::Compact | Self::Least => &["--no-default-features", "--features", "stm32f405"],
+            Self::Compact | Self::Least | Self::BasicDeviceForSize => {
+                &["--no-default-features", "--features", "stm32f405"]
+            }
             Self::Qemu | Self::Bench => &["--no-default-features", "--features", EMULATED],
         }
     }
@@ -114,6 +118,7 @@ impl Image {
             Self::Qemu => "axis402-qemu.elf",
             Self::Bench => "bench.elf",
             Self::BasicDevice => "basic-device.elf",
+            Self::BasicDeviceForSize => "basic-device-for-size.elf",
             Self::NoPanic => "no-panic.elf",
         };
         place::target().join("xtask").join(name)

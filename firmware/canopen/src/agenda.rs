@@ -127,8 +127,8 @@ pub enum Due {
 #[derive(Debug)]
 pub struct Agenda<W> {
     words: W,
-    /// Whether anything may be sent.
-    pub(crate) speaks: bool,
+    /// Nothing may be sent.
+    pub(crate) is_mute: bool,
     /// What is to be done at once: [`TIMERS`], [`VALUES`].
     due: u8,
     /// Nothing else is to be done before this moment.
@@ -140,11 +140,11 @@ pub struct Agenda<W> {
 }
 
 impl<W: Slots<Word>> Agenda<W> {
-    /// Nothing waits, and nothing may be sent.
+    /// Nothing waits.
     pub(crate) const fn new() -> Self {
         Self {
             words: W::UNUSED,
-            speaks: false,
+            is_mute: false,
             due: 0,
             next: AT_ONCE,
             timers: AT_ONCE,
@@ -158,7 +158,7 @@ impl<W: Slots<Word>> Agenda<W> {
         match self.words.as_ref() {
             // Mostly nothing waits, or one object.
             [Word { waiting: 0, .. }] => None,
-            [word] if word.waiting.is_power_of_two() && self.speaks => {
+            [word] if word.waiting.is_power_of_two() && !self.is_mute => {
                 Some(Object(word.waiting.trailing_zeros() as u8))
             }
             _ => self.search(),
@@ -176,7 +176,7 @@ impl<W: Slots<Word>> Agenda<W> {
             if has_sync {
                 waiting &= !word.synchronous;
             }
-            while waiting != 0 && self.speaks {
+            while waiting != 0 && !self.is_mute {
                 let place = waiting.trailing_zeros();
                 waiting &= waiting.wrapping_sub(1);
                 let cob_id = word.cob_ids.get(place as usize).copied().unwrap_or(0);
@@ -282,7 +282,7 @@ impl<W: Slots<Word>> Agenda<W> {
         self.due & VALUES != 0 || has_come(self.values, now)
     }
 
-    /// Without a bit, nothing is to be done before this moment.
+    /// Nothing is to be done before this moment.
     #[inline]
     pub(crate) const fn next(&self) -> Instant {
         self.next
@@ -369,12 +369,13 @@ mod tests {
     #[test]
     fn nothing_leaves_a_mute_device() {
         let mut agenda = Agenda::<[Word; 1]>::new();
+        agenda.is_mute = true;
         agenda.name(Object::EMERGENCY, 0x084, Manner::Every);
         agenda.set(Object::EMERGENCY, true);
         assert_eq!(agenda.first(), None);
         agenda.set(Object::BOOT_UP, true);
         assert_eq!(agenda.first(), None);
-        agenda.speaks = true;
+        agenda.is_mute = false;
         assert_eq!(agenda.first(), Some(Object::BOOT_UP));
         agenda.set(Object::BOOT_UP, false);
         assert_eq!(agenda.first(), Some(Object::EMERGENCY));
@@ -383,7 +384,6 @@ mod tests {
     #[test]
     fn only_lss_outlives_a_reset() {
         let mut agenda = Agenda::<[Word; 2]>::new();
-        agenda.speaks = true;
         let all = [
             Object::BOOT_UP,
             Object::LSS,
@@ -417,7 +417,6 @@ mod tests {
                 false => Manner::Every,
             };
             let mut agenda = Agenda::<[Word; 2]>::new();
-            agenda.speaks = true;
             let mut names = cob_ids;
             for (place, cob_id) in names.iter().enumerate() {
                 agenda.name(object(place), *cob_id, manner(place));

@@ -189,7 +189,7 @@ impl<D: Dictionary> Node<D> {
     /// The parameters are those to start with.
     fn end_boot(&mut self, now: Instant) {
         self.is_resetting = false;
-        self.services.agenda.speaks = self.may_speak(now);
+        self.services.agenda.is_mute = self.must_be_mute(now);
         self.listen();
         if self.node_id.is_configured() {
             self.services.agenda.set(Object::BOOT_UP, true);
@@ -296,7 +296,7 @@ impl<D: Dictionary> Node<D> {
     /// The bit rate of the network was found, and the controller is on the bus with it.
     pub fn bit_rate_found(&mut self, bit_rate: BitRate, now: Instant) {
         self.lss.bit_rate_found(bit_rate);
-        self.services.agenda.speaks = self.may_speak(now);
+        self.services.agenda.is_mute = self.must_be_mute(now);
         self.services.agenda.wake();
     }
 
@@ -400,7 +400,7 @@ impl<D: Dictionary> Node<D> {
     /// controller is bus-off.
     /// A frame that has been fetched and has not reached the bus must wait; in [`NmtState::Initialisation`] it is void.
     pub fn is_mute(&self) -> bool {
-        !self.services.agenda.speaks
+        self.is_resetting || self.services.agenda.is_mute
     }
 
     /// What was lost since power-on because a queue was full: emergency messages, SDO requests, LSS answers, changes of
@@ -467,13 +467,13 @@ impl<D: Dictionary> Node<D> {
         }
         self.is_resetting = true;
         self.is_held = false;
-        self.services.agenda.speaks = false;
+        self.services.agenda.is_mute = true;
         self.identifiers = Identifiers::none();
     }
 
-    /// Whether anything may be sent.
-    fn may_speak(&self, now: Instant) -> bool {
-        !self.is_resetting && !self.controller.is_bus_off() && !self.is_switching(now)
+    /// Whether nothing may be sent.
+    fn must_be_mute(&self, now: Instant) -> bool {
+        self.is_resetting || self.controller.is_bus_off() || self.is_switching(now)
     }
 
     /// Whether the bit rate is being switched.
@@ -504,7 +504,7 @@ impl<D: Dictionary> Node<D> {
         } else {
             deadline
         };
-        self.services.agenda.speaks = self.may_speak(now);
+        self.services.agenda.is_mute = self.must_be_mute(now);
         if !self.node_id.is_configured() {
             return deadline;
         }

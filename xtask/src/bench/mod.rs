@@ -92,6 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 /// What the core takes in a device with what other open stacks have by default.
 fn basic_device() -> Result<Table> {
     let sizes = size::of(Image::BasicDevice)?;
+    let for_size = size::of(Image::BasicDeviceForSize)?;
     Ok(Table {
         heading: "Flash of a basic device".to_owned(),
         rows: vec![
@@ -100,6 +101,8 @@ fn basic_device() -> Result<Table> {
                 &[sizes.flash_of("canopen")],
             ),
             Row::new("the whole image, dictionary included", &[sizes.total.flash]),
+            Row::new("canopen, for least size", &[for_size.flash_of("canopen")]),
+            Row::new("the whole image, for least size", &[for_size.total.flash]),
         ],
         slack: SLACK,
     })

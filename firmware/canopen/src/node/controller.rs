@@ -26,7 +26,7 @@ impl<D: Dictionary> Node<D> {
         let Some(before) = self.controller.enter(state, now) else {
             return;
         };
-        self.services.agenda.speaks = self.may_speak(now);
+        self.services.agenda.is_mute = self.must_be_mute(now);
         if before == ControllerState::BusOff {
             self.clear_error(&CommunicationError::BusOff.emergency(), now);
         }

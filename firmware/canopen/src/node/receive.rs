@@ -64,7 +64,7 @@ impl<D: Dictionary> Node<D> {
             dictionary: &self.dictionary,
             application,
         };
-        if !self.services.agenda.speaks {
+        if self.services.agenda.is_mute {
             return false;
         }
         let agenda = &mut self.services.agenda;
@@ -83,7 +83,7 @@ impl<D: Dictionary> Node<D> {
         now: Instant,
         application: &mut A,
     ) {
-        if !self.services.agenda.speaks && self.is_switching(now) {
+        if self.services.agenda.is_mute && self.is_switching(now) {
             self.receive_sdo_in_silence(server, request, application);
             return;
         }
@@ -142,7 +142,7 @@ impl<D: Dictionary> Node<D> {
         }
         self.serve_lss_events();
         self.services.agenda.wake();
-        self.services.agenda.speaks = self.may_speak(now);
+        self.services.agenda.is_mute = self.must_be_mute(now);
     }
 
     #[cold]

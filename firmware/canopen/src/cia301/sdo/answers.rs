@@ -3,17 +3,16 @@
 /// A client has one request in flight. A second one, because the client has given up on the first, has its place as well.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Answers {
-    /// The oldest first.
-    waiting: [[u8; 8]; Self::MOST],
+    first: [u8; 8],
+    second: [u8; 8],
     count: u8,
 }
 
 impl Answers {
-    const MOST: usize = 2;
-
     pub(super) const fn new() -> Self {
         Self {
-            waiting: [[0; 8]; Self::MOST],
+            first: [0; 8],
+            second: [0; 8],
             count: 0,
         }
     }
@@ -27,15 +26,19 @@ impl Answers {
     /// Whether there is no room. A request is not to be executed then.
     #[inline]
     pub(super) const fn is_full(&self) -> bool {
-        self.count as usize >= Self::MOST
+        self.count >= 2
     }
 
     /// Adds the newest. There is room, as a request is not executed without.
     #[inline]
-    pub(super) fn push(&mut self, answer: [u8; 8]) {
-        let [first, second] = &mut self.waiting;
-        *if self.count == 0 { first } else { second } = answer;
-        self.count = self.count.wrapping_add(1);
+    pub(super) const fn push(&mut self, answer: [u8; 8]) {
+        if self.count == 0 {
+            self.first = answer;
+            self.count = 1;
+        } else {
+            self.second = answer;
+            self.count = 2;
+        }
     }
 
     /// Takes the oldest.
@@ -44,11 +47,10 @@ impl Answers {
         if self.count == 0 {
             return None;
         }
-        let [first, second] = &mut self.waiting;
-        let answer = *first;
+        let answer = self.first;
         self.count = self.count.wrapping_sub(1);
         if self.count != 0 {
-            *first = *second;
+            self.first = self.second;
         }
         Some(answer)
     }

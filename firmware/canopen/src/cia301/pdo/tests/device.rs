@@ -93,7 +93,7 @@ impl Device {
             ..
         } = &mut device;
         transmit.configure_all(objects, 4, agenda);
-        agenda.speaks = true;
+        agenda.is_mute = false;
         device
     }
 
