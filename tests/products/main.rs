@@ -3,6 +3,7 @@
 mod behaviour;
 mod bench;
 mod capabilities;
+mod motion;
 mod moves;
 mod objects;
 mod promises;

@@ -18,10 +18,13 @@ LAST = {
 
 
 @pytest.mark.only("virtual", "firmware")
+@pytest.mark.timeout(1_500)
 @pytest.mark.parametrize("product", LAST)
-def test_a_product_is_put_into_service_as_its_manual_does(programs, kind, product):
+def test_a_product_is_put_into_service_as_its_manual_does(programs, kind, product, monkeypatch):
     if kind == "firmware" and programs.image:
         pytest.skip("the image that is given is the generic drive")
+    # The image is built first.
+    monkeypatch.setattr("server.START_TIME", 900)
     port = free_port()
     slcan = ["--product", product, "--slcan", f"127.0.0.1:{port}"]
     command = [programs.xtask, "qemu", *slcan] if kind == "firmware" else [programs.sim, "serve", *slcan]
