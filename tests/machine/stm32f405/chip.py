@@ -225,6 +225,10 @@ class Chip:
     def run(self, clocks, is_over=lambda: False):
         """Lets so much time pass, or less if something is over."""
         end = self.time + clocks
+        if not self.core.is_stopped:
+            # What has come from outside meanwhile wakes a core that sleeps, now and not at the next event.
+            self.core.take_lines()
+            self.core.deliver()
         while self.time < end and not is_over() and not self.is_off:
             self.step(end)
         return is_over()
