@@ -19,7 +19,7 @@ use crate::demo::{self, Demo};
 use crate::drive::Setup;
 use crate::flash::{Contents, Flash};
 use crate::plan;
-use crate::plant::Axis;
+use crate::plant::{AXES, Axis, ServoAxisData};
 use crate::products::{self, Product};
 use crate::serve::{Service, serve};
 
@@ -60,6 +60,9 @@ struct DemoArguments {
     /// The drive of another maker
     #[arg(long, value_name = "NAME", value_parser = product())]
     product: Option<Product>,
+    /// The drive on a ready axis whose motor is moved by its current
+    #[arg(long, value_name = "NAME", value_parser = axis(), conflicts_with_all = ["product", "panel"])]
+    axis: Option<ServoAxisData>,
 }
 
 #[derive(Debug, Args)]
@@ -96,6 +99,9 @@ struct ServeArguments {
     /// Give the drive the axis in this file: switches, end stops, motor, load, supply (docs/plant.md; ready ones in sim/plants)
     #[arg(long, value_name = "FILE.toml")]
     plant: Option<PathBuf>,
+    /// Be the drive on a ready axis whose motor is moved by its current: docs/servo.md
+    #[arg(long, value_name = "NAME", value_parser = axis(), conflicts_with_all = ["product", "plant"])]
+    axis: Option<ServoAxisData>,
     /// Serial number (1018h:4), decimal or 0x and hexadecimal
     #[arg(long, value_name = "N", default_value = "1", value_parser = serial_number)]
     serial: u32,
@@ -158,6 +164,7 @@ fn run_demo(arguments: DemoArguments) -> ExitCode {
     let demo = Demo {
         node_id: arguments.node_id,
         product: arguments.product,
+        axis: arguments.axis,
         plot: arguments.plot,
     };
     conclude(demo::show(&demo, &mut standard_output::lock()))
@@ -220,7 +227,10 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
         None if arguments.unconfigured => NodeId::UNCONFIGURED,
         None => stored.node_id,
     };
-    let axis = arguments.plant.as_deref().map(Axis::read).transpose()?;
+    let axis = match &arguments.axis {
+        Some(servo) => Some(Axis::servo(servo)),
+        None => arguments.plant.as_deref().map(Axis::read).transpose()?,
+    };
     Ok(Service {
         slcan: arguments.slcan,
         socketcan: arguments.socketcan,
@@ -267,6 +277,14 @@ fn product() -> impl TypedValueParser<Value = Product> {
     PossibleValuesParser::new(Product::names()).try_map(|name| {
         let product = Product::named(&name);
         product.ok_or("there is no such product")
+    })
+}
+
+/// Ready axes by their names.
+fn axis() -> impl TypedValueParser<Value = ServoAxisData> {
+    PossibleValuesParser::new(AXES.map(|axis| axis.name)).try_map(|name| {
+        let axis = ServoAxisData::named(&name);
+        axis.ok_or("there is no such axis")
     })
 }
 

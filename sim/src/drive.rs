@@ -14,13 +14,15 @@ use canopen::settings::PowerOn;
 use canopen::time::NEVER;
 use canopen::{BitRate, ControllerState, Duration, Event, Frame, Instant};
 use cia402::recorder::Memory;
-use cia402::{Actuals, Device, DriveConfig, Exchange, Objects};
+use cia402::{
+    Actuals, Actuator, AtPort, Device, DriveConfig, Exchange, Objects, ServoAxis, StepAxis,
+};
 use motion::{AxisConfig, Clock, DriverTiming};
 use runtime::{Control, Controller as _, Node, PowerUp, Stamped};
 
 use crate::flash::Flash;
 use crate::machine::{Machine, machine};
-use crate::plant::{Plant, STEP_CLOCK_HZ};
+use crate::plant::{Plant, PulsePlayer, STEP_CLOCK_HZ};
 use crate::settings::FactoryStore;
 use master::bus::Station;
 use ports::{Controller, Received, Slot, Tasks};
@@ -47,13 +49,13 @@ pub struct MotionSample {
 
 /// A drive with the dictionary `D` of its firmware; on power it boots, then it lives on frames and time.
 #[derive(Debug)]
-pub struct VirtualDrive<D: Dictionary> {
+pub struct VirtualDrive<D: Dictionary, A = StepAxis> {
     serial_number: u32,
     power_up: PowerUp,
     powered: bool,
     was_reset: bool,
     node: Node<D, Machine, FactoryStore>,
-    control: Control<D, Arc<Memory>>,
+    control: Control<D, Arc<Memory>, A>,
     exchange: Exchange,
     controller: Controller,
     received: Received,
@@ -65,7 +67,7 @@ pub struct VirtualDrive<D: Dictionary> {
     samples: Option<Vec<MotionSample>>,
 }
 
-impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
+impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
     /// A drive without power; it gets it when it is polled for the first time.
     pub fn new(setup: Setup) -> Self {
         let now = Instant::from_ticks(0);
@@ -226,7 +228,7 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
         &mut Node<D, Machine, FactoryStore>,
         &mut Controller,
         &mut Received,
-        Tasks<'_, D>,
+        Tasks<'_, D, A>,
     ) {
         let tasks = Tasks {
             now,
@@ -245,8 +247,9 @@ impl<D: Dictionary + Objects + Default> VirtualDrive<D> {
     }
 }
 
-impl<D> Station for VirtualDrive<D>
+impl<D, A> Station for VirtualDrive<D, A>
 where
+    A: Moving,
     D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
 {
     fn receive(&mut self, frame: &Frame, now: Instant) {
@@ -303,11 +306,11 @@ where
 }
 
 /// Both halves of a drive that has just got power.
-fn firmware<D: Dictionary + Objects + Default>(
+fn firmware<D: Dictionary + Objects + Default, A: Moving>(
     serial_number: u32,
     power_up: &PowerUp,
     mut store: Option<FactoryStore>,
-) -> (Node<D, Machine, FactoryStore>, Control<D, Arc<Memory>>) {
+) -> (Node<D, Machine, FactoryStore>, Control<D, Arc<Memory>, A>) {
     let power_on: PowerOn = power_up.choose(&mut store, Controller::BIT_RATES);
     let (machine, scope) = machine();
     let dictionary = D::default();
@@ -319,7 +322,25 @@ fn firmware<D: Dictionary + Objects + Default>(
         Controller::BIT_RATES,
         store,
     );
-    (node, Control::new(drive_config(), scope))
+    (node, A::control(scope))
+}
+
+/// What moves the motor of a virtual drive: how the firmware is made with it.
+pub trait Moving: Actuator + AtPort<PulsePlayer> + std::fmt::Debug + Sized {
+    /// The half of the firmware with the motor.
+    fn control<D: Objects>(scope: Arc<Memory>) -> Control<D, Arc<Memory>, Self>;
+}
+
+impl Moving for StepAxis {
+    fn control<D: Objects>(scope: Arc<Memory>) -> Control<D, Arc<Memory>, Self> {
+        Control::new(drive_config(STEP_DRIVER), scope)
+    }
+}
+
+impl Moving for ServoAxis {
+    fn control<D: Objects>(scope: Arc<Memory>) -> Control<D, Arc<Memory>, Self> {
+        Control::servo(drive_config(NO_DRIVER), scope)
+    }
 }
 
 /// The controller of a node that has just got power.
@@ -327,19 +348,31 @@ fn controller<D: Dictionary + Objects>(node: &Node<D, Machine, FactoryStore>) ->
     Controller::new(node.device().node().settings().bit_rate)
 }
 
+/// Ticks of the step clock in a microsecond.
+const MICROSECOND: u32 = STEP_CLOCK_HZ / 1_000_000;
+
 /// A stepper driver of the usual kind: pulses of at least 1 µs with 1 µs between, direction 5 µs before and after.
-fn drive_config() -> DriveConfig {
-    const MICROSECOND: u32 = STEP_CLOCK_HZ / 1_000_000;
+const STEP_DRIVER: DriverTiming = DriverTiming {
+    pulse_high: MICROSECOND,
+    pulse_low: MICROSECOND,
+    direction_setup: 5 * MICROSECOND,
+    direction_hold: 5 * MICROSECOND,
+};
+
+/// Nothing takes pulses: they are so short that no speed of a motor is beyond them.
+const NO_DRIVER: DriverTiming = DriverTiming {
+    pulse_high: 8,
+    pulse_low: 8,
+    direction_setup: 0,
+    direction_hold: 0,
+};
+
+fn drive_config(timing: DriverTiming) -> DriveConfig {
     DriveConfig {
         axis: AxisConfig {
             clock: Clock::new(STEP_CLOCK_HZ).expect("84 MHz is a step clock"),
             segment: REFILL.ticks() as u32 * MICROSECOND,
-            timing: DriverTiming {
-                pulse_high: MICROSECOND,
-                pulse_low: MICROSECOND,
-                direction_setup: 5 * MICROSECOND,
-                direction_hold: 5 * MICROSECOND,
-            },
+            timing,
         },
         tick: CONTROL_TICK,
         refills: REFILLS,

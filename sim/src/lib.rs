@@ -22,5 +22,13 @@ pub mod dictionary {
     include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));
 }
 
+/// The object dictionary of the generic drive with a servo motor, made from `eds/servo.toml`.
+pub mod servo_dictionary {
+    include!(concat!(env!("OUT_DIR"), "/servo_dictionary.rs"));
+}
+
+/// The generic drive with a servo motor on a PC.
+pub type ServoDrive = drive::VirtualDrive<servo_dictionary::Dictionary, cia402::ServoAxis>;
+
 /// The generic drive on a PC.
 pub type Axis402 = drive::VirtualDrive<dictionary::Dictionary>;

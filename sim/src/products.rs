@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use canopen::od::{self, Dictionary};
 use canopen::{Configuration, Event, NodeId};
-use cia402::Objects;
+use cia402::{Objects, StepAxis};
 use master::bus::Station;
 use master::data_sheet::DataSheet;
 
-use crate::Axis402;
-use crate::drive::{MotionSample, Setup, VirtualDrive};
+use crate::drive::{MotionSample, Moving, Setup, VirtualDrive};
 use crate::flash::Flash;
 use crate::plant::Plant;
+use crate::{Axis402, ServoDrive};
 
 /// A virtual drive, whatever its dictionary is.
 pub trait Drive: Station {
@@ -39,8 +39,9 @@ pub trait Drive: Station {
     fn with_flash(&mut self, change: &mut dyn FnMut(&mut Flash));
 }
 
-impl<D> Drive for VirtualDrive<D>
+impl<D, A> Drive for VirtualDrive<D, A>
 where
+    A: Moving,
     D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
 {
     fn node_id(&self) -> NodeId {
@@ -138,14 +139,16 @@ impl products::Visitor for Make {
     where
         D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
     {
-        Box::new(VirtualDrive::<D>::new(self.0))
+        Box::new(VirtualDrive::<D, StepAxis>::new(self.0))
     }
 }
 
-/// A drive of this product, or the generic one, without power.
+/// A drive of this product, or the generic one, without power; that for the servo of the axis, if it has one.
 pub fn drive(product: Option<Product>, setup: Setup) -> Box<dyn Drive> {
+    let is_servo = setup.axis.as_ref().is_some_and(|axis| axis.servo.is_some());
     match product {
         Some(product) => product.drive(setup),
+        None if is_servo => Box::new(ServoDrive::new(setup)),
         None => Box::new(Axis402::new(setup)),
     }
 }

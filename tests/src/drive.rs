@@ -4,8 +4,8 @@ use canopen::Frame;
 use canopen::od::Dictionary;
 use cia402::Objects;
 use master::bus::Station;
-use sim::drive::{Setup, VirtualDrive};
-use sim::plant::Axis;
+use sim::drive::{Moving, Setup, VirtualDrive};
+use sim::plant::{Axis, ServoAxisData};
 
 use crate::line::Line;
 
@@ -17,6 +17,29 @@ pub type DriveBench = Line<AxisDrive>;
 
 /// The same with the dictionary of `eds/compact.eds`.
 pub type CompactBench = Line<VirtualDrive<products::compact::Dictionary>>;
+
+/// The virtual drive with a servo, with the dictionary of `eds/servo.toml`.
+pub type ServoBench = Line<sim::ServoDrive>;
+
+impl ServoBench {
+    /// A drive on a ready axis, Operational, in switch on disabled.
+    ///
+    /// # Panics
+    /// If there is no such axis.
+    pub fn on_axis(name: &str) -> Self {
+        Self::on_changed(name, |_| {})
+    }
+
+    /// The same with something else about the axis.
+    ///
+    /// # Panics
+    /// If there is no such axis.
+    pub fn on_changed(name: &str, change: impl FnOnce(&mut ServoAxisData)) -> Self {
+        let mut data = ServoAxisData::named(name).expect("a ready axis");
+        change(&mut data);
+        Self::on(Axis::servo(&data))
+    }
+}
 
 /// A state of CiA 402 as the statusword shows it: mask and value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,10 +84,11 @@ pub const INTERNAL_LIMIT: u16 = 1 << 11;
 /// Statusword bit 12 in profile position: set-point acknowledge.
 pub const ACKNOWLEDGE: u16 = 1 << 12;
 
-impl<D> Line<VirtualDrive<D>>
+impl<D, A> Line<VirtualDrive<D, A>>
 where
     D: Dictionary + Objects + Default,
-    VirtualDrive<D>: Station,
+    A: Moving,
+    VirtualDrive<D, A>: Station,
 {
     /// A drive with this node-ID that has booted and is Pre-operational.
     pub fn booted(node_id: u8) -> Self {
@@ -253,7 +277,18 @@ where
     }
 
     /// The virtual drive itself.
-    pub fn axis(&mut self) -> &mut VirtualDrive<D> {
+    pub fn axis(&mut self) -> &mut VirtualDrive<D, A> {
         self.bus.station_mut(self.device)
+    }
+}
+
+impl ServoBench {
+    /// The motor with what is around it, to load it or to break it.
+    ///
+    /// # Panics
+    /// Never: a servo bench has a servo.
+    pub fn plant(&mut self) -> &mut servo_plant::Plant {
+        let servo = self.axis().plant_mut().servo_mut();
+        servo.expect("it has a servo").plant_mut()
     }
 }

@@ -3,7 +3,7 @@
 use canopen::{Duration, Instant};
 use cia402::inputs::{time_of_edge, Capture};
 use cia402::recorder::Memory;
-use cia402::{DriveConfig, Exchange, Inputs, Outputs};
+use cia402::{DriveConfig, Exchange, Inputs, Outputs, StepAxis};
 use motion::{AxisConfig, Clock, DriverTiming};
 use rtic::Mutex;
 use runtime::{Lost, PowerStage};
@@ -28,7 +28,7 @@ pub const TIMING: DriverTiming = DriverTiming {
 
 /// The drive and what it works on.
 pub struct Control {
-    control: runtime::Control<Dictionary, &'static Memory, SharedEmitter>,
+    control: runtime::Control<Dictionary, &'static Memory, StepAxis<SharedEmitter>>,
     stage: StepStage,
     lost: &'static Lost,
 }

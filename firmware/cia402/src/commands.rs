@@ -47,6 +47,10 @@ pub struct Commands {
     pub profile_deceleration: u32,
     /// 60FFh.
     pub target_velocity: SignedSpeed,
+    /// 6071h, in thousandths of the rated torque.
+    pub target_torque: i16,
+    /// 60B2h, in thousandths of the rated torque.
+    pub torque_offset: i16,
     /// 60B8h.
     pub touch_probe_function: u16,
     /// Bits 0 and 8 of 60B8h that were 0 since the last tick took its copy, so that a probe switched off and on between two ticks
@@ -102,6 +106,8 @@ impl Commands {
         profile_acceleration: 0,
         profile_deceleration: 0,
         target_velocity: SignedSpeed::ZERO,
+        target_torque: 0,
+        torque_offset: 0,
         touch_probe_function: 0,
         touch_probes_off: 0,
         digital_outputs: 0,
@@ -131,7 +137,7 @@ impl Commands {
     /// Takes over all of other ones, field by field.
     #[inline]
     pub(crate) fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point }, from => self);
+        copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, target_torque, torque_offset, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point }, from => self);
     }
 
     /// Whether these ask for a stop that those of before did not: halt, a command that leaves operation enabled, or the network may command the drive no

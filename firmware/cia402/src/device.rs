@@ -28,6 +28,7 @@ use canopen::outbox::{Pending, Sender};
 use canopen::settings::Source;
 use canopen::{Application, BitRate, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
+use crate::actuator::TORQUE_MODES;
 use crate::configuration::Configuration;
 use crate::cyclic::SyncStatus;
 use crate::exchange::{Actuals, Exchange, Share};
@@ -441,6 +442,11 @@ fn show<D: Objects>(dictionary: &mut D, actuals: &Actuals) {
     dictionary.set_velocity_demand_value(actuals.velocity_demand);
     dictionary.set_velocity_actual_value(actuals.velocity_actual);
     dictionary.set_following_error_actual_value(actuals.following_error);
+    if D::DRIVE.modes & TORQUE_MODES != 0 {
+        dictionary.set_torque_demand(actuals.torque.demand);
+        dictionary.set_torque_actual_value(actuals.torque.actual);
+        dictionary.set_current_actual_value(actuals.torque.current);
+    }
     dictionary.set_digital_inputs(actuals.digital_inputs);
     dictionary.set_homing_referenced(actuals.referenced.into());
     dictionary.set_homing_failure(actuals.homing_failure);

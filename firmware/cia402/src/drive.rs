@@ -17,7 +17,7 @@ use core::marker::PhantomData;
 
 use canopen::{Duration, Instant};
 
-use crate::actuator::{Actuator, AtPort, Emitter, EmitterLock, StepAxis};
+use crate::actuator::{Actuator, AtPort, Emitter, EmitterLock, ServoAxis, StepAxis};
 use crate::board::{DriveConfig, Inputs, Outputs};
 use crate::brake::Brakes;
 use crate::commands::Commands;
@@ -110,6 +110,16 @@ impl<D: Objects, L: EmitterLock> Drive<D, StepAxis<L>> {
     pub fn with_emitter(config: DriveConfig, emitter: impl FnOnce() -> L) -> Self {
         let lead = StepAxis::<L>::lead(config);
         Self::with_actuator(|| StepAxis::new(config, emitter), lead, config.tick)
+    }
+}
+
+impl<D: Objects> Drive<D, ServoAxis> {
+    /// A drive with a servo axis. What the step generator of `config` is, decides how finely the path is known: a step is a count of the encoder.
+    #[inline]
+    pub fn servo(config: DriveConfig) -> Self {
+        let lead = StepAxis::<Emitter>::lead(config);
+        let axis = || ServoAxis::new(config, || Emitter::new(config));
+        Self::with_actuator(axis, lead, config.tick)
     }
 }
 

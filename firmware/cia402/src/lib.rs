@@ -60,7 +60,10 @@ mod testing;
 mod travel;
 pub mod units;
 
-pub use actuator::{Emitter, EmitterLock, StepAxis};
+pub use actuator::{
+    Actuator, AtPort, Emitter, EmitterLock, ServoAxis, ServoGoal, ServoOrder, ServoPort,
+    ServoReport, StepAxis,
+};
 pub use board::{DriveConfig, Inputs, Outputs};
 pub use cia402_parameters::{self as parameters, Features, Habits, Parameter};
 pub use commands::{Commands, SetPoint};

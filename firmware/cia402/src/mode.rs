@@ -12,6 +12,8 @@ pub enum Mode {
     Velocity = 2,
     /// Profile velocity: the motor keeps a velocity.
     ProfileVelocity = 3,
+    /// Profile torque: the motor holds a torque.
+    ProfileTorque = 4,
     /// Homing: the motor looks for where zero is.
     Homing = 6,
     /// Interpolated position: the motor goes through data records, one in each period.
@@ -20,20 +22,23 @@ pub enum Mode {
     CyclicPosition = 8,
     /// Cyclic synchronous velocity: the master gives a velocity in each period.
     CyclicVelocity = 9,
-    // Profile torque (4) and cyclic synchronous torque (10) need a current that is measured.
+    /// Cyclic synchronous torque: the master gives a torque in each period.
+    CyclicTorque = 10,
 }
 
 impl Mode {
     /// Every mode of this firmware.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::NoMode,
         Self::ProfilePosition,
         Self::Velocity,
         Self::ProfileVelocity,
+        Self::ProfileTorque,
         Self::Homing,
         Self::InterpolatedPosition,
         Self::CyclicPosition,
         Self::CyclicVelocity,
+        Self::CyclicTorque,
     ];
 
     /// The mode with this number; `None` if it is not supported.
@@ -43,10 +48,12 @@ impl Mode {
             1 => Some(Self::ProfilePosition),
             2 => Some(Self::Velocity),
             3 => Some(Self::ProfileVelocity),
+            4 => Some(Self::ProfileTorque),
             6 => Some(Self::Homing),
             7 => Some(Self::InterpolatedPosition),
             8 => Some(Self::CyclicPosition),
             9 => Some(Self::CyclicVelocity),
+            10 => Some(Self::CyclicTorque),
             _ => None,
         }
     }
@@ -73,10 +80,12 @@ impl Mode {
             Self::ProfilePosition => 1 << 0,
             Self::Velocity => 1 << 1,
             Self::ProfileVelocity => 1 << 2,
+            Self::ProfileTorque => 1 << 3,
             Self::Homing => 1 << 5,
             Self::InterpolatedPosition => 1 << 6,
             Self::CyclicPosition => 1 << 7,
             Self::CyclicVelocity => 1 << 8,
+            Self::CyclicTorque => 1 << 9,
         }
     }
 
@@ -96,7 +105,11 @@ impl Mode {
             | Self::Homing
             | Self::InterpolatedPosition
             | Self::CyclicPosition => false,
-            Self::Velocity | Self::ProfileVelocity | Self::CyclicVelocity => true,
+            Self::Velocity
+            | Self::ProfileVelocity
+            | Self::ProfileTorque
+            | Self::CyclicVelocity
+            | Self::CyclicTorque => true,
         }
     }
 
@@ -104,7 +117,10 @@ impl Mode {
     pub(crate) const fn is_cyclic(self) -> bool {
         matches!(
             self,
-            Self::InterpolatedPosition | Self::CyclicPosition | Self::CyclicVelocity
+            Self::InterpolatedPosition
+                | Self::CyclicPosition
+                | Self::CyclicVelocity
+                | Self::CyclicTorque
         )
     }
 

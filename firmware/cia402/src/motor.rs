@@ -99,6 +99,7 @@ impl<A: Actuator> Motor<A> {
     where
         A: AtPort<P>,
     {
+        self.actuator.set_shift(self.shift);
         self.actuator.advance(port, self.is_reversed);
         self.look_at_rest();
     }
@@ -290,6 +291,17 @@ impl<A: Actuator> Motor<A> {
         velocity: SignedSpeed,
     ) -> Result<(), FollowError> {
         self.actuator.follow_velocity(end, velocity)?;
+        self.followed();
+        Ok(())
+    }
+
+    /// Holds a torque, in thousandths of the rated one, from whatever the motor does now.
+    ///
+    /// # Errors
+    /// A limit switch bars that way, or the actuator has no torque; nothing changes.
+    pub(crate) fn hold_torque(&mut self, torque: i16) -> Result<(), Refused> {
+        self.is_free(torque.into())?;
+        self.actuator.hold_torque(torque).map_err(|_| Refused)?;
         self.followed();
         Ok(())
     }

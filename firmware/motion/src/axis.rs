@@ -15,7 +15,7 @@ mod trace;
 
 use crate::average::{Average, Mean};
 use crate::clock::{Clock, Ticks};
-use crate::fixed::{Exact, State};
+use crate::fixed::{Exact, Position, State, Velocity};
 use crate::low;
 use crate::path::Path;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
@@ -48,6 +48,17 @@ pub struct Demand {
     pub position: i64,
     /// Velocity demand value (606Bh).
     pub velocity: SignedSpeed,
+}
+
+/// Where the plan is at a moment, finer than [`Demand`], for who follows it with a loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Reference {
+    /// In steps, parts of a step included; it wraps as positions do.
+    pub position: Position,
+    /// In steps/s.
+    pub velocity: SignedSpeed,
+    /// In steps/s², the mean of a segment around the moment.
+    pub acceleration: i32,
 }
 
 /// Why [`Axis::advance`] has something to report. Nothing is lost but where it says so.
@@ -259,6 +270,49 @@ impl Axis {
     /// What is being played now, if the sink still has `pending` ticks to play.
     pub fn demand(&self, pending: Ticks) -> Demand {
         self.demand_of(self.trace.at(self.played(pending)))
+    }
+
+    /// The same, finer; the acceleration as far as the motion is committed.
+    pub fn reference(&self, pending: Ticks) -> Reference {
+        let now = self.played(pending);
+        let half = u64::from(self.stepper.segment() / 2);
+        let end = now.saturating_add(half).min(self.committed);
+        let begin = now.saturating_sub(half);
+        let speed = |at| self.trace.at(at).velocity.speed(self.clock);
+        let change = i128::from(speed(end).minus(speed(begin)).bits());
+        let ticks = i128::from(end.saturating_sub(begin));
+        let in_second = change.wrapping_mul(self.clock.hz().into());
+        let acceleration = in_second.checked_div(ticks).unwrap_or(0) >> 32;
+        let state = self.trace.at(now);
+        Reference {
+            position: state.position,
+            velocity: state.velocity.speed(self.clock),
+            acceleration: acceleration.clamp(i32::MIN.into(), i32::MAX.into()) as i32,
+        }
+    }
+
+    /// Something else has moved the motor: it is here, in whole steps (modulo 2³²), and the axis goes on with the velocity that it has. A motion is forgotten
+    /// as by [`Axis::abort`].
+    pub fn take_up(&mut self, steps: i64, velocity: SignedSpeed) {
+        self.set_position(steps);
+        let horizon = self.horizon();
+        let most = self.max_velocity();
+        let velocity = velocity.within(most);
+        let from = State {
+            velocity: Velocity::from_speed(self.clock, velocity),
+            ..self.plan.state_at(horizon)
+        };
+        // It keeps what it has, so the ramps do not matter.
+        let limits = Limits {
+            velocity: most,
+            acceleration: u32::MAX,
+            deceleration: u32::MAX,
+        };
+        let goal = Goal::Velocity(velocity);
+        if let Ok(plan) = Plan::new(self.clock, horizon, from, goal, limits, Ramps::Linear) {
+            self.plan = plan;
+            self.trace.restart(horizon, from);
+        }
     }
 
     /// Whole steps committed to the sink so far: the sum of its pulses, −2³¹ ..= 2³¹−1.

@@ -79,7 +79,7 @@ mod vectors;
 mod wide;
 
 pub use average::Mean;
-pub use axis::{AdvanceError, Axis, AxisConfig, Demand, Draft};
+pub use axis::{AdvanceError, Axis, AxisConfig, Demand, Draft, Reference};
 pub use clock::{Clock, Ticks};
 pub use divide::{by_digit, quotient};
 pub use driver::{Driver, Nanoseconds};

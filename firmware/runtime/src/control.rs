@@ -18,7 +18,8 @@ use core::ops::Deref;
 use canopen::{Duration, Instant};
 use cia402::recorder::{Memory, Recorder};
 use cia402::{
-    Drive, DriveConfig, Emitter, EmitterLock, Inputs, Objects, Outputs, Share, State, StepAxis,
+    Actuator, AtPort, Drive, DriveConfig, Emitter, EmitterLock, Inputs, Objects, Outputs,
+    ServoAxis, Share, State, StepAxis,
 };
 use motion::PulseSink;
 
@@ -34,11 +35,11 @@ const NODE_HANGS: u16 = 0x6100;
 /// How long the node task may not run while the motor has current.
 const NODE_PATIENCE: Duration = Duration::millis(20);
 
-/// The drive of the dictionary `D` and what it works on, with the memory `M` of the scope, and with an emitter behind the lock `L`. The power stage is the host's: it comes with each call, always the
+/// The drive of the dictionary `D` and what it works on, with the memory `M` of the scope, and with an actuator `A`. The power stage is the host's: it comes with each call, always the
 /// same one.
 #[derive(Debug)]
-pub struct Control<D, M, L = Emitter> {
-    drive: Drive<D, StepAxis<L>>,
+pub struct Control<D, M, A = StepAxis> {
+    drive: Drive<D, A>,
     recorder: Recorder<M>,
     /// How many frames were lost before.
     lost: u32,
@@ -59,11 +60,26 @@ impl<D: Objects, M: Deref<Target = Memory>> Control<D, M> {
     }
 }
 
-impl<D: Objects, M: Deref<Target = Memory>, L: EmitterLock> Control<D, M, L> {
+impl<D: Objects, M: Deref<Target = Memory>, L: EmitterLock> Control<D, M, StepAxis<L>> {
     /// The same with an emitter that refills use between any two moments of a tick.
     // Out of line, so that it is made where it stays.
     #[inline(never)]
     pub fn with_emitter(config: DriveConfig, scope: M, emitter: impl FnOnce() -> L) -> Self {
+        Self::with_drive(config, scope, || Drive::with_emitter(config, emitter))
+    }
+}
+
+impl<D: Objects, M: Deref<Target = Memory>> Control<D, M, ServoAxis> {
+    /// A drive whose motor is moved by its current, without power.
+    #[inline(never)]
+    pub fn servo(config: DriveConfig, scope: M) -> Self {
+        Self::with_drive(config, scope, || Drive::servo(config))
+    }
+}
+
+impl<D: Objects, M: Deref<Target = Memory>, A: Actuator> Control<D, M, A> {
+    #[inline]
+    fn with_drive(config: DriveConfig, scope: M, drive: impl FnOnce() -> Drive<D, A>) -> Self {
         Self {
             recorder: Recorder::new(scope, config.tick),
             lost: 0,
@@ -72,19 +88,22 @@ impl<D: Objects, M: Deref<Target = Memory>, L: EmitterLock> Control<D, M, L> {
             hangs: false,
             inputs: Inputs::default(),
             // Last, as it is large: so it is made where it stays.
-            drive: Drive::with_emitter(config, emitter),
+            drive: drive(),
         }
     }
 
     /// One tick. `lost` is how many received frames were lost since power-on, `alive` whether the node task ran since the last tick.
     /// Returns when it was, and when the next one is due if the drive says.
-    pub fn tick(
+    pub fn tick<S: PowerStage>(
         &mut self,
         lost: u32,
         alive: bool,
-        stage: &mut impl PowerStage,
+        stage: &mut S,
         exchange: &mut impl Share,
-    ) -> (Instant, Option<Instant>) {
+    ) -> (Instant, Option<Instant>)
+    where
+        A: AtPort<S::Pulses>,
+    {
         let overrun = lost != self.lost;
         self.lost = lost;
         let harmless = !self.powered
@@ -106,7 +125,10 @@ impl<D: Objects, M: Deref<Target = Memory>, L: EmitterLock> Control<D, M, L> {
     }
 
     /// A tick of its own for a command to stop, unless a regular one was first. Returns whether there was one.
-    pub fn stop(&mut self, stage: &mut impl PowerStage, exchange: &mut impl Share) -> bool {
+    pub fn stop<S: PowerStage>(&mut self, stage: &mut S, exchange: &mut impl Share) -> bool
+    where
+        A: AtPort<S::Pulses>,
+    {
         if !exchange.lock(|exchange| exchange.calls_early()) {
             return false;
         }
@@ -119,7 +141,10 @@ impl<D: Objects, M: Deref<Target = Memory>, L: EmitterLock> Control<D, M, L> {
     }
 
     /// Commits pulses between two ticks, if none of them is interrupted by a refill.
-    pub fn refill(&mut self, stage: &mut impl PowerStage) {
+    pub fn refill<S: PowerStage>(&mut self, stage: &mut S)
+    where
+        A: AtPort<S::Pulses>,
+    {
         stage.service();
         self.drive.refill(stage.pulses());
     }

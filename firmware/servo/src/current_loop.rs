@@ -258,6 +258,14 @@ impl CurrentLoop {
         self.voltage
     }
 
+    /// The voltage that the model does not know of, in V.
+    pub fn unknown(&self) -> Rotor {
+        Rotor {
+            d: self.d.unknown,
+            q: self.q.unknown,
+        }
+    }
+
     /// Pulse widths for a current in A, from half a period after the sample on for a period; [`Modulation::widths`] tells what they are.
     ///
     /// # Errors

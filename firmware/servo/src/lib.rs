@@ -1,7 +1,7 @@
 //! The servo: what makes a motor follow by its current, without a word of CAN or registers.
 //!
 //! A [`CurrentLoop`] runs once in each period of the modulation: samples in, pulse widths out. Above it a [`Cascade`] runs at the rate of the control:
-//! position and velocity in, current out. [`feedback`] tells where the rotor is, [`protection`] what may be asked of the motor.
+//! position and velocity in, current out; a [`Control`] runs it by the orders of a drive, and watches the motor. [`feedback`] tells where the rotor is, [`protection`] what may be asked of the motor.
 //!
 //! # The contract
 //!
@@ -29,6 +29,7 @@ extern crate std;
 
 pub mod angle;
 pub mod cascade;
+pub mod control;
 pub mod current_loop;
 pub mod feedback;
 pub mod field_weakening;
@@ -44,6 +45,7 @@ pub mod transform;
 
 pub use angle::Angle;
 pub use cascade::Cascade;
+pub use control::Control;
 pub use current_loop::CurrentLoop;
 pub use interrupt::CurrentInterrupt;
 pub use motor::{Implausible, Motor, Wiring};

@@ -211,6 +211,11 @@ impl Plant {
         self.supply.voltage
     }
 
+    /// Something from outside charges the bus to this voltage at once, in V.
+    pub fn charge_bus(&mut self, voltage: f64) {
+        self.supply.voltage = voltage;
+    }
+
     /// Where the energy has gone since the start.
     pub fn energy(&self) -> Energy {
         let mut energy = self.energy;

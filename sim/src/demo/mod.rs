@@ -14,13 +14,14 @@ use std::path::PathBuf;
 use canopen::BitRate;
 
 use crate::drive::MotionSample;
+use crate::plant::{ServoAxisData, servo_sheet};
 use crate::products::Product;
 use master::Failure;
 use master::bus::simulated::{Bus, Logged};
 use master::command_line::cannot_write;
 use master::trace::{Group, Interpreter, candump, condense};
 
-pub use product::play as play_product;
+pub use product::{play as play_product, play_axis};
 pub use script::play;
 
 /// The node-ID that the master gives to the drive.
@@ -30,12 +31,14 @@ pub const NODE_ID: u8 = 4;
 pub const TARGET: i32 = 20_000;
 
 /// What to demonstrate.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Demo {
     /// The node-ID that the master gives to the drive, 1 to 127.
     pub node_id: u8,
     /// Another maker's drive.
     pub product: Option<Product>,
+    /// The drive on this axis, whose motor is moved by its current.
+    pub axis: Option<ServoAxisData>,
     /// Where to write the picture of the move, as SVG.
     pub plot: Option<PathBuf>,
 }
@@ -58,6 +61,8 @@ pub struct Story {
     pub motion: Vec<MotionSample>,
     /// 6064h where the drive should have gone, by its target: read by SDO after each move.
     pub arrivals: Vec<(i32, i32)>,
+    /// 6077h by 6071h, read by SDO.
+    pub torques: Vec<(i16, i16)>,
 }
 
 /// Why a demonstration failed.
@@ -112,8 +117,17 @@ pub fn show(demo: &Demo, output: &mut dyn Write) -> Result<(), Problem> {
 
 /// [`show`] on a bus of any kind: on one that interferes, the story ends early.
 pub(crate) fn show_on(bus: Bus, demo: &Demo, output: &mut dyn Write) -> Result<(), Problem> {
-    let (story, mut interpreter) = match demo.product {
-        Some(product) => {
+    let (story, mut interpreter) = match (demo.product, &demo.axis) {
+        (None, Some(axis)) => {
+            writeln!(
+                output,
+                "A drive on the axis {} and a CANopen master, on one CAN bus at 1 Mbit/s. {LINES}",
+                axis.name
+            )?;
+            let story = play_axis(axis, demo.node_id)?;
+            (story, Interpreter::new(servo_sheet()))
+        }
+        (Some(product), _) => {
             let title = product.title();
             writeln!(
                 output,
@@ -122,7 +136,7 @@ pub(crate) fn show_on(bus: Bus, demo: &Demo, output: &mut dyn Write) -> Result<(
             let story = product::play(product, demo.node_id)?;
             (story, Interpreter::new(product.data_sheet()))
         }
-        None => {
+        (None, None) => {
             let story = script::play_on(bus, demo.node_id)?;
             writeln!(output, "{INTRODUCTION} {LINES}")?;
             (story, script::interpreter(demo.node_id))
@@ -141,6 +155,12 @@ pub(crate) fn show_on(bus: Bus, demo: &Demo, output: &mut dyn Write) -> Result<(
         writeln!(
             output,
             "Sent to {target:>6}, 6064h is {position:>6}: exact."
+        )?;
+    }
+    for (target, torque) in &story.torques {
+        writeln!(
+            output,
+            "Target torque {target:>4}, 6077h is {torque:>4} thousandths of the rated torque."
         )?;
     }
     if let Some(path) = &demo.plot {

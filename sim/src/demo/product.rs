@@ -1,11 +1,13 @@
-//! The demonstration of another maker's drive: with what its data sheet gives it, by SDO alone.
+//! The demonstration of another maker's drive, or of the drive with a servo: with what its data sheet gives it, by SDO alone.
 
 use canopen::od::Dictionary;
 use canopen::{BitRate, Duration};
-use cia402::Objects;
+use cia402::{Objects, StepAxis};
 
 use super::{Chapter, Story, TARGET};
-use crate::drive::{Setup, VirtualDrive};
+use crate::ServoDrive;
+use crate::drive::{Moving, Setup, VirtualDrive};
+use crate::plant::{Axis, ServoAxisData};
 use crate::products::Product;
 use master::bus::simulated::{Bus, Handle};
 use master::{Failure, Master};
@@ -33,6 +35,25 @@ pub fn play(product: Product, node: u8) -> Result<Story, Failure> {
     product.visit(Play(node))
 }
 
+/// Plays the demonstration of the drive on this axis on virtual time: a move, back, and a tenth of the rated torque against a brake.
+///
+/// # Errors
+/// The step that failed.
+pub fn play_axis(axis: &ServoAxisData, node: u8) -> Result<Story, Failure> {
+    let setup = Setup {
+        axis: Some(Axis::servo(axis)),
+        ..Setup::with_node_id(SERIAL_NUMBER, node)
+    };
+    let mut script = Script::on(ServoDrive::new(setup), node);
+    script.meet()?;
+    script.enable()?;
+    script.move_to(TARGET)?;
+    script.move_to(0)?;
+    script.give_torque(axis, 100)?;
+    script.switch_off()?;
+    Ok(script.story())
+}
+
 struct Play(u8);
 
 impl products::Visitor for Play {
@@ -42,17 +63,8 @@ impl products::Visitor for Play {
     where
         D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
     {
-        let mut master = Master::new(Bus::new(BitRate::Kbit1000));
-        let mut drive = VirtualDrive::<D>::new(Setup::with_node_id(SERIAL_NUMBER, self.0));
-        drive.record_motion();
-        let drive = master.bus_mut().attach(drive);
-        let mut script = Script {
-            master,
-            drive,
-            node: self.0,
-            chapters: Vec::new(),
-            arrivals: Vec::new(),
-        };
+        let setup = Setup::with_node_id(SERIAL_NUMBER, self.0);
+        let mut script = Script::on(VirtualDrive::<D, StepAxis>::new(setup), self.0);
         script.meet()?;
         script.enable()?;
         script.move_to(TARGET)?;
@@ -62,18 +74,53 @@ impl products::Visitor for Play {
     }
 }
 
-struct Script<D: Dictionary> {
+struct Script<D: Dictionary, A> {
     master: Master,
-    drive: Handle<VirtualDrive<D>>,
+    drive: Handle<VirtualDrive<D, A>>,
     node: u8,
     chapters: Vec<Chapter>,
     arrivals: Vec<(i32, i32)>,
+    torques: Vec<(i16, i16)>,
 }
 
-impl<D> Script<D>
+impl<D, A> Script<D, A>
 where
     D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+    A: Moving,
 {
+    fn on(mut drive: VirtualDrive<D, A>, node: u8) -> Self {
+        let mut master = Master::new(Bus::new(BitRate::Kbit1000));
+        drive.record_motion();
+        let drive = master.bus_mut().attach(drive);
+        Self {
+            master,
+            drive,
+            node,
+            chapters: Vec::new(),
+            arrivals: Vec::new(),
+            torques: Vec::new(),
+        }
+    }
+
+    /// Profile torque, against a brake that holds the rotor.
+    fn give_torque(&mut self, axis: &ServoAxisData, target: i16) -> Result<(), Failure> {
+        let rated = f64::from(axis.motor().rated_torque());
+        let drive = self.master.station_mut(self.drive);
+        if let Some(servo) = drive.plant_mut().servo_mut() {
+            servo.plant_mut().load_brake = rated;
+        }
+        self.master.write(self.node, 0x6060, 0, 4i8)?;
+        self.master.write(self.node, 0x6071, 0, target)?;
+        self.wait_for(TARGET_REACHED, TARGET_REACHED, MOVE_TIME)?;
+        self.master.run_for(LOOK);
+        let torque = self.master.read(self.node, 0x6077, 0)?;
+        self.torques.push((target, torque));
+        self.master.write(self.node, 0x6071, 0, 0i16)?;
+        self.master.run_for(STATE_TIME);
+        self.end_chapter("SDO: profile torque, a tenth of the rated one");
+        Ok(())
+    }
+
     fn meet(&mut self) -> Result<(), Failure> {
         self.master.expect_boot_up(self.node, STATE_TIME)?;
         self.master.read::<u32>(self.node, 0x1018, 1)?;
@@ -157,6 +204,7 @@ where
             chapters: self.chapters,
             motion: self.master.station(self.drive).motion_samples().to_vec(),
             arrivals: self.arrivals,
+            torques: self.torques,
         }
     }
 }

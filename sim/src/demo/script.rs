@@ -203,6 +203,7 @@ impl Script {
         Story {
             chapters: self.chapters,
             motion: self.master.station(self.drive).motion_samples().to_vec(),
+            torques: Vec::new(),
             arrivals: self.arrivals,
         }
     }

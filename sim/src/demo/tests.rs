@@ -17,6 +17,7 @@ fn the_same_demonstration_gives_the_same_output() {
     let demo = Demo {
         node_id: 127,
         product: None,
+        axis: None,
         plot: None,
     };
     let tell = || {
@@ -79,6 +80,7 @@ fn stopped(interferer: impl FnMut(&Logged) -> Interference + 'static) -> Problem
     let demo = Demo {
         node_id: NODE_ID,
         product: None,
+        axis: None,
         plot: None,
     };
     let mut output = Vec::new();

@@ -11,10 +11,15 @@ use cia402::recorder::Memory;
 use cia402::{Exchange, Inputs, Objects, Outputs, Share};
 use runtime::{Control, Host, PowerStage, Reception, Stamped, Unreachable};
 
-use crate::plant::{Plant, PulsePlayer, Sensed, WIRES};
+use crate::plant::{Plant, PulsePlayer, Sensed, ServoMotor, WIRES};
+
+use super::Moving;
 
 /// Events that are kept until somebody takes them; older ones are forgotten.
 const EVENTS: usize = 64;
+
+/// 2350h, load level warning (I²t): the heat has come near its bound.
+const HEAT: u16 = 0x2350;
 
 impl PowerStage for Plant {
     type Pulses = PulsePlayer;
@@ -29,8 +34,8 @@ impl PowerStage for Plant {
         *inputs = Inputs {
             supply: self.supply,
             position: self.position(),
-            warning: self.warning,
-            fault: self.fault,
+            warning: (self.warning).or(self.servo().filter(|servo| servo.is_hot()).map(|_| HEAT)),
+            fault: self.fault.or(self.servo().and_then(ServoMotor::error_code)),
             digital: inputs.digital,
             stall: self.stall(),
             slack: self.slack(),
@@ -172,23 +177,23 @@ impl Mailboxes for Slot {
 }
 
 /// What is around the node while it runs.
-pub(super) struct Tasks<'a, D> {
+pub(super) struct Tasks<'a, D, A> {
     pub(super) now: Instant,
     pub(super) exchange: &'a mut Exchange,
-    pub(super) control: &'a mut Control<D, Arc<Memory>>,
+    pub(super) control: &'a mut Control<D, Arc<Memory>, A>,
     pub(super) plant: &'a mut Plant,
     pub(super) events: &'a mut VecDeque<Event>,
     /// A tick was made for a command to stop.
     pub(super) has_stopped: bool,
 }
 
-impl<D> Share for Tasks<'_, D> {
+impl<D, A> Share for Tasks<'_, D, A> {
     fn lock<R>(&mut self, f: impl FnOnce(&mut Exchange) -> R) -> R {
         f(self.exchange)
     }
 }
 
-impl<D: Objects> Host for Tasks<'_, D> {
+impl<D: Objects, A: Moving> Host for Tasks<'_, D, A> {
     fn now(&self) -> Instant {
         self.now
     }

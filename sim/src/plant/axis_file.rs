@@ -6,13 +6,15 @@ mod sections;
 use std::path::Path;
 
 use super::motor::{MotorData, SupplyData};
+use super::servo::ServoAxisData;
 use super::track::Track;
 use crate::settings::Settings;
+use master::data_sheet::DataSheet;
 use master::system_error::plain;
 use sections::{File, Mistake};
 
 /// An axis, and where the motor stands on it at its first power-on. The default has nothing along it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
     /// What is mounted.
     pub track: Track,
@@ -24,6 +26,8 @@ pub struct Axis {
     pub encoder: bool,
     /// What moves it. Without one each pulse is a step, whatever the current and the load.
     pub motor: Option<MotorData>,
+    /// What moves it by its current. Then `motor` and `supply` are of no account.
+    pub servo: Option<ServoAxisData>,
     /// What feeds it. Without one nothing ever happens to the supply.
     pub supply: Option<SupplyData>,
     /// What a drive on this axis is set to by the factory.
@@ -31,6 +35,42 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// A ready axis with a servo, and a drive that is set to it.
+    ///
+    /// # Panics
+    /// Never: its settings are objects of the drive.
+    pub fn servo(data: &ServoAxisData) -> Self {
+        let sheet = servo_sheet();
+        let motor = data.motor();
+        let counts = i64::from(motor.counts);
+        let rated = f64::from(motor.rated_current) * 1e3;
+        let peak = f64::from(motor.peak_current / motor.rated_current) * 1e3;
+        let mut settings = Settings::default();
+        for (object, number) in [
+            ("607Fh", counts * i64::from(data.speed) / 60),
+            ("6080h", data.speed.into()),
+            ("6072h", peak as i64),
+            ("6073h", peak as i64),
+            ("6075h", rated.round() as i64),
+            ("6076h", data.rated_torque().into()),
+            ("6085h", counts * 200),
+            ("608Fh:1", counts),
+            ("6092h:1", counts),
+            ("60E0h", peak as i64),
+            ("60E1h", peak as i64),
+        ] {
+            settings
+                .set(&sheet, object, number)
+                .expect("an object of the drive");
+        }
+        Self {
+            servo: Some(*data),
+            encoder: true,
+            settings,
+            ..Self::default()
+        }
+    }
+
     /// Reads an axis.
     ///
     /// # Errors
@@ -60,6 +100,16 @@ impl Axis {
         file.into_axis()
             .map_err(|Mistake { offset, what }| (offset.and_then(line), what))
     }
+}
+
+/// The data sheet of the drive with a servo.
+///
+/// # Panics
+/// Never: the program is built of it.
+pub fn servo_sheet() -> std::sync::Arc<DataSheet> {
+    let text = include_str!(concat!(env!("OUT_DIR"), "/servo.eds"));
+    let model = od_gen::parse("servo.eds", text);
+    std::sync::Arc::new(model.expect("it has built the drive").into())
 }
 
 #[cfg(test)]

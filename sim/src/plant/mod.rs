@@ -12,13 +12,15 @@ mod contact;
 mod follow;
 mod motor;
 mod pulses;
+mod servo;
 mod supply;
 mod track;
 
-pub use axis_file::Axis;
+pub use axis_file::{Axis, servo_sheet};
 pub use contact::{Sensed, Switch};
 pub use motor::{Heat, Load, MotorData, SupplyChange, SupplyData};
 pub use pulses::{PulsePlayer, Pulses};
+pub use servo::{AXES, ServoAxisData, ServoMotor};
 pub use track::{Index, SwitchStates, Track, WIRES};
 
 use brake::Brake;
@@ -42,6 +44,8 @@ pub struct Plant {
     rotor: i64,
     /// What moves it, if a pulse is not simply a step.
     motor: Option<Motor>,
+    /// What moves it by its current, in place of pulses.
+    servo: Option<Box<ServoMotor>>,
     /// Until when the motor has moved.
     moved: Instant,
     /// What feeds it, if that can change.
@@ -82,6 +86,7 @@ impl Plant {
             energised: false,
             rotor: 0,
             motor: None,
+            servo: None,
             moved: now,
             source: None,
             brake: Brake::new(),
@@ -111,6 +116,10 @@ impl Plant {
             .motor
             .as_ref()
             .map(|data| Motor::new(data, axis.start, axis.track.stops.as_ref()));
+        if let Some(data) = &axis.servo {
+            self.servo = Some(Box::new(ServoMotor::new(data, axis.seed)));
+            self.encoder = true;
+        }
         self.moved = self.now;
         self.source = axis.supply.clone().map(Supply::new);
         self.feel();
@@ -126,7 +135,7 @@ impl Plant {
         if let Some(motor) = &mut self.motor {
             motor.power_on();
         }
-        self.energised = false;
+        self.energise(false);
         self.open_brake(false);
         self.fault = None;
         self.warning = None;
@@ -142,7 +151,9 @@ impl Plant {
         let Some(span) = now.checked_duration_since(self.now) else {
             return;
         };
-        if self.motor.is_some() {
+        if self.servo.is_some() {
+            self.turn_servo(now, span);
+        } else if self.motor.is_some() {
             self.turn_field(now);
         } else {
             self.step_along(now, span);
@@ -161,6 +172,49 @@ impl Plant {
         if let Some(source) = &self.source {
             self.supply_voltage = source.millivolts();
         }
+    }
+
+    /// The loops of a servo turn the motor, along a path that is played for its time.
+    fn turn_servo(&mut self, now: Instant, span: Duration) {
+        let Some(servo) = &mut self.servo else {
+            return;
+        };
+        let begin = self.pulses.played();
+        self.pulses.play(ticks(span), |_| {});
+        let start = self.rotor - servo.position();
+        let origin = self.origin - start;
+        servo.plant_mut().is_fed = self.supply;
+        let order = self.pulses.ordered();
+        servo.run(
+            span.ticks(),
+            begin,
+            order.as_ref(),
+            origin,
+            self.temperature,
+        );
+        self.now = now;
+        self.supply_voltage = servo.millivolts();
+        self.pulses.tell(servo.report(origin));
+        let rotor = start + servo.position();
+        let time = nanoseconds(now);
+        if !self.surroundings.is_empty() {
+            let way = rotor - self.rotor;
+            for done in 1..=way.abs() {
+                let next = self.rotor + done * way.signum();
+                self.surroundings.follow(next, (next - self.origin, time));
+            }
+        }
+        self.rotor = rotor;
+    }
+
+    /// The servo, if one moves the motor.
+    pub fn servo(&self) -> Option<&ServoMotor> {
+        self.servo.as_deref()
+    }
+
+    /// The servo, to load it or to break it.
+    pub fn servo_mut(&mut self) -> Option<&mut ServoMotor> {
+        self.servo.as_deref_mut()
     }
 
     /// Each pulse is a step.
@@ -212,6 +266,9 @@ impl Plant {
     /// Current in the motor or not.
     pub fn energise(&mut self, on: bool) {
         self.energised = on;
+        if let Some(servo) = &mut self.servo {
+            servo.energise(on);
+        }
     }
 
     /// Whether there is current in the motor.
@@ -287,7 +344,10 @@ impl Plant {
     /// How far the position may be from where the pulses lead while the motor is held, in pulses: an encoder shows the play of
     /// a real motor in its field.
     pub fn slack(&self) -> u32 {
-        if self.encoder && self.motor.is_some() {
+        if self.servo.is_some() {
+            // Its following error tells.
+            i32::MAX.unsigned_abs()
+        } else if self.encoder && self.motor.is_some() {
             Motor::slack(self.pulses_of_full_step())
         } else {
             0
@@ -296,7 +356,10 @@ impl Plant {
 
     /// Whether the motor driver senses that the motor does not follow; `None` if it has no such sense.
     pub fn stall(&self) -> Option<bool> {
-        self.motor.as_ref().and_then(Motor::stall)
+        match &self.servo {
+            Some(servo) => Some(servo.is_stalled()),
+            None => self.motor.as_ref().and_then(Motor::stall),
+        }
     }
 
     /// Where the motor is along the axis, in steps.
@@ -310,6 +373,7 @@ impl Plant {
         self.rotor += steps;
         match &mut self.motor {
             Some(motor) => motor.displace(steps),
+            None if self.servo.is_some() => {}
             None => self.pulses.displace(steps),
         }
         let count = self.position();

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use cia402::{ServoOrder, ServoPort, ServoReport};
 use motion::step_interrupt::CAPACITY;
 use motion::{PulseSink, Record, Ticks};
 
@@ -18,6 +19,15 @@ pub struct Pulses {
     pub period: u32,
 }
 
+/// An order to a servo, and when it was given, in ticks of all calls of [`PulsePlayer::play`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ordered {
+    /// The order.
+    pub order: ServoOrder,
+    /// When.
+    pub at: Ticks,
+}
+
 /// A queue of pulse records, with as much room as a board's ([`CAPACITY`]), and the counter of the pulses that left.
 #[derive(Clone, Debug, Default)]
 pub struct PulsePlayer {
@@ -31,6 +41,9 @@ pub struct PulsePlayer {
     /// Ticks of all calls of [`PulsePlayer::play`] before the present one, and with it.
     began: Ticks,
     ends: Ticks,
+    /// What a servo is told, and what it has told.
+    order: Option<Ordered>,
+    report: ServoReport,
     /// When each pulse left, if that is kept.
     times: Option<Vec<Ticks>>,
 }
@@ -79,6 +92,21 @@ impl PulsePlayer {
         self.pending = 0;
     }
 
+    /// The ticks of all calls of [`PulsePlayer::play`].
+    pub(super) fn played(&self) -> Ticks {
+        self.ends
+    }
+
+    /// What a servo was told last.
+    pub(super) fn ordered(&self) -> Option<Ordered> {
+        self.order
+    }
+
+    /// What a servo has to tell.
+    pub(super) fn tell(&mut self, report: ServoReport) {
+        self.report = report;
+    }
+
     /// Pulses that left, forward minus reverse.
     pub fn position(&self) -> i64 {
         self.position
@@ -114,6 +142,23 @@ impl PulsePlayer {
                 times.extend((0..pulses as u64).map(|n| first + n * u64::from(record.period)));
             }
         }
+    }
+}
+
+impl ServoPort for PulsePlayer {
+    fn order(&mut self, order: &ServoOrder) {
+        self.order = Some(Ordered {
+            order: *order,
+            at: self.ends,
+        });
+    }
+
+    fn report(&self) -> ServoReport {
+        self.report
+    }
+
+    fn forget(&mut self) {
+        self.drop_all();
     }
 }
 

@@ -6,15 +6,20 @@
 use crate::Parameter;
 
 /// The modes, by their bits in 6502h, each with what commands it.
-const COMMANDED_BY: [(u32, Parameter); 7] = [
+const COMMANDED_BY: [(u32, Parameter); 9] = [
     (1 << 0, Parameter::TargetPosition),
     (1 << 1, Parameter::VlTargetVelocity),
     (1 << 2, Parameter::TargetVelocity),
+    (1 << 3, Parameter::TargetTorque),
     (1 << 5, Parameter::HomingMethod),
     (1 << 6, Parameter::InterpolationRecord),
     (1 << 7, Parameter::TargetPosition),
     (1 << 8, Parameter::TargetVelocity),
+    (1 << 9, Parameter::TargetTorque),
 ];
+
+/// The modes of torque, profile (4) and cyclic synchronous (10), by their bits in 6502h.
+pub const TORQUE_MODES: u32 = 1 << 3 | 1 << 9;
 
 /// The bits of all of them.
 const fn every_mode() -> u32 {
@@ -68,9 +73,9 @@ pub struct Features {
 }
 
 impl Features {
-    /// A drive with everything.
+    /// A drive with everything that pulses can do: a torque takes another actuator.
     pub const ALL: Self = Self {
-        modes: every_mode(),
+        modes: every_mode() & !TORQUE_MODES,
         touch_probes: true,
         digital_outputs: true,
         analogue_input: true,

@@ -27,7 +27,7 @@ mod habits;
 mod list;
 
 pub use conversion::Conversion;
-pub use features::Features;
+pub use features::{Features, TORQUE_MODES};
 pub use habits::Habits;
 
 /// The first object of the drive profile. A parameter with a home below it is at home in a data sheet that has such an object with

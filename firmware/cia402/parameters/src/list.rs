@@ -229,6 +229,23 @@ macro_rules! every_parameter {
                 setting HomingZeroSpeed homing_zero_speed 0x6099:2 u32 = 0, "velocity units" from 1 => zero_speed: speed;
                 setting HomingAcceleration homing_acceleration 0x609A:0 u32 or profile_acceleration = 0, "acceleration units" from 1 => acceleration: acceleration;
             }
+            /// What may be asked of a motor whose current is measured, and what it is. Where a data sheet has no limit, the motor's own holds.
+            in torque: TorqueConfiguration {
+                command TargetTorque target_torque 0x6071:0 i16 = 0, "0.1 %";
+                setting MaxTorque max_torque 0x6072:0 u16 = u16::MAX, "0.1 %" => most: plain;
+                setting MaxCurrent max_current 0x6073:0 u16 = u16::MAX, "0.1 %" => most_current: plain;
+                shown TorqueDemand set_torque_demand 0x6074:0 i16 = _, "0.1 %";
+                setting MotorRatedCurrent motor_rated_current 0x6075:0 u32 = 0, "mA" => rated_current: plain;
+                setting MotorRatedTorque motor_rated_torque 0x6076:0 u32 = 0, "mNm" => rated: plain;
+                shown TorqueActualValue set_torque_actual_value 0x6077:0 i16 = _, "0.1 %";
+                shown CurrentActualValue set_current_actual_value 0x6078:0 i16 = _, "0.1 %";
+                setting TorqueSlope torque_slope 0x6087:0 u32 = u32::MAX, "0.1 %/s" from 1 => slope: plain;
+                /// Linear ramps.
+                setting TorqueProfileType torque_profile_type 0x6088:0 i16 = 0, "" only (0);
+                command TorqueOffset torque_offset 0x60B2:0 i16 = 0, "0.1 %";
+                setting PositiveTorqueLimit positive_torque_limit 0x60E0:0 u16 = u16::MAX, "0.1 %" => positive: plain;
+                setting NegativeTorqueLimit negative_torque_limit 0x60E1:0 u16 = u16::MAX, "0.1 %" => negative: plain;
+            }
             /// How the analogue input is set up.
             in analogue: AnalogueConfiguration {
                 /// 0 to 4095.

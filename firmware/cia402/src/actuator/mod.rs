@@ -2,7 +2,7 @@
 //!
 //! An actuator takes demands: a position with velocity and acceleration ahead, a velocity, or a torque. It tells position, velocity and
 //! torque, whether the motor stands, and what is wrong. It stops on a ramp. It knows no mode, no limit and no unit: limits, limit switches, the
-//! home position and the direction of counting are above it. The step axis is one; what it cannot do, a torque, it says.
+//! home position and the direction of counting are above it. The step axis is one; what it cannot do, a torque, it says. The servo axis is another.
 //!
 //! [`Actuator`] is what the modes know. What the demands go through to the motor, pulses or a current loop, is the port of the actuator
 //! ([`AtPort`]): the drive hands it on and never looks at it.
@@ -11,6 +11,7 @@
 //! the one before, from whatever the motor does now. What has been committed already is done as it was: a demand begins at
 //! [`Actuator::committed_position`], with [`Actuator::committed_velocity`].
 
+mod servo_axis;
 mod step_axis;
 
 use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed, low};
@@ -18,10 +19,10 @@ use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpee
 use crate::configuration::Configuration;
 use crate::cyclic::Fine;
 
+pub use servo_axis::{ServoAxis, ServoGoal, ServoOrder, ServoPort, ServoReport};
 pub use step_axis::{Emitter, EmitterLock, StepAxis};
 
-/// The modes of torque, profile (4) and cyclic synchronous (10), by their bits in 6502h.
-pub const TORQUE_MODES: u32 = 1 << 3 | 1 << 9;
+pub use cia402_parameters::TORQUE_MODES;
 
 /// A motion that cannot be: its limits make no plan, its target is out of range, or a limit switch is in the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +31,42 @@ pub struct Refused;
 /// A demand that the actuator does not take, whatever its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotSupported;
+
+/// The torque of a motor, in thousandths of the rated one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Torque {
+    /// 6074h: what the loops or the master want, within all limits.
+    pub demand: i16,
+    /// 6077h.
+    pub actual: i16,
+    /// 6078h, in thousandths of the rated current.
+    pub current: i16,
+    /// More was wanted than a limit of the torque allows.
+    pub is_limited: bool,
+}
+
+impl Torque {
+    /// None at all.
+    pub const NONE: Self = Self {
+        demand: 0,
+        actual: 0,
+        current: 0,
+        is_limited: false,
+    };
+}
+
+/// What may be asked of a motor, in thousandths of the rated torque or current.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TorqueLimits {
+    /// Of a positive torque.
+    pub positive: u16,
+    /// Of a negative one.
+    pub negative: u16,
+    /// Of the current, either way.
+    pub current: u16,
+    /// The fastest while a torque is held.
+    pub velocity: Speed,
+}
 
 /// What is wrong with an actuator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,8 +93,15 @@ pub trait Actuator: 'static {
     /// The position and the velocity that were being done at the start of this tick.
     fn demand(&self) -> Demand;
 
-    /// The torque of the motor, in thousandths of the rated one; `None` if the actuator has none to tell of.
-    fn torque(&self) -> Option<i16>;
+    /// The torque of the motor; `None` if the actuator has none to tell of.
+    fn torque(&self) -> Option<Torque> {
+        None
+    }
+
+    /// What may be asked of the motor from now on, and a torque that is given ahead of the loops, in thousandths of the rated one.
+    fn set_torque(&mut self, limits: TorqueLimits, ahead: i16) {
+        let _ = (limits, ahead);
+    }
 
     /// What has been wrong since the last call.
     fn take_trouble(&mut self) -> Trouble;
@@ -109,7 +153,7 @@ pub trait Actuator: 'static {
         ramps: Ramps,
     ) -> Result<(), Refused>;
 
-    /// Holds a torque, in thousandths of the rated one.
+    /// Holds a torque, in thousandths of the rated one. The motor goes where that and its load take it.
     fn hold_torque(&mut self, torque: i16) -> Result<(), NotSupported>;
 
     /// Slows down to a standstill. On an error, a deceleration that gives no ramp, nothing changes.
@@ -160,6 +204,11 @@ pub trait AtPort<P>: Actuator {
 
     /// Takes what is set up. The motor has no power and stands.
     fn set_up(&mut self, configuration: &Configuration);
+
+    /// What the positions here have beyond those of the board, for an actuator that gives positions to its port.
+    fn set_shift(&mut self, shift: i64) {
+        let _ = shift;
+    }
 
     /// Looks at what has become of the demands, at the start of a tick at `now`.
     fn observe(&mut self, now: Fine, port: &P);

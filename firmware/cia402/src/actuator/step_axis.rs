@@ -7,7 +7,7 @@ use core::cell::Cell;
 
 use motion::{
     Axis, AxisConfig, Demand, Direction, FollowError, Goal, Limits, Plan, PlanError, Position,
-    PulseSink, Ramps, SignedSpeed, Speed, Ticks, Velocity,
+    PulseSink, Ramps, Reference, SignedSpeed, Speed, Ticks, Velocity,
 };
 
 use super::{Actuator, AtPort, NotSupported, PathEnd, Refused, TORQUE_MODES, Trouble, near};
@@ -70,6 +70,23 @@ impl<L: EmitterLock> StepAxis<L> {
         let hz = u64::from(axis.clock.hz());
         let ahead = u64::from(axis.segment).saturating_mul(2_000_000) << POINT;
         ahead.checked_div(hz).unwrap_or(0)
+    }
+
+    /// Where the motor is to be while the port still has so many ticks to play, in the count that goes on.
+    pub(super) fn reference(&self, pending: Ticks) -> Reference {
+        self.emitter.look(|emitter| emitter.axis.reference(pending))
+    }
+
+    /// Goes on from where something else has moved the motor to, with the velocity that it has.
+    pub(super) fn take_up(&mut self, position: i64, velocity: SignedSpeed) {
+        self.committed = position;
+        let (demand, at_rest) = self.emitter.lock(|emitter| {
+            emitter.axis.take_up(position, velocity);
+            (emitter.axis.demand(0), emitter.axis.is_at_rest())
+        });
+        self.demand = self.counted(demand);
+        self.at_rest = at_rest;
+        self.standstill = at_rest;
     }
 
     /// For a test: what a refill has found.
@@ -196,10 +213,6 @@ impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
 }
 
 impl<L: EmitterLock> Actuator for StepAxis<L> {
-    fn torque(&self) -> Option<i16> {
-        None
-    }
-
     fn take_trouble(&mut self) -> Trouble {
         let mut trouble = self.emitter.lock(Emitter::take_trouble);
         trouble.is_broken |= core::mem::take(&mut self.is_broken);

@@ -115,7 +115,7 @@ fn a_servo_has_one() {
     let mut servo = Servo::default();
     assert_eq!(<Servo as AtPort<Shaft>>::MODES & TORQUE_MODES, TORQUE_MODES);
     servo.hold_torque(100).unwrap();
-    assert_eq!(servo.torque(), Some(100));
+    assert_eq!(servo.torque().map(|torque| torque.actual), Some(100));
 }
 
 /// A drive whose motor is a servo.
@@ -262,6 +262,7 @@ fn cyclic_position_leads_a_servo_through_its_set_points() {
             is_sync: true,
             position: Some(at(period)),
             velocity: None,
+            torque: None,
         });
         let shown = rig.ticks(2);
         if (100..800).contains(&period) {

@@ -14,4 +14,6 @@ pub struct SyncEvent {
     pub position: Option<i32>,
     /// 60FFh plus 60B1h, if 60FFh was written since the sync event before.
     pub velocity: Option<SignedSpeed>,
+    /// 6071h plus 60B2h in thousandths of the rated torque, if 6071h was written since the sync event before.
+    pub torque: Option<i16>,
 }

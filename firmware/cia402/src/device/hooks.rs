@@ -70,8 +70,8 @@ pub(crate) struct Hooks<A> {
     pub(crate) desk: Desk,
     /// The serial number of production; 0 for none.
     produced: u32,
-    /// Set-points of the cyclic modes that were written since the last sync event: 607Ah, 60FFh.
-    fresh: (bool, bool),
+    /// Set-points of the cyclic modes that were written since the last sync event: 607Ah, 60FFh, 6071h.
+    fresh: (bool, bool, bool),
     /// A data record 60C1h:1 that was written.
     record: Option<i32>,
     /// 60C2h was written, or something else than its default is stored.
@@ -94,7 +94,7 @@ impl<A> Hooks<A> {
             commissioning: Commissioning::default(),
             desk: Desk::default(),
             produced: 0,
-            fresh: (false, false),
+            fresh: (false, false, false),
             record: None,
             has_period: false,
         }
@@ -158,7 +158,7 @@ impl<A> Hooks<A> {
 
     /// Whether a set-point of a cyclic mode was written since the last sync event.
     pub(crate) const fn has_set_point(&self) -> bool {
-        self.fresh.0 || self.fresh.1 || self.record.is_some()
+        self.fresh.0 || self.fresh.1 || self.fresh.2 || self.record.is_some()
     }
 
     /// The data record 60C1h:1 that was written since the last call.
@@ -173,7 +173,7 @@ impl<A> Hooks<A> {
         at: Instant,
         is_sync: bool,
     ) -> SyncEvent {
-        let (position, velocity) = core::mem::take(&mut self.fresh);
+        let (position, velocity, torque) = core::mem::take(&mut self.fresh);
         let units = self.units.of_drive::<D>();
         SyncEvent {
             at,
@@ -185,6 +185,10 @@ impl<A> Hooks<A> {
             velocity: velocity.then(|| {
                 let target = units.velocity(dictionary.target_velocity());
                 target.plus(units.velocity(dictionary.velocity_offset()))
+            }),
+            torque: torque.then(|| {
+                let target = dictionary.target_torque();
+                target.saturating_add(dictionary.torque_offset())
             }),
         }
     }
@@ -220,6 +224,8 @@ impl<A> Hooks<A> {
             profile_acceleration: units.acceleration(dictionary.profile_acceleration()),
             profile_deceleration: units.acceleration(dictionary.profile_deceleration()),
             target_velocity: units.velocity(dictionary.target_velocity()),
+            target_torque: dictionary.target_torque(),
+            torque_offset: dictionary.torque_offset(),
             touch_probe_function: dictionary.touch_probe_function(),
             touch_probes_off: core::mem::take(&mut self.probes_off),
             digital_outputs: dictionary.digital_outputs(),
@@ -264,6 +270,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
             }
             Some(Parameter::TargetPosition) => self.fresh.0 = true,
             Some(Parameter::TargetVelocity) => self.fresh.1 = true,
+            Some(Parameter::TargetTorque) => self.fresh.2 = true,
             Some(Parameter::InterpolationRecord) => {
                 self.record = Some(dictionary.interpolation_record());
             }

@@ -100,6 +100,7 @@ impl Cyclic {
         self.rhythm.stop();
         let is_new = match mode {
             Mode::CyclicVelocity => event.velocity.is_some(),
+            Mode::CyclicTorque => event.torque.is_some(),
             Mode::InterpolatedPosition => false,
             _ => event.position.is_some(),
         };

@@ -3,8 +3,9 @@
 use motion::low;
 
 use super::{Drive, Tick};
-use crate::actuator::Actuator;
+use crate::actuator::{Actuator, TORQUE_MODES, TorqueLimits};
 use crate::controlword::Command;
+use crate::mode::Mode;
 use crate::modes::Context;
 use crate::objects::Objects;
 use crate::option_codes::Stop;
@@ -23,10 +24,41 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         Some(inputs.stall == Some(true) || behind.unsigned_abs() >= window)
     }
 
+    /// What may be asked of a motor with a torque, and what is given ahead of its loops, in this tick and the refills behind it. Returns bit 11 of the statusword.
+    fn limit_torque(&mut self) -> u16 {
+        if D::DRIVE.modes & TORQUE_MODES == 0 {
+            return 0;
+        }
+        let torque = &self.configuration.torque;
+        let limits = TorqueLimits {
+            positive: torque.most.min(torque.positive),
+            negative: torque.most.min(torque.negative),
+            current: torque.most_current,
+            velocity: self.configuration.max_velocity,
+        };
+        let is_ahead = matches!(
+            self.modes.active(),
+            Mode::CyclicPosition | Mode::CyclicVelocity
+        );
+        let ahead = if is_ahead && self.power.is_on() {
+            self.commands.torque_offset
+        } else {
+            0
+        };
+        self.motor.set_torque(limits, ahead);
+        let is_limited = self.motor.torque().is_some_and(|torque| torque.is_limited);
+        if self.power.is_on() && is_limited {
+            statusword::INTERNAL_LIMIT
+        } else {
+            0
+        }
+    }
+
     /// The mode of operation. Returns its bits of the statusword.
     #[inline(never)]
     pub(super) fn operate(&mut self, tick: &Tick<'_>, command: Option<Command>) -> u16 {
         let state = self.machine.state();
+        let torque_limit = self.limit_torque();
         if state != State::OperationEnabled && self.motor.standstill() {
             self.modes.select::<D>(self.commands.mode);
         }
@@ -40,7 +72,9 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                         &self.commands,
                         &self.configuration,
                     );
-                    return self.enforce_limit_switches() | self.enforce_software_limits();
+                    return self.enforce_limit_switches()
+                        | self.enforce_software_limits()
+                        | torque_limit;
                 }
                 let limit = self.enforce_limit_switches();
                 let is_brake_open = self.is_brake_open(tick.now);
@@ -81,6 +115,6 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             }
             _ => return self.idle_bits(),
         };
-        bits | self.enforce_software_limits()
+        bits | self.enforce_software_limits() | torque_limit
     }
 }

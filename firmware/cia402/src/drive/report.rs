@@ -6,7 +6,7 @@ use canopen::Instant;
 use motion::low;
 
 use super::{Drive, Inputs};
-use crate::actuator::Actuator;
+use crate::actuator::{Actuator, TORQUE_MODES, Torque};
 use crate::exchange::Actuals;
 use crate::mode::Mode;
 use crate::objects::Objects;
@@ -76,6 +76,11 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             velocity_demand,
             velocity_actual,
             following_error: units.distance_in_units(observed.following_error),
+            torque: if D::DRIVE.modes & TORQUE_MODES == 0 {
+                Torque::NONE
+            } else {
+                self.motor.torque().unwrap_or(Torque::NONE)
+            },
             digital_inputs: self.switches.word(),
             referenced: self.motor.is_referenced(),
             homing_failure: self.modes.homing_failure(),

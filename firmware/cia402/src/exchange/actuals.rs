@@ -2,6 +2,7 @@
 
 use canopen::Instant;
 
+use crate::actuator::Torque;
 use crate::commands::Commands;
 use crate::copied::copy_fields;
 use crate::cyclic::SyncStatus;
@@ -36,6 +37,8 @@ pub struct Actuals {
     pub velocity_actual: i32,
     /// 60F4h in units of the user.
     pub following_error: i32,
+    /// 6074h, 6077h and 6078h; nothing where the actuator has none.
+    pub torque: Torque,
     /// 60FDh.
     pub digital_inputs: u32,
     /// 2034h:1: the home position is known.
@@ -72,7 +75,7 @@ impl Actuals {
     /// Takes over all of other ones, field by field.
     #[inline]
     fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { at, statusword, mode_display, error_code, vl_velocity_demand, vl_velocity_actual, position_demand, position_actual_internal, position_actual, velocity_demand, velocity_actual, following_error, digital_inputs, referenced, homing_failure, sync, is_moving, safe }, from => self);
+        copy_fields!(Self { at, statusword, mode_display, error_code, vl_velocity_demand, vl_velocity_actual, position_demand, position_actual_internal, position_actual, velocity_demand, velocity_actual, following_error, torque, digital_inputs, referenced, homing_failure, sync, is_moving, safe }, from => self);
     }
 
     /// What is known before the first tick: a drive that is not ready to switch on.
@@ -89,6 +92,7 @@ impl Actuals {
         velocity_demand: 0,
         velocity_actual: 0,
         following_error: 0,
+        torque: Torque::NONE,
         digital_inputs: 0,
         referenced: false,
         homing_failure: 0,

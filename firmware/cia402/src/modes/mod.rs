@@ -7,12 +7,15 @@
 
 mod braking;
 mod cyclic_position;
+mod cyclic_torque;
 mod cyclic_velocity;
 mod following;
+mod held_torque;
 mod homing;
 mod interpolated_position;
 mod kept_velocity;
 mod profile_position;
+mod profile_torque;
 mod profile_velocity;
 mod velocity;
 
@@ -35,10 +38,12 @@ use crate::travel::Travel;
 use crate::units::{Frame, Units};
 
 use cyclic_position::CyclicPosition;
+use cyclic_torque::CyclicTorque;
 use cyclic_velocity::CyclicVelocity;
 use homing::Homing;
 use interpolated_position::InterpolatedPosition;
 use profile_position::ProfilePosition;
+use profile_torque::ProfileTorque;
 use profile_velocity::ProfileVelocity;
 use velocity::Velocity;
 
@@ -198,6 +203,8 @@ enum Work {
     InterpolatedPosition(InterpolatedPosition),
     CyclicPosition(CyclicPosition),
     CyclicVelocity(CyclicVelocity),
+    ProfileTorque(ProfileTorque),
+    CyclicTorque(CyclicTorque),
 }
 
 /// Which of the modes is at work.
@@ -233,6 +240,8 @@ impl Modes {
             Work::InterpolatedPosition(_) => Mode::InterpolatedPosition,
             Work::CyclicPosition(_) => Mode::CyclicPosition,
             Work::CyclicVelocity(_) => Mode::CyclicVelocity,
+            Work::ProfileTorque(_) => Mode::ProfileTorque,
+            Work::CyclicTorque(_) => Mode::CyclicTorque,
         }
     }
 
@@ -249,6 +258,8 @@ impl Modes {
             Mode::InterpolatedPosition => Work::InterpolatedPosition(InterpolatedPosition::new()),
             Mode::CyclicPosition => Work::CyclicPosition(CyclicPosition::new()),
             Mode::CyclicVelocity => Work::CyclicVelocity(CyclicVelocity::new()),
+            Mode::ProfileTorque => Work::ProfileTorque(ProfileTorque::new()),
+            Mode::CyclicTorque => Work::CyclicTorque(CyclicTorque::new()),
         };
     }
 
@@ -286,6 +297,8 @@ impl Modes {
             Work::InterpolatedPosition(mode) => mode.limit_met(),
             Work::CyclicPosition(mode) => mode.limit_met(),
             Work::CyclicVelocity(mode) => mode.limit_met(),
+            Work::ProfileTorque(mode) => mode.limit_met(motor),
+            Work::CyclicTorque(mode) => mode.limit_met(motor),
         }
     }
 
@@ -310,6 +323,8 @@ impl Modes {
             Work::InterpolatedPosition(mode) => mode.enter(),
             Work::CyclicPosition(mode) => mode.enter(),
             Work::CyclicVelocity(mode) => mode.enter(motor),
+            Work::ProfileTorque(mode) => mode.enter(),
+            Work::CyclicTorque(mode) => mode.enter(),
         }
     }
 
@@ -412,6 +427,8 @@ impl Modes {
             }
             Work::CyclicPosition(mode) if has(Mode::CyclicPosition) => mode.tick(context),
             Work::CyclicVelocity(mode) if has(Mode::CyclicVelocity) => mode.tick(context),
+            Work::ProfileTorque(mode) if has(Mode::ProfileTorque) => mode.tick(context),
+            Work::CyclicTorque(mode) if has(Mode::CyclicTorque) => mode.tick(context),
             _ => 0,
         }
     }

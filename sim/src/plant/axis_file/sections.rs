@@ -185,6 +185,7 @@ impl File {
             }
         }
         Ok(Axis {
+            servo: None,
             start: self.start.into(),
             seed: self.seed.into(),
             encoder: self.encoder,

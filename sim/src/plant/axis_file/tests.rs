@@ -26,6 +26,7 @@ fn every_key_is_understood() {
          [probe_2]\nto = 9\n",
     );
     let expected = Axis {
+        servo: None,
         start: -5,
         seed: 7,
         encoder: true,

@@ -1,6 +1,7 @@
 //! Everything `servo` offers, with any numbers.
 
 use ::servo::cascade::{Actual, Demand, Gains, Limits};
+use ::servo::control::{Control, ControlConfig, Goal, Order, Seen};
 use ::servo::current_loop::{CurrentConfig, Sample};
 use ::servo::feedback::commutation::Step;
 use ::servo::feedback::{absolute, hall, Absolute, Commutation, Incremental, Observer};
@@ -102,6 +103,7 @@ pub fn servo() -> Result<(), Implausible> {
             }
             12 => above(&motor)?,
             13 => field(&motor)?,
+            14 => ordered(&motor, &mut interrupt)?,
             9 => look(hall::angle(any() as u8).map_or(0, Angle::bits)),
             _ => {
                 encoder.look(any() as u16);
@@ -194,6 +196,57 @@ fn above(motor: &Motor) -> Result<(), Implausible> {
             _ => look(loss.run(numbers(), numbers()).unwrap_or(9) as u32),
         }
         look(cascade.is_limited().into());
+    }
+    Ok(())
+}
+
+/// The control of a drive, above an interrupt.
+#[inline(never)]
+fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implausible> {
+    let config = ControlConfig {
+        period: number(),
+        gains: Gains::from_bandwidth(number()),
+        friction: number(),
+        peak_time: number(),
+        bus: Bus::new(number(), number(), number())?,
+        derating: Derating::new(number(), number())?,
+        blocked: number(),
+        most_speed: number(),
+    };
+    let mut control = Control::new(motor, config)?;
+    while any() != 0 {
+        if any() == 0 {
+            control.start();
+        }
+        let goal = if any() == 0 {
+            Goal::Torque
+        } else {
+            Goal::Position {
+                counts: any_u64() as i64,
+                part: any(),
+                velocity: number(),
+                acceleration: number(),
+            }
+        };
+        let order = Order {
+            goal,
+            torque: number(),
+            most: (number(), number()),
+            speed: number(),
+        };
+        control.order(order, number());
+        let seen = Seen {
+            bus: number(),
+            temperature: number(),
+        };
+        look(control.chops(seen.bus).into());
+        match control.run(interrupt, &seen) {
+            Ok(current) => interrupt.order(current, any() as u16),
+            Err(fault) => look(fault as u32),
+        }
+        let report = control.report(interrupt);
+        show(report.torque + report.current + report.velocity + report.demand);
+        look((report.is_limited | report.is_hot).into());
     }
     Ok(())
 }

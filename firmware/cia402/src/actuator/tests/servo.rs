@@ -2,7 +2,7 @@
 
 use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
 
-use crate::actuator::{Actuator, AtPort, NotSupported, PathEnd, Refused, Trouble, near};
+use crate::actuator::{Actuator, AtPort, NotSupported, PathEnd, Refused, Torque, Trouble, near};
 use crate::configuration::Configuration;
 use crate::cyclic::{Fine, POINT, span};
 
@@ -140,7 +140,7 @@ impl AtPort<Shaft> for Servo {
 #[rustfmt::skip] // A table: most of it says one thing in a line.
 impl Actuator for Servo {
     fn demand(&self) -> Demand { Demand { position: self.committed_position(), velocity: signed(self.velocity) } }
-    fn torque(&self) -> Option<i16> { Some(if let Goal::Torque(torque) = self.goal { torque } else { 0 }) }
+    fn torque(&self) -> Option<Torque> { Some(if let Goal::Torque(actual) = self.goal { Torque { actual, ..Torque::default() } } else { Torque::default() }) }
     fn take_trouble(&mut self) -> Trouble { Trouble::default() }
     fn standstill(&self) -> bool { self.goal == Goal::Rest }
     fn is_at_rest(&self) -> bool { self.goal == Goal::Rest }

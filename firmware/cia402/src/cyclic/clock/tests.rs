@@ -33,6 +33,7 @@ impl Network {
             is_sync: true,
             position,
             velocity: None,
+            torque: None,
         };
         let mut slots = Slots::new();
         let times = (self.interpolation << POINT, 0);

@@ -264,6 +264,7 @@ fn sync_event(rig: &mut Rig, position: Option<i32>) {
         is_sync: true,
         position,
         velocity: None,
+        torque: None,
     });
 }
 
@@ -456,6 +457,7 @@ fn m63_early_ticks_take_no_set_point_twice_and_leave_sync_its_beat() {
             is_sync: true,
             position: is_there.then_some(position),
             velocity: is_there.then(|| SignedSpeed::from(3 * position)),
+            torque: None,
         });
     }
     is_undisturbed(|| cyclic(8), sync_event);

@@ -1,0 +1,369 @@
+//! The servo axis: demands become positions that a loop follows, or a torque.
+//!
+//! Where the motor is to be is planned as for a step axis, by the same axis; its records go to a port that plays them in time and makes no pulse of
+//! them. From the time that is left to play the axis knows where the motor is to be now, finer than a step, with velocity and acceleration, and tells the port at each tick
+//! and refill. While a torque is held the axis is where the rotor is; what comes next begins there, with the velocity of the rotor.
+//!
+//! Positions at the port are those of the board's encoder. Torques are in µN·m there: thousandths of 6076h, which is in mN·m.
+
+use motion::{
+    Demand, Direction, FollowError, Limits, Position, PulseSink, Ramps, SignedSpeed, Speed,
+};
+
+use super::{
+    Actuator, AtPort, Emitter, EmitterLock, NotSupported, PathEnd, Refused, StepAxis, Torque,
+    TorqueLimits, Trouble, near,
+};
+use crate::board::DriveConfig;
+use crate::configuration::Configuration;
+use crate::cyclic::Fine;
+
+/// What the loops are to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ServoGoal {
+    /// To be somewhere, and to go on from there.
+    Position {
+        /// Whole counts of the board's encoder.
+        counts: i64,
+        /// Parts of a count beyond, in 2⁻³².
+        part: u32,
+        /// In counts/s.
+        velocity: SignedSpeed,
+        /// In counts/s².
+        acceleration: i32,
+    },
+    /// To hold the torque of the order.
+    Torque,
+}
+
+/// An order, in the direction of the board's encoder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ServoOrder {
+    /// What is to be done.
+    pub goal: ServoGoal,
+    /// The torque that is held, or that is given ahead of the loops, in µN·m.
+    pub torque: i32,
+    /// The greatest positive and negative torque, in µN·m.
+    pub most: (u32, u32),
+    /// The greatest current, in mA.
+    pub current: u32,
+    /// The fastest while a torque is held.
+    pub velocity: Speed,
+}
+
+/// What has become of the orders, in the direction of the board's encoder.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ServoReport {
+    /// Counts of the board's encoder, as `Inputs` has them.
+    pub counts: i64,
+    /// In counts/s.
+    pub velocity: SignedSpeed,
+    /// What is wanted of the motor, in µN·m.
+    pub demand: i32,
+    /// What it gives, in µN·m.
+    pub torque: i32,
+    /// In mA, with the sign of the torque.
+    pub current: i32,
+    /// A limit of the torque or the current is in the way.
+    pub is_limited: bool,
+}
+
+/// The port of a servo axis. Records are played for their time alone.
+pub trait ServoPort: PulseSink {
+    /// What is to be done from now on.
+    fn order(&mut self, order: &ServoOrder);
+
+    /// What was seen last.
+    fn report(&self) -> ServoReport;
+
+    /// The records not yet played are none any more.
+    fn forget(&mut self);
+}
+
+/// See the module.
+#[derive(Debug)]
+pub struct ServoAxis<L = Emitter> {
+    /// The torque that is held, in place of a path.
+    held: Option<i16>,
+    /// A path was left before it was played.
+    has_left: bool,
+    is_reversed: bool,
+    shift: i64,
+    /// The rotor, in the count of the positions here.
+    rotor: Demand,
+    torque: Torque,
+    limits: TorqueLimits,
+    ahead: i16,
+    /// 6075h in mA and 6076h in mN·m.
+    rated_current: u32,
+    rated: u32,
+    /// Last, as it is large: so it is made where it stays.
+    path: StepAxis<L>,
+}
+
+impl<L: EmitterLock> ServoAxis<L> {
+    /// With an emitter that stands at position 0.
+    #[inline(never)]
+    pub fn new(config: DriveConfig, emitter: impl FnOnce() -> L) -> Self {
+        Self {
+            held: None,
+            has_left: false,
+            is_reversed: false,
+            shift: 0,
+            rotor: Demand::default(),
+            torque: Torque::NONE,
+            limits: TorqueLimits::NONE,
+            ahead: 0,
+            rated_current: 0,
+            rated: 0,
+            path: StepAxis::new(config, emitter),
+        }
+    }
+
+    /// The path begins at the rotor, if a torque was held.
+    fn take_up(&mut self) {
+        if self.held.take().is_some() {
+            self.path.take_up(self.rotor.position, self.rotor.velocity);
+        }
+    }
+
+    const fn turned(&self, velocity: SignedSpeed) -> SignedSpeed {
+        if self.is_reversed {
+            velocity.reversed()
+        } else {
+            velocity
+        }
+    }
+
+    fn order(&self, port: &mut impl ServoPort) {
+        let goal = if self.held.is_some() {
+            ServoGoal::Torque
+        } else {
+            let reference = self.path.reference(port.pending());
+            let (position, acceleration) = if self.is_reversed {
+                let position = reference.position.bits().wrapping_neg();
+                (position, reference.acceleration.saturating_neg())
+            } else {
+                (reference.position.bits(), reference.acceleration)
+            };
+            let shift = if self.is_reversed {
+                self.shift
+            } else {
+                self.shift.wrapping_neg()
+            };
+            // A step is where its middle is.
+            let position = position.wrapping_add(1 << 31);
+            let counts = (position >> 32).wrapping_add(shift);
+            ServoGoal::Position {
+                counts: near(counts, port.report().counts),
+                part: position as u32,
+                velocity: self.turned(reference.velocity),
+                acceleration,
+            }
+        };
+        let torque = i32::from(self.held.unwrap_or(self.ahead));
+        let torque = torque.saturating_mul(i32::try_from(self.rated).unwrap_or(i32::MAX));
+        let most = |limit: u16, rated: u32| match limit {
+            u16::MAX => u32::MAX,
+            _ => u32::from(limit).saturating_mul(rated),
+        };
+        let positive = most(self.limits.positive, self.rated);
+        let negative = most(self.limits.negative, self.rated);
+        port.order(&ServoOrder {
+            goal,
+            torque: self.signed(torque),
+            most: if self.is_reversed {
+                (negative, positive)
+            } else {
+                (positive, negative)
+            },
+            current: match most(self.limits.current, self.rated_current) {
+                u32::MAX => u32::MAX,
+                limit => limit / 1_000,
+            },
+            velocity: self.limits.velocity,
+        });
+    }
+
+    const fn signed(&self, value: i32) -> i32 {
+        if self.is_reversed {
+            value.saturating_neg()
+        } else {
+            value
+        }
+    }
+
+    /// In thousandths of what is rated.
+    fn share(&self, value: i32, rated: u32) -> i16 {
+        let value = i64::from(self.signed(value));
+        let half = i64::from(rated / 2);
+        let rounded = if value < 0 {
+            value - half
+        } else {
+            value + half
+        };
+        let share = rounded.checked_div(rated.into()).unwrap_or(0);
+        share.clamp(i16::MIN.into(), i16::MAX.into()) as i16
+    }
+}
+
+impl TorqueLimits {
+    /// The motor's own.
+    pub const NONE: Self = Self {
+        positive: u16::MAX,
+        negative: u16::MAX,
+        current: u16::MAX,
+        velocity: Speed::MAX,
+    };
+}
+
+impl<L: EmitterLock, P: ServoPort> AtPort<P> for ServoAxis<L> {
+    const MODES: u32 = u32::MAX;
+
+    fn set_up(&mut self, configuration: &Configuration) {
+        self.rated = configuration.torque.rated;
+        self.rated_current = configuration.torque.rated_current;
+    }
+
+    fn set_shift(&mut self, shift: i64) {
+        self.shift = shift;
+    }
+
+    fn observe(&mut self, now: Fine, port: &P) {
+        self.path.observe(now, port);
+        let report = port.report();
+        let counts = if self.is_reversed {
+            report.counts.wrapping_neg()
+        } else {
+            report.counts
+        };
+        let before = self.committed_position();
+        self.rotor = Demand {
+            position: near(counts.wrapping_add(self.shift), before),
+            velocity: self.turned(report.velocity),
+        };
+        self.torque = Torque {
+            demand: self.share(report.demand, self.rated),
+            actual: self.share(report.torque, self.rated),
+            // mA become µA, as thousandths of mA are.
+            current: self.share(report.current.saturating_mul(1_000), self.rated_current),
+            is_limited: report.is_limited,
+        };
+    }
+
+    fn look_again(&mut self, port: &P) {
+        self.path.look_again(port);
+    }
+
+    fn advance(&mut self, port: &mut P, is_reversed: bool) {
+        self.is_reversed = is_reversed;
+        if core::mem::take(&mut self.has_left) {
+            port.forget();
+        }
+        if self.held.is_none() {
+            self.path.advance(port, false);
+        }
+        self.order(port);
+    }
+
+    fn refill(&mut self, port: &mut P) {
+        if self.held.is_none() {
+            self.path.refill(port);
+        }
+        self.order(port);
+    }
+}
+
+#[rustfmt::skip] // A table: most of it hands a demand on to the path.
+impl<L: EmitterLock> Actuator for ServoAxis<L> {
+    fn demand(&self) -> Demand { if self.held.is_some() { self.rotor } else { self.path.demand() } }
+    fn torque(&self) -> Option<Torque> { Some(self.torque) }
+    fn set_torque(&mut self, limits: TorqueLimits, ahead: i16) { (self.limits, self.ahead) = (limits, ahead); }
+    fn take_trouble(&mut self) -> Trouble { self.path.take_trouble() }
+    fn standstill(&self) -> bool { self.held.is_none() && self.path.standstill() }
+    fn is_at_rest(&self) -> bool { self.held.is_none() && self.path.is_at_rest() }
+    fn committed_position(&self) -> i64 { if self.held.is_some() { self.rotor.position } else { self.path.committed_position() } }
+    fn committed_velocity(&self) -> SignedSpeed { if self.held.is_some() { self.rotor.velocity } else { self.path.committed_velocity() } }
+    fn destination(&self) -> i64 { if self.held.is_some() { self.rotor.position } else { self.path.destination() } }
+    fn is_ending(&self) -> bool { self.held.is_none() && self.path.is_ending() }
+    fn max_velocity(&self) -> Speed { self.path.max_velocity() }
+    fn window(&self) -> u64 { if self.held.is_some() { 0 } else { self.path.window() } }
+    fn is_following(&self) -> bool { self.held.is_none() && self.path.is_following() }
+    fn is_running_out(&self, time: Fine) -> bool { self.held.is_none() && self.path.is_running_out(time) }
+    fn expect_acceleration(&mut self, acceleration: u32) { self.path.expect_acceleration(acceleration); }
+
+    fn heading(&self) -> Option<Direction> {
+        match (self.held, self.rotor.velocity.bits()) {
+            (None, _) => self.path.heading(),
+            (Some(0), 0) => None,
+            // What stands goes where it is pushed to.
+            (Some(torque), 0) => Some(if torque < 0 { Direction::Reverse } else { Direction::Forward }),
+            (Some(_), velocity) => Some(if velocity < 0 { Direction::Reverse } else { Direction::Forward }),
+        }
+    }
+
+    fn move_to(&mut self, target: i64, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
+        self.take_up();
+        self.path.move_to(target, limits, ramps)
+    }
+
+    fn move_through(&mut self, target: i64, end: Speed, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
+        self.take_up();
+        self.path.move_through(target, end, limits, ramps)
+    }
+
+    fn ramp_to(&mut self, velocity: SignedSpeed, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
+        self.take_up();
+        self.path.ramp_to(velocity, limits, ramps)
+    }
+
+    fn hold_torque(&mut self, torque: i16) -> Result<(), NotSupported> {
+        if self.held.is_none() {
+            self.path.cut_off();
+            self.has_left = true;
+        }
+        self.held = Some(torque);
+        Ok(())
+    }
+
+    fn stop(&mut self, deceleration: u32, ramps: Ramps) -> Result<(), Refused> {
+        self.take_up();
+        self.path.stop(deceleration, ramps)
+    }
+
+    fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
+        if self.held.is_none() {
+            return self.path.stop_preview(deceleration, ramps, leaves);
+        }
+        // v² / 2a, in increments; Q16 of the velocity is fine enough.
+        let velocity = i128::from(self.rotor.velocity.bits() >> 16);
+        let twice = i128::from(deceleration).wrapping_shl(33);
+        let way = velocity.wrapping_mul(velocity.saturating_abs()).checked_div(twice);
+        let way = i64::try_from(way.unwrap_or(0)).unwrap_or(0);
+        self.rotor.position.saturating_add(way)
+    }
+
+    fn cut_off(&mut self) {
+        self.held = None;
+        self.path.cut_off();
+    }
+
+    fn stand_at(&mut self, position: i64) {
+        self.held = None;
+        self.path.stand_at(position);
+    }
+
+    fn follow(&mut self, end: Fine, to: Position, velocity: Option<(Position, Fine)>) -> Result<(), FollowError> {
+        self.take_up();
+        self.path.follow(end, to, velocity)
+    }
+
+    fn follow_velocity(&mut self, end: Fine, velocity: SignedSpeed) -> Result<(), FollowError> {
+        self.take_up();
+        self.path.follow_velocity(end, velocity)
+    }
+
+    fn path_end(&self) -> Demand { if self.held.is_some() { self.rotor } else { self.path.path_end() } }
+
+    fn path_to(&self, end: Fine) -> PathEnd { self.path.path_to(end) }
+}

@@ -1,0 +1,428 @@
+//! What is between a drive and the current interrupt: orders in, a current out, at the rate of the control.
+//!
+//! An order is a position that moves on, or a torque that is held. Between two orders the position goes on by its velocity and acceleration, so orders may
+//! come at another rate than the control, and a little early or late. A torque is held up to a speed: there a limit of it falls that much with each rad/s that a
+//! loop of the velocity would take.
+//!
+//! What may be asked of the motor is the least of what is ordered, of the heat ([`Thermal`], [`Derating`]) and of the bus ([`Bus`]). What cannot go on is a [`Fault`]: the
+//! gates are to be off from then on, until [`Control::start`].
+
+use crate::cascade::{Actual, Demand, Gains, Limits};
+use crate::current_loop::Trip;
+use crate::feedback::FeedbackFault;
+use crate::interrupt::CurrentInterrupt;
+use crate::motor::Implausible;
+use crate::number::{between, fade, is_within, limit, root};
+use crate::protection::{Blocked, Bus, Derating, PhaseLoss, Thermal};
+use crate::transform::{Rotor, Stator};
+use crate::{Cascade, Motor};
+
+/// Why the motor has no current any more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// A current above its bound.
+    OverCurrent,
+    /// The bus is below its bound.
+    UnderVoltage,
+    /// The bus is above its bound.
+    OverVoltage,
+    /// Too hot for any current.
+    Temperature,
+    /// The rotor does not turn though much is asked of it.
+    Blocked,
+    /// The encoder is not where the magnet is, or has lost counts.
+    Encoder,
+    /// A phase carries nothing.
+    PhaseLost,
+    /// Faster than the motor may turn.
+    OverSpeed,
+}
+
+impl From<Trip> for Fault {
+    fn from(trip: Trip) -> Self {
+        match trip {
+            Trip::OverCurrent => Self::OverCurrent,
+            Trip::UnderVoltage => Self::UnderVoltage,
+            Trip::OverVoltage => Self::OverVoltage,
+        }
+    }
+}
+
+impl From<FeedbackFault> for Fault {
+    fn from(_: FeedbackFault) -> Self {
+        Self::Encoder
+    }
+}
+
+/// How the control is set up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ControlConfig {
+    /// Of the control, in s.
+    pub period: f32,
+    /// How stiff the loops are.
+    pub gains: Gains,
+    /// The current that dry friction takes, in A.
+    pub friction: f32,
+    /// How long the peak current may last, in s.
+    pub peak_time: f32,
+    /// The bus while the motor brakes.
+    pub bus: Bus,
+    /// The temperature.
+    pub derating: Derating,
+    /// A rotor that does not turn for so long is blocked, in s.
+    pub blocked: f32,
+    /// The fastest that the motor may turn, in rad/s.
+    pub most_speed: f32,
+}
+
+/// What is to be done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// A position, in counts; it moves on from there.
+    Position {
+        /// Whole counts.
+        counts: i64,
+        /// Parts of a count beyond, in 2⁻³².
+        part: u32,
+        /// In counts/s.
+        velocity: f32,
+        /// In counts/s².
+        acceleration: f32,
+    },
+    /// A torque.
+    Torque,
+}
+
+/// An order of the drive. Torques are in N·m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Order {
+    /// What is to be done.
+    pub goal: Goal,
+    /// The torque that is held, or that is given ahead.
+    pub torque: f32,
+    /// The greatest positive and negative torque, each at least 0.
+    pub most: (f32, f32),
+    /// The fastest while a torque is held, in counts/s.
+    pub speed: f32,
+}
+
+/// What the board sees beside the interrupt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Of the bus, in V.
+    pub bus: f32,
+    /// Of the stage, in °C.
+    pub temperature: f32,
+}
+
+/// What becomes of an order.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// What is wanted, within all limits, in N·m.
+    pub demand: f32,
+    /// Of the motor by its current, in N·m.
+    pub torque: f32,
+    /// As the peak of a phase, with the sign of the torque, in A.
+    pub current: f32,
+    /// In counts/s.
+    pub velocity: f32,
+    /// Less was done than was wanted: a limit of the torque.
+    pub is_limited: bool,
+    /// The heat has come near its bound.
+    pub is_hot: bool,
+}
+
+/// What is told of the current fades in this time, in s.
+const SHOWN: f32 = 2e-3;
+
+/// The share of the rated voltage of the winding above which what the model does not know is an encoder that is wrong.
+const UNKNOWN: f32 = 0.35;
+
+/// See the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Control {
+    motor: Motor,
+    config: ControlConfig,
+    cascade: Cascade,
+    thermal: Thermal,
+    blocked: Blocked,
+    phase_loss: PhaseLoss,
+    /// rad of a count.
+    count: f32,
+    order: Option<Order>,
+    /// Since the order, in s.
+    since: f32,
+    /// Gone on beyond the whole counts of the order, in counts.
+    beyond: f32,
+    /// What was wanted of the current last, in A.
+    wanted: f32,
+    held: bool,
+    is_limited: bool,
+    astray: f32,
+    /// The current without the noise of its samples, for who is told of it.
+    shown: Rotor,
+    fault: Option<Fault>,
+}
+
+impl Control {
+    /// For a motor that was checked.
+    ///
+    /// # Errors
+    /// With what [`Cascade::new`], [`Thermal::new`], [`Blocked::new`] and [`PhaseLoss::new`] refuse, or a greatest speed outside 1 to 10⁴ rad/s.
+    pub fn new(motor: &Motor, config: ControlConfig) -> Result<Self, Implausible> {
+        let motor = motor.checked()?;
+        let period = config.period;
+        let filter = crate::filter::Filter::NONE;
+        let cascade =
+            Cascade::new(&motor, config.gains, period)?.with(filter, filter, config.friction)?;
+        let (rated, peak) = (motor.rated_current, motor.peak_current);
+        let periods = between(config.blocked / period, 1.0, 1e6) as u32;
+        let least = between(0.02 * rated, 1e-3, rated);
+        let is_one = is_within(config.most_speed, 1.0, 1e4);
+        let control = Self {
+            motor,
+            config,
+            cascade,
+            thermal: Thermal::new(rated, peak, config.peak_time, period)?,
+            blocked: Blocked::new(0.9 * rated, 1.0, periods)?,
+            phase_loss: PhaseLoss::new(motor.wiring, least, 0.02, period)?,
+            count: core::f32::consts::TAU / motor.counts as f32,
+            order: None,
+            since: 0.0,
+            beyond: 0.0,
+            wanted: 0.0,
+            held: false,
+            is_limited: false,
+            astray: 0.0,
+            shown: Rotor::ZERO,
+            fault: None,
+        };
+        is_one.then_some(control).ok_or(Implausible)
+    }
+
+    /// The gates are about to be on: no current flows, and nothing is ordered. Ends a fault.
+    pub fn start(&mut self) {
+        self.order = None;
+        self.wanted = 0.0;
+        self.held = false;
+        self.is_limited = false;
+        self.astray = 0.0;
+        self.shown = Rotor::ZERO;
+        self.fault = None;
+        let periods = between(self.config.blocked / self.config.period, 1.0, 1e6) as u32;
+        // What was checked when it was made.
+        if let Ok(blocked) = Blocked::new(0.9 * self.motor.rated_current, 1.0, periods) {
+            self.blocked = blocked;
+        }
+    }
+
+    /// What is to be done from now on, as of so many s ago.
+    pub fn order(&mut self, order: Order, since: f32) {
+        self.order = Some(order);
+        self.since = since;
+    }
+
+    /// Whether the brake chopper is to be on at this voltage of the bus.
+    pub fn chops(&mut self, bus: f32) -> bool {
+        self.config.bus.run(bus)
+    }
+
+    /// Ends everything: the gates are to be off.
+    pub fn fail(&mut self, fault: Fault) {
+        self.fault.get_or_insert(fault);
+    }
+
+    /// Why the motor has no current.
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    /// A period: the current in d and q for the next, in A.
+    ///
+    /// # Errors
+    /// The gates are to be off.
+    pub fn run(&mut self, interrupt: &CurrentInterrupt, seen: &Seen) -> Result<Rotor, Fault> {
+        if let Some(fault) = self.fault {
+            return Err(fault);
+        }
+        let found = self.watch(interrupt, seen);
+        if let Some(fault) = found {
+            self.fail(fault);
+            return Err(fault);
+        }
+        let current = interrupt.current.current();
+        let keeps = fade(1.0 / SHOWN, self.config.period);
+        self.shown = Rotor {
+            d: current.d + keeps * (self.shown.d - current.d),
+            q: current.q + keeps * (self.shown.q - current.q),
+        };
+        let heat = self.thermal.run(current.square());
+        let share = self.config.derating.share(seen.temperature);
+        let actual = self.actual(interrupt);
+        let limits = self.limits(heat * share, actual.velocity, seen.bus);
+        let Some(order) = self.order else {
+            return Ok(Rotor::ZERO);
+        };
+        let (demand, is_position) = self.demand(&order);
+        if is_position != self.held {
+            self.held = is_position;
+            if is_position {
+                self.cascade.take_over(self.wanted, &demand, actual);
+            }
+        }
+        self.since += self.config.period;
+        let wanted = if is_position {
+            let wanted = self.cascade.run(&demand, actual, limits);
+            self.is_limited = self.cascade.is_limited();
+            wanted
+        } else {
+            let limits = self.below_speed(limits, order.speed, actual.velocity);
+            let asked = limit(demand.current, 1e4);
+            let given = between(asked, -limits.negative, limits.positive);
+            self.is_limited = given != asked;
+            given
+        };
+        self.wanted = wanted;
+        Ok(Rotor { d: 0.0, q: wanted })
+    }
+
+    /// What there is to tell.
+    pub fn report(&self, interrupt: &CurrentInterrupt) -> Report {
+        let current = self.shown;
+        let constant = self.motor.torque_constant();
+        let saliency = self.motor.inductance_d - self.motor.inductance_q;
+        let torque = constant * (1.0 + saliency * current.d / self.motor.flux) * current.q;
+        let size = root(current.square());
+        let is_on = self.fault.is_none();
+        Report {
+            demand: if is_on { self.wanted * constant } else { 0.0 },
+            torque: if is_on { torque } else { 0.0 },
+            current: match (is_on, current.q < 0.0) {
+                (false, _) => 0.0,
+                (true, true) => -size,
+                (true, false) => size,
+            },
+            velocity: self.actual(interrupt).velocity / self.count,
+            is_limited: is_on && self.is_limited,
+            is_hot: self.thermal.share() > 0.9,
+        }
+    }
+
+    fn actual(&self, interrupt: &CurrentInterrupt) -> Actual {
+        Actual {
+            position: interrupt.encoder.position(),
+            velocity: interrupt.observer.speed() / f32::from(self.motor.pole_pairs),
+        }
+    }
+
+    /// What the order says now, and whether it is a position.
+    fn demand(&mut self, order: &Order) -> (Demand, bool) {
+        let current = order.torque / self.motor.torque_constant();
+        let Goal::Position {
+            counts,
+            part,
+            velocity,
+            acceleration,
+        } = order.goal
+        else {
+            let demand = Demand {
+                current,
+                ..Demand::default()
+            };
+            return (demand, false);
+        };
+        // Where no order comes any more, the position stays.
+        let since = between(self.since, 0.0, 4e-3);
+        let on = (velocity + 0.5 * acceleration * since) * since;
+        self.beyond = limit(part as f32 * (1.0 / 4_294_967_296.0) + on, 1e6);
+        let whole = floor(self.beyond);
+        let demand = Demand {
+            position: Some(counts.saturating_add(whole.into())),
+            part: self.beyond - whole as f32,
+            velocity: (velocity + acceleration * since) * self.count,
+            acceleration: acceleration * self.count,
+            current,
+        };
+        (demand, true)
+    }
+
+    /// The least of all limits, as currents.
+    fn limits(&self, heat: f32, velocity: f32, bus: f32) -> Limits {
+        let (positive, negative) = self.order.map_or((0.0, 0.0), |order| order.most);
+        let by_torque = 1.0 / self.motor.torque_constant();
+        let braking = self.config.bus.braking(bus);
+        // Slow motion gives nothing back: what brakes there is lost in the winding.
+        let brakes = velocity.abs() > 1.0;
+        let within = |torque: f32, is_braking: bool| {
+            let most = between(torque * by_torque, 0.0, heat);
+            if is_braking && brakes {
+                most * braking
+            } else {
+                most
+            }
+        };
+        Limits {
+            positive: within(positive, velocity < 0.0),
+            negative: within(negative, velocity > 0.0),
+        }
+    }
+
+    /// What is left of the limits before a speed, in counts/s.
+    fn below_speed(&self, limits: Limits, speed: f32, velocity: f32) -> Limits {
+        let most = limit(speed, 1e12) * self.count;
+        let push = self.config.gains.velocity * self.motor.inertia / self.motor.torque_constant();
+        let left = |room: f32, limit: f32| between(push * room, -limit, limit);
+        Limits {
+            positive: left(most - velocity, limits.positive),
+            negative: left(most + velocity, limits.negative),
+        }
+    }
+
+    /// What cannot go on.
+    fn watch(&mut self, interrupt: &CurrentInterrupt, seen: &Seen) -> Option<Fault> {
+        let actual = self.actual(interrupt);
+        let current = interrupt.current.current();
+        let share = self.config.derating.share(seen.temperature);
+        if share <= 0.0 {
+            return Some(Fault::Temperature);
+        }
+        if !is_within(actual.velocity.abs(), 0.0, self.config.most_speed) {
+            return Some(Fault::OverSpeed);
+        }
+        let angle = interrupt.observer.angle().sine_cosine();
+        let asked = interrupt.current.demand().beside_stator(angle);
+        let carried = current.beside_stator(angle);
+        let phases = |stator: Stator| stator.phases(self.motor.wiring);
+        if self
+            .phase_loss
+            .run(phases(asked), phases(carried))
+            .is_some()
+        {
+            return Some(Fault::PhaseLost);
+        }
+        // A magnet that turns where the encoder stands drives what the model does not know.
+        let unknown = root(interrupt.current.unknown().square());
+        let known = self.motor.resistance * self.motor.rated_current + 0.03 * seen.bus;
+        let is_astray = unknown > known + UNKNOWN * self.motor.resistance * root(current.square());
+        self.astray = if is_astray {
+            self.astray + self.config.period
+        } else {
+            0.0
+        };
+        if self.astray > 5e-3 {
+            return Some(Fault::Encoder);
+        }
+        let is_blocked = self.blocked.run(self.wanted, actual.velocity);
+        (is_blocked && self.is_limited).then_some(Fault::Blocked)
+    }
+}
+
+/// The whole number below.
+fn floor(value: f32) -> i32 {
+    let whole = value as i32;
+    if (whole as f32) > value {
+        whole.saturating_sub(1)
+    } else {
+        whole
+    }
+}

@@ -1,0 +1,117 @@
+//! The cyclic modes on a loop: set-points by SYNC.
+
+use tests::drive::{INTERNAL_LIMIT, OPERATION_ENABLED, QUICK_STOP_ACTIVE, ServoBench};
+
+use super::{enable, hold, torque};
+
+/// Statusword bit 12: the drive follows the command value.
+const FOLLOWS: u16 = 1 << 12;
+
+/// In a cyclic mode with this object in RPDO 2, taken over at SYNC.
+fn cyclic(mode: u8, object: u32) -> ServoBench {
+    let mut drive = ServoBench::on_axis("servo_100w");
+    drive.map_pdo(0x1401, &[object], 1);
+    drive.write_u8(0x60C2, 1, 4);
+    enable(drive, mode)
+}
+
+/// A period of 4 ms: a set-point, if there is one, and SYNC.
+fn period(drive: &mut ServoBench, set_point: Option<&str>) {
+    let begin = drive.now();
+    if let Some(bytes) = set_point {
+        let length = bytes.split(' ').count();
+        drive.send(&format!("304 [{length}] {bytes}"));
+    }
+    drive.send("080 [0]");
+    let passed = drive.now().ticks() - begin.ticks();
+    drive.run_micros(4_000 - passed);
+}
+
+fn bytes(value: &[u8]) -> String {
+    let bytes: Vec<String> = value.iter().map(|byte| format!("{byte:02X}")).collect();
+    bytes.join(" ")
+}
+
+#[test]
+fn m45_a_torque_in_each_period_is_held_with_its_offset() {
+    let mut drive = cyclic(10, 0x6071_0010);
+    hold(&mut drive);
+    drive.write_i16(0x60B2, 0, 20);
+    for target in 0..40_i16 {
+        let target = (5 * target).min(100);
+        period(&mut drive, Some(&bytes(&target.to_le_bytes())));
+    }
+    assert_eq!(torque(&mut drive), 120);
+    assert_ne!(drive.statusword() & FOLLOWS, 0);
+    drive.write_u16(0x60E0, 0, 90);
+    for _ in 0..4 {
+        period(&mut drive, Some(&bytes(&100_i16.to_le_bytes())));
+    }
+    assert_eq!(torque(&mut drive), 90);
+    assert_eq!(
+        drive.statusword() & (FOLLOWS | INTERNAL_LIMIT),
+        INTERNAL_LIMIT
+    );
+}
+
+#[test]
+fn m45_torques_that_do_not_come_stop_the_motor() {
+    let mut drive = cyclic(10, 0x6071_0010);
+    for _ in 0..40 {
+        period(&mut drive, Some(&bytes(&60_i16.to_le_bytes())));
+    }
+    assert!(drive.read_i32(0x606C, 0) > 20_000);
+    for _ in 0..100 {
+        period(&mut drive, None);
+    }
+    assert!(
+        !OPERATION_ENABLED.is_shown_by(drive.statusword()) || drive.statusword() & FOLLOWS == 0
+    );
+    assert!(!QUICK_STOP_ACTIVE.is_shown_by(drive.statusword()));
+    let stands = drive.position();
+    drive.run_millis(50);
+    assert!((drive.position() - stands).abs() <= 2);
+}
+
+#[test]
+fn m45_positions_in_each_period_are_followed_by_the_loop() {
+    let mut drive = cyclic(8, 0x607A_0020);
+    let mut target = 0_i32;
+    let mut worst = 0;
+    for step in 0..150 {
+        // Up to 37,500 counts/s and down again, evenly, with 125,000 counts/s².
+        let speed = if step < 75 { step } else { 150 - step };
+        target += speed * 2;
+        period(&mut drive, Some(&bytes(&target.to_le_bytes())));
+        if step > 10 {
+            worst = worst.max(drive.axis().actuals().following_error.abs());
+        }
+    }
+    assert!(worst <= 6, "{worst}");
+    for _ in 0..30 {
+        period(&mut drive, Some(&bytes(&target.to_le_bytes())));
+    }
+    let away = drive.position() - i64::from(target);
+    assert!(away.abs() <= 1, "{away}");
+}
+
+#[test]
+fn m45_an_offset_of_the_torque_is_given_ahead() {
+    let mut drive = cyclic(8, 0x607A_0020);
+    // A load whose torque is known: with it ahead, the loop has nothing left to do.
+    let mut sags = [0; 2];
+    for (sag, offset) in sags.iter_mut().zip([0_i16, 300]) {
+        drive.plant().load_torque = 0.0;
+        drive.write_i16(0x60B2, 0, 0);
+        for _ in 0..60 {
+            period(&mut drive, Some(&bytes(&0_i32.to_le_bytes())));
+        }
+        drive.plant().load_torque = 0.3 * 0.319_92;
+        drive.write_i16(0x60B2, 0, offset);
+        for _ in 0..5 {
+            period(&mut drive, Some(&bytes(&0_i32.to_le_bytes())));
+            *sag = (*sag).max(drive.axis().actuals().following_error.abs());
+        }
+    }
+    assert!(sags[1] * 2 < sags[0], "{sags:?}");
+}
