@@ -50,7 +50,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         for record in records(&begins, direction, span * MICROSECOND) {
             (plant.pulses_mut().push(record)).map_err(|_| "too many pulses in one line")?;
         }
-        now = now + Duration::micros(span.into());
+        now += Duration::micros(span.into());
         plant.advance(now);
         let levels = plant.look();
         let levels =

@@ -54,7 +54,7 @@ pub struct VirtualDrive<D: Dictionary, A = StepAxis> {
     power_up: PowerUp,
     powered: bool,
     was_reset: bool,
-    node: Node<D, Machine, FactoryStore>,
+    node: BusNode<D>,
     control: Control<D, Arc<Memory>, A>,
     exchange: Exchange,
     controller: Controller,
@@ -225,7 +225,7 @@ impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
         &mut self,
         now: Instant,
     ) -> (
-        &mut Node<D, Machine, FactoryStore>,
+        &mut BusNode<D>,
         &mut Controller,
         &mut Received,
         Tasks<'_, D, A>,
@@ -305,12 +305,15 @@ where
     }
 }
 
+/// The half of the firmware that is on the bus.
+type BusNode<D> = Node<D, Machine, FactoryStore>;
+
 /// Both halves of a drive that has just got power.
 fn firmware<D: Dictionary + Objects + Default, A: Moving>(
     serial_number: u32,
     power_up: &PowerUp,
     mut store: Option<FactoryStore>,
-) -> (Node<D, Machine, FactoryStore>, Control<D, Arc<Memory>, A>) {
+) -> (BusNode<D>, Control<D, Arc<Memory>, A>) {
     let power_on: PowerOn = power_up.choose(&mut store, Controller::BIT_RATES);
     let (machine, scope) = machine();
     let dictionary = D::default();
@@ -344,7 +347,7 @@ impl Moving for ServoAxis {
 }
 
 /// The controller of a node that has just got power.
-fn controller<D: Dictionary + Objects>(node: &Node<D, Machine, FactoryStore>) -> Controller {
+fn controller<D: Dictionary + Objects>(node: &BusNode<D>) -> Controller {
     Controller::new(node.device().node().settings().bit_rate)
 }
 

@@ -1,7 +1,6 @@
 //! The CAN layer below the services: foreign frames, a bus that is blocked, random traffic.
 
 use canopen::{Duration, Frame};
-use embedded_can::{ExtendedId, Frame as _, StandardId};
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 use tests::{Bench, DriveBench};

@@ -287,7 +287,9 @@ impl Axis {
         Reference {
             position: state.position,
             velocity: state.velocity.speed(self.clock),
-            acceleration: acceleration.clamp(i32::MIN.into(), i32::MAX.into()) as i32,
+            acceleration: low::i32(low::i64(
+                acceleration.clamp(i32::MIN.into(), i32::MAX.into()),
+            )),
         }
     }
 

@@ -38,6 +38,12 @@ pub const fn u64(value: u128) -> u64 {
     value as u64
 }
 
+/// The low 16 bits, with the sign that they make.
+#[inline(always)]
+pub const fn i16(value: i64) -> i16 {
+    value as i16
+}
+
 /// The low 32 bits, with the sign that they make: positions are counted modulo 2³².
 #[inline(always)]
 pub const fn i32(value: i64) -> i32 {
@@ -59,6 +65,7 @@ mod tests {
         assert_eq!(super::u32(0x1_0000_0002), 2);
         assert_eq!(super::word(3), 3);
         assert_eq!(super::u64(1 << 64 | 5), 5);
+        assert_eq!(super::i16(0x8000), i16::MIN);
         assert_eq!(super::i32(0x8000_0000), i32::MIN);
         assert_eq!(super::i64(1 << 63), i64::MIN);
         assert_eq!(super::i64(-1), -1);

@@ -6,6 +6,7 @@
 //!
 //! Positions at the port are those of the board's encoder. Torques are in µN·m there: thousandths of 6076h, which is in mN·m.
 
+use motion::low;
 use motion::{
     Demand, Direction, FollowError, Limits, Position, PulseSink, Ramps, SignedSpeed, Speed,
 };
@@ -156,7 +157,7 @@ impl<L: EmitterLock> ServoAxis<L> {
             let counts = (position >> 32).wrapping_add(shift);
             ServoGoal::Position {
                 counts: near(counts, port.report().counts),
-                part: position as u32,
+                part: low::u32(position.cast_unsigned()),
                 velocity: self.turned(reference.velocity),
                 acceleration,
             }
@@ -203,7 +204,7 @@ impl<L: EmitterLock> ServoAxis<L> {
             value + half
         };
         let share = rounded.checked_div(rated.into()).unwrap_or(0);
-        share.clamp(i16::MIN.into(), i16::MAX.into()) as i16
+        low::i16(share.clamp(i16::MIN.into(), i16::MAX.into()))
     }
 }
 

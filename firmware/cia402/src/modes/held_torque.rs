@@ -5,7 +5,7 @@
 //! - A torque into a limit switch, or towards a software limit 607Dh from where the quick stop ramp would end beyond it, is not held: the motor
 //!   stops on that ramp and stays. A torque the other way is held at once.
 
-use motion::Ramps;
+use motion::{Ramps, low};
 
 use super::{Context, Parts};
 use crate::actuator::Actuator;
@@ -61,14 +61,14 @@ impl HeldTorque {
         let (low, high) = context.travel.increments;
         let deceleration = context.deceleration(StopRamp::QuickStop);
         // It can be told in the next tick, and takes effect some pulses later.
-        let way = i128::from(context.motor.committed_velocity().bits())
+        let distance = i128::from(context.motor.committed_velocity().bits())
             .wrapping_mul(i128::from(context.elapsed).wrapping_mul(2))
             .wrapping_div(1_000_000)
             >> 32;
         let rest = context
             .motor
             .stop_preview(deceleration, Ramps::Linear, false);
-        let end = rest.saturating_add(way as i64);
+        let end = rest.saturating_add(low::i64(distance));
         match sign {
             1 => end >= high,
             -1 => end <= low,

@@ -7,6 +7,8 @@
 //!
 //! Bit 10, target reached: 6074h is 6071h; during halt, the motor stands. Bit 11: a limit is in the way.
 
+use motion::low;
+
 use super::held_torque::HeldTorque;
 use super::{Context, Parts};
 use crate::actuator::Actuator;
@@ -72,7 +74,7 @@ impl ProfileTorque {
             .min(before.saturating_add(change));
         self.demand = Some(demand);
         // It lies between two numbers of 16 bits.
-        let bits = self.held.hold((demand / PARTS) as i16, context);
+        let bits = self.held.hold(low::i16(demand / PARTS), context);
         if demand == wanted {
             bits | TARGET_REACHED
         } else {

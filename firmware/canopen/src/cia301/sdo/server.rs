@@ -92,7 +92,7 @@ pub struct Server<B> {
     pub(super) time_out: Duration,
 }
 
-/// All zero; [`Server::reset`] goes before everything else.
+/// All zero; `Server::reset` goes before everything else.
 impl<B: Unused> Unused for Server<B> {
     const UNUSED: Self = Self {
         step: Step::Idle,
