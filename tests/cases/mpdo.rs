@@ -59,6 +59,9 @@ fn a_frame_for_another_node_or_in_the_other_mode_changes_nothing() {
     bench.send("204: 85 FF 5F 00 01 00 00 00");
     bench.silence(100);
     assert_eq!(bench.read_u32(0x2000, 0), 7);
+    bench.send("204: 84 00 20 00 01 00 00 00");
+    bench.silence(100);
+    assert_eq!(bench.read_u32(0x2000, 0), 1, "for this one");
 }
 
 #[test]
@@ -69,6 +72,10 @@ fn outside_operational_no_value_is_taken() {
     bench.send("204: 84 FF 5F 00 01 00 00 00");
     bench.silence(100);
     assert_eq!(bench.read_u32(0x2000, 0), 0);
+    bench.start();
+    bench.send("204: 84 00 20 00 01 00 00 00");
+    bench.silence(100);
+    assert_eq!(bench.read_u32(0x2000, 0), 1);
 }
 
 #[test]
@@ -127,6 +134,8 @@ fn a_value_is_sent_to_another_node_when_the_application_wants_it() {
     bench.silence(100);
     assert_eq!(bench.send_to(9, 0x6000, 1, [1, 2, 3, 4]), Ok(()));
     bench.expect("184: 89 00 60 01 01 02 03 04");
+    assert_eq!(bench.send_to(127, 0x6000, 1, [1, 2, 3, 4]), Ok(()));
+    bench.expect("184: FF 00 60 01 01 02 03 04");
     assert_eq!(bench.send_to(0, 0x6000, 2, [5, 0, 0, 0]), Ok(()));
     bench.expect("184: 80 00 60 02 05 00 00 00");
     bench.silence(100);

@@ -67,6 +67,10 @@ fn no_remote_request_is_answered_outside_operational() {
         bench.send(command);
         bench.send("184 [8] rtr");
         bench.silence(100);
+        bench.start();
+        bench.drain(5);
+        bench.send("184 [8] rtr");
+        bench.expect("184: 00");
     }
 }
 

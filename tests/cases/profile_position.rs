@@ -13,6 +13,9 @@ fn d16_enabling_with_an_old_target_moves_nothing() {
     drive.run_millis(500);
     assert_eq!(drive.position(), 0);
     assert_eq!(drive.statusword() & ACKNOWLEDGE, 0);
+    drive.begin_move(5_000);
+    drive.run_millis(500);
+    assert_ne!(drive.position(), 0, "with a set-point it does");
 }
 
 #[test]
@@ -175,6 +178,11 @@ fn m21_mode_0_holds_the_axis() {
     drive.command(0x0F);
     drive.run_millis(500);
     assert_eq!(drive.position(), 0);
+    drive.write_u8(0x6060, 0, 1);
+    drive.run_millis(10);
+    drive.begin_move(1_000);
+    drive.run_millis(500);
+    assert_ne!(drive.position(), 0, "in a mode it does");
 }
 
 #[test]
