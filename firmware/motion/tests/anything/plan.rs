@@ -95,11 +95,16 @@ pub fn check(bytes: &[u8]) {
         if is_linear {
             holds_acceleration(&next, &ticks, clock, limits);
         }
-        at += match bytes.byte() % 4 {
+        let later = match bytes.byte() % 4 {
             0 => 0,
             1 => bytes.number(40),
             _ => part_of(last(&next, at, clock) - at, bytes.word()),
         };
+        let Some(then) = at.checked_add(later) else {
+            // Time ends here, in 64 bits.
+            return;
+        };
+        at = then;
         plan = Some(next);
     }
 }
