@@ -257,7 +257,7 @@ fn r06_a_power_cut_in_the_save_of_one_group_leaves_the_others() {
 #[test]
 fn r06_a_power_cut_is_survived_at_every_fill_of_the_sectors_including_those_that_erase() {
     let mut erases = 0;
-    for saves in 0..5 {
+    for saves in 0..7 {
         let (flash, old) = filled(saves);
         erases = flash.erases;
         cut_everywhere(&flash, &old, ParameterSets::ALL);
