@@ -283,7 +283,7 @@ fn product() -> impl TypedValueParser<Value = Product> {
 /// Ready axes by their names.
 fn axis() -> impl TypedValueParser<Value = ServoAxisData> {
     PossibleValuesParser::new(AXES.map(|axis| axis.name)).try_map(|name| {
-        let axis = ServoAxisData::named(&name);
+        let axis = ServoAxisData::named(&name).map(ServoAxisData::at_work);
         axis.ok_or("there is no such axis")
     })
 }

@@ -35,7 +35,7 @@ pub fn play(product: Product, node: u8) -> Result<Story, Failure> {
     product.visit(Play(node))
 }
 
-/// Plays the demonstration of the drive on this axis on virtual time: a move, back, and a tenth of the rated torque against a brake.
+/// Plays the demonstration of the drive on this axis on virtual time: a move, back, and a tenth of the rated torque.
 ///
 /// # Errors
 /// The step that failed.
@@ -49,7 +49,7 @@ pub fn play_axis(axis: &ServoAxisData, node: u8) -> Result<Story, Failure> {
     script.enable()?;
     script.move_to(TARGET)?;
     script.move_to(0)?;
-    script.give_torque(axis, 100)?;
+    script.give_torque(100)?;
     script.switch_off()?;
     Ok(script.story())
 }
@@ -102,15 +102,12 @@ where
         }
     }
 
-    /// Profile torque, against a brake that holds the rotor.
-    fn give_torque(&mut self, axis: &ServoAxisData, target: i16) -> Result<(), Failure> {
-        let rated = f64::from(axis.motor().rated_torque());
-        let drive = self.master.station_mut(self.drive);
-        if let Some(servo) = drive.plant_mut().servo_mut() {
-            servo.plant_mut().load_brake = rated;
-        }
+    /// Profile torque, which the friction of the machine holds.
+    fn give_torque(&mut self, target: i16) -> Result<(), Failure> {
         self.master.write(self.node, 0x6060, 0, 4i8)?;
         self.master.write(self.node, 0x6071, 0, target)?;
+        // The bit of the move before goes first.
+        self.wait_for(TARGET_REACHED, 0, STATE_TIME)?;
         self.wait_for(TARGET_REACHED, TARGET_REACHED, MOVE_TIME)?;
         self.master.run_for(LOOK);
         let torque = self.master.read(self.node, 0x6077, 0)?;
@@ -155,11 +152,12 @@ where
         Ok(())
     }
 
-    /// A position window may be wide: the target counts as reached before the motor stands.
+    /// A position window may be wide: the target counts as reached before the motor stands, and a servo takes the last
+    /// count out of the friction by its integral.
     fn stand_still(&mut self) -> Result<i32, Failure> {
         let mut last = self.master.read(self.node, 0x6064, 0)?;
         loop {
-            self.master.run_for(LOOK);
+            self.master.run_for(STATE_TIME);
             let position = self.master.read(self.node, 0x6064, 0)?;
             if position == last {
                 return Ok(position);

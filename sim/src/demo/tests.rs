@@ -1,6 +1,7 @@
 use std::process::ExitCode;
 
 use super::*;
+use crate::plant::AXES;
 use master::bus::simulated::Interference;
 
 #[test]
@@ -70,6 +71,17 @@ fn every_product_goes_there_and_back() {
                 "{name}: at {position} for {target}"
             );
         }
+    }
+}
+
+/// A servo stands where it is sent to, and gives the torque that it is asked for.
+#[test]
+fn every_axis_goes_there_and_back_and_gives_its_torque() {
+    for axis in AXES {
+        let story = play_axis(&axis.at_work(), NODE_ID)
+            .unwrap_or_else(|failure| panic!("{}: {failure}", axis.name));
+        assert_eq!(story.arrivals, [(TARGET, TARGET), (0, 0)], "{}", axis.name);
+        assert_eq!(story.torques, [(100, 100)], "{}", axis.name);
     }
 }
 

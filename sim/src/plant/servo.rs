@@ -86,6 +86,13 @@ impl ServoAxisData {
         AXES.into_iter().find(|axis| axis.name == name)
     }
 
+    /// With a machine behind the motor, whose dry friction takes 15 % of the rated torque: a tenth of it is held, and does not run away as a
+    /// motor without a load does.
+    pub fn at_work(mut self) -> Self {
+        self.plant.load.coulomb_friction += 0.15 * f64::from(self.motor().rated_torque());
+        self
+    }
+
     /// The motor as the loops know it.
     pub fn motor(&self) -> Motor {
         let motor = &self.plant.motor;
