@@ -158,6 +158,7 @@ def test_pdos_are_edited_applied_and_seen_live(panel):
     enable(window)
     open_page(window, "pdos", "PDOs")
     fourth = window.locator("tr[data-pdo='TPDO 4']")
+    expect(fourth).to_be_visible()
     while fourth.locator(".take").count():
         fourth.locator(".take").first.click()
     fourth.locator("select.add").select_option("6064h:00")
