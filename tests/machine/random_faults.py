@@ -151,11 +151,12 @@ class NoisyBus(Fault):
 
 
 #: Codes of emergency messages (`firmware/cia402/src/faults.rs`) that say what has happened.
-SUPPLY, DRIVER, PULSES, BREAK, BUS_OFF, PASSIVE = 0x3220, 0x5400, 0x5200, 0x9000, 0x8140, 0x8120
+SUPPLY, DRIVER, PULSES, LATE, BREAK, BUS_OFF, PASSIVE = 0x3220, 0x5400, 0x5200, 0x6100, 0x9000, 0x8140, 0x8120
 
 #: What each fault may lead to, and by which codes it may be told.
 ALLOWED = {
-    LateAccess: ({WORKS_ON}, set()),
+    # Ten milliseconds in all at most: longer than pulses are committed ahead.
+    LateAccess: ({WORKS_ON, FAULT}, {LATE}),
     FailingFlash: ({WORKS_ON}, set()),
     DeafConverter: ({WORKS_ON}, set()),
     FailingStream: ({FAULT}, {PULSES}),
