@@ -6,11 +6,10 @@
 It needs `pip install canopen pyserial`. A drive to try it on: `cargo run -- serve --product s200 --slcan 127.0.0.1:2402`.
 """
 
-import argparse
 import struct
 import time
 
-import canopen
+from drive import add, connect, enable, save, until
 
 #: Its switches stand at 1; 500 kbit/s.
 NODE = 1
@@ -19,27 +18,17 @@ NODE = 1
 TURN = 65_536
 
 
-def until(drive, mask, value, seconds=20):
-    """Waits for bits of the statusword."""
-    end = time.monotonic() + seconds
-    while (word := drive.sdo[0x6041].raw) & mask != value:
-        assert time.monotonic() < end, f"statusword {word:04X}h"
-        time.sleep(0.01)
-
-
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--interface", required=True)
-    parser.add_argument("--channel", required=True)
-    arguments = parser.parse_args()
-    network = canopen.Network()
-    network.connect(interface=arguments.interface, channel=arguments.channel, bitrate=500_000)
-    drive = network.add_node(NODE, "products/s200/s200.eds")
-    drive.sdo.RESPONSE_TIMEOUT = 3
+    network = connect(__doc__, bitrate=500_000)
+    drive = add(network, NODE, "s200")
+
+    def send(controlword, target):
+        """RPDO 2: controlword and target velocity."""
+        network.send_message(0x300 + NODE, struct.pack("<Hi", controlword, target))
 
     # 7.6: units in counts, AENA = 0, stored.
     drive.sdo[0x3506][1].raw = 0
-    drive.sdo[0x1010][1].raw = int.from_bytes(b"save", "little")
+    save(drive)
 
     # 7.11: RPDO 2 gets controlword and target velocity, TPDO 2 statusword and position; the PDOs stay valid meanwhile.
     for index, entries in ((0x1601, (0x60400010, 0x60FF0020)), (0x1A01, (0x60410010, 0x60640020))):
@@ -54,14 +43,12 @@ def main():
     drive.nmt.send_command(0x01)
     drive.sdo[0x6060].raw = 3
     drive.sdo[0x6083].raw = drive.sdo[0x6084].raw = 10 * TURN
-    for controlword, state in ((0x06, 0x21), (0x07, 0x23), (0x0F, 0x27)):
-        network.send_message(0x300 + NODE, struct.pack("<Hi", controlword, 0))
-        until(drive, 0x6F, state)
-    network.send_message(0x300 + NODE, struct.pack("<Hi", 0x0F, TURN))
+    enable(drive, lambda controlword: send(controlword, 0))
+    send(0x0F, TURN)
     for _ in range(10):
         time.sleep(0.1)
         network.send_message(0x080, b"")
-    network.send_message(0x300 + NODE, struct.pack("<Hi", 0x0F, 0))
+    send(0x0F, 0)
     time.sleep(0.5)
     assert len(seen) >= 9, seen
     way = seen[-1][1] - seen[0][1]
