@@ -69,6 +69,8 @@ pub trait Mailboxes {
 #[derive(Debug)]
 pub struct Outbox<const PLACES: usize> {
     waiting: [Option<Frame>; PLACES],
+    /// So many wait; mostly none.
+    count: usize,
 }
 
 impl<const PLACES: usize> Outbox<PLACES> {
@@ -76,6 +78,7 @@ impl<const PLACES: usize> Outbox<PLACES> {
     pub const fn new() -> Self {
         Self {
             waiting: [None; PLACES],
+            count: 0,
         }
     }
 
@@ -127,7 +130,16 @@ impl<const PLACES: usize> Outbox<PLACES> {
     }
 
     /// The most urgent frame that waits: its place and its identifier.
+    #[inline]
     fn first(&self) -> Option<(usize, u16)> {
+        match self.count {
+            0 => None,
+            _ => self.search(),
+        }
+    }
+
+    #[inline(never)]
+    fn search(&self) -> Option<(usize, u16)> {
         let waiting = self.waiting.iter().enumerate();
         waiting
             .filter_map(|(place, frame)| Some((place, frame.as_ref()?.standard_id()?)))
@@ -136,20 +148,23 @@ impl<const PLACES: usize> Outbox<PLACES> {
 
     fn holds(&self, cob_id: u16) -> bool {
         let mut waiting = self.waiting.iter().flatten();
-        waiting.any(|frame| frame.standard_id() == Some(cob_id))
+        self.count != 0 && waiting.any(|frame| frame.standard_id() == Some(cob_id))
     }
 
     fn is_full(&self) -> bool {
-        self.waiting.iter().all(Option::is_some)
+        self.count == PLACES
     }
 
     fn remove(&mut self, place: Option<usize>) -> Option<Frame> {
-        self.waiting.get_mut(place?)?.take()
+        let frame = self.waiting.get_mut(place?)?.take()?;
+        self.count = self.count.saturating_sub(1);
+        Some(frame)
     }
 
     fn keep(&mut self, frame: Frame) {
         if let Some(free) = self.waiting.iter_mut().find(|place| place.is_none()) {
             *free = Some(frame);
+            self.count = self.count.saturating_add(1);
         }
     }
 }

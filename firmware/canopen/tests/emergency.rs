@@ -1,34 +1,33 @@
-//! Emergency producer: E01 to E10 of the listed cases.
+//! Emergency producer: error register, history, messages and their inhibit time.
 
 use crate::device::{Device, abort};
 use canopen::cia301::emergency::{Emergency, ErrorRegister};
-use canopen::cia301::nmt::{NmtState, Reset};
 
-const OVERCURRENT: Emergency = Emergency {
+pub const OVERCURRENT: Emergency = Emergency {
     code: 0x2310,
     register: ErrorRegister::CURRENT,
     info: [0x11, 0x22, 0x33, 0x44, 0x55],
 };
-const OVERHEATED: Emergency = Emergency {
+pub const OVERHEATED: Emergency = Emergency {
     code: 0x4210,
     register: ErrorRegister::TEMPERATURE,
     info: [0; 5],
 };
 
-fn report(device: &mut Device, emergency: Emergency) -> Vec<String> {
+pub fn report(device: &mut Device, emergency: Emergency) -> Vec<String> {
     device.node.report(emergency, device.now);
     device.poll();
     device.sent()
 }
 
-fn clear(device: &mut Device, code: u16) -> Vec<String> {
+pub fn clear(device: &mut Device, code: u16) -> Vec<String> {
     device.node.clear(code, device.now);
     device.poll();
     device.sent()
 }
 
 /// One of many different errors.
-fn error(number: u8) -> Emergency {
+pub fn error(number: u8) -> Emergency {
     Emergency {
         code: 0xFF00 + u16::from(number),
         register: ErrorRegister::MANUFACTURER,
@@ -322,166 +321,6 @@ fn e09_each_communication_error_comes_once_with_its_end() {
 }
 
 #[test]
-fn e09_a_receive_pdo_of_a_wrong_length_is_reported_by_the_device_itself() {
-    let mut device = Device::operational();
-    device.send("204 [2] 01 02");
-    assert_eq!(device.sent(), ["084: 10 82 11 01 00 00 00 00"]);
-    device.send("204: 01 02 03 04 05 06 07 08");
-    assert_eq!(device.sent(), ["084: 00 00 00 00 00 00 00 00"]);
-    device.send("204 [2] 01 02");
-    device.sent();
-    device.send("000 [2] 82 04");
-    device.serve_reset();
-    assert_eq!(
-        device.sent(),
-        ["704 [1] 00"],
-        "communication starts without its old errors, and says nothing more"
-    );
-    assert_eq!(device.value(0x1001, 0), [0]);
-}
-
-/// The second receive PDO listens to 304h.
-fn with_two_receive_pdos() -> Device {
-    let mut device = Device::operational();
-    assert_eq!(
-        device.ask("604: 23 01 14 01 04 03 00 00"),
-        ["584: 60 01 14 01 00 00 00 00"]
-    );
-    device
-}
-
-#[test]
-fn p21_length_errors_of_two_receive_pdos_come_and_go_by_themselves() {
-    let mut device = with_two_receive_pdos();
-    assert_eq!(
-        device.ask("204 [2] 01 02"),
-        ["084: 10 82 11 01 00 00 00 00"]
-    );
-    assert_eq!(
-        device.ask("304 [2] 01 02"),
-        ["084: 10 82 11 02 00 00 00 00"]
-    );
-    assert!(device.ask("204 [1] 01").is_empty(), "told once");
-    assert_eq!(
-        device.ask("204: 01 02 03 04 05 06 07 08"),
-        ["084: 00 00 11 00 00 00 00 00"],
-        "the other one stands"
-    );
-    assert_eq!(device.value(0x1001, 0), [0x11]);
-    assert_eq!(device.ask("204 [1] 01"), ["084: 10 82 11 01 00 00 00 00"]);
-    assert_eq!(
-        device.ask("304: 01 02 03 04 05 06 07 08"),
-        ["084: 00 00 11 00 00 00 00 00"]
-    );
-    assert_eq!(
-        device.ask("204: 01 02 03 04 05 06 07 08"),
-        ["084: 00 00 00 00 00 00 00 00"]
-    );
-    assert_eq!(device.value(0x1001, 0), [0]);
-}
-
-#[test]
-fn p21_a_receive_pdo_that_is_switched_off_ends_its_own_length_error() {
-    let mut device = with_two_receive_pdos();
-    device.ask("204 [2] 01 02");
-    device.ask("304 [2] 01 02");
-    assert_eq!(
-        device.ask("604: 23 01 14 01 04 03 00 80"),
-        [
-            "084: 00 00 11 00 00 00 00 00",
-            "584: 60 01 14 01 00 00 00 00"
-        ]
-    );
-    assert_eq!(
-        device.ask("204: 01 02 03 04 05 06 07 08"),
-        ["084: 00 00 00 00 00 00 00 00"]
-    );
-}
-
-#[test]
-fn y06_a_sync_error_ends_whatever_lengths_came_after_it() {
-    let mut device = Device::operational();
-    assert_eq!(device.ask("080 [1] 01"), ["084: 40 82 11 01 00 00 00 00"]);
-    assert!(device.ask("080 [2] 01 02").is_empty());
-    assert_eq!(device.ask("080 [0]"), ["084: 00 00 00 00 00 00 00 00"]);
-}
-
-#[test]
-fn e10_in_stopped_there_is_no_message_and_none_is_lost() {
-    let mut device = Device::new();
-    device.send("000 [2] 02 04");
-    assert_eq!(device.node.state(), NmtState::Stopped);
-    assert!(report(&mut device, OVERCURRENT).is_empty());
-    assert_eq!(device.value(0x1001, 0), [3]);
-    assert_eq!(device.value(0x1003, 1), [0x10, 0x23, 0x11, 0x22]);
-    assert!(device.pass(1000).is_empty());
-    device.send("000 [2] 80 04");
-    assert_eq!(
-        device.pass(1000),
-        [(0, "084: 10 23 03 11 22 33 44 55".to_owned())]
-    );
-    assert_eq!(clear(&mut device, 0x2310), ["084: 00 00 00 00 00 00 00 00"]);
-}
-
-#[test]
-fn e10_an_error_and_its_end_that_both_fell_into_stopped_go_out_both() {
-    let mut device = Device::new();
-    device.send("000 [2] 02 04");
-    assert!(report(&mut device, OVERCURRENT).is_empty());
-    assert!(clear(&mut device, 0x2310).is_empty());
-    assert_eq!(
-        device.ask("000 [2] 01 04"),
-        [
-            "084: 10 23 03 11 22 33 44 55",
-            "084: 00 00 00 00 00 00 00 00",
-            "184: 00 00 00 00 00 00 00 00"
-        ]
-    );
-}
-
-#[test]
-fn e10_a_message_that_waits_outlives_stop() {
-    let mut device = Device::new();
-    device.node.report(OVERCURRENT, device.now);
-    device.send("000 [2] 02 04");
-    assert!(device.sent().is_empty());
-    assert_eq!(
-        device.ask("000 [2] 80 04"),
-        ["084: 10 23 03 11 22 33 44 55"]
-    );
-}
-
-#[test]
-fn e10_an_error_told_before_stopped_ends_behind_it() {
-    let mut device = Device::new();
-    assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
-    device.send("000 [2] 02 04");
-    assert!(clear(&mut device, 0x2310).is_empty());
-    assert_eq!(
-        device.ask("000 [2] 80 04"),
-        ["084: 00 00 00 00 00 00 00 00"]
-    );
-}
-
-#[test]
-fn e10_the_inhibit_time_holds_across_stopped() {
-    let mut device = Device::new();
-    assert_eq!(
-        device.ask("604: 2B 15 10 00 88 13 00 00"),
-        ["584: 60 15 10 00 00 00 00 00"]
-    );
-    assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
-    assert!(report(&mut device, OVERHEATED).is_empty());
-    device.send("000 [2] 02 04");
-    assert!(device.pass(100).is_empty());
-    device.send("000 [2] 80 04");
-    assert_eq!(
-        device.pass(1000),
-        [(400, "084: 10 42 0B 00 00 00 00 00".to_owned())]
-    );
-}
-
-#[test]
 fn an_emergency_that_is_held_back_wakes_nobody_before_its_time() {
     let mut device = Device::new();
     assert_eq!(
@@ -567,104 +406,4 @@ fn a_mapped_error_register_is_sent_when_it_changes() {
         device.sent(),
         ["084: 00 00 00 00 00 00 00 00", "184 [1] 00"]
     );
-}
-
-#[test]
-fn errors_that_stand_are_told_again_after_reset_communication() {
-    let mut device = Device::new();
-    let motor = Emergency {
-        code: 0x7121,
-        register: ErrorRegister::CURRENT,
-        info: [1, 2, 3, 4, 5],
-    };
-    let gone = Emergency {
-        code: 0x4310,
-        register: ErrorRegister::TEMPERATURE,
-        info: [0; 5],
-    };
-    let supply = Emergency {
-        code: 0x3120,
-        register: ErrorRegister::VOLTAGE,
-        info: [0; 5],
-    };
-    for error in [motor, gone, supply] {
-        device.node.report(error, device.now);
-    }
-    device.node.clear(gone.code, device.now);
-    device.sent();
-    device.send("000 [2] 82 04");
-    device.serve_reset();
-    device.poll();
-    assert_eq!(
-        device.sent(),
-        [
-            "704 [1] 00",
-            "084: 21 71 07 01 02 03 04 05",
-            "084: 20 31 07 00 00 00 00 00"
-        ]
-    );
-    assert_eq!(device.value(0x1001, 0), [0x07]);
-    assert_eq!(device.value(0x1003, 0), [2]);
-    assert_eq!(device.value(0x1003, 1), [0x20, 0x31, 0, 0]);
-    assert_eq!(device.value(0x1003, 2), [0x21, 0x71, 1, 2]);
-    // They are the same errors: not told once more, and over once.
-    device.node.report(motor, device.now);
-    assert_eq!(device.sent(), [""; 0]);
-    device.node.clear(motor.code, device.now);
-    assert_eq!(device.sent(), ["084: 00 00 05 00 00 00 00 00"]);
-    // Reset node forgets them, and who still sees one reports it.
-    device.send("000 [2] 81 04");
-    assert_eq!(device.serve_reset(), Reset::Node);
-    device.poll();
-    assert_eq!(device.sent(), ["704 [1] 00"]);
-    assert_eq!(device.value(0x1001, 0), [0]);
-    assert_eq!(device.value(0x1003, 0), [0]);
-    assert_eq!(
-        report(&mut device, supply),
-        ["084: 20 31 05 00 00 00 00 00"]
-    );
-}
-
-#[test]
-fn a_device_that_has_lost_its_node_id_sends_no_emergency_message() {
-    for reset in ["000 [2] 82 04", "000 [2] 81 04"] {
-        let mut device = Device::new();
-        assert_eq!(report(&mut device, OVERCURRENT).len(), 1);
-        assert!(device.ask("7E5: 04 01 00 00 00 00 00 00").is_empty());
-        assert_eq!(
-            device.ask("7E5: 11 FF 00 00 00 00 00 00"),
-            ["7E4: 11 00 00 00 00 00 00 00"]
-        );
-        device.send(reset);
-        device.serve_reset();
-        assert!(device.sent().is_empty());
-        assert!(report(&mut device, OVERHEATED).is_empty(), "after {reset}");
-        assert!(clear(&mut device, OVERHEATED.code).is_empty());
-    }
-}
-
-#[test]
-fn a_device_without_a_node_id_drops_no_message_as_it_has_none() {
-    let mut device = Device::off_with(255);
-    device.boot(Reset::Node);
-    for number in 1..=20 {
-        assert!(report(&mut device, error(number)).is_empty());
-    }
-    assert_eq!(device.node.overflows(), 0);
-    // It gets a node-ID, and tells what it can of the errors that stand: the list has sixteen.
-    assert!(device.ask("7E5: 04 01 00 00 00 00 00 00").is_empty());
-    assert_eq!(
-        device.ask("7E5: 11 04 00 00 00 00 00 00"),
-        ["7E4: 11 00 00 00 00 00 00 00"]
-    );
-    device.send("7E5: 04 00 00 00 00 00 00 00");
-    device.serve_reset();
-    device.poll();
-    let sent = device.sent();
-    assert_eq!(sent.len(), 17, "{sent:?}");
-    assert_eq!(
-        (&*sent[0], &*sent[1]),
-        ("704 [1] 00", "084: 01 FF 81 01 01 01 01 01")
-    );
-    assert_eq!(device.node.overflows(), 0);
 }

@@ -5,9 +5,11 @@
 mod device;
 
 mod can_controller;
+mod configuration_date;
 mod deadlines;
 mod emergency;
 mod emergency_consumer;
+mod emergency_states;
 mod features;
 mod guarding;
 mod habits;
@@ -19,10 +21,12 @@ mod lss;
 mod lss_and_nmt;
 mod nmt;
 mod parameters;
+mod parameters_loading;
 mod pdo;
 mod pdo_parameters;
 mod pdo_times;
 mod random_frames;
+mod receive_errors;
 mod sdo;
 mod sdo_block_download;
 mod sdo_block_upload;

@@ -26,7 +26,7 @@ const SEGMENT: u32 = HZ / 1_000 / REFILLS;
 
 /// A motor that follows at once.
 #[derive(Default)]
-struct Motor {
+pub struct Motor {
     pending: Ticks,
     position: i64,
 }
@@ -48,7 +48,7 @@ impl PulseSink for Motor {
 }
 
 /// An exchange that can count how long it is locked.
-struct Timed {
+pub struct Timed {
     exchange: Exchange,
     is_timed: bool,
     /// Most instructions in one lock.
@@ -72,12 +72,13 @@ fn alone<R>(exchange: &mut Exchange, f: impl FnOnce(&mut Exchange) -> R) -> R {
     f(exchange)
 }
 
-struct Bench {
-    device: Device<Dictionary>,
+/// The drive with what is around it.
+pub struct Bench {
+    pub device: Device<Dictionary>,
     drive: Drive,
-    exchange: Timed,
+    pub exchange: Timed,
     motor: Motor,
-    now: Instant,
+    pub now: Instant,
     /// From here on the home switch, input 3, is active.
     home: i64,
     /// Most instructions in one control tick.
@@ -100,7 +101,15 @@ fn tick(drive: &mut Drive, now: Instant, levels: u8, motor: &mut Motor, exchange
 impl Bench {
     /// A millisecond: refills, then a control tick, whose instructions it gives, then the node task.
     fn millisecond(&mut self) -> u32 {
-        self.now += TICK;
+        let count = self.tick(self.now + TICK);
+        self.device.poll(self.now, &mut self.exchange);
+        while self.device.transmit().is_some() {}
+        count
+    }
+
+    /// The refills of a millisecond, and the control tick at its end, `now`, whose instructions it gives.
+    pub fn tick(&mut self, now: Instant) -> u32 {
+        self.now = now;
         for _ in 0..REFILLS {
             self.motor.pending = self.motor.pending.saturating_sub(SEGMENT.into());
             self.drive.refill(&mut self.motor);
@@ -116,8 +125,6 @@ impl Bench {
             );
         });
         self.worst = self.worst.max(count);
-        self.device.poll(self.now, &mut self.exchange);
-        while self.device.transmit().is_some() {}
         count
     }
 }
@@ -167,7 +174,7 @@ impl Bench {
     /// A drive that has just got power.
     // Out of line, so that it is made where it stays: the stack has no room for it twice.
     #[inline(never)]
-    fn new(is_timed: bool) -> Self {
+    pub fn new(is_timed: bool) -> Self {
         let settings = Settings {
             node_id: NodeId::new(10).unwrap(),
             bit_rate: BitRate::Kbit1000,

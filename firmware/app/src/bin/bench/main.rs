@@ -18,6 +18,7 @@ mod device;
 mod drive;
 mod longest;
 mod lookup;
+mod passes;
 mod plans;
 mod pulses;
 mod scope;
@@ -76,6 +77,8 @@ fn main() -> ! {
     drive::run();
     scope::run();
     servo::run();
+    heading("The whole drive");
+    passes::run();
     drive::ticks();
     heading("Share of the CPU at full bus load");
     device::load();
