@@ -29,8 +29,13 @@ fn d02_shutdown_switch_on_enable_operation() {
 #[test]
 fn d03_enable_operation_does_nothing_in_switch_on_disabled() {
     let mut drive = DriveBench::started(4);
-    drive.command(0x0F);
-    drive.stays_in(SWITCH_ON_DISABLED, 100);
+    for controlword in [0x0F, 0x07] {
+        drive.command(controlword);
+        drive.stays_in(SWITCH_ON_DISABLED, 100);
+    }
+    // Not before "shutdown".
+    drive.command(0x06);
+    drive.reaches(READY_TO_SWITCH_ON, 10);
 }
 
 #[test]
@@ -77,45 +82,6 @@ fn d06_quick_stop_and_disable_voltage_below_operation_enabled() {
         drive.reaches(SWITCHED_ON, 10);
         drive.command(controlword);
         drive.reaches(SWITCH_ON_DISABLED, 10);
-    }
-}
-
-#[test]
-fn d07_other_bits_of_the_controlword_do_not_disturb_a_command() {
-    for (shutdown, switch_on, enable) in [
-        (0x0106, 0x0107, 0x010F),
-        (0x8006, 0x8007, 0x800F),
-        (0xF846, 0xF847, 0xF84F),
-    ] {
-        let mut drive = DriveBench::started(4);
-        drive.command(shutdown);
-        drive.reaches(READY_TO_SWITCH_ON, 10);
-        drive.command(switch_on);
-        drive.reaches(SWITCHED_ON, 10);
-        drive.command(enable);
-        drive.reaches(OPERATION_ENABLED, 10);
-    }
-}
-
-#[test]
-fn d08_enable_operation_leaves_quick_stop_with_options_5_and_6_only() {
-    for option in [5, 6] {
-        let mut drive = DriveBench::enabled(4);
-        drive.write_i16(0x605A, 0, option);
-        drive.command(0x02);
-        drive.reaches(QUICK_STOP_ACTIVE, 10);
-        drive.command(0x0F);
-        drive.reaches(OPERATION_ENABLED, 10);
-    }
-    for option in [1, 2] {
-        let mut drive = DriveBench::enabled(4);
-        drive.write_i16(0x605A, 0, option);
-        drive.begin_move(100_000);
-        drive.run_millis(200);
-        drive.command(0x02);
-        drive.reaches(QUICK_STOP_ACTIVE, 10);
-        drive.command(0x0F);
-        drive.reaches(SWITCH_ON_DISABLED, 1_000);
     }
 }
 
@@ -179,8 +145,10 @@ fn d12_a_fault_that_persists_returns_with_a_new_emergency() {
 #[test]
 fn d13_a_mode_that_is_not_there_is_refused() {
     let mut drive = DriveBench::started(4);
-    drive.refused("604: 2F 60 60 00 05", 0x0609_0030);
-    assert_eq!(drive.read_i8(0x6061, 0), 1);
+    for mode in [0x05, 0x04, 0xFF, 0x80] {
+        drive.refused(&format!("604: 2F 60 60 00 {mode:02X}"), 0x0609_0030);
+        assert_eq!(drive.read_i8(0x6061, 0), 1);
+    }
 }
 
 #[test]
@@ -219,11 +187,15 @@ fn n18_reset_node_while_moving_stops_first_then_boots() {
 fn d32_the_supported_modes_are_those_that_are_accepted() {
     let mut drive = DriveBench::started(4);
     let supported = drive.read_u32(0x6502, 0);
-    for mode in 1..=32_u8 {
-        let accepted = drive.try_write(0x6060, 0, &[mode]).is_ok();
-        assert_eq!(accepted, supported >> (mode - 1) & 1 == 1, "mode {mode}");
+    for mode in i8::MIN..=i8::MAX {
+        let accepted = drive.try_write(0x6060, 0, &mode.to_le_bytes()).is_ok();
+        let expected = match mode {
+            0 => true,
+            1..=32 => supported >> (mode - 1) & 1 == 1,
+            _ => false,
+        };
+        assert_eq!(accepted, expected, "mode {mode}");
     }
-    drive.try_write(0x6060, 0, &[0]).unwrap();
 }
 
 #[test]

@@ -68,17 +68,6 @@ fn what_comes_with_each_rpdo_is_no_new_configuration() {
 }
 
 #[test]
-fn d13_an_unsupported_mode_is_refused() {
-    let mut station = Station::new();
-    station.milliseconds(3);
-    for mode in [5, 4, 0xFF, 0x80] {
-        assert_eq!(station.download(0x6060, 0, 1, mode), Err(0x0609_0030));
-        station.milliseconds(2);
-        assert_eq!(station.upload(0x6061, 0), 1);
-    }
-}
-
-#[test]
 fn m18_an_unsupported_mode_in_a_pdo_is_ignored() {
     let mut station = Station::operational();
     station.send(0x204, &[0x06, 0x00, 0x05]);
@@ -90,24 +79,6 @@ fn m18_an_unsupported_mode_in_a_pdo_is_ignored() {
         State::ReadyToSwitchOn,
         "the controlword beside it counts"
     );
-}
-
-#[test]
-fn d32_the_modes_accepted_are_those_of_6502h() {
-    let mut station = Station::new();
-    station.milliseconds(3);
-    let supported = station.upload(0x6502, 0);
-    for mode in -128i8..=127 {
-        let accepted = station
-            .download(0x6060, 0, 1, u32::from(mode.cast_unsigned()))
-            .is_ok();
-        let expected = match mode {
-            0 => true,
-            1..=32 => supported & 1 << (mode - 1) != 0,
-            _ => false,
-        };
-        assert_eq!(accepted, expected, "mode {mode}");
-    }
 }
 
 #[test]
@@ -174,20 +145,6 @@ fn m02_every_step_of_enabling_shows_in_a_pdo() {
 }
 
 #[test]
-fn d11_bit_7_set_and_cleared_within_a_tick_resets() {
-    let mut station = Station::operational();
-    station.fault = Some(0x4210);
-    station.milliseconds(5);
-    assert_eq!(station.state(), State::Fault);
-    station.fault = None;
-    station.milliseconds(2);
-    station.send(0x204, &[0x80, 0x00, 0x01]);
-    station.send(0x204, &[0x00, 0x00, 0x01]);
-    station.milliseconds(2);
-    assert_eq!(station.state(), State::SwitchOnDisabled);
-}
-
-#[test]
 fn m10_a_fault_sends_one_emergency_with_the_code_of_603fh() {
     let mut station = Station::enabled();
     station.fault = Some(0x4210);
@@ -215,26 +172,6 @@ fn m10_a_fault_sends_one_emergency_with_the_code_of_603fh() {
             .contains(&"084 00 00 00 00 00 00 00 00".into())
     );
     assert_eq!(station.upload(0x1001, 0), 0);
-}
-
-#[test]
-fn d12_a_reset_with_the_cause_present_sends_the_emergency_again() {
-    let mut station = Station::enabled();
-    station.fault = Some(0x4210);
-    station.milliseconds(20);
-    station.take();
-    station.send(0x204, &[0x80, 0x00, 0x01]);
-    station.milliseconds(5);
-    let frames = station.take();
-    assert!(
-        frames.contains(&"084 10 42 09 00 00 00 00 00".into()),
-        "{frames:?}"
-    );
-    assert!(
-        !frames.iter().any(|frame| frame.starts_with("184")),
-        "no flicker: {frames:?}"
-    );
-    assert_eq!(station.state(), State::Fault);
 }
 
 #[test]

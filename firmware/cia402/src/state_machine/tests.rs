@@ -33,15 +33,6 @@ fn command(command: Command) -> Conditions {
 }
 
 #[test]
-fn d01_a_drive_becomes_switch_on_disabled_without_a_command() {
-    let mut machine = StateMachine::new();
-    assert_eq!(machine.state(), State::NotReadyToSwitchOn);
-    assert_eq!(machine.step(NOW, &CALM).map(|t| t.number), Some(1));
-    assert_eq!(machine.state(), State::SwitchOnDisabled);
-    assert_eq!(machine.step(NOW, &CALM), None);
-}
-
-#[test]
 fn every_number_of_the_standard_is_in_the_table() {
     for number in 1..=16 {
         assert!(
@@ -64,44 +55,6 @@ fn every_state_has_a_statusword_of_its_own() {
     // Bit 5 is free in some states.
     assert_eq!(State::from_statusword(0x60), Some(State::SwitchOnDisabled));
     assert_eq!(State::from_statusword(0x28), Some(State::Fault));
-}
-
-#[test]
-fn d06_stopping_commands_before_operation_lead_to_switch_on_disabled() {
-    for from in [State::ReadyToSwitchOn, State::SwitchedOn] {
-        for stop in [Command::QuickStop, Command::DisableVoltage] {
-            let mut machine = machine_in(from, QuickStopOption::QuickStopRamp);
-            let number = machine.step(NOW, &command(stop)).map(|t| t.number);
-            assert_eq!(
-                number,
-                Some(if from == State::ReadyToSwitchOn {
-                    7
-                } else {
-                    10
-                })
-            );
-            assert_eq!(machine.state(), State::SwitchOnDisabled);
-        }
-    }
-}
-
-#[test]
-fn d08_resume_needs_an_option_that_stays_and_a_motor_at_rest() {
-    for option in QuickStopOption::ALL {
-        let mut machine = machine_in(State::QuickStopActive, option);
-        let enable = command(Command::EnableOperation);
-        let moving = Conditions {
-            standstill: false,
-            ..enable
-        };
-        assert_eq!(machine.step(NOW, &moving), None, "{option:?}");
-        let end = machine.step(NOW, &enable).map(|t| t.number);
-        assert_eq!(
-            end,
-            Some(if option.stays() { 16 } else { 12 }),
-            "{option:?}"
-        );
-    }
 }
 
 #[test]

@@ -202,38 +202,6 @@ fn m11_a_reset_does_not_enable() {
 }
 
 #[test]
-fn d11_a_short_edge_between_two_ticks_resets() {
-    let mut rig = Rig::enabled();
-    rig.fault = Some(OVER_TEMPERATURE);
-    rig.ticks(3);
-    rig.fault = None;
-    rig.write(0x00);
-    rig.tick();
-    rig.write(0x80);
-    rig.write(0x00);
-    rig.tick();
-    assert_eq!(rig.state(), State::SwitchOnDisabled);
-}
-
-#[test]
-fn d12_a_reset_with_the_cause_present_stays_in_fault_and_tells_again() {
-    let mut rig = Rig::enabled();
-    rig.fault = Some(OVER_TEMPERATURE);
-    rig.ticks(3);
-    assert_eq!(rig.notices(), [Raised(OVER_TEMPERATURE)]);
-    rig.write(0x80);
-    for _ in 0..10 {
-        rig.tick();
-        assert_eq!(rig.state(), State::Fault);
-    }
-    assert_eq!(
-        rig.notices(),
-        [Cleared(OVER_TEMPERATURE), Raised(OVER_TEMPERATURE)]
-    );
-    assert_eq!(rig.actuals().error_code, OVER_TEMPERATURE);
-}
-
-#[test]
 fn m12_a_fault_reset_in_another_state_does_nothing() {
     let mut rig = Rig::enabled();
     rig.write(0x8F);

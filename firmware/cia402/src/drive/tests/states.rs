@@ -1,59 +1,8 @@
 use proptest::prelude::*;
 
+use crate::Command;
 use crate::state_machine::{State, TRANSITIONS, Trigger};
 use crate::testing::{Rig, quick_stop};
-use crate::{Command, statusword};
-
-#[test]
-fn d01_power_on_leads_to_switch_on_disabled() {
-    let mut rig = Rig::new();
-    assert_eq!(rig.state(), State::NotReadyToSwitchOn);
-    rig.tick();
-    assert_eq!(
-        rig.actuals().statusword,
-        0x0050,
-        "no command yet, so not remote"
-    );
-    rig.post();
-    assert_eq!(rig.tick().statusword, 0x0250);
-    assert!(!rig.outputs.power_stage);
-}
-
-#[test]
-fn d02_enabling_goes_through_every_state() {
-    let mut rig = Rig::new();
-    rig.ticks(2);
-    for (controlword, state) in [(0x06, 0x21), (0x07, 0x23), (0x0F, 0x27)] {
-        rig.write(controlword);
-        assert_eq!(rig.tick().statusword & 0x6F, state);
-        assert_eq!(rig.outputs.power_stage, state == 0x27);
-    }
-}
-
-#[test]
-fn d03_enabling_needs_shutdown_first() {
-    let mut rig = Rig::new();
-    rig.ticks(2);
-    rig.write(0x0F);
-    rig.ticks(10);
-    assert_eq!(rig.state(), State::SwitchOnDisabled);
-    rig.write(0x07);
-    rig.ticks(10);
-    assert_eq!(rig.state(), State::SwitchOnDisabled);
-}
-
-#[test]
-fn d04_enable_operation_passes_switched_on() {
-    let mut rig = Rig::new();
-    rig.ticks(2);
-    rig.write(0x06);
-    rig.tick();
-    rig.write(0x0F);
-    rig.tick();
-    assert_eq!(rig.state(), State::SwitchedOn);
-    rig.tick();
-    assert_eq!(rig.state(), State::OperationEnabled);
-}
 
 #[test]
 fn m03_transitions_3_and_4_need_ready_to_switch_on() {
@@ -85,55 +34,6 @@ fn m03_transitions_3_and_4_need_ready_to_switch_on() {
 }
 
 #[test]
-fn d05_operation_enabled_is_left_by_every_command() {
-    for (controlword, state) in [
-        (0x07, State::SwitchedOn),
-        (0x06, State::ReadyToSwitchOn),
-        (0x00, State::SwitchOnDisabled),
-        (0x02, State::QuickStopActive),
-    ] {
-        let mut rig = Rig::enabled();
-        rig.write(controlword);
-        rig.tick();
-        assert_eq!(rig.state(), state);
-        assert_eq!(rig.outputs.power_stage, state == State::QuickStopActive);
-    }
-}
-
-#[test]
-fn d06_stopping_before_operation_leads_to_switch_on_disabled() {
-    for path in [&[0x06][..], &[0x06, 0x07]] {
-        for stop in [0x00, 0x02] {
-            let mut rig = Rig::new();
-            rig.ticks(2);
-            for &controlword in path {
-                rig.write(controlword);
-                rig.tick();
-            }
-            rig.write(stop);
-            rig.tick();
-            assert_eq!(
-                rig.state(),
-                State::SwitchOnDisabled,
-                "{path:02X?} {stop:02X}"
-            );
-        }
-    }
-}
-
-#[test]
-fn m13_voltage_enabled_follows_the_supply_in_every_state() {
-    let mut rig = Rig::new();
-    rig.ticks(2);
-    for supply in [false, true, false] {
-        rig.supply = supply;
-        rig.tick();
-        assert_eq!(rig.has(statusword::VOLTAGE_ENABLED), supply);
-        assert_eq!(rig.state(), State::SwitchOnDisabled);
-    }
-}
-
-#[test]
 fn m04_disable_voltage_cuts_the_power_at_once() {
     let mut rig = Rig::enabled();
     rig.set_point(100_000, 0);
@@ -147,40 +47,6 @@ fn m04_disable_voltage_cuts_the_power_at_once() {
     rig.ticks(10);
     assert_eq!(rig.motor.position, stopped, "no pulse leaves without power");
     assert_eq!(i64::from(rig.actuals().position_demand), stopped);
-}
-
-#[test]
-fn m17_reserved_bits_change_nothing() {
-    let mut rig = Rig::new();
-    rig.ticks(2);
-    for (controlword, state) in [
-        (0xF806, 0x21),
-        (0xF807, 0x23),
-        (0xF80F, 0x27),
-        (0x080F, 0x27),
-    ] {
-        rig.write(controlword);
-        assert_eq!(rig.tick().statusword & 0x6F, state);
-    }
-}
-
-#[test]
-fn m38_disabled_on_the_way_the_target_is_forgotten() {
-    let mut rig = Rig::enabled();
-    rig.set_point(100_000, 0);
-    rig.ticks(200);
-    rig.write(0x07);
-    rig.tick();
-    assert_eq!(rig.state(), State::OperationEnabled, "it slows down first");
-    rig.until("switched on", |rig| rig.state() == State::SwitchedOn);
-    assert!(!rig.outputs.power_stage);
-    let stopped = rig.motor.position;
-    assert!(stopped > 1_500 && stopped < 3_000, "{stopped}");
-    rig.write(0x0F);
-    rig.ticks(100);
-    assert_eq!(rig.state(), State::OperationEnabled);
-    assert!(!rig.acknowledged());
-    assert_eq!(rig.motor.position, stopped);
 }
 
 #[test]

@@ -200,19 +200,6 @@ fn m20_a_held_start_bit_starts_nothing_with_the_mode() {
 }
 
 #[test]
-fn d26_without_operation_enabled_nothing_is_begun() {
-    let mut rig = homing(37);
-    rig.write(0x07);
-    rig.ticks(3);
-    rig.write(0x17);
-    rig.ticks(3);
-    assert!(!rig.actuals().referenced);
-    rig.write(START);
-    rig.ticks(5);
-    assert!(!rig.actuals().referenced);
-}
-
-#[test]
 fn disabling_interrupts_and_enabling_does_not_go_on() {
     let mut rig = homing(19);
     rig.write(START);
@@ -320,41 +307,6 @@ fn m54_a_limit_switch_stops_and_leaves_the_way_back_free() {
     assert!(rig.reached() && !rig.has(INTERNAL_LIMIT));
     let target_reached = rig.has(TARGET_REACHED);
     assert!(target_reached);
-}
-
-#[test]
-fn m55_a_limit_switch_active_at_power_on_lets_the_motor_away() {
-    let mut rig = Rig::new();
-    rig.configuration.inputs.negative_limit = 2;
-    rig.digital.levels = 2;
-    rig.ticks(2);
-    rig.enable();
-    rig.set_point(-10, 0);
-    rig.ticks(50);
-    assert_eq!(rig.motor.position, 0);
-    rig.set_point(1_000, 0);
-    rig.ticks(20);
-    rig.digital.levels = 0;
-    assert_eq!(rig.rest(), 1_000);
-}
-
-#[test]
-fn m56_both_limit_switches_are_a_fault_and_nothing_moves() {
-    let mut rig = limited();
-    rig.digital.levels = 6;
-    rig.ticks(5);
-    assert_eq!(rig.state(), State::Fault);
-    assert_eq!(rig.actuals().error_code, 0x8612);
-    // It returns as long as the drive is enabled with both of them.
-    rig.write(0x80);
-    rig.ticks(3);
-    rig.write(0x00);
-    rig.ticks(3);
-    rig.digital.levels = 4;
-    rig.ticks(2);
-    rig.write(0x80);
-    rig.ticks(2);
-    assert_eq!(rig.state(), State::SwitchOnDisabled);
 }
 
 #[test]

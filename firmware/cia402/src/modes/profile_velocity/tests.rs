@@ -36,20 +36,6 @@ fn roughest(rig: &mut Rig, ticks: usize) -> i64 {
 }
 
 #[test]
-fn d27_the_motor_keeps_60ffh() {
-    let mut rig = enabled();
-    assert!(rig.has(TARGET_REACHED | SPEED_ZERO), "0 is kept");
-    run(&mut rig, 10_000);
-    rig.ticks(50);
-    assert!(!rig.has(TARGET_REACHED) && !rig.has(SPEED_ZERO));
-    rig.ticks(150);
-    assert!(rig.reached());
-    assert_eq!(rig.speed(), 10);
-    assert_eq!(rig.actuals().velocity_demand, 10_000);
-    assert_eq!(rig.actuals().velocity_actual, 10_000);
-}
-
-#[test]
 fn m41_a_change_in_the_ramp_goes_on_without_a_jump() {
     let mut rig = enabled();
     run(&mut rig, 10_000);
@@ -92,22 +78,6 @@ fn d27_halt_stops_and_release_runs_again() {
     rig.write(0x0F);
     rig.ticks(200);
     assert_eq!(rig.speed(), 5);
-}
-
-#[test]
-fn m43_a_velocity_written_before_counts_from_operation_enabled_on() {
-    let mut rig = enabled();
-    rig.write(0x07);
-    rig.ticks(5);
-    run(&mut rig, 3_000);
-    rig.ticks(50);
-    assert_eq!(rig.motor.position, 0);
-    rig.write(0x10F);
-    rig.ticks(50);
-    assert_eq!(rig.motor.position, 0, "halt");
-    rig.write(0x0F);
-    rig.ticks(100);
-    assert_eq!(rig.speed(), 3);
 }
 
 #[test]

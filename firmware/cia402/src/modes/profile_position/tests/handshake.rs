@@ -6,42 +6,6 @@ use crate::state_machine::State;
 use crate::testing::Rig;
 
 #[test]
-fn d16_enabling_with_an_old_target_moves_nothing() {
-    let mut rig = Rig::new();
-    rig.commands.target_position = 5_000;
-    rig.ticks(2);
-    for controlword in [0x06, 0x07, 0x0F] {
-        rig.write(controlword);
-        rig.tick();
-    }
-    rig.ticks(100);
-    assert_eq!(rig.motor.position, 0);
-    assert!(!rig.acknowledged());
-    assert!(rig.reached(), "the motor stands where it is told to stand");
-}
-
-#[test]
-fn d17_the_handshake() {
-    let mut rig = Rig::enabled();
-    rig.ticks(20);
-    assert!(rig.reached() && !rig.acknowledged());
-    rig.set_point(3_000, 0);
-    rig.tick();
-    assert!(
-        rig.acknowledged() && !rig.reached(),
-        "in the same statusword"
-    );
-    rig.tick();
-    assert!(rig.acknowledged());
-    rig.write(0x0F);
-    rig.tick();
-    assert!(!rig.acknowledged());
-    assert_eq!(rig.rest(), 3_000);
-    rig.ticks(20);
-    assert!(rig.reached() && !rig.acknowledged());
-}
-
-#[test]
 fn m24_the_acknowledge_shows_for_an_edge_between_two_ticks() {
     let mut rig = Rig::enabled();
     rig.set_point(1_000, 0);
@@ -51,17 +15,6 @@ fn m24_the_acknowledge_shows_for_an_edge_between_two_ticks() {
     rig.tick();
     assert!(!rig.acknowledged());
     assert_eq!(rig.rest(), 1_000);
-}
-
-#[test]
-fn m25_bit_4_held_takes_one_set_point() {
-    let mut rig = Rig::enabled();
-    rig.set_point(1_000, RELATIVE);
-    assert_eq!(rig.rest(), 1_000);
-    rig.post();
-    rig.ticks(100);
-    assert_eq!(rig.motor.position, 1_000);
-    assert!(rig.acknowledged(), "until bit 4 falls");
 }
 
 #[test]
@@ -79,32 +32,6 @@ fn m26_bit_4_in_the_enabling_controlword_is_no_set_point() {
     assert!(!rig.acknowledged());
     rig.set_point(70, 0);
     assert_eq!(rig.rest(), 70);
-}
-
-#[test]
-fn d18_a_set_point_waits_and_a_third_is_not_taken() {
-    let mut rig = Rig::enabled();
-    rig.set_point(2_000, 0);
-    rig.tick();
-    rig.write(0x0F);
-    rig.tick();
-    assert!(!rig.acknowledged());
-    rig.set_point(500, 0);
-    rig.tick();
-    assert!(rig.acknowledged());
-    rig.write(0x0F);
-    rig.tick();
-    assert!(rig.acknowledged(), "there is no room");
-    rig.set_point(9_000, 0);
-    rig.tick();
-    rig.write(0x0F);
-    rig.until("second set-point under way", |rig| !rig.acknowledged());
-    assert!(
-        (1_990..=2_000).contains(&rig.motor.position),
-        "the first one is done: {}",
-        rig.motor.position
-    );
-    assert_eq!(rig.rest(), 500);
 }
 
 #[test]

@@ -119,19 +119,6 @@ fn m20_a_mode_change_works_in_fault() {
 }
 
 #[test]
-fn m21_without_a_mode_nothing_moves() {
-    let mut rig = Rig::enabled();
-    rig.commands.mode = 0;
-    rig.post();
-    rig.ticks(2);
-    rig.set_point(1_000, 0);
-    rig.ticks(50);
-    assert_eq!(rig.motor.position, 0);
-    assert_eq!(rig.actuals().statusword & 0x3C00, 0);
-    assert_eq!(rig.state(), State::OperationEnabled);
-}
-
-#[test]
 fn m23_a_mode_begins_with_its_bits_at_rest() {
     let mut rig = Rig::enabled();
     rig.configuration.position_limits = (-10, 10);
