@@ -16,12 +16,12 @@ NETWORK = ROOT / "od-gen" / "tests" / "data" / "network"
 pytestmark = pytest.mark.only("virtual")
 
 
-@pytest.fixture(scope="module")
-def made(pytestconfig, tmp_path_factory):
+@pytest.fixture(scope="module", params=["machine.toml", "machine.yaml"])
+def made(request, pytestconfig, tmp_path_factory):
     """What both make of the same network: the folder of od-gen, and that of dcfgen."""
     ours, theirs = tmp_path_factory.mktemp("ours"), tmp_path_factory.mktemp("theirs")
     od_gen = pytestconfig.getoption("--od-gen")
-    subprocess.run([od_gen, "network", NETWORK / "machine.toml", "--output", ours], check=True)
+    subprocess.run([od_gen, "network", NETWORK / request.param, "--output", ours], check=True)
     dcfgen = pathlib.Path(sys.executable).parent / "dcfgen"
     subprocess.run([dcfgen, "-r", "-d", theirs, "machine.yml"], cwd=NETWORK, check=True)
     return ours, theirs

@@ -1,9 +1,14 @@
-//! The description as TOML has it.
+//! The description as its file has it.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
 
 use serde::Deserialize;
-use toml::{Spanned, Value};
+use toml::{Deserializer, Spanned, Value};
+
+use super::yaml;
+use crate::source::Source;
 
 /// A description of a network.
 #[derive(Debug, Deserialize)]
@@ -14,6 +19,28 @@ pub(super) struct File {
     pub(super) master: Option<Spanned<Master>>,
     #[serde(default)]
     pub(super) node: Vec<Spanned<Node>>,
+}
+
+impl File {
+    /// Reads YAML where the file is called so, else TOML; or says what is wrong, and where it is known, at which bytes.
+    pub(super) fn read(source: &Source) -> Result<Self, (Option<Range<usize>>, String)> {
+        let extension = Path::new(&*source.file).extension().unwrap_or_default();
+        let is_yaml = ["yaml", "yml"]
+            .iter()
+            .any(|own| extension.eq_ignore_ascii_case(own));
+        let text = source.text();
+        let tree = match is_yaml {
+            true => yaml::read(text)
+                .map_err(|(place, message)| (Some(place), message))?
+                .into(),
+            false => Deserializer::parse(text).map_err(said)?,
+        };
+        Self::deserialize(tree).map_err(said)
+    }
+}
+
+fn said(error: toml::de::Error) -> (Option<Range<usize>>, String) {
+    (error.span(), error.message().into())
 }
 
 /// The table `[network]`.

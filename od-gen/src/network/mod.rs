@@ -1,6 +1,7 @@
 //! Networks: from a description of all nodes to the DCF of each, to what the master writes into them, and to the master's own DCF.
 //!
-//! A description is TOML: the nodes with their data sheets, node-IDs, PDOs, heartbeats and who guards whom. od-gen/README.md lists its keys.
+//! A description is TOML, or YAML with the same keys: the nodes with their data sheets, node-IDs, PDOs, heartbeats and who guards whom.
+//! od-gen/README.md lists the keys.
 //! The concise DCF of a node (CiA 302-3, 1F22h) is, byte by byte, what lely's `dcfgen` makes for the same node; a test in tests/python holds
 //! it to that.
 //!
@@ -33,6 +34,7 @@ mod master;
 mod node;
 mod objects;
 mod pdo;
+mod yaml;
 
 use std::io;
 use std::ops::Range;
@@ -119,13 +121,11 @@ impl NetworkReport {
             files: Vec::new(),
             load: String::new(),
         };
-        match toml::from_str::<File>(report.source.text()) {
+        match File::read(&report.source) {
             Ok(file) => report.make(&file, sheet, &mut findings),
-            Err(error) => {
-                let place = error
-                    .span()
-                    .map_or(Span::START, |range| report.source.span(range));
-                findings.report(&rule::SYNTAX, place, error.message());
+            Err((place, message)) => {
+                let place = place.map_or(Span::START, |range| report.source.span(range));
+                findings.report(&rule::SYNTAX, place, message);
             }
         }
         report.silenced = findings.silence();

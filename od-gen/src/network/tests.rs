@@ -2,12 +2,12 @@
 
 use super::*;
 
-const MACHINE: &str = include_str!("../../tests/data/network/machine.toml");
+pub(super) const MACHINE: &str = include_str!("../../tests/data/network/machine.toml");
 const SMALL: &str = include_str!("../../tests/data/network/small.toml");
 const DEVICE: &str = include_str!("../../../tests/eds/basic-device.eds");
 const DRIVE: &str = include_str!("../../../eds/axis402.eds");
 
-fn sheet(name: &str) -> io::Result<Report> {
+pub(super) fn sheet(name: &str) -> io::Result<Report> {
     match name.rsplit('/').next() {
         Some("basic-device.eds" | "io.eds") => Ok(Report::new("basic-device.eds", DEVICE)),
         Some("axis402.eds") => Ok(Report::new("axis402.eds", DRIVE)),
@@ -16,7 +16,7 @@ fn sheet(name: &str) -> io::Result<Report> {
     }
 }
 
-fn network(text: &str) -> NetworkReport {
+pub(super) fn network(text: &str) -> NetworkReport {
     NetworkReport::new("net.toml", text, sheet)
 }
 
@@ -26,7 +26,7 @@ fn changed(old: &str, new: &str) -> NetworkReport {
     network(&SMALL.replace(old, new))
 }
 
-fn lines(report: &NetworkReport) -> Vec<String> {
+pub(super) fn lines(report: &NetworkReport) -> Vec<String> {
     report.findings.iter().map(ToString::to_string).collect()
 }
 
@@ -127,6 +127,24 @@ fn the_master_knows_its_nodes() {
     let report = changed("node_id = 1\n", "node_id = 1\nstore_dcf = true\n");
     let master = std::str::from_utf8(made(&report, "master.dcf")).unwrap();
     assert!(master.contains("UploadFile=left.dcf"));
+}
+
+/// All that CiA 302-2 and 302-3 have of nodes where it says something, and nothing of others that use these indices.
+#[test]
+fn the_objects_of_the_master_are_those_of_cia_302() {
+    let text = "[network]\nbit_rate = 500\n[master]\nnode_id = 1\nstore_dcf = true\n[[node]]\nname = \"axis\"\n\
+                sheet = \"axis402.eds\"\nnode_id = 4\nheartbeat = 0\nguard_time = 200\nserial_number = 7\nrestore_configuration = 1\n";
+    let report = network(text);
+    let master = std::str::from_utf8(made(&report, "master.dcf")).unwrap();
+    let master = Report::new("master.dcf", master).model;
+    let found = master.objects.iter().map(|object| object.index);
+    let found: Vec<u16> = found
+        .filter(|index| (0x1F00..0x2000).contains(index))
+        .collect();
+    // The vendor-ID of the drive is 0, so that none is expected in 1F85h.
+    let expected = [0x1F20, 0x1F22].into_iter().chain(0x1F80..=0x1F8A);
+    let expected = expected.filter(|index| *index != 0x1F85);
+    assert_eq!(found, expected.collect::<Vec<_>>());
 }
 
 #[test]
@@ -267,6 +285,10 @@ fn the_example_of_the_readme_is_right() {
         format!("[network]{}", rest.split("```").next().unwrap())
     };
     let report = network(&block("toml"));
+    let (_, yaml) = readme.split_once("```yaml\n").unwrap();
+    let yaml = yaml.split("```").next().unwrap();
+    let yaml = NetworkReport::new("net.yaml", yaml, sheet);
+    assert!(!yaml.has_errors(), "{:?}", lines(&yaml));
     let warnings = report.findings.iter().map(|finding| finding.rule.name);
     // What is left out there has data sheets that switch more on.
     assert!(warnings.clone().all(|rule| rule == "rpdo-without-producer"));

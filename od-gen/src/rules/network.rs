@@ -19,7 +19,7 @@ pub(crate) const RULES: &[&Rule] = &[
 
 pub(crate) static SYNTAX: Rule = Rule::fatal(
     "network-syntax",
-    "A description of a network is TOML with the tables [network], [sync], [master] and [[node]].",
+    "A description of a network is TOML with the tables [network], [sync], [master] and [[node]], or YAML with the same keys.",
     "od-gen/README.md lists the keys of each.",
 );
 

@@ -210,7 +210,7 @@ pub(crate) struct Dcf {
 
 #[derive(Debug, Args)]
 pub(crate) struct Network {
-    /// The description (TOML): nodes with their data sheets, PDOs, heartbeats, SYNC and the master
+    /// The description (TOML, or YAML in .yaml and .yml): nodes with their data sheets, PDOs, heartbeats, SYNC and the master
     pub(crate) file: PathBuf,
     /// Write into this folder instead of the current one
     #[arg(short, long, value_name = "FOLDER")]

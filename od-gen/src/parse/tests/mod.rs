@@ -11,6 +11,7 @@ mod compact_pdo;
 mod dictionary;
 mod entries;
 mod modules;
+mod places;
 mod types;
 
 const SMALL: &str = include_str!("../../../tests/data/small.eds");

@@ -108,6 +108,27 @@ pub(super) const CASES: &[Case] = &[
         ],
     ),
     case(
+        "sync-start-without-counter",
+        &[
+            "1005 U32 rw 0x80",
+            "1019 U8 rw 0",
+            "1800:1 U32 rw $NODEID+0x180",
+            "1800:2 U8 rw 1",
+            "1800:6 U8 rw 3",
+            "1A00:0 U8 rw 1",
+            "1A00:1 U32 rw 0x10010008",
+        ],
+        &[
+            "1005 U32 rw 0x80",
+            "1019 U8 rw 10",
+            "1800:1 U32 rw $NODEID+0x180",
+            "1800:2 U8 rw 1",
+            "1800:6 U8 rw 3",
+            "1A00:0 U8 rw 1",
+            "1A00:1 U32 rw 0x10010008",
+        ],
+    ),
+    case(
         "predefined-cob-id",
         &[
             "1800:1 U32 rw $NODEID+0x280",
