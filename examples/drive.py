@@ -51,11 +51,11 @@ def until_there(drive):
     drive.sdo.RESPONSE_TIMEOUT = patience
 
 
-def until(drive, mask, value, seconds=20):
-    """Waits for bits of the statusword."""
+def until(drive, mask, value, index=0x6041, seconds=20):
+    """Waits for bits of an object, of the statusword if nothing is said."""
     end = time.monotonic() + seconds
-    while (word := drive.sdo[0x6041].raw) & mask != value:
-        assert time.monotonic() < end, f"statusword {word:04X}h"
+    while (word := drive.sdo[index].raw) & mask != value:
+        assert time.monotonic() < end, f"{index:04X}h is {word:X}h"
         time.sleep(0.01)
 
 

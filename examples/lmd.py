@@ -37,14 +37,18 @@ def main():
     drive.sdo[0x6060].raw = 1
     drive.sdo[0x6081].raw = REVOLUTION
     drive.sdo[0x6083].raw = drive.sdo[0x6084].raw = 2 * REVOLUTION
+    # It leaves the factory with a position window that every position lies in. Without one a target is reached where the profile ends.
+    drive.sdo[0x6067].raw = 0xFFFF_FFFF
     for turns in (1, -1, 0):
         move(drive, turns * REVOLUTION)
         print(f"at {drive.sdo[0x6064].raw} microsteps")
 
     drive.sdo[0x6060].raw = 3
+    until(drive, 0xFF, 3, 0x6061)
     drive.sdo[0x60FF].raw = REVOLUTION
-    until(drive, 0x0400, 0x0400)
-    print(f"runs at {drive.sdo[0x606C].raw} microsteps/s")
+    # It moves, and the velocity is reached.
+    until(drive, 0x1400, 0x0400)
+    print(f"runs at {drive.sdo[0x606C].raw / REVOLUTION:.1f} turns/s")
     drive.sdo[0x60FF].raw = 0
     until(drive, 0x1000, 0x1000)
     drive.sdo[0x6040].raw = 0x00

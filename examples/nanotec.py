@@ -6,8 +6,6 @@
 It needs `pip install canopen pyserial`. A drive to try it on: `cargo run -- serve --product nanotec --slcan 127.0.0.1:2402`.
 """
 
-import time
-
 from drive import add, connect, enable, move, save, until, until_there
 
 #: Its rotary switch stands at 1: node-ID 1 and 1 Mbit/s.
@@ -32,12 +30,10 @@ def main():
     drive.sdo[0x6060].raw = 2
     enable(drive)
     drive.sdo[0x6042].raw = 500
-    time.sleep(1.5)
-    assert drive.sdo[0x6044].raw == 500
+    until(drive, 0xFFFF, 500, 0x6044)
     print("runs at 500")
     drive.sdo[0x6040].raw = 0x010F
-    while drive.sdo[0x6044].raw:
-        time.sleep(0.05)
+    until(drive, 0xFFFF, 0, 0x6044)
     print("halted")
     drive.sdo[0x6040].raw = 0x0000
     until(drive, 0x4F, 0x40)

@@ -39,6 +39,8 @@ def main():
         until(drive, 0x1000, 0x1000)
         send(0x0F, target)
         until(drive, 0x1400, 0x0400)
+        # Bit 24: the motor stands.
+        until(drive, 1 << 24, 1 << 24, 0x1002)
         print(f"at {drive.sdo[0x6064].raw}, status register {drive.sdo[0x1002].raw:08X}h")
     send(0x00, 0)
     until(drive, 0x4F, 0x40)

@@ -103,7 +103,7 @@ def patience(virtual_time, monkeypatch):
             if name.startswith(("TIMEOUT_SWITCH", "TIMEOUT_CHECK")):
                 monkeypatch.setattr(BaseNode402, name, 10)
         monkeypatch.setattr(BaseNode402, "TIMEOUT_HOMING_DEFAULT", 60)
-        monkeypatch.setattr(canopen.sdo.SdoClient, "RESPONSE_TIMEOUT", 3)
+        monkeypatch.setattr(canopen.sdo.SdoClient, "RESPONSE_TIMEOUT", 10)
         monkeypatch.setattr(canopen.lss.LssMaster, "RESPONSE_TIMEOUT", 3)
         # How often its thread looks whether it is to end.
         monkeypatch.setattr(canopen.Network, "NOTIFIER_CYCLE", 0.02)

@@ -15,7 +15,7 @@ USER_MEMORY, ROOM = 0x2020, 20_480
 
 #: Around what an expedited transfer (4 bytes), a segment (7) and a sub-block (889) hold, one whose last segment begins like the
 #: frame that ends a block download (455), and many sub-blocks.
-LENGTHS = [1, 2, 4, 5, 6, 7, 8, 13, 14, 15, 128, 455, 882, 888, 889, 890, 896, 1778, 1779, 5000, 20_000, ROOM]
+LENGTHS = [1, 2, 4, 5, 6, 7, 8, 13, 14, 15, 128, 455, 882, 888, 889, 890, 896, 1778, 1779, 5000, ROOM]
 
 #: What is written to the drive.
 VALUES = [(0x607A, -123_456), (0x6081, 54_321), (0x6083, 1), (0x6068, 65_535), (0x605A, 6), (0x1017, 0)]

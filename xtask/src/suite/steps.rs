@@ -10,6 +10,7 @@ use clap::ValueEnum;
 use super::count::Count;
 use super::programs;
 use crate::firmware::{Image, PROFILE, TARGET};
+use crate::product::Product;
 use crate::socketcan::{self, Socketcan};
 use crate::words::{one_line, say};
 use crate::{book, fuzz, place, process, setup};
@@ -283,6 +284,12 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
         Step::Qemu => {
             let mut command = against(&ready.python, "firmware");
             command.args(AT_ONCE).arg("--image").arg(Image::Qemu.path());
+            for product in Product::all() {
+                if let Err(error) = Image::Qemu.build_as(Some(&product)) {
+                    say!("{}", one_line(&error))?;
+                    return Ok(Run::Done(Count::of(0, 1)));
+                }
+            }
             let builds = [Image::Qemu.build_command()?, programs::build_command()];
             return played(step, builds, command);
         }
