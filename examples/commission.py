@@ -72,37 +72,47 @@ class Bus:
         self.lss.send_identify_non_configured_remote_slave()
         if not self.comes(answers):
             return None
-        # What is quick is tried first: an answer that comes too late spoils the scan.
-        for wait in (self.patience / 20, self.patience / 5, self.patience):
-            address = self.scan(answers, wait)
+        for _ in range(3):
+            address = self.scan(answers)
             if address and self.inquire_address() == address:
                 return address
             self.lss.send_switch_state_global(self.lss.WAITING_STATE)
         raise Failed("drives without a node-ID are there, but answer too late for a scan; give them more --patience")
 
-    def scan(self, answers, wait):
-        """A fastscan. The first answer may take `wait` seconds, and those of the other drives may come one after the other behind
-        it: all must be in before the next question. (That is why it is not `lss.fast_scan`, which goes on at the first.)"""
-
-        def is_answered(number, bit, sub, following):
-            question = struct.pack("<BIBBB", CS_FAST_SCAN, number, bit, sub, following)
-            self.network.send_message(self.lss.LSS_TX_COBID, question)
-            is_answered = self.comes(answers, wait)
-            while self.comes(answers, wait / 5):
-                pass
-            return is_answered
-
-        if not is_answered(0, 128, 0, 0):
+    def scan(self, answers):
+        """A fastscan. (It is not `lss.fast_scan`, which goes on at the first answer, and takes a second drive's for that to its
+        next question.) What is quick is tried first: an answer that comes too late spoils its number, which is then asked for
+        anew with a longer wait."""
+        if not self.is_answered(answers, self.patience, 0, 128, 0, 0):
             return None
         address = [0] * len(ADDRESS)
         for sub in range(len(ADDRESS)):
-            for bit in reversed(range(32)):
-                # Drives answer whose bits down to this one agree; silence means that it is a 1.
-                if not is_answered(address[sub], bit, sub, sub):
-                    address[sub] |= 1 << bit
-            if not is_answered(address[sub], 0, sub, (sub + 1) % len(ADDRESS)):
+            for wait in (self.patience / 20, self.patience / 5, self.patience):
+                address[sub] = self.scan_number(answers, wait, sub)
+                if self.is_answered(answers, wait, address[sub], 0, sub, (sub + 1) % len(ADDRESS)):
+                    break
+            else:
                 return None
         return address
+
+    def scan_number(self, answers, wait, sub):
+        """A part of the address, its highest bit first."""
+        number = 0
+        for bit in reversed(range(32)):
+            # Drives answer whose bits down to this one agree; silence means that it is a 1.
+            if not self.is_answered(answers, wait, number, bit, sub, sub):
+                number |= 1 << bit
+        return number
+
+    def is_answered(self, answers, wait, number, bit, sub, following):
+        """Asks. The first answer may take `wait` seconds, and those of the other drives may come one after the other behind it: all
+        must be in before the next question."""
+        question = struct.pack("<BIBBB", CS_FAST_SCAN, number, bit, sub, following)
+        self.network.send_message(self.lss.LSS_TX_COBID, question)
+        is_answered = self.comes(answers, wait)
+        while self.comes(answers, wait / 5):
+            pass
+        return is_answered
 
     def inquire_address(self):
         """The address of the drive in the configuration state; `None` if there is none."""

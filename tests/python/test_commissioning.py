@@ -1,6 +1,9 @@
 """Putting a drive into service with the script of the walk-through, power cuts included."""
 
 import contextlib
+import importlib.util
+import random
+import struct
 import subprocess
 import sys
 
@@ -21,13 +24,13 @@ UNCONFIGURED = 255
 def commission():
     """Runs the script on a bus."""
 
-    def commission(bus, *arguments, code=0):
+    def commission(bus, *arguments, code=0, timeout=170):
         if isinstance(bus, Socketcan):
             where = ["--interface", "socketcan", "--channel", bus.INTERFACE]
         else:
             where = ["--interface", "slcan", "--channel", f"socket://127.0.0.1:{bus.port}"]
         command = [sys.executable, SCRIPT, *where, "--patience", "3", *map(str, arguments)]
-        run = subprocess.run(command, capture_output=True, text=True, timeout=170)
+        run = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
         assert run.returncode == code, (run.stdout, run.stderr)
         assert len(run.stderr.splitlines()) == (0 if code == 0 else 1), run.stderr
         return run.stdout + run.stderr
@@ -97,6 +100,7 @@ def test_the_only_drive_needs_no_address(restart, connect, commission):
 
 
 @pytest.mark.only("socketcan")
+@pytest.mark.timeout(900)
 def test_all_drives_are_numbered_and_get_a_bit_rate(start, tmp_path, connect, commission):
     serials = (7, 3)
     stores = [tmp_path / str(serial) for serial in serials]
@@ -107,13 +111,69 @@ def test_all_drives_are_numbered_and_get_a_bit_rate(start, tmp_path, connect, co
             yield start(store, ["--serial", serial])
 
     drives = list(start_all())
-    said = commission(drives[0], "--node-id", 5, "--all", "--new-bitrate", 250)
+    # Where the machine is busy answers are late, and numbers are asked for anew.
+    said = commission(drives[0], "--node-id", 5, "--all", "--new-bitrate", 250, timeout=850)
     assert "the drives use 250 kbit/s from the next power-on" in said
     for drive in drives:
         assert drive.server.stop() == 0
     network = connect(list(start_all())[0])
     for node_id, serial in zip((5, 6), sorted(serials)):
         assert network.add_node(node_id, str(EDS)).sdo[0x1018][4].raw == serial
+
+
+class LateDrives:
+    """Drives without a node-ID on a bus of virtual time, each of whose answers takes as long as `delay` says."""
+
+    LSS_TX_COBID, LSS_RX_COBID, WAITING_STATE = 0x7E5, 0x7E4, 0
+
+    def __init__(self, addresses, delay):
+        self.addresses = addresses
+        self.delay = delay
+        self.now = 0.0
+        self.arrivals = []
+        self.questions = 0
+        self.positions = [0] * len(addresses)
+        self.lss = self
+
+    def send_message(self, _cob_id, data):
+        _, number, bit, sub, following = struct.unpack("<BIBBB", data)
+        self.questions += 1
+        for drive, address in enumerate(self.addresses):
+            if bit == 128:
+                self.positions[drive] = 0
+            elif self.positions[drive] != sub or (address[sub] ^ number) >> bit:
+                continue
+            elif bit == 0 and following != sub:
+                self.positions[drive] = following
+            self.arrivals.append(self.now + self.delay())
+
+    def comes(self, _frames, wait=None):
+        end = self.now + (wait or 3)
+        if self.arrivals and min(self.arrivals) <= end:
+            self.now = max(self.now, min(self.arrivals))
+            self.arrivals.remove(min(self.arrivals))
+            return True
+        self.now = end
+        return False
+
+
+def test_an_answer_that_comes_late_costs_a_number_and_not_the_scan():
+    spec = importlib.util.spec_from_file_location("commission", SCRIPT)
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    chance = random.Random(402)
+    # One answer in a hundred is later than the first wait, 150 ms.
+    late = LateDrives(
+        [[0, 0x402, 0x10000, serial] for serial in (7, 3)],
+        lambda: chance.uniform(0.2, 0.5) if chance.random() < 0.01 else 0.005,
+    )
+    bus = script.Bus.__new__(script.Bus)
+    bus.patience, bus.network, bus.lss, bus.comes = 3, late, late, late.comes
+    scans = 40
+    found = [bus.scan(None) for _ in range(scans)]
+    assert late.questions > 133 * scans, "nothing was late"
+    assert late.questions < 2 * 133 * scans
+    assert sum(address in late.addresses for address in found) > scans * 3 // 4
 
 
 @pytest.mark.only("virtual")
