@@ -11,11 +11,12 @@
 
 mod draft;
 mod following;
+mod reference;
 mod trace;
 
 use crate::average::{Average, Mean};
 use crate::clock::{Clock, Ticks};
-use crate::fixed::{Exact, Position, State, Velocity};
+use crate::fixed::{Exact, State, Velocity};
 use crate::low;
 use crate::path::Path;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
@@ -24,6 +25,7 @@ use crate::speed::{SignedSpeed, Speed};
 use crate::stepper::piece::Piece;
 use crate::stepper::{CHORDS_PER_SEGMENT, Stepper};
 pub use draft::Draft;
+pub use reference::Reference;
 use trace::Trace;
 
 /// Chords that [`Axis::advance`] makes at most: those of four segments, and one for each piece of the shortest.
@@ -48,17 +50,6 @@ pub struct Demand {
     pub position: i64,
     /// Velocity demand value (606Bh).
     pub velocity: SignedSpeed,
-}
-
-/// Where the plan is at a moment, finer than [`Demand`], for who follows it with a loop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Reference {
-    /// In steps, parts of a step included; it wraps as positions do.
-    pub position: Position,
-    /// In steps/s.
-    pub velocity: SignedSpeed,
-    /// In steps/s², the mean of a segment around the moment.
-    pub acceleration: i32,
 }
 
 /// Why [`Axis::advance`] has something to report. Nothing is lost but where it says so.
@@ -270,27 +261,6 @@ impl Axis {
     /// What is being played now, if the sink still has `pending` ticks to play.
     pub fn demand(&self, pending: Ticks) -> Demand {
         self.demand_of(self.trace.at(self.played(pending)))
-    }
-
-    /// The same, finer; the acceleration as far as the motion is committed.
-    pub fn reference(&self, pending: Ticks) -> Reference {
-        let now = self.played(pending);
-        let half = u64::from(self.stepper.segment() / 2);
-        let end = now.saturating_add(half).min(self.committed);
-        let begin = now.saturating_sub(half);
-        let speed = |at| self.trace.at(at).velocity.speed(self.clock);
-        let change = i128::from(speed(end).minus(speed(begin)).bits());
-        let ticks = i128::from(end.saturating_sub(begin));
-        let in_second = change.wrapping_mul(self.clock.hz().into());
-        let acceleration = in_second.checked_div(ticks).unwrap_or(0) >> 32;
-        let state = self.trace.at(now);
-        Reference {
-            position: state.position,
-            velocity: state.velocity.speed(self.clock),
-            acceleration: low::i32(low::i64(
-                acceleration.clamp(i32::MIN.into(), i32::MAX.into()),
-            )),
-        }
     }
 
     /// Something else has moved the motor: it is here, in whole steps (modulo 2³²), and the axis goes on with the velocity that it has. A motion is forgotten

@@ -10,12 +10,10 @@ use core::sync::atomic::AtomicU32;
 
 use canopen::cia301::emergency::Emergency;
 use canopen::cia301::nmt::Reset;
-use canopen::cia301::parameters::{ParameterSet, ParameterSets, ParameterStore, CHUNK};
 use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::cia301::time_stamp::TimeOfDay;
 use canopen::node::StoreError;
 use canopen::od::{self, DayTime, StorageGroup, Value};
-use canopen::outbox::{Mailboxes, Room};
 use canopen::{
     Application, BitRate, ControllerState, Duration, Frame, Instant, Node, NodeId, Outbox, Settings,
 };
@@ -40,6 +38,8 @@ mod commissioning;
 mod hosted;
 #[path = "no_panic/motion.rs"]
 mod motion_crate;
+#[path = "no_panic/outside.rs"]
+mod outside;
 #[path = "no_panic/servo.rs"]
 mod servo;
 #[path = "no_panic/units.rs"]
@@ -50,6 +50,7 @@ use hosted::Hosted;
 use motion_crate::{
     any_config, any_timing, axis, homing, plan, pulses, timer_pulses, AnyRegisters, Sink, Timer,
 };
+use outside::{AnyMailboxes, AnyStore};
 
 /// The object dictionary of the drive.
 mod dictionary {
@@ -306,75 +307,8 @@ fn any_controller_state() -> ControllerState {
     }
 }
 
-/// A parameter store that may say anything.
-struct AnyStore;
-
-impl ParameterStore for AnyStore {
-    fn keep_serial_number(&mut self, number: u32) -> Result<(), StoreError> {
-        look(number);
-        any_result()
-    }
-
-    fn begin(&mut self, sets: ParameterSets) -> Result<(), StoreError> {
-        look(sets.has(ParameterSet::Communication).into());
-        any_result()
-    }
-
-    fn append(&mut self, set: ParameterSet, chunk: &[u8]) -> Result<(), StoreError> {
-        look(set as u32 + chunk.len() as u32);
-        chunk.iter().for_each(|byte| look((*byte).into()));
-        any_result()
-    }
-
-    fn commit(&mut self) -> Result<(), StoreError> {
-        any_result()
-    }
-
-    fn open(&mut self, set: ParameterSet) -> Result<u16, StoreError> {
-        look(set as u32);
-        any_result().map(|()| any() as u16)
-    }
-
-    fn read(
-        &mut self,
-        set: ParameterSet,
-        number: u16,
-        chunk: &mut [u8; CHUNK],
-    ) -> Result<usize, StoreError> {
-        look(set as u32 + u32::from(number));
-        for byte in chunk.iter_mut() {
-            *byte = any() as u8;
-        }
-        any_result().map(|()| any() as usize)
-    }
-}
-
 /// The memory of the scope.
 static SCOPE: Memory<[AtomicU32; 64]> = Memory::new();
-
-/// Mailboxes that may say anything.
-struct AnyMailboxes;
-
-impl Mailboxes for AnyMailboxes {
-    fn room(&mut self, cob_id: u16) -> Room {
-        look(cob_id.into());
-        match any() {
-            0 => Room::None,
-            1 => Room::Free,
-            _ => Room::InPlaceOfAnother,
-        }
-    }
-
-    fn holds(&mut self, cob_id: u16) -> bool {
-        look(cob_id.into());
-        any() == 0
-    }
-
-    fn put(&mut self, frame: &Frame) -> Option<Frame> {
-        look(frame.length().into());
-        (any() == 0).then(any_frame)
-    }
-}
 
 /// Edges of an input.
 fn any_edges() -> Edges {

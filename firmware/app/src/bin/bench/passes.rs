@@ -21,7 +21,7 @@ impl Mailboxes for Sent {
     }
 
     fn put(&mut self, frame: &Frame) -> Option<Frame> {
-        self.0.push(frame.clone()).err()
+        self.0.push(*frame).err()
     }
 }
 
