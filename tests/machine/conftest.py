@@ -29,51 +29,94 @@ def image(pytestconfig):
     return Image(pytestconfig.getoption("--image"))
 
 
+class Starts:
+    """A chip on a bus with a master, for one test: from power-on (`flash`, `crystal`), or where another chip is."""
+
+    def __init__(self, image, monkeypatch):
+        self.image, self.time, self.benches = image, VirtualTime(monkeypatch), []
+
+    def __call__(self, **how):
+        return self.put(Bench(Chip(self.image, **how)))
+
+    def like(self, other):
+        """As far as another bench is."""
+        return self.put(other.copy())
+
+    def put(self, bench):
+        self.time.drive = bench
+        bench.connect()
+        self.benches.append(bench)
+        return bench
+
+    def end(self):
+        for bench in self.benches:
+            bench.chip.leave()
+        for bench in self.benches:
+            judge_pulses(bench.chip, bench.pulse_times)
+
+
 @pytest.fixture
 def start(image, monkeypatch):
     """Starts a chip with a master: `start(flash, crystal)` is the bench."""
-    time = VirtualTime(monkeypatch)
-    benches = []
-
-    def start(**how):
-        time.drive = Bench(Chip(image, **how))
-        time.drive.connect()
-        benches.append(time.drive)
-        return time.drive
-
-    yield start
-    for bench in benches:
-        judge_pulses(bench.chip, bench.pulse_times)
+    starts = Starts(image, monkeypatch)
+    yield starts
+    starts.end()
 
 
-@pytest.fixture
-def unconfigured(start):
-    """The bench of a chip as it comes from the factory, 150 ms after power-on."""
-    bench = start()
-    bench.milliseconds(150)
-    return bench
+def once(image, begin):
+    """What `begin` makes of a chip from power-on, for all tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        return begin(Starts(image, patch))
 
 
 @pytest.fixture(scope="session")
-def numbered(image):
-    """The parameter sectors of a chip that has stored its node-ID."""
-    with pytest.MonkeyPatch.context() as patch:
-        time = VirtualTime(patch)
-        time.drive = bench = Bench(Chip(image))
-        bench.connect()
+def fresh(image):
+    """The bench of a chip as it comes from the factory, 150 ms after power-on, from which tests begin."""
+
+    def begin(start):
+        bench = start()
         bench.milliseconds(150)
-        bench.give_node_id(NODE_ID, store=True)
-        bench.chip.cycle_power()
-    return bench.chip.parameters
+        return bench
+
+    return once(image, begin)
 
 
 @pytest.fixture
-def bench(start, numbered):
+def unconfigured(start, fresh):
+    """A chip as it comes from the factory, 150 ms after power-on."""
+    return start.like(fresh)
+
+
+@pytest.fixture(scope="session")
+def numbered(image, fresh):
+    """The parameter sectors of a chip that has stored its node-ID."""
+
+    def begin(start):
+        bench = start.like(fresh)
+        bench.give_node_id(NODE_ID, store=True)
+        bench.chip.cycle_power()
+        return bench.chip.parameters
+
+    return once(image, begin)
+
+
+@pytest.fixture(scope="session")
+def booted(image, numbered):
+    """The bench of a chip that has its node-ID, booted, from which tests begin."""
+
+    def begin(start):
+        bench = start(flash=numbered)
+        bench.chip.run(20_000_000, lambda: bench.frames)
+        bench.milliseconds(5)
+        return bench
+
+    return once(image, begin)
+
+
+@pytest.fixture
+def bench(start, booted):
     """The bench of a chip that has its node-ID, booted."""
-    bench = start(flash=numbered)
-    bench.chip.run(20_000_000, lambda: bench.frames)
-    bench.milliseconds(5)
-    return bench
+    return start.like(booted)
 
 
 @pytest.fixture

@@ -21,6 +21,15 @@ class Bench:
         self.frames = []
         chip.can.on_frame = self.on_frame
 
+    def copy(self):
+        """Another chip in the same state, with what it has sent, on a bus of its own."""
+        can = self.chip.can
+        can.on_frame = None
+        twin = Bench(self.chip.copy())
+        can.on_frame = self.on_frame
+        twin.frames[:] = self.frames
+        return twin
+
     def connect(self):
         self.network = canopen.Network()
         self.network.bus = self

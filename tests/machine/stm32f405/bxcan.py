@@ -83,7 +83,7 @@ class Can(Peripheral):
         return (self.began // self.bit() & 0xFFFF) << 16
 
     def takes_part(self):
-        return not self["MSR"] & (INAK | SLAK) and self.normal_at == NEVER and not self["ESR"] & BOFF
+        return not self.r[0x04] & (INAK | SLAK) and self.normal_at == NEVER and not self.r[0x18] & BOFF
 
     # Registers.
 
@@ -232,10 +232,10 @@ class Can(Peripheral):
             self.busy_until = now + self.frame_time(len(theirs.data), theirs.extended)
 
     def wants_to_send(self):
-        return self["TSR"] >> 26 & 7 != 7 and not self["BTR"] & SILENT
+        return self.r[0x08] >> 26 & 7 != 7 and not self.r[0x1C] & SILENT
 
     def next_event(self):
-        if self.on_bus is None and self.takes_part() and (self.to_send or self.wants_to_send()):
+        if self.on_bus is None and (self.to_send or self.wants_to_send()) and self.takes_part():
             return max(self.chip.time, self.idle_from)
         return min(self.busy_until, self.normal_at, self.recover_at)
 
@@ -320,10 +320,14 @@ class Can(Peripheral):
         self.on_bus, self.busy_until = None, NEVER
 
     def lines(self):
-        ier = self["IER"]
-        yield IRQ["CAN1_TX"], ier & 1 and self["TSR"] & 0x01_0101
-        yield IRQ["CAN1_RX0"], ier & 2 and self.fifo or ier & 8 and self.overrun
-        yield IRQ["CAN1_SCE"], ier & 0x8000 and self["MSR"] & ERRI
+        ier, irqs = self.r[0x14], []
+        if ier & 1 and self.r[0x08] & 0x01_0101:
+            irqs.append(IRQ["CAN1_TX"])
+        if ier & 2 and self.fifo or ier & 8 and self.overrun:
+            irqs.append(IRQ["CAN1_RX0"])
+        if ier & 0x8000 and self.r[0x04] & ERRI:
+            irqs.append(IRQ["CAN1_SCE"])
+        return irqs
 
 
 def _bind():

@@ -1,6 +1,6 @@
 """The chip: memory, peripherals, and the passing of time."""
 
-import struct
+import copy
 from collections import namedtuple
 
 from unicorn.arm_const import UC_ARM_REG_LR, UC_ARM_REG_PC
@@ -11,8 +11,9 @@ from .clock import NEVER
 from .core import Core
 from .cost import access
 from .dma2 import Dma2
+from .engine import CCM_SIZE, PARAMETERS_SIZE, RAM_SIZE, Engine
 from .exti import Exti, Syscfg
-from .flash import BASE, SIZE, Flash
+from .flash import Flash
 from .gpio import Gpio, Pins
 from .image import Image
 from .iwdg import Iwdg
@@ -22,15 +23,6 @@ from .system import Debug
 from .tim1 import Tim1
 from .tim2 import Tim2
 from .timers import Tim3, Tim5
-
-RAM, RAM_SIZE = 0x2000_0000, 0x2_0000
-CCM, CCM_SIZE = 0x1000_0000, 0x1_0000
-SYSTEM_MEMORY = 0x1FFF_7000
-#: A serial number, 1 MiB of flash, and what the temperature sensor reads at 30 °C and 110 °C.
-UNIQUE_ID = bytes.fromhex("2a003b000d51353238333733")
-CALIBRATION = struct.pack("<HH", 943, 1194)
-
-PARAMETERS, PARAMETERS_SIZE = 0x0800_8000, 0x8000
 
 Reset = namedtuple("Reset", "time why where")
 
@@ -49,31 +41,36 @@ class Chip:
         self.can = None
         self.parameters = flash or b"\xff" * PARAMETERS_SIZE
         self.pins = Pins(self)
+        self.engine, self.core = Engine.take(self.image), None
+        #: The next moment in which a peripheral does something of itself, unless something has been touched since.
+        self.soon, self.stale = 0, True
         self.power_up()
+
+    def copy(self):
+        """Another chip in the same state."""
+        twin = copy.deepcopy(self)
+        twin.core.attach()
+        return twin
+
+    def leave(self):
+        """Nobody uses it any more."""
+        if self.core.cost is None:
+            self.engine.leave()
 
     # Power and resets.
 
     def power_up(self):
         """What a power-on leaves in RAM is anything."""
         self.is_off = False
-        self.begin(b"\xa5" * RAM_SIZE, b"\x5a" * CCM_SIZE)
+        self.engine.ram[:] = b"\xa5" * RAM_SIZE
+        self.engine.ccm[:] = b"\x5a" * CCM_SIZE
+        self.begin()
 
-    def begin(self, ram, ccm):
+    def begin(self):
+        self.engine.parameters[:] = self.parameters
         self.core = core = Core(self)
-        uc = core.uc
-        for address, size in ((BASE, SIZE), (CCM, CCM_SIZE), (RAM, RAM_SIZE), (SYSTEM_MEMORY, 0x1000)):
-            uc.mem_map(address, size)
-        uc.mem_write(BASE, b"\xff" * SIZE)
-        for address, data in self.image.segments:
-            uc.mem_write(address, data)
-        uc.mem_write(PARAMETERS, self.parameters)
-        uc.mem_write(SYSTEM_MEMORY + 0xA10, UNIQUE_ID)
-        uc.mem_write(SYSTEM_MEMORY + 0xA22, struct.pack("<H", 1024))
-        uc.mem_write(SYSTEM_MEMORY + 0xA2C, CALIBRATION)
-        uc.mem_write(RAM, ram)
-        uc.mem_write(CCM, ccm)
         self.connect_peripherals()
-        core.connect()
+        self.stale = True
         core.start()
 
     def connect_peripherals(self):
@@ -104,23 +101,21 @@ class Chip:
 
     def reset(self, why):
         """A reset of the chip; RAM keeps what it has."""
-        uc = self.core.uc
         self.resets.append(Reset(self.time, why, self.image.where(self.core.pc)))
-        self.parameters = bytes(uc.mem_read(PARAMETERS, PARAMETERS_SIZE))
-        ram, ccm = bytes(uc.mem_read(RAM, RAM_SIZE)), bytes(uc.mem_read(CCM, CCM_SIZE))
+        self.parameters = bytes(self.engine.parameters)
         for pin, level in (("PA2", None), ("PC2", None)):
             self.pins.note(pin, level)
-        self.begin(ram, ccm)
+        self.begin()
 
     def cut_power_now(self):
         """In the middle of an operation of the flash: nothing that follows happens."""
-        self.parameters = bytes(self.core.uc.mem_read(PARAMETERS, PARAMETERS_SIZE))
+        self.parameters = bytes(self.engine.parameters)
         self.is_off = True
         self.core.uc.emu_stop()
 
     def cycle_power(self):
         if not self.is_off:
-            self.parameters = bytes(self.core.uc.mem_read(PARAMETERS, PARAMETERS_SIZE))
+            self.parameters = bytes(self.engine.parameters)
         self.power_up()
 
     # Breaches.
@@ -141,6 +136,7 @@ class Chip:
 
     def load(self, offset, size):
         self.core.accesses += 1
+        self.stale = True
         if self.core.cost is not None:
             self.core.cost.extra += access(offset)
         peripheral = self.blocks.get(offset >> 10)
@@ -153,6 +149,7 @@ class Chip:
 
     def store(self, offset, size, value):
         self.core.accesses += 1
+        self.stale = True
         if self.core.cost is not None:
             self.core.cost.extra += access(offset)
         self.core.unsteady += 1
@@ -162,21 +159,13 @@ class Chip:
         else:
             peripheral.store(offset & 0x3FF, size, value)
 
-    def read(self, _uc, offset, size, _):
-        return self.load(offset, size)
-
-    def write(self, _uc, offset, size, value, _):
-        self.store(offset, size, value & (1 << 8 * size) - 1)
-
-    def read_bit(self, _uc, offset, _size, _):
+    def load_bit(self, offset):
+        """A bit of a peripheral as a word of its own (PM0214, 2.2.5)."""
         return self.load(offset >> 5 & ~3, 4) >> (offset >> 2 & 31) & 1
 
-    def write_bit(self, _uc, offset, _size, value, _):
+    def store_bit(self, offset, value):
         word, bit = offset >> 5 & ~3, offset >> 2 & 31
         self.store(word, 4, self.load(word, 4) & ~(1 << bit) | (value & 1) << bit)
-
-    def is_code(self, address):
-        return BASE <= address < BASE + SIZE
 
     # Time.
 
@@ -186,30 +175,40 @@ class Chip:
     def step(self, until):
         """Runs a slice, or sleeps to the next event."""
         core = self.core
-        upcoming = min(min(p.next_event() for p in self.with_events), core.system.ticks_at, until)
+        if self.stale:
+            self.look_ahead()
+        upcoming = min(self.soon, core.system.ticks_at, until)
         if core.sleeping or core.loops or core.is_stopped:
             core.shares.add(None, max(0, upcoming - self.time))
             self.time = max(self.time, upcoming)
         else:
             self.time += core.run_slice(upcoming - self.time)
             self.time, core.stall = self.time + core.stall, 0
-        self.check()
+        if self.first_breach is not None:
+            self.check()
         if self.is_off:
             return
         if core.wants_reset:
             return self.reset(core.wants_reset)
-        while self.pass_events(core):
-            pass
-        if core is not self.core or core.is_stopped:
-            return
-        core.take_lines()
+        if self.stale or self.time >= self.soon or self.time >= core.system.ticks_at:
+            while self.pass_events(core):
+                pass
+            if core is not self.core or core.is_stopped:
+                return
+            core.take_lines()
         if core.system.pending:
             core.deliver()
 
+    def look_ahead(self):
+        self.soon = min([peripheral.next_event() for peripheral in self.with_events])
+        self.stale = False
+
     def pass_events(self, core):
-        due = False
+        """What is due happens. Whether anything was, so that more may be due."""
+        due, soon = False, NEVER
         for peripheral in self.with_events:
-            if peripheral.next_event() <= self.time:
+            at = peripheral.next_event()
+            if at <= self.time:
                 peripheral.event()
                 if peripheral is self.rcc:
                     # The only one that a loop may look at and still be one (`load`).
@@ -217,14 +216,18 @@ class Chip:
                 due = core is self.core
                 if not due:
                     return False
+            elif at < soon:
+                soon = at
         if core.system.ticks_at <= self.time:
             core.system.tick(self.time)
             due = True
+        self.soon, self.stale = soon, False
         return due
 
     def run(self, clocks, is_over=lambda: False):
         """Lets so much time pass, or less if something is over."""
         end = self.time + clocks
+        self.stale, self.engine.chip = True, self
         if not self.core.is_stopped:
             # What has come from outside meanwhile wakes a core that sleeps, now and not at the next event.
             self.core.take_lines()

@@ -2,16 +2,18 @@
 is no other."""
 
 import collections
+import copy
 import struct
 
-from unicorn import UC_ARCH_ARM, UC_HOOK_INTR, UC_HOOK_MEM_WRITE, UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError
+from unicorn import UcError
 from unicorn.arm_const import (
     UC_ARM_REG_BASEPRI, UC_ARM_REG_CONTROL, UC_ARM_REG_D0, UC_ARM_REG_FPSCR, UC_ARM_REG_LR, UC_ARM_REG_PC,
     UC_ARM_REG_PRIMASK, UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_SP,
-    UC_ARM_REG_XPSR, UC_CPU_ARM_CORTEX_M4,
+    UC_ARM_REG_XPSR,
 )
 
 from .cost import ENTRY, EXIT, Cost, Shares
+from .engine import FLASH, FLASH_SIZE
 from .system import HARD_FAULT, NMI, SVCALL, System
 
 #: Instructions that run without a look at the rest of the chip.
@@ -39,9 +41,23 @@ STACKED = (
     UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR,
 )
 
-FLOATS = [UC_ARM_REG_D0 + i for i in range(8)]
+FLOATS = [*(UC_ARM_REG_D0 + i for i in range(8)), UC_ARM_REG_FPSCR]
 
-GENERAL = [*range(UC_ARM_REG_R0, UC_ARM_REG_R12 + 1), UC_ARM_REG_SP, UC_ARM_REG_LR, UC_ARM_REG_XPSR]
+GENERAL = [*range(UC_ARM_REG_R0, UC_ARM_REG_R12 + 1), UC_ARM_REG_LR, UC_ARM_REG_XPSR, UC_ARM_REG_SP, UC_ARM_REG_PC]
+
+
+class Views:
+    """The registers that are looked at together, of the engine at hand."""
+
+    def __init__(self, engine):
+        self.general = engine.registers(GENERAL)
+        #: What masks exceptions.
+        self.masks = engine.registers((UC_ARM_REG_PRIMASK, UC_ARM_REG_BASEPRI))
+        #: What an entry reads, and what it leaves.
+        self.entered = engine.registers((*STACKED, UC_ARM_REG_SP, UC_ARM_REG_XPSR, UC_ARM_REG_CONTROL))
+        self.handler = engine.registers((UC_ARM_REG_SP, UC_ARM_REG_LR, UC_ARM_REG_XPSR, UC_ARM_REG_CONTROL))
+        self.stack = engine.registers((UC_ARM_REG_SP, UC_ARM_REG_CONTROL))
+        self.floats = engine.registers(FLOATS)
 
 
 class Core:
@@ -49,8 +65,7 @@ class Core:
 
     def __init__(self, chip):
         self.chip = chip
-        self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
-        self.uc.ctl_set_cpu_model(UC_CPU_ARM_CORTEX_M4)
+        self.attach()
         self.system = System(self)
         #: Clocks in which the core stands still (flash), accesses in this slice, whether one is under way.
         self.stall, self.accesses, self.slice = 0, 0, 0
@@ -62,7 +77,7 @@ class Core:
         self.active = []
         self.counts = collections.Counter()
         #: How often each interrupt has been asked for since its line last fell.
-        self.again = collections.Counter()
+        self.again = {}
         #: When each exception became pending, and the longest that one has waited for its handler.
         self.pending_since, self.latency = {}, collections.Counter()
         self.instructions = 0
@@ -72,14 +87,16 @@ class Core:
         #: The model of cost, if there is one, and how many clocks each priority has had.
         self.cost, self.shares = None, Shares()
 
-    def connect(self):
-        """The buses. Memory is mapped by the chip."""
-        uc, chip = self.uc, self.chip
-        uc.mmio_map(0x4000_0000, 0x80000, chip.read, None, chip.write, None)
-        uc.mmio_map(0x4200_0000, 0x100_0000, chip.read_bit, None, chip.write_bit, None)
-        uc.mmio_map(0xE000_0000, 0x100000, self.read_system, None, self.write_system, None)
-        uc.hook_add(UC_HOOK_MEM_WRITE, chip.flash.on_store, None, 0x0800_0000, 0x080F_FFFF)
-        uc.hook_add(UC_HOOK_INTR, self.on_interrupt)
+    def attach(self):
+        """The engine of the chip is the one that it runs on."""
+        self.engine = engine = self.chip.engine
+        self.uc, self.views = engine.uc, Views(engine)
+
+    def __deepcopy__(self, memo):
+        twin = memo[id(self)] = Core.__new__(Core)
+        of_engine = ("uc", "views", "engine")
+        twin.__dict__ = {name: copy.deepcopy(value, memo) for name, value in self.__dict__.items() if name not in of_engine}
+        return twin
 
     def count_cost(self):
         """From now on an instruction takes what the model of cost says."""
@@ -90,47 +107,50 @@ class Core:
 
     def start(self):
         """Comes out of reset."""
-        sp, pc = struct.unpack("<II", self.uc.mem_read(0x0800_0000, 8))
+        sp, pc = struct.unpack_from("<II", self.engine.flash)
+        self.engine.clear()
         self.uc.reg_write(UC_ARM_REG_SP, sp)
         self.pc, self.lowest_stack, self.top = pc | 1, sp, sp
 
-    def read_system(self, _uc, offset, size, _):
+    def load(self, offset, size):
+        """The core's own registers, and the debugger's."""
         self.accesses += 1
         self.unsteady += 1
         if 0x42000 <= offset < 0x42400:
             return self.chip.debug.load(offset - 0x42000, size)
         return self.system.load(offset, size)
 
-    def write_system(self, _uc, offset, size, value, _):
+    def store(self, offset, size, value):
         self.accesses += 1
+        self.chip.stale = True
         self.unsteady += 1
         if 0x42000 <= offset < 0x42400:
             self.chip.debug.store(offset - 0x42000, size, value)
         else:
             self.system.store(offset, size, value)
 
-    def on_interrupt(self, uc, number, _):
+    def on_interrupt(self, number):
         if number == LEFT:
             self.left = True
         else:
             self.fault = number
-        uc.emu_stop()
+        self.uc.emu_stop()
 
     # Exceptions.
 
     def take_lines(self):
         """A level makes its interrupt pending, but while it is served."""
+        standing = [16 + irq for peripheral in self.chip.with_lines for irq in peripheral.lines()]
         served = [number for number, _, _ in self.active]
-        for peripheral in self.chip.with_lines:
-            for irq, level in peripheral.lines():
-                if not level:
-                    self.again.pop(irq + 16, None)
-                elif irq + 16 not in served and irq + 16 not in self.system.pending:
-                    self.pend(irq + 16)
-                    if irq in self.system.enabled:
-                        self.again[irq + 16] += 1
-                        if self.again[irq + 16] > MOST_IN_A_ROW:
-                            self.chip.breach(f"interrupt {irq} is never cleared: served {MOST_IN_A_ROW} times while its line stood")
+        if self.again:
+            self.again = {number: times for number, times in self.again.items() if number in standing}
+        for number in standing:
+            if number not in served and number not in self.system.pending:
+                self.pend(number)
+                if number - 16 in self.system.enabled:
+                    times = self.again[number] = self.again.get(number, 0) + 1
+                    if times > MOST_IN_A_ROW:
+                        self.chip.breach(f"interrupt {number - 16} is never cleared: served {MOST_IN_A_ROW} times while its line stood")
         if self.chip.rcc.nmi and NMI not in served:
             self.pend(NMI)
 
@@ -142,13 +162,11 @@ class Core:
 
     def current_priority(self):
         """What an exception must be below of, in number, to come now."""
-        uc = self.uc
-        level = min((priority for _, priority, _ in self.active), default=256)
-        if base := uc.reg_read(UC_ARM_REG_BASEPRI) & 0xF0:
-            level = min(level, base)
-        if uc.reg_read(UC_ARM_REG_PRIMASK) & 1:
-            level = min(level, 0)
-        return level
+        level = min([priority for _, priority, _ in self.active], default=256)
+        is_masked, base = self.views.masks.read()
+        if base & 0xF0:
+            level = min(level, base & 0xF0)
+        return min(level, 0) if is_masked & 1 else level
 
     def deliver(self):
         """Takes the most urgent exception, if it is more urgent than what runs."""
@@ -163,36 +181,31 @@ class Core:
             self.enter(number)
 
     def enter(self, number):
-        uc = self.uc
+        engine, views = self.engine, self.views
         self.loops, self.seen = False, {}
-        sp, xpsr = uc.reg_read(UC_ARM_REG_SP), uc.reg_read(UC_ARM_REG_XPSR)
-        registers = [uc.reg_read(r) for r in STACKED]
-        control = uc.reg_read(UC_ARM_REG_CONTROL)
+        *registers, sp, xpsr, control = views.entered.read()
         with_floats = bool(control & FPCA)
         size = 0x68 if with_floats else 0x20
         padded = bool(sp & 4)
         new = sp - size & ~7
-        frame = struct.pack("<8I", *registers, self.pc & ~1, xpsr & ~0x3FF | padded << 9 | 1 << 24)
-        try:
-            uc.mem_write(new, frame)
-            if with_floats:
-                # The core writes them later, with the first instruction of the handler that needs the FPU. No program can tell.
-                uc.mem_write(new + 0x20, struct.pack("<8QII", *(uc.reg_read(d) for d in FLOATS), uc.reg_read(UC_ARM_REG_FPSCR), 0))
-                uc.reg_write(UC_ARM_REG_CONTROL, control & ~FPCA)
-        except UcError:
+        place = engine.place(new, size)
+        if place is None:
             # Nothing is stacked, and a hard fault comes in place of this.
             number = HARD_FAULT
+        else:
+            struct.pack_into("<8I", *place, *registers, self.pc & ~1, xpsr & ~0x3FF | padded << 9 | 1 << 24)
+            if with_floats:
+                # The core writes them later, with the first instruction of the handler that needs the FPU. No program can tell.
+                memory, offset = place
+                struct.pack_into("<8QII", memory, offset + 0x20, *views.floats.read(), 0)
         if self.cost is not None:
             self.cost.note_stack()
             self.stall += ENTRY
         self.bases.append(sp)
         self.active.append((number, self.system.priority[number], (size, padded, with_floats, xpsr)))
-        uc.reg_write(UC_ARM_REG_SP, new)
         self.lowest_stack = min(self.lowest_stack, new)
-        uc.reg_write(UC_ARM_REG_LR, EXC_RETURN_FP if with_floats else EXC_RETURN)
-        uc.reg_write(UC_ARM_REG_XPSR, 1 << 24 | number)
-        table = self.system.stored[0xED08]
-        vector = struct.unpack("<I", uc.mem_read(table + 4 * number if table else 0x0800_0000 + 4 * number, 4))[0]
+        views.handler.write((new, EXC_RETURN_FP if with_floats else EXC_RETURN, 1 << 24 | number, control & ~FPCA if with_floats else control))
+        vector = self.vector(number)
         if not vector & 1:
             self.chip.breach(f"exception {number} has no handler")
         self.pc = vector | 1
@@ -200,26 +213,28 @@ class Core:
         waited = self.chip.time - self.pending_since.pop(number, self.chip.time)
         self.latency[number] = max(self.latency[number], waited)
 
+    def vector(self, number):
+        """Where the handler of an exception begins; at address 0 lies the flash."""
+        at = (self.system.stored[0xED08] or FLASH) + 4 * number
+        if FLASH <= at < FLASH + FLASH_SIZE:
+            return struct.unpack_from("<I", self.engine.flash, at - FLASH)[0]
+        return struct.unpack("<I", self.uc.mem_read(at, 4))[0]
+
     def leave(self):
-        uc = self.uc
+        views = self.views
         _, _, (size, padded, with_floats, xpsr) = self.active.pop()
         self.bases.pop()
+        self.chip.stale = True
         if self.cost is not None:
             self.stall += EXIT
-        sp = uc.reg_read(UC_ARM_REG_SP)
-        *registers, pc, _ = struct.unpack("<8I", uc.mem_read(sp, 32))
-        for register, value in zip(STACKED, registers):
-            uc.reg_write(register, value)
-        control = uc.reg_read(UC_ARM_REG_CONTROL)
+        sp, control = views.stack.read()
+        memory, offset = self.engine.place(sp, size) or (self.uc.mem_read(sp, size), 0)
+        *registers, pc, _ = struct.unpack_from("<8I", memory, offset)
         if with_floats and control & FPCA:
             # The handler has used the FPU. One that has not left everything where it was.
-            *floats, status, _ = struct.unpack("<8QII", uc.mem_read(sp + 0x20, 72))
-            for register, value in zip(FLOATS, floats):
-                uc.reg_write(register, value)
-            uc.reg_write(UC_ARM_REG_FPSCR, status)
-        uc.reg_write(UC_ARM_REG_CONTROL, control | FPCA if with_floats else control & ~FPCA)
-        uc.reg_write(UC_ARM_REG_SP, sp + size | padded << 2)
-        uc.reg_write(UC_ARM_REG_XPSR, xpsr & ~0x1FF | 1 << 24)
+            views.floats.write(struct.unpack_from("<8QI", memory, offset + 0x20))
+        control = control | FPCA if with_floats else control & ~FPCA
+        views.entered.write((*registers, sp + size | padded << 2, xpsr & ~0x1FF | 1 << 24, control))
         self.pc = pc | 1
 
     def hard_fault(self):
@@ -255,7 +270,8 @@ class Core:
             self.hard_fault()
             return count
         self.slice = 0
-        pc = uc.reg_read(UC_ARM_REG_PC)
+        state = self.views.general.read()
+        sp, pc = state[-2:]
         if self.fault is not None:
             number, self.fault = self.fault, None
             self.pc = pc | 1
@@ -266,16 +282,18 @@ class Core:
             # unicorn does not tell where in the slice it was.
             count = min(count, 8 * self.accesses + 40 if self.cost is None else self.cost.begun)
         else:
-            self.idles(pc)
+            self.idles(pc, state)
             self.pc = pc | 1
-            if self.chip.is_code(pc) and uc.mem_read(pc - 2, 2) == WFI:
+            at = pc - 2 - FLASH
+            if self.engine.flash[at : at + 2] == WFI:
                 self.sleeping = True
                 count = min(count, 20 if self.cost is None else self.cost.begun)
-        self.lowest_stack = min(self.lowest_stack, uc.reg_read(UC_ARM_REG_SP))
+        if sp < self.lowest_stack:
+            self.lowest_stack = sp
         self.instructions += count
         return count
 
-    def idles(self, pc):
+    def idles(self, pc, state):
         """An endless loop: it has come to the same place with the same registers, and looked at nothing but what only an event changes. It goes
         on until one, or an exception."""
         if self.unsteady:
@@ -283,7 +301,6 @@ class Core:
             return
         if pc not in self.seen and len(self.seen) > LONGEST_LOOP:
             self.seen = {}
-        state = [self.uc.reg_read(register) for register in GENERAL]
         self.loops = state == self.seen.get(pc)
         self.seen[pc] = state
 

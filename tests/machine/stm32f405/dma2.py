@@ -2,6 +2,7 @@
 
 import random
 
+from .engine import RAM
 from .registers import Peripheral, Register
 
 EN, CIRC, MINC = 1, 1 << 8, 1 << 10
@@ -99,15 +100,18 @@ class Dma2(Peripheral):
         """TIM1 asks for what its DCR says."""
         if not self["CR"] & EN:
             return
-        tim1, memory = self.chip.tim1, self.chip.core.uc
-        first, words = tim1["DCR"] & 31, (tim1["DCR"] >> 8 & 31) + 1
-        for i in range(words):
-            address = self["M0AR"] + 4 * (self.total - self["NDTR"])
-            tim1.r[4 * (first + i)] = int.from_bytes(memory.mem_read(address, 4), "little") & 0xFFFF
-            self["NDTR"] -= 1
-            if self["NDTR"] == 0:
-                self["NDTR"] = self.total
+        tim1, ram = self.chip.tim1.r, self.chip.engine.ram
+        dcr, left = tim1[0x48], self.r[0x8C]
+        address = self.r[0x94] - RAM + 4 * (self.total - left)
+        for register in range(4 * (dcr & 31), 4 * ((dcr & 31) + (dcr >> 8 & 31) + 1), 4):
+            # The lower half of a word is what these registers have.
+            tim1[register] = ram[address] | ram[address + 1] << 8
+            address += 4
+            left -= 1
+            if left == 0:
+                left, address = self.total, self.r[0x94] - RAM
                 self["HISR"] |= TCIF
+        self.r[0x8C] = left
 
     def fail(self):
         """A transfer error: the stream is switched off."""

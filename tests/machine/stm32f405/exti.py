@@ -30,6 +30,9 @@ class Exti(Peripheral):
         0x14: Register("PR", 0, rc_w1=LINES),
     }
 
+    #: By interrupt, its lines. 16 is the supply supervisor.
+    INTERRUPTS = {IRQ["PVD"]: 1 << 16, IRQ["EXTI9_5"]: 0x3E0, IRQ["EXTI15_10"]: 0xFC00} | {IRQ[f"EXTI{i}"]: 1 << i for i in range(5)}
+
     def edge(self, port, pin, level):
         if self.chip.syscfg.port(pin) == port and self["RTSR" if level else "FTSR"] >> pin & 1:
             self["PR"] |= 1 << pin
@@ -40,9 +43,7 @@ class Exti(Peripheral):
             self["PR"] |= 1 << line
 
     def lines(self):
-        pending = self["PR"] & self["IMR"]
-        yield IRQ["PVD"], pending & 1 << 16
-        for line in range(5):
-            yield IRQ[f"EXTI{line}"], pending & 1 << line
-        yield IRQ["EXTI9_5"], pending & 0x3E0
-        yield IRQ["EXTI15_10"], pending & 0xFC00
+        pending = self.r[0x14] & self.r[0x00]
+        if not pending:
+            return ()
+        return [irq for irq, lines in self.INTERRUPTS.items() if pending & lines]

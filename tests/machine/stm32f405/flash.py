@@ -1,9 +1,9 @@
 """The flash controller (RM0090, 3): keys, erasing, programming. While it works, the core stands still: its code lies in the same flash."""
 
 from .clock import HZ, MS, US
+from .engine import FLASH as BASE
 from .registers import Peripheral, Register
 
-BASE, SIZE = 0x0800_0000, 0x10_0000
 KEYS = [0x4567_0123, 0xCDEF_89AB]
 LOCK, STRT, PG, SER, MER = 1 << 31, 1 << 16, 1, 2, 4
 ERRORS = 0xF2
@@ -14,10 +14,6 @@ SECTORS = [(i * 0x4000, 0x4000) for i in range(4)] + [(0x10000, 0x10000)] + [(0x
 #: Typical times (data sheet, 5.3.12): programming by size in bytes, and erasing 16 KiB by PSIZE; larger sectors in proportion.
 PROGRAM = {1: 16 * US, 2: 16 * US, 4: 16 * US, 8: 16 * US}
 ERASE_16K = {0: 400 * MS, 1: 300 * MS, 2: 250 * MS}
-
-
-class PowerCut(Exception):
-    """The supply went away, as the test has ordered."""
 
 
 class Flash(Peripheral):
@@ -83,15 +79,15 @@ class Flash(Peripheral):
         begin, size = SECTORS[number]
         if number not in (2, 3):
             return self.breach(f"sector {number}, which is not for parameters, is erased")
-        self.chip.core.uc.mem_write(BASE + begin, b"\xff" * size)
+        self.chip.engine.flash[begin : begin + size] = b"\xff" * size
         self.erased.append((self.chip.now(), number))
         self.chip.core.stall += ERASE_16K[min(value >> 8 & 3, 2)] * size // 0x4000
         self.cut_after_this()
 
     def on_store(self, _uc, _access, address, size, value, _):
         """The core writes to the memory of the flash."""
-        uc, cr = self.chip.core.uc, self["CR"]
-        old = int.from_bytes(uc.mem_read(address, size), "little")
+        cr, offset = self["CR"], address - BASE
+        old = int.from_bytes(self.chip.engine.flash[offset : offset + size], "little")
         value &= (1 << 8 * size) - 1
         if not cr & PG or cr & LOCK:
             return self.breach(f"{address:#x} is written without PG")

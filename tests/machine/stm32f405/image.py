@@ -20,6 +20,9 @@ class Image:
         self.functions = sorted((s["st_value"] & ~1, s.name) for s in functions)
         self.symbols = {s.name: s["st_value"] for s in symbols}
 
+    def __deepcopy__(self, _memo):
+        return self
+
     def function(self, address):
         """The function that an address lies in."""
         i = bisect.bisect_right(self.functions, (address & ~1, "~")) - 1

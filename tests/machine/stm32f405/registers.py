@@ -118,5 +118,5 @@ class Peripheral:
         """It is that moment."""
 
     def lines(self):
-        """The interrupts that it can ask for, each with whether it does."""
+        """The interrupts that it asks for."""
         return ()

@@ -56,7 +56,7 @@ class Tim1(Peripheral):
     # Pulses.
 
     def makes_pulses(self):
-        return self["CCMR1"] >> 4 & 7 == 6
+        return self.r[0x18] >> 4 & 7 == 6
 
     def drives(self, pin):
         """Whether the timer's level is at this pin of port B."""
@@ -175,10 +175,12 @@ class Tim1(Peripheral):
     # Time.
 
     def end(self):
-        return self.run.begin + self.run.period * self.run.repeat if self.run else NEVER
+        run = self.run
+        return run.begin + run.period * run.repeat if run else NEVER
 
     def next_event(self):
-        return min(self.end(), self.burst_at)
+        end = self.end()
+        return end if end < self.burst_at else self.burst_at
 
     def event(self):
         end = self.end()
@@ -196,4 +198,4 @@ class Tim1(Peripheral):
             self.burst_at = end + self.chip.dma2.burst_clocks()
 
     def lines(self):
-        yield IRQ["TIM1_BRK"], self["SR"] & self["DIER"] & BIF
+        return (IRQ["TIM1_BRK"],) if self.r[0x10] & self.r[0x0C] & BIF else ()

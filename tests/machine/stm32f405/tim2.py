@@ -87,4 +87,4 @@ class Tim2(Timer):
         return self.captured(4)
 
     def lines(self):
-        yield IRQ["TIM2"], self["SR"] & self["DIER"] & 0x1E
+        return (IRQ["TIM2"],) if self.r[0x10] & self.r[0x0C] & 0x1E else ()

@@ -150,7 +150,7 @@ class Tim3(Timer):
         self["SR"] |= 1
 
     def lines(self):
-        yield IRQ["TIM3"], self["SR"] & self["DIER"] & 1
+        return (IRQ["TIM3"],) if self.r[0x10] & self.r[0x0C] & 1 else ()
 
 
 class Tim5(Timer):
@@ -200,4 +200,4 @@ class Tim5(Timer):
         self["SR"] |= 2
 
     def lines(self):
-        yield IRQ["TIM5"], self["SR"] & self["DIER"] & 2
+        return (IRQ["TIM5"],) if self.r[0x10] & self.r[0x0C] & 2 else ()
