@@ -30,7 +30,8 @@ def image(pytestconfig):
 
 
 class Starts:
-    """A chip on a bus with a master, for one test: from power-on (`flash`, `crystal`), or where another chip is."""
+    """A chip on a bus with a master, for one test: from power-on (`flash`, `crystal`), or where
+    another chip is."""
 
     def __init__(self, image, monkeypatch):
         self.image, self.time, self.benches = image, VirtualTime(monkeypatch), []
@@ -71,7 +72,8 @@ def once(image, begin):
 
 @pytest.fixture(scope="session")
 def fresh(image):
-    """The bench of a chip as it comes from the factory, 150 ms after power-on, from which tests begin."""
+    """The bench of a chip as it comes from the factory, 150 ms after power-on, from which tests
+    begin."""
 
     def begin(start):
         bench = start()

@@ -3,7 +3,7 @@
 import pytest
 from conftest import NODE_ID
 from drive import FAULT_RESET
-from stm32f405 import MS, US
+from stm32f405 import HZ, MS, US
 from stm32f405.bxcan import Frame
 from stm32f405.interrupts import IRQ
 
@@ -56,6 +56,11 @@ def test_a_stage_without_supply_or_with_a_fault_gets_no_current(drive, pin, code
     recovers(drive)
 
 
+def slows_down(chip, since, cruise):
+    """When the first pulse behind a moment began that took longer than those of a cruise."""
+    return next(run.begin for run in chip.tim1.log if run.begin > since and run.period > HZ // cruise)
+
+
 def test_bus_off_is_a_quick_stop_and_the_controller_returns(drive):
     drive[0x6085] = 1_000_000
     drive.turn(20_000)
@@ -63,6 +68,7 @@ def test_bus_off_is_a_quick_stop_and_the_controller_returns(drive):
     chip.can.go_bus_off()
     chip.run(60 * MS)
     drive.settle()
+    assert slows_down(chip, since, 20_000) - since < MS
     # 20,000 steps/s at 1,000,000 steps/s² is 20 ms.
     assert chip.tim1.last_pulse - since < 30 * MS
     assert not drive.has_power()
@@ -73,21 +79,48 @@ def test_bus_off_is_a_quick_stop_and_the_controller_returns(drive):
     recovers(drive)
 
 
-def test_a_fifo_that_runs_over_is_a_fault_with_current_in_the_motor(drive):
-    drive.turn(20_000)
-    chip, since = drive.chip, drive.chip.time
+def run_over(chip):
+    """Nobody takes a dozen frames for 2 ms."""
     for _ in range(12):
         chip.can.to_send.append(Frame(0x123, False, False, bytes(8)))
-    # Nobody takes them for 2 ms.
     handlers = {IRQ[name] for name in ("CAN1_TX", "CAN1_RX0", "CAN1_SCE")}
     chip.core.system.enabled -= handlers
     chip.run(2 * MS)
     chip.core.system.enabled |= handlers
-    chip.run(100 * MS)
     assert chip.can.stats["overruns"] > 0
+
+
+def test_a_fifo_that_runs_over_is_a_fault_with_current_in_the_motor(drive):
+    drive[0x6085] = 1_000_000
+    drive.turn(20_000)
+    chip, since = drive.chip, drive.chip.time
+    run_over(chip)
+    seen = chip.time
+    chip.run(100 * MS)
+    # The next control tick makes a fault of it, and two segments of pulses are committed ahead.
+    assert slows_down(chip, since, 20_000) - seen < MS + 500 * US
     assert codes(drive, since) == [0x8110]
     assert not drive.has_power()
     recovers(drive)
+
+
+@pytest.mark.parametrize(
+    ("what", "option", "value"),
+    [(lambda chip: chip.can.go_bus_off(), 0x6007, 2), (lambda chip: chip.can.go_bus_off(), 0x605E, 0), (run_over, 0x605E, 0)],
+    ids=["bus-off, no voltage", "bus-off, a fault without a ramp", "overrun, a fault without a ramp"],
+)
+def test_a_drive_that_is_not_to_stop_on_a_ramp_is_safe_within_a_millisecond(drive, what, option, value):
+    """How a motor ends when its master is lost is what the options say; these say: at once."""
+    if what is not run_over:
+        drive[0x6007] = 2 if option == 0x6007 else 1
+    drive[option] = value
+    drive.turn(20_000)
+    chip = drive.chip
+    what(chip)
+    seen = chip.time
+    chip.run(MS)
+    assert drive.is_safe()
+    assert chip.tim1.last_pulse - seen < MS
 
 
 def test_a_dma_stream_that_fails_is_a_fault_and_no_pulse_is_wild(drive):

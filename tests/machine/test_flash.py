@@ -1,7 +1,9 @@
-"""1010h with the power cut at operations of the flash: after it the drive has all of the old parameters, or all of the new ones."""
+"""1010h with the power cut in the middle of operations of the flash, with some of its bits done:
+after it the drive has all of the old parameters, or all of the new ones."""
 
 import pytest
-from conftest import NODE_ID
+from conftest import EDS, NODE_ID, once
+from drive import Drive
 from stm32f405 import HZ
 
 #: 6081h and 6083h as they come from the factory, and as they are to be stored.
@@ -40,7 +42,7 @@ def test_what_is_stored_is_there_after_power_on(drive):
 @pytest.mark.parametrize("operation", [1, 2, 30, 400, 1_500])
 def test_a_power_cut_while_it_stores_loses_no_parameter(drive, operation):
     drive[0x6081], drive[0x6083] = NEW
-    drive.chip.flash.programs_until_cut = operation
+    drive.chip.flash.operations_until_cut = operation
     answered = save(drive.bench)
     assert answered != drive.chip.is_off
     values = after_power_on(drive)
@@ -50,3 +52,37 @@ def test_a_power_cut_while_it_stores_loses_no_parameter(drive, operation):
     drive[0x6081], drive[0x6083] = NEW
     assert save(drive.bench)
     assert after_power_on(drive) == NEW
+
+
+@pytest.fixture(scope="module")
+def full(image, booted):
+    """The parameter sectors of a chip that erases one of them when it stores the next time; 6083h
+    counts what it has stored."""
+
+    def begin(start):
+        bench = start.like(booted)
+        drive = Drive(bench, bench.add(NODE_ID, EDS))
+        for number in range(1, 20):
+            drive[0x6083] = number
+            before = bytes(drive.chip.engine.parameters)
+            assert save(bench)
+            if drive.chip.flash.erased:
+                return before, number
+        raise AssertionError("nothing was erased")
+
+    return once(image, begin)
+
+
+@pytest.mark.parametrize("part", [0.01, 0.999])
+def test_a_power_cut_while_it_erases_loses_no_parameter(start, full, part):
+    """Few of the bits are erased by then, or most of them."""
+    parameters, number = full
+    bench = start(flash=parameters)
+    assert bench.chip.run(HZ, lambda: bench.frames)
+    drive = Drive(bench, bench.add(NODE_ID, EDS))
+    drive.chip.flash.erases_until_cut, drive.chip.flash.erased_part = 1, part
+    drive[0x6083] = number
+    assert not save(bench)
+    assert after_power_on(drive)[1] in (number - 1, number)
+    drive[0x6081], drive[0x6083] = NEW
+    assert save(drive.bench)

@@ -2,11 +2,13 @@
 
 import struct
 
+import pytest
 from conftest import EDS, NODE_ID
 from drive import Drive
 from stm32f405 import HZ, MS, US
 from stm32f405.bxcan import Frame
 from stm32f405.interrupts import IRQ
+from test_motion import intervals
 
 SYSTICK = 15
 
@@ -118,17 +120,22 @@ def test_a_full_bus_loses_no_frame_and_no_tick(drive):
     assert struct.pack("<I", drive[0x6041])[0] & 0x6F == 0x27
 
 
-def test_a_full_bus_and_a_million_pulses_a_second_leave_most_of_the_processor(drive):
-    times = (400, 400, 5_000, 5_000)
+@pytest.mark.parametrize(("rate", "width"), [(1_000_000, 400), (4_900_000, 100)])
+def test_a_full_bus_and_the_fastest_pulses_leave_most_of_the_processor(drive, rate, width):
+    times = (width, width, 5_000, 5_000)
     for sub, value in enumerate((255, *times), start=1):
         drive.sdo[0x20B0][sub].raw = value
     drive.bench.pulse_times = times
-    drive.turn(1_000_000, acceleration=20_000_000)
+    drive[0x6080] = drive[0x607F] = rate
+    drive.turn(rate, acceleration=20 * rate)
     chip, core = drive.chip, drive.chip.core
     chip.can.to_send.extend(Frame(0x123, False, False, b"") for _ in range(2_000))
     core.latency.clear()
     since, before = chip.time, core.instructions
+    begin = drive.settle()
     control_ticks(drive, 50)
+    assert abs(drive.settle() - begin - rate * (chip.time - since) / HZ) <= 1
+    assert intervals(chip.tim1, since) <= {HZ // rate, -(-HZ // rate)}
     share = (core.instructions - before) / (chip.time - since)
     waited = {name: core.latency[16 + irq] / US for name, irq in (("frame", IRQ["CAN1_RX0"]), ("refill", IRQ["TIM3"]))}
     stack = chip.image.symbols["_stack_start"] - core.lowest_stack

@@ -3,8 +3,10 @@
 import pytest
 from drive import ENABLE, PROFILE_POSITION
 from stm32f405 import Breach, Chip
+from stm32f405.bxcan import Frame
+from stm32f405.engine import CCM
 
-RCC, GPIOA, TIM3 = 0x2_3800, 0x2_0000, 0x400
+RCC, GPIOA, DMA2, TIM3 = 0x2_3800, 0x2_0000, 0x2_6400, 0x400
 CR1, SMCR, CCMR1, CCER, CNT, ARR = 0x00, 0x08, 0x18, 0x20, 0x24, 0x2C
 
 #: One turn of an encoder through its four states, line A first.
@@ -13,7 +15,9 @@ FORWARDS = ((1, 0), (1, 1), (0, 1), (0, 0))
 
 @pytest.fixture
 def chip(image):
-    return Chip(image)
+    chip = Chip(image)
+    yield chip
+    chip.leave()
 
 
 def encoder(chip, mode, lines=0x0101):
@@ -59,27 +63,95 @@ def test_a_line_inverted_turns_the_way_round(chip):
     assert chip.load(TIM3 + CNT, 4) == 0xFFFC
 
 
-@pytest.mark.parametrize(
-    ("what", "address", "size", "value"),
-    [
-        ("an access to the MPU", 0xE000_ED94, 4, 5),
-        ("a USART", 0x4000_4400, 4, 1),
-        ("an SPI", 0x4001_3000, 4, 1),
-        ("an encoder without inputs", 0x4000_0400 + CCMR1, 4, 0x0202),
-        ("a timer that counts downwards", 0x4000_0400 + CR1, 4, 0x11),
-        ("a byte in a peripheral that takes words", 0x4000_6400, 1, 1),
-        ("a peripheral without its clock", 0x4000_0C00, 4, 1),
-    ],
-    ids=lambda value: value if isinstance(value, str) else "",
-)
-def test_what_is_forbidden_or_not_modelled_is_told(chip, what, address, size, value):
+#: What is written where, behind 4000_0000h or in the core, and what is told of it.
+FORBIDDEN = [
+    ("an access to the MPU", 0xE000_ED94, 4, 5, "core register"),
+    ("an interrupt made pending by ICSR", 0xE000_ED04, 4, 1 << 28, "core register"),
+    ("half a word in the controller of interrupts", 0xE000_E100, 2, 1, "2 bytes"),
+    ("a priority of five bits", 0xE000_E400, 1, 0x18, "upper four bits"),
+    ("a USART", 0x4000_4400, 4, 1, "not modelled"),
+    ("an SPI", 0x4001_3000, 4, 1, "not modelled"),
+    ("the clock of a USART", 0x4002_3840, 4, 1 << 17 | 1 << 25 | 2, "APB1ENR .* 0x20000 do"),
+    ("a PLL before its crystal", 0x4002_3800, 4, 0x0101_0083, "before its crystal is ready"),
+    ("a clock that is not ready", 0x4002_3808, 4, 2, "not ready"),
+    ("an encoder without inputs", 0x4000_0400 + CCMR1, 4, 0x0202, "CCMR1"),
+    ("a timer that counts downwards", 0x4000_0400 + CR1, 4, 0x11, "CR1 .* 0x10 do"),
+    ("a reserved bit", 0x4000_0400 + CR1, 4, 0x401, "reserved bits 0x400"),
+    ("dead time", 0x4001_0044, 4, 0x10, "BDTR .* 0x10 do"),
+    ("outputs of TIM1 that come back of themselves", 0x4001_0044, 4, 1 << 14, "BDTR .* 0x4000 do"),
+    ("a byte in a peripheral that takes words", 0x4000_6400, 1, 1, "1 bytes"),
+    ("a return from bus-off by itself", 0x4000_6400, 4, 0x1_0041, "MCR .* 0x40 do"),
+    ("a filter of lists", 0x4000_6604, 4, 1, "FM1R .* 0x1 do"),
+    ("a bit time outside of initialisation", 0x4000_641C, 4, 0x011A_0002, "outside of initialisation"),
+    ("a peripheral without its clock", 0x4000_0C00, 4, 1, "without the clock"),
+    ("a watchdog's register without access", 0x4000_3008, 2, 100, "without access"),
+    ("flash that is locked", 0x4002_3C10, 4, 1, "locked"),
+    ("an injected conversion", 0x4001_2008, 4, 1 << 22 | 1, "CR2 .* 0x400000 do"),
+    ("a scan of channels", 0x4001_2004, 4, 1 << 8, "not modelled"),
+    ("an interrupt by a pin that floats", 0x4001_3C00, 4, 1 << 4, "PA4, which floats"),
+    ("a stream in memory that it cannot reach", 0x4002_6488, 4, 6 << 25 | 2 << 13 | 2 << 11 | 1 << 10 | 1 << 8 | 1 << 6 | 1, "cannot reach"),
+]
+
+
+@pytest.mark.parametrize(("address", "size", "value", "told"), [entry[1:] for entry in FORBIDDEN], ids=[entry[0] for entry in FORBIDDEN])
+def test_what_is_forbidden_or_not_modelled_is_told(chip, address, size, value, told):
+    chip.store(RCC + 0x30, 4, chip.load(RCC + 0x30, 4) | 1 << 22 | 1)
     chip.store(RCC + 0x40, 4, 1 << 25 | 2)
+    chip.store(RCC + 0x44, 4, 1 << 14 | 1 << 8 | 1)
+    # The crystal as the source of the PLL.
+    chip.store(RCC + 0x04, 4, 0x2740_5408)
+    # The memory of the core alone.
+    chip.store(DMA2 + 0x8C, 4, 10)
+    chip.store(DMA2 + 0x94, 4, CCM)
+    chip.check()
     if address >= 0xE000_0000:
-        chip.core.system.store(address - 0xE000_0000, size, value)
+        chip.core.store(address - 0xE000_0000, size, value)
     else:
         chip.store(address - 0x4000_0000, size, value)
-    with pytest.raises(Breach):
+    with pytest.raises(Breach, match=told):
         chip.check()
+
+
+def test_a_pin_that_floats_reads_as_anything(chip):
+    chip.store(RCC + 0x30, 4, 0x0010_0001)
+    # A pull-up at PA1, a pull-down at PA2; PA13 to PA15 have those of the debugger.
+    chip.store(GPIOA + 0x0C, 4, 0x6400_0024)
+    seen = [chip.load(GPIOA + 0x10, 4) for _ in range(50)]
+    ones = [sum(levels >> pin & 1 for levels in seen) for pin in range(16)]
+    assert (ones[1], ones[2]) == (50, 0)
+    assert all(0 < ones[pin] < 50 for pin in (0, *range(3, 13)))
+    chip.pins.drive("PA0", 1)
+    assert chip.load(GPIOA + 0x10, 4) & 1
+    chip.check()
+
+
+def test_a_pin_that_two_drive_is_told(chip):
+    chip.store(RCC + 0x30, 4, 0x0010_0001)
+    chip.pins.drive("PA0", 1)
+    chip.store(GPIOA, 4, 0xA800_0001)
+    with pytest.raises(Breach, match="PA0 becomes an output"):
+        chip.check()
+
+
+@pytest.mark.parametrize("bit_timing", [0x0049_0002, 0x000E_0001, 0x031A_0002], ids=["69 %", "94 %", "jumps too far"])
+def test_a_bit_that_is_sampled_out_of_place_is_told(bench, bit_timing):
+    can = bench.chip.can
+    can["MSR"] |= 1
+    can.write_BTR(0x011A_0002)
+    bench.chip.check()
+    can.write_BTR(bit_timing)
+    with pytest.raises(Breach, match="samples at"):
+        bench.chip.check()
+
+
+def test_a_filter_lets_its_identifiers_in(bench):
+    can = bench.chip.can
+    can["F0R1"], can["F0R2"] = 0x120 << 21, 0x7F0 << 21
+    for identifier in (0x11F, 0x120, 0x12F, 0x130):
+        can.to_send.append(Frame(identifier, False, False, b""))
+    before = can.stats["received"]
+    bench.milliseconds(1)
+    assert can.stats["received"] - before == 2 and can.stats["filtered"] == 2
 
 
 def test_a_frame_has_the_bit_time_in_which_it_began(bench):

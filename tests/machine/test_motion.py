@@ -52,8 +52,18 @@ def test_a_velocity_is_held_to_the_clock_and_ends_by_quick_stop(drive):
     drive.until(lambda: not drive.has_power(), "no current")
 
 
-@pytest.mark.parametrize(("rate", "width", "burst"), [(1_000_000, 400, 60), (4_900_000, 100, 80)])
-def test_the_highest_rates_of_the_board_are_exact(drive, rate, width, burst):
+def intervals(tim1, since):
+    """The clocks between pulses that lie side by side, from a moment on, each kind once."""
+    runs = [run for run in tim1.log if run.begin > since]
+    ends = [run.begin + run.period * (run.repeat - 1) for run in runs]
+    return {run.period for run in runs if run.repeat > 1} | {after.begin - end for end, after in zip(ends, runs[1:])}
+
+
+@pytest.mark.parametrize(
+    ("rate", "width", "burst"),
+    [(10_000, 2_500, 60), (999_000, 400, 60), (1_000_000, 400, 60), (2_000_000, 200, 60), (4_900_000, 100, 80)],
+)
+def test_the_rates_of_the_pulse_tables_are_exact(drive, rate, width, burst):
     # The shortest run is 84 clocks.
     drive.chip.dma2.BURST, drive.chip.dma2.CONTENTION = burst, min(4, (84 - burst) // 5)
     times = (width, width, 5_000, 5_000)
@@ -64,7 +74,10 @@ def test_the_highest_rates_of_the_board_are_exact(drive, rate, width, burst):
     drive.turn(rate, acceleration=40 * rate)
     begin, since = drive.settle(), drive.chip.time
     drive.bench.milliseconds(10)
-    assert drive.settle() - begin == pytest.approx(rate * (drive.chip.time - since) / HZ, rel=0.001)
+    # To the pulse, and no interval is another than the two whole numbers of clocks beside the exact
+    # one.
+    assert abs(drive.settle() - begin - rate * (drive.chip.time - since) / HZ) <= 1
+    assert intervals(drive.chip.tim1, since) <= {HZ // rate, -(-HZ // rate)}
     drive[0x6040] = HALT
     drive.until(lambda: stands(drive), "it stands")
     counted(drive)

@@ -32,7 +32,8 @@ def set_up(chip):
         chip.store(RCC + offset, 4, chip.load(RCC + offset, 4) | bits)
     chip.store(GPIOB + 0x24, 4, 0x0111_0000)
     chip.store(GPIOB, 4, chip.load(GPIOB, 4) & ~(0x3F << 24) | 0x2A << 24)
-    chip.pins.drive("PB12", 1)
+    for pin, level in (("PB12", 1), ("PA0", 0), ("PA1", 0), ("PB11", 0)):
+        chip.pins.drive(pin, level)
 
 
 def run_to(chip, time):

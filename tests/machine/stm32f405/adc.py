@@ -13,15 +13,12 @@ class Adc(Peripheral):
     CLOCK = (0x44, 8)
     REGISTERS = {
         0x00: Register("SR", 0, rc_w0=0x3F),
-        0x04: Register("CR1", 0x07C0_FFFF),
-        0x08: Register("CR2", 0x7F7F_0F03),
+        0x08: Register("CR2", 0x7F7F_0F03, known=1 << 30 | 1),
         0x0C: Register("SMPR1", 0x07FF_FFFF),
         0x10: Register("SMPR2", 0x3FFF_FFFF),
-        0x2C: Register("SQR1", 0x00FF_FFFF),
-        0x30: Register("SQR2", 0x3FFF_FFFF),
-        0x34: Register("SQR3", 0x3FFF_FFFF),
+        0x34: Register("SQR3", 0x3FFF_FFFF, known=0x1F),
         0x4C: Register("DR", 0),
-        0x304: Register("CCR", 0x00C3_EF1F),
+        0x304: Register("CCR", 0x00C3_EF1F, known=1 << 23 | 3 << 16),
     }
 
     def reset(self):

@@ -8,7 +8,7 @@ from .clock import NEVER
 from .interrupts import IRQ
 from .registers import Peripheral, Register
 
-INRQ, SLEEP, TXFP, ABOM, RESET = 1, 2, 4, 0x40, 0x8000
+INRQ, SLEEP, RESET = 1, 2, 0x8000
 INAK, SLAK, ERRI = 1, 2, 4
 EWGF, EPVF, BOFF = 1, 2, 4
 SILENT = 1 << 31
@@ -25,12 +25,11 @@ class Can(Peripheral):
     CLOCK = (0x40, 25)
     REGISTERS = (
         {
-            0x00: Register("MCR", 0x1_80FF, 0x1_0002),
+            0x00: Register("MCR", 0x1_80FF, 0x1_0002, known=0x1_0000 | RESET | INRQ | SLEEP),
             0x04: Register("MSR", 0, 0xC02, rc_w1=0x1C, keep=False),
             0x08: Register("TSR", 0x0080_8080, 0x1C00_0000, keep=False),
             0x0C: Register("RF0R", 0x38, keep=False),
-            0x10: Register("RF1R", 0x38, keep=False),
-            0x14: Register("IER", 0x3_8F7F),
+            0x14: Register("IER", 0x3_8F7F, known=0x8F0B),
             0x18: Register("ESR", 0x70, keep=False),
             0x1C: Register("BTR", 0xC37F_03FF, 0x0123_0000),
         }
@@ -42,12 +41,14 @@ class Can(Peripheral):
         | {0x1B0 + 4 * j: Register(f"R0{name}", 0) for j, name in enumerate(("IR", "DTR", "DLR", "DHR"))}
         | {
             0x200: Register("FMR", 0x3F01, 0x2A1C_0E01, keep=False),
-            0x204: Register("FM1R", 0x0FFF_FFFF),
-            0x20C: Register("FS1R", 0x0FFF_FFFF),
-            0x214: Register("FFA1R", 0x0FFF_FFFF),
-            0x21C: Register("FA1R", 0x0FFF_FFFF),
+            0x204: Register("FM1R", 0x0FFF_FFFF, known=0),
+            0x20C: Register("FS1R", 0x0FFF_FFFF, known=1),
+            0x214: Register("FFA1R", 0x0FFF_FFFF, known=0),
+            0x21C: Register("FA1R", 0x0FFF_FFFF, known=1),
+            # One filter of 32 bits: what identifiers have, and which of their bits count.
+            0x240: Register("F0R1"),
+            0x244: Register("F0R2"),
         }
-        | {0x240 + 4 * i: Register(f"F{i // 2}R{i % 2 + 1}") for i in range(56)}
     )
 
     def __init__(self, chip):
@@ -90,10 +91,6 @@ class Can(Peripheral):
     def write_MCR(self, value):
         if value & RESET:
             return self.reset()
-        if value & TXFP:
-            self.breach("TXFP: order by time is not modelled")
-        if value & ABOM and self["ESR"] & BOFF:
-            self.breach("ABOM: the return from bus-off is for the device to order")
         if value & INRQ and value & SLEEP:
             self.breach("INRQ and SLEEP at once")
         if value & SLEEP and self["ESR"] & BOFF and not self["MCR"] & SLEEP:
@@ -125,6 +122,7 @@ class Can(Peripheral):
         for pin in (8, 9):
             if self.chip.gpio["B"].function(pin) != 9:
                 self.breach(f"goes on the bus while PB{pin} is not its pin")
+        self.chip.pins.floats("PB8", "CAN receive")
 
     def write_TSR(self, value):
         for i in range(3):
@@ -168,10 +166,6 @@ class Can(Peripheral):
                 return self.breach("the output mailbox is released while the FIFO is empty")
             self.fifo.pop(0)
 
-    def write_RF1R(self, value):
-        if value & 1 << 5:
-            self.breach("FIFO 1, in which nothing lies, is released")
-
     def head(self, word):
         if not self.fifo:
             self.breach("the FIFO is read while it is empty")
@@ -195,6 +189,10 @@ class Can(Peripheral):
             return self.breach("BTR written outside of initialisation mode")
         if value & 1 << 30:
             self.breach("loop back is not modelled")
+        before, behind, jump = 2 + (value >> 16 & 15), 1 + (value >> 20 & 7), 1 + (value >> 24 & 3)
+        # CiA 301, 5.3: the middle of what others may have is 87.5 %.
+        if not 0.75 <= before / (before + behind) <= 0.9 or jump > behind:
+            self.breach(f"BTR {value:#x} samples at {before} of {before + behind} quanta and jumps by {jump}")
         self["BTR"] = value
 
     def write_mailbox(self, mailbox, name, value):
@@ -211,6 +209,11 @@ class Can(Peripheral):
         if not self["FMR"] & 1:
             self.breach(f"{name} written outside of the filters' initialisation")
         self[name] = value
+
+    def write_FA1R(self, value):
+        if value and not self["FS1R"]:
+            self.breach("a filter of two times 16 bits is not modelled")
+        self["FA1R"] = value
 
     # The bus.
 
@@ -278,10 +281,10 @@ class Can(Peripheral):
 
     def end_received(self, frame):
         self.count_errors(0, -1, 0)
-        if not self["FA1R"] & 1 or self["FMR"] & 1:
+        word = (frame.id << 3 | 4 if frame.extended else frame.id << 21) | frame.remote << 1
+        if not self["FA1R"] & 1 or self["FMR"] & 1 or (word ^ self["F0R1"]) & self["F0R2"]:
             self.stats["filtered"] += 1
             return
-        word = (frame.id << 3 | 4 if frame.extended else frame.id << 21) | frame.remote << 1
         entry = (word, len(frame.data) | self.time_stamp(), *struct.unpack("<II", frame.data.ljust(8, b"\0")))
         if len(self.fifo) >= 3:
             self.fifo[2] = entry

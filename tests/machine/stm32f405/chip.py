@@ -24,7 +24,7 @@ from .tim1 import Tim1
 from .tim2 import Tim2
 from .timers import Tim3, Tim5
 
-Reset = namedtuple("Reset", "time why where")
+Reset = namedtuple("Reset", "time why pc")
 
 
 class Chip:
@@ -33,7 +33,6 @@ class Chip:
     def __init__(self, elf, flash=None, crystal=True):
         self.image = elf if isinstance(elf, Image) else Image(elf)
         self.crystal = crystal
-        self.option_bytes = 0x0FFF_AAEC
         self.time, self.resets = 0, []
         self.first_breach = None
         self.locked_up = False
@@ -42,7 +41,8 @@ class Chip:
         self.parameters = flash or b"\xff" * PARAMETERS_SIZE
         self.pins = Pins(self)
         self.engine, self.core = Engine.take(self.image), None
-        #: The next moment in which a peripheral does something of itself, unless something has been touched since.
+        #: The next moment in which a peripheral does something of itself, unless something has been
+        #: touched since.
         self.soon, self.stale = 0, True
         self.power_up()
 
@@ -101,7 +101,7 @@ class Chip:
 
     def reset(self, why):
         """A reset of the chip; RAM keeps what it has."""
-        self.resets.append(Reset(self.time, why, self.image.where(self.core.pc)))
+        self.resets.append(Reset(self.time, why, self.core.pc))
         self.parameters = bytes(self.engine.parameters)
         for pin, level in (("PA2", None), ("PC2", None)):
             self.pins.note(pin, level)
@@ -188,8 +188,6 @@ class Chip:
             self.check()
         if self.is_off:
             return
-        if core.wants_reset:
-            return self.reset(core.wants_reset)
         if self.stale or self.time >= self.soon or self.time >= core.system.ticks_at:
             while self.pass_events(core):
                 pass
@@ -212,7 +210,7 @@ class Chip:
                 peripheral.event()
                 if peripheral is self.rcc:
                     # The only one that a loop may look at and still be one (`load`).
-                    core.loops, core.seen = False, {}
+                    core.loops, core.seen, core.whole = False, {}, None
                 due = core is self.core
                 if not due:
                     return False

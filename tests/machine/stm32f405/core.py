@@ -12,12 +12,13 @@ from unicorn.arm_const import (
     UC_ARM_REG_XPSR,
 )
 
-from .cost import ENTRY, EXIT, Cost, Shares
+from .cost import CHAINED, ENTRY, EXIT, Cost, Shares
 from .engine import FLASH, FLASH_SIZE
 from .system import HARD_FAULT, NMI, SVCALL, System
 
-#: Instructions that run without a look at the rest of the chip.
-SLICE = 400
+#: Instructions that run without a look at the rest of the chip; more where interrupts have been
+#: masked and nothing was touched all the while, as in most of a start.
+SLICE, MASKED = 400, 6_400
 
 #: What LR has in a handler: back to where the main stack was used, without and with registers of the FPU in the frame.
 EXC_RETURN, EXC_RETURN_FP = 0xFFFF_FFF9, 0xFFFF_FFE9
@@ -69,10 +70,16 @@ class Core:
         self.system = System(self)
         #: Clocks in which the core stands still (flash), accesses in this slice, whether one is under way.
         self.stall, self.accesses, self.slice = 0, 0, 0
+        #: Instructions of the next slice at most, and whether PRIMASK held an exception back behind
+        #: the last one.
+        self.room, self.is_held = SLICE, False
         self.sleeping = self.loops = self.is_stopped = False
-        #: Registers at places of what may be a loop, and accesses to what changes of itself, or that change something.
-        self.seen, self.unsteady = {}, 0
-        self.left, self.fault, self.wants_reset = False, None, None
+        #: Registers at places of what may be a loop, memory at one of them, and accesses to what
+        #: changes of itself, or that change something.
+        self.seen, self.whole, self.unsteady = {}, None, 0
+        self.left, self.fault = False, None
+        #: A handler has ended, and nothing has run since.
+        self.has_left = False
         #: Exceptions that are served: number, priority, and what their entry has stacked.
         self.active = []
         self.counts = collections.Counter()
@@ -160,10 +167,10 @@ class Core:
             self.system.pending.add(number)
             self.pending_since[number] = self.chip.time
 
-    def current_priority(self):
-        """What an exception must be below of, in number, to come now."""
+    def current_priority(self, is_masked, base):
+        """What an exception must be below of, in number, to come now: by what is served, PRIMASK
+        and BASEPRI."""
         level = min([priority for _, priority, _ in self.active], default=256)
-        is_masked, base = self.views.masks.read()
         if base & 0xF0:
             level = min(level, base & 0xF0)
         return min(level, 0) if is_masked & 1 else level
@@ -176,13 +183,19 @@ class Core:
             return
         number = min(ready, key=lambda n: (system.priority[n], n))
         self.sleeping = False
-        if system.priority[number] < self.current_priority():
+        is_masked, base = self.views.masks.read()
+        if system.priority[number] < self.current_priority(is_masked, base):
             system.pending.discard(number)
             self.enter(number)
+            is_masked = 0
+        elif not is_masked or not self.is_held:
+            # Soon it may come.
+            self.room = SLICE
+        self.is_held = is_masked
 
     def enter(self, number):
         engine, views = self.engine, self.views
-        self.loops, self.seen = False, {}
+        self.loops, self.seen, self.whole = False, {}, None
         *registers, sp, xpsr, control = views.entered.read()
         with_floats = bool(control & FPCA)
         size = 0x68 if with_floats else 0x20
@@ -195,12 +208,13 @@ class Core:
         else:
             struct.pack_into("<8I", *place, *registers, self.pc & ~1, xpsr & ~0x3FF | padded << 9 | 1 << 24)
             if with_floats:
-                # The core writes them later, with the first instruction of the handler that needs the FPU. No program can tell.
+                # The core writes them later, with the first instruction of the handler that needs
+                # the FPU. No program can tell.
                 memory, offset = place
                 struct.pack_into("<8QII", memory, offset + 0x20, *views.floats.read(), 0)
         if self.cost is not None:
             self.cost.note_stack()
-            self.stall += ENTRY
+            self.stall += CHAINED - EXIT if self.has_left else ENTRY
         self.bases.append(sp)
         self.active.append((number, self.system.priority[number], (size, padded, with_floats, xpsr)))
         self.lowest_stack = min(self.lowest_stack, new)
@@ -227,6 +241,7 @@ class Core:
         self.chip.stale = True
         if self.cost is not None:
             self.stall += EXIT
+            self.has_left = True
         sp, control = views.stack.read()
         memory, offset = self.engine.place(sp, size) or (self.uc.mem_read(sp, size), 0)
         *registers, pc, _ = struct.unpack_from("<8I", memory, offset)
@@ -234,7 +249,7 @@ class Core:
             # The handler has used the FPU. One that has not left everything where it was.
             views.floats.write(struct.unpack_from("<8QI", memory, offset + 0x20))
         control = control | FPCA if with_floats else control & ~FPCA
-        views.entered.write((*registers, sp + size | padded << 2, xpsr & ~0x1FF | 1 << 24, control))
+        views.entered.write((*registers, sp + size | padded << 2, xpsr | 1 << 24, control))
         self.pc = pc | 1
 
     def hard_fault(self):
@@ -250,7 +265,7 @@ class Core:
     def run_slice(self, most):
         """Runs so many instructions at most, 1 or more. Gives the clocks that they took."""
         uc = self.uc
-        count = max(1, min(most, SLICE) if self.cost is None else min(most // 2, SLICE // 4))
+        count = max(1, min(most, self.room) if self.cost is None else min(most // 2, SLICE // 4))
         priority = self.active[-1][1] if self.active else 256
         clocks = self.run_instructions(count)
         if self.cost is not None:
@@ -260,7 +275,7 @@ class Core:
 
     def run_instructions(self, count):
         uc = self.uc
-        self.accesses, self.unsteady, self.slice = 0, 0, count
+        self.accesses, self.unsteady, self.slice, self.has_left = 0, 0, count, False
         self.loops = False
         try:
             uc.emu_start(self.pc, RETURNS[0], 0, count)
@@ -270,6 +285,7 @@ class Core:
             self.hard_fault()
             return count
         self.slice = 0
+        self.room = min(2 * self.room, MASKED) if self.is_held and not self.accesses else SLICE
         state = self.views.general.read()
         sp, pc = state[-2:]
         if self.fault is not None:
@@ -294,14 +310,19 @@ class Core:
         return count
 
     def idles(self, pc, state):
-        """An endless loop: it has come to the same place with the same registers, and looked at nothing but what only an event changes. It goes
-        on until one, or an exception."""
+        """An endless loop: it has come to the same place with the same registers and the same
+        memory, and looked at nothing but what only an event changes. It goes on until one, or an
+        exception."""
         if self.unsteady:
-            self.seen = {}
+            self.seen, self.whole = {}, None
             return
         if pc not in self.seen and len(self.seen) > LONGEST_LOOP:
-            self.seen = {}
-        self.loops = state == self.seen.get(pc)
+            self.seen, self.whole = {}, None
+        if state == self.seen.get(pc) and (self.whole is None or pc == self.whole[0]):
+            # Memory is compared from the second time on, as most loops count in it.
+            whole = pc, self.engine.everything()
+            self.loops = whole == self.whole
+            self.whole = whole
         self.seen[pc] = state
 
     def since_slice(self):

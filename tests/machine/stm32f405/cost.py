@@ -18,8 +18,9 @@ INSTRUCTION_LINES, DATA_LINES = 64, 8
 
 #: To fill the pipeline behind a branch that is taken (1 to 3), and a division (2 to 12).
 BRANCH, DIVISION = 2, 6
-#: To stack a frame and fetch the vector, to come back, and from one exception to the next.
-ENTRY, EXIT = 12, 12
+#: To stack a frame and fetch the vector, to come back, and from one exception to the next without
+#: either.
+ENTRY, EXIT, CHAINED = 12, 12, 6
 
 #: Clocks more of an access by the bus it is on: two clocks of the bus and the wait for its edge, by the first address behind the bus.
 BUSES = ((0x1_0000, 10), (0x2_0000, 5), (0x8_0000, 1))

@@ -23,7 +23,6 @@ class Dma2(Peripheral):
         0x8C: Register("NDTR", 0xFFFF),
         0x90: Register("PAR"),
         0x94: Register("M0AR"),
-        0x98: Register("M1AR"),
         0x9C: Register("FCR", 0x87, 0x21, keep=False),
     }
     #: Core clocks from the update event to the last of five words, when nobody else is on the buses: 12 for a word.

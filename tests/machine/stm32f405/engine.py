@@ -1,4 +1,5 @@
-"""unicorn, and the memory it runs in. What it has once translated of an image is kept: a chip that is done with leaves its engine to the next."""
+"""unicorn, and the memory it runs in. What it has once translated of an image is kept: a chip that
+is done with leaves its engine to the next."""
 
 import collections
 import ctypes
@@ -10,7 +11,8 @@ from unicorn.arm_const import (
     UC_ARM_REG_R0, UC_ARM_REG_R12, UC_ARM_REG_SP, UC_ARM_REG_XPSR, UC_CPU_ARM_CORTEX_M4,
 )
 
-# Python's way to a register makes several objects; a look at the core takes place tens of thousands of times a second.
+# Python's way to a register makes several objects; a look at the core takes place tens of thousands
+# of times a second.
 from unicorn.unicorn_py3.unicorn import uclib
 
 RAM, RAM_SIZE = 0x2000_0000, 0x2_0000
@@ -25,8 +27,8 @@ CALIBRATION = struct.pack("<HH", 943, 1194)
 #: Where the parameters are stored.
 PARAMETERS, PARAMETERS_SIZE = 0x0800_8000, 0x8000
 
-#: Parts of the chip that are not modelled and lie outside of what the peripherals' buses have: the bits of the RAM, AHB2, the external memories and
-#: their controller.
+#: Parts of the chip that are not modelled and lie outside of what the peripherals' buses have: the
+#: bits of the RAM, AHB2, the external memories and their controller.
 ELSEWHERE = ((0x2200_0000, 0x200_0000), (0x5000_0000, 0x6_1000), (0x6000_0000, 0x4000_0000), (0xA000_0000, 0x1000))
 
 #: Everything that a program can have in the core; there is one stack.
@@ -105,7 +107,10 @@ class Engine:
                 lambda _uc, offset, _size, _, base=address: self.chip.load(base - 0x4000_0000 + offset, 4), None,
                 lambda _uc, offset, _size, value, _, base=address: self.chip.store(base - 0x4000_0000 + offset, 4, value), None,
             )  # fmt: skip
-        uc.hook_add(UC_HOOK_MEM_WRITE, lambda *store: self.chip.flash.on_store(*store), None, FLASH, FLASH + FLASH_SIZE - 1)
+        uc.hook_add(
+            UC_HOOK_MEM_WRITE, lambda _uc, _access, address, size, value, _: self.chip.flash.program(address, size, value),
+            None, FLASH, FLASH + FLASH_SIZE - 1,
+        )  # fmt: skip
         uc.hook_add(UC_HOOK_INTR, lambda _uc, number, _: self.chip.core.on_interrupt(number))
 
     # Who uses it.
@@ -139,6 +144,10 @@ class Engine:
         self.state.write([0] * len(STATE))
 
     # Registers and memory.
+
+    def everything(self):
+        """What decides what the program does next."""
+        return self.state.read(), bytes(self.ram), bytes(self.ccm)
 
     def registers(self, numbers):
         return Registers(self.uc, numbers)

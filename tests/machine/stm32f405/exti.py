@@ -10,11 +10,10 @@ class Syscfg(Peripheral):
     NAME = "SYSCFG"
     WRITE_SIZES = (1, 2, 4)
     CLOCK = (0x44, 14)
-    REGISTERS = {0x00: Register("MEMRMP", 3), 0x04: Register("PMC", 1 << 23)} | {
-        0x08 + 4 * i: Register(f"EXTICR{i + 1}", 0xFFFF) for i in range(4)
-    }
+    REGISTERS = {0x08 + 4 * i: Register(f"EXTICR{i + 1}", 0xFFFF) for i in range(4)}
 
     def port(self, line):
+        # Its registers need a clock, what they choose does not.
         return "ABCDEFGHI"[self[f"EXTICR{line // 4 + 1}"] >> 4 * (line % 4) & 15]
 
 
@@ -23,12 +22,16 @@ class Exti(Peripheral):
     READ_SIZES = WRITE_SIZES = (4,)
     REGISTERS = {
         0x00: Register("IMR", LINES),
-        0x04: Register("EMR", LINES),
         0x08: Register("RTSR", LINES),
         0x0C: Register("FTSR", LINES),
-        0x10: Register("SWIER", LINES),
         0x14: Register("PR", 0, rc_w1=LINES),
     }
+
+    def write_IMR(self, value):
+        for line in range(16):
+            if (value & ~self["IMR"]) >> line & 1:
+                self.chip.pins.floats(f"P{self.chip.syscfg.port(line)}{line}", f"interrupt line {line}")
+        self["IMR"] = value
 
     #: By interrupt, its lines. 16 is the supply supervisor.
     INTERRUPTS = {IRQ["PVD"]: 1 << 16, IRQ["EXTI9_5"]: 0x3E0, IRQ["EXTI15_10"]: 0xFC00} | {IRQ[f"EXTI{i}"]: 1 << i for i in range(5)}

@@ -1,7 +1,10 @@
 """The flash controller (RM0090, 3): keys, erasing, programming. While it works, the core stands still: its code lies in the same flash."""
 
+import random
+
 from .clock import HZ, MS, US
 from .engine import FLASH as BASE
+from .engine import PARAMETERS, PARAMETERS_SIZE
 from .registers import Peripheral, Register
 
 KEYS = [0x4567_0123, 0xCDEF_89AB]
@@ -22,16 +25,17 @@ class Flash(Peripheral):
     REGISTERS = {
         0x00: Register("ACR", 0x1F07, 0, keep=False),
         0x04: Register("KEYR"),
-        0x08: Register("OPTKEYR"),
         0x0C: Register("SR", 0, rc_w1=ERRORS | 1, keep=False),
-        0x10: Register("CR", 0x8101_037F | 1 << 24, LOCK),
-        0x14: Register("OPTCR", 0x0FFF_FFEF, 0x0FFF_AAED),
+        0x10: Register("CR", 0x8101_037F | 1 << 24, LOCK, known=LOCK | STRT | 3 << 8 | 0xF << 3 | SER | PG),
     }
 
     def __init__(self, chip):
-        self.keys, self.option_keys = [], []
+        self.keys = []
         self.erased, self.programmed = [], 0
-        self.programs_until_cut = None
+        #: In the middle of which operation from now on the power goes away: any, or erasing one.
+        #: What has become of its bits by then: of those that become 1, this part.
+        self.operations_until_cut = self.erases_until_cut = None
+        self.erased_part, self.chance = 0.5, random.Random(1)
         super().__init__(chip)
 
     def write_ACR(self, value):
@@ -46,24 +50,9 @@ class Flash(Peripheral):
         elif value not in KEYS:
             self.breach("a wrong key: the flash is locked until a reset")
 
-    def write_OPTKEYR(self, value):
-        self.option_keys.append(value)
-        if self.option_keys[-2:] == [0x0819_2A3B, 0x4C5D_6E7F]:
-            self["OPTCR"] &= ~1
-
-    def write_OPTCR(self, value):
-        if self["OPTCR"] & 1:
-            return self.breach("OPTCR written while locked")
-        if value & 2:
-            # Kept over a reset; it takes some hundred milliseconds (the sector of the options).
-            self.chip.option_bytes = value & ~3
-            self.chip.core.stall += ERASE_16K[2]
-        self["OPTCR"] = value & ~2
-
     def reset(self):
         super().reset()
-        self["OPTCR"] = getattr(self.chip, "option_bytes", 0x0FFF_AAEC) | 1
-        self.keys, self.option_keys = [], []
+        self.keys = []
 
     def write_CR(self, value):
         if self["CR"] & LOCK:
@@ -79,32 +68,45 @@ class Flash(Peripheral):
         begin, size = SECTORS[number]
         if number not in (2, 3):
             return self.breach(f"sector {number}, which is not for parameters, is erased")
-        self.chip.engine.flash[begin : begin + size] = b"\xff" * size
+        flash = self.chip.engine.flash
+        if self.is_cut(erases=True):
+            # Each bit is what it was, or 1 already.
+            share = self.erased_part
+            ones = [sum((self.chance.random() < share) << bit for bit in range(8)) for _ in range(size)]
+            flash[begin : begin + size] = bytes(a | b for a, b in zip(flash[begin : begin + size], ones))
+            return self.chip.cut_power_now()
+        flash[begin : begin + size] = b"\xff" * size
         self.erased.append((self.chip.now(), number))
         self.chip.core.stall += ERASE_16K[min(value >> 8 & 3, 2)] * size // 0x4000
-        self.cut_after_this()
 
-    def on_store(self, _uc, _access, address, size, value, _):
-        """The core writes to the memory of the flash."""
-        cr, offset = self["CR"], address - BASE
-        old = int.from_bytes(self.chip.engine.flash[offset : offset + size], "little")
+    def program(self, address, size, value):
+        """The core writes to the memory of the flash, which then takes the value."""
+        flash, cr, offset = self.chip.engine.flash, self["CR"], address - BASE
+        old = int.from_bytes(flash[offset : offset + size], "little")
         value &= (1 << 8 * size) - 1
         if not cr & PG or cr & LOCK:
-            return self.breach(f"{address:#x} is written without PG")
-        if 1 << (cr >> 8 & 3) != size:
-            return self.breach(f"{address:#x} is written with {size} bytes and PSIZE {cr >> 8 & 3}")
-        if address % size:
-            return self.breach(f"{address:#x} is not aligned to {size} bytes")
-        if old & value != value:
-            self.breach(f"{address:#x}: {old:#x} -> {value:#x} sets bits")
-        self.programmed += 1
-        self.chip.core.stall += PROGRAM[size]
-        self.cut_after_this()
-
-    def cut_after_this(self):
-        if self.programs_until_cut is not None:
-            self.programs_until_cut -= 1
-            if self.programs_until_cut == 0:
-                # The operation is done, and what follows never happens.
-                self.programs_until_cut = None
+            self.breach(f"{address:#x} is written without PG")
+        elif 1 << (cr >> 8 & 3) != size:
+            self.breach(f"{address:#x} is written with {size} bytes and PSIZE {cr >> 8 & 3}")
+        elif address % size:
+            self.breach(f"{address:#x} is not aligned to {size} bytes")
+        elif not PARAMETERS <= address < PARAMETERS + PARAMETERS_SIZE:
+            self.breach(f"{address:#x}, where no parameters are, is written")
+        else:
+            if old & value != value:
+                self.breach(f"{address:#x}: {old:#x} -> {value:#x} sets bits")
+            self.programmed += 1
+            self.chip.core.stall += PROGRAM[size]
+            if self.is_cut():
+                # Some of the bits are 0 by now.
+                zeros = old & ~value & self.chance.getrandbits(8 * size)
+                flash[offset : offset + size] = (old & ~zeros).to_bytes(size, "little")
                 self.chip.cut_power_now()
+
+    def is_cut(self, erases=False):
+        """Whether the power goes away in the middle of this operation."""
+        if self.operations_until_cut is not None:
+            self.operations_until_cut -= 1
+        if self.erases_until_cut is not None and erases:
+            self.erases_until_cut -= 1
+        return 0 in (self.operations_until_cut, self.erases_until_cut)

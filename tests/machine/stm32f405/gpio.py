@@ -1,8 +1,13 @@
 """General-purpose pins (RM0090, 8), and who drives them."""
 
+import random
+
 from .registers import Peripheral, Register, read_only
 
 INPUT, OUTPUT, ALTERNATE, ANALOG = range(4)
+
+#: Pins that a peripheral drives, with its alternate function: step, direction, CAN transmit.
+OUTPUTS = {("PB13", 1), ("PB14", 1), ("PB9", 9)}
 
 
 class Gpio(Peripheral):
@@ -15,7 +20,6 @@ class Gpio(Peripheral):
         0x10: read_only("IDR"),
         0x14: Register("ODR", 0xFFFF),
         0x18: Register("BSRR"),
-        0x1C: Register("LCKR", 0x1FFFF),
         0x20: Register("AFRL"),
         0x24: Register("AFRH"),
     }
@@ -26,10 +30,15 @@ class Gpio(Peripheral):
         self.port, self.NAME = port, f"GPIO{port}"
         self.CLOCK = (0x30, ord(port) - ord("A"))
         self.outside = {}
+        #: What a pin that floats reads as.
+        self.noise = random.Random(port)
+        #: The pins that are high, and those that float, as long as nothing changes them.
+        self.seen = None
         super().__init__(chip)
 
     def reset(self):
         super().reset()
+        self.seen = None
         moder, ospeedr, pupdr = self.RESETS.get(self.port, (0, 0, 0))
         self["MODER"], self["OSPEEDR"], self["PUPDR"] = moder, ospeedr, pupdr
 
@@ -51,18 +60,34 @@ class Gpio(Peripheral):
             return self.outside[pin]
         return {1: 1, 2: 0}.get(self["PUPDR"] >> 2 * pin & 3)
 
+    def is_driven(self, pin):
+        """Whether the chip drives the pin, by its output register or by a peripheral."""
+        if self["OTYPER"] >> pin & 1:
+            return False
+        return self.mode(pin) == OUTPUT or (f"P{self.port}{pin}", self.function(pin)) in OUTPUTS
+
     def drive(self, pin, level):
         """A level from outside; None: nothing drives the pin any more."""
+        self.seen = None
         if level is None:
             self.outside.pop(pin, None)
         else:
-            if self.mode(pin) == OUTPUT and self["OTYPER"] >> pin & 1 == 0:
+            if self.is_driven(pin):
                 self.breach(f"P{self.port}{pin} is driven from outside and by the chip")
             self.outside[pin] = level
 
+    def store(self, offset, size, value):
+        self.seen = None
+        super().store(offset, size, value)
+
     def read_IDR(self):
-        # A pin that floats reads as anything; who reads the port masks it, so that only `read_pin` can tell.
-        return sum((self.level(pin) or 0) << pin for pin in range(16) if self.mode(pin) != ANALOG)
+        """A pin that floats reads as anything; who uses it, is told (`Pins.floats`), or does what
+        it should not."""
+        if self.seen is None:
+            levels = [self.level(pin) if self.mode(pin) != ANALOG else 0 for pin in range(16)]
+            self.seen = sum(1 << pin for pin in range(16) if levels[pin]), sum(1 << pin for pin in range(16) if levels[pin] is None)
+        high, floating = self.seen
+        return high | floating & self.noise.getrandbits(16)
 
     def write_BSRR(self, value):
         self.set_odr(self["ODR"] & ~(value >> 16) | value & 0xFFFF)
@@ -86,13 +111,9 @@ class Gpio(Peripheral):
 
     def changed_mode(self, pin):
         mode = self.mode(pin)
-        if mode == OUTPUT and pin in self.outside:
+        if pin in self.outside and self.is_driven(pin):
             self.breach(f"P{self.port}{pin} becomes an output and is driven from outside")
         self.chip.pins.note(f"P{self.port}{pin}", self.level(pin) if mode == OUTPUT else None)
-
-    def write_LCKR(self, _):
-        self.breach("LCKR is not modelled")
-        return 0
 
     def widen(self, word, byte, size, value):
         # A narrow write to BSRR sets and resets nothing of the rest.
@@ -109,6 +130,12 @@ class Pins:
     def note(self, pin, level):
         """An output has a new level, or the pin is none any more (None)."""
         self.log.append((self.chip.now(), pin, level))
+
+    def floats(self, pin, what):
+        """Something looks at a pin: it is told where that has no level."""
+        port, number = pin[1], int(pin[2:])
+        if self.chip.gpio[port].level(number) is None:
+            self.chip.breach(f"{what} is at {pin}, which floats")
 
     def level(self, pin):
         return self.chip.gpio[pin[1]].level(int(pin[2:]))

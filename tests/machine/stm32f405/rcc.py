@@ -9,29 +9,27 @@ CSSF, CSSC = 1 << 7, 1 << 23
 #: After a reset some of the prescaler bits of PLLCFGR are set.
 PLLCFGR_RESET = 0x2400_3010
 
+#: The bits of what is modelled: ports and DMA2; TIM2, TIM3, TIM5, CAN1, PWR; TIM1, ADC1, SYSCFG.
+AHB1, APB1, APB2 = 0x0040_01FF, 1 << 28 | 1 << 25 | 0b1011, 1 << 14 | 1 << 8 | 1
+
 
 class Rcc(Peripheral):
     NAME = "RCC"
     WRITE_SIZES = (1, 2, 4)
     REGISTERS = {
-        0x00: Register("CR", 0x050D_00F9, 0x83, keep=False),
+        0x00: Register("CR", 0x050D_00F9, 0x83, keep=False, known=HSEON | CSSON | PLLON | 1),
         0x04: Register("PLLCFGR", 0x0F43_7FFF, PLLCFGR_RESET),
-        0x08: Register("CFGR", 0xFFFF_FCF3, 0, keep=False),
-        0x0C: Register("CIR", 0x003F_3F00, 0, keep=False),
-        0x10: Register("AHB1RSTR", 0x2260_11FF),
-        0x14: Register("AHB2RSTR", 0x0000_00F1),
-        0x18: Register("AHB3RSTR", 1),
-        0x20: Register("APB1RSTR", 0x36FE_C9FF),
-        0x24: Register("APB2RSTR", 0x0007_5933),
-        0x30: Register("AHB1ENR", 0x7E74_11FF, 0x0010_0000),
-        0x34: Register("AHB2ENR", 0x0000_00F1),
-        0x38: Register("AHB3ENR", 1),
-        0x40: Register("APB1ENR", 0x36FE_C9FF),
-        0x44: Register("APB2ENR", 0x0007_5F33),
-        0x74: Register("CSR", 0x0100_0001, 0x0E00_0000, keep=False),
+        0x08: Register("CFGR", 0xFFFF_FCF3, 0, keep=False, known=0xFCF3),
+        0x0C: Register("CIR", 0x003F_3F00, 0, keep=False, known=0),
+        0x10: Register("AHB1RSTR", 0x2260_11FF, known=AHB1),
+        0x20: Register("APB1RSTR", 0x36FE_C9FF, known=APB1),
+        0x24: Register("APB2RSTR", 0x0007_5933, known=APB2),
+        0x30: Register("AHB1ENR", 0x7E74_11FF, 0x0010_0000, known=AHB1),
+        0x40: Register("APB1ENR", 0x36FE_C9FF, known=APB1),
+        0x44: Register("APB2ENR", 0x0007_5F33, known=APB2),
     }
     #: The reset register of each enable register.
-    RESETS = {0x10: 0x30, 0x14: 0x34, 0x20: 0x40, 0x24: 0x44}
+    RESETS = {0x10: 0x30, 0x20: 0x40, 0x24: 0x44}
 
     def __init__(self, chip):
         self.nmi = False
@@ -152,6 +150,6 @@ class Pwr(Peripheral):
     CLOCK = (0x40, 28)
     #: CR: VOS, PVD level and enable.
     REGISTERS = {
-        0x00: Register("CR", 0x0000_C3FF, 0x0000_C000),
+        0x00: Register("CR", 0x0000_C3FF, 0x0000_C000, known=0xF0),
         0x04: Register("CSR", 0x0000_0300, 0, keep=False),
     }

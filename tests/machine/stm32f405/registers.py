@@ -10,15 +10,17 @@ class Breach(AssertionError):
 class Register:
     """One register: its name, the bits that may be written, and its value after a reset.
 
-    `clears`: bits that are cleared by writing 0 (`rc_w0`) or 1 (`rc_w1`) to them. Bits outside of `bits` are reserved or read-only: they may be
-    written only as they are."""
+    `clears`: bits that are cleared by writing 0 (`rc_w0`) or 1 (`rc_w1`) to them. Bits outside of
+    `bits` are reserved or read-only: they may be written only as they are. Bits outside of `known`
+    mean something on the chip and nothing here: they must stay as they are after a reset."""
 
-    def __init__(self, name, bits=0xFFFF_FFFF, reset=0, rc_w0=0, rc_w1=0, keep=True):
+    def __init__(self, name, bits=0xFFFF_FFFF, reset=0, rc_w0=0, rc_w1=0, keep=True, known=0xFFFF_FFFF):
         self.name, self.bits, self.reset = name, bits, reset
         self.rc_w0, self.rc_w1 = rc_w0, rc_w1
         #: Reserved bits are to be kept as they are; otherwise they are ignored (read-only flags beside `rc` flags).
         self.keep = keep
         self.may_write = bits | rc_w0 | rc_w1
+        self.unknown = bits & ~known
 
 
 def read_only(name, reset=0):
@@ -94,6 +96,8 @@ class Peripheral:
             self.breach(
                 f"{register.name} written with {value:#x}: reserved bits {(old ^ value) & ~register.may_write:#x} changed from {old:#x}"
             )
+        if unknown := (register.reset ^ value) & register.unknown:
+            self.breach(f"{register.name} written with {value:#x}: what bits {unknown:#x} do is not modelled")
         flags = old & (register.rc_w0 | register.rc_w1) & (value | ~register.rc_w0) & ~(value & register.rc_w1)
         kept = ~(register.bits | register.rc_w0 | register.rc_w1)
         value = value & register.bits | flags | old & kept

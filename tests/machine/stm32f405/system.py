@@ -8,23 +8,15 @@ from .registers import Peripheral, Register
 BASE = 0xE000_0000
 SYSTICK, NVIC, SCB = 0xE010, 0xE100, 0xED00
 
-#: Registers of the core that are storage here, with what they have after a reset: offset, name, bits that may be written, value.
+#: Registers of the core that are storage here, with what they have after a reset: offset, name,
+#: bits that may be written, value. The access to the FPU is unicorn's.
 STORED = {
-    0xE008: ("ACTLR", 0x307, 0),
-    0xED00: ("CPUID", 0, 0x410F_C241),
     0xED08: ("VTOR", 0x3FFF_FE00, 0),
-    0xED10: ("SCR", 0x16, 0),
-    0xED14: ("CCR", 0x31B, 0x200),
-    0xED24: ("SHCSR", 0x7_0000, 0),
-    0xED28: ("CFSR", 0x03FF_FFFF, 0),
-    0xED2C: ("HFSR", 0xC000_0002, 0),
     0xED88: ("CPACR", 0x00F0_0000, 0),
-    0xEF34: ("FPCCR", 0xC000_017B, 0xC000_0000),
-    0xEDFC: ("DEMCR", 0x0100_0000, 0),
 }
 
 #: Numbers of exceptions.
-NMI, HARD_FAULT, SVCALL, PENDSV, SYSTICK_EXCEPTION = 2, 3, 11, 14, 15
+NMI, HARD_FAULT, SVCALL, SYSTICK_EXCEPTION = 2, 3, 11, 15
 
 
 class System:
@@ -41,9 +33,13 @@ class System:
 
     # The bus.
 
-    def load(self, offset, size):
+    def check_width(self, offset, size):
+        """Priorities alone are bytes."""
         if size != 4 and not (0xE400 <= offset < 0xE4F0 or 0xED18 <= offset < 0xED24):
-            self.chip.breach(f"{self.name(offset)} read with {size} bytes")
+            self.chip.breach(f"{self.name(offset)} accessed with {size} bytes")
+
+    def load(self, offset, size):
+        self.check_width(offset, size)
         if offset == 0xE010:
             return self.control
         if offset == 0xE014:
@@ -62,14 +58,13 @@ class System:
             return sum(self.priority[4 + offset - 0xED18 + i] << 8 * i for i in range(size))
         if offset == 0xED04:
             return self.core.active[-1][0] if self.core.active else 0
-        if offset == 0xED0C:
-            return 0xFA05_0000
         if offset in self.stored:
             return self.stored[offset]
         self.chip.breach(f"core register {BASE + offset:#x} read, which is not modelled")
         return 0
 
     def store(self, offset, size, value):
+        self.check_width(offset, size)
         if offset == 0xE010:
             if value & 1 and not self.control & 1:
                 self.ticks_at = self.chip.now() + self.reload + 1
@@ -88,10 +83,6 @@ class System:
             self.store_priorities(16 + offset - 0xE400, size, value)
         elif 0xED18 <= offset < 0xED24:
             self.store_priorities(4 + offset - 0xED18, size, value)
-        elif offset == 0xED04:
-            self.store_icsr(value)
-        elif offset == 0xED0C:
-            self.store_aircr(value)
         elif offset in self.stored:
             name, bits, _ = STORED[offset]
             if (value ^ self.stored[offset]) & ~bits:
@@ -121,20 +112,6 @@ class System:
                 self.chip.breach(f"priority {byte:#x} of exception {first + i}: the chip has the upper four bits")
             self.priority[first + i] = byte & 0xF0
 
-    def store_icsr(self, value):
-        for bit, exception in ((31, NMI), (28, PENDSV), (26, SYSTICK_EXCEPTION)):
-            if value >> bit & 1:
-                self.pending.add(exception)
-        for bit, exception in ((27, PENDSV), (25, SYSTICK_EXCEPTION)):
-            if value >> bit & 1:
-                self.pending.discard(exception)
-
-    def store_aircr(self, value):
-        if value >> 16 != 0x05FA:
-            return self.chip.breach("AIRCR written without its key")
-        if value & 4:
-            self.core.wants_reset = "software"
-
     # SysTick.
 
     def tick(self, time):
@@ -151,8 +128,6 @@ class Debug(Peripheral):
 
     NAME = "DBGMCU"
     REGISTERS = {
-        0x00: Register("IDCODE", 0, 0x1007_6413),
-        0x04: Register("CR", 0xE7),
         0x08: Register("APB1_FZ", 0x0020_1C00 | 0x0600_0000 | 0x1FF | 1 << 12 | 1 << 11),
         0x0C: Register("APB2_FZ", 0x7_0003),
     }

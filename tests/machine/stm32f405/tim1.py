@@ -19,24 +19,21 @@ class Tim1(Peripheral):
     NAME = "TIM1"
     CLOCK = (0x44, 0)
     REGISTERS = {
-        0x00: Register("CR1", 0x3FF),
-        0x04: Register("CR2", 0x7FFD),
-        0x08: Register("SMCR", 0xFFF7),
-        0x0C: Register("DIER", 0x7FFF),
+        0x00: Register("CR1", 0x3FF, known=0x85),
+        0x04: Register("CR2", 0x7FFD, known=0x70),
+        0x08: Register("SMCR", 0xFFF7, known=0),
+        0x0C: Register("DIER", 0x7FFF, known=UDE | BIF),
         0x10: Register("SR", 0, rc_w0=0x1EFF, keep=False),
         0x14: Register("EGR", 0xFF),
-        0x18: Register("CCMR1", 0xFFFF),
-        0x1C: Register("CCMR2", 0xFFFF),
-        0x20: Register("CCER", 0x3FFF),
-        0x24: Register("CNT", 0xFFFF),
-        0x28: Register("PSC", 0xFFFF),
+        0x18: Register("CCMR1", 0xFFFF, known=0x7878),
+        0x20: Register("CCER", 0x3FFF, known=0x44),
+        0x24: Register("CNT", 0xFFFF, known=0),
+        0x28: Register("PSC", 0xFFFF, known=0),
         0x2C: Register("ARR", 0xFFFF, 0xFFFF),
         0x30: Register("RCR", 0xFF),
         0x34: Register("CCR1", 0xFFFF),
         0x38: Register("CCR2", 0xFFFF),
-        0x3C: Register("CCR3", 0xFFFF),
-        0x40: Register("CCR4", 0xFFFF),
-        0x44: Register("BDTR", 0xFFFF),
+        0x44: Register("BDTR", 0xFFFF, known=0xBF00),
         0x48: Register("DCR", 0x1F1F),
         0x4C: Register("DMAR"),
     }
@@ -87,8 +84,6 @@ class Tim1(Peripheral):
 
     def update(self, now):
         """An update event: what is preloaded acts."""
-        if self["PSC"]:
-            self.breach("a prescaler is not modelled")
         period = self["ARR"] + 1
         self.active = Run(now, period, (self["RCR"] & 0xFF) + 1, self["CCR1"], self["CCR2"] >= period)
         self.run, self.counted = self.active, 0
@@ -97,8 +92,6 @@ class Tim1(Peripheral):
         self.settle(now)
 
     def write_CR1(self, value):
-        if value & 0x72:
-            self.breach(f"CR1 {value:#x}: only counting upwards is modelled")
         now = self.chip.now()
         self.settle(now)
         if value & 1 and self.run is None:
@@ -112,6 +105,7 @@ class Tim1(Peripheral):
         for pin in (STEP, DIRECTION, BREAK):
             if self.chip.gpio["B"].function(pin) != 1:
                 self.breach(f"started while PB{pin} is not its pin")
+        self.chip.pins.floats(f"PB{BREAK}", "the break input")
 
     def write_EGR(self, value):
         if value & ~1:

@@ -1,8 +1,7 @@
 """TIM2 (RM0090, 18): counts what TIM1 shows it, and captures the count at edges of its pins."""
 
 from .interrupts import IRQ
-from .registers import Register
-from .timers import Timer
+from .timers import Timer, registers
 
 #: Pins of the channels 1, 2 and 4.
 PINS = {"PA0": 1, "PA1": 2, "PB11": 4}
@@ -10,12 +9,7 @@ PINS = {"PA0": 1, "PA1": 2, "PB11": 4}
 
 class Tim2(Timer):
     NAME, CLOCK = "TIM2", (0x40, 0)
-    REGISTERS = Timer.registers() | {
-        offset: Register(name, 0xFFFF_FFFF, reset)
-        for offset, name, reset in (
-            (0x24, "CNT", 0), (0x2C, "ARR", 0xFFFF_FFFF), (0x34, "CCR1", 0), (0x38, "CCR2", 0), (0x3C, "CCR3", 0), (0x40, "CCR4", 0)
-        )
-    }
+    REGISTERS = registers(32, SMCR=0xFFF7, DIER=0x1E, EGR=1, CCMR1=0xF3F3, CCMR2=0xF3F3, CCER=0xBBBB, CNT=0xFFFF_FFFF)
 
     def write_SMCR(self, value):
         # External clock mode 1 by the internal trigger 0, which is TIM1.
@@ -23,27 +17,27 @@ class Tim2(Timer):
             self.breach(f"SMCR {value:#x}: neither standing nor counting TIM1")
         self["SMCR"] = value
 
-    def write_CCER(self, value):
-        self["CCER"] = value
-
-    def write_DIER(self, value):
-        self.only("DIER", value, 0x1E)
-
     def counts(self):
         return self["CR1"] & 1 and self["SMCR"] & 0x77 == 7 and self.chip.tim1["CR2"] >> 4 & 7 == 4
 
     def count(self, pulses):
         if self.counts():
-            self["CNT"] = self["CNT"] + pulses & self["ARR"]
+            self["CNT"] = self["CNT"] + pulses & 0xFFFF_FFFF
 
     def read_CNT(self):
         self.chip.tim1.settle(self.chip.now())
         return self["CNT"]
 
+    def write_CCER(self, value):
+        for pin, channel in PINS.items():
+            bit = 1 << 4 * (channel - 1)
+            if value & ~self["CCER"] & bit:
+                self.chip.pins.floats(pin, f"{self.NAME} channel {channel}")
+        self["CCER"] = value
+
     def write_EGR(self, value):
-        if value & ~1:
-            self.breach(f"EGR {value:#x} is not modelled")
-        self["CNT"] = 0
+        if value:
+            self["CNT"] = 0
 
     def write_CCMR1(self, value):
         self.capture_mode("CCMR1", value)

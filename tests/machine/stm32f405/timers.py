@@ -8,74 +8,36 @@ from .registers import Peripheral, Register
 RATIO = 2
 
 
+def registers(bits, **known):
+    """The registers of a timer with a counter of so many bits; `known`: what of them is modelled.
+    `CR1` always has the enable, URS and the preload."""
+    full = (1 << bits) - 1
+    resets = {"ARR": full}
+    table = {
+        "CR1": 0x3FF, "CR2": 0xF8, "SMCR": 0xFFF7, "DIER": 0x5F5F, "SR": None, "EGR": 0x5F, "CCMR1": 0xFFFF, "CCMR2": 0xFFFF, "CCER": 0xBBBB, "CNT": full,
+        "PSC": 0xFFFF, "ARR": full, None: None, "CCR1": full, "CCR2": full, "CCR3": full, "CCR4": full,
+    }  # fmt: skip
+    known = {"CR1": 0x85} | known
+    return {
+        4 * i: Register(name, 0, rc_w0=0x1E5F, keep=False) if name == "SR" else Register(name, its, resets.get(name, 0), known=known.get(name, 0))
+        for i, (name, its) in enumerate(table.items())
+        if name is not None
+    }
+
+
 class Timer(Peripheral):
     """Counts upwards and overflows."""
-
-    BITS = 16
-
-    @classmethod
-    def registers(cls):
-        full = (1 << cls.BITS) - 1
-        return {
-            0x00: Register("CR1", 0x3FF),
-            0x04: Register("CR2", 0xF8),
-            0x08: Register("SMCR", 0xFFF7),
-            0x0C: Register("DIER", 0x5F5F),
-            0x10: Register("SR", 0, rc_w0=0x1E5F, keep=False),
-            0x14: Register("EGR", 0x5F),
-            0x18: Register("CCMR1", 0xFFFF),
-            0x1C: Register("CCMR2", 0xFFFF),
-            0x20: Register("CCER", 0xBBBB),
-            0x24: Register("CNT", full),
-            0x28: Register("PSC", 0xFFFF),
-            0x2C: Register("ARR", full, full),
-            0x34: Register("CCR1", full),
-            0x38: Register("CCR2", full),
-            0x3C: Register("CCR3", full),
-            0x40: Register("CCR4", full),
-        }
-
-    #: What a timer has beside counting upwards, and what it is here.
-    CR1, DIER = 0x85, 0
 
     def reset(self):
         super().reset()
         self.start, self.due = None, NEVER
-
-    def only(self, name, value, bits=0):
-        """Other bits of a register mean what is not modelled."""
-        if value & ~bits:
-            self.breach(f"{name} {value:#x}: this use of it is not modelled")
-        self[name] = value
-
-    def write_CR2(self, value):
-        self.only("CR2", value)
-
-    def write_SMCR(self, value):
-        self.only("SMCR", value)
-
-    def write_DIER(self, value):
-        self.only("DIER", value, self.DIER)
-
-    def write_CCMR1(self, value):
-        self.only("CCMR1", value)
-
-    def write_CCMR2(self, value):
-        self.only("CCMR2", value)
-
-    def write_CCER(self, value):
-        self.only("CCER", value)
-
-    def write_EGR(self, value):
-        self.breach(f"EGR {value:#x} is not modelled")
 
 
 class Tim3(Timer):
     """Overflows again and again, or counts the edges of an encoder (RM0090, 18.3.12): the level of the other line at an edge says the way."""
 
     NAME, CLOCK = "TIM3", (0x40, 1)
-    DIER = 1
-    REGISTERS = Timer.registers()
+    REGISTERS = registers(16, SMCR=0xFFF7, DIER=1, CCMR1=0x0101, CCER=0x22, CNT=0xFFFF, PSC=0xFFFF, ARR=0xFFFF)
     #: Pins that can be channels 1 and 2.
     LINES = {"PA6": 1, "PB4": 1, "PC6": 1, "PA7": 2, "PB5": 2, "PC7": 2}
     #: By SMS: of which channels the edges count.
@@ -92,15 +54,8 @@ class Tim3(Timer):
             self.breach(f"SMCR {value:#x}: neither the internal clock nor an encoder")
         self["SMCR"] = value
 
-    def write_CCMR1(self, value):
-        self.only("CCMR1", value, 0x0101)
-
-    def write_CCER(self, value):
-        # Bits 1 and 5 invert the lines.
-        self.only("CCER", value, 0x22)
-
     def write_CR1(self, value):
-        self.only("CR1", value, self.CR1)
+        self["CR1"] = value
         if self.mode():
             self.due = NEVER
             if value & 1 and (self["CCMR1"] != 0x0101 or self["PSC"]):
@@ -118,7 +73,7 @@ class Tim3(Timer):
         return self["ARR"] - (self.due - self.chip.now() - 1) // (RATIO * (self["PSC"] + 1))
 
     def line(self, channel):
-        """The level of a line of the encoder, as CCER has it."""
+        """The level of a line of the encoder; bits 1 and 5 of CCER invert them."""
         for pin, its in self.LINES.items():
             if its == channel and self.chip.gpio[pin[1]].function(int(pin[2:])) == 2:
                 level = self.chip.pins.level(pin)
@@ -157,14 +112,7 @@ class Tim5(Timer):
     """32 bits, free-running, with a compare on channel 1."""
 
     NAME, CLOCK = "TIM5", (0x40, 3)
-    BITS, DIER = 32, 2
-
-    REGISTERS = Timer.registers() | {
-        offset: Register(name, 0xFFFF_FFFF, reset)
-        for offset, name, reset in (
-            (0x24, "CNT", 0), (0x2C, "ARR", 0xFFFF_FFFF), (0x34, "CCR1", 0), (0x38, "CCR2", 0), (0x3C, "CCR3", 0), (0x40, "CCR4", 0)
-        )
-    }
+    REGISTERS = registers(32, DIER=2, CCR1=0xFFFF_FFFF)
 
     def count(self, time):
         return (time - self.start) // RATIO & 0xFFFF_FFFF if self.start is not None else 0
@@ -177,7 +125,7 @@ class Tim5(Timer):
             self.start = self.chip.now()
         elif not value & 1 and self.start is not None:
             self.breach("the time is stopped")
-        self.only("CR1", value, self.CR1)
+        self["CR1"] = value
         self.aim()
 
     def write_CCR1(self, value):
