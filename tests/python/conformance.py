@@ -1,5 +1,5 @@
 """A device against its own data sheet, by python-canopen: what is expected comes from the file and from CiA 301 alone, so the same procedures are for the
-virtual drive (`test_conformance.py`) and for the flashed image on the model of its chip (`tests/machine/test_conformance.py`).
+virtual drive (`test_conformance.py`), for a device that is none (`test_basic_device.py`), and for the flashed image on the model of its chip (`tests/machine/test_conformance.py`).
 
 They are the procedures of `tests/cases/conformance` with fewer values: python-canopen is another reader of data sheets, and another client."""
 
@@ -32,10 +32,12 @@ COMMANDS = {1: OPERATIONAL, 2: STOPPED, 0x80: PRE_OPERATIONAL, 0x81: PRE_OPERATI
 
 
 class Device:
-    """A booted device on a network in virtual time, and its data sheet."""
+    """A booted device on a network in virtual time, and its data sheet. Two objects of it, UNSIGNED32, take any value by SDO: one that it sends, and one
+    that it receives."""
 
-    def __init__(self, network, node_id, sheet):
+    def __init__(self, network, node_id, sheet, sent=0x6083, received=0x6083):
         self.network, self.node_id = network, node_id
+        self.sent, self.received = sent, received
         self.od = canopen.import_od(str(sheet), node_id)
         # The client knows no object, so it neither fits nor cuts a value.
         self.sdo = SdoClient(0x600 + node_id, 0x580 + node_id, canopen.ObjectDictionary())
@@ -225,7 +227,7 @@ def each_type_is_sent_when_it_is_due(device):
     pdo = Pdo(device, 0x1800)
     for trans_type in PLAYED:
         device.command(0x80)
-        pdo.have(0x6083, 32, trans_type)
+        pdo.have(device.sent, 32, trans_type)
         assert pdo.sync() == 0, f"type {trans_type} before Operational"
         device.command(1)
         assert device.count(pdo.cob_id, 0.003) == (trans_type in ON_EVENT), f"type {trans_type} on entering Operational"
@@ -233,7 +235,7 @@ def each_type_is_sent_when_it_is_due(device):
             due = sync == 1 if trans_type == 0 else trans_type in SYNCHRONOUS and sync % trans_type == 0
             assert pdo.sync() == due, f"type {trans_type} at SYNC {sync}"
         for forbidden in (0, NO_REMOTE):
-            pdo.have(0x6083, 32, trans_type, forbidden)
+            pdo.have(device.sent, 32, trans_type, forbidden)
             device.count(pdo.cob_id, 0.003)
             device.network.bus.send(can.Message(arbitration_id=pdo.cob_id, is_remote_frame=True, is_extended_id=False, dlc=4))
             answers = trans_type in ON_REQUEST or not forbidden
@@ -244,7 +246,7 @@ def each_type_is_sent_when_it_is_due(device):
 def a_change_is_sent_with_its_inhibit_time_and_again_by_its_timer(device):
     pdo = Pdo(device, 0x1800)
     device.command(0x80)
-    pdo.have(0x6083, 32, 255)
+    pdo.have(device.sent, 32, 255)
     device.number(0x1800, 1, pdo.cob_id | OFF, 4)
     # 10 ms between two of them, and one each 50 ms.
     device.number(0x1800, 3, 100, 2)
@@ -257,7 +259,7 @@ def a_change_is_sent_with_its_inhibit_time_and_again_by_its_timer(device):
     keep = lambda _id, _data, time: times.append(time)
     device.network.subscribe(pdo.cob_id, keep)
     for value in range(1, 30):
-        device.number(0x6083, 0, value, 4)
+        device.number(device.sent, 0, value, 4)
     device.network.bus.run(0.02)
     device.network.unsubscribe(pdo.cob_id, keep)
     assert len(times) > 1
@@ -270,16 +272,16 @@ def each_type_is_received_when_it_is_due(device):
     pdo = Pdo(device, 0x1400)
     for trans_type in (trans_type for trans_type in PLAYED if trans_type not in ON_REQUEST):
         device.command(0x80)
-        pdo.have(0x6083, 32, trans_type)
+        pdo.have(device.received, 32, trans_type)
         device.command(1)
-        before, value = device.upload(0x6083), (1_000 + trans_type).to_bytes(4, "little")
+        before, value = device.upload(device.received), (1_000 + trans_type).to_bytes(4, "little")
         device.network.send_message(pdo.cob_id, value)
         device.network.bus.run(0.002)
         expected = before if trans_type in SYNCHRONOUS else value
-        assert device.upload(0x6083) == expected, f"type {trans_type} before SYNC"
+        assert device.upload(device.received) == expected, f"type {trans_type} before SYNC"
         pdo.sync()
         device.network.bus.run(0.002)
-        assert device.upload(0x6083) == value, f"type {trans_type} behind SYNC"
+        assert device.upload(device.received) == value, f"type {trans_type} behind SYNC"
     device.command(0x80)
 
 

@@ -13,6 +13,7 @@
 
 pub mod any_drive;
 pub mod bare_node;
+pub mod basic;
 mod block_transfer;
 mod crc;
 pub mod drive;

@@ -1,25 +1,25 @@
 //! A device with what other open stacks have by default, to measure its flash: four receive and four transmit PDOs, SYNC, TIME,
 //! emergency messages, heartbeats both ways, LSS, and an SDO server without block transfer (`tests/eds/basic-device.eds`).
 //!
-//! It is built and measured, never run: frames and time come from cells that the compiler knows nothing about, and what the
-//! device sends goes there too. There is no driver in it.
+//! This image is built and measured: frames and time come from cells that the compiler knows nothing about, and what the device sends goes
+//! there too. There is no driver in it. The tests run the same device ([`device`]) on a simulated bus.
 #![no_std]
 #![no_main]
 
-use canopen::cia301::emergency::{Emergency, ErrorRegister};
-use canopen::cia301::nmt::{NmtState, Reset};
-use canopen::{BitRate, Event, Frame, Instant, Node, NodeId, Settings};
+use canopen::cia301::nmt::NmtState;
+use canopen::{Event, Frame, Instant, NodeId};
 use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
 use defmt as _;
 use stm32f4xx_hal as _;
 
+mod device;
 /// The object dictionary.
 mod dictionary {
     include!(concat!(env!("OUT_DIR"), "/basic_device.rs"));
 }
 
-use dictionary::Dictionary;
+use device::BasicDevice;
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
@@ -57,29 +57,21 @@ fn frame() -> Frame {
 
 #[entry]
 fn main() -> ! {
-    let settings = Settings {
-        node_id: NodeId::new(input() as u8).unwrap_or(NodeId::UNCONFIGURED),
-        bit_rate: BitRate::Kbit1000,
-    };
-    let mut node = Node::new(Dictionary::new(), settings);
-    node.boot(Reset::Node, now(), &mut ());
+    let node_id = NodeId::new(input() as u8).unwrap_or(NodeId::UNCONFIGURED);
+    let mut device = BasicDevice::new(node_id, now());
     loop {
-        node.receive(&frame(), now(), &mut ());
-        output(node.poll(now(), &mut ()).ticks() as u32);
-        while let Some(frame) = node.transmit(&mut ()) {
+        device.receive(&frame(), now());
+        output(device.poll(now()).ticks() as u32);
+        while let Some(frame) = device.transmit() {
             output(frame.standard_id().unwrap_or(0).into());
             for byte in frame.payload() {
                 output((*byte).into());
             }
         }
-        while let Some(event) = node.event() {
+        while let Some(event) = device.event(now()) {
             match event {
                 Event::StateChanged(state) => output((state == NmtState::Operational).into()),
-                Event::ResetRequested(reset) => node.boot(reset, now(), &mut ()),
-                Event::StoreSettings(settings) => {
-                    output(settings.node_id.get().into());
-                    node.settings_stored(Ok(()));
-                }
+                Event::StoreSettings(settings) => output(settings.node_id.get().into()),
                 Event::SwitchBitRate { bit_rate, at } => {
                     output(bit_rate.table_index().into());
                     output(at.ticks() as u32);
@@ -87,21 +79,14 @@ fn main() -> ! {
                 _ => {}
             }
         }
-        // The application: values in and out, an error that comes and goes, the time of day.
-        let dictionary = node.dictionary_mut();
-        dictionary.set_sent_number_1(input());
-        output(dictionary.received_number_1());
-        let error = Emergency {
-            code: 0x2310,
-            register: ErrorRegister::CURRENT,
-            info: [0; 5],
-        };
+        output(device.exchange(input()));
         match input() {
-            0 => node.report(error, now()),
-            1 => node.clear(error.code, now()),
-            2 => output(node.send_time_of_day(now()).into()),
+            0 => device.alarm(true, now()),
+            1 => device.alarm(false, now()),
+            2 => output(device.send_time_of_day(now()).into()),
             _ => output(
-                node.time_of_day(now())
+                device
+                    .time_of_day(now())
                     .map_or(0, |time| time.milliseconds()),
             ),
         }
