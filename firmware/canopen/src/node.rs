@@ -114,6 +114,7 @@ pub struct Node<D: Dictionary> {
 
 impl<D: Dictionary> Node<D> {
     /// A device that has just been powered, still silent: call [`Node::boot`] with [`Reset::Node`].
+    #[inline(never)]
     pub fn new(dictionary: D, settings: Settings) -> Self {
         let () = <D::Counts as Counts>::ARE_ENOUGH_SENDERS;
         Self {
@@ -511,7 +512,7 @@ impl<D: Dictionary> Node<D> {
         if D::FEATURES.sync && has_come(self.services.sync.deadline(), now) {
             self.serve_sync(now, application);
         }
-        if has_come(self.services.supervision_deadline(), now) {
+        if has_come(self.services.supervision_deadline::<D>(), now) {
             self.supervise(now);
             // It may have stopped the device: the application learns at once that a client will not go on.
             self.serve_sdo(now, application);
@@ -522,7 +523,7 @@ impl<D: Dictionary> Node<D> {
         self.services.emergencies_changed();
         let deadline = earlier(deadline, self.services.emergency.deadline());
         let deadline = earlier(deadline, self.services.sync.deadline());
-        let deadline = earlier(deadline, self.services.supervision_deadline());
+        let deadline = earlier(deadline, self.services.supervision_deadline::<D>());
         earlier(deadline, self.sdo.deadline())
     }
 

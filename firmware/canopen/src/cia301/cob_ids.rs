@@ -13,7 +13,7 @@
 //! in use while both of its identifiers are, so one of them may change while the other one is off.
 
 use super::sdo::AbortCode;
-use crate::od::{Dictionary, Entry, value};
+use crate::od::{Dictionary, Entry, raw, raw_of};
 use crate::wire::cob_id::{CobId, is_restricted};
 
 /// The rule of one object.
@@ -35,24 +35,39 @@ const BIT_31: u32 = 1 << 31;
 const EXTENDED: u32 = 0x3FFF_F800;
 
 impl Rule {
+    const SYNC: Self = Self {
+        in_use: BIT_30,
+        inverted: 0,
+        zero: EXTENDED,
+        moves_when_off: false,
+    };
+    const TIME: Self = Self {
+        in_use: BIT_30 | BIT_31,
+        inverted: 0,
+        zero: EXTENDED,
+        moves_when_off: true,
+    };
+    const SERVICE: Self = Self {
+        in_use: BIT_31,
+        inverted: BIT_31,
+        zero: EXTENDED | BIT_30,
+        moves_when_off: true,
+    };
+    const PDO: Self = Self {
+        zero: EXTENDED,
+        ..Self::SERVICE
+    };
+
     /// That of an object; `None` if it holds no COB-ID.
     #[inline(never)]
-    pub(crate) const fn of(entry: &Entry) -> Option<Self> {
-        let (in_use, inverted, zero) = match (entry.index, entry.sub) {
-            (0x1005, _) => (BIT_30, 0, EXTENDED),
-            (0x1012, _) => (BIT_30 | BIT_31, 0, EXTENDED),
-            (0x1014, _) | (0x1028, 1..) | (0x1200..=0x127F, 1 | 2) => {
-                (BIT_31, BIT_31, EXTENDED | BIT_30)
-            }
-            (0x1400..=0x15FF | 0x1800..=0x19FF, 1) => (BIT_31, BIT_31, EXTENDED),
-            _ => return None,
-        };
-        Some(Self {
-            in_use,
-            inverted,
-            zero,
-            moves_when_off: entry.index != 0x1005,
-        })
+    pub(crate) const fn of(entry: &Entry) -> Option<&'static Self> {
+        match (entry.index, entry.sub) {
+            (0x1005, _) => Some(&Self::SYNC),
+            (0x1012, _) => Some(&Self::TIME),
+            (0x1014, _) | (0x1028, 1..) | (0x1200..=0x127F, 1 | 2) => Some(&Self::SERVICE),
+            (0x1400..=0x15FF | 0x1800..=0x19FF, 1) => Some(&Self::PDO),
+            _ => None,
+        }
     }
 
     const fn is_used(&self, cob_id: u32) -> bool {
@@ -89,12 +104,16 @@ pub(crate) fn validate<D: Dictionary>(
     let Some(rule) = Rule::of(entry) else {
         return Ok(());
     };
-    let number = |bytes: &[u8]| bytes.try_into().map(u32::from_le_bytes);
-    match (number(value(dictionary, entry)), number(new)) {
-        (Ok(present), Ok(new)) if rule.allows(present, new, is_on) => Ok(()),
-        (Ok(_), Ok(_)) => Err(AbortCode::InvalidValue),
+    match (raw_of(dictionary, entry), number(new)) {
+        (Some(present), Some(new)) if rule.allows(present, new, is_on) => Ok(()),
+        (Some(_), Some(_)) => Err(AbortCode::InvalidValue),
         _ => Err(AbortCode::LengthMismatch),
     }
+}
+
+/// A COB-ID as it was sent.
+fn number(bytes: &[u8]) -> Option<u32> {
+    bytes.try_into().ok().map(u32::from_le_bytes)
 }
 
 /// Whether this value would give a transmit PDO and another service of the device the same identifier. Two transmit PDOs may have the
@@ -102,30 +121,28 @@ pub(crate) fn validate<D: Dictionary>(
 #[cold]
 #[inline(never)]
 pub(crate) fn is_taken<D: Dictionary>(dictionary: &D, entry: &Entry, new: &[u8]) -> bool {
-    let Some(wanted) = sent(entry, new) else {
+    let Some(new) = number(new).filter(|new| is_sent(entry, *new)) else {
         return false;
     };
-    let sends = |other: &Entry| sent(other, value(dictionary, other)) == Some(wanted);
-    let any_in = |indices| D::TABLE.range(indices).iter().any(sends);
-    if entry.index >= TRANSMIT_PDO {
-        let mut services = [0x1005, 0x1012, 0x1014].into_iter();
-        services.any(|index| any_in(index..=index)) || any_in(0x1200..=0x127F)
-    } else {
-        let mut pdos = D::TABLE.range(TRANSMIT_PDO..=0x19FF).iter();
-        pdos.any(|pdo| pdo.sub == 1 && sends(pdo))
-    }
+    let is_same = |cob_id: &u32| CobId(*cob_id).identifier() == CobId(new).identifier();
+    let takes = |other: &Entry| {
+        let cob_id = raw(dictionary, other).filter(is_same);
+        cob_id.is_some_and(|cob_id| is_sent(other, cob_id))
+    };
+    let others = match entry.index {
+        TRANSMIT_PDO.. => 0x1005..=0x127F,
+        _ => TRANSMIT_PDO..=0x19FF,
+    };
+    D::TABLE.range(others).iter().any(takes)
 }
 
 /// The communication parameter of the first transmit PDO.
 const TRANSMIT_PDO: u16 = 0x1800;
 
-/// The identifier that an object with this value makes the device send, or the clients of its SDO server.
-fn sent(entry: &Entry, bytes: &[u8]) -> Option<u16> {
+/// Whether an object with this value makes the device send its identifier, or the clients of its SDO server.
+fn is_sent(entry: &Entry, cob_id: u32) -> bool {
     let is_heard_only = matches!(entry.index, 0x1028 | 0x1400..=0x17FF);
-    let rule = Rule::of(entry).filter(|_| !is_heard_only)?;
-    let cob_id = u32::from_le_bytes(bytes.try_into().ok()?);
     // Whoever follows SYNC, must not send it as something else.
-    let is_used = rule.is_used(cob_id) || entry.index == 0x1005;
-    let base_frame = CobId(cob_id).is_base_frame() && is_used;
-    base_frame.then(|| CobId(cob_id).identifier())
+    let is_used = |rule: &Rule| rule.is_used(cob_id) || entry.index == 0x1005;
+    !is_heard_only && CobId(cob_id).is_base_frame() && Rule::of(entry).is_some_and(is_used)
 }

@@ -59,7 +59,7 @@ pub fn validate(sub: u8, value: &[u8]) -> Result<(), AbortCode> {
 
 /// The state to go to from `present`; `None` to stay.
 pub fn next_state<D: Dictionary>(dictionary: &D, present: NmtState) -> Option<NmtState> {
-    let next = match od::read_u8(dictionary, INDEX, 1).unwrap_or(0) {
+    let next = match od::fixed::<D, INDEX, 1>(dictionary).unwrap_or(0) {
         0 if present == NmtState::Operational => NmtState::PreOperational,
         2 if present != NmtState::Initialisation => NmtState::Stopped,
         _ => return None,

@@ -127,7 +127,7 @@ impl Default for Guarding {
 }
 
 fn life_time<D: Dictionary>(dictionary: &D) -> u32 {
-    let guard_time = od::read_u16(dictionary, GUARD_TIME, 0).unwrap_or(0);
-    let factor = od::read_u8(dictionary, LIFE_TIME_FACTOR, 0).unwrap_or(0);
-    u32::from(guard_time) * u32::from(factor)
+    let guard_time = od::fixed::<D, GUARD_TIME, 0>(dictionary).unwrap_or(0);
+    let factor = od::fixed::<D, LIFE_TIME_FACTOR, 0>(dictionary).unwrap_or(0);
+    guard_time.saturating_mul(factor)
 }

@@ -121,7 +121,7 @@ impl TimeStamp {
 
     /// Takes 1012h, after power-on values were loaded and when it was written; a device without 1012h has no TIME.
     pub fn configure<D: Dictionary>(&mut self, dictionary: &D) {
-        let cob_id = CobId(od::read_u32(dictionary, COB_ID, 0).unwrap_or(0));
+        let cob_id = CobId(od::fixed::<D, COB_ID, 0>(dictionary).unwrap_or(0));
         let is_used = cob_id.is_base_frame() && cob_id.0 & (CONSUME | PRODUCE) != 0;
         self.is_consumer = is_used && cob_id.0 & CONSUME != 0;
         self.is_producer = is_used && cob_id.0 & PRODUCE != 0;

@@ -15,7 +15,7 @@ const WAIT: u32 = 1 << 2;
 
 /// Whether the device becomes Operational by itself.
 pub fn starts_itself<D: Dictionary>(dictionary: &D) -> bool {
-    od::read_u32(dictionary, INDEX, 0).is_some_and(|startup| startup & WAIT == 0)
+    od::fixed::<D, INDEX, 0>(dictionary).is_some_and(|startup| startup & WAIT == 0)
 }
 
 /// Whether 1F80h may get this value. Called when it has passed the dictionary's own checks.

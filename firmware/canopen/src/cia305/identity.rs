@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::od::{Dictionary, read_u32};
+use crate::od::{Dictionary, fixed};
 
 /// The four words of the identity object 1018h, by which LSS tells devices apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,12 +20,11 @@ pub struct Identity {
 impl Identity {
     /// The identity that a dictionary holds; a word it does not have is 0.
     pub fn of<D: Dictionary>(dictionary: &D) -> Self {
-        let word = |sub| read_u32(dictionary, 0x1018, sub).unwrap_or(0);
         Self {
-            vendor_id: word(1),
-            product_code: word(2),
-            revision_number: word(3),
-            serial_number: word(4),
+            vendor_id: fixed::<D, 0x1018, 1>(dictionary).unwrap_or(0),
+            product_code: fixed::<D, 0x1018, 2>(dictionary).unwrap_or(0),
+            revision_number: fixed::<D, 0x1018, 3>(dictionary).unwrap_or(0),
+            serial_number: fixed::<D, 0x1018, 4>(dictionary).unwrap_or(0),
         }
     }
 

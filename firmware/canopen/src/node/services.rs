@@ -92,7 +92,7 @@ impl<C: Counts> Services<C> {
         self.rpdos.configure_all(dictionary, node_id.get());
         self.tpdos
             .configure_all(dictionary, node_id.get(), &mut self.agenda);
-        self.watch_values();
+        self.watch_values::<D>();
         self.report_errors(dictionary, now);
         self.emergency.show_register(dictionary);
     }
@@ -116,8 +116,12 @@ impl<C: Counts> Services<C> {
             time_stamp::COB_ID | emergency::consumer::CONSUMER_INDEX => {
                 cob_ids::validate(dictionary, entry, value, true)
             }
-            startup::INDEX => startup::validate(value),
-            0x1200..=0x127F => sdo::parameters::validate(dictionary, entry, value),
+            startup::INDEX if const { D::TABLE.is_written(startup::INDEX, startup::INDEX) } => {
+                startup::validate(value)
+            }
+            0x1200..=0x127F if const { D::TABLE.is_written(0x1200, 0x127F) } => {
+                sdo::parameters::validate(dictionary, entry, value)
+            }
             error_behaviour::INDEX => error_behaviour::validate(entry.sub, value),
             0x1400..=0x17FF => self.rpdos.validate(dictionary, entry, value),
             0x1800..=0x1BFF => self.tpdos.validate(dictionary, entry, value),
@@ -133,7 +137,7 @@ impl<C: Counts> Services<C> {
         entry: &Entry,
         now: Instant,
     ) {
-        self.identifiers_changed |= has_cob_id(entry.index);
+        self.identifiers_changed = true;
         match entry.index {
             0x1003 | 0x1014 | 0x1015 => {
                 self.emergency.written(dictionary, entry);
@@ -172,12 +176,12 @@ impl<C: Counts> Services<C> {
             }
             0x1400..=0x17FF => {
                 self.rpdos.written(dictionary, entry);
-                self.watch_values();
+                self.watch_values::<D>();
                 self.report_errors(dictionary, now);
             }
             0x1800..=0x1BFF => {
                 self.tpdos.written(dictionary, entry, now, &mut self.agenda);
-                self.watch_values();
+                self.watch_values::<D>();
             }
             _ => {}
         }
@@ -252,8 +256,11 @@ impl<C: Counts> Services<C> {
 
     /// Nobody is lost before this moment.
     #[inline]
-    pub(super) fn supervision_deadline(&self) -> Instant {
-        earlier(self.consumers.deadline(), self.guarding.deadline())
+    pub(super) fn supervision_deadline<D: Dictionary>(&self) -> Instant {
+        match D::FEATURES.guarding {
+            true => earlier(self.consumers.deadline(), self.guarding.deadline()),
+            false => self.consumers.deadline(),
+        }
     }
 
     /// Calls `add` for each identifier that a parameter object gives to a service, to listen to or to send.
@@ -307,10 +314,10 @@ impl<C: Counts> Services<C> {
     }
 
     /// Finds out whose changes the event-driven transmit PDOs look at.
-    fn watch_values(&mut self) {
+    fn watch_values<D: Dictionary>(&mut self) {
         let watched = self.tpdos.watched();
         self.rpdos.watch(&watched);
-        self.errors_are_watched = self.emergency.shows_in(&watched);
+        self.errors_are_watched = emergency::Producer::shows_in::<D>(&watched);
     }
 
     /// The synchronous window is over.
@@ -340,12 +347,4 @@ impl<C: Counts> Services<C> {
             }
         }
     }
-}
-
-/// Whether an object has a COB-ID, or a node-ID that stands for one (CiA 301, table 39).
-const fn has_cob_id(index: u16) -> bool {
-    matches!(
-        index,
-        0x1005 | 0x1012 | 0x1014 | 0x1016 | 0x1028 | 0x1200..=0x12FF | 0x1400..=0x1BFF
-    )
 }

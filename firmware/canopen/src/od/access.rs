@@ -4,7 +4,6 @@
 //! ([`super::Access`]): the services do, because each has its own answer. No function can panic: an entry of another
 //! dictionary, or bytes of a wrong length, give an error or nothing.
 
-use core::cmp::Ordering;
 use core::ops::RangeInclusive;
 
 use super::{Attributes, DataType, Dictionary, Entry, Location, Table, buckets};
@@ -31,14 +30,9 @@ impl From<AccessError> for AbortCode {
 }
 
 impl Table {
-    /// The position of an entry in [`Table::entries`].
-    ///
-    /// # Errors
-    /// The object, or only the sub-index, does not exist.
-    pub fn position(&self, index: u16, sub: u8) -> Result<usize, AccessError> {
-        let entry = self.find(index, sub)?;
-        let is_before = |other: &Entry| other.key() < entry.key();
-        Ok(self.entries.partition_point(is_before))
+    /// The position of an entry in [`Table::entries`]; `None` for one of another table.
+    pub fn position(&self, entry: &Entry) -> Option<u16> {
+        u16::try_from(self.entries.element_offset(entry)?).ok()
     }
 
     /// The entry at `index`, `sub`. Mostly the object is in its own bucket, and has all sub-indices from 0 on: that is one look.
@@ -191,40 +185,34 @@ fn check_limits(
     let Some((low, high)) = limits.and_then(|limits| limits.split_at_checked(size)) else {
         return Ok(());
     };
-    if compare(data_type, bytes, high).is_gt() {
+    let rank = |bytes| rank(data_type, bytes);
+    if rank(bytes) > rank(high) {
         Err(AbortCode::ValueTooHigh)
-    } else if compare(data_type, bytes, low).is_lt() {
+    } else if rank(bytes) < rank(low) {
         Err(AbortCode::ValueTooLow)
     } else {
         Ok(())
     }
 }
 
-/// The order of two values of one type and length, by their bytes from the highest one down. REALs are in the order of the numbers, the
-/// lower zero before the higher one and NaN beyond the ends.
+/// A number that is in order with those of other values of the type. REALs are in the order of the numbers, the lower zero before the higher one
+/// and NaN beyond the ends.
 #[inline(never)]
-fn compare(data_type: DataType, first: &[u8], second: &[u8]) -> Ordering {
-    const SIGN: u8 = 0x80;
-    // Of a signed number the highest bit counts the other way round; of a negative REAL, which has sign and magnitude, all bits do.
-    let has_sign = data_type.is_signed() || data_type.is_real();
-    let mut sign = if has_sign { SIGN } else { 0 };
-    let mut flips = [0; 2];
-    for (a, b) in first.iter().zip(second).rev() {
-        if sign != 0 {
-            flips = [*a, *b].map(|top| match data_type.is_real() && top & SIGN != 0 {
-                true => !SIGN,
-                false => 0,
-            });
-        }
-        let [of_first, of_second] = flips;
-        let order = (a ^ of_first ^ sign).cmp(&(b ^ of_second ^ sign));
-        if order.is_ne() {
-            return order;
-        }
-        flips = flips.map(|flip| if flip == 0 { 0 } else { u8::MAX });
-        sign = 0;
+fn rank(data_type: DataType, bytes: &[u8]) -> u64 {
+    const SIGN: u64 = 1 << 63;
+    // The highest bit of each type at the top.
+    let mut raw = [0; 8];
+    let unused = raw.len().saturating_sub(bytes.len());
+    copy(raw.get_mut(unused..).unwrap_or(&mut []), bytes);
+    let raw = u64::from_le_bytes(raw);
+    if data_type.is_real() && raw & SIGN != 0 {
+        // Sign and magnitude.
+        !raw
+    } else if data_type.is_real() || data_type.is_signed() {
+        raw ^ SIGN
+    } else {
+        raw
     }
-    Ordering::Equal
 }
 
 /// Checks a new value as [`check`] does, then writes it.
@@ -391,6 +379,12 @@ pub(crate) fn number_at<D: Dictionary + ?Sized>(
     if entry.width() & widths == 0 {
         return None;
     }
+    raw_of(dictionary, entry)
+}
+
+/// [`raw`], of what no frame waits for.
+#[inline(never)]
+pub(crate) fn raw_of<D: Dictionary + ?Sized>(dictionary: &D, entry: &Entry) -> Option<u32> {
     raw(dictionary, entry)
 }
 

@@ -14,6 +14,7 @@ mod buckets;
 mod counts;
 mod entry;
 mod features;
+mod fixed;
 mod format;
 mod habits;
 mod typed;
@@ -25,11 +26,12 @@ pub use access::{
     AccessError, check, constant, find, is_node_id_default, load_defaults, node_id_default, number,
     put, read_u8, read_u16, read_u32, set, value, write_u8, write_u16, write_u32,
 };
-pub(crate) use access::{number_at, put_here, raw};
+pub(crate) use access::{number_at, put_here, raw, raw_of};
 pub use buckets::buckets;
 pub use counts::{Count, Counts};
 pub use entry::{Access, Attributes, DataType, Entry, Location, StorageGroup, key};
 pub use features::Features;
+pub(crate) use fixed::{fixed, place};
 pub use habits::{Habits, Told};
 pub use typed::{
     DayTime, OutOfRange, Value, bytes_at, give, put_at, signed, signed_bytes, unsigned,

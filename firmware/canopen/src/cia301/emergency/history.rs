@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use crate::cia301::sdo::AbortCode;
-use crate::od::{self, Dictionary, Entry, Location};
+use crate::od::{self, Dictionary, Entry, Table, place};
 
 /// Index of the pre-defined error field.
 pub(super) const INDEX: u16 = 0x1003;
@@ -14,57 +14,48 @@ const SIZE: u16 = WORD as u16;
 
 /// Where 1003h lies in the RAM of one dictionary. The errors lie one behind the other there, so that moving them down is
 /// one walk over memory.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct History {
     /// Of sub-index 0, the number of errors.
-    count: u16,
+    count: usize,
     /// Of sub-index 1.
-    first: u16,
+    first: usize,
     /// How many errors there is room for; 0 without 1003h.
-    capacity: u16,
+    capacity: usize,
 }
 
 impl History {
-    pub(super) const fn new() -> Self {
-        Self {
-            count: 0,
-            first: 0,
-            capacity: 0,
-        }
+    /// That of a dictionary, known when it is compiled.
+    #[inline]
+    pub(super) const fn of<D: Dictionary>() -> Self {
+        const { Self::find(D::TABLE) }
     }
 
-    /// Looks it up. A sub-index that does not lie behind the one before it ends the field.
-    #[inline(never)]
-    pub(super) fn configure<D: Dictionary>(&mut self) {
-        *self = Self::new();
-        let mut places =
-            D::TABLE
-                .range(INDEX..=INDEX)
-                .iter()
-                .map_while(|entry| match entry.location() {
-                    Location::Ram(offset) => Some((offset, entry.size())),
-                    Location::Rom(_) | Location::Application => None,
-                });
-        if let (Some((count, 1)), Some((first, SIZE))) = (places.next(), places.next()) {
-            let mut next = first;
-            self.count = count;
-            self.first = first;
-            self.capacity = 1 + places
-                .take_while(|place| {
-                    next = next.saturating_add(SIZE);
-                    *place == (next, SIZE)
-                })
-                .count() as u16;
+    /// A sub-index that does not lie behind the one before it ends the field.
+    const fn find(table: &Table) -> Self {
+        let (count, first) = (place(table, INDEX, 0, 1), place(table, INDEX, 1, SIZE));
+        let mut capacity = 0;
+        if count != usize::MAX && first != usize::MAX {
+            while capacity < u8::MAX
+                && place(table, INDEX, capacity + 1, SIZE) == first + capacity as usize * WORD
+            {
+                capacity += 1;
+            }
+        }
+        Self {
+            count,
+            first,
+            capacity: capacity as usize,
         }
     }
 
     /// Whether a part of it lies in these places of RAM.
-    pub(super) fn lies_in(&self, places: &Range<u16>) -> bool {
-        let field_end = self
+    pub(super) fn lies_in(&self, bytes: &Range<usize>) -> bool {
+        let end = self
             .first
-            .saturating_add(self.capacity.saturating_mul(SIZE));
-        let has_count = self.capacity > 0 && places.contains(&self.count);
-        has_count || self.first.max(places.start) < field_end.min(places.end)
+            .saturating_add(self.capacity.saturating_mul(WORD));
+        let has_errors = self.first.max(bytes.start) < end.min(bytes.end);
+        self.capacity > 0 && (bytes.contains(&self.count) || has_errors)
     }
 
     /// Puts an error at sub-index 1 and moves the others down; the oldest falls out of a full field.
@@ -74,17 +65,17 @@ impl History {
             return;
         }
         let ram = dictionary.ram_mut();
-        let Some(count) = ram.get_mut(usize::from(self.count)) else {
+        let Some(count) = ram.get_mut(self.count) else {
             return;
         };
         let present = *count;
-        if u16::from(present) < self.capacity {
+        if usize::from(present) < self.capacity {
             *count = present.wrapping_add(1);
         }
         if present != 0 {
             self.move_down(ram, present);
         }
-        let rest = ram.get_mut(usize::from(self.first)..);
+        let rest = ram.get_mut(self.first..);
         if let Some(newest) = rest.and_then(<[u8]>::first_chunk_mut) {
             *newest = word.to_le_bytes();
         }
@@ -107,13 +98,8 @@ impl History {
 
     /// The bytes of the errors, the newest first.
     fn places<'a>(&self, ram: &'a mut [u8]) -> &'a mut [[u8; WORD]] {
-        let (places, _) = ram
-            .get_mut(usize::from(self.first)..)
-            .unwrap_or(&mut [])
-            .as_chunks_mut();
-        places
-            .get_mut(..usize::from(self.capacity))
-            .unwrap_or(&mut [])
+        let (places, _) = ram.get_mut(self.first..).unwrap_or(&mut []).as_chunks_mut();
+        places.get_mut(..self.capacity).unwrap_or(&mut [])
     }
 }
 
@@ -122,7 +108,7 @@ impl History {
 /// # Errors
 /// [`AbortCode::NoData`] above the number of errors (CiA 301, 7.5.2.6).
 pub(crate) fn is_present<D: Dictionary>(dictionary: &D, entry: &Entry) -> Result<(), AbortCode> {
-    if entry.sub == 0 || entry.sub <= od::read_u8(dictionary, INDEX, 0).unwrap_or(0) {
+    if entry.sub == 0 || entry.sub <= od::fixed::<D, INDEX, 0>(dictionary).unwrap_or(0) as u8 {
         Ok(())
     } else {
         Err(AbortCode::NoData)

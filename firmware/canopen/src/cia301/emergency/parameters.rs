@@ -1,7 +1,7 @@
 //! What a master may write to the objects of the emergency producer: 1003h, 1014h, 1015h.
 
 use super::Producer;
-use super::history;
+use super::history::{self, History};
 use crate::cia301::cob_ids;
 use crate::cia301::sdo::AbortCode;
 use crate::od::{self, Dictionary, Entry};
@@ -18,10 +18,7 @@ const INHIBIT_UNIT: u32 = 100;
 impl Producer {
     /// Takes its parameters from the dictionary, after power-on values have been loaded.
     pub fn configure<D: Dictionary>(&mut self, dictionary: &D) {
-        self.history.configure::<D>();
-        self.find_register::<D>();
-        let cob_id = od::read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::INVALID);
-        self.queue.set_cob_id(CobId(cob_id));
+        self.configure_cob_id(dictionary);
         self.configure_inhibit_time(dictionary);
     }
 
@@ -51,18 +48,20 @@ impl Producer {
     /// 1003h, 1014h or 1015h was written.
     pub fn written<D: Dictionary>(&mut self, dictionary: &mut D, entry: &Entry) {
         match entry.index {
-            history::INDEX => self.history.clear(dictionary),
-            COB_ID => {
-                let cob_id = od::read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::INVALID);
-                self.queue.set_cob_id(CobId(cob_id));
-            }
+            history::INDEX => History::of::<D>().clear(dictionary),
+            COB_ID => self.configure_cob_id(dictionary),
             _ => self.configure_inhibit_time(dictionary),
         }
     }
 
-    #[inline(never)]
+    fn configure_cob_id<D: Dictionary>(&mut self, dictionary: &D) {
+        let cob_id = od::fixed::<D, COB_ID, 0>(dictionary).unwrap_or(CobId::INVALID);
+        self.queue.set_cob_id(CobId(cob_id));
+    }
+
     fn configure_inhibit_time<D: Dictionary>(&mut self, dictionary: &D) {
-        let units = od::read_u16(dictionary, INHIBIT_TIME, 0).unwrap_or(0);
-        self.queue.set_inhibit_time(u32::from(units) * INHIBIT_UNIT);
+        let units = od::fixed::<D, INHIBIT_TIME, 0>(dictionary).unwrap_or(0);
+        self.queue
+            .set_inhibit_time(units.saturating_mul(INHIBIT_UNIT));
     }
 }

@@ -6,7 +6,7 @@ use super::active::{ActiveErrors, Meant};
 use super::history::History;
 use super::queue::EmergencyQueue;
 use super::{Emergency, Message};
-use crate::od::{self, Dictionary, Location};
+use crate::od::{Dictionary, place};
 use crate::time::Instant;
 use crate::wire::Frame;
 
@@ -35,10 +35,7 @@ fn told<D: Dictionary>(error: Message) -> (Message, u32) {
 #[derive(Debug)]
 pub struct Producer {
     active: ActiveErrors,
-    pub(super) history: History,
     pub(super) queue: EmergencyQueue,
-    /// Where object 1001h lies in RAM, one byte: the offset and 1; 0 if it does not.
-    register: u16,
 }
 
 impl Producer {
@@ -46,9 +43,7 @@ impl Producer {
     pub const fn new() -> Self {
         Self {
             active: ActiveErrors::new(),
-            history: History::new(),
             queue: EmergencyQueue::new(),
-            register: 0,
         }
     }
 
@@ -97,7 +92,7 @@ impl Producer {
             return;
         }
         let register = self.show_register(dictionary);
-        self.history.insert(dictionary, word);
+        History::of::<D>().insert(dictionary, word);
         self.queue.push(told.with_register(register), now);
         if D::HABITS.tells_of_the_rest {
             self.queue
@@ -108,7 +103,7 @@ impl Producer {
     /// The errors that stand are in the history, which has just been emptied: reset communication.
     pub fn show_history<D: Dictionary>(&self, dictionary: &mut D) {
         for error in self.active.all() {
-            self.history.insert(dictionary, told::<D>(error).1);
+            History::of::<D>().insert(dictionary, told::<D>(error).1);
         }
     }
 
@@ -132,32 +127,20 @@ impl Producer {
             .push(Message::NO_ERROR.with_register(register), now);
     }
 
-    /// Looks for 1001h.
-    pub(super) fn find_register<D: Dictionary>(&mut self) {
-        self.register = match od::find::<D>(0x1001, 0) {
-            Ok(entry) if entry.size() == 1 => match entry.location() {
-                Location::Ram(offset) => offset.wrapping_add(1),
-                Location::Rom(_) | Location::Application => 0,
-            },
-            _ => 0,
-        };
-    }
-
     /// Writes the error register to 1001h: after an error came or went, and after power-on values were loaded.
     #[inline]
     pub fn show_register<D: Dictionary>(&self, dictionary: &mut D) -> u8 {
         let register = self.active.register();
-        let at = usize::from(self.register).wrapping_sub(1);
-        if let Some(place) = dictionary.ram_mut().get_mut(at) {
+        if let Some(place) = dictionary.ram_mut().get_mut(register_place::<D>()) {
             *place = register;
         }
         register
     }
 
     /// Whether the error register or the history may lie in these places of RAM.
-    pub fn shows_in(&self, places: &Range<u16>) -> bool {
-        let has_register = places.contains(&self.register.wrapping_sub(1));
-        has_register || self.history.lies_in(places)
+    pub fn shows_in<D: Dictionary>(places: &Range<u16>) -> bool {
+        let bytes = usize::from(places.start)..usize::from(places.end);
+        bytes.contains(&register_place::<D>()) || History::of::<D>().lies_in(&bytes)
     }
 
     /// The identifier of its messages; 0 while it is switched off.
@@ -197,6 +180,12 @@ impl Producer {
     pub fn overflows(&self) -> u32 {
         self.queue.overflows()
     }
+}
+
+/// Where object 1001h lies in RAM.
+#[inline]
+const fn register_place<D: Dictionary>() -> usize {
+    const { place(D::TABLE, 0x1001, 0, 1) }
 }
 
 impl Default for Producer {

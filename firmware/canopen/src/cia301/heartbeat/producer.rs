@@ -77,7 +77,7 @@ impl Default for Producer {
 
 #[inline(never)]
 fn period<D: Dictionary>(dictionary: &D) -> Duration {
-    let milliseconds = od::read_u16(dictionary, PRODUCER_INDEX, 0).unwrap_or(0);
+    let milliseconds = od::fixed::<D, PRODUCER_INDEX, 0>(dictionary).unwrap_or(0);
     Duration::from_ticks(u64::from(milliseconds) * 1000)
 }
 

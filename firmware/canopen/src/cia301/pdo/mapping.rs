@@ -93,14 +93,12 @@ impl MappingEntry {
                 && has_length;
             return is_dummy.then_some(None).ok_or(AbortCode::NotMappable);
         }
-        let position = table.position(self.index(), self.sub())?;
-        let entry = table.entries.get(position).ok_or(AbortCode::NoObject)?;
+        let entry = table.find(self.index(), self.sub())?;
         let has_length = is_whole(entry.data_type, entry.size(), self.bits())
             || is_part(entry.data_type, entry.size(), self.bits());
-        match u16::try_from(position) {
-            Ok(position) if has_length && is_mappable(entry, direction) => Ok(Some(position)),
-            _ => Err(AbortCode::NotMappable),
-        }
+        let is_allowed = has_length && is_mappable(entry, direction);
+        let position = is_allowed.then(|| table.position(entry)).flatten();
+        position.map(Some).ok_or(AbortCode::NotMappable)
     }
 }
 

@@ -3,16 +3,14 @@
 /// A client has one request in flight. A second one, because the client has given up on the first, has its place as well.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Answers {
-    first: [u8; 8],
-    second: [u8; 8],
+    places: [[u8; 8]; 2],
     count: u8,
 }
 
 impl Answers {
     pub(super) const fn new() -> Self {
         Self {
-            first: [0; 8],
-            second: [0; 8],
+            places: [[0; 8]; 2],
             count: 0,
         }
     }
@@ -31,13 +29,10 @@ impl Answers {
 
     /// Adds the newest. There is room, as a request is not executed without.
     #[inline]
-    pub(super) const fn push(&mut self, answer: [u8; 8]) {
-        if self.count == 0 {
-            self.first = answer;
-            self.count = 1;
-        } else {
-            self.second = answer;
-            self.count = 2;
+    pub(super) fn push(&mut self, answer: [u8; 8]) {
+        if let Some(place) = self.places.get_mut(usize::from(self.count)) {
+            *place = answer;
+            self.count = self.count.wrapping_add(1);
         }
     }
 
@@ -47,10 +42,11 @@ impl Answers {
         if self.count == 0 {
             return None;
         }
-        let answer = self.first;
+        let [first, second] = &mut self.places;
+        let answer = *first;
         self.count = self.count.wrapping_sub(1);
         if self.count != 0 {
-            self.first = self.second;
+            *first = *second;
         }
         Some(answer)
     }

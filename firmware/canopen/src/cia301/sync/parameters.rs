@@ -3,7 +3,7 @@
 use super::{COB_ID, COUNTER_OVERFLOW, MOST_COUNTER, NOT_IN_USE, PERIOD, Sync, WINDOW};
 use crate::cia301::cob_ids;
 use crate::cia301::sdo::AbortCode;
-use crate::od::{Dictionary, Entry, read_u8, read_u32};
+use crate::od::{Dictionary, Entry, fixed};
 use crate::time::{Instant, NEVER};
 use crate::wire::cob_id::CobId;
 
@@ -38,7 +38,7 @@ impl Sync {
     ) -> Result<(), AbortCode> {
         match (entry.index, value) {
             (COB_ID, _) => cob_ids::validate(dictionary, entry, value, true),
-            (COUNTER_OVERFLOW, _) if read_u32(dictionary, PERIOD, 0).unwrap_or(0) != 0 => {
+            (COUNTER_OVERFLOW, _) if fixed::<D, PERIOD, 0>(dictionary).unwrap_or(0) != 0 => {
                 Err(AbortCode::DeviceState)
             }
             (COUNTER_OVERFLOW, [1 | 241..]) => Err(AbortCode::InvalidValue),
@@ -49,7 +49,7 @@ impl Sync {
     /// One of its objects was written: it counts from the next frame on. Who is switched on or gets a new period begins with a
     /// whole one; anything else leaves the rhythm as it is. Ask [`Sync::report`] afterwards.
     pub fn written<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
-        let cob_id = CobId(read_u32(dictionary, COB_ID, 0).unwrap_or(CobId::EXTENDED));
+        let cob_id = CobId(fixed::<D, COB_ID, 0>(dictionary).unwrap_or(CobId::EXTENDED));
         let before = (self.cob_id, self.is_producer, self.period);
         self.cob_id = if cob_id.is_base_frame() {
             cob_id.identifier()
@@ -62,11 +62,11 @@ impl Sync {
             self.counter = 0;
             self.is_followed = false;
         }
-        self.overflow = read_u8(dictionary, COUNTER_OVERFLOW, 0)
+        self.overflow = fixed::<D, COUNTER_OVERFLOW, 0>(dictionary)
             .unwrap_or(0)
-            .min(MOST_COUNTER);
-        self.period = read_u32(dictionary, PERIOD, 0).unwrap_or(0);
-        self.window = read_u32(dictionary, WINDOW, 0).unwrap_or(0);
+            .min(MOST_COUNTER.into()) as u8;
+        self.period = fixed::<D, PERIOD, 0>(dictionary).unwrap_or(0);
+        self.window = fixed::<D, WINDOW, 0>(dictionary).unwrap_or(0);
         if self.window == 0 {
             self.window_end = NEVER;
         }

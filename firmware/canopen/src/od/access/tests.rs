@@ -157,7 +157,7 @@ proptest! {
         let table = table_of(&objects);
         for index in (0..=0x61).map(|index| index * spread) {
             for sub in (0..=8).chain([255]) {
-                let found = table.position(index, sub).map(|position| table.entries[position].key());
+                let found = table.find(index, sub).map(|entry| table.entries[usize::from(table.position(entry).unwrap())].key());
                 let expected = match objects.get(&index) {
                     None => Err(AccessError::NoObject),
                     Some(subs) if subs.contains(&sub) => Ok(key(index, sub)),
