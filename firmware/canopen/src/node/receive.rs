@@ -13,6 +13,7 @@ use crate::cia301::sync::Beat;
 use crate::cia305::Identity;
 use crate::od::{self, Dictionary};
 use crate::time::Instant;
+use crate::wire::sdo::Request;
 use crate::wire::{Frame, cob_id};
 
 impl<D: Dictionary> Node<D> {
@@ -83,8 +84,9 @@ impl<D: Dictionary> Node<D> {
         now: Instant,
         application: &mut A,
     ) {
-        if self.services.agenda.is_mute && self.is_switching(now) {
-            self.receive_sdo_in_silence(server, request, application);
+        // In the silence of a bit rate switch no answer could tell of what was done. An abort needs none, and nothing of its
+        // transfer may be sent afterwards.
+        if self.services.agenda.is_mute && self.is_switching(now) && !Request::is_abort(request) {
             return;
         }
         let Some((sdo, others)) = self.sdo.split(server) else {
@@ -108,24 +110,6 @@ impl<D: Dictionary> Node<D> {
         if self.services.identifiers_changed {
             self.listen();
         }
-        self.sdo.settle(server, &mut self.services.agenda);
-    }
-
-    /// In the silence of a bit rate switch no answer could tell of what was done. An abort needs none, and nothing of its
-    /// transfer may be sent afterwards.
-    #[cold]
-    #[inline(never)]
-    fn receive_sdo_in_silence<A: Application<D>>(
-        &mut self,
-        server: usize,
-        request: &[u8; 8],
-        application: &mut A,
-    ) {
-        let mut streams = Streams {
-            dictionary: &self.dictionary,
-            application,
-        };
-        self.sdo.receive_abort(server, request, &mut streams);
         self.sdo.settle(server, &mut self.services.agenda);
     }
 

@@ -151,7 +151,7 @@ impl<D: Dictionary> Node<D> {
         application: &mut A,
     ) -> Option<Frame> {
         match self.sdo.answer(number, &mut self.services.agenda) {
-            None => self.take_segment(number, application),
+            None if D::FEATURES.block_transfer => self.take_segment(number, application),
             answer => answer,
         }
     }

@@ -5,7 +5,7 @@ use super::server::{Place, Server, Step};
 use super::{AbortCode, Completion};
 use crate::copy::copy;
 use crate::od::Entry;
-use crate::time::Instant;
+use crate::time::{Instant, has_come};
 use crate::wire::sdo::{Multiplexer, Payload, Response};
 
 impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
@@ -140,7 +140,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         if self.step != Step::Download {
             return Err(self.stray());
         }
-        if self.is_too_late(now) {
+        if has_come(self.deadline, now) {
             return Err(AbortCode::TimedOut);
         }
         if toggle != self.toggle {

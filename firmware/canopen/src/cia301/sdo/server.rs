@@ -242,8 +242,8 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
                 self.drop_transfer(streams);
             }
             // The client's time begins when it has been told.
-            Step::BlockUpload => self.wait(now),
-            Step::BlockUploadSent => {
+            Step::BlockUpload if S::HAVE_BLOCK_TRANSFER => self.wait(now),
+            Step::BlockUploadSent if S::HAVE_BLOCK_TRANSFER => {
                 self.step = Step::BlockUploadAcknowledge;
                 self.wait(now);
             }

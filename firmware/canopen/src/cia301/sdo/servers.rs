@@ -168,18 +168,6 @@ impl<C: Counts> Servers<C> {
         }
     }
 
-    /// Gives a request to a server that nothing may be sent for: an abort ends the open transfer, anything else does nothing.
-    pub(crate) fn receive_abort<S: Streams>(
-        &mut self,
-        number: usize,
-        request: &[u8; 8],
-        streams: &mut S,
-    ) {
-        if let Some(server) = self.servers.as_mut().get_mut(number) {
-            server.receive_abort(request, streams);
-        }
-    }
-
     /// The owner of an object has finished a write: the answer to those that still wait for it.
     pub(crate) fn complete(
         &mut self,

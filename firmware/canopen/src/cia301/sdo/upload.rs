@@ -5,7 +5,7 @@ use super::objects::{Objects, Streams, Value};
 use super::server::{Place, Server, Step};
 use crate::copy::{copy, copy_few};
 use crate::od::Entry;
-use crate::time::Instant;
+use crate::time::{Instant, has_come};
 use crate::wire::sdo::{Multiplexer, Payload, Response};
 
 /// Data bytes of one segment.
@@ -224,7 +224,7 @@ impl<B: AsRef<[u8]> + AsMut<[u8]>> Server<B> {
         if self.step != Step::Upload {
             return Err(self.stray());
         }
-        if self.is_too_late(now) {
+        if has_come(self.deadline, now) {
             return Err(AbortCode::TimedOut);
         }
         if toggle != self.toggle {
