@@ -412,6 +412,20 @@ fn t01_a_producer_sends_it_when_it_is_asked_to() {
 }
 
 #[test]
+fn t01_a_producer_that_does_not_consume_is_told_of_another_one() {
+    let mut device = Device::new();
+    write_u32(&mut device, 0x1012, 0x4000_0100);
+    device.send("100 [6] 04 03 02 01 05 06");
+    assert_eq!(device.node.time_of_day(device.now), None);
+    assert_eq!(device.sent(), ["084: 50 81 11 00 01 00 00 00"]);
+    // As a consumer as well it hears the other one.
+    write_u32(&mut device, 0x1012, 0x0000_0100);
+    write_u32(&mut device, 0x1012, 0xC000_0100);
+    device.send("100 [6] 04 03 02 01 05 06");
+    assert_eq!(device.node.time_of_day(device.now), time());
+}
+
+#[test]
 fn t01_the_identifier_moves_while_it_is_not_used() {
     let mut device = Device::new();
     let refused = [abort(0x1012, 0, 0x0609_0030)];
