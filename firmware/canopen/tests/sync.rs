@@ -345,6 +345,10 @@ fn t01_a_consumer_takes_the_time_of_day() {
     device.send(TIME);
     assert_eq!(device.node.time_of_day(device.now), None, "bit 31 is 0");
     write_u32(&mut device, 0x1012, 0x8000_0100);
+    // Nothing else is TIME: this is the identifier of a transmit PDO of the device.
+    write_u32(&mut device, 0x1800, 0x184);
+    device.send("184 [6] 04 03 02 01 05 06");
+    assert_eq!(device.sent(), ["084: 50 81 11 84 01 00 00 00"]);
     device.send("100 [2] 04 03");
     device.send("100 [7] 04 03 02 01 05 06 07");
     device.send("100 [8] rtr");

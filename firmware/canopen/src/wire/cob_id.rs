@@ -51,8 +51,6 @@ pub struct CobId(pub u32);
 impl CobId {
     /// Bit 31 of most objects: the service does not exist or is switched off.
     pub const INVALID: u32 = 1 << 31;
-    /// Bit 29: a 29-bit identifier.
-    pub const EXTENDED: u32 = 1 << 29;
     /// Bits 0 to 10: an 11-bit identifier.
     pub const IDENTIFIER: u32 = 0x7FF;
 

@@ -49,7 +49,7 @@ impl Sync {
     /// One of its objects was written: it counts from the next frame on. Who is switched on or gets a new period begins with a
     /// whole one; anything else leaves the rhythm as it is. Ask [`Sync::report`] afterwards.
     pub fn written<D: Dictionary>(&mut self, dictionary: &D, now: Instant) {
-        let cob_id = CobId(fixed::<D, COB_ID, 0>(dictionary).unwrap_or(CobId::EXTENDED));
+        let cob_id = CobId(fixed::<D, COB_ID, 0>(dictionary).unwrap_or(0));
         let before = (self.cob_id, self.is_producer, self.period);
         self.cob_id = if cob_id.is_base_frame() {
             cob_id.identifier()
